@@ -1,0 +1,46 @@
+#!/bin/sh
+# Usage: check.sh GLAREPP FRESH_PAGE COMMITTED_PAGE
+# The committed man page is what the program and glarepp.1.in make, is clean
+# mdoc, and names the same options and statuses as --help and the parser.
+glarepp=$1 fresh=$2 page=$3
+failed=0
+
+fail()
+{
+    echo "check-man: $*" >&2
+    failed=1
+}
+
+cmp -s "$fresh" "$page" || fail "$page is stale; run make man"
+
+if command -v mandoc >/dev/null; then
+    complaints=$(mandoc -Tlint -Wall "$page" 2>&1)
+    [ -z "$complaints" ] || fail "$complaints"
+else
+    echo "check-man: mandoc is missing, its check is left out" >&2
+fi
+
+# one line an option: "-o --output", "--hdr"
+help=$("$glarepp" --help |
+    sed -n 's/^  *\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' |
+    tr -d , | sort)
+man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
+    sed -n 's/^\.It \(Fl \([a-z]\) , \)\{0,1\}Fl \\-\([a-z-]*\).*/-\2 --\3/p' |
+    sed 's/^- //' | sort)
+[ -n "$help" ] || fail "--help lists no options"
+[ "$help" = "$man" ] || fail "--help and $page list different options:
+--help:
+$help
+page:
+$man"
+
+for option in $help; do
+    line=$("$glarepp" "$option" 2>&1)
+    case $line in
+    *"unknown option"*) fail "--help lists $option, the parser: $line" ;;
+    esac
+done
+"$glarepp" --no-such-option 2>/dev/null
+[ $? = 2 ] || fail "an unknown option is no usage error"
+
+exit $failed

@@ -1,0 +1,64 @@
+/* Which frames a run makes, and under which names. Settled before the first
+ * frame is read, so that a wrong name costs no work. */
+#ifndef GP_APP_JOBS_H
+#define GP_APP_JOBS_H
+
+#include "app/settings.h"
+#include "core/status.h"
+#include "io/sequence.h"
+
+#include <stdbool.h>
+
+/* What a file that is written shows. */
+enum gp_target_kind {
+    GP_TARGET_HDR,
+    GP_TARGET_LAYER,
+    GP_TARGET_PICTURE,
+    GP_TARGET_SENSORS,
+};
+
+/* A file, or one a frame when its name is a pattern. */
+struct gp_target {
+    enum gp_target_kind kind;
+    struct gp_pattern name;
+};
+
+/* One frame to make. */
+struct gp_job {
+    char *input;    // owned
+    bool numbered;
+    int frame;      // when numbered
+};
+
+struct gp_jobs {
+    struct gp_job *job;        // owned; at least one
+    int n;
+    struct gp_target *target;  // owned; in the order they are written
+    int targets;
+};
+
+/* Expands the inputs and checks every name that the command line gives:
+ *
+ *   - a pattern stands for the frames of --frames, or those on disk; a file
+ *     that really has the pattern's name is that file
+ *   - several frames need patterns for all their outputs, and for these a
+ *     number each, no two the same: the pattern's, or the last one in a plain
+ *     file's name
+ *   - no name twice, `-` at most once among outputs and never a terminal
+ *   - gp_write_check() holds for the first frame's outputs
+ *
+ *   s    borrowed by *out
+ *   out  written only on GP_OK; free with gp_jobs_free()
+ * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, and as
+ * gp_write_check().
+ */
+GP_MUST_CHECK gp_status gp_jobs_make(const struct gp_log *log,
+                                     const struct gp_settings *s,
+                                     struct gp_jobs *out);
+void gp_jobs_free(struct gp_jobs *j);
+
+/* The name of one target for one job; the caller owns it (free()). NULL when
+ * memory is full. */
+char *gp_job_name(const struct gp_job *job, const struct gp_target *target);
+
+#endif

@@ -1,0 +1,105 @@
+/* The command line.
+ *
+ * app/ as a room: argv in, exit status out.
+ *   options   the one table of options: parse.c, help.c read it
+ *   jobs      which frames are made, and under which names
+ *   pipeline  frame after frame through the stages
+ *   report    JSON lines; progress: the line on the terminal
+ */
+#ifndef GP_APP_OPTIONS_H
+#define GP_APP_OPTIONS_H
+
+#include "app/settings.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+
+/* The kind follows from the field's type; a field of another type does not
+ * compile. */
+enum gp_option_kind {
+    GP_KIND_FLAG,    // bool: set true
+    GP_KIND_SET,     // enum: set to `set`, takes no value
+    GP_KIND_FLOAT,
+    GP_KIND_INT,
+    GP_KIND_COUNT,   // long long
+    GP_KIND_PAIR,    // double[2], "x,y"
+    GP_KIND_CHOICE,  // enum or int: one of `choices`
+    GP_KIND_TEXT,    // const char *: one of `list`, or any when `open`
+    GP_KIND_TEXTS,   // struct gp_texts: one more at each use
+    GP_KIND_NAMED,   // const char *[]: "NAME=FILE", index from `choices`
+};
+
+/* Headings of --help. */
+enum gp_option_group {
+    GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_ENGINE,
+    GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT, GP_GROUP_GENERAL,
+    GP_GROUPS,
+};
+extern const char *const gp_option_groups[GP_GROUPS];
+
+struct gp_choice {
+    const char *name;
+    int value;
+    const char *text;  // one line for the man page; NULL: the name says it
+};
+
+struct gp_option {
+    const char *name;      // without "--"
+    char letter;           // 0: none
+    enum gp_option_kind kind;
+    enum gp_option_group group;
+    size_t at;             // offset of the field in struct gp_settings
+    size_t given;          // offset of a bool set along with it; 0: none
+    double lo, hi;         // numbers: inclusive range; NaN is outside
+    int set;               // GP_KIND_SET
+    const char *arg;       // what --help calls the value; NULL: takes none
+    const char *help;      // one line, no full stop
+    const struct gp_choice *choices;  // NULL name at the end
+    /* The i-th value and its line, NULL behind the last. */
+    const char *(*list)(int i, const char **text);
+    bool open;             // values outside `list` are taken as well
+    bool hidden;           // not in --help
+};
+extern const struct gp_option gp_options[];  // NULL name at the end
+
+/* The i-th value that the option names, with its line in *text (may come out
+ * NULL); NULL behind the last. */
+const char *gp_option_value(const struct gp_option *o, int i,
+                            const char **text);
+
+/* The range of a number in words: "0 to 1", "0 or more", "more than 0". */
+struct gp_range_text {
+    char text[48];
+};
+struct gp_range_text gp_option_range(const struct gp_option *o);
+
+/* The option of that name or letter, or NULL. */
+const struct gp_option *gp_option_find(const char *name, size_t length);
+const struct gp_option *gp_option_letter(char letter);
+
+/* Reads the command line into *out, which starts as gp_defaults; its last
+ * value wins where an option comes twice. `--` ends the options, `-` is a
+ * file. Options that only work together are checked too, unless --help or
+ * --version is asked for.
+ *
+ *   out  written in any case; free with gp_settings_free(); borrows from argv
+ * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
+                                         char *const argv[],
+                                         struct gp_settings *out);
+void gp_settings_free(struct gp_settings *s);
+
+/* --help, to `f`. */
+void gp_help(FILE *f);
+
+/* The parts of the man page that come from the table and the status list:
+ * mdoc items, each part behind a line @NAME@ that names its place. */
+void gp_help_man(FILE *f);
+
+/* --version: the program's and the libraries'. */
+void gp_version(FILE *f);
+
+#endif

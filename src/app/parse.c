@@ -1,0 +1,400 @@
+#include "app/options.h"
+
+#include "core/memory.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One option as it stands on the command line. */
+struct use {
+    const struct gp_log *log;
+    const struct gp_option *option;
+    const char *value;  // NULL for options that take none
+    struct gp_settings *s;
+};
+
+static void *field(const struct use *u)
+{
+    return (char *) u->s + u->option->at;
+}
+
+// -- numbers -----------------------------------------------------------------
+
+/* A number with a decimal point (nothing calls setlocale()), nothing before
+ * it. Moves *s behind it. */
+static bool read_double(const char **s, double *out)
+{
+    if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
+        return false;
+    char *end;
+    *out = strtod(*s, &end);
+    bool read = end != *s;
+    *s = end;
+    return read;
+}
+
+static bool in_range(const struct gp_option *o, double v)
+{
+    return v >= o->lo && v <= o->hi; // false for NaN
+}
+
+static gp_status bad_number(const struct use *u, const char *kind)
+{
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: not %s (found \"%s\"); give %s", u->option->name,
+                   kind, u->value, gp_option_range(u->option).text);
+}
+
+static gp_status out_of_range(const struct use *u)
+{
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: out of range (found %s); give %s", u->option->name,
+                   u->value, gp_option_range(u->option).text);
+}
+
+static gp_status set_float(const struct use *u)
+{
+    const char *s = u->value;
+    double v;
+    if (!read_double(&s, &v) || *s)
+        return bad_number(u, "a number");
+    if (!in_range(u->option, v))
+        return out_of_range(u);
+    *(float *) field(u) = (float) v;
+    return GP_OK;
+}
+
+/* Whole numbers of both widths. */
+static gp_status set_whole(const struct use *u)
+{
+    char *end;
+    errno = 0;
+    long long v = strtoll(u->value, &end, 10);
+    if (end == u->value || *end)
+        return bad_number(u, "a whole number");
+    if (errno == ERANGE || !in_range(u->option, (double) v))
+        return out_of_range(u);
+    if (u->option->kind == GP_KIND_INT)
+        *(int *) field(u) = (int) v;
+    else
+        *(long long *) field(u) = v;
+    return GP_OK;
+}
+
+static gp_status set_pair(const struct use *u)
+{
+    const char *s = u->value;
+    double v[2];
+    bool read = read_double(&s, &v[0]) && *s == ',';
+    if (!read || (s++, !read_double(&s, &v[1])) || *s)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not two numbers (found \"%s\"); write x,y",
+                       u->option->name, u->value);
+    if (!in_range(u->option, v[0]) || !in_range(u->option, v[1]))
+        return out_of_range(u);
+    memcpy(field(u), v, sizeof v);
+    return GP_OK;
+}
+
+// -- names -------------------------------------------------------------------
+
+/* The values of an option in one line: "a, b, c". */
+static void list_values(const struct gp_option *o, char *line, size_t size)
+{
+    const char *text, *name;
+    size_t at = 0;
+    line[0] = '\0';
+    for (int i = 0; (name = gp_option_value(o, i, &text)) && at < size; i++) {
+        int n = snprintf(line + at, size - at, "%s%s", i ? ", " : "", name);
+        at += n > 0 ? (size_t) n : 0;
+    }
+}
+
+static gp_status unknown_value(const struct use *u, const char *found)
+{
+    char line[512];
+    list_values(u->option, line, sizeof line);
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: no such value (found \"%s\"); give one of %s",
+                   u->option->name, found, line);
+}
+
+static const struct gp_choice *find_choice(const struct gp_option *o,
+                                           const char *name, size_t length)
+{
+    for (const struct gp_choice *c = o->choices; c->name; c++) {
+        if (strlen(c->name) == length && strncmp(c->name, name, length) == 0)
+            return c;
+    }
+    return NULL;
+}
+
+static gp_status set_choice(const struct use *u)
+{
+    const struct gp_choice *c =
+        find_choice(u->option, u->value, strlen(u->value));
+    if (!c)
+        return unknown_value(u, u->value);
+    memcpy(field(u), &c->value, sizeof c->value);
+    return GP_OK;
+}
+
+static gp_status set_text(const struct use *u)
+{
+    const struct gp_option *o = u->option;
+    const char *text, *name;
+    bool known = !o->list || (o->open && strncmp(u->value, "builtin:", 8) != 0);
+    for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
+        known = strcmp(name, u->value) == 0;
+    if (!known)
+        return unknown_value(u, u->value);
+    if (!*u->value)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: needs a value (found an empty word); give %s",
+                       o->name, o->arg);
+    *(const char **) field(u) = u->value;
+    return GP_OK;
+}
+
+static gp_status set_named(const struct use *u)
+{
+    size_t length = strcspn(u->value, "=");
+    const struct gp_choice *c = find_choice(u->option, u->value, length);
+    if (!c)
+        return unknown_value(u, u->value);
+    if (!u->value[length] || !u->value[length + 1])
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: no file (found \"%s\"); write %s=FILE",
+                       u->option->name, u->value, c->name);
+    ((const char **) field(u))[c->value] = u->value + length + 1;
+    return GP_OK;
+}
+
+static gp_status set_texts(const struct use *u)
+{
+    if (!*u->value)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: needs a value (found an empty word); give %s",
+                       u->option->name, u->option->arg);
+    struct gp_texts *t = field(u);
+    t->at[t->n++] = u->value; // as long as argv
+    return GP_OK;
+}
+
+static gp_status set_option(const struct use *u)
+{
+    if (u->option->given)
+        *(bool *) ((char *) u->s + u->option->given) = true;
+    switch (u->option->kind) {
+    case GP_KIND_FLAG:
+        *(bool *) field(u) = true;
+        return GP_OK;
+    case GP_KIND_SET:
+        memcpy(field(u), &u->option->set, sizeof u->option->set);
+        return GP_OK;
+    case GP_KIND_FLOAT:
+        return set_float(u);
+    case GP_KIND_INT:
+    case GP_KIND_COUNT:
+        return set_whole(u);
+    case GP_KIND_PAIR:
+        return set_pair(u);
+    case GP_KIND_CHOICE:
+        return set_choice(u);
+    case GP_KIND_TEXT:
+        return set_text(u);
+    case GP_KIND_TEXTS:
+        return set_texts(u);
+    case GP_KIND_NAMED:
+        return set_named(u);
+    }
+    return GP_ERR_BUG;
+}
+
+// -- words -------------------------------------------------------------------
+
+/* Edits (insert, delete, replace) that turn a into b, both of at most 31
+ * characters; 99 for longer ones. */
+static int distance(const char *a, size_t a_n, const char *b)
+{
+    enum { LONGEST = 31 };
+    size_t b_n = strlen(b);
+    int row[LONGEST + 1];
+    if (a_n > LONGEST || b_n > LONGEST)
+        return 99;
+    for (size_t j = 0; j <= b_n; j++)
+        row[j] = (int) j;
+    for (size_t i = 1; i <= a_n; i++) {
+        int diagonal = row[0];
+        row[0] = (int) i;
+        for (size_t j = 1; j <= b_n; j++) {
+            int replaced = diagonal + (a[i - 1] != b[j - 1]);
+            int other = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
+            diagonal = row[j];
+            row[j] = replaced < other ? replaced : other;
+        }
+    }
+    return row[b_n];
+}
+
+static gp_status unknown_option(const struct gp_log *log, const char *word)
+{
+    const char *name = word + strspn(word, "-");
+    size_t length = strcspn(name, "=");
+    const struct gp_option *nearest = NULL;
+    int least = 4; // further away it is no slip of the finger
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        int d = o->hidden ? 99 : distance(name, length, o->name);
+        if (d < least && d < (int) length) {
+            least = d;
+            nearest = o;
+        }
+    }
+    int shown = (int) (name - word + (ptrdiff_t) length);
+    if (nearest)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%.*s: unknown option; did you mean --%s?", shown,
+                       word, nearest->name);
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%.*s: unknown option; glarepp --help lists them", shown,
+                   word);
+}
+
+/* Finds the option that `word` names. *value is what stands in the word
+ * behind it ("--gain=2", "-g2"), or NULL. */
+static const struct gp_option *split(const char *word, const char **value)
+{
+    *value = NULL;
+    if (word[1] != '-') {
+        *value = word[2] ? word + 2 : NULL;
+        return gp_option_letter(word[1]);
+    }
+    const char *name = word + 2;
+    size_t length = strcspn(name, "=");
+    if (name[length])
+        *value = name + length + 1;
+    return gp_option_find(name, length);
+}
+
+/* True when a word that should be a value is an option: its value was
+ * forgotten. */
+static bool is_long_option(const char *word)
+{
+    const char *value;
+    return strncmp(word, "--", 2) == 0 && split(word, &value);
+}
+
+/* Reads the option at argv[*i] and moves *i to its last word. */
+static gp_status read_option(const struct gp_log *log, int argc,
+                             char *const argv[], int *i,
+                             struct gp_settings *s)
+{
+    const char *word = argv[*i];
+    struct use u = {.log = log, .s = s};
+    u.option = split(word, &u.value);
+    if (!u.option)
+        return unknown_option(log, word);
+    if (!u.option->arg && u.value)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: takes no value (found \"%s\"); leave it out",
+                       word, u.value);
+    if (u.option->arg && !u.value) {
+        if (*i + 1 >= argc)
+            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
+                           word, u.option->arg);
+        if (is_long_option(argv[*i + 1]))
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: needs a value (found the option %s); give %s",
+                           word, argv[*i + 1], u.option->arg);
+        u.value = argv[++*i];
+    }
+    return set_option(&u);
+}
+
+// -- the whole line ----------------------------------------------------------
+
+static gp_status make_lists(const struct gp_log *log, int argc,
+                            struct gp_settings *s)
+{
+    struct gp_texts *lists[] = {&s->inputs, &s->outputs};
+    for (int i = 0; i < 2; i++) {
+        void *block;
+        gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
+                                sizeof(char *), &block);
+        if (st)
+            return st;
+        lists[i]->at = block;
+    }
+    return GP_OK;
+}
+
+/* Settings that are right and do nothing. */
+static void warn(const struct gp_log *log, const struct gp_settings *s)
+{
+    const struct gp_tone_params *t = &s->tone;
+    bool none = strcmp(t->curve, "none") == 0;
+    if (none && (t->exposure != 0.0f || t->auto_exposure))
+        gp_say(log, GP_LEVEL_WARN, "--exposure: does nothing with --tonemap "
+               "none; use --tonemap linear");
+    if (t->white != 0.0f && strcmp(t->curve, "reinhard-extended") != 0)
+        gp_say(log, GP_LEVEL_WARN, "--white: does nothing with --tonemap %s; "
+               "use --tonemap reinhard-extended", t->curve);
+}
+
+/* What no single option can see. */
+static gp_status check(const struct gp_log *log, struct gp_settings *s)
+{
+    bool wants = s->outputs.n || s->hdr || s->layer || s->report;
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        wants = wants || s->debug[i];
+    if (s->inputs.n == 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "no input; write glarepp -o out.png frame.exr, or see "
+                       "glarepp --help");
+    if (!wants)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "nothing to make; write glarepp -o out.png %s, or see "
+                       "glarepp --help", s->inputs.at[0]);
+    if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--gain: more light would be scattered than there is "
+                       "(found %g with --mix scatter); give 0 to 1, or --mix "
+                       "add", (double) s->compose.gain);
+    if (s->verify && !s->report && s->level < GP_LEVEL_INFO)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--verify: its result would be shown nowhere; add "
+                       "--report FILE or -v");
+    s->glare.gain = s->compose.gain;
+    if (s->level >= GP_LEVEL_WARN)
+        warn(log, s);
+    return GP_OK;
+}
+
+gp_status gp_options_parse(const struct gp_log *log, int argc,
+                           char *const argv[], struct gp_settings *out)
+{
+    *out = gp_defaults;
+    gp_status st = make_lists(log, argc, out);
+    bool options = true; // until "--"
+    for (int i = 1; i < argc && !st; i++) {
+        const char *word = argv[i];
+        if (options && strcmp(word, "--") == 0)
+            options = false;
+        else if (options && word[0] == '-' && word[1])
+            st = read_option(log, argc, argv, &i, out);
+        else
+            out->inputs.at[out->inputs.n++] = word;
+    }
+    if (st || out->help || out->help_man || out->version)
+        return st;
+    return check(log, out);
+}
+
+void gp_settings_free(struct gp_settings *s)
+{
+    GP_FREE(s->inputs.at);
+    GP_FREE(s->outputs.at);
+    s->inputs.n = s->outputs.n = 0;
+}

@@ -1,0 +1,141 @@
+#include "app/pipeline.h"
+
+#include "app/cache.h"
+#include "app/stages.h"
+#include "core/clock.h"
+#include "core/memory.h"
+
+#include <stdlib.h>
+
+/* Which stages run, and what nobody needs after each. */
+struct plan {
+    bool on[GP_STAGES];
+    unsigned dead[GP_STAGES];
+};
+
+/* From the files that are wanted back to what they need. */
+static gp_status make_plan(const struct gp_run *r, struct plan *p)
+{
+    unsigned written = 0;
+    for (int i = 0; i < r->jobs->targets; i++)
+        written |= gp_target_needs(r->s, r->jobs->target[i].kind);
+    unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
+                      (r->s->report ? GP_HAS_FLUX : 0u) |
+                      (r->s->verify ? GP_HAS_MEASURED : 0u);
+    unsigned needs[GP_STAGES], have = 0;
+    for (int i = GP_STAGES - 1; i >= 0; i--) {
+        bool writes = gp_stages[i].gives == GP_HAS_FILES;
+        needs[i] = gp_stages[i].needs | (writes ? written : 0u);
+        p->on[i] = gp_stages[i].gives & wanted;
+        p->dead[i] = ~wanted;
+        wanted |= p->on[i] ? needs[i] : 0u;
+    }
+    for (int i = 0; i < GP_STAGES; i++) {
+        if (p->on[i] && (needs[i] & ~have))
+            return gp_fail(r->log, GP_ERR_BUG,
+                           "%s: runs before its input exists (bits %#x)",
+                           gp_stages[i].name, needs[i] & ~have);
+        have |= p->on[i] ? gp_stages[i].gives : 0u;
+    }
+    return GP_OK;
+}
+
+// -- one frame ---------------------------------------------------------------
+
+static void begin_frame(struct gp_run *r, const struct gp_job *job)
+{
+    r->job = job;
+    r->facts = (struct gp_facts) {
+        .numbered = job->numbered, .frame = job->frame, .input = job->input,
+        .outputs = r->names,
+    };
+    for (int i = 0; i < GP_TIMES; i++)
+        r->facts.ms[i] = -1.0;
+}
+
+static void end_frame(struct gp_run *r)
+{
+    gp_run_release(r, ~0u);
+    gp_frame_free(&r->frame);
+    for (int i = 0; i < r->jobs->targets; i++)
+        GP_FREE(r->names[i]);
+}
+
+/* Tells the report and the log. */
+static gp_status tell(struct gp_run *r)
+{
+    if (r->log->level >= GP_LEVEL_INFO) {
+        char line[1024];
+        gp_facts_text(&r->facts, line, sizeof line);
+        gp_say(r->log, GP_LEVEL_INFO, "%s", line);
+    }
+    return r->s->report ? gp_report_frame(r->log, &r->report, &r->facts)
+                        : GP_OK;
+}
+
+static gp_status make_frame(struct gp_run *r, const struct plan *plan,
+                            int index, struct gp_progress *progress)
+{
+    gp_status st = GP_OK;
+    begin_frame(r, &r->jobs->job[index]);
+    for (int i = 0; i < GP_STAGES; i++) {
+        const struct gp_stage *stage = &gp_stages[i];
+        if (!plan->on[i])
+            continue;
+        gp_progress_update(progress, index, r->jobs->n, r->job->input,
+                           stage->name);
+        double start = gp_now_ms();
+        GP_TRY(stage->run(r));
+        if (stage->time >= 0) {
+            r->facts.ms[stage->time] = gp_now_ms() - start;
+            r->facts.total_ms += r->facts.ms[stage->time];
+        }
+        gp_run_release(r, plan->dead[i]);
+    }
+    GP_TRY(tell(r));
+out:
+    end_frame(r);
+    return st;
+}
+
+// -- all frames --------------------------------------------------------------
+
+/* What is made once; everything that can fail without a frame fails here. */
+static gp_status begin_run(struct gp_run *r)
+{
+    gp_status st;
+    void *block;
+    GP_TRY(gp_alloc_zero(r->log, "output list", (size_t) r->jobs->targets + 1,
+                         sizeof *r->names, &block));
+    r->names = block;
+    r->glare = r->s->glare;
+    if (r->glare.fft_plan == GP_FFT_PLAN_MEASURE)
+        r->wisdom = gp_cache_file("fft-wisdom");
+    r->glare.wisdom = r->wisdom;
+    GP_TRY(gp_run_read_kernel(r));
+    if (r->s->report)
+        GP_TRY(gp_report_open(r->log, r->s->report, &r->report));
+out:
+    return st;
+}
+
+gp_status gp_pipeline_run(const struct gp_log *log,
+                          const struct gp_settings *s,
+                          const struct gp_jobs *jobs,
+                          struct gp_progress *progress)
+{
+    gp_status st;
+    struct gp_run r = {.log = log, .s = s, .jobs = jobs};
+    struct plan plan;
+    GP_TRY(make_plan(&r, &plan));
+    GP_TRY(begin_run(&r));
+    for (int i = 0; i < jobs->n; i++)
+        GP_TRY(make_frame(&r, &plan, i, progress));
+out:;
+    gp_status closed = gp_report_close(st ? NULL : log, &r.report);
+    gp_glare_close(&r.engines);
+    gp_kernel_free(&r.kernel);
+    gp_free(r.names);
+    free(r.wisdom);
+    return st ? st : closed;
+}

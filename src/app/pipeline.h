@@ -1,0 +1,28 @@
+/* Frames through the stages, one after the other.
+ *
+ *   read -> sensors -> glare -> compose -> tonemap -> write
+ *
+ * A stage runs only when a later one, or an output, needs what it gives.
+ * Kernel, spectra, plans and GL objects are made once for all frames.
+ */
+#ifndef GP_APP_PIPELINE_H
+#define GP_APP_PIPELINE_H
+
+#include "app/jobs.h"
+#include "app/progress.h"
+#include "app/settings.h"
+#include "core/status.h"
+
+/* Makes all frames of `jobs`; ends at the first that fails. Files that were
+ * written before stay.
+ *
+ *   log       gets the errors, and with --verbose a line for each frame
+ *   progress  open
+ * Errors: those of the stages, with their line printed.
+ */
+GP_MUST_CHECK gp_status gp_pipeline_run(const struct gp_log *log,
+                                        const struct gp_settings *s,
+                                        const struct gp_jobs *jobs,
+                                        struct gp_progress *progress);
+
+#endif

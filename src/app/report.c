@@ -1,0 +1,305 @@
+#include "app/report.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *const time_names[GP_TIMES] = {
+    [GP_TIME_READ] = "read", [GP_TIME_SENSORS] = "sensors",
+    [GP_TIME_GLARE] = "glare", [GP_TIME_COMPOSE] = "compose",
+    [GP_TIME_TONEMAP] = "tonemap", [GP_TIME_WRITE] = "write",
+};
+static const char *const type_names[] = {
+    [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
+};
+
+// -- values ------------------------------------------------------------------
+
+/* A number rounded to `step`, null when JSON has no word for it. */
+static json_t *number(double v, double step)
+{
+    if (!isfinite(v))
+        return json_null();
+    return json_real(step > 0.0 ? round(v / step) * step : v);
+}
+
+static json_t *numbers(const double v[3])
+{
+    json_t *list = json_array();
+    for (int c = 0; c < 3; c++)
+        json_array_append_new(list, number(v[c], 0.0));
+    return list;
+}
+
+/* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
+static size_t utf8_length(const unsigned char *s)
+{
+    if (s[0] < 0x80)
+        return 1;
+    size_t n = s[0] >= 0xc2 && s[0] <= 0xdf   ? 2
+               : s[0] >= 0xe0 && s[0] <= 0xef ? 3
+               : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    unsigned char least = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
+    unsigned char most = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
+    for (size_t i = 1; i < n; i++) {
+        if (s[i] < least || s[i] > most)
+            return 0;
+        least = 0x80;
+        most = 0xbf;
+    }
+    return n;
+}
+
+/* A file name; Linux takes any bytes, JSON only UTF-8. */
+static json_t *text(const char *s)
+{
+    static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
+    char *clean = malloc(3 * strlen(s) + 1), *to = clean;
+    if (!clean)
+        return NULL;
+    while (*s) {
+        size_t n = utf8_length((const unsigned char *) s);
+        memcpy(to, n ? s : replacement, n ? n : 3);
+        to += n ? n : 3;
+        s += n ? n : 1;
+    }
+    *to = '\0';
+    json_t *value = json_string(clean);
+    free(clean);
+    return value;
+}
+
+// -- one frame ---------------------------------------------------------------
+
+struct object {
+    json_t *json;
+    bool full;  // memory ran out: a field is missing
+};
+
+static void put(struct object *o, const char *key, json_t *value)
+{
+    if (json_object_set_new(o->json, key, value) != 0)
+        o->full = true;
+}
+
+static void put_inner(struct object *o, const char *key,
+                      const struct object *inner)
+{
+    put(o, key, inner->json);
+    o->full = o->full || inner->full;
+}
+
+static void add_names(struct object *o, const struct gp_facts *f)
+{
+    if (f->numbered)
+        put(o, "frame", json_integer(f->frame));
+    put(o, "input", text(f->input));
+    json_t *outputs = json_array();
+    for (int i = 0; i < f->n_outputs; i++)
+        json_array_append_new(outputs, text(f->outputs[i]));
+    put(o, "outputs", outputs);
+    put(o, "width", json_integer(f->width));
+    put(o, "height", json_integer(f->height));
+}
+
+static void add_engine(struct object *o, const struct gp_glare_stats *g)
+{
+    if (!g->engine)
+        return;
+    put(o, "engine", text(g->engine));
+    put(o, "engine_why", text(g->why));
+}
+
+static void add_work(struct object *o, const struct gp_facts *f)
+{
+    const struct gp_glare_stats *g = &f->glare;
+    put(o, "sources", json_integer(f->sources));
+    if (g->polygons) {
+        put(o, "polygons", json_integer((json_int_t) g->polygons));
+        put(o, "polygon_pixels", number(g->polygon_pixels, 0.0));
+    }
+    if (g->fft_w)
+        put(o, "fft_size", json_pack("[ii]", g->fft_w, g->fft_h));
+    put(o, "flux_in", numbers(f->flux_in));
+    if (f->has_flux_out)
+        put(o, "flux_out", numbers(f->flux_out));
+    if (g->engine && f->sources)
+        put(o, "bound", number(g->bound, 0.0));
+}
+
+static void add_checks(struct object *o, const struct gp_facts *f)
+{
+    if (f->verified) {
+        struct object m = {.json = json_object()};
+        put(&m, "rel_l2", number(f->error.rel_l2, 0.0));
+        put(&m, "max_rel", number(f->error.max_rel, 0.0));
+        put(&m, "max_abs", number(f->error.max_abs, 0.0));
+        put(&m, "flux_error", number(f->error.flux_error, 0.0));
+        put_inner(o, "measured", &m);
+    }
+    put(o, "nonfinite", json_integer(f->nonfinite));
+    put(o, "clamped", json_integer(f->clamped));
+    if (f->clamped_out)
+        put(o, "clamped_out", json_integer(f->clamped_out));
+    if (f->depth) {
+        struct object d = {.json = json_object()};
+        put(&d, "channel", text(f->depth));
+        put(&d, "type", text(type_names[f->depth_type]));
+        put_inner(o, "depth", &d);
+    }
+}
+
+static void add_costs(struct object *o, const struct gp_facts *f)
+{
+    struct object times = {.json = json_object()};
+    for (int i = 0; i < GP_TIMES; i++) {
+        if (f->ms[i] >= 0.0)
+            put(&times, time_names[i], number(f->ms[i], 1e-3));
+    }
+    put(&times, "total", number(f->total_ms, 1e-3));
+    put_inner(o, "times_ms", &times);
+    put(o, "peak_rss_mib", number(gp_peak_rss_mib(), 0.1));
+    put(o, "threads", json_integer(gp_threads()));
+    if (f->glare.gl)
+        put(o, "gl", text(f->glare.gl));
+    put(o, "version", text(GP_VERSION));
+}
+
+double gp_peak_rss_mib(void)
+{
+    struct rusage u;
+    return getrusage(RUSAGE_SELF, &u) == 0 ? (double) u.ru_maxrss / 1024.0
+                                           : 0.0; // ru_maxrss is in KiB
+}
+
+// -- for readers -------------------------------------------------------------
+
+/* Appends to a line of `size` bytes that is full up to *at. */
+GP_PRINTF(4, 5)
+static void append(char *line, size_t size, size_t *at, const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    int n = vsnprintf(line + *at, size - *at, fmt, args);
+    va_end(args);
+    size_t room = size - *at - 1;
+    *at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
+}
+
+void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
+{
+    const struct gp_glare_stats *g = &f->glare;
+    size_t at = 0;
+    append(line, size, &at, "%s: %dx%d, %lld sources", f->input, f->width,
+           f->height, f->sources);
+    if (g->engine)
+        append(line, size, &at, ", %s (%s)", g->engine, g->why);
+    if (g->gl)
+        append(line, size, &at, " on %s", g->gl);
+    if (f->depth)
+        append(line, size, &at, ", depth %s (%s)", f->depth,
+               type_names[f->depth_type]);
+    if (f->nonfinite || f->clamped)
+        append(line, size, &at, ", %lld NaN or Inf, %lld clamped",
+               f->nonfinite, f->clamped);
+    if (f->verified)
+        append(line, size, &at, ", measured rel_l2 %.3g (bound %.3g), max_rel "
+               "%.3g, max_abs %.3g, flux_error %.3g", f->error.rel_l2,
+               g->bound, f->error.max_rel, f->error.max_abs,
+               f->error.flux_error);
+    append(line, size, &at, ";");
+    for (int i = 0; i < GP_TIMES; i++) {
+        if (f->ms[i] >= 0.0)
+            append(line, size, &at, " %s %.1f", time_names[i], f->ms[i]);
+    }
+    append(line, size, &at, " total %.1f ms, %.0f MiB", f->total_ms,
+           gp_peak_rss_mib());
+}
+
+// -- the file ----------------------------------------------------------------
+
+gp_status gp_report_open(const struct gp_log *log, const char *path,
+                         struct gp_report *out)
+{
+    struct gp_report r = {.path = path};
+    if (strcmp(path, "-") == 0) {
+        r.file = stdout;
+    } else {
+        int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        r.made = fd >= 0;
+        if (!r.made && errno == EEXIST)
+            fd = open(path, O_WRONLY | O_CLOEXEC);
+        r.file = fd >= 0 ? fdopen(fd, "w") : NULL;
+    }
+    if (!r.file)
+        return gp_fail(log, GP_ERR_IO,
+                       "%s: cannot write the report (%s); check the folder",
+                       path, strerror(errno));
+    *out = r;
+    return GP_OK;
+}
+
+static gp_status write_failed(const struct gp_log *log,
+                              const struct gp_report *r)
+{
+    return gp_fail(log, GP_ERR_IO,
+                   "%s: cannot write the report (%s); check the disk, or who "
+                   "reads the pipe", r->path, strerror(errno));
+}
+
+/* Empties a regular file that was there before. */
+static bool start_file(const struct gp_report *r)
+{
+    struct stat s;
+    int fd = fileno(r->file);
+    if (r->file == stdout || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
+        return true;
+    return ftruncate(fd, 0) == 0;
+}
+
+gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
+                          const struct gp_facts *facts)
+{
+    struct object o = {.json = json_object()};
+    add_names(&o, facts);
+    add_engine(&o, &facts->glare);
+    add_work(&o, facts);
+    add_checks(&o, facts);
+    add_costs(&o, facts);
+    char *line = o.full ? NULL
+                        : json_dumps(o.json, JSON_COMPACT |
+                                                 JSON_REAL_PRECISION(10));
+    json_decref(o.json);
+    if (!line)
+        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", r->path);
+    bool fine = (r->lines > 0 || start_file(r)) &&
+                fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
+    free(line);
+    if (!fine)
+        return write_failed(log, r);
+    r->lines++;
+    return GP_OK;
+}
+
+gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
+{
+    if (!r->file)
+        return GP_OK;
+    bool fine = r->file == stdout ? fflush(stdout) == 0
+                                  : fclose(r->file) == 0;
+    gp_status st = fine ? GP_OK : write_failed(log, r);
+    if (r->made && r->lines == 0)
+        unlink(r->path);
+    *r = (struct gp_report) {0};
+    return st;
+}

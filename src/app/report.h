@@ -1,0 +1,78 @@
+/* The report: one JSON object a line, one line a frame. */
+#ifndef GP_APP_REPORT_H
+#define GP_APP_REPORT_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/engine.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* Stages that are timed, in their order. */
+enum gp_time {
+    GP_TIME_READ,
+    GP_TIME_SENSORS,
+    GP_TIME_GLARE,
+    GP_TIME_COMPOSE,
+    GP_TIME_TONEMAP,
+    GP_TIME_WRITE,
+    GP_TIMES,
+};
+
+/* What became known about one frame. Strings are borrowed. */
+struct gp_facts {
+    bool numbered;
+    int frame;                   // when numbered
+    const char *input;
+    char **outputs;              // `n_outputs` names
+    int n_outputs;
+    int width, height;           // of the data window
+    long long sources;
+    double flux_in[3];           // of the sources, by channel
+    double flux_out[3];          // of the layer inside the frame
+    bool has_flux_out;
+    long long nonfinite;         // pixels of the input
+    long long clamped;           // pixels of the input over --max-value
+    long long clamped_out;       // values that an output's type cannot hold
+    struct gp_glare_stats glare; // engine NULL: no glare stage
+    bool verified;
+    struct gp_glare_error error; // when verified
+    const char *depth;           // channel, or NULL
+    enum gp_pixel_type depth_type;
+    double ms[GP_TIMES];         // negative: the stage was not needed
+    double total_ms;
+};
+
+struct gp_report {
+    FILE *file;        // NULL: closed
+    const char *path;  // borrowed; "-" is stdout
+    bool made;         // the file was not there before
+    long long lines;
+};
+
+/* Opens the file; what stood in it goes with the first line, not before.
+ * Errors: GP_ERR_IO with the system's reason. */
+GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
+                                       const char *path,
+                                       struct gp_report *out);
+
+/* Appends one line and flushes it. Fields that were not needed are left out;
+ * numbers that JSON cannot say (NaN, Inf) are null; bytes of names that are
+ * not UTF-8 become U+FFFD.
+ * Errors: GP_ERR_IO (full disk, closed pipe); GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
+                                        struct gp_report *r,
+                                        const struct gp_facts *facts);
+
+/* Closes it; a file without a line that this run made is removed. A closed or
+ * zeroed report is fine. Errors: GP_ERR_IO. */
+gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
+
+/* The same for a reader, in one line without its end: --verbose. */
+void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
+
+/* Largest memory that the process ever held, MiB. */
+double gp_peak_rss_mib(void);
+
+#endif

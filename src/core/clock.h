@@ -1,0 +1,15 @@
+/* Wall clock for reports; no result depends on it. */
+#ifndef GP_CORE_CLOCK_H
+#define GP_CORE_CLOCK_H
+
+#include <time.h>
+
+/* Milliseconds of the monotonic clock. */
+static inline double gp_now_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double) t.tv_sec * 1e3 + (double) t.tv_nsec * 1e-6;
+}
+
+#endif

@@ -1,0 +1,37 @@
+/* Run-time choice of wider vectors.
+ *
+ * GP_CLONES before a function makes the compiler build it twice, for the
+ * baseline and for AVX2, and choose at load time. ISO C keeps a * b + c unfused
+ * in both, so both give the same bits. (Not "arch=haswell": that clone is taken
+ * by that very model alone, not by later ones.)
+ *
+ * GP_X86_AVX2 marks files and functions with hand-written AVX2; they are
+ * called only when gp_cpu_has_avx2().
+ */
+#ifndef GP_CORE_CPU_H
+#define GP_CORE_CPU_H
+
+#include <stdbool.h>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define GP_SANITIZED 1 // their run time is not up when ifuncs are resolved
+#endif
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define GP_X86_AVX2 __attribute__((target("avx2,fma,f16c")))
+#else
+#define GP_X86_AVX2
+#endif
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
+    !defined(GP_SANITIZED) && !defined(GP_NO_CLONES)
+#define GP_CLONES __attribute__((target_clones("avx2", "default")))
+#else
+#define GP_CLONES
+#endif
+
+/* True when the CPU and the system have AVX2, FMA and F16C. GLAREPP_CPU=base
+ * in the environment makes it false, so that tests can run both paths. */
+bool gp_cpu_has_avx2(void);
+
+#endif

@@ -1,0 +1,54 @@
+#include "core/frame.h"
+
+#include "core/memory.h"
+
+#include <string.h>
+
+gp_status gp_planes_make(const struct gp_log *log, const char *what,
+                         size_t samples, struct gp_planes *p)
+{
+    *p = (struct gp_planes) {0};
+    for (int c = 0; c < 3; c++) {
+        void *plane;
+        gp_status st = gp_alloc(log, what, samples, sizeof(float), &plane);
+        if (st) {
+            gp_planes_free(p);
+            return st;
+        }
+        p->c[c] = plane;
+    }
+    return GP_OK;
+}
+
+void gp_planes_free(struct gp_planes *p)
+{
+    for (int c = 0; c < 3; c++)
+        GP_FREE(p->c[c]);
+}
+
+void gp_frame_free(struct gp_frame *f)
+{
+    if (f->origin_free)
+        f->origin_free(f->origin);
+    for (int i = 0; i < f->channels; i++) {
+        gp_free(f->channel[i].name);
+        gp_free(f->channel[i].data);
+    }
+    gp_free(f->channel);
+    gp_free(f->path);
+    gp_planes_free(&f->rgb);
+    gp_planes_free(&f->layer);
+    gp_planes_free(&f->lit);
+    gp_planes_free(&f->shown);
+    *f = (struct gp_frame) {0};
+}
+
+const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
+                                          const char *name)
+{
+    for (int i = 0; i < f->channels; i++) {
+        if (strcmp(f->channel[i].name, name) == 0)
+            return &f->channel[i];
+    }
+    return NULL;
+}

@@ -1,0 +1,63 @@
+#include "core/luminance.h"
+
+#include <math.h>
+#include <string.h>
+
+const float gp_rec709_chromaticities[8] = {
+    0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f,
+};
+const float gp_rec709_luminance[3] = {0.2126f, 0.7152f, 0.0722f};
+
+/* Solves m * x = b for a 3x3 matrix by Cramer's rule; 0 when singular. */
+static int solve3(const double m[9], const double b[3], double x[3])
+{
+    double c0 = m[4] * m[8] - m[5] * m[7];
+    double c1 = m[5] * m[6] - m[3] * m[8];
+    double c2 = m[3] * m[7] - m[4] * m[6];
+    double det = m[0] * c0 + m[1] * c1 + m[2] * c2;
+    if (!(fabs(det) > 1e-12))
+        return 0;
+    x[0] = (b[0] * c0 + m[1] * (m[5] * b[2] - b[1] * m[8]) +
+            m[2] * (b[1] * m[7] - m[4] * b[2])) / det;
+    x[1] = (m[0] * (b[1] * m[8] - m[5] * b[2]) + b[0] * c1 +
+            m[2] * (m[3] * b[2] - b[1] * m[6])) / det;
+    x[2] = (m[0] * (m[4] * b[2] - b[1] * m[7]) +
+            m[1] * (b[1] * m[6] - m[3] * b[2]) + b[0] * c2) / det;
+    return 1;
+}
+
+int gp_rgb_to_xyz(const float ch[8], double m[9])
+{
+    // columns are the primaries' xyz; their scale S makes white's Y = 1
+    double p[9], white[3], s[3];
+    for (int i = 0; i < 8; i++) {
+        if (!isfinite(ch[i]))
+            return 0;
+    }
+    for (int i = 0; i < 3; i++) {
+        p[i] = ch[2 * i];
+        p[3 + i] = ch[2 * i + 1];
+        p[6 + i] = 1.0 - (double) ch[2 * i] - (double) ch[2 * i + 1];
+    }
+    if (!(fabs((double) ch[7]) > 1e-6))
+        return 0;
+    white[0] = (double) ch[6] / (double) ch[7];
+    white[1] = 1.0;
+    white[2] = (1.0 - (double) ch[6] - (double) ch[7]) / (double) ch[7];
+    if (!solve3(p, white, s))
+        return 0;
+    for (int i = 0; i < 9; i++)
+        m[i] = p[i] * s[i % 3];
+    return 1;
+}
+
+void gp_luminance_weights(const float ch[8], float weight[3])
+{
+    double m[9];
+    memcpy(weight, gp_rec709_luminance, sizeof gp_rec709_luminance);
+    if (memcmp(ch, gp_rec709_chromaticities, sizeof gp_rec709_chromaticities) ==
+            0 || !gp_rgb_to_xyz(ch, m))
+        return;
+    for (int c = 0; c < 3; c++)
+        weight[c] = (float) m[3 + c];
+}

@@ -1,0 +1,24 @@
+/* Luminance from a frame's own primaries. */
+#ifndef GP_CORE_LUMINANCE_H
+#define GP_CORE_LUMINANCE_H
+
+/* ITU-R BT.709 primaries and D65 white: rx ry gx gy bx by wx wy. What a file
+ * without a chromaticities attribute means (ImfStandardAttributes.h). */
+extern const float gp_rec709_chromaticities[8];
+
+/* Luminance weights of BT.709, the ones all papers print. */
+extern const float gp_rec709_luminance[3];
+
+/* The Y row of the RGB to CIE XYZ matrix of these primaries, scaled so that
+ * white has Y = 1 (SMPTE RP 177-1993). Exactly gp_rec709_luminance for BT.709.
+ * Degenerate or non-finite primaries give gp_rec709_luminance.
+ *   chromaticities  rx ry gx gy bx by wx wy
+ *   weight          written; may be negative for unreal primaries such as XYZ
+ */
+void gp_luminance_weights(const float chromaticities[8], float weight[3]);
+
+/* RGB to CIE XYZ of these primaries, row-major, white has Y = 1; false (and
+ * nothing written) when they are degenerate. */
+int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
+
+#endif

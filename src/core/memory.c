@@ -1,0 +1,48 @@
+#include "core/memory.h"
+
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
+                   size_t size, void **out)
+{
+    *out = NULL;
+    size_t bytes;
+    if (__builtin_mul_overflow(count, size, &bytes) ||
+        bytes > SIZE_MAX - GP_ALIGN)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: more memory than there can be (%zu x %zu bytes); "
+                       "use a smaller frame", what, count, size);
+    // aligned_alloc wants a multiple of the alignment, and 0 is no size
+    size_t rounded = (bytes + GP_ALIGN) / GP_ALIGN * GP_ALIGN;
+    *out = aligned_alloc(GP_ALIGN, rounded);
+    if (!*out)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory (%zu bytes); use a smaller frame "
+                       "or a machine with more memory", what, bytes);
+    return GP_OK;
+}
+
+gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
+                        size_t count, size_t size, void **out)
+{
+    gp_status st = gp_alloc(log, what, count, size, out);
+    if (!st)
+        memset(*out, 0, count * size);
+    return st;
+}
+
+void gp_free(void *p)
+{
+    free(p);
+}
+
+char *gp_strdup(const char *s)
+{
+    size_t n = strlen(s) + 1;
+    char *copy = malloc(n);
+    if (copy)
+        memcpy(copy, s, n);
+    return copy;
+}

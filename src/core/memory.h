@@ -1,0 +1,34 @@
+/* Allocation with checked sizes. */
+#ifndef GP_CORE_MEMORY_H
+#define GP_CORE_MEMORY_H
+
+#include "core/status.h"
+
+#include <stddef.h>
+
+/* Every block starts on a cache line, which is also wide enough for the
+ * widest vector of any CPU this runs on. */
+enum { GP_ALIGN = 64 };
+
+/* Allocates `count` * `size` zeroed bytes at GP_ALIGN into *out, which is
+ * NULL on failure. A product that overflows fails like a full memory.
+ * Ownership passes to the caller; free with gp_free().
+ * Errors: GP_ERR_BUG, with a line that names `what` and the bytes.
+ */
+GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
+                                      const char *what, size_t count,
+                                      size_t size, void **out);
+
+/* The same without zeroing, for planes that are written whole. */
+GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
+                                 size_t count, size_t size, void **out);
+
+/* Frees *p and sets it to NULL; `p` is the address of any object pointer.
+ * Calling it twice is harmless. */
+#define GP_FREE(p) (gp_free(p), (void) ((p) = NULL))
+void gp_free(void *p);
+
+/* A copy of a string, or NULL when memory is full. */
+char *gp_strdup(const char *s);
+
+#endif

@@ -1,0 +1,30 @@
+/* Parallel loops whose result does not depend on the number of threads. */
+#ifndef GP_CORE_PARALLEL_H
+#define GP_CORE_PARALLEL_H
+
+#include "core/status.h"
+
+/* Sets the number of threads of every later loop; 0 takes all processors
+ * that the process may use. */
+void gp_set_threads(int threads);
+
+/* The number of threads that a loop will use, >= 1. */
+int gp_threads(void);
+
+/* Runs body(ctx, i, thread) for each i in [0, n), each once, in any order and
+ * on any thread; `thread` is in [0, gp_threads()) and is for scratch buffers
+ * only. To stay deterministic a body writes nothing that another i reads.
+ * Bodies print nothing.
+ *
+ * When bodies fail, every i still below the first failure is run, and the
+ * status of the lowest failing i is returned; *failed (may be NULL) is that i.
+ */
+typedef gp_status (*gp_body)(void *ctx, int i, int thread);
+GP_MUST_CHECK gp_status gp_parallel(int n, gp_body body, void *ctx,
+                                    int *failed);
+
+/* The same for bodies that cannot fail. */
+typedef void (*gp_task)(void *ctx, int i, int thread);
+void gp_parallel_do(int n, gp_task task, void *ctx);
+
+#endif

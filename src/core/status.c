@@ -1,0 +1,51 @@
+#include "core/status.h"
+
+#include <stdarg.h>
+#include <stdio.h>
+
+enum { LINE_MAX_BYTES = 4096 };
+
+static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
+                va_list args)
+{
+    if (!log || !log->sink || level > log->level)
+        return;
+    char line[LINE_MAX_BYTES];
+    vsnprintf(line, sizeof line, fmt, args);
+    for (char *c = line; *c; c++) { // one message is one line, whatever a
+        if (*c == '\n' || *c == '\r') // file name or a library put into it
+            *c = ' ';
+    }
+    log->sink(log->user, level, line);
+}
+
+gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
+                  ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    say(log, GP_LEVEL_ERROR, fmt, args);
+    va_end(args);
+    return status;
+}
+
+void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
+            ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    say(log, level, fmt, args);
+    va_end(args);
+}
+
+const char *gp_status_text(int status)
+{
+#define ROW(name, code, text)                                                 \
+    case name:                                                                \
+        return text;
+    switch (status) {
+        GP_STATUS_LIST(ROW)
+    }
+#undef ROW
+    return "unknown status";
+}

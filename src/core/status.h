@@ -1,0 +1,61 @@
+/* Status codes and the error line.
+ *
+ * One list makes the enum, the exit statuses and the texts of the man page.
+ * A function that can fail returns gp_status; the message is made where the
+ * failure is seen, with the values that were found, by gp_fail().
+ */
+#ifndef GP_CORE_STATUS_H
+#define GP_CORE_STATUS_H
+
+#define GP_STATUS_LIST(X)                                                     \
+    X(GP_OK, 0, "done")                                                       \
+    X(GP_ERR_USAGE, 2, "the command line is wrong")                           \
+    X(GP_ERR_IO, 3, "a file could not be read or written")                    \
+    X(GP_ERR_DATA, 4, "a file holds bad data")                                \
+    X(GP_ERR_GL, 5, "no GL context could be made")                            \
+    X(GP_ERR_FRAMES, 6, "some frames of a sequence failed")                   \
+    X(GP_ERR_BUG, 70, "a bug, or out of memory")
+
+#define GP_STATUS_ENUM(name, code, text) name = code,
+typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
+
+#define GP_MUST_CHECK __attribute__((warn_unused_result))
+#define GP_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
+
+enum gp_level { GP_LEVEL_ERROR, GP_LEVEL_WARN, GP_LEVEL_INFO };
+
+/* Where messages go. `sink` gets one line without its newline. A NULL log
+ * is silent. Messages over `level` are dropped.
+ */
+struct gp_log {
+    void (*sink)(void *user, enum gp_level level, const char *line);
+    void *user;
+    enum gp_level level;
+};
+
+/* Prints one error line and returns `status`, so that a failure is one
+ * expression: return gp_fail(log, GP_ERR_DATA, "%s: ...", path, ...);
+ *
+ * The form is "FILE: what is wrong (what was found); what to do".
+ * Never call it inside a parallel body: return a status there, and let the
+ * caller that owns the loop print the line.
+ */
+gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
+                  ...) GP_PRINTF(3, 4);
+
+/* Prints a warning or a note; same form, never ends the run. */
+void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
+            ...) GP_PRINTF(3, 4);
+
+/* The text of a status; "unknown status" for a number not in the list. */
+const char *gp_status_text(int status);
+
+/* Runs `expr`; when it fails, jumps to the label `out` with `st` set. */
+#define GP_TRY(expr)                                                          \
+    do {                                                                      \
+        st = (expr);                                                          \
+        if (st)                                                               \
+            goto out;                                                         \
+    } while (0)
+
+#endif

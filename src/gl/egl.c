@@ -1,0 +1,214 @@
+/* Contexts of EGL without a window: on a GPU through the device platform, or
+ * on Mesa's surfaceless platform. */
+#include "gl/context.h"
+
+#include "core/memory.h"
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+#include <dlfcn.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MAX_DEVICES = 16 };
+
+/* X(type, field, name); the extension functions come by GetProcAddress. */
+#define EGL_FUNCTIONS(X)                                                      \
+    X(PFNEGLBINDAPIPROC, bind_api, "eglBindAPI")                              \
+    X(PFNEGLCHOOSECONFIGPROC, choose_config, "eglChooseConfig")               \
+    X(PFNEGLCREATECONTEXTPROC, create_context, "eglCreateContext")            \
+    X(PFNEGLDESTROYCONTEXTPROC, destroy_context, "eglDestroyContext")         \
+    X(PFNEGLINITIALIZEPROC, initialize, "eglInitialize")                      \
+    X(PFNEGLMAKECURRENTPROC, make_current, "eglMakeCurrent")                  \
+    X(PFNEGLQUERYSTRINGPROC, query_string, "eglQueryString")
+
+struct egl_functions {
+#define FIELD(type, field, name) type field;
+    EGL_FUNCTIONS(FIELD)
+#undef FIELD
+    PFNEGLGETPROCADDRESSPROC proc;
+    PFNEGLGETPLATFORMDISPLAYEXTPROC get_display;  // may be NULL
+    PFNEGLQUERYDEVICESEXTPROC query_devices;      // may be NULL
+    PFNEGLQUERYDEVICESTRINGEXTPROC device_string; // may be NULL
+};
+
+struct egl {
+    struct egl_functions f;
+    EGLDisplay display;
+    EGLContext context;
+};
+
+/* Is `name` one of the words in `list`? Names may begin one another. */
+static bool has(const char *list, const char *name)
+{
+    size_t n = strlen(name);
+    for (const char *at = list; at && (at = strstr(at, name)); at += n) {
+        bool starts = at == list || at[-1] == ' ';
+        if (starts && (at[n] == ' ' || at[n] == '\0'))
+            return true;
+    }
+    return false;
+}
+
+static gp_status load(const struct gp_log *log, struct egl_functions *f)
+{
+    static const char *const names[] = {"libEGL.so.1", "libEGL.so", NULL};
+    setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's warnings go to stderr
+    void *library = gp_gl_library(log, "GLAREPP_EGL", names,
+                                  "libegl1 (and libegl-mesa0)");
+    if (!library)
+        return GP_ERR_GL;
+    f->proc = (PFNEGLGETPROCADDRESSPROC) dlsym(library, "eglGetProcAddress");
+#define LOAD(type, field, name)                                               \
+    f->field = (type) dlsym(library, name);                                   \
+    if (!f->field || !f->proc)                                                \
+        return gp_fail(log, GP_ERR_GL,                                        \
+                       "EGL: " name " is missing; install the Debian "        \
+                       "packages libegl1 and libegl-mesa0, or take --gl "     \
+                       "osmesa");
+    EGL_FUNCTIONS(LOAD)
+#undef LOAD
+    f->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) f->proc(
+        "eglGetPlatformDisplayEXT");
+    f->query_devices = (PFNEGLQUERYDEVICESEXTPROC) f->proc(
+        "eglQueryDevicesEXT");
+    f->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) f->proc(
+        "eglQueryDeviceStringEXT");
+    return GP_OK;
+}
+
+/* -- context on a display -------------------------------------------------- */
+
+static EGLContext make_context(const struct egl_functions *f,
+                               EGLDisplay display)
+{
+    static const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE,
+                                    EGL_OPENGL_BIT, EGL_NONE};
+    static const EGLint core[] = {
+        EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+        EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        EGL_NONE};
+    static const EGLint any[] = {EGL_NONE};
+    const char *extensions = f->query_string(display, EGL_EXTENSIONS);
+    EGLConfig config;
+    EGLint configs = 0;
+    if (!has(extensions, "EGL_KHR_surfaceless_context") ||
+        !f->bind_api(EGL_OPENGL_API) ||
+        !f->choose_config(display, wanted, &config, 1, &configs) ||
+        configs < 1)
+        return EGL_NO_CONTEXT;
+    EGLContext c = f->create_context(display, config, EGL_NO_CONTEXT, core);
+    return c ? c : f->create_context(display, config, EGL_NO_CONTEXT, any);
+}
+
+/* Takes the display when a context can be made on it. Displays are never
+ * terminated: that would take them from every context of the process, and
+ * unload a driver that does not survive it. */
+static bool try_display(struct egl *e, EGLDisplay display)
+{
+    if (display == EGL_NO_DISPLAY || !e->f.initialize(display, NULL, NULL))
+        return false;
+    e->display = display;
+    e->context = make_context(&e->f, display);
+    return e->context != EGL_NO_CONTEXT;
+}
+
+/* -- which display --------------------------------------------------------- */
+
+/* A device that is neither Mesa's rasterizer nor one that does not say. */
+static bool is_hardware(const struct egl_functions *f, EGLDeviceEXT device)
+{
+    const char *text = f->device_string(device, EGL_EXTENSIONS);
+    return text && !has(text, "EGL_MESA_device_software");
+}
+
+static bool try_devices(struct egl *e, const char *extensions)
+{
+    EGLDeviceEXT device[MAX_DEVICES];
+    EGLint devices = 0;
+    bool can = has(extensions, "EGL_EXT_platform_device") &&
+               (has(extensions, "EGL_EXT_device_base") ||
+                has(extensions, "EGL_EXT_device_enumeration"));
+    if (!can || !e->f.query_devices || !e->f.device_string ||
+        !e->f.query_devices(MAX_DEVICES, device, &devices))
+        return false;
+    for (EGLint i = 0; i < devices; i++) {
+        if (is_hardware(&e->f, device[i]) &&
+            try_display(e, e->f.get_display(EGL_PLATFORM_DEVICE_EXT,
+                                            device[i], NULL)))
+            return true;
+    }
+    return false;
+}
+
+static gp_status find_display(const struct gp_log *log, struct egl *e)
+{
+    const char *extensions = e->f.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
+    if (!e->f.get_display || !extensions)
+        return gp_fail(log, GP_ERR_GL,
+                       "EGL: no platform extensions (EGL 1.5 or "
+                       "EGL_EXT_platform_base is needed); install the Debian "
+                       "package libegl-mesa0, or take --gl osmesa");
+    if (try_devices(e, extensions))
+        return GP_OK;
+    if (has(extensions, "EGL_MESA_platform_surfaceless") &&
+        try_display(e, e->f.get_display(EGL_PLATFORM_SURFACELESS_MESA,
+                                        EGL_DEFAULT_DISPLAY, NULL)))
+        return GP_OK;
+    return gp_fail(log, GP_ERR_GL,
+                   "EGL: neither a GPU device nor Mesa's surfaceless platform "
+                   "gives a context; install the Debian packages libegl-mesa0 "
+                   "and libgl1-mesa-dri, or take --gl osmesa");
+}
+
+/* -- the system ------------------------------------------------------------ */
+
+static void close_egl(void *window)
+{
+    struct egl *e = window;
+    if (e->context)
+        e->f.destroy_context(e->display, e->context);
+    gp_free(e);
+}
+
+static gp_status open_egl(const struct gp_log *log, void **window)
+{
+    void *block;
+    gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof(struct egl),
+                                 &block);
+    if (st)
+        return st;
+    struct egl *e = block;
+    GP_TRY(load(log, &e->f));
+    GP_TRY(find_display(log, e));
+    *window = e;
+    return GP_OK;
+out:
+    close_egl(e);
+    return st;
+}
+
+static bool make_current(void *window)
+{
+    struct egl *e = window;
+    return e->f.bind_api(EGL_OPENGL_API) &&
+           e->f.make_current(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                             e->context);
+}
+
+static void release(void *window)
+{
+    struct egl *e = window;
+    e->f.make_current(e->display, EGL_NO_SURFACE, EGL_NO_SURFACE,
+                      EGL_NO_CONTEXT);
+}
+
+static void (*proc(void *window, const char *name))(void)
+{
+    struct egl *e = window;
+    return e->f.proc(name);
+}
+
+const struct gp_gl_system gp_gl_egl = {
+    "EGL", open_egl, make_current, release, close_egl, proc,
+};

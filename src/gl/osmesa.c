@@ -1,0 +1,112 @@
+/* Contexts of OSMesa, Mesa's off-screen library: a rasterizer on the CPU that
+ * needs no display, no device and no driver. */
+#include "gl/context.h"
+
+#include "core/memory.h"
+
+#include <dlfcn.h>
+
+/* From Mesa's GL/osmesa.h, which newer Mesa no longer brings. */
+typedef struct osmesa_context *OSMesaContext;
+typedef void (*OSMESAproc)(void);
+enum {
+    OSMESA_RGBA = GL_RGBA,
+    OSMESA_FORMAT = 0x22,
+    OSMESA_PROFILE = 0x33,
+    OSMESA_CORE_PROFILE = 0x34,
+    OSMESA_CONTEXT_MAJOR_VERSION = 0x36,
+    OSMESA_CONTEXT_MINOR_VERSION = 0x37,
+};
+
+struct osmesa {
+    OSMesaContext context;
+    OSMesaContext (*create)(const int *attributes, OSMesaContext share);
+    GLboolean (*make_current)(OSMesaContext, void *buffer, GLenum type,
+                              GLsizei w, GLsizei h);
+    void (*destroy)(OSMesaContext);
+    OSMESAproc (*proc)(const char *name);
+    unsigned char pixel[4]; // the window that OSMesa wants; never drawn to
+};
+
+static gp_status load(const struct gp_log *log, struct osmesa *o)
+{
+    static const char *const names[] = {"libOSMesa.so.8", "libOSMesa.so.6",
+                                        "libOSMesa.so", NULL};
+    void *library = gp_gl_library(log, "GLAREPP_OSMESA", names, "libosmesa6");
+    if (!library)
+        return GP_ERR_GL;
+#define LOAD(field, symbol)                                                   \
+    *(void **) &o->field = dlsym(library, symbol);                            \
+    if (!o->field)                                                            \
+        return gp_fail(log, GP_ERR_GL,                                        \
+                       "OSMesa: " symbol " is missing; OSMesa 11.2 or newer " \
+                       "is needed (Debian package libosmesa6), or take --gl " \
+                       "egl")
+    LOAD(create, "OSMesaCreateContextAttribs");
+    LOAD(make_current, "OSMesaMakeCurrent");
+    LOAD(destroy, "OSMesaDestroyContext");
+    LOAD(proc, "OSMesaGetProcAddress");
+#undef LOAD
+    return GP_OK;
+}
+
+static void close_osmesa(void *window)
+{
+    struct osmesa *o = window;
+    if (o->context)
+        o->destroy(o->context);
+    gp_free(o);
+}
+
+static gp_status open_osmesa(const struct gp_log *log, void **window)
+{
+    static const int core[] = {OSMESA_FORMAT, OSMESA_RGBA,
+                               OSMESA_PROFILE, OSMESA_CORE_PROFILE,
+                               OSMESA_CONTEXT_MAJOR_VERSION, 4,
+                               OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
+    static const int any[] = {OSMESA_FORMAT, OSMESA_RGBA, 0};
+    void *block;
+    gp_status st = gp_alloc_zero(log, "OSMesa context", 1,
+                                 sizeof(struct osmesa), &block);
+    if (st)
+        return st;
+    struct osmesa *o = block;
+    GP_TRY(load(log, o));
+    o->context = o->create(core, NULL);
+    if (!o->context)
+        o->context = o->create(any, NULL);
+    if (!o->context) {
+        st = gp_fail(log, GP_ERR_GL,
+                     "OSMesa: no context can be made (4.5 core, nor any "
+                     "other); install the Debian package libosmesa6, or take "
+                     "--gl egl");
+        goto out;
+    }
+    *window = o;
+    return GP_OK;
+out:
+    close_osmesa(o);
+    return st;
+}
+
+static bool make_current(void *window)
+{
+    struct osmesa *o = window;
+    return o->make_current(o->context, o->pixel, GL_UNSIGNED_BYTE, 1, 1);
+}
+
+static void release(void *window)
+{
+    struct osmesa *o = window;
+    o->make_current(NULL, NULL, 0, 0, 0);
+}
+
+static void (*proc(void *window, const char *name))(void)
+{
+    struct osmesa *o = window;
+    return o->proc(name);
+}
+
+const struct gp_gl_system gp_gl_osmesa = {
+    "OSMesa", open_osmesa, make_current, release, close_osmesa, proc,
+};

@@ -1,0 +1,58 @@
+/* Float textures and the targets that are drawn to.
+ *
+ * Row 0 of a texture is the first row given: images keep y down, and nothing
+ * is flipped on the way in or out. All calls are for the current context.
+ */
+#ifndef GP_GL_TEXTURE_H
+#define GP_GL_TEXTURE_H
+
+#include "core/frame.h"
+#include "gl/gl.h"
+
+/* RGBA32F: four floats a texel, red first, not clamped. */
+struct gp_texture {
+    unsigned id; // 0: empty
+    int w, h;
+};
+
+/* A texture that can be drawn to. */
+struct gp_target {
+    unsigned framebuffer; // 0: empty
+    struct gp_texture colour;
+};
+
+/* Makes a texture of w x h texels, not cleared; `what` is for the message.
+ * Read by texelFetch only: no filter, no mipmap, no wrapping.
+ *   out  written only on GP_OK; free with gp_texture_free()
+ * Errors: GP_ERR_GL sizes under 1 or over gp_gl_max_size() (names the limit),
+ *         out of memory.
+ */
+GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
+                                        const struct gp_gl *gl,
+                                        const char *what, int w, int h,
+                                        struct gp_texture *out);
+
+/* Writes the texels of `rect`, which lies inside the texture, from packed
+ * rows of rgba: 4 * w * h floats. */
+void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
+                      struct gp_rect rect, const float *rgba);
+void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t);
+
+/* Makes a target of w x h pixels, not cleared. Errors as for textures, and
+ * GP_ERR_GL when the driver cannot draw to RGBA32F. */
+GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
+                                       const struct gp_gl *gl,
+                                       const char *what, int w, int h,
+                                       struct gp_target *out);
+
+/* The pixels of `rect`, cut to the target, become 0. */
+void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
+                     struct gp_rect rect);
+
+/* Waits for the drawing, then copies `rect`, which lies inside the target, to
+ * rgba: 4 * w * h floats, rows packed. */
+void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
+                    struct gp_rect rect, float *rgba);
+void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
+
+#endif

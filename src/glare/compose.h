@@ -1,0 +1,29 @@
+/* The frame and its glare, put together. */
+#ifndef GP_GLARE_COMPOSE_H
+#define GP_GLARE_COMPOSE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/sensors.h"
+
+enum gp_mix { GP_MIX_ADD, GP_MIX_SCATTER };
+
+struct gp_compose_params {
+    float gain;  // >= 0; in [0,1] for scatter
+    enum gp_mix mix;
+};
+#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_ADD }
+
+/* Makes f->lit from f->rgb, f->layer and the sources.
+ *   add:     lit = rgb + gain * layer
+ *   scatter: lit = rgb - gain * source + gain * layer, which conserves
+ *            energy up to what leaves the frame
+ * f->layer may be empty when there was no light: then lit = rgb. f->lit is
+ * made when it is empty, else it has the frame's size and is written over.
+ * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
+GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
+                                   const struct gp_compose_params *p,
+                                   const struct gp_sources *src,
+                                   struct gp_frame *f);
+
+#endif

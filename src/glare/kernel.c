@@ -1,0 +1,363 @@
+#include "glare/kernel.h"
+
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/eye.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+const struct gp_builtin_kernel gp_builtin_kernels[] = {
+    {"eye", "the human eye in daylight (Spencer et al. 1995)", gp_eye_make},
+    {0},
+};
+
+enum {
+    MAX_BUILTIN = 16383,   // pixels wide; 3 GiB
+    MAX_CENTER = 1 << 20,  // pixels; a centre farther away meets no frame
+};
+
+/* A kernel before it is cut and normalised. */
+struct raw {
+    const char *name;            // for messages
+    int w, h;
+    struct gp_planes in;
+    bool owned;                  // `in` may be taken instead of copied
+    const float *luminance;      // weights of the channels
+    int cx, cy;                  // the centre's pixel
+};
+
+// -- survey: what is in it ----------------------------------------------------
+
+/* Rows are summed alone and added up in order, so that the sum is the same
+ * for any number of threads. */
+struct row {
+    double sum[3];
+    float peak;                  // largest magnitude
+    int x0, x1;                  // columns that are not zero, half-open
+    int bad_x, bad_c;            // a sample that is NaN or Inf; x -1: none
+    bool coloured;               // the channels differ
+};
+
+struct survey {
+    const struct raw *raw;
+    struct row *row;
+};
+
+static void survey_channel(const float *v, int w, int c, struct row *r)
+{
+    double sum = 0.0;
+    for (int x = 0; x < w; x++) {
+        float magnitude = fabsf(v[x]);
+        sum += (double) v[x];
+        r->peak = magnitude > r->peak ? magnitude : r->peak;
+        if (!isfinite(v[x])) {
+            r->bad_x = x;
+            r->bad_c = c;
+        }
+    }
+    r->sum[c] = sum;
+    int x0 = 0, x1 = w;
+    while (x0 < r->x0 && v[x0] == 0.0f)
+        x0++;
+    while (x1 > r->x1 && v[x1 - 1] == 0.0f)
+        x1--;
+    r->x0 = x0;
+    r->x1 = x1;
+}
+
+static void survey_row(void *ctx, int y, int thread)
+{
+    const struct survey *s = ctx;
+    const int w = s->raw->w;
+    const size_t at = (size_t) y * (size_t) w;
+    const float *first = s->raw->in.c[0] + at;
+    struct row r = {.x0 = w, .x1 = 0, .bad_x = -1};
+    (void) thread;
+    survey_channel(first, w, 0, &r);
+    for (int c = 1; c < 3; c++) {
+        const float *v = s->raw->in.c[c] + at;
+        if (memcmp(v, first, (size_t) w * sizeof *v) == 0) {
+            r.sum[c] = r.sum[0]; // most kernels are grey
+            continue;
+        }
+        r.coloured = true;
+        survey_channel(v, w, c, &r);
+    }
+    s->row[y] = r;
+}
+
+/* Adds the rows up into `all`, whose x0, x1 are not used; *box gets the
+ * smallest rectangle that holds all that is not zero.
+ * Errors: GP_ERR_DATA a sample is not finite. */
+static gp_status add_rows(const struct gp_log *log, const struct survey *s,
+                          struct row *all, struct gp_rect *box)
+{
+    *all = (struct row) {0};
+    *box = (struct gp_rect) {s->raw->w, s->raw->h, 0, 0};
+    for (int y = 0; y < s->raw->h; y++) {
+        const struct row *r = &s->row[y];
+        if (r->bad_x >= 0) {
+            size_t at = (size_t) y * (size_t) s->raw->w + (size_t) r->bad_x;
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: the kernel has a value that is not finite "
+                           "(%g in channel %c, column %d, row %d); repair it",
+                           s->raw->name, (double) s->raw->in.c[r->bad_c][at],
+                           "RGB"[r->bad_c], r->bad_x, y);
+        }
+        for (int c = 0; c < 3; c++)
+            all->sum[c] += r->sum[c];
+        all->peak = r->peak > all->peak ? r->peak : all->peak;
+        all->coloured |= r->coloured;
+        if (r->x0 < r->x1) {
+            box->x0 = r->x0 < box->x0 ? r->x0 : box->x0;
+            box->x1 = r->x1 > box->x1 ? r->x1 : box->x1;
+            box->y0 = y < box->y0 ? y : box->y0;
+            box->y1 = y + 1;
+        }
+    }
+    return GP_OK;
+}
+
+static gp_status survey(const struct gp_log *log, const struct raw *raw,
+                        struct row *all, struct gp_rect *box)
+{
+    void *rows;
+    gp_status st =
+        gp_alloc(log, raw->name, (size_t) raw->h, sizeof(struct row), &rows);
+    if (st)
+        return st;
+    struct survey s = {raw, rows};
+    gp_parallel_do(raw->h, survey_row, &s);
+    st = add_rows(log, &s, all, box);
+    GP_FREE(rows);
+    return st;
+}
+
+// -- making: cut and scaled ---------------------------------------------------
+
+struct norms {
+    double sum[3], square[3], magnitude[3];
+};
+
+struct making {
+    const struct raw *raw;
+    struct gp_rect box;
+    double factor;
+    struct gp_kernel *k;
+    struct norms *row;
+};
+
+/* Samples that lie in the raw kernel's own memory are scaled in place. */
+static void scale_row(void *ctx, int y, int thread)
+{
+    const struct making *m = ctx;
+    const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
+                        (size_t) m->box.x0;
+    const size_t to = (size_t) y * (size_t) m->k->w;
+    struct norms n = {0};
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const float *in = m->raw->in.c[c] + from;
+        float *out = m->k->k.c[c] + to;
+        if (c > 0 && m->k->grey) {
+            memcpy(out, m->k->k.c[0] + to, (size_t) m->k->w * sizeof *out);
+            n.sum[c] = n.sum[0];
+            n.square[c] = n.square[0];
+            n.magnitude[c] = n.magnitude[0];
+            continue;
+        }
+        for (int x = 0; x < m->k->w; x++) {
+            out[x] = (float) ((double) in[x] * m->factor);
+            double v = (double) out[x];
+            n.sum[c] += v;
+            n.square[c] += v * v;
+            n.magnitude[c] += fabs(v);
+        }
+    }
+    m->row[y] = n;
+}
+
+static gp_status scale(const struct gp_log *log, const struct raw *raw,
+                       struct gp_rect box, double factor, struct gp_kernel *k)
+{
+    void *rows;
+    gp_status st =
+        gp_alloc(log, raw->name, (size_t) k->h, sizeof(struct norms), &rows);
+    if (st)
+        return st;
+    struct making m = {raw, box, factor, k, rows};
+    gp_parallel_do(k->h, scale_row, &m);
+    struct norms all = {0};
+    for (int y = 0; y < k->h; y++) {
+        for (int c = 0; c < 3; c++) {
+            all.sum[c] += m.row[y].sum[c];
+            all.square[c] += m.row[y].square[c];
+            all.magnitude[c] += m.row[y].magnitude[c];
+        }
+    }
+    for (int c = 0; c < 3; c++) {
+        k->sum[c] = all.sum[c];
+        k->norm2[c] = sqrt(all.square[c]);
+        k->norm1[c] = all.magnitude[c];
+    }
+    GP_FREE(rows);
+    return GP_OK;
+}
+
+static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
+                             enum gp_normalize normalize, const struct row *all,
+                             double *factor)
+{
+    *factor = 1.0;
+    if (!(all->peak > 0.0f))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the kernel is zero everywhere (%dx%d); use an "
+                       "image with light in it", raw->name, raw->w, raw->h);
+    if (normalize == GP_NORMALIZE_NONE)
+        return GP_OK;
+    double sum = 0.0;
+    for (int c = 0; c < 3; c++)
+        sum += (double) raw->luminance[c] * all->sum[c];
+    // (a tiny sum of large lobes would leave the range of float)
+    if (!(sum > 0.0) || !((double) all->peak / sum <= (double) FLT_MAX))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the kernel cannot be normalised (its luminance "
+                       "sums to %g, its peak is %g); use --kernel-normalize "
+                       "none", raw->name, sum, (double) all->peak);
+    *factor = 1.0 / sum;
+    return GP_OK;
+}
+
+static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
+                      struct raw *raw, struct gp_kernel *out)
+{
+    gp_status st;
+    struct gp_kernel k = {0};
+    struct row all;
+    struct gp_rect box;
+    double factor;
+
+    GP_TRY(survey(log, raw, &all, &box));
+    GP_TRY(find_factor(log, raw, normalize, &all, &factor));
+    k.w = gp_rect_w(box);
+    k.h = gp_rect_h(box);
+    k.cx = raw->cx - box.x0;
+    k.cy = raw->cy - box.y0;
+    k.grey = !all.coloured;
+    const bool take = raw->owned && k.w == raw->w && k.h == raw->h;
+    if (take)
+        k.k = raw->in;
+    else
+        GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
+                              &k.k));
+    st = scale(log, raw, box, factor, &k);
+    if (take)
+        raw->owned = false; // they are the kernel's
+    if (st)
+        goto out;
+    *out = k;
+    k = (struct gp_kernel) {0};
+out:
+    gp_kernel_free(&k);
+    if (raw->owned)
+        gp_planes_free(&raw->in);
+    return st;
+}
+
+// -- the two ways in ----------------------------------------------------------
+
+/* The pixel of the centre, counted from a window that starts at x0, y0. */
+static gp_status find_center(const struct gp_log *log,
+                             const struct gp_kernel_params *p,
+                             struct gp_rect window, struct raw *raw)
+{
+    raw->cx = raw->w / 2;
+    raw->cy = raw->h / 2;
+    if (!p->centered)
+        return GP_OK;
+    for (int i = 0; i < 2; i++) {
+        if (!(fabs(p->center[i]) <= MAX_CENTER))
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: the kernel's centre is out of reach (%g,%g); "
+                           "give pixels within %d of the image", raw->name,
+                           p->center[0], p->center[1], MAX_CENTER);
+    }
+    raw->cx = (int) floor(p->center[0]) - window.x0;
+    raw->cy = (int) floor(p->center[1]) - window.y0;
+    return GP_OK;
+}
+
+static const struct gp_builtin_kernel *find_builtin(const char *name)
+{
+    static const char prefix[] = "builtin:";
+    if (strncmp(name, prefix, strlen(prefix)) == 0)
+        name += strlen(prefix);
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        if (strcmp(b->name, name) == 0)
+            return b;
+    }
+    return NULL;
+}
+
+static gp_status unknown_builtin(const struct gp_log *log, const char *name)
+{
+    char names[256] = "";
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%sbuiltin:%s",
+                 used ? ", " : "", b->name);
+    }
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%s: no builtin kernel has this name; use one of %s, or a "
+                   "file", name, names);
+}
+
+gp_status gp_kernel_builtin(const struct gp_log *log,
+                            const struct gp_kernel_params *p,
+                            struct gp_kernel *out)
+{
+    const struct gp_builtin_kernel *b = find_builtin(p->source);
+    const int size = p->builtin_size;
+    struct raw raw = {
+        .name = p->source, .w = size, .h = size, .owned = true,
+        .luminance = gp_rec709_luminance,
+    };
+    if (!b)
+        return unknown_builtin(log, p->source);
+    if (size < 1 || size > MAX_BUILTIN || size % 2 == 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: a builtin kernel cannot be %d pixels wide; use an "
+                       "odd number from 1 to %d", p->source, size, MAX_BUILTIN);
+    gp_status st = find_center(log, p, (struct gp_rect) {0}, &raw);
+    if (!st)
+        st = b->make(log, size, &raw.in);
+    return st ? st : make(log, p->normalize, &raw, out);
+}
+
+gp_status gp_kernel_from_frame(const struct gp_log *log,
+                               const struct gp_kernel_params *p,
+                               const struct gp_frame *image,
+                               struct gp_kernel *out)
+{
+    struct raw raw = {
+        .name = image->path ? image->path : "kernel",
+        .w = gp_frame_w(image), .h = gp_frame_h(image),
+        .in = image->rgb, .luminance = image->luminance,
+    };
+    if (raw.w < 1 || raw.h < 1)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the kernel has no pixels (%dx%d); use another "
+                       "image", raw.name, raw.w, raw.h);
+    gp_status st = find_center(log, p, image->data, &raw);
+    return st ? st : make(log, p->normalize, &raw, out);
+}
+
+void gp_kernel_free(struct gp_kernel *k)
+{
+    gp_planes_free(&k->k);
+    *k = (struct gp_kernel) {0};
+}

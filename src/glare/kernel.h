@@ -1,0 +1,74 @@
+/* The glare kernel: what one bright pixel becomes. */
+#ifndef GP_GLARE_KERNEL_H
+#define GP_GLARE_KERNEL_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+
+enum gp_normalize { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
+
+struct gp_kernel_params {
+    const char *source;            // file path, or "builtin:NAME"
+    bool centered;                 // `center` was given
+    double center[2];              // x, y in EXR pixel space of the kernel's
+                                   // image (centre of pixel i is i + 0.5);
+                                   // the pixel that holds it is the centre
+    enum gp_normalize normalize;
+    int builtin_size;              // width of a builtin kernel; odd, >= 1
+};
+#define GP_KERNEL_DEFAULTS                                                    \
+    { .source = "builtin:eye", .builtin_size = 511 }
+
+/* A normalised kernel. Sample (x, y) is the share of a source's light that
+ * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
+ * Negative lobes are allowed. Zero borders are cut off on making.
+ */
+struct gp_kernel {
+    int w, h;
+    int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
+                          // after cutting zero borders
+    struct gp_planes k;   // w * h each
+    double sum[3];        // of each channel
+    double norm2[3];      // sqrt of the sum of squares of each channel
+    double norm1[3];      // sum of magnitudes of each channel
+    bool grey;            // the three planes are equal
+};
+
+/* Names of the builtin kernels with one line each, NULL-terminated. */
+struct gp_builtin_kernel {
+    const char *name, *text;
+    /* Fills a size x size kernel with the centre at pixel (size/2, size/2);
+     * returns GP_OK or out of memory. Not normalised. */
+    gp_status (*make)(const struct gp_log *log, int size, struct gp_planes *k);
+};
+extern const struct gp_builtin_kernel gp_builtin_kernels[];
+
+/* Makes the builtin kernel that p->source names, with or without "builtin:",
+ * normalised. Written only on GP_OK; free with gp_kernel_free().
+ * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is
+ * even or out of range, a centre that is not finite or over 2^20 pixels. */
+GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
+                                          const struct gp_kernel_params *p,
+                                          struct gp_kernel *out);
+
+/* Makes a kernel from planes that were read from a file.
+ *
+ *   image      rgb and luminance weights of the kernel file; borrowed
+ *   out        written only on GP_OK; free with gp_kernel_free()
+ *
+ * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
+ * p->centered. Normalised so that each channel's sum keeps the file's ratios
+ * and the luminance sum is 1, unless GP_NORMALIZE_NONE.
+ * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
+ * or a luminance sum that is not positive when normalising; GP_ERR_USAGE a
+ * centre that is not finite or over 2^20 pixels.
+ */
+GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
+                                             const struct gp_kernel_params *p,
+                                             const struct gp_frame *image,
+                                             struct gp_kernel *out);
+void gp_kernel_free(struct gp_kernel *k);
+
+#endif

@@ -1,0 +1,132 @@
+#include "io/colour.h"
+
+#include <string.h>
+#include <strings.h>
+
+static const char *const letters[3] = {"R", "G", "B"};
+static const char *const words[3] = {"red", "green", "blue"};
+
+static int find(const char *const *name, int n, const char *wanted)
+{
+    for (int i = 0; i < n; i++) {
+        if (strcmp(name[i], wanted) == 0)
+            return i;
+    }
+    return -1;
+}
+
+/* The channel whose name is the first `len` bytes of `layer` and then `last`;
+ * a letter as it is, a word in any case. */
+static int find_in_layer(const char *const *name, int n, const char *layer,
+                         size_t len, const char *last)
+{
+    for (int i = 0; i < n; i++) {
+        if (strncmp(name[i], layer, len) != 0)
+            continue;
+        const char *rest = name[i] + len;
+        if (last[1] ? strcasecmp(rest, last) == 0 : strcmp(rest, last) == 0)
+            return i;
+    }
+    return -1;
+}
+
+/* How many of a set of three there are; `layer` ends with a dot or is "". */
+static int find_three(const char *const *name, int n, const char *layer,
+                      size_t len, const char *const last[3], int index[3])
+{
+    int found = 0;
+    for (int c = 0; c < 3; c++) {
+        index[c] = find_in_layer(name, n, layer, len, last[c]);
+        found += index[c] >= 0;
+    }
+    return found;
+}
+
+/* The last part of a layer's name of `len` bytes, which ends with a dot. */
+static bool is_picture(const char *layer, size_t len)
+{
+    static const char *const picture[] = {"combined", "beauty", "rgba"};
+    const size_t end = len - 1;
+    size_t start = end;
+    while (start > 0 && layer[start - 1] != '.')
+        start--;
+    for (size_t i = 0; i < sizeof picture / sizeof *picture; i++) {
+        if (strlen(picture[i]) == end - start &&
+            strncasecmp(layer + start, picture[i], end - start) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool find_layer(const char *const *name, int n, int index[3])
+{
+    bool found = false;
+    for (int i = 0; i < n; i++) {
+        const char *dot = strrchr(name[i], '.');
+        if (!dot)
+            continue;
+        size_t len = (size_t) (dot - name[i]) + 1;
+        bool picture = is_picture(name[i], len);
+        int at[3];
+        if (found && !picture)
+            continue;
+        if (find_three(name, n, name[i], len, letters, at) < 3 &&
+            find_three(name, n, name[i], len, words, at) < 3)
+            continue;
+        memcpy(index, at, sizeof at);
+        found = true;
+        if (picture)
+            break;
+    }
+    return found;
+}
+
+static bool is_alpha(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const char *last = dot ? dot + 1 : name;
+    return strcmp(last, "A") == 0 || strcasecmp(last, "alpha") == 0;
+}
+
+static int find_lone(const char *const *name, int n)
+{
+    int lone = -1;
+    for (int i = 0; i < n; i++) {
+        if (n > 1 && is_alpha(name[i]))
+            continue;
+        if (lone >= 0)
+            return -1;
+        lone = i;
+    }
+    return lone;
+}
+
+static bool grey(int channel, struct gp_colour_choice *out)
+{
+    *out = (struct gp_colour_choice) {GP_COLOUR_GREY, {channel, -1, -1}};
+    return channel >= 0;
+}
+
+bool gp_find_colour(const char *const *name, int n, bool lone,
+                    struct gp_colour_choice *out)
+{
+    struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
+    int y = find(name, n, "Y");
+    int ry = find(name, n, "RY"), by = find(name, n, "BY");
+    if (find_three(name, n, "", 0, letters, rgb.index) ||
+        find_three(name, n, "", 0, words, rgb.index)) {
+        *out = rgb;
+        return true;
+    }
+    if (y >= 0 && (ry >= 0 || by >= 0)) {
+        *out = (struct gp_colour_choice) {GP_COLOUR_YC, {ry, y, by}};
+        return true;
+    }
+    if (y >= 0)
+        return grey(y, out);
+    if (find_layer(name, n, rgb.index)) {
+        *out = rgb;
+        return true;
+    }
+    return lone && grey(find_lone(name, n), out);
+}

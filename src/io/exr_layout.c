@@ -1,0 +1,224 @@
+#include "io/exr_decode.h"
+
+#include "core/memory.h"
+
+#include <limits.h>
+
+/* The most bytes that one byte of a chunk can become, by compression, rounded
+ * up. DEFLATE: a 2-bit code can stand for 258 bytes, and there is nothing
+ * shorter (1032). RLE: 2 bytes for 128. PIZ: a run code of 1 bit and a count
+ * of 8 bits give 255 samples of 2 bytes (454). PXR24: DEFLATE, then 3 bytes
+ * become 4. B44: 3 bytes for 4x4 halfs. DWA: an 8x8 block of 128 bytes is at
+ * least one AC code of 2 bytes in DEFLATE.
+ */
+static uint64_t most_expansion(exr_compression_t compression)
+{
+    switch (compression) {
+    case EXR_COMPRESSION_NONE:
+        return 1;
+    case EXR_COMPRESSION_RLE:
+        return 64;
+    case EXR_COMPRESSION_ZIPS:
+    case EXR_COMPRESSION_ZIP:
+        return 1032;
+    case EXR_COMPRESSION_PIZ:
+        return 454;
+    case EXR_COMPRESSION_PXR24:
+        return 1376;
+    case EXR_COMPRESSION_B44:
+    case EXR_COMPRESSION_B44A:
+        return 11;
+    default:
+        return 64 * 1032;
+    }
+}
+
+static gp_status bad_chunk(const struct gp_log *log,
+                           const struct gp_exr_layout *l, int index,
+                           const char *what)
+{
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: cut off or damaged (chunk %d of %d: %s); copy or "
+                   "render the file again", l->path, index + 1, l->chunks,
+                   what);
+}
+
+/* Unpacked bytes of a chunk, and whether the library divides its rows and
+ * columns as the channels' sampling asks. 3.1.5 does not where a block of
+ * lines is no multiple of the sampling. */
+static bool chunk_size(const struct gp_exr_layout *l,
+                       const exr_chunk_info_t *c, uint64_t *bytes)
+{
+    *bytes = 0;
+    for (int i = 0; i < l->channel->num_channels; i++) {
+        const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
+        int xs = e->x_sampling, ys = e->y_sampling;
+        if (c->width % xs || (c->height > 1 && c->height % ys))
+            return false;
+        if (c->height > 1 && (c->start_y - l->y0) % ys)
+            return false;
+        bool none = c->height == 1 && (c->start_y - l->y0) % ys;
+        uint64_t rows = none ? 0 : (uint64_t) (c->height + ys - 1) /
+                                       (uint64_t) ys;
+        *bytes += rows * (uint64_t) (c->width / xs) *
+                  (e->pixel_type == EXR_PIXEL_HALF ? 2 : 4);
+    }
+    return true;
+}
+
+static gp_status check_chunk(const struct gp_log *log,
+                             const struct gp_exr_layout *l, int index)
+{
+    const exr_chunk_info_t *c = &l->chunk[index];
+    uint64_t bytes;
+    if (!chunk_size(l, c, &bytes) || bytes != c->unpacked_size)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: channels are subsampled in a way that its blocks "
+                       "of lines do not hold (chunk %d); write the file "
+                       "without subsampling", l->path, index + 1);
+    if (c->packed_size > l->origin->stream.size)
+        return bad_chunk(log, l, index, "it ends after the file");
+    if (l->compression == EXR_COMPRESSION_NONE && c->packed_size != bytes)
+        return bad_chunk(log, l, index, "its size is wrong");
+    // the 64 are for headers and for the last, unfinished unit
+    if (bytes > (c->packed_size + 64) * most_expansion(l->compression))
+        return bad_chunk(log, l, index, "it is too small for its pixels");
+    return GP_OK;
+}
+
+/* The rectangle of a chunk must be where its index says. */
+static bool chunk_in_place(const struct gp_exr_layout *l, int index,
+                           const exr_chunk_info_t *c)
+{
+    int64_t x = 0, y = (int64_t) c->start_y - l->y0;
+    if (l->tile_w) {
+        x = (int64_t) c->start_x * l->tile_w;
+        y = (int64_t) c->start_y * l->tile_h;
+    }
+    return c->width > 0 && c->height > 0 && x >= 0 && y >= 0 &&
+           x + c->width <= l->w && y + c->height <= l->h && c->idx == index;
+}
+
+static gp_status read_chunks(const struct gp_log *log,
+                             struct gp_exr_layout *l)
+{
+    int64_t pixels = 0;
+    for (int i = 0; i < l->chunks; i++) {
+        exr_chunk_info_t *c = &l->chunk[i];
+        exr_result_t r = gp_origin_chunk(l->origin, l->part, i, c);
+        if (r)
+            return bad_chunk(log, l, i, exr_get_default_error_message(r));
+        if (!chunk_in_place(l, i, c))
+            return bad_chunk(log, l, i, "it is outside the data window");
+        gp_status st = check_chunk(log, l, i);
+        if (st)
+            return st;
+        pixels += (int64_t) c->width * c->height;
+        if (c->unpacked_size > l->largest)
+            l->largest = c->unpacked_size;
+    }
+    if (pixels != (int64_t) l->w * l->h)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: damaged (the chunks hold %lld of %lld pixels); "
+                       "copy or render the file again", l->path,
+                       (long long) pixels, (long long) l->w * l->h);
+    return GP_OK;
+}
+
+static gp_status read_window(const struct gp_log *log, long long max_pixels,
+                             struct gp_exr_layout *l)
+{
+    exr_attr_box2i_t d;
+    if (exr_get_data_window(l->origin->exr, l->part, &d))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: has no data window; render the file again",
+                       l->path);
+    int64_t w = (int64_t) d.max.x - d.min.x + 1;
+    int64_t h = (int64_t) d.max.y - d.min.y + 1;
+    if (w < 1 || h < 1 || w > INT_MAX / 4 || h > INT_MAX / 4 ||
+        w * h > max_pixels)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the data window is too large (%lld x %lld pixels, "
+                       "at most %lld); crop it, or raise --max-pixels",
+                       l->path, (long long) w, (long long) h, max_pixels);
+    l->x0 = d.min.x;
+    l->y0 = d.min.y;
+    l->w = (int) w;
+    l->h = (int) h;
+    return GP_OK;
+}
+
+/* Number of chunks of level 0, which come first in the table. */
+static gp_status count_chunks(const struct gp_log *log,
+                              struct gp_exr_layout *l)
+{
+    const exr_context_t exr = l->origin->exr;
+    int32_t all = 0, lines = 0;
+    int64_t n = 0;
+    exr_result_t r = exr_get_chunk_count(exr, l->part, &all);
+    if (l->storage == EXR_STORAGE_TILED) {
+        uint32_t tw = 0, th = 0;
+        exr_tile_level_mode_t mode;
+        exr_tile_round_mode_t round;
+        if (!r)
+            r = exr_get_tile_descriptor(exr, l->part, &tw, &th, &mode, &round);
+        if (!r && tw > 0 && th > 0 && tw < INT_MAX && th < INT_MAX) {
+            l->tile_w = (int) tw;
+            l->tile_h = (int) th;
+            n = (((int64_t) l->w + tw - 1) / tw) *
+                (((int64_t) l->h + th - 1) / th);
+        }
+    } else {
+        if (!r)
+            r = exr_get_scanlines_per_chunk(exr, l->part, &lines);
+        if (!r && lines > 0)
+            n = ((int64_t) l->h + lines - 1) / lines;
+    }
+    // each chunk has 8 bytes in the offset table, so the file bounds the list
+    if (r || n < 1 || n > all || (uint64_t) n > l->origin->stream.size / 8)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: cut off or damaged (%d chunks in a file of %llu "
+                       "bytes, %lld needed); copy or render the file again",
+                       l->path, all,
+                       (unsigned long long) l->origin->stream.size,
+                       (long long) n);
+    l->chunks = (int) n;
+    return GP_OK;
+}
+
+gp_status gp_exr_layout_make(const struct gp_log *log, const char *path,
+                             const struct gp_origin *origin, int part,
+                             long long max_pixels, struct gp_exr_layout *l)
+{
+    gp_status st;
+    void *list = NULL;
+    *l = (struct gp_exr_layout) {
+        .origin = origin, .path = path, .part = part,
+    };
+    if (exr_get_storage(origin->exr, part, &l->storage) ||
+        exr_get_compression(origin->exr, part, &l->compression) ||
+        exr_get_channels(origin->exr, part, &l->channel))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR header is damaged (part %d lacks "
+                       "channels, compression or type); render the file again",
+                       path, part);
+    if (l->storage != EXR_STORAGE_SCANLINE && l->storage != EXR_STORAGE_TILED)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: deep data has no single colour per pixel (part "
+                       "%d); flatten it first, with e.g. oiiotool --flatten",
+                       path, part);
+    GP_TRY(read_window(log, max_pixels, l));
+    GP_TRY(count_chunks(log, l));
+    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) l->chunks, sizeof *l->chunk,
+                         &list));
+    l->chunk = list;
+    GP_TRY(read_chunks(log, l));
+out:
+    return st;
+}
+
+void gp_exr_layout_free(struct gp_exr_layout *l)
+{
+    gp_free(l->chunk);
+    *l = (struct gp_exr_layout) {0};
+}

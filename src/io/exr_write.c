@@ -1,0 +1,186 @@
+#include "io/exr_write.h"
+
+#include "core/memory.h"
+#include "io/exr_out.h"
+#include "io/exr_raw.h"
+#include "io/exr_sources.h"
+#include "io/file.h"
+
+#include <string.h>
+
+enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
+                                      const struct gp_frame *f)
+{
+    if (p->type == GP_OUT_AUTO)
+        return f->colour_type;
+    return p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
+}
+
+/* AUTO is the input's own compression when it loses nothing, else zip. */
+static enum gp_compression resolve(const struct gp_write_params *p,
+                                   const struct gp_exr_raw_part *raw)
+{
+    if (p->compression != GP_COMPRESSION_AUTO)
+        return p->compression;
+    const struct gp_exr_attr *a =
+        raw ? gp_exr_raw_find(raw, "compression", "compression") : NULL;
+    if (a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ)
+        return (enum gp_compression) a->data[0];
+    return GP_COMPRESSION_ZIP;
+}
+
+/* The quality that the input was written with, or OpenEXR's default. */
+static float dwa_quality(const struct gp_exr_raw_part *raw)
+{
+    float quality = 45.0f;
+    const struct gp_exr_attr *a =
+        raw ? gp_exr_raw_find(raw, "dwaCompressionLevel", "float") : NULL;
+    if (a && a->size == sizeof quality)
+        memcpy(&quality, a->data, sizeof quality);
+    return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
+}
+
+/* A file on its way: what is open at once, so that one place closes it. */
+struct writing {
+    const struct gp_exr_job *job;
+    struct gp_exr_image img;
+    struct gp_exr_raw raw;
+    const struct gp_exr_raw_part *own;  // the input's colour part, or NULL
+    struct gp_exr_header header;
+    struct gp_exr_out out;
+    struct gp_file *file;
+    int *chunks;  // of each part written
+    int parts, part;  // how many are written, and which is the colour
+};
+
+static bool is_deep(const struct gp_origin *o, int part)
+{
+    exr_storage_t s;
+    return exr_get_storage(o->exr, part, &s) == EXR_ERR_SUCCESS &&
+           (s == EXR_STORAGE_DEEP_SCANLINE || s == EXR_STORAGE_DEEP_TILED);
+}
+
+static gp_status count_chunks(const struct gp_log *log, struct writing *w,
+                              const struct gp_origin *o)
+{
+    void *mem;
+    gp_status st = gp_alloc(log, "parts", (size_t) w->parts, sizeof *w->chunks,
+                            &mem);
+    w->chunks = mem;
+    for (int i = 0; !st && i < w->parts; i++) {
+        int32_t n = gp_exr_chunk_count(&w->img);
+        if (i != w->part && (exr_get_chunk_count(o->exr, i, &n) || n < 1))
+            st = gp_fail(log, GP_ERR_DATA,
+                         "%s: part %d has no chunks (damaged header); copy or "
+                         "render the file again", w->job->f->path, i);
+        w->chunks[i] = n;
+    }
+    return st;
+}
+
+static gp_status make_header(const struct gp_log *log, struct writing *w,
+                             const struct gp_origin *o)
+{
+    const bool multi = w->parts > 1;
+    uint32_t flags = multi ? GP_EXR_MULTIPART : 0;
+    if (multi)
+        flags |= w->raw.version & GP_EXR_LONG_NAMES;
+    for (int i = 0; multi && i < w->parts; i++)
+        flags |= i != w->part && is_deep(o, i) ? GP_EXR_DEEP : 0;
+    const bool named = w->own && w->job->kept == GP_EXR_KEEP_ALL;
+    const struct gp_exr_attr *name =
+        named ? gp_exr_raw_find(w->own, "name", "string") : NULL;
+    char text[256] = "";
+    if (name) // the attribute has no null byte
+        memcpy(text, name->data,
+               name->size < sizeof text ? name->size : sizeof text - 1);
+
+    gp_exr_header_start(&w->header, flags);
+    for (int i = 0; i < w->parts; i++) {
+        if (i == w->part)
+            gp_exr_header_part(&w->header, w->job->f, &w->img, w->own,
+                               w->job->kept, name || multi ? text : NULL,
+                               multi ? w->chunks[i] : 0);
+        else
+            gp_exr_header_raw(&w->header, w->raw.part[i].bytes,
+                              w->raw.part[i].size);
+    }
+    if (multi)
+        gp_exr_header_raw(&w->header, "", 1);
+    return gp_exr_header_done(log, w->job->path, &w->header);
+}
+
+static gp_status write_parts(const struct gp_log *log, struct writing *w,
+                             const struct gp_origin *o,
+                             struct gp_write_stats *stats)
+{
+    gp_status st = gp_exr_out_begin(log, w->file, w->header.bytes,
+                                    w->header.size, w->chunks, w->parts,
+                                    &w->out);
+    for (int i = 0; !st && i < w->parts; i++) {
+        if (i == w->part)
+            st = gp_exr_encode(&w->out, i, &w->img, dwa_quality(w->own),
+                               stats);
+        else
+            st = gp_exr_out_copy(&w->out, i, w->job->f->path, o, &w->raw);
+    }
+    return st ? st : gp_exr_out_end(&w->out);
+}
+
+gp_status gp_exr_write_file(const struct gp_log *log,
+                            const struct gp_exr_job *job,
+                            struct gp_write_stats *stats)
+{
+    gp_status st;
+    const struct gp_origin *o = gp_origin_of(job->f);
+    struct writing w = {.job = job, .parts = 1};
+    struct gp_write_stats now = {0};
+    if (o && o->exr) {
+        GP_TRY(gp_exr_raw_read(log, job->f->path, o, &w.raw));
+        w.own = &w.raw.part[o->part];
+        if (job->kept == GP_EXR_KEEP_ALL) {
+            w.parts = o->parts;
+            w.part = o->part;
+        }
+    }
+    w.img = (struct gp_exr_image) {.data = job->f->data,
+                                   .compression = resolve(job->p, w.own),
+                                   .source = job->source,
+                                   .sources = job->sources};
+    GP_TRY(count_chunks(log, &w, o));
+    GP_TRY(make_header(log, &w, o));
+    GP_TRY(gp_file_open(log, job->path, job->p->create_dir, &w.file));
+    GP_TRY(write_parts(log, &w, o, &now));
+    GP_TRY(gp_file_commit(&w.file));
+    stats->clamped += now.clamped;
+out:
+    gp_file_discard(&w.file);
+    gp_exr_out_free(&w.out);
+    gp_exr_header_free(&w.header);
+    gp_exr_raw_free(&w.raw);
+    gp_free(w.chunks);
+    return st;
+}
+
+gp_status gp_exr_write_picture(const struct gp_log *log,
+                               const struct gp_write_params *p,
+                               const char *path, const struct gp_frame *f,
+                               const struct gp_planes *planes,
+                               enum gp_picture_kind kind,
+                               struct gp_write_stats *stats)
+{
+    struct gp_exr_sources s;
+    gp_status st = gp_exr_sources_picture(log, f, planes,
+                                          gp_exr_colour_type(p, f), &s);
+    if (st)
+        return st;
+    const struct gp_exr_job job = {
+        .p = p, .path = path, .f = f, .source = s.source,
+        .sources = s.sources,
+        .kept = kind == GP_PICTURE_SHOWN ? GP_EXR_KEEP_SHOWN
+                                         : GP_EXR_KEEP_SCENE,
+    };
+    st = gp_exr_write_file(log, &job, stats);
+    gp_exr_sources_free(&s);
+    return st;
+}

@@ -1,0 +1,74 @@
+/* One output file under way: whole under its final name, or not at all.
+ *
+ * A regular target is written as FOLDER/.NAME.PID.tmp and renamed by
+ * gp_file_commit(). A target that cannot be renamed onto ("-" for stdout, a
+ * pipe, a device) is gathered in memory and written in one go, because
+ * formats go back to fill in tables and a pipe cannot.
+ *
+ * Every function prints its own error line through the log given to
+ * gp_file_open(). The bytes on disk are not forced out (no fsync): a rename
+ * of data that a power cut loses is the file system's business.
+ */
+#ifndef GP_IO_FILE_H
+#define GP_IO_FILE_H
+
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+struct gp_file;
+
+/* Starts writing `path`. A symbolic link is followed, so that the link stays
+ * and what it points to is replaced; an existing file's permissions are kept.
+ *
+ *   log         borrowed until commit or discard
+ *   create_dir  make missing folders of the path
+ *   out         written only on GP_OK; ends with gp_file_commit() or
+ *               gp_file_discard()
+ *
+ * Errors: GP_ERR_IO no such folder, a folder of that name, not writable;
+ * GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log,
+                                     const char *path, bool create_dir,
+                                     struct gp_file **out);
+
+/* Appends `size` bytes. Errors: GP_ERR_IO with the system's reason. */
+GP_MUST_CHECK gp_status gp_file_write(struct gp_file *f, const void *data,
+                                      size_t size);
+
+/* Replaces bytes [at, at + size) of what was already written. */
+GP_MUST_CHECK gp_status gp_file_patch(struct gp_file *f, uint64_t at,
+                                      const void *data, size_t size);
+
+/* Bytes appended so far. */
+uint64_t gp_file_size(const struct gp_file *f);
+
+/* The name it is for, as the user gave it. */
+const char *gp_file_path(const struct gp_file *f);
+
+/* Ends the file under its final name and sets *f to NULL. When anything
+ * fails, here or in an earlier write, nothing stands under either name (a
+ * file that was there stays) and the status is GP_ERR_IO. */
+GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
+
+/* Gives the file up and removes what was written; NULL is fine. */
+void gp_file_discard(struct gp_file **f);
+
+/* Finds out before any work whether gp_file_open() has a chance: the folder
+ * is there and writable (or may be made), the name is no folder. */
+GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
+                                      const char *path, bool create_dir);
+
+/* True when a regular file stands under that name. */
+bool gp_file_exists(const char *path);
+
+/* Call once at start: SIGINT, SIGTERM and SIGHUP remove the temporary files
+ * that are under way and then end the process as they would have; a signal
+ * that the parent set to be ignored stays ignored. SIGPIPE is ignored from
+ * then on, so that a closed pipe is GP_ERR_IO and not a silent end. */
+void gp_file_cleanup_on_signal(void);
+
+#endif

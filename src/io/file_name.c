@@ -1,0 +1,115 @@
+#include "io/file_name.h"
+
+#include "core/memory.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { NAME_BYTES = 255 }; // of one path component, on all usual systems
+
+static bool starts(const char *s, const char *with)
+{
+    return strncmp(s, with, strlen(with)) == 0;
+}
+
+bool gp_file_is_straight(const char *path)
+{
+    struct stat s;
+    if (strcmp(path, "-") == 0 || starts(path, "/dev/fd/") ||
+        starts(path, "/dev/std") || starts(path, "/proc/"))
+        return true;
+    return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
+}
+
+/* Where the last component starts. */
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+char *gp_file_folder(const char *path)
+{
+    size_t n = (size_t) (base_of(path) - path);
+    if (n == 0)
+        return gp_strdup(".");
+    if (n > 1)
+        n--; // not the slash, unless it is the root
+    char *folder = malloc(n + 1);
+    if (folder) {
+        memcpy(folder, path, n);
+        folder[n] = '\0';
+    }
+    return folder;
+}
+
+char *gp_file_resolve(const char *path)
+{
+    struct stat s;
+    if (lstat(path, &s) == 0 && S_ISLNK(s.st_mode)) {
+        char *real = realpath(path, NULL);
+        if (real || errno != ENOENT)
+            return real;
+    }
+    return gp_strdup(path);
+}
+
+char *gp_file_temp_name(const char *path)
+{
+    const char *base = base_of(path);
+    char tail[32];
+    int tail_bytes = snprintf(tail, sizeof tail, ".%ld.tmp", (long) getpid());
+    int name_bytes = NAME_BYTES - 1 - tail_bytes;
+    if (strlen(base) < (size_t) name_bytes)
+        name_bytes = (int) strlen(base);
+    size_t size = (size_t) (base - path) + NAME_BYTES + 1;
+    char *name = malloc(size);
+    if (name)
+        snprintf(name, size, "%.*s.%.*s%s", (int) (base - path), path,
+                 name_bytes, base, tail);
+    return name;
+}
+
+static bool is_folder(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+}
+
+int gp_file_make_folders(const char *path)
+{
+    char *folder = gp_file_folder(path);
+    int result = folder ? 0 : -1;
+    for (char *p = folder + 1; result == 0; p++) {
+        const char keep = *p;
+        if (keep != '/' && keep != '\0')
+            continue;
+        *p = '\0';
+        if (mkdir(folder, 0777) && !is_folder(folder))
+            result = -1;
+        *p = keep;
+        if (keep == '\0')
+            break;
+    }
+    int error = errno;
+    gp_free(folder);
+    errno = error;
+    return result;
+}
+
+void gp_file_ending(const char *path, char *ending, int room)
+{
+    const char *base = base_of(path);
+    const char *dot = strrchr(base, '.');
+    ending[0] = '\0';
+    if (!dot || dot == base || strlen(dot + 1) >= (size_t) room)
+        return;
+    int n = 0;
+    for (const char *c = dot + 1; *c; c++)
+        ending[n++] = *c >= 'A' && *c <= 'Z' ? (char) (*c - 'A' + 'a') : *c;
+    ending[n] = '\0';
+}

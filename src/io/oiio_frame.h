@@ -1,0 +1,24 @@
+/* What the OpenImageIO bridge reads, as a frame. */
+#ifndef GP_IO_OIIO_FRAME_H
+#define GP_IO_OIIO_FRAME_H
+
+#include "io/oiio.h"
+#include "io/read.h"
+#include "io/stream.h"
+
+/* gp_read_frame() for a stream of any format but EXR; the stream stays the
+ * caller's. Contract and errors as there, and GP_ERR_IO when there is no
+ * bridge. */
+GP_MUST_CHECK gp_status gp_read_other(const struct gp_log *log,
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_stream *stream,
+                                      struct gp_frame *out);
+
+/* The same from an image that is already there; it stays the caller's. */
+GP_MUST_CHECK gp_status gp_frame_of_image(const struct gp_log *log,
+                                          const char *path,
+                                          const struct gp_oiio_image *image,
+                                          struct gp_frame *out);
+
+#endif

@@ -1,0 +1,290 @@
+// Reading and resizing by OpenImageIO. See io/oiio.h.
+#include "io/oiio_bridge.hpp"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+namespace {
+
+using OIIO::ImageInput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+// What a gp_oiio_image points into.
+struct Owned {
+    std::vector<float> pixels;
+    std::vector<std::string> text;
+    std::vector<const char *> names;
+    std::vector<gp_oiio_attribute> attributes;
+};
+
+// Bytes in memory as a file with a name, for formats whose reader wants one.
+class MemoryFile {
+public:
+    MemoryFile(const void *data, std::size_t size)
+        : fd_(memfd_create("glarepp", MFD_CLOEXEC))
+    {
+        const char *at = static_cast<const char *>(data);
+        while (fd_ >= 0 && size > 0) {
+            ssize_t n = ::write(fd_, at, size);
+            if (n <= 0)
+                throw std::runtime_error("no room for a copy in memory");
+            at += n;
+            size -= static_cast<std::size_t>(n);
+        }
+    }
+    ~MemoryFile()
+    {
+        if (fd_ >= 0)
+            ::close(fd_);
+    }
+    MemoryFile(const MemoryFile &) = delete;
+    MemoryFile &operator=(const MemoryFile &) = delete;
+    std::string path() const { return "/proc/self/fd/" + std::to_string(fd_); }
+
+private:
+    int fd_;
+};
+
+// Where the bytes come from; it lives as long as the reader.
+struct Source {
+    std::unique_ptr<MemoryFile> file;
+    std::unique_ptr<ImageInput> input;
+};
+
+Source open_source(const std::string &path, const void *data,
+                   std::size_t size)
+{
+    Source s;
+    std::string name = path;
+    if (data) {
+        s.file = std::make_unique<MemoryFile>(data, size);
+        name = s.file->path();
+    }
+    s.input = ImageInput::open(name);
+    if (!s.input)
+        throw std::runtime_error(OIIO::geterror());
+    return s;
+}
+
+void check_size(const ImageSpec &spec, long long max_pixels)
+{
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+        throw std::runtime_error("no pixels");
+    if (spec.depth > 1)
+        throw std::runtime_error("a volume, not a picture");
+    if (spec.deep)
+        throw std::runtime_error("deep data");
+    long long pixels = static_cast<long long>(spec.width) * spec.height;
+    if (pixels > max_pixels)
+        throw std::runtime_error(
+            "too large: " + std::to_string(spec.width) + " x " +
+            std::to_string(spec.height) + " pixels, at most " +
+            std::to_string(max_pixels));
+}
+
+// EXR's uint32 channels, whose values floats cannot hold, bit by bit.
+void read_uints(ImageInput &input, const ImageSpec &spec, int part,
+                std::vector<float> &pixels)
+{
+    const std::size_t n = static_cast<std::size_t>(spec.nchannels);
+    for (int c = 0; c < spec.nchannels; c++) {
+        if (spec.channelformat(c) != TypeDesc::UINT32)
+            continue;
+        std::vector<unsigned> bits(pixels.size() / n);
+        if (!input.read_image(part, 0, c, c + 1, TypeDesc::UINT32,
+                              bits.data()))
+            throw std::runtime_error(input.geterror());
+        for (std::size_t i = 0; i < bits.size(); i++)
+            std::memcpy(&pixels[i * n + static_cast<std::size_t>(c)],
+                        &bits[i], sizeof bits[i]);
+    }
+}
+
+void add_attribute(const OIIO::ParamValue &p, Owned &own)
+{
+    gp_oiio_attribute a = {};
+    if (p.type() == TypeDesc::STRING)
+        a.kind = 0;
+    else if (p.type() == TypeDesc::INT)
+        a.kind = 1;
+    else if (p.type() == TypeDesc::FLOAT)
+        a.kind = 2;
+    else
+        return; // no other type goes into every format
+    own.text.push_back(p.name().string());
+    own.text.push_back(a.kind == 0 ? p.get_string() : std::string());
+    a.whole = a.kind == 1 ? p.get_int() : 0;
+    a.real = a.kind == 2 ? p.get_float() : 0.0f;
+    own.attributes.push_back(a);
+}
+
+// Pointers into `own` are taken last, when its vectors no longer move.
+void describe(const ImageSpec &spec, Owned &own, gp_oiio_image *out)
+{
+    for (const std::string &name : spec.channelnames)
+        own.text.push_back(name);
+    own.text.push_back(spec.get_string_attribute("oiio:ColorSpace"));
+    const std::size_t first = own.text.size();
+    for (const OIIO::ParamValue &p : spec.extra_attribs)
+        add_attribute(p, own);
+    const std::size_t n = static_cast<std::size_t>(spec.nchannels);
+    for (std::size_t i = 0; i < n; i++)
+        own.names.push_back(own.text[i].c_str());
+    for (std::size_t i = 0; i < own.attributes.size(); i++) {
+        own.attributes[i].name = own.text[first + 2 * i].c_str();
+        own.attributes[i].text = own.text[first + 2 * i + 1].c_str();
+    }
+    out->x = spec.x;
+    out->y = spec.y;
+    out->w = spec.width;
+    out->h = spec.height;
+    out->full_x = spec.full_x;
+    out->full_y = spec.full_y;
+    out->full_w = spec.full_width;
+    out->full_h = spec.full_height;
+    out->channels = spec.nchannels;
+    out->channel_name = own.names.data();
+    out->half = spec.format == TypeDesc::HALF;
+    out->bits = spec.format.is_floating_point()
+                    ? 0 : static_cast<int>(8 * spec.format.size());
+    out->pixels = own.pixels.data();
+    const OIIO::ParamValue *c = spec.find_attribute(
+        "chromaticities", TypeDesc(TypeDesc::FLOAT, 8));
+    out->has_chromaticities = c != nullptr;
+    if (c)
+        std::memcpy(out->chromaticities, c->data(),
+                    sizeof out->chromaticities);
+    out->colour_space = own.text[n].c_str();
+    out->attribute = own.attributes.data();
+    out->attributes = static_cast<int>(own.attributes.size());
+}
+
+int read(const char *path, const void *data, std::size_t size, int part,
+         long long max_pixels, gp_oiio_image *out, char *why,
+         std::size_t why_size)
+try {
+    Source s = open_source(path, data, size);
+    if (!s.input->seek_subimage(part, 0))
+        throw std::runtime_error("part " + std::to_string(part) +
+                                 " is not there");
+    const ImageSpec spec = s.input->spec();
+    check_size(spec, max_pixels);
+    auto own = std::make_unique<Owned>();
+    own->pixels.resize(spec.image_pixels() *
+                       static_cast<std::size_t>(spec.nchannels));
+    if (!s.input->read_image(part, 0, 0, spec.nchannels, TypeDesc::FLOAT,
+                             own->pixels.data()))
+        throw std::runtime_error(s.input->geterror());
+    if (std::strcmp(s.input->format_name(), "openexr") == 0)
+        read_uints(*s.input, spec, part, own->pixels);
+    *out = {};
+    describe(spec, *own, out);
+    out->own = own.release();
+    return 0;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+}
+
+void image_free(gp_oiio_image *image)
+{
+    delete static_cast<Owned *>(image->own);
+    *image = {};
+}
+
+// Scales each channel of `to` so that its mean is that of `from`. A mean that
+// cancels, or changes a lot, says nothing about flux and is left alone.
+void keep_means(const gp_oiio_image *from, gp_oiio_image *to)
+{
+    const int n = to->channels;
+    const std::size_t in = static_cast<std::size_t>(from->w) *
+                           static_cast<std::size_t>(from->h);
+    const std::size_t out =
+        static_cast<std::size_t>(to->w) * static_cast<std::size_t>(to->h);
+    for (int c = 0; c < n; c++) {
+        double a = 0.0, b = 0.0;
+        for (std::size_t i = 0; i < in; i++)
+            a += static_cast<double>(from->pixels[i * n + c]);
+        for (std::size_t i = 0; i < out; i++)
+            b += static_cast<double>(to->pixels[i * n + c]);
+        double scale = (a / static_cast<double>(in)) /
+                       (b / static_cast<double>(out));
+        if (!(scale > 0.5 && scale < 2.0))
+            continue;
+        for (std::size_t i = 0; i < out; i++)
+            to->pixels[i * n + c] *= static_cast<float>(scale);
+    }
+}
+
+int resize(const gp_oiio_image *img, int w, int h, gp_oiio_image *out,
+           char *why, std::size_t why_size)
+try {
+    ImageSpec in(img->w, img->h, img->channels, TypeDesc::FLOAT);
+    for (int c = 0; c < img->channels && img->channel_name; c++)
+        in.channelnames[static_cast<std::size_t>(c)] = img->channel_name[c];
+    OIIO::ImageBuf from(in, img->pixels);
+    ImageSpec wanted(w, h, img->channels, TypeDesc::FLOAT);
+    wanted.channelnames = in.channelnames;
+    OIIO::ImageBuf to(wanted);
+    if (!OIIO::ImageBufAlgo::resize(to, from, "lanczos3"))
+        throw std::runtime_error(to.geterror());
+    auto own = std::make_unique<Owned>();
+    own->pixels.resize(wanted.image_pixels() *
+                       static_cast<std::size_t>(img->channels));
+    if (!to.get_pixels(OIIO::ROI::All(), TypeDesc::FLOAT,
+                       own->pixels.data()))
+        throw std::runtime_error(to.geterror());
+    *out = {};
+    describe(wanted, *own, out);
+    out->own = own.release();
+    keep_means(img, out);
+    return 0;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+}
+
+const struct gp_oiio_api api = {
+    GP_OIIO_API_VERSION, read,   image_free, gp_oiio_write,
+    gp_oiio_can_write,   resize,
+};
+
+} // namespace
+
+int gp_oiio_why(char *why, std::size_t why_size, const std::string &text)
+{
+    if (why_size == 0)
+        return -1;
+    std::size_t n = std::min(text.size(), why_size - 1);
+    std::copy_n(text.begin(), n, why);
+    why[n] = '\0';
+    std::replace(why, why + n, '\n', ' ');
+    std::replace(why, why + n, '\r', ' ');
+    return -1;
+}
+
+extern "C" __attribute__((visibility("default"))) const struct gp_oiio_api *
+gp_oiio_api(void)
+{
+    return &api;
+}

@@ -1,0 +1,103 @@
+// Writing by OpenImageIO. See io/oiio.h.
+#include "io/oiio_bridge.hpp"
+
+#include <OpenImageIO/imageio.h>
+
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+namespace {
+
+using OIIO::ImageOutput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+TypeDesc type_of(const std::string &type)
+{
+    if (type == "half")
+        return TypeDesc::HALF;
+    if (type == "uint8")
+        return TypeDesc::UINT8;
+    if (type == "uint16")
+        return TypeDesc::UINT16;
+    return TypeDesc::FLOAT;
+}
+
+// enum gp_pixel_type
+TypeDesc type_of_channel(int type)
+{
+    return type == 0   ? TypeDesc::UINT32
+           : type == 1 ? TypeDesc::HALF
+                       : TypeDesc::FLOAT;
+}
+
+ImageSpec make_spec(const gp_oiio_image *img, const std::string &type,
+                    const std::string &compression)
+{
+    ImageSpec spec(img->w, img->h, img->channels, type_of(type));
+    spec.x = img->x;
+    spec.y = img->y;
+    spec.full_x = img->full_x;
+    spec.full_y = img->full_y;
+    spec.full_width = img->full_w;
+    spec.full_height = img->full_h;
+    for (int c = 0; c < img->channels && img->channel_name; c++)
+        spec.channelnames[static_cast<std::size_t>(c)] = img->channel_name[c];
+    for (int c = 0; c < img->channels && img->channel_type; c++)
+        spec.channelformats.push_back(type_of_channel(img->channel_type[c]));
+    if (img->channels == 4 && !img->native) {
+        spec.alpha_channel = 3;
+        if (type == "uint8" || type == "uint16")
+            spec.attribute("oiio:UnassociatedAlpha", 1);
+    }
+    if (img->colour_space && img->colour_space[0])
+        spec.attribute("oiio:ColorSpace", img->colour_space);
+    if (img->has_chromaticities)
+        spec.attribute("chromaticities", TypeDesc(TypeDesc::FLOAT, 8),
+                       img->chromaticities);
+    if (!compression.empty())
+        spec.attribute("compression", compression);
+    return spec;
+}
+
+} // namespace
+
+int gp_oiio_write(const char *path, const char *format,
+                  const struct gp_oiio_image *img, const char *type,
+                  const char *compression, char *why, std::size_t why_size)
+try {
+    std::unique_ptr<ImageOutput> out = ImageOutput::create(format);
+    if (!out)
+        return gp_oiio_why(why, why_size, OIIO::geterror());
+    const ImageSpec spec = make_spec(img, type, compression);
+    if (!out->open(path, spec))
+        return gp_oiio_why(why, why_size, out->geterror());
+    // TypeUnknown: each channel in its own type, as spec.channelformats says
+    const bool written =
+        img->native ? out->write_image(TypeDesc::UNKNOWN, img->native)
+                    : out->write_image(TypeDesc::FLOAT, img->pixels);
+    const bool closed = out->close();
+    if (!written || !closed)
+        return gp_oiio_why(why, why_size, out->geterror());
+    return 0;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+}
+
+int gp_oiio_can_write(const char *format)
+try {
+    const std::string name = format;
+    // they write nowhere, or pictures of letters to the terminal
+    if (name.empty() || name == "null" || name == "term")
+        return 0;
+    std::unique_ptr<ImageOutput> out = ImageOutput::create(name);
+    (void) OIIO::geterror(); // an unknown name is an answer, not a fault
+    return out != nullptr;
+} catch (...) {
+    return 0;
+}

@@ -1,0 +1,245 @@
+#include "io/other_write.h"
+
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/bridge_write.h"
+#include "io/file.h"
+#include "io/picture.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* What a format can hold; a format that is not listed is taken for one of 8
+ * bits without alpha. */
+struct format {
+    const char *ending;
+    int bits;      // most bits of an integer sample; 0 holds none
+    bool floats, alpha;
+};
+
+static const struct format formats[] = {
+    {"hdr", 0, true, false},   {"rgbe", 0, true, false},
+    {"pfm", 0, true, false},   {"tif", 16, true, true},
+    {"tiff", 16, true, true},  {"dpx", 16, false, false},
+    {"sgi", 16, false, false}, {"jp2", 16, false, false},
+    {"j2k", 16, false, false}, {"tga", 8, false, true},
+    {"webp", 8, false, true},
+};
+
+static struct format find_format(const char *ending)
+{
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        if (strcmp(formats[i].ending, ending) == 0)
+            return formats[i];
+    }
+    return (struct format) {ending, 8, false, false};
+}
+
+static bool is_tiff(const struct format *t)
+{
+    return t->floats && t->bits > 0;
+}
+
+/* OpenImageIO's names of the compressions that TIFF has as well; NULL for
+ * those that it has not. */
+static const char *tiff_compression(enum gp_compression c)
+{
+    switch (c) {
+    case GP_COMPRESSION_AUTO:
+        return "";
+    case GP_COMPRESSION_NONE:
+        return "none";
+    case GP_COMPRESSION_RLE:
+        return "packbits";
+    case GP_COMPRESSION_ZIPS:
+    case GP_COMPRESSION_ZIP:
+        return "zip";
+    default:
+        return NULL;
+    }
+}
+
+gp_status gp_other_check(const struct gp_log *log,
+                         const struct gp_write_params *p, const char *path,
+                         const char *ending)
+{
+    const struct format t = find_format(ending);
+    bool can = strcmp(ending, "pfm") == 0; // written here
+    if (is_tiff(&t) && !tiff_compression(p->compression))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: TIFF has no such compression; use none, rle or "
+                       "zip", path);
+    if (t.bits > 0 && p->depth_bits > t.bits)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: .%s holds %d bits (--depth-bits %d); use .png, "
+                       ".tif or .exr", path, ending, t.bits, p->depth_bits);
+    if (!can && ending[0]) {
+        gp_status st = gp_bridge_can_write(log, path, ending, &can);
+        if (st)
+            return st;
+    }
+    if (!can)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: unknown format (ending %s%s); end the name in "
+                       ".exr, .png or what OpenImageIO writes", path,
+                       ending[0] ? "." : "is missing", ending);
+    return GP_OK;
+}
+
+// -- pixels -------------------------------------------------------------------
+
+struct gathering {
+    const struct gp_picture *pic;
+    struct gp_picture_row *rows;
+    float *to;     // interleaved
+    bool integer;  // codes as fractions of the largest
+};
+
+static void gather_row(void *ctx, int y, int thread)
+{
+    const struct gathering *g = ctx;
+    const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
+    const float max = (float) ((1 << g->pic->bits) - 1);
+    struct gp_picture_row *row = &g->rows[thread];
+    float *to = g->to + (size_t) y * w * n;
+    if (g->integer)
+        gp_picture_codes(g->pic, y, row);
+    else
+        gp_picture_floats(g->pic, y, row);
+    for (size_t c = 0; c < n; c++) {
+        for (size_t x = 0; x < w; x++)
+            to[x * n + c] = g->integer ? (float) row->code[c][x] / max
+                                       : row->linear[c][x];
+    }
+}
+
+static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
+                        bool integer, float **out)
+{
+    void *mem;
+    struct gathering g = {.pic = pic, .integer = integer};
+    gp_status st = gp_alloc(log, "picture", (size_t) pic->width *
+                            (size_t) pic->height, (size_t) pic->channels *
+                            sizeof(float), &mem);
+    *out = mem;
+    if (st)
+        return st;
+    g.to = *out;
+    st = gp_picture_rows_make(log, pic, &g.rows);
+    if (!st)
+        gp_parallel_do(pic->height, gather_row, &g);
+    if (g.rows)
+        gp_picture_rows_free(&g.rows);
+    return st;
+}
+
+// -- files --------------------------------------------------------------------
+
+/* Portable float map, by P. Debevec: "PF", size, -1 for little-endian, rows
+ * from the bottom. */
+static gp_status write_pfm(struct gp_file *file, const struct gp_picture *pic,
+                           const float *pixels)
+{
+    char head[64];
+    const size_t row = (size_t) pic->width * 3;
+    const int n = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n", pic->width,
+                           pic->height);
+    gp_status st = gp_file_write(file, head, (size_t) n);
+    for (int y = pic->height - 1; !st && y >= 0; y--)
+        st = gp_file_write(file, pixels + (size_t) y * row,
+                           row * sizeof *pixels);
+    return st;
+}
+
+static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
+                             const struct gp_stream *s)
+{
+    enum { BLOCK_BYTES = 1 << 18 };
+    void *block;
+    uint64_t at = 0;
+    gp_status st = gp_alloc(log, "block", BLOCK_BYTES, 1, &block);
+    while (!st && at < s->size) {
+        const int64_t n = gp_stream_read(s, block, BLOCK_BYTES, at);
+        if (n <= 0)
+            st = gp_fail(log, GP_ERR_BUG, "%s: lost in memory",
+                         gp_file_path(file));
+        else
+            st = gp_file_write(file, block, (size_t) n);
+        at += n > 0 ? (uint64_t) n : 0;
+    }
+    gp_free(block);
+    return st;
+}
+
+static gp_status write_bridge(const struct gp_log *log,
+                              const struct gp_write_params *p,
+                              struct gp_file *file, const struct format *t,
+                              const struct gp_picture *pic, float *pixels,
+                              bool integer, enum gp_picture_kind kind)
+{
+    static const char *const names[] = {"R", "G", "B", "A"};
+    struct gp_stream s;
+    struct gp_oiio_image img = {
+        .w = pic->width, .h = pic->height, .full_w = pic->width,
+        .full_h = pic->height, .channels = pic->channels,
+        .channel_name = names, .pixels = pixels,
+        .colour_space = integer ? "sRGB" : "Linear",
+    };
+    const char *type = p->type == GP_OUT_HALF ? "half" : "float";
+    if (integer)
+        type = p->depth_bits == 16 ? "uint16" : "uint8";
+    if (kind == GP_PICTURE_SCENE) {
+        img.has_chromaticities = 1;
+        memcpy(img.chromaticities, pic->f->chromaticities,
+               sizeof img.chromaticities);
+    }
+    gp_status st = gp_bridge_write(log, gp_file_path(file), t->ending, &img,
+                                   type, is_tiff(t)
+                                   ? tiff_compression(p->compression) : "",
+                                   &s);
+    if (!st)
+        st = copy_stream(log, file, &s);
+    gp_stream_close(&s);
+    return st;
+}
+
+/* Integers where the format has nothing else, or nothing says otherwise. */
+static bool is_integer(const struct format *t, const struct gp_write_params *p,
+                       enum gp_picture_kind kind)
+{
+    if (!is_tiff(t))
+        return !t->floats;
+    return p->type == GP_OUT_AUTO && kind == GP_PICTURE_SHOWN;
+}
+
+gp_status gp_other_write(const struct gp_log *log,
+                         const struct gp_write_params *p, const char *path,
+                         const char *ending, const struct gp_frame *f,
+                         const struct gp_planes *planes,
+                         enum gp_picture_kind kind)
+{
+    gp_status st;
+    const struct format t = find_format(ending);
+    const bool integer = is_integer(&t, p, kind);
+    struct gp_write_params own = *p;
+    struct gp_picture pic = {0};
+    struct gp_file *file = NULL;
+    float *pixels = NULL;
+    if (!t.alpha)
+        own.alpha = GP_ALPHA_BLACK;
+    GP_TRY(gp_other_check(log, p, path, ending));
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, integer, &pic));
+    GP_TRY(gather(log, &pic, integer, &pixels));
+    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    if (strcmp(ending, "pfm") == 0)
+        GP_TRY(write_pfm(file, &pic, pixels));
+    else
+        GP_TRY(write_bridge(log, &own, file, &t, &pic, pixels, integer, kind));
+    GP_TRY(gp_file_commit(&file));
+out:
+    gp_file_discard(&file);
+    gp_free(pixels);
+    gp_picture_free(&pic);
+    return st;
+}

@@ -1,0 +1,71 @@
+/* A frame's planes as a picture for formats that show the display window. */
+#ifndef GP_IO_PICTURE_H
+#define GP_IO_PICTURE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "io/write.h"
+
+#include <stdint.h>
+
+/* Scratch for one row; one a thread. */
+struct gp_picture_row {
+    uint16_t *code[4];  // width codes of each channel
+    float *linear[4];   // the same as values, for gp_picture_floats()
+    void *own;
+};
+
+struct gp_picture {
+    int width, height;  // of the display window
+    int channels;       // 3, or 4 with alpha
+    int bits;           // of a code, 8 or 16
+    bool dither;
+    const struct gp_frame *f;
+    const struct gp_planes *planes;
+    float *alpha;       // of the data window, or NULL
+    struct gp_quantizer *quantizer;
+};
+
+/* Prepares rows of `planes`.
+ *
+ *   p      depth_bits, dither and alpha are used. With GP_ALPHA_KEEP and an
+ *          alpha channel beside the colour the picture has four channels
+ *   codes  false when only gp_picture_floats() will be called
+ *   out    empty on failure; free with gp_picture_free()
+ *
+ * Errors: GP_ERR_DATA a display window of more than 2^28 pixels (headers may
+ * claim any); GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
+                                        const struct gp_write_params *p,
+                                        const char *path,
+                                        const struct gp_frame *f,
+                                        const struct gp_planes *planes,
+                                        bool codes, struct gp_picture *out);
+void gp_picture_free(struct gp_picture *pic);
+
+/* Scratch for gp_threads() threads into *rows; free with
+ * gp_picture_rows_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_picture_rows_make(const struct gp_log *log,
+                                             const struct gp_picture *pic,
+                                             struct gp_picture_row **rows);
+void gp_picture_rows_free(struct gp_picture_row **rows);
+
+/* Row y of the display window, 0 at its top, as sRGB codes in row->code.
+ * Pixels outside the data window are 0 in all channels.
+ *
+ * With alpha the colours are not associated, as PNG wants them. A pixel may
+ * hold more light than its opacity A lets through, above all where A is 0 and
+ * glare shines over an empty background. Alpha is raised to the largest
+ * component there: a = max(A, R, G, B), each clamped to [0, 1], so that
+ * colour / a stays within 1 and the picture put over black is, pixel by
+ * pixel, the picture without alpha.
+ */
+void gp_picture_codes(const struct gp_picture *pic, int y,
+                      struct gp_picture_row *row);
+
+/* The same row as values as they are, associated alpha, in row->linear. */
+void gp_picture_floats(const struct gp_picture *pic, int y,
+                       struct gp_picture_row *row);
+
+#endif

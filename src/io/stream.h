@@ -1,0 +1,40 @@
+/* The bytes of an input: a file, or all of stdin or a pipe in memory. */
+#ifndef GP_IO_STREAM_H
+#define GP_IO_STREAM_H
+
+#include "core/status.h"
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct gp_stream {
+    int fd;         // a regular file, or -1
+    uint8_t *data;  // all bytes, or NULL when fd is used
+    uint64_t size;
+};
+#define GP_STREAM_EMPTY { .fd = -1 }
+
+/* Opens `path`, or stdin for "-". Regular files stay on disk and are read
+ * with pread(): a file that shrinks meanwhile is a short read and never a
+ * signal. Everything else (pipes, terminals) is read to its end into memory.
+ *
+ *   limit  most bytes to take from a pipe, >= 1
+ *   s      written always; empty on failure
+ *
+ * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty, or
+ * a pipe that gives more than `limit`.
+ */
+GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
+                                       const char *path, uint64_t limit,
+                                       struct gp_stream *s);
+
+/* Reads up to `n` bytes at `offset`. Returns how many there were, which is
+ * less than n only at the end, or -1 with errno. Any number of threads may
+ * read at once. */
+int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,
+                       uint64_t offset);
+
+/* Closes and frees; an empty or closed stream is fine. */
+void gp_stream_close(struct gp_stream *s);
+
+#endif

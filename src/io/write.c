@@ -1,0 +1,62 @@
+#include "io/write.h"
+
+#include "io/bridge_write.h"
+#include "io/exr_write.h"
+#include "io/file.h"
+#include "io/file_name.h"
+#include "io/other_write.h"
+#include "io/png_write.h"
+
+#include <string.h>
+
+enum { ENDING_BYTES = 16 };
+
+/* The ending that decides; "-" is EXR. */
+static void format_of(const char *path, char ending[ENDING_BYTES])
+{
+    if (strcmp(path, "-") == 0)
+        strcpy(ending, "exr");
+    else
+        gp_file_ending(path, ending, ENDING_BYTES);
+}
+
+bool gp_write_would_clobber(const struct gp_write_params *p, const char *path)
+{
+    return p->no_clobber && strcmp(path, "-") != 0 && gp_file_exists(path);
+}
+
+gp_status gp_write_check(const struct gp_log *log,
+                         const struct gp_write_params *p, const char *path)
+{
+    char ending[ENDING_BYTES];
+    format_of(path, ending);
+    if (strcmp(ending, "exr") != 0 && strcmp(ending, "png") != 0) {
+        gp_status st = gp_other_check(log, p, path, ending);
+        if (st)
+            return st;
+    } else if (p->compression >= GP_COMPRESSION_DWAA && ending[0] == 'e') {
+        bool can; // DWA is made by it
+        gp_status st = gp_bridge_can_write(log, path, ending, &can);
+        if (st)
+            return st;
+    }
+    return gp_file_check(log, path, p->create_dir);
+}
+
+gp_status gp_write_picture(const struct gp_log *log,
+                           const struct gp_write_params *p, const char *path,
+                           const struct gp_frame *f,
+                           const struct gp_planes *planes,
+                           enum gp_picture_kind kind,
+                           struct gp_write_stats *stats)
+{
+    char ending[ENDING_BYTES];
+    format_of(path, ending);
+    if (gp_write_would_clobber(p, path))
+        return GP_OK;
+    if (strcmp(ending, "exr") == 0)
+        return gp_exr_write_picture(log, p, path, f, planes, kind, stats);
+    if (strcmp(ending, "png") == 0)
+        return gp_png_write(log, p, path, f, planes, kind);
+    return gp_other_write(log, p, path, ending, f, planes, kind);
+}

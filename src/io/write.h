@@ -1,0 +1,100 @@
+/* Pictures out. */
+#ifndef GP_IO_WRITE_H
+#define GP_IO_WRITE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+
+/* Values of --type; AUTO keeps the input's type. */
+enum gp_out_type { GP_OUT_AUTO, GP_OUT_HALF, GP_OUT_FLOAT };
+
+/* Values of --compression, in OpenEXR's numbering; AUTO keeps an EXR input's
+ * own when it is lossless and is zip else. */
+enum gp_compression {
+    GP_COMPRESSION_AUTO = -1,
+    GP_COMPRESSION_NONE = 0,
+    GP_COMPRESSION_RLE,
+    GP_COMPRESSION_ZIPS,
+    GP_COMPRESSION_ZIP,
+    GP_COMPRESSION_PIZ,
+    GP_COMPRESSION_PXR24,
+    GP_COMPRESSION_B44,
+    GP_COMPRESSION_B44A,
+    GP_COMPRESSION_DWAA,
+    GP_COMPRESSION_DWAB,
+};
+
+enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP };
+
+struct gp_write_params {
+    enum gp_out_type type;
+    enum gp_compression compression;
+    int depth_bits;             // PNG and other integer formats: 8 or 16
+    bool dither;                // before rounding to integers
+    enum gp_alpha alpha;        // pictures: over black, or keep A
+    bool no_clobber, create_dir;
+};
+#define GP_WRITE_DEFAULTS                                                     \
+    { .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO,                \
+      .depth_bits = 8 }
+
+/* How many values did not fit the file's type, added up for the report. */
+struct gp_write_stats {
+    long long clamped;
+};
+
+/* What the planes of a picture are. */
+enum gp_picture_kind {
+    GP_PICTURE_SCENE,  // scene-linear, in the frame's own primaries
+    GP_PICTURE_SHOWN,  // display-linear BT.709; the file says so
+};
+
+/* Writes `planes` (w * h of f's data window) with the frame's windows,
+ * chromaticities and attributes, as a three-channel picture. The ending of
+ * `path` picks the format: .exr here, .png by libpng, all else by the
+ * OpenImageIO bridge; "-" writes EXR to stdout.
+ *
+ * EXR and other float formats store the values as they are. Integer formats
+ * show the display window (pixels outside the data window are black), clamped
+ * to [0,1] and encoded with the sRGB curve, with the colour chunks that say so.
+ *
+ * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
+ * nothing stands under either name, and a file that was there stays whole.
+ * Errors: GP_ERR_IO with the system's reason; GP_ERR_USAGE unknown ending,
+ * or a compression that the format lacks.
+ */
+GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
+                                         const struct gp_write_params *p,
+                                         const char *path,
+                                         const struct gp_frame *f,
+                                         const struct gp_planes *planes,
+                                         enum gp_picture_kind kind,
+                                         struct gp_write_stats *stats);
+
+/* Writes an EXR in which the colour channels hold `planes` and every other
+ * channel, attribute and part of the input passes through: channels of the
+ * same part sample by sample, other parts chunk by chunk as they are.
+ * Luminance-chroma and grey inputs: grey stays one channel when the planes
+ * are equal, else R,G,B take its place.
+ */
+GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
+                                     const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     const struct gp_planes *planes,
+                                     struct gp_write_stats *stats);
+
+/* True when no_clobber is set and a regular file stands under that name. The
+ * writing functions leave it alone then and return GP_OK; asked before a
+ * frame is read, it saves the work. */
+bool gp_write_would_clobber(const struct gp_write_params *p, const char *path);
+
+/* Checks before any frame is read that `path` could be written with these
+ * params: folder exists (or create_dir), ending known. Same errors. */
+GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,
+                                       const struct gp_write_params *p,
+                                       const char *path);
+
+#endif

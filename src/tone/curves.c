@@ -1,0 +1,293 @@
+/* The operators but AgX, each a few lines of arithmetic without branches, so
+ * that compilers vectorise them. All clamp their input first, where NaN becomes
+ * the lower end. */
+#include "tone/tone.h"
+
+#include "core/cpu.h"
+#include "tone/agx.h"
+
+#include <string.h>
+
+/* Without this GCC keeps a branch wherever an unused division might raise an
+ * exception flag, and vectorises nothing. Values are the same. */
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC optimize("no-trapping-math")
+#endif
+
+/* Every curve has reached its end far below; squares of it stay finite. */
+#define LIGHT_MAX 1e15f
+
+static inline float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+/* Negative light is none: a colour outside BT.709 loses that primary. */
+static inline float light(float x)
+{
+    x = x > 0.0f ? x : 0.0f;
+    return least(x, LIGHT_MAX);
+}
+
+static inline float luminance(float r, float g, float b)
+{
+    return 0.2126f * r + 0.7152f * g + 0.0722f * b; // BT.709
+}
+
+// -- Reinhard -----------------------------------------------------------------
+
+/* A saturated colour of displayable luminance y may need more of a primary
+ * than the display has. It then moves towards the grey of its own luminance
+ * until it fits, which keeps luminance and hue, and gives up saturation:
+ *   y + (c - y) (1 - y) / (top - y)  =  1 - (top - c) (1 - y) / (top - y)
+ * `rest` is 1 - y, from the curve's equation, and top - y is made of
+ * differences: neither cancels. */
+static inline float shrink(float r, float g, float b, float top, float rest)
+{
+    float gap = luminance(top - r, top - g, top - b);
+    return rest / most(gap, 1e-30f); // grey has no gap, and needs none
+}
+
+static inline float fit(float channel, float top, float by)
+{
+    float inside = most(1.0f - (top - channel) * by, 0.0f);
+    return least(top > 1.0f ? inside : channel, 1.0f);
+}
+
+/* Eq. 3: L_d = L / (1 + L); the colour is scaled by L_d / L. */
+GP_CLONES static void reinhard(float *restrict r, float *restrict g,
+                               float *restrict b, size_t n, float white)
+{
+    (void) white;
+    for (size_t i = 0; i < n; i++) {
+        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
+        float rest = 1.0f / (1.0f + luminance(r0, g0, b0)); // 1 - L_d
+        r0 *= rest;
+        g0 *= rest;
+        b0 *= rest;
+        float top = most(r0, most(g0, b0));
+        float by = shrink(r0, g0, b0, top, rest);
+        r[i] = fit(r0, top, by);
+        g[i] = fit(g0, top, by);
+        b[i] = fit(b0, top, by);
+    }
+}
+
+/* Eq. 4: L_d = L (1 + L / L_white^2) / (1 + L), which is 1 at L_white;
+ * 1 - L_d = (1 - (L / L_white)^2) / (1 + L). From L_white on this is held at
+ * 0, and fit() gives white. */
+GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
+                                        float *restrict b, size_t n,
+                                        float white)
+{
+    white = most(white, 1.0f / LIGHT_MAX);
+    const float per_white = 1.0f / white;
+    for (size_t i = 0; i < n; i++) {
+        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
+        float y = luminance(r0, g0, b0), part = least(y * per_white, 1.0f);
+        float open = 1.0f / (1.0f + y);
+        float rest = (1.0f - part) * (1.0f + part) * open;
+        float scale = (1.0f + part * per_white) * open;
+        r0 *= scale;
+        g0 *= scale;
+        b0 *= scale;
+        float top = most(r0, most(g0, b0));
+        float by = shrink(r0, g0, b0, top, rest);
+        r[i] = fit(r0, top, by);
+        g[i] = fit(g0, top, by);
+        b[i] = fit(b0, top, by);
+    }
+}
+
+// -- ACES ---------------------------------------------------------------------
+
+/* BT.709 to the rendering transform's primaries, with its saturation. */
+static const float aces_in[9] = {
+    0.59719f, 0.35458f, 0.04823f,
+    0.07600f, 0.90834f, 0.01566f,
+    0.02840f, 0.13383f, 0.83777f,
+};
+/* From there to BT.709, with the output transform's saturation. */
+static const float aces_out[9] = {
+    1.60475f,  -0.53108f, -0.07367f,
+    -0.10208f, 1.10813f,  -0.00605f,
+    -0.00327f, -0.07276f, 1.07602f,
+};
+
+static inline float row(const float m[3], float r, float g, float b)
+{
+    return m[0] * r + m[1] * g + m[2] * b;
+}
+
+static inline float aces_fit(float v)
+{
+    return (v * (v + 0.0245786f) - 0.000090537f) /
+           (v * (0.983729f * v + 0.4329510f) + 0.238081f);
+}
+
+/* Colours outside BT.709 pass into the wider primaries as they are. */
+GP_CLONES static void aces(float *restrict r, float *restrict g,
+                           float *restrict b, size_t n, float white)
+{
+    (void) white;
+    for (size_t i = 0; i < n; i++) {
+        float r0 = least(most(r[i], -LIGHT_MAX), LIGHT_MAX);
+        float g0 = least(most(g[i], -LIGHT_MAX), LIGHT_MAX);
+        float b0 = least(most(b[i], -LIGHT_MAX), LIGHT_MAX);
+        float r1 = aces_fit(light(row(aces_in, r0, g0, b0)));
+        float g1 = aces_fit(light(row(aces_in + 3, r0, g0, b0)));
+        float b1 = aces_fit(light(row(aces_in + 6, r0, g0, b0)));
+        r[i] = least(light(row(aces_out, r1, g1, b1)), 1.0f);
+        g[i] = least(light(row(aces_out + 3, r1, g1, b1)), 1.0f);
+        b[i] = least(light(row(aces_out + 6, r1, g1, b1)), 1.0f);
+    }
+}
+
+// -- Hable --------------------------------------------------------------------
+
+/* ((x (A x + C B) + D E) / (x (A x + B) + D F)) - E / F with a shoulder A,
+ * linear strength B, linear angle C, toe D, toe angle E / F; over one fraction
+ * bar, where the constants cancel and black is exactly black. */
+static inline float hable_curve(float x)
+{
+    const float a = 0.15f, b = 0.50f, c = 0.10f, d = 0.20f, f = 0.30f;
+    const float toe = 0.02f / 0.30f; // E / F
+    return x * (a * (1.0f - toe) * x + b * (c - toe)) /
+           (x * (a * x + b) + d * f);
+}
+
+GP_CLONES static void hable_plane(float *v, size_t n)
+{
+    const float exposure_bias = 2.0f;
+    const float per_white = 1.0f / hable_curve(11.2f);
+    for (size_t i = 0; i < n; i++) {
+        float y = hable_curve(exposure_bias * light(v[i])) * per_white;
+        v[i] = least(y, 1.0f);
+    }
+}
+
+static void hable(float *r, float *g, float *b, size_t n, float white)
+{
+    (void) white;
+    hable_plane(r, n);
+    hable_plane(g, n);
+    hable_plane(b, n);
+}
+
+// -- Khronos PBR Neutral ------------------------------------------------------
+
+/* Names as in the specification: F_90 = 0.04, K_s = 0.8 - F_90, K_d = 0.15.
+ * The part under K_s, c - f, is x - f added to c - x: nothing cancels. */
+GP_CLONES static void neutral(float *restrict r, float *restrict g,
+                              float *restrict b, size_t n, float white)
+{
+    const float f90 = 0.04f, ks = 0.8f - 0.04f, kd = 0.15f;
+    (void) white;
+    for (size_t i = 0; i < n; i++) {
+        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
+        float x = least(r0, least(g0, b0));
+        float rest = x <= 2.0f * f90 ? x * x / (4.0f * f90) : x - f90;
+        r0 = (r0 - x) + rest;
+        g0 = (g0 - x) + rest;
+        b0 = (b0 - x) + rest;
+        float p = most(r0, most(g0, b0));
+        float pn = 1.0f - (1.0f - ks) * (1.0f - ks) / (p + 1.0f - 2.0f * ks);
+        float gain = 1.0f / (kd * (p - pn) + 1.0f);
+        float grey = pn * (kd * (p - pn) * gain); // pn (1 - gain)
+        float scale = pn / p * gain;
+        r[i] = p <= ks ? r0 : least(r0 * scale + grey, 1.0f);
+        g[i] = p <= ks ? g0 : least(g0 * scale + grey, 1.0f);
+        b[i] = p <= ks ? b0 : least(b0 * scale + grey, 1.0f);
+    }
+}
+
+// -- linear and none ----------------------------------------------------------
+
+GP_CLONES static void clamp_plane(float *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = least(light(v[i]), 1.0f);
+}
+
+static void linear(float *r, float *g, float *b, size_t n, float white)
+{
+    (void) white;
+    clamp_plane(r, n);
+    clamp_plane(g, n);
+    clamp_plane(b, n);
+}
+
+// -- the list -----------------------------------------------------------------
+
+static const struct gp_tone_curve curve_reinhard = {
+    .name = "reinhard",
+    .text = "L / (1 + L) on luminance; keeps hue",
+    .source = "Reinhard et al., Photographic Tone Reproduction for Digital "
+              "Images, SIGGRAPH 2002, eq. 3",
+    .map = reinhard, .monotone = true,
+};
+static const struct gp_tone_curve curve_reinhard_extended = {
+    .name = "reinhard-extended",
+    .text = "reinhard with a luminance that becomes white",
+    .source = "Reinhard et al., Photographic Tone Reproduction for Digital "
+              "Images, SIGGRAPH 2002, eq. 4",
+    .map = reinhard_extended, .monotone = true, .reads_white = true,
+};
+static const struct gp_tone_curve curve_aces = {
+    .name = "aces",
+    .text = "Stephen Hill's fit of the ACES rendering and output transforms",
+    .source = "Stephen Hill, ACESFitted, in MJP and Neubelt, Baking Lab, "
+              "ACES.hlsl, 2016",
+    .map = aces, .monotone = true,
+};
+static const struct gp_tone_curve curve_hable = {
+    .name = "hable",
+    .text = "John Hable's filmic curve, white 11.2, exposure bias 2",
+    .source = "John Hable, Filmic Tonemapping Operators, filmicworlds.com, "
+              "2010",
+    .map = hable, .monotone = true,
+};
+static const struct gp_tone_curve curve_agx = {
+    .name = "agx",
+    .text = "Troy Sobotka's AgX, default look",
+    .source = "Benjamin Wrensch, Minimal AgX Implementation, "
+              "iolite-engine.com, 2023",
+    .map = gp_tone_agx, .monotone = true,
+};
+static const struct gp_tone_curve curve_neutral = {
+    .name = "neutral",
+    .text = "Khronos PBR Neutral: true colours up to 0.8, then white",
+    .source = "Khronos PBR Neutral Tone Mapper specification, 2024",
+    .map = neutral, .monotone = true,
+};
+static const struct gp_tone_curve curve_linear = {
+    .name = "linear",
+    .text = "exposure alone, cut at 0 and 1",
+    .source = "none needed",
+    .map = linear, .monotone = true,
+};
+static const struct gp_tone_curve curve_none = {
+    .name = "none",
+    .text = "the lit frame as it is, without exposure",
+    .source = "none needed",
+    .map = NULL, .monotone = true,
+};
+
+const struct gp_tone_curve *const gp_tone_curves[] = {
+    &curve_reinhard, &curve_reinhard_extended, &curve_aces, &curve_hable,
+    &curve_agx, &curve_neutral, &curve_linear, &curve_none, NULL,
+};
+
+const struct gp_tone_curve *gp_tone_find(const char *name)
+{
+    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
+        if (strcmp((*c)->name, name) == 0)
+            return *c;
+    }
+    return NULL;
+}

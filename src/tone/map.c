@@ -1,0 +1,303 @@
+/* The tone stage: exposure and primaries, then the operator, a block of pixels
+ * at a time so that both work in the cache. */
+#include "tone/tone.h"
+
+#include "core/cpu.h"
+#include "core/luminance.h"
+#include "core/parallel.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+enum {
+    BLOCK = 4096,     // pixels mapped at a time: 96 KiB in and out
+    SCRATCH = 512,    // pixels measured at a time, on the stack
+    PARTS = 256,      // of a frame, each measured alone; fixed, so that sums
+};                    // are the same for any number of threads
+
+#define LIGHT_MAX 1e15f      // as in the operators: beyond, all is white
+#define SCALE_MAX 0x1p60f    // LIGHT_MAX times it stays finite
+
+struct mapping {
+    const struct gp_frame *f;
+    const struct gp_tone_curve *curve;
+    float scale, white;
+    bool mixed;              // the primaries are not those of BT.709
+    float matrix[9];         // primaries to BT.709, row-major
+    float peak[PARTS];       // largest luminance of each part
+};
+
+static size_t part_start(size_t pixels, int part)
+{
+    return pixels / PARTS * (size_t) part +
+           pixels % PARTS * (size_t) part / PARTS;
+}
+
+// -- primaries ----------------------------------------------------------------
+
+static void multiply(const double a[9], const double b[9], double out[9])
+{
+    for (int i = 0; i < 9; i++) {
+        const double *row = a + i / 3 * 3;
+        out[i] = row[0] * b[i % 3] + row[1] * b[3 + i % 3] +
+                 row[2] * b[6 + i % 3];
+    }
+}
+
+/* By cofactors; a singular matrix gives values that are not finite. */
+static void invert(const double m[9], double out[9])
+{
+    double cofactor[9];
+    for (int i = 0; i < 9; i++) {
+        int r1 = (i / 3 + 1) % 3 * 3, r2 = (i / 3 + 2) % 3 * 3;
+        int c1 = (i + 1) % 3, c2 = (i + 2) % 3;
+        // columns: (i % 3 + 1) % 3 is (i + 1) % 3, as 3 divides i - i % 3
+        cofactor[i] = m[r1 + c1] * m[r2 + c2] - m[r1 + c2] * m[r2 + c1];
+    }
+    double det = m[0] * cofactor[0] + m[1] * cofactor[1] + m[2] * cofactor[2];
+    for (int i = 0; i < 9; i++)
+        out[i] = cofactor[i % 3 * 3 + i / 3] / det;
+}
+
+/* Linear RGB of these primaries to that of BT.709, white to white: Bradford
+ * (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). False when they
+ * are BT.709 already, or degenerate. */
+static bool to_bt709(const float chromaticities[8], double out[9])
+{
+    static const double bradford[9] = {
+        0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685,
+        1.0296,
+    };
+    double from[9], to[9], cone_from[9], cone_to[9], back[9];
+    if (memcmp(chromaticities, gp_rec709_chromaticities,
+               sizeof gp_rec709_chromaticities) == 0 ||
+        !gp_rgb_to_xyz(chromaticities, from) ||
+        !gp_rgb_to_xyz(gp_rec709_chromaticities, to))
+        return false;
+    // rows of the RGB to cone matrices; white's responses are their sums
+    multiply(bradford, from, cone_from);
+    multiply(bradford, to, cone_to);
+    invert(cone_to, back);
+    for (int i = 0; i < 3; i++) {
+        double *f = cone_from + 3 * i;
+        const double *t = cone_to + 3 * i;
+        double adapt = (t[0] + t[1] + t[2]) / (f[0] + f[1] + f[2]);
+        if (!(adapt > 1e-3 && adapt < 1e3)) // a white that no eye adapts to
+            return false;
+        for (int c = 0; c < 3; c++)
+            f[c] *= adapt;
+    }
+    multiply(back, cone_from, out);
+    for (int i = 0; i < 9; i++) {
+        if (!(fabs(out[i]) < 1e3))
+            return false;
+    }
+    return true;
+}
+
+// -- light: scaled, of BT.709 primaries ---------------------------------------
+
+GP_CLONES static void scale_plane(const float *in, float scale, size_t n,
+                                  float *restrict out)
+{
+    for (size_t i = 0; i < n; i++)
+        out[i] = in[i] * scale;
+}
+
+static inline float bounded(float x)
+{
+    x = x > -LIGHT_MAX ? x : -LIGHT_MAX;
+    return x < LIGHT_MAX ? x : LIGHT_MAX;
+}
+
+/* In place. */
+GP_CLONES static void mix_planes(const float *restrict m, size_t n,
+                                 float *restrict r, float *restrict g,
+                                 float *restrict b)
+{
+    for (size_t i = 0; i < n; i++) {
+        float r0 = bounded(r[i]), g0 = bounded(g[i]), b0 = bounded(b[i]);
+        r[i] = m[0] * r0 + m[1] * g0 + m[2] * b0;
+        g[i] = m[3] * r0 + m[4] * g0 + m[5] * b0;
+        b[i] = m[6] * r0 + m[7] * g0 + m[8] * b0;
+    }
+}
+
+static void make_light(const struct mapping *m, size_t at, size_t n,
+                       float *const out[3])
+{
+    for (int c = 0; c < 3; c++)
+        scale_plane(m->f->lit.c[c] + at, m->scale, n, out[c]);
+    if (m->mixed)
+        mix_planes(m->matrix, n, out[0], out[1], out[2]);
+}
+
+// -- measuring ----------------------------------------------------------------
+
+/* A sum of logarithms, as the product of mantissas and the sum of exponents:
+ * one log() for many pixels, and nothing lost. */
+struct log_sum {
+    double sum;
+    long long count;
+};
+
+struct log_measure {
+    const struct gp_planes *p;
+    double weight[3];
+    size_t pixels;
+    struct log_sum part[PARTS];
+};
+
+static void measure_log(void *ctx, int part, int thread)
+{
+    enum { FOLD = 512 }; // mantissas are under 2: their product fits a double
+    struct log_measure *m = ctx;
+    const double delta = 1e-6; // Reinhard et al. leave its size open
+    const size_t end = part_start(m->pixels, part + 1);
+    struct log_sum s = {0};
+    (void) thread;
+    for (size_t at = part_start(m->pixels, part); at < end; at += FOLD) {
+        const size_t stop = end - at < FOLD ? end : at + FOLD;
+        double product = 1.0;
+        int64_t exponents = 0;
+        for (size_t i = at; i < stop; i++) {
+            double y = m->weight[0] * (double) m->p->c[0][i] +
+                       m->weight[1] * (double) m->p->c[1][i] +
+                       m->weight[2] * (double) m->p->c[2][i];
+            const bool counts = y > 0.0 && y < (double) INFINITY;
+            double v = counts ? y + delta : 1.0;
+            uint64_t bits;
+            memcpy(&bits, &v, sizeof bits);
+            exponents += (int64_t) (bits >> 52) - 1023;
+            bits = (bits & 0xfffffffffffffu) | (uint64_t) 1023 << 52;
+            memcpy(&v, &bits, sizeof v);
+            product *= v;
+            s.count += counts;
+        }
+        s.sum += log(product) + (double) exponents * 0.693147180559945309417;
+    }
+    m->part[part] = s;
+}
+
+double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
+{
+    struct log_measure m = {.p = p, .pixels = gp_frame_pixels(f)};
+    for (int c = 0; c < 3; c++)
+        m.weight[c] = (double) f->luminance[c];
+    gp_parallel_do(PARTS, measure_log, &m);
+    struct log_sum all = {0};
+    for (int i = 0; i < PARTS; i++) {
+        all.sum += m.part[i].sum;
+        all.count += m.part[i].count;
+    }
+    return all.count ? exp(all.sum / (double) all.count) : 0.0;
+}
+
+static void measure_peak(void *ctx, int part, int thread)
+{
+    struct mapping *m = ctx;
+    const size_t pixels = gp_frame_pixels(m->f);
+    const size_t end = part_start(pixels, part + 1);
+    float scratch[3][SCRATCH], peak = 0.0f;
+    float *const out[3] = {scratch[0], scratch[1], scratch[2]};
+    (void) thread;
+    for (size_t at = part_start(pixels, part); at < end; at += SCRATCH) {
+        const size_t n = end - at < SCRATCH ? end - at : SCRATCH;
+        make_light(m, at, n, out);
+        for (size_t i = 0; i < n; i++) {
+            float y = 0.0f; // negative channels are no light, as in the curves
+            for (int c = 0; c < 3; c++)
+                y += gp_rec709_luminance[c] *
+                     (out[c][i] > 0.0f ? out[c][i] : 0.0f);
+            peak = y > peak ? y : peak;
+        }
+    }
+    m->peak[part] = peak < LIGHT_MAX ? peak : LIGHT_MAX;
+}
+
+/* The largest luminance that the operator will see; 1 for a black frame. */
+static float find_white(struct mapping *m)
+{
+    float peak = 0.0f;
+    gp_parallel_do(PARTS, measure_peak, m);
+    for (int i = 0; i < PARTS; i++)
+        peak = m->peak[i] > peak ? m->peak[i] : peak;
+    return peak > 0.0f ? peak : 1.0f;
+}
+
+static float find_scale(const struct gp_tone_params *p,
+                        const struct gp_frame *f)
+{
+    double scale = exp2((double) p->exposure);
+    if (p->auto_exposure) {
+        double average = gp_log_average(f, &f->lit);
+        scale *= average > 0.0 ? (double) p->key / average : 1.0;
+    }
+    scale = scale > 1.0 / (double) SCALE_MAX ? scale : 1.0 / (double) SCALE_MAX;
+    return scale < (double) SCALE_MAX ? (float) scale : SCALE_MAX;
+}
+
+// -- the stage ----------------------------------------------------------------
+
+static void map_block(void *ctx, int block, int thread)
+{
+    const struct mapping *m = ctx;
+    const struct gp_frame *f = m->f;
+    const size_t at = (size_t) block * BLOCK, left = gp_frame_pixels(f) - at;
+    const size_t n = left < BLOCK ? left : BLOCK;
+    float *const out[3] = {
+        f->shown.c[0] + at, f->shown.c[1] + at, f->shown.c[2] + at,
+    };
+    (void) thread;
+    if (!m->curve->map) {
+        for (int c = 0; c < 3; c++)
+            memcpy(out[c], f->lit.c[c] + at, n * sizeof(float));
+        return;
+    }
+    make_light(m, at, n, out);
+    m->curve->map(out[0], out[1], out[2], n, m->white);
+}
+
+static gp_status unknown_curve(const struct gp_log *log, const char *name)
+{
+    char names[256] = "";
+    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
+        size_t used = strlen(names);
+        snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
+                 (*c)->name);
+    }
+    return gp_fail(log, GP_ERR_USAGE,
+                   "--tonemap: no operator has this name (%s); use one of %s",
+                   name, names);
+}
+
+gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
+                      struct gp_frame *f, float *scale)
+{
+    struct mapping m = {
+        .f = f, .curve = gp_tone_find(p->curve), .scale = 1.0f, .white = 1.0f,
+    };
+    const size_t pixels = gp_frame_pixels(f);
+    if (!m.curve)
+        return unknown_curve(log, p->curve);
+    if (!f->shown.c[0]) {
+        gp_status st = gp_planes_make(log, "shown frame", pixels, &f->shown);
+        if (st)
+            return st;
+    }
+    if (m.curve->map) {
+        double matrix[9];
+        m.scale = find_scale(p, f);
+        m.mixed = to_bt709(f->chromaticities, matrix);
+        for (int i = 0; m.mixed && i < 9; i++)
+            m.matrix[i] = (float) matrix[i];
+    }
+    if (m.curve->reads_white)
+        m.white = p->white > 0.0f ? p->white : find_white(&m);
+    gp_parallel_do((int) ((pixels + BLOCK - 1) / BLOCK), map_block, &m);
+    if (scale)
+        *scale = m.scale;
+    return GP_OK;
+}

@@ -1,0 +1,61 @@
+/* tone: from scene-linear light to what a display shows.
+ *
+ * In: f->lit, in the frame's own primaries. Out: f->shown, display-linear
+ * BT.709, in [0,1] for every operator but `none`. The transfer curve of the
+ * display (sRGB) is applied where values become integers, in io.
+ */
+#ifndef GP_TONE_TONE_H
+#define GP_TONE_TONE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+
+struct gp_tone_params {
+    const char *curve;   // name of an operator in gp_tone_curves
+    float exposure;      // EV: light is scaled by 2^exposure first
+    bool auto_exposure;  // scales so that the log-average maps to `key`
+    float key;           // Reinhard's a, (0,1]
+    float white;         // reinhard-extended: smallest luminance that burns
+                         // out, in scaled units; 0 takes the frame's maximum
+};
+#define GP_TONE_DEFAULTS { .curve = "reinhard", .key = 0.18f }
+
+/* One operator. Works on one pixel; pure. */
+struct gp_tone_curve {
+    const char *name;
+    const char *text;    // one line for --help and the man page
+    const char *source;  // paper or project, with equation
+    /* n pixels in place, plane by plane: linear BT.709 in, after exposure,
+     * any value; display-linear out. NULL: nothing is changed, the exposure
+     * not even. A negative channel counts as 0, in aces and agx only after it
+     * is mixed into their own, wider primaries. `white` as in the params,
+     * resolved, > 0; only operators with reads_white read it. */
+    void (*map)(float *r, float *g, float *b, size_t n, float white);
+    bool monotone;       // grey in ascending order comes out ascending, but
+                         // for the rounding of a float
+    bool reads_white;
+};
+extern const struct gp_tone_curve *const gp_tone_curves[];  // NULL at the end
+const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
+
+/* Makes f->shown from f->lit: primaries to BT.709 (Bradford adaptation of the
+ * white when it differs; degenerate primaries count as BT.709, as in
+ * core/luminance.h), exposure, operator. `none` copies f->lit as it is,
+ * primaries and exposure untouched. f->shown is made when it is empty, else it
+ * has the frame's size and is written over.
+ *   scale   the factor that exposure and auto-exposure made, within 2^-60 and
+ *           2^60, 1 for `none`; may be NULL
+ * Errors: GP_ERR_USAGE unknown curve (lists them); GP_ERR_BUG no memory.
+ */
+GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
+                                    const struct gp_tone_params *p,
+                                    struct gp_frame *f, float *scale);
+
+/* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
+ * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);
+ * delta 1e-6. 0 when no pixel counts. Same value for any thread count. */
+double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
+
+#endif

@@ -1,0 +1,307 @@
+/* Small EXR files for tests, written by OpenEXRCore's own encoder, with
+ * samples that a formula gives, so that any reader can be checked. */
+#ifndef EXR_FIXTURE_H
+#define EXR_FIXTURE_H
+
+#include <openexr.h>
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { FIXTURE_CHANNELS = 8, FIXTURE_PARTS = 3 };
+
+struct fixture_channel {
+    const char *name;
+    exr_pixel_type_t type;
+    int xs, ys;  // 0 counts as 1
+};
+
+struct fixture_part {
+    const char *name;
+    struct fixture_channel channel[FIXTURE_CHANNELS];  // in name order
+    exr_attr_box2i_t data;
+    exr_compression_t compression;
+    int tile;          // 0 scanlines
+    bool mipmap, deep; // deep: header only
+};
+
+struct fixture {
+    struct fixture_part part[FIXTURE_PARTS];
+    int parts;                  // 0 counts as 1
+    bool chromaticities;        // ACES AP0's
+    float aspect;               // 0 counts as 1
+    exr_attr_box2i_t display;   // empty (all 0): the first data window
+};
+
+static const exr_attr_chromaticities_t fixture_ap0 = {
+    0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.077f, 0.32168f, 0.33767f,
+};
+
+#define FIXTURE_WINDOW(x0, y0, w, h)                                          \
+    {{.x = (x0), .y = (y0)}, {.x = (x0) + (w) - 1, .y = (y0) + (h) - 1}}
+
+static uint32_t fixture_hash(const char *name, int x, int y)
+{
+    uint32_t h = 2166136261u;
+    for (const char *c = name; *c; c++)
+        h = (h ^ (uint8_t) *c) * 16777619u;
+    h = (h ^ (uint32_t) x) * 16777619u;
+    h = (h ^ (uint32_t) y) * 16777619u;
+    h ^= h >> 15;
+    return h * 2246822519u;
+}
+
+/* The sample of a uint channel. Few of its bits vary: OpenEXRCore 3.1.5 makes
+ * unreadable chunks of data that zlib neither shrinks nor grows. */
+static uint32_t fixture_uint(const char *name, int x, int y)
+{
+    return fixture_hash(name, x, y) & 0x8100000fu;
+}
+
+/* The sample of a half or float channel: exact in half. */
+static float fixture_value(const char *name, int x, int y)
+{
+    return (float) (fixture_hash(name, x, y) >> 26) / 4.0f - 8.0f;
+}
+
+static uint16_t fixture_half(float v)
+{
+    // |v| is 0 or in [1/4, 8] with 6 significant bits: normal and exact
+    int e;
+    float m = frexpf(fabsf(v), &e);
+    unsigned bits = v == 0.0f ? 0
+                    : (unsigned) (e + 14) << 10 |
+                          ((unsigned) (m * 2048.0f) & 1023u);
+    return (uint16_t) (bits | (v < 0.0f ? 0x8000u : 0u));
+}
+
+/* Where the writer puts the bytes. */
+struct fixture_file {
+    uint8_t *bytes;
+    size_t size, room;
+};
+
+static int64_t fixture_write(exr_const_context_t ctxt, void *user,
+                             const void *from, uint64_t n, uint64_t at,
+                             exr_stream_error_func_ptr_t error)
+{
+    (void) ctxt;
+    (void) error;
+    struct fixture_file *f = user;
+    if (at + n > f->room) {
+        f->room = (size_t) (at + n) * 2;
+        f->bytes = realloc(f->bytes, f->room);
+        assert_non_null(f->bytes);
+    }
+    if (at + n > f->size)
+        f->size = (size_t) (at + n);
+    memcpy(f->bytes + at, from, n);
+    return (int64_t) n;
+}
+
+static void fixture_silent(exr_const_context_t ctxt, exr_result_t code,
+                           const char *text)
+{
+    (void) ctxt;
+    (void) code;
+    (void) text;
+}
+
+/* Samples of a channel for a rectangle of pixels; the caller frees. */
+static void *fixture_samples(const struct fixture_channel *c, int x0, int y0,
+                             int w, int h)
+{
+    int xs = c->xs ? c->xs : 1, ys = c->ys ? c->ys : 1;
+    size_t size = c->type == EXR_PIXEL_HALF ? 2 : 4;
+    uint8_t *all = calloc((size_t) w * (size_t) h + 1, size), *to = all;
+    assert_non_null(all);
+    for (int y = y0; y < y0 + h; y++) {
+        for (int x = x0; x < x0 + w && y % ys == 0; x++) {
+            if (x % xs)
+                continue;
+            uint32_t u = fixture_uint(c->name, x, y);
+            float f = fixture_value(c->name, x, y);
+            uint16_t half = fixture_half(f);
+            if (c->type == EXR_PIXEL_HALF)
+                memcpy(to, &half, 2);
+            else
+                memcpy(to, c->type == EXR_PIXEL_UINT ? (void *) &u
+                                                     : (void *) &f, 4);
+            to += size;
+        }
+    }
+    return all;
+}
+
+static void fixture_chunk(exr_context_t exr, int part,
+                          const struct fixture_part *p,
+                          const exr_chunk_info_t *info, bool *first,
+                          exr_encode_pipeline_t *pipe)
+{
+    void *data[FIXTURE_CHANNELS] = {0};
+    int x0 = p->data.min.x, y0 = info->start_y;
+    if (p->tile) {
+        x0 += info->start_x * p->tile;
+        y0 = p->data.min.y + info->start_y * p->tile;
+    }
+    exr_result_t r = *first
+                         ? exr_encoding_initialize(exr, part, info, pipe)
+                         : exr_encoding_update(exr, part, info, pipe);
+    assert_int_equal(r, EXR_ERR_SUCCESS);
+    for (int i = 0; i < pipe->channel_count; i++) {
+        exr_coding_channel_info_t *c = &pipe->channels[i];
+        data[i] = fixture_samples(&p->channel[i], x0, y0, info->width,
+                                  info->height);
+        c->encode_from_ptr = data[i];
+        c->user_pixel_stride = c->user_bytes_per_element;
+        c->user_line_stride = c->user_bytes_per_element * c->width;
+    }
+    if (*first)
+        assert_int_equal(
+            exr_encoding_choose_default_routines(exr, part, pipe),
+            EXR_ERR_SUCCESS);
+    *first = false;
+    assert_int_equal(exr_encoding_run(exr, part, pipe), EXR_ERR_SUCCESS);
+    for (int i = 0; i < pipe->channel_count; i++)
+        free(data[i]);
+}
+
+static void fixture_tiles(exr_context_t exr, int part,
+                          const struct fixture_part *p,
+                          exr_encode_pipeline_t *pipe)
+{
+    bool first = true;
+    int32_t nx, ny;
+    assert_int_equal(exr_get_tile_levels(exr, part, &nx, &ny),
+                     EXR_ERR_SUCCESS);
+    for (int level = 0; level < nx; level++) {
+        int32_t w, h;
+        assert_int_equal(
+            exr_get_level_sizes(exr, part, level, level, &w, &h),
+            EXR_ERR_SUCCESS);
+        for (int ty = 0; ty * p->tile < h; ty++) {
+            for (int tx = 0; tx * p->tile < w; tx++) {
+                exr_chunk_info_t info;
+                assert_int_equal(
+                    exr_write_tile_chunk_info(exr, part, tx, ty, level, level,
+                                              &info),
+                    EXR_ERR_SUCCESS);
+                fixture_chunk(exr, part, p, &info, &first, pipe);
+            }
+        }
+    }
+}
+
+static void fixture_lines(exr_context_t exr, int part,
+                          const struct fixture_part *p,
+                          exr_encode_pipeline_t *pipe)
+{
+    bool first = true;
+    int32_t lines;
+    assert_int_equal(exr_get_scanlines_per_chunk(exr, part, &lines),
+                     EXR_ERR_SUCCESS);
+    for (int y = p->data.min.y; y <= p->data.max.y; y += lines) {
+        exr_chunk_info_t info;
+        assert_int_equal(exr_write_scanline_chunk_info(exr, part, y, &info),
+                         EXR_ERR_SUCCESS);
+        fixture_chunk(exr, part, p, &info, &first, pipe);
+    }
+}
+
+static void fixture_header(exr_context_t exr, const struct fixture *f,
+                           int index)
+{
+    const struct fixture_part *p = &f->part[index];
+    exr_attr_v2f_t centre = {{{0.0f, 0.0f}}};
+    exr_attr_box2i_t display = f->display;
+    int part;
+    if (display.max.x == 0 && display.max.y == 0)
+        display = f->part[0].data;
+    exr_storage_t storage = p->deep ? EXR_STORAGE_DEEP_SCANLINE
+                            : p->tile ? EXR_STORAGE_TILED
+                                      : EXR_STORAGE_SCANLINE;
+    assert_int_equal(exr_add_part(exr, p->name ? p->name : "part", storage,
+                                  &part), EXR_ERR_SUCCESS);
+    assert_int_equal(exr_initialize_required_attr(
+                         exr, part, &display, &p->data,
+                         f->aspect > 0.0f ? f->aspect : 1.0f, &centre, 1.0f,
+                         EXR_LINEORDER_INCREASING_Y, p->compression),
+                     EXR_ERR_SUCCESS);
+    if (p->tile)
+        assert_int_equal(
+            exr_set_tile_descriptor(exr, part, (uint32_t) p->tile,
+                                    (uint32_t) p->tile,
+                                    p->mipmap ? EXR_TILE_MIPMAP_LEVELS
+                                              : EXR_TILE_ONE_LEVEL,
+                                    EXR_TILE_ROUND_DOWN), EXR_ERR_SUCCESS);
+    if (p->deep)
+        assert_int_equal(exr_set_version(exr, part, 1), EXR_ERR_SUCCESS);
+    if (f->chromaticities)
+        assert_int_equal(exr_attr_set_chromaticities(
+                             exr, part, "chromaticities", &fixture_ap0),
+                         EXR_ERR_SUCCESS);
+    for (int i = 0; i < FIXTURE_CHANNELS && p->channel[i].name; i++) {
+        const struct fixture_channel *c = &p->channel[i];
+        assert_int_equal(exr_add_channel(exr, part, c->name, c->type,
+                                         EXR_PERCEPTUALLY_LOGARITHMIC,
+                                         c->xs ? c->xs : 1,
+                                         c->ys ? c->ys : 1), EXR_ERR_SUCCESS);
+    }
+}
+
+/* The bytes of the file; the caller frees them. */
+static uint8_t *fixture_make(const struct fixture *f, size_t *size)
+{
+    struct fixture_file file = {0};
+    exr_context_t exr;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    const int parts = f->parts ? f->parts : 1;
+    init.user_data = &file;
+    init.write_fn = fixture_write;
+    init.error_handler_fn = fixture_silent;
+    assert_int_equal(exr_start_write(&exr, "fixture",
+                                     EXR_WRITE_FILE_DIRECTLY, &init),
+                     EXR_ERR_SUCCESS);
+    for (int i = 0; i < parts; i++)
+        fixture_header(exr, f, i);
+    assert_int_equal(exr_write_header(exr), EXR_ERR_SUCCESS);
+    for (int i = 0; i < parts && !f->part[i].deep; i++) {
+        exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+        if (f->part[i].tile)
+            fixture_tiles(exr, i, &f->part[i], &pipe);
+        else
+            fixture_lines(exr, i, &f->part[i], &pipe);
+        exr_encoding_destroy(exr, &pipe);
+    }
+    exr_finish(&exr);
+    *size = file.size;
+    return file.bytes;
+}
+
+/* Writes bytes to a file. */
+static void fixture_save(const char *path, const void *bytes, size_t size)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_int_equal(fwrite(bytes, 1, size, f), size);
+    assert_int_equal(fclose(f), 0);
+}
+
+static void fixture_write_file(const char *path, const struct fixture *f)
+{
+    size_t size;
+    uint8_t *bytes = fixture_make(f, &size);
+    fixture_save(path, bytes, size);
+    free(bytes);
+}
+
+#endif

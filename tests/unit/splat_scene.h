@@ -1,0 +1,161 @@
+/* Made-up light and kernels, and the glare they make as a plain sum in double:
+ * what the splat engine is tested against. */
+#ifndef GP_TESTS_SPLAT_SCENE_H
+#define GP_TESTS_SPLAT_SCENE_H
+
+#include "core/frame.h"
+#include "glare/kernel.h"
+#include "glare/sensors.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+static uint32_t seed;
+
+static float uniform(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (float) (seed >> 8) * 0x1p-24f;
+}
+
+/* -- light ----------------------------------------------------------------- */
+
+enum light { EVERY, NONE, CORNERS, FEW, MANY, HOT, EQUAL };
+
+static bool is_lit(enum light light, int i, int w, int h)
+{
+    int x = i % w, y = i / w;
+    switch (light) {
+    case EVERY:
+    case EQUAL:
+        return true;
+    case NONE:
+        return false;
+    case CORNERS:
+        return (x == 0 || x == w - 1) && (y == 0 || y == h - 1);
+    case FEW:
+    case HOT:
+        return i % 97 == 13 || i == w * h / 2;
+    case MANY:
+        break;
+    }
+    return uniform() < 0.3f;
+}
+
+static float lit_value(enum light light, int i, int w, int h)
+{
+    if (light == EQUAL)
+        return 1.1f;
+    if (light == HOT)
+        return i == w * h / 2 ? 1e9f : 1e-3f * uniform();
+    return i % 5 == 0 ? 65504.0f * uniform() : 1.0f + uniform();
+}
+
+static struct gp_sources make_sources(int w, int h, enum light light)
+{
+    struct gp_sources s = {.w = w, .h = h, .box = {w, h, 0, 0}};
+    size_t pixels = (size_t) w * (size_t) h;
+    s.row = calloc((size_t) h + 1, sizeof *s.row);
+    s.x = calloc(pixels, sizeof *s.x);
+    for (int c = 0; c < 3; c++)
+        s.rgb[c] = calloc(pixels, sizeof(float));
+    for (int i = 0; i < w * h; i++) {
+        int x = i % w, y = i / w;
+        if (is_lit(light, i, w, h)) {
+            for (int c = 0; c < 3; c++)
+                s.rgb[c][s.n] = i % 11 == c ? 0.0f
+                                            : lit_value(light, i, w, h);
+            s.x[s.n++] = x;
+            s.box.x0 = x < s.box.x0 ? x : s.box.x0;
+            s.box.y0 = y < s.box.y0 ? y : s.box.y0;
+            s.box.x1 = x >= s.box.x1 ? x + 1 : s.box.x1;
+            s.box.y1 = y + 1;
+        }
+        s.row[y + 1] = (uint32_t) s.n;
+    }
+    return s;
+}
+
+static void free_sources(struct gp_sources *s)
+{
+    free(s->row);
+    free(s->x);
+    for (int c = 0; c < 3; c++)
+        free(s->rgb[c]);
+}
+
+/* -- kernels --------------------------------------------------------------- */
+
+enum shape { PEAK, BOX, LOBES, HOLES };
+
+static void fill_kernel(struct gp_kernel *k, enum shape shape)
+{
+    for (int i = 0; i < k->w * k->h; i++) {
+        double dx = i % k->w - k->w / 2, dy = i / k->w - k->h / 2;
+        for (int c = 0; c < 3; c++) {
+            double v = 1.0 / (1.0 + 0.1 * (c + 1) * (dx * dx + dy * dy));
+            if (shape == BOX)
+                v = 0.1;
+            else if (shape == LOBES)
+                v = cos(0.7 * dx) * cos(0.4 * dy) * v;
+            else if (shape == HOLES)
+                v = (i + c) % 3 ? 0.0 : (double) uniform();
+            k->k.c[c][i] = (float) v;
+        }
+    }
+}
+
+static struct gp_kernel make_kernel(int w, int h, int cx, int cy,
+                                    enum shape shape)
+{
+    struct gp_kernel k = {.w = w, .h = h, .cx = cx, .cy = cy};
+    if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &k.k))
+        abort();
+    fill_kernel(&k, shape);
+    return k;
+}
+
+/* -- the sum --------------------------------------------------------------- */
+
+static void add_source(const struct gp_sources *src, const struct gp_kernel *k,
+                       int sx, int sy, float value, int c, double *sum)
+{
+    for (int y = 0; y < k->h; y++) {
+        long long py = (long long) sy + y - k->cy;
+        if (py < 0 || py >= src->h)
+            continue;
+        for (int x = 0; x < k->w; x++) {
+            long long px = (long long) sx + x - k->cx;
+            if (px >= 0 && px < src->w)
+                sum[py * src->w + px] += (double) value *
+                                         (double) k->k.c[c][y * k->w + x];
+        }
+    }
+}
+
+/* rel_l2 of a layer against the sum in double; 0 when both are all 0. */
+static double rel_l2(const struct gp_sources *src, const struct gp_kernel *k,
+                     const struct gp_planes *layer)
+{
+    size_t samples = (size_t) src->w * (size_t) src->h;
+    double wrong = 0.0, all = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double *sum = calloc(samples, sizeof *sum);
+        for (int y = 0; y < src->h; y++) {
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+                add_source(src, k, src->x[i], y, src->rgb[c][i], c, sum);
+        }
+        for (size_t i = 0; i < samples; i++) {
+            double d = (double) layer->c[c][i] - sum[i];
+            wrong += d * d;
+            all += sum[i] * sum[i];
+        }
+        free(sum);
+    }
+    if (all == 0.0)
+        return wrong == 0.0 ? 0.0 : INFINITY;
+    return sqrt(wrong / all);
+}
+
+#endif

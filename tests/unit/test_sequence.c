@@ -1,0 +1,249 @@
+/* io/sequence: patterns, lists of frames, and what is on disk. */
+#include "io/sequence.h"
+
+#include <fcntl.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+// -- patterns ----------------------------------------------------------------
+
+struct name_row {
+    const char *path;
+    int frame;
+    const char *name;  // NULL: a usage error
+};
+
+static const struct name_row names[] = {
+    {"shot.####.exr", 7, "shot.0007.exr"},
+    {"shot.####.exr", 12345, "shot.12345.exr"},
+    {"shot.####.exr", -5, "shot.-005.exr"},
+    {"shot.#.exr", 1001, "shot.1001.exr"},
+    {"shot.@.exr", 7, "shot.7.exr"},
+    {"shot.@@@.exr", 7, "shot.007.exr"},
+    {"shot.%d.exr", 7, "shot.7.exr"},
+    {"shot.%04d.exr", 7, "shot.0007.exr"},
+    {"shot.%09d.exr", 7, "shot.000000007.exr"},
+    {"####", 1, "0001"},
+    {"render@2x.####.png", 3, "render@2x.0003.png"},
+    {"render@2x#1.%02d.png", 3, "render@2x#1.03.png"},
+    {"a@b/c#d/%d/shot.exr", 3, "a@b/c#d/%d/shot.exr"},
+    {"a@b/shot.#.exr", 3, "a@b/shot.3.exr"},
+    {"plain.exr", 3, "plain.exr"},
+    {"100%.exr", 3, "100%.exr"},
+    {"50%0.exr", 3, "50%0.exr"},
+    {"%00d.exr", 3, "%00d.exr"},
+    {"%4d.exr", 3, "%4d.exr"},
+    {"%s%n.exr", 3, "%s%n.exr"},
+    {"", 3, ""},
+    {"-", 3, "-"},
+    {"a.#.#.exr", 3, NULL},
+    {"a.%d.%04d.exr", 3, NULL},
+    {"a.##########.exr", 3, NULL},
+    {"a.%099999999999999d.exr", 3, NULL},
+};
+
+static void names_of_frames(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        const struct name_row *r = &names[i];
+        struct gp_pattern p;
+        gp_status st = gp_pattern_find(NULL, r->path, &p);
+        if (!r->name) {
+            if (st != GP_ERR_USAGE)
+                fail_msg("%s: status %d", r->path, st);
+            continue;
+        }
+        assert_int_equal(st, GP_OK);
+        char *name = gp_pattern_name(&p, r->frame);
+        assert_string_equal(name, r->name);
+        free(name);
+    }
+}
+
+// -- lists -------------------------------------------------------------------
+
+struct list_row {
+    const char *text;
+    const char *frames;  // NULL: a usage error
+};
+
+static const struct list_row lists[] = {
+    {"7", "7"},
+    {"1-5", "1 2 3 4 5"},
+    {"5-1", "5 4 3 2 1"},
+    {"1-10x4", "1 5 9"},
+    {"10-1x3", "10 7 4 1"},
+    {"3,4,10-20x5", "3 4 10 15 20"},
+    {"3-3", "3"},
+    {"3-4x9", "3"},
+    {"0007", "7"},
+    {"-2-1", "-2 -1 0 1"},
+    {"-2--4", "-2 -3 -4"},
+    {"1-3,2-5,1", "1 2 3 4 5"},
+    {"5,1,5,1", "5 1"},
+    {"999999999", "999999999"},
+    {"", NULL},
+    {",", NULL},
+    {"1,", NULL},
+    {"1,,2", NULL},
+    {"1-", NULL},
+    {"-", NULL},
+    {"1-5x", NULL},
+    {"1-5x0", NULL},
+    {"1-5x-1", NULL},
+    {"1-5x2x3", NULL},
+    {"1 - 5", NULL},
+    {" 1", NULL},
+    {"1..5", NULL},
+    {"a", NULL},
+    {"+1", NULL},
+    {"1.5", NULL},
+    {"1x2", NULL},
+    {"1000000000", NULL},
+    {"99999999999999999999", NULL},
+    {"1-999999999", NULL},
+    {"-999999999-999999999x1", NULL},
+    {"1-1000000,2000000", NULL},
+};
+
+static void lists_of_frames(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+        const struct list_row *r = &lists[i];
+        struct gp_frames f = {0};
+        gp_status st = gp_frames_parse(NULL, r->text, &f);
+        if (!r->frames) {
+            if (st != GP_ERR_USAGE || f.number)
+                fail_msg("\"%s\": status %d", r->text, st);
+            continue;
+        }
+        assert_int_equal(st, GP_OK);
+        char got[256] = "";
+        for (int k = 0; k < f.n; k++)
+            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
+                     k ? " " : "", f.number[k]);
+        assert_string_equal(got, r->frames);
+        gp_frames_free(&f);
+        gp_frames_free(&f);
+    }
+}
+
+/* The longest list there may be is made, and in short time. */
+static void longest_list(void **state)
+{
+    (void) state;
+    struct gp_frames f = {0};
+    assert_int_equal(gp_frames_parse(NULL, "1000000-1", &f), GP_OK);
+    assert_int_equal(f.n, GP_FRAME_LIST_MAX);
+    assert_int_equal(f.number[0], 1000000);
+    assert_int_equal(f.number[f.n - 1], 1);
+    gp_frames_free(&f);
+}
+
+// -- disk --------------------------------------------------------------------
+
+static const char *const files[] = {
+    "s.0001.exr", "s.0010.exr", "s.0002.exr", "s.12345.exr", "s.7.exr",
+    "s.007.exr", "s.0003.exr.bak", "s.0004.png", "s.-005.exr", "s.00a1.exr",
+    "xs.0006.exr", "s..exr", "s.0000000000008.exr", "t9",
+};
+
+struct disk_row {
+    const char *pattern, *frames;  // NULL: GP_ERR_IO
+};
+
+static const struct disk_row on_disk[] = {
+    {"s.####.exr", "1 2 10 12345"},
+    {"s.%04d.exr", "1 2 10 12345"},
+    {"s.@.exr", "7 12345"},
+    {"s.###.exr", "7 12345"},
+    {"t#", "9"},
+    {"s.####.tif", NULL},
+    {"none/s.####.exr", NULL},
+    {"t9/s.####.exr", NULL},
+};
+
+static void frames_that_exist(void **state)
+{
+    (void) state;
+    char folder[] = "/tmp/gp_sequence_XXXXXX", path[256];
+    assert_non_null(mkdtemp(folder));
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, files[i]);
+        int fd = creat(path, 0600);
+        assert_true(fd >= 0);
+        close(fd);
+    }
+    for (size_t i = 0; i < sizeof on_disk / sizeof on_disk[0]; i++) {
+        const struct disk_row *r = &on_disk[i];
+        struct gp_pattern p;
+        struct gp_frames f = {0};
+        char got[256] = "";
+        snprintf(path, sizeof path, "%s/%s", folder, r->pattern);
+        assert_int_equal(gp_pattern_find(NULL, path, &p), GP_OK);
+        gp_status st = gp_frames_on_disk(NULL, &p, &f);
+        assert_int_equal(st, r->frames ? GP_OK : GP_ERR_IO);
+        for (int k = 0; k < f.n; k++)
+            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
+                     k ? " " : "", f.number[k]);
+        assert_string_equal(got, r->frames ? r->frames : "");
+        gp_frames_free(&f);
+    }
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        snprintf(path, sizeof path, "%s/%s", folder, files[i]);
+        unlink(path);
+    }
+    rmdir(folder);
+}
+
+// -- numbers in names --------------------------------------------------------
+
+struct number_row {
+    const char *path;
+    int frame;  // -1: none
+};
+
+static const struct number_row numbers[] = {
+    {"shot.1001.exr", 1001},   {"shot_v2.1001.exr", 1001},
+    {"a/7/shot.exr", -1},      {"a/7/shot0012.exr", 12},
+    {"shot.1001", 1001},       {"1001.exr", 1001},
+    {"1001", 1001},            {"shot1001b.exr", 1001},
+    {"shot.exr", -1},          {"", -1},
+    {"-", -1},                 {".5", 5},
+    {"a.mp4", -1},             {"a1.mp4", 1},
+    {"x1234567890.exr", -1},   {"x999999999.exr", 999999999},
+};
+
+static void numbers_in_names(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+        int frame = -1;
+        bool found = gp_frame_number(numbers[i].path, &frame);
+        if (found != (numbers[i].frame >= 0) || frame != numbers[i].frame)
+            fail_msg("%s: %d", numbers[i].path, frame);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(names_of_frames),
+        cmocka_unit_test(lists_of_frames),
+        cmocka_unit_test(longest_list),
+        cmocka_unit_test(frames_that_exist),
+        cmocka_unit_test(numbers_in_names),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
