@@ -19,7 +19,7 @@ OPT ?= -O3
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) $(WARN) $(CFLAGS) $(DEFS) -fopenmp -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -fopenmp -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl

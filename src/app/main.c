@@ -5,9 +5,21 @@
 #include "core/parallel.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
+
+/* A standard stream that is closed must not become a picture's descriptor:
+ * opened the wrong way round, it gives an error to who uses it. */
+static void keep_streams(void)
+{
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+        if (fcntl(fd, F_GETFD) < 0)
+            (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
+    }
+}
 
 /* Every message is one line on stderr, and never in the middle of the
  * progress line; `user` is the progress, NULL before there is one. */
@@ -61,6 +73,7 @@ int main(int argc, char *argv[])
 {
     struct gp_settings s;
     struct gp_log log = {print_line, NULL, GP_LEVEL_WARN};
+    keep_streams();
     // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);

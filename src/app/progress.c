@@ -143,10 +143,12 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
     double now = gp_now_ms();
     if (!p->file)
         return;
+    const char *slash = strrchr(name, '/');
     pthread_mutex_lock(&p->lock);
     p->done = done;
     p->total = total;
-    snprintf(p->name, sizeof p->name, "%s: %s", name, stage);
+    snprintf(p->name, sizeof p->name, "%s: %s",
+             slash ? slash + 1 : name, stage);
     if (!p->terminal && now - p->last_ms >= PIPE_MS)
         draw(p, now);
     pthread_mutex_unlock(&p->lock);

@@ -184,10 +184,7 @@ static gp_status write_sensors(struct gp_run *r, const char *name,
                                struct gp_write_stats *stats)
 {
     struct gp_planes p = {0};
-    gp_status st = gp_planes_make(r->log, "sensors",
-                                  gp_frame_pixels(&r->frame), &p);
-    if (!st)
-        st = gp_sources_planes(r->log, &r->sources, &p);
+    gp_status st = gp_sources_planes(r->log, &r->sources, &p);
     if (!st)
         st = gp_write_picture(r->log, &r->s->write, name, &r->frame, &p,
                               GP_PICTURE_SCENE, stats);

@@ -126,9 +126,9 @@ static void find_limits(struct gp_gl *gl)
     gl->f.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     gl->max_size = least(texture, least(viewport[0], viewport[1]));
     const char *lower = getenv("GLAREPP_GL_MAX_SIZE");
-    int asked = lower ? atoi(lower) : 0;
-    if (asked > 0)
-        gl->max_size = least(gl->max_size, asked);
+    long asked = lower ? strtol(lower, NULL, 10) : 0;
+    if (asked > 0 && asked < gl->max_size)
+        gl->max_size = (int) asked;
 }
 
 /* State that holds for the context's whole life: what this program draws has

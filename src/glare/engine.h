@@ -52,7 +52,9 @@ struct gp_glare_job {
 struct gp_engine {
     const char *name, *text;
 
-    /* Milliseconds that `run` is expected to take, from counted work. */
+    /* Milliseconds that `run` is expected to take on one core, from counted
+     * work. Never from the number of threads: what `auto` picks would then
+     * depend on it, and the bytes with it. */
     double (*predict_ms)(const struct gp_glare_job *job);
 
     /* Writes every sample of job->layer. *state is NULL at first, kept by the

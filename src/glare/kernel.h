@@ -34,6 +34,8 @@ struct gp_kernel {
     double norm2[3];      // sqrt of the sum of squares of each channel
     double norm1[3];      // sum of magnitudes of each channel
     bool grey;            // the three planes are equal
+    unsigned long serial; // of this making, > 0 and unique in the process;
+                          // 0 (made by hand) is never taken for known
 };
 
 /* Names of the builtin kernels with one line each, NULL-terminated. */

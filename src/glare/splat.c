@@ -14,26 +14,26 @@
  * in a target of their own, which is then added to the total: about
  * 2 * sqrt(n) roundings in place of n.
  */
-#include "core/parallel.h"
 #include "glare/splat_state.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    QUADS = 64,       // of one instance: fewer cost llvmpipe 1 us each
+    QUADS = 64,       // of one instance, which costs llvmpipe 0.2 us
     QUAD_VERTICES = 6,
     TILE_MAX = 4096,  // 256 MiB a target; Mesa stops at 2 GiB a texture
     CHUNK_MIN = 64,   // sources; adding up costs as much as 2 polygons
 };
 
 /* Milliseconds, measured with `test_splat --time` on two cores of a 2.5 GHz
- * Xeon, Mesa 22.3 llvmpipe. On a GPU all but the first are far smaller, but
- * which GPU there is shows only when a context is opened. */
+ * Xeon, Mesa 22.3 llvmpipe. They do not ask how many threads there are: then
+ * `auto` would choose by it, and the bytes would differ. On a GPU all but the
+ * first are far smaller, but which GPU there is shows only in a context. */
 static const double START_MS = 90.0;     // libraries, context, link, JIT
 static const double SENSOR_MS = 1.35e-4; // a quad that stays shut
 static const double POLYGON_MS = 2e-3;   // a quad that opens, whatever size
-static const double PIXEL_MS = 1.3e-5;   // a blended pixel, on one thread
+static const double PIXEL_MS = 6.5e-6;   // a blended pixel
 static const double TRANSFER_MS = 7e-6;  // a pixel up, cleared and back
 
 /* The part of the kernel that can touch the frame: its samples are crop, and
@@ -124,7 +124,7 @@ static double predict_ms(const struct gp_glare_job *job)
         return 0.0;
     double sensors = (double) gp_rect_w(src->box) * gp_rect_h(src->box);
     return START_MS + SENSOR_MS * sensors + POLYGON_MS * (double) src->n +
-           PIXEL_MS / gp_threads() * polygon_pixels(src, r) +
+           PIXEL_MS * polygon_pixels(src, r) +
            TRANSFER_MS * src->w * src->h;
 }
 

@@ -66,8 +66,8 @@ gp_status gp_find_channel(const struct gp_log *log, const struct gp_frame *f,
     if (part >= 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: channel %s is in part %d, not in part %d that "
-                       "holds the colour; put both into one, with e.g. oiiotool "
-                       "IN --subimage %d IN --subimage %d --chappend -o OUT",
+                       "holds the colour; put both into one, with e.g. "
+                       "oiiotool IN --subimage %d IN --subimage %d --chappend -o OUT",
                        f->path, name, part, f->part, f->part, part);
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: has no channel %s (it has %s); give one of those",

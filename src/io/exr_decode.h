@@ -65,8 +65,8 @@ GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
 
 /* The same through the OpenImageIO bridge, for what the library lacks.
  * Errors: GP_ERR_IO no bridge; GP_ERR_DATA the bridge cannot read it. */
-GP_MUST_CHECK gp_status gp_exr_decode_by_bridge(const struct gp_log *log,
-                                                const struct gp_exr_layout *l,
-                                                const struct gp_exr_sink *sink);
+GP_MUST_CHECK gp_status gp_exr_decode_by_bridge(
+    const struct gp_log *log, const struct gp_exr_layout *l,
+    const struct gp_exr_sink *sink);
 
 #endif

@@ -98,9 +98,14 @@ static gp_status read_places(const struct gp_exr_out *out, int part,
     const size_t bytes = (size_t) n * sizeof(uint64_t);
     void *offset;
     uint64_t at = raw->size;
-    for (int p = 0; p < part; p++)
-        at += (uint64_t) out->table[p].chunks * sizeof(uint64_t);
     gp_status st = gp_alloc(out->log, "offset table", bytes, 1, &offset);
+    for (int p = 0; !st && p < part; p++) { // not as many as in the output
+        int32_t before;
+        if (exr_get_chunk_count(o->exr, p, &before) || before < 0)
+            st = GP_ERR_DATA;
+        else
+            at += (uint64_t) before * sizeof(uint64_t);
+    }
     if (!st && gp_stream_read(&o->stream, offset, bytes, at) != (int64_t) bytes)
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)

@@ -92,6 +92,13 @@ void check_size(const ImageSpec &spec, long long max_pixels)
         throw std::runtime_error("a volume, not a picture");
     if (spec.deep)
         throw std::runtime_error("deep data");
+    // so that window edges can be added up without a thought
+    const long long far = 1LL << 29;
+    for (long long v : {spec.x, spec.y, spec.width, spec.height, spec.full_x,
+                        spec.full_y, spec.full_width, spec.full_height}) {
+        if (v <= -far || v >= far)
+            throw std::runtime_error("windows out of range");
+    }
     long long pixels = static_cast<long long>(spec.width) * spec.height;
     if (pixels > max_pixels)
         throw std::runtime_error(

@@ -174,8 +174,11 @@ static void set_colour(png_structp png, png_infop info,
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
         return;
     }
-    // what libpng gives a file with an sRGB chunk: 1 / 2.2
-    png_set_gAMA_fixed(png, info, PNG_GAMMA_sRGB);
+    png_set_gAMA_fixed(png, info, 45455); // 1 / 2.2, as beside sRGB
+    for (int i = 0; i < 8; i += 2) { // PNG has no imaginary primaries
+        if (!(c[i] >= 0 && c[i + 1] >= 0 && c[i] + c[i + 1] <= 1))
+            return;
+    }
     png_set_cHRM(png, info, (double) c[6], (double) c[7], (double) c[0],
                  (double) c[1], (double) c[2], (double) c[3], (double) c[4],
                  (double) c[5]);
@@ -211,6 +214,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
                      : gp_fail(t->log, GP_ERR_BUG, "PNG: out of memory");
     }
     png_set_write_fn(png, t, write_bytes, flush_nothing);
+    png_set_benign_errors(png, 1); // of odd primaries: a file without them
     png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_IHDR(png, info, (png_uint_32) pic->width,
                  (png_uint_32) pic->height, pic->bits,

@@ -21,12 +21,18 @@ struct gp_read_params {
  *   out   written only on GP_OK: windows, chromaticities and luminance,
  *         rgb, channels, origin; other planes empty. Free: gp_frame_free().
  *
- * Colour is, in this order: R,G,B; red,green,blue of any case; Y with RY and
- * BY; Y; *.R,*.G,*.B of the first layer in file order; the only channel
- * there is. The first part of a multi-part file that has one of these is
- * the frame; the other parts pass through to gp_write_hdr().
- * Missing colour channels of a set of three are 0. Values are as stored:
- * NaN and Inf are the sensors' business.
+ * Colour is, in this order: R,G,B; red,green,blue of any case; Y with RY or
+ * BY; Y; LAYER.R,G,B of a layer called Combined, beauty or rgba, or else of
+ * the first layer in file order; the only channel there is, alpha aside. The
+ * first part of a multi-part file that has one of these (a lone channel
+ * last, which is more likely depth) is the frame; the other parts pass
+ * through to gp_write_hdr(). Missing colour channels of a set of three are 0.
+ * `colour` of a grey file's channel is 0; RY, Y, BY have 0, 1, 2, and rgb
+ * holds the RGB that OpenEXR's RgbaInputFile would give.
+ *
+ * EXR's values are as stored: NaN and Inf are the sensors' business. Integers
+ * of other formats are made linear by the curve that the file names, 8-bit
+ * ones without a name by sRGB's.
  *
  * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty,
  * truncated, damaged, deep, over max_pixels, or no colour channel.

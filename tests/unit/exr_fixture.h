@@ -49,6 +49,17 @@ static const exr_attr_chromaticities_t fixture_ap0 = {
 #define FIXTURE_WINDOW(x0, y0, w, h)                                          \
     {{.x = (x0), .y = (y0)}, {.x = (x0) + (w) - 1, .y = (y0) + (h) - 1}}
 
+/* Channels, for a fixture_part. */
+#define HALF_CH(name) {name, EXR_PIXEL_HALF, 0, 0}
+#define RGB(type)                                                             \
+    {"B", type, 0, 0}, {"G", type, 0, 0}, {"R", type, 0, 0}
+
+static const exr_compression_t lossless[] = {
+    EXR_COMPRESSION_NONE, EXR_COMPRESSION_RLE, EXR_COMPRESSION_ZIPS,
+    EXR_COMPRESSION_ZIP,  EXR_COMPRESSION_PIZ, EXR_COMPRESSION_PXR24,
+};
+enum { LOSSLESS = sizeof lossless / sizeof *lossless };
+
 static uint32_t fixture_hash(const char *name, int x, int y)
 {
     uint32_t h = 2166136261u;

@@ -4,12 +4,13 @@
 #define GP_TESTS_SPLAT_SCENE_H
 
 #include "core/frame.h"
-#include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glare/engine.h"
 
 #include <math.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static uint32_t seed;
 
@@ -114,6 +115,38 @@ static struct gp_kernel make_kernel(int w, int h, int cx, int cy,
         abort();
     fill_kernel(&k, shape);
     return k;
+}
+
+/* -- the engine ------------------------------------------------------------ */
+
+static char last_line[4096];
+
+static void keep(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(last_line, sizeof last_line, "%s", line);
+}
+
+static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
+
+static struct gp_glare_stats stats; // of the last run
+
+static gp_status splat(enum gp_gl_choice gl, const struct gp_sources *src,
+                       const struct gp_kernel *k, struct gp_planes *layer,
+                       void **state)
+{
+    const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
+                                           .gl = gl};
+    const struct gp_glare_job job = {&log_kept, &params, src,
+                                     k,         layer,   &stats};
+    size_t samples = (size_t) src->w * (size_t) src->h;
+    stats = (struct gp_glare_stats) {0};
+    if (gp_planes_make(NULL, "layer", samples, layer))
+        abort();
+    for (int c = 0; c < 3; c++) // every sample must be written
+        memset(layer->c[c], 0xff, samples * sizeof(float));
+    return gp_engine_splat.run(&job, state);
 }
 
 /* -- the sum --------------------------------------------------------------- */

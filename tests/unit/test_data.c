@@ -3,30 +3,19 @@
  * RgbaInputFile; and every damaged file. The folder is $GLAREPP_DATA, or
  * ../shared/data; without it, or without the witnesses, tests are skipped. */
 #include "core/cpu.h"
-#include "core/frame.h"
 #include "core/parallel.h"
 #include "io/channels.h"
 #include "io/exr_origin.h"
-#include "io/half.h"
 #include "io/oiio.h"
-#include "io/read.h"
+
+#include "reading.h"
 
 #include <ftw.h>
 #include <libgen.h>
 #include <limits.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
-#include <unistd.h>
-
-#include <cmocka.h>
 
 enum { FILES = 1000, SECONDS = 60 };
 
@@ -34,37 +23,21 @@ static char *file[FILES], *damaged[FILES];
 static int files, damaged_files;
 static char reference[PATH_MAX]; // the RgbaInputFile program, "" without
 
-static struct {
-    char line[4096];
-    int count;
-} heard;
-
-static void listen(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    if (level != GP_LEVEL_ERROR)
-        return;
-    snprintf(heard.line, sizeof heard.line, "%s", line);
-    heard.count++;
-}
-
-static const struct gp_log hear = {listen, NULL, GP_LEVEL_ERROR};
-
 /* -- what there is -------------------------------------------------------- */
 
-static int collect(const char *path, const struct stat *info, int type,
+static int collect(const char *found, const struct stat *info, int type,
                    struct FTW *at)
 {
     (void) info;
-    const char *name = path + at->base;
+    const char *name = found + at->base;
     const char *dot = strrchr(name, '.');
     if (type != FTW_F)
         return 0;
-    if (strstr(path, "/damaged/")) {
+    if (strstr(found, "/damaged/")) {
         if (damaged_files < FILES)
-            damaged[damaged_files++] = strdup(path);
+            damaged[damaged_files++] = strdup(found);
     } else if (dot && strcmp(dot, ".exr") == 0 && files < FILES) {
-        file[files++] = strdup(path);
+        file[files++] = strdup(found);
     }
     return 0;
 }
@@ -75,10 +48,10 @@ static int by_name(const void *a, const void *b)
 }
 
 /* Builds the program beside this one when there is a compiler. */
-static void make_reference(const char *folder)
+static void make_reference(const char *beside)
 {
     char command[3 * PATH_MAX];
-    snprintf(reference, sizeof reference, "%.3000s/rgba_reference", folder);
+    snprintf(reference, sizeof reference, "%.3000s/rgba_reference", beside);
     snprintf(command, sizeof command,
              "test '%s' -nt tests/tools/rgba_reference.cpp || c++ -O1 -o '%s' "
              "tests/tools/rgba_reference.cpp "
@@ -97,11 +70,10 @@ static int setup(void **state)
     qsort(file, (size_t) files, sizeof *file, by_name);
     qsort(damaged, (size_t) damaged_files, sizeof *damaged, by_name);
     if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return 0;
-    const char *folder = dirname(self);
-    make_reference(folder);
+        return -1;
+    make_reference(dirname(self));
     // the build puts tests one folder below the bridge
-    snprintf(beside, sizeof beside, "%.3000s/..", folder);
+    snprintf(beside, sizeof beside, "%.3000s/..", self);
     return setenv("GLAREPP_BRIDGES", beside, 0);
 }
 
@@ -113,15 +85,6 @@ static int teardown(void **state)
     for (int i = 0; i < damaged_files; i++)
         free(damaged[i]);
     return 0;
-}
-
-static gp_status read_file(const char *path, struct gp_frame *f)
-{
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    heard.line[0] = '\0';
-    heard.count = 0;
-    *f = (struct gp_frame) {0};
-    return gp_read_frame(&hear, &p, path, f);
 }
 
 /* -- against OpenImageIO -------------------------------------------------- */
@@ -267,7 +230,7 @@ static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
 
 /* Reads in a child with little time and memory: 1 GiB of addresses, of which
  * the bridge's 261 libraries take a third. */
-static int read_in_child(const char *path)
+static int read_in_child(const char *name)
 {
     pid_t child = fork();
     if (child == 0) {
@@ -279,7 +242,7 @@ static int read_in_child(const char *path)
 #endif
         gp_set_threads(1); // a team does not survive fork()
         alarm(SECONDS);
-        gp_status st = read_file(path, &f);
+        gp_status st = read_file(name, &f);
         if (heard.count != (st != GP_OK))
             _exit(98);
         gp_frame_free(&f);

@@ -74,7 +74,7 @@ static const struct job_row rows[] = {
     {"-o - --hdr - in.exr", GP_ERR_USAGE, "only one can go to stdout"},
     {"-o - --report - in.exr", GP_ERR_USAGE, "only one can go to stdout"},
     {"-o no/o.png in.exr", GP_ERR_IO, "no/o.png"},
-    {"-o o.nosuch in.exr", GP_ERR_USAGE, "o.nosuch"},
+    {"-o o in.exr", GP_ERR_USAGE, "o: unknown format"},
 };
 
 static gp_status make(const char *line, struct gp_settings *s,

@@ -278,7 +278,7 @@ static void progress_in_a_pipe(void **state)
         FILE *f = tmpfile();
         struct gp_progress p;
         gp_progress_open(&p, f, cases[i].when, cases[i].quiet);
-        gp_progress_update(&p, 0, 2, "a\x1b[2J.exr", "read");
+        gp_progress_update(&p, 0, 2, "b/a\x1b[2J.exr", "read");
         gp_progress_close(&p);
         char line[128] = "";
         rewind(f);

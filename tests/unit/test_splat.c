@@ -21,37 +21,6 @@
 
 #include <cmocka.h>
 
-static char last_line[4096];
-
-static void keep(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(last_line, sizeof last_line, "%s", line);
-}
-
-static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
-
-/* -- running --------------------------------------------------------------- */
-
-static struct gp_glare_stats stats;
-
-static gp_status splat(enum gp_gl_choice gl, const struct gp_sources *src,
-                       const struct gp_kernel *k, struct gp_planes *layer,
-                       void **state)
-{
-    const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
-                                           .gl = gl};
-    const struct gp_glare_job job = {&log_kept, &params, src,
-                                     k,         layer,   &stats};
-    size_t samples = (size_t) src->w * (size_t) src->h;
-    stats = (struct gp_glare_stats) {0};
-    assert_int_equal(gp_planes_make(NULL, "layer", samples, layer), GP_OK);
-    for (int c = 0; c < 3; c++) // every sample must be written
-        memset(layer->c[c], 0xff, samples * sizeof(float));
-    return gp_engine_splat.run(&job, state);
-}
-
 static gp_status splat_or_skip(enum gp_gl_choice gl,
                                const struct gp_sources *src,
                                const struct gp_kernel *k,

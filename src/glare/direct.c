@@ -1,0 +1,270 @@
+#include "glare/direct.h"
+
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/engine.h"
+
+#include <limits.h>
+#include <string.h>
+
+enum {
+    STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors of 8
+    LANES = 8,
+    GROUP = 32, // sources summed before the sum is put aside
+};
+
+typedef float vec __attribute__((vector_size(4 * LANES)));
+typedef float loose
+    __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
+
+/* A source as one strip sees it: taps[base + y * pitch] is the kernel's
+ * sample for the strip's first column of row y. */
+struct strip_source {
+    ptrdiff_t base;
+    float rgb[3];
+};
+
+struct direct {
+    const struct gp_sources *src;
+    const struct gp_taps *taps;
+    struct gp_planes *layer;
+    bool add;
+    struct strip_source **list; // scratch of each thread, src->n each
+    uint32_t **row;             // scratch of each thread, h + 1 each
+};
+
+gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
+                       int radius, struct gp_taps *out)
+{
+    const int r = radius < 0 ? INT_MAX / 2 : radius;
+    // the cut, in kernel pixels; the centre may lie outside the kernel
+    const struct gp_rect cut = gp_rect_meet(
+        (struct gp_rect) {0, 0, k->w, k->h},
+        (struct gp_rect) {k->cx - r, k->cy - r, k->cx + r + 1, k->cy + r + 1});
+    struct gp_taps t = {
+        .w = gp_rect_w(cut), .h = gp_rect_h(cut),
+        .cx = k->cx - cut.x0, .cy = k->cy - cut.y0,
+    };
+    t.pitch = (size_t) t.w + 2 * GP_TAPS_PAD;
+    for (int c = 0; c < 3; c++) {
+        void *v;
+        gp_status st = gp_alloc_zero(log, "kernel", t.pitch * (size_t) t.h,
+                                     sizeof(float), &v);
+        if (st) {
+            gp_taps_free(&t);
+            return st;
+        }
+        t.k[c] = v;
+        for (int y = 0; y < t.h; y++)
+            memcpy(t.k[c] + (size_t) y * t.pitch + GP_TAPS_PAD,
+                   k->k.c[c] + (size_t) (y + cut.y0) * (size_t) k->w + cut.x0,
+                   (size_t) t.w * sizeof(float));
+    }
+    *out = t;
+    return GP_OK;
+}
+
+void gp_taps_free(struct gp_taps *t)
+{
+    for (int c = 0; c < 3; c++)
+        gp_free(t->k[c]);
+    *t = (struct gp_taps) {0};
+}
+
+/* First index in [lo, hi) whose column is >= x. */
+static uint32_t first_from(const int32_t *col, uint32_t lo, uint32_t hi, int x)
+{
+    while (lo < hi) {
+        const uint32_t mid = lo + (hi - lo) / 2;
+        if (col[mid] < x)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo;
+}
+
+/* Lists the sources whose kernel reaches columns [x0, x0 + STRIP). */
+static void list_strip(const struct direct *d, int x0,
+                       struct strip_source *list, uint32_t *row)
+{
+    const struct gp_sources *const s = d->src;
+    const struct gp_taps *const t = d->taps;
+    // reached columns of a source at x: [x - cx, x - cx + w)
+    const int from = x0 + t->cx - t->w + 1, to = x0 + STRIP + t->cx;
+    uint32_t n = 0;
+    for (int y = 0; y < s->h; y++) {
+        row[y] = n;
+        uint32_t i = first_from(s->x, s->row[y], s->row[y + 1], from);
+        for (; i < s->row[y + 1] && s->x[i] < to; i++) {
+            list[n++] = (struct strip_source) {
+                .base = ((ptrdiff_t) t->cy - y) * (ptrdiff_t) t->pitch +
+                        (x0 - s->x[i] + t->cx + GP_TAPS_PAD),
+                .rgb = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
+            };
+        }
+    }
+    row[s->h] = n;
+}
+
+/* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
+GP_CLONES static void sum_strip(const struct strip_source *s, uint32_t n,
+                                const float *k0, const float *k1,
+                                const float *k2, ptrdiff_t row_at,
+                                float sum[3][STRIP])
+{
+    vec total[3][STRIP / LANES] = {0};
+    while (n > 0) {
+        const uint32_t group = n < GROUP ? n : GROUP;
+        vec a[3][STRIP / LANES] = {0};
+        for (uint32_t i = 0; i < group; i++) {
+            const ptrdiff_t at = s[i].base + row_at;
+            for (int v = 0; v < STRIP / LANES; v++) {
+                a[0][v] += s[i].rgb[0] * *(const loose *) (k0 + at + v * LANES);
+                a[1][v] += s[i].rgb[1] * *(const loose *) (k1 + at + v * LANES);
+                a[2][v] += s[i].rgb[2] * *(const loose *) (k2 + at + v * LANES);
+            }
+        }
+        for (int c = 0; c < 3; c++) {
+            for (int v = 0; v < STRIP / LANES; v++)
+                total[c][v] += a[c][v];
+        }
+        s += group;
+        n -= group;
+    }
+    memcpy(sum, total, sizeof total);
+}
+
+static void run_strip(void *ctx, int strip, int thread)
+{
+    const struct direct *const d = ctx;
+    const struct gp_taps *const t = d->taps;
+    const int w = d->src->w, h = d->src->h, x0 = strip * STRIP;
+    const int cols = w - x0 < STRIP ? w - x0 : STRIP;
+    struct strip_source *const list = d->list[thread];
+    uint32_t *const row = d->row[thread];
+    list_strip(d, x0, list, row);
+    for (int y = 0; y < h; y++) {
+        // source rows whose kernel reaches y: y - sy + cy in [0, t->h)
+        int from = y + t->cy - t->h + 1, to = y + t->cy + 1;
+        from = from < 0 ? 0 : from > h ? h : from;
+        to = to < from ? from : to > h ? h : to;
+        float sum[3][STRIP];
+        sum_strip(list + row[from], row[to] - row[from], t->k[0], t->k[1],
+                  t->k[2], (ptrdiff_t) y * (ptrdiff_t) t->pitch, sum);
+        for (int c = 0; c < 3; c++) {
+            float *const out = d->layer->c[c] + (size_t) y * (size_t) w + x0;
+            for (int x = 0; x < cols; x++)
+                out[x] = d->add ? out[x] + sum[c][x] : sum[c][x];
+        }
+    }
+}
+
+gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
+                        const struct gp_taps *taps, bool add,
+                        struct gp_planes *layer)
+{
+    gp_status st;
+    const int threads = gp_threads();
+    struct direct d = {
+        .src = src, .taps = taps, .layer = layer, .add = add,
+    };
+    void *v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list, &v));
+    d.list = v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row, &v));
+    d.row = v;
+    for (int i = 0; i < threads; i++) {
+        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &v));
+        d.list[i] = v;
+        GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
+                        &v));
+        d.row[i] = v;
+    }
+    gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
+out:
+    for (int i = 0; i < threads && d.list && d.row; i++) {
+        gp_free(d.list[i]);
+        gp_free(d.row[i]);
+    }
+    gp_free(d.list);
+    gp_free(d.row);
+    return st;
+}
+
+/* Length of the overlap of [at - c, at - c + n) and [0, limit). */
+static int overlap(int at, int c, int n, int limit)
+{
+    const int from = at - c > 0 ? at - c : 0;
+    const int to = at - c + n < limit ? at - c + n : limit;
+    return to > from ? to - from : 0;
+}
+
+double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
+                      int cy)
+{
+    double work = 0.0;
+    for (int y = 0; y < src->h; y++) {
+        const double rows = overlap(y, cy, h, src->h);
+        double cols = 0.0;
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            cols += overlap(src->x[i], cx, w, src->w);
+        work += rows * cols;
+    }
+    return work;
+}
+
+/* One 512 x 512 source takes 0.16 ms on one core of a 2.5 GHz Cascade Lake:
+ * `glarepp --engine direct -v` on a frame of 100 sources, over 100. */
+static const double MS_PER_TAP = 0.16 / (512.0 * 512.0);
+
+static double predict_ms(const struct gp_glare_job *job)
+{
+    const struct gp_kernel *const k = job->kernel;
+    return 0.05 + MS_PER_TAP *
+                      gp_direct_work(job->src, k->w, k->h, k->cx, k->cy);
+}
+
+/* The state is the laid-out kernel and what it was made from. */
+struct state {
+    unsigned long kernel; // serial
+    struct gp_taps taps;
+};
+
+static void close_state(void **state)
+{
+    struct state *const s = *state;
+    if (s)
+        gp_taps_free(&s->taps);
+    GP_FREE(*state);
+}
+
+static gp_status run(const struct gp_glare_job *job, void **state)
+{
+    gp_status st = GP_OK;
+    struct state *s = *state;
+    if (!s || !s->kernel || s->kernel != job->kernel->serial) {
+        close_state(state);
+        st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
+        if (st)
+            return st;
+        s = *state;
+        st = gp_taps_make(job->log, job->kernel, -1, &s->taps);
+        if (st)
+            return st;
+        s->kernel = job->kernel->serial;
+    }
+    // float rounding: 32 terms, then n / 32 groups, each within 2^-24
+    job->stats->bound = (GROUP + (double) job->src->n / GROUP + 2.0) *
+                        5.960464477539063e-8;
+    return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
+}
+
+const struct gp_engine gp_engine_direct = {
+    .name = "direct",
+    .text = "the sum as it is written; the fastest for a handful of sources",
+    .predict_ms = predict_ms,
+    .run = run,
+    .close = close_state,
+};

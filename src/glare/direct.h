@@ -1,0 +1,43 @@
+/* The convolution sum as it is written, source by source. */
+#ifndef GP_GLARE_DIRECT_H
+#define GP_GLARE_DIRECT_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/kernel.h"
+#include "glare/sensors.h"
+
+#include <stdbool.h>
+
+/* A kernel laid out for direct sums: each row has GP_TAPS_PAD zeros on both
+ * sides, so that a strip of that many pixels never needs a border case. */
+enum { GP_TAPS_PAD = 32 };
+struct gp_taps {
+    int w, h, cx, cy;  // as in gp_kernel
+    size_t pitch;      // floats from row to row
+    float *k[3];
+};
+
+/* Copies the part of the kernel within `radius` pixels of its centre in x
+ * and in y (the whole kernel when radius < 0). Free with gp_taps_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_taps_make(const struct gp_log *log,
+                                     const struct gp_kernel *kernel,
+                                     int radius, struct gp_taps *out);
+void gp_taps_free(struct gp_taps *t);
+
+/* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
+ * in the order of the sources, in float, in groups of 32, so that its error
+ * grows with the group and the number of groups, not with their product.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
+                                      const struct gp_sources *src,
+                                      const struct gp_taps *taps, bool add,
+                                      struct gp_planes *layer);
+
+/* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
+ * cut to the frame. */
+double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
+                      int cy);
+
+#endif

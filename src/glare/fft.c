@@ -1,0 +1,458 @@
+#include "glare/engine.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/direct.h"
+#include "glare/fft_lib.h"
+#include "glare/fft_pass.h"
+#include "glare/fft_split.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Where the sources, the kernel and the outputs stand on the torus of
+ * nx * ny samples. The smallest on which no wrapped light reaches an output. */
+struct placing {
+    int nx, ny;
+    struct gp_rect in;   // box of the sources
+    struct gp_rect out;  // pixels of the frame that light reaches
+    struct gp_rect taps; // offsets from source to pixel that occur
+};
+
+static int max(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+static int min(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+/* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
+ * Returns the least period. */
+static int place_axis(int in0, int in1, int c, int w, int n, int *out0,
+                      int *out1, int *tap0, int *tap1)
+{
+    *out0 = max(0, in0 - c);
+    *out1 = min(n, in1 + w - 1 - c);
+    if (*out1 <= *out0) // nothing of the kernel reaches the frame
+        *out1 = *out0 = 0;
+    *tap0 = max(-c, *out0 - (in1 - 1));
+    *tap1 = min(w - c, *out1 - in0);
+    const int right = in1 - 1 + *tap1 - 1 - *out0; // wraps to the left end
+    const int left = *out1 - 1 - (in0 + *tap0);
+    return max(max(right, left) + 1, max(in1 - in0, *tap1 - *tap0));
+}
+
+static struct placing place(const struct gp_sources *s,
+                            const struct gp_kernel *k)
+{
+    struct placing p = {.in = s->box};
+    const int x = place_axis(p.in.x0, p.in.x1, k->cx, k->w, s->w, &p.out.x0,
+                             &p.out.x1, &p.taps.x0, &p.taps.x1);
+    const int y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h, &p.out.y0,
+                             &p.out.y1, &p.taps.y0, &p.taps.y1);
+    if (!gp_rect_empty(p.out)) {
+        p.nx = gp_fft_length(x);
+        p.ny = gp_fft_length(y);
+    }
+    return p;
+}
+
+/* Kept from frame to frame; each part is made anew when its key differs. */
+struct state {
+    struct gp_fft_plan_pair plan[8]; // of the lengths used last
+    int plans;
+    unsigned long kernel; // serial of the spectrum's
+    struct placing placing;
+    int core;
+    struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
+    struct gp_fft_matrix work;
+    size_t work_rows;
+    unsigned long taps_kernel; // serial of the taps'
+    struct gp_taps core_taps, all_taps;
+    int core_taps_radius;
+    unsigned long norms_kernel; // serial of what follows
+    double tail[GP_FFT_CORES], spread;
+};
+
+static bool is_known(unsigned long serial, const struct gp_kernel *k)
+{
+    return serial && serial == k->serial;
+}
+
+static void close_state(void **state)
+{
+    struct state *const s = *state;
+    if (s) {
+        for (int i = 0; i < s->plans; i++)
+            gp_fft_plan_free(&s->plan[i]);
+        gp_fft_matrix_free(&s->spectrum);
+        gp_fft_matrix_free(&s->work);
+        gp_taps_free(&s->core_taps);
+        gp_taps_free(&s->all_taps);
+    }
+    GP_FREE(*state);
+}
+
+/* The plans of length n, from the state or made. */
+static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
+                           int n, const struct gp_fft_plan_pair **out)
+{
+    const int room = (int) (sizeof s->plan / sizeof *s->plan);
+    for (int i = 0; i < s->plans; i++) {
+        if (s->plan[i].n == n && s->plan[i].how == job->params->fft_plan) {
+            *out = &s->plan[i];
+            return GP_OK;
+        }
+    }
+    if (s->plans == room) { // drop the oldest but never the one found last
+        gp_fft_plan_free(&s->plan[0]);
+        memmove(s->plan, s->plan + 1, sizeof *s->plan * (size_t) (room - 1));
+        s->plans--;
+    }
+    gp_status st = gp_fft_plan_make(job->log, n, job->params->fft_plan,
+                                    job->params->wisdom, &s->plan[s->plans]);
+    if (!st)
+        *out = &s->plan[s->plans++];
+    return st;
+}
+
+/* -- the kernel's spectrum -------------------------------------------------- */
+
+struct kernel_rows {
+    const struct gp_kernel *kernel;
+    const struct placing *p;
+    int core;
+};
+
+/* Row of offset dy = taps.y0 + j, each sample at its offset modulo nx. */
+static void load_kernel(const void *ctx, int c, int j, float *z)
+{
+    const struct kernel_rows *const r = ctx;
+    const struct gp_kernel *const k = r->kernel;
+    const int dy = r->p->taps.y0 + j, nx = r->p->nx;
+    const float *const row =
+        k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
+    for (int dx = r->p->taps.x0; dx < r->p->taps.x1; dx++) {
+        const int inside = abs(dx) <= r->core && abs(dy) <= r->core;
+        if (!inside)
+            z[2 * (dx < 0 ? dx + nx : dx)] = row[dx];
+    }
+}
+
+/* Rows first .. first + n at places modulo ny. */
+static gp_status make_places(const struct gp_log *log, int first, int n,
+                             int ny, int **out)
+{
+    void *v;
+    gp_status st = gp_alloc(log, "transform", (size_t) n, sizeof **out, &v);
+    if (st)
+        return st;
+    *out = v;
+    for (int j = 0; j < n; j++)
+        (*out)[j] = (first + j) % ny < 0 ? (first + j) % ny + ny
+                                         : (first + j) % ny;
+    return GP_OK;
+}
+
+static bool same_spectrum(const struct state *s, const struct gp_kernel *k,
+                          const struct placing *p, int core)
+{
+    return s->spectrum.z[0] && is_known(s->kernel, k) &&
+           s->core == core && s->placing.nx == p->nx &&
+           s->placing.ny == p->ny &&
+           memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
+}
+
+static gp_status make_spectrum(const struct gp_glare_job *job,
+                               struct state *s, const struct gp_fft_job *fft,
+                               const struct placing *p, int core)
+{
+    gp_status st = GP_OK;
+    const struct gp_kernel *const k = job->kernel;
+    if (same_spectrum(s, k, p, core))
+        return GP_OK;
+    gp_fft_matrix_free(&s->spectrum);
+    struct gp_fft_matrix rows = {0};
+    int *places = NULL;
+    const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
+    const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
+    const struct gp_fft_job kernel_fft = {
+        .log = fft->log, .x = fft->x, .y = fft->y, .channels = channels,
+    };
+    // two factors 1/2 were left out on the way in: the kernel's rows, the
+    // sources' rows
+    const float scale = (float) (0.25 / ((double) p->nx * p->ny));
+    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, n, &rows));
+    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny,
+                              &s->spectrum));
+    GP_TRY(make_places(job->log, p->taps.y0, n, p->ny, &places));
+    GP_TRY(gp_fft_rows_in(&kernel_fft, n, load_kernel, &from, &rows));
+    GP_TRY(gp_fft_columns(&kernel_fft, &rows, n, places, scale, &s->spectrum));
+    s->kernel = k->serial;
+    s->placing = *p;
+    s->core = core;
+out:
+    if (st)
+        gp_fft_matrix_free(&s->spectrum);
+    gp_free(places);
+    gp_fft_matrix_free(&rows);
+    return st;
+}
+
+/* -- one frame ---------------------------------------------------------------*/
+
+/* Rows of the frame that hold light, in order, and where they stand. */
+struct light_rows {
+    const struct gp_sources *src;
+    const struct placing *p;
+    struct gp_planes *layer;
+    int n;
+    int *y, *place;
+};
+
+static gp_status find_light(const struct gp_log *log,
+                            const struct gp_sources *s,
+                            const struct placing *p, struct light_rows *out)
+{
+    gp_status st;
+    void *v;
+    const size_t rows = (size_t) gp_rect_h(p->in);
+    GP_TRY(gp_alloc(log, "transform", rows, sizeof(int), &v));
+    out->y = v;
+    GP_TRY(gp_alloc(log, "transform", rows, sizeof(int), &v));
+    out->place = v;
+    for (int y = p->in.y0; y < p->in.y1; y++) {
+        if (s->row[y + 1] > s->row[y]) {
+            out->y[out->n] = y;
+            out->place[out->n++] = y - p->in.y0;
+        }
+    }
+out:
+    return st;
+}
+
+static void load_light(const void *ctx, int c, int j, float *z)
+{
+    const struct light_rows *const r = ctx;
+    const struct gp_sources *const s = r->src;
+    const int y = r->y[j];
+    for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+        z[2 * (s->x[i] - r->p->in.x0)] = s->rgb[c][i];
+}
+
+/* Output row j back to the layer: places start at the box's corner, so what
+ * lies left of it wrapped to the far end. */
+static void store_layer(const void *ctx, int c, int j, const float *z)
+{
+    const struct light_rows *const r = ctx;
+    const struct placing *const p = r->p;
+    const int w = r->src->w;
+    float *const row =
+        r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
+    memset(row, 0, (size_t) p->out.x0 * sizeof *row);
+    for (int x = p->out.x0; x < min(p->in.x0, p->out.x1); x++)
+        row[x] = z[2 * (x - p->in.x0 + p->nx)];
+    for (int x = max(p->in.x0, p->out.x0); x < p->out.x1; x++)
+        row[x] = z[2 * (x - p->in.x0)];
+    memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
+}
+
+static void clear_rows(const struct gp_glare_job *job, int from, int to)
+{
+    const size_t w = (size_t) job->src->w;
+    for (int c = 0; c < 3 && to > from; c++)
+        memset(job->layer->c[c] + (size_t) from * w, 0,
+               (size_t) (to - from) * w * sizeof(float));
+}
+
+/* Transforms `src` with the kernel less its core into the layer. */
+static gp_status transform(const struct gp_glare_job *job, struct state *s,
+                           const struct gp_sources *src,
+                           const struct placing *p, int core)
+{
+    gp_status st;
+    struct gp_fft_job fft = {.log = job->log, .channels = 3};
+    struct light_rows light = {.src = src, .p = p, .layer = job->layer};
+    const int count = gp_rect_h(p->out);
+    const struct gp_fft_plan_pair *x, *y;
+    GP_TRY(find_plan(job, s, p->ny, &y));
+    const struct gp_fft_plan_pair kept = *y; // the list may move
+    GP_TRY(find_plan(job, s, p->nx, &x));
+    fft.x = x;
+    fft.y = &kept;
+    GP_TRY(make_spectrum(job, s, &fft, p, core));
+    GP_TRY(find_light(job->log, src, p, &light));
+    const int rows = max(light.n, count);
+    if (s->work.columns != (p->nx / 2 + 4) / 4 * 4 ||
+        s->work_rows != (size_t) rows) {
+        gp_fft_matrix_free(&s->work);
+        GP_TRY(gp_fft_matrix_make(job->log, 3, p->nx, rows, &s->work));
+        s->work_rows = (size_t) rows;
+    }
+    GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &s->work));
+    const int first = (p->out.y0 - p->in.y0 + p->ny) % p->ny;
+    GP_TRY(gp_fft_multiply(&fft, &s->work, light.n, light.place, &s->spectrum,
+                           job->kernel->grey ? 1 : 3, first, count));
+    clear_rows(job, 0, p->out.y0);
+    clear_rows(job, p->out.y1, src->h);
+    GP_TRY(gp_fft_rows_out(&fft, &s->work, count, store_layer, &light));
+out:
+    gp_free(light.y);
+    gp_free(light.place);
+    return st;
+}
+
+/* Work of the passes, one core: half the row transforms, all columns twice,
+ * for three channels; a third more for moving the data. */
+static double transform_ms(const struct gp_sources *s,
+                           const struct placing *p)
+{
+    int light = 0;
+    for (int y = 0; y < s->h; y++)
+        light += s->row[y + 1] > s->row[y];
+    const double rows = (light + gp_rect_h(p->out)) / 2.0;
+    return 3.0 * 1.35e-6 * (rows * gp_fft_cost(p->nx) +
+                            (p->nx + 2.0) * gp_fft_cost(p->ny));
+}
+
+static double predict_ms(const struct gp_glare_job *job)
+{
+    const struct placing p = place(job->src, job->kernel);
+    // plans, spectrum, scratch: half a frame more, and something fixed
+    return p.nx ? 0.5 + 1.5 * transform_ms(job->src, &p) : 0.0;
+}
+
+/* Squares of one row left and right of the centre, which both count it;
+ * false when a sample is negative. */
+static bool row_squares(const float *row, int w, int cx, double *left,
+                        double *right)
+{
+    bool lobe = false;
+    for (int x = 0; x < w; x++) {
+        const double v = (double) row[x];
+        lobe |= v < 0.0;
+        *left += x <= cx ? v * v : 0.0;
+        *right += x >= cx ? v * v : 0.0;
+    }
+    return !lobe;
+}
+
+/* How much smaller than the kernel's norm the light that a source leaves in
+ * the frame can be: it keeps at least one quarter of the kernel, centre
+ * included. Infinite when light can cancel, in kernels with lobes. */
+static double spread(const struct gp_kernel *k)
+{
+    double worst = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double quarter[4] = {0}; // top left, top right, bottom left, right
+        for (int y = 0; y < k->h; y++) {
+            double left = 0.0, right = 0.0;
+            if (!row_squares(k->k.c[c] + (size_t) y * (size_t) k->w, k->w,
+                             k->cx, &left, &right))
+                return INFINITY;
+            quarter[0] += y <= k->cy ? left : 0.0;
+            quarter[1] += y <= k->cy ? right : 0.0;
+            quarter[2] += y >= k->cy ? left : 0.0;
+            quarter[3] += y >= k->cy ? right : 0.0;
+        }
+        const double least = fmin(fmin(quarter[0], quarter[1]),
+                                  fmin(quarter[2], quarter[3]));
+        if (k->norm2[c] > 0.0)
+            worst = fmax(worst, k->norm2[c] / sqrt(least));
+    }
+    return worst;
+}
+
+/* Rounding of three transforms, each within (4 + sqrt 2) 2^-24 log2 n of its
+ * norm (Higham 2002, theorem 24.2), over the least that the layer can be: no
+ * two sources of non-negative light cancel. */
+static double bound(double spread, const struct placing *p)
+{
+    return 3.0 * 5.42 * 0x1p-24 * log2((double) p->nx * p->ny) * spread;
+}
+
+/* What goes direct: the core for all that was transformed, and hot sources
+ * whole. */
+static gp_status add_direct(const struct gp_glare_job *job, struct state *s,
+                            const struct gp_fft_split *split,
+                            const struct gp_sources *hot,
+                            const struct gp_sources *rest)
+{
+    gp_status st = GP_OK;
+    if (!is_known(s->taps_kernel, job->kernel)) {
+        gp_taps_free(&s->core_taps);
+        gp_taps_free(&s->all_taps);
+        s->taps_kernel = job->kernel->serial;
+    }
+    if (split->core >= 0 && rest->n) {
+        if (!s->core_taps.k[0] || s->core_taps_radius != split->core) {
+            gp_taps_free(&s->core_taps);
+            st = gp_taps_make(job->log, job->kernel, split->core,
+                              &s->core_taps);
+            s->core_taps_radius = split->core;
+        }
+        if (!st)
+            st = gp_direct_sum(job->log, rest, &s->core_taps, true,
+                               job->layer);
+    }
+    if (!st && hot->n && !s->all_taps.k[0])
+        st = gp_taps_make(job->log, job->kernel, -1, &s->all_taps);
+    if (!st && hot->n)
+        st = gp_direct_sum(job->log, hot, &s->all_taps, true, job->layer);
+    return st;
+}
+
+static gp_status run(const struct gp_glare_job *job, void **state)
+{
+    gp_status st = GP_OK;
+    if (!*state)
+        st = gp_alloc_zero(job->log, "fft", 1, sizeof(struct state), state);
+    if (st)
+        return st;
+    struct state *const s = *state;
+    struct gp_sources hot = {0}, rest = {0};
+    const struct gp_sources *src = job->src;
+    struct gp_fft_split split = {.core = -1, .hot = INFINITY};
+    struct placing p = place(src, job->kernel);
+    if (p.nx) {
+        if (!is_known(s->norms_kernel, job->kernel)) {
+            gp_fft_tail_norms(job->kernel, s->tail);
+            s->spread = spread(job->kernel);
+            s->norms_kernel = job->kernel->serial;
+        }
+        gp_fft_split_choose(src, job->kernel, s->tail, (double) p.nx * p.ny,
+                            transform_ms(src, &p), (double) job->params->gain,
+                            &split);
+    }
+    if (split.hot_count) {
+        GP_TRY(gp_fft_split_sources(job->log, src, split.hot, &hot, &rest));
+        src = &rest;
+        p = src->n ? place(src, job->kernel) : (struct placing) {0};
+    }
+    if (p.nx)
+        GP_TRY(transform(job, s, src, &p, split.core));
+    else
+        clear_rows(job, 0, job->src->h);
+    GP_TRY(add_direct(job, s, &split, &hot, src));
+    job->stats->fft_w = p.nx;
+    job->stats->fft_h = p.ny;
+    job->stats->fft_core = split.core;
+    job->stats->hot = split.hot_count;
+    job->stats->bound = p.nx ? bound(s->spread, &p) : 0.0;
+out:
+    gp_sources_free(&hot);
+    gp_sources_free(&rest);
+    return st;
+}
+
+const struct gp_engine gp_engine_fft = {
+    .name = "fft",
+    .text = "exact convolution by fast Fourier transforms",
+    .predict_ms = predict_ms,
+    .run = run,
+    .close = close_state,
+};

@@ -1,0 +1,229 @@
+/* io/read of EXR: every lie that a file can tell ends with one error line. */
+#include "core/cpu.h"
+#include "core/parallel.h"
+
+#include "exr_fixture.h"
+#include "reading.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static void no_colour_is_an_error(void **state)
+{
+    (void) state;
+    struct fixture f = {.part = {{
+        .channel = {HALF_CH("u"), HALF_CH("v")},
+        .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    snprintf(path, sizeof path, "%s/none.exr", folder);
+    fixture_write_file(path, &f);
+    assert_refused(path, GP_ERR_DATA, "no colour");
+    f.part[0].channel[0] = (struct fixture_channel) {"R", EXR_PIXEL_HALF, 3,
+                                                     1};
+    fixture_write_file(path, &f);
+    assert_refused(path, GP_ERR_DATA, "subsampled 3 x 1");
+}
+
+static void files_that_are_none(void **state)
+{
+    (void) state;
+    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
+    static const char text[] = "hello";
+    snprintf(path, sizeof path, "%s/missing.exr", folder);
+    assert_refused(path, GP_ERR_IO, "No such file");
+    snprintf(path, sizeof path, "%s", folder);
+    assert_refused(path, GP_ERR_IO, "folder");
+    snprintf(path, sizeof path, "%s/empty.exr", folder);
+    fixture_save(path, "", 0);
+    assert_refused(path, GP_ERR_DATA, "empty");
+    snprintf(path, sizeof path, "%s/png.EXR", folder);
+    fixture_save(path, png, sizeof png);
+    assert_refused(path, GP_ERR_DATA, "found PNG");
+    fixture_save(path, text, sizeof text);
+    assert_refused(path, GP_ERR_DATA, "68 65 6c 6c");
+}
+
+static void deep_data(void **state)
+{
+    (void) state;
+    struct fixture f = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .deep = true,
+        .data = FIXTURE_WINDOW(0, 0, 5, 5),
+        .compression = EXR_COMPRESSION_ZIPS,
+    }}};
+    snprintf(path, sizeof path, "%s/deep.exr", folder);
+    fixture_write_file(path, &f);
+    assert_refused(path, GP_ERR_DATA, "flatten");
+}
+
+/* Cut at any place, a file is refused with one line. */
+static void cut_files(void **state)
+{
+    (void) state;
+    size_t size;
+    snprintf(path, sizeof path, "%s/cut.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .compression = lossless[c],
+            .data = FIXTURE_WINDOW(0, 0, 20, 40), .tile = c == 3 ? 16 : 0,
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        for (size_t n = 4; n < size; n += n < 450 ? 7 : 97) {
+            fixture_save(path, bytes, n);
+            assert_refused(path, GP_ERR_DATA, path);
+        }
+        fixture_save(path, bytes, size - 1);
+        assert_refused(path, GP_ERR_DATA, path);
+        free(bytes);
+    }
+}
+
+static uint8_t *find_bytes(uint8_t *in, size_t size, const char *what)
+{
+    return memmem(in, size, what, strlen(what) + 1);
+}
+
+/* Changes the data window in a file's bytes. */
+static void set_window(uint8_t *bytes, size_t size, const int32_t window[4])
+{
+    static const char name[] = "dataWindow\0box2i";
+    uint8_t *at = find_bytes(bytes, size, name);
+    assert_non_null(at);
+    memcpy(at + sizeof name + 4, window, 16);
+}
+
+/* Reads with little memory left; the child's status is the answer. */
+static void assert_refused_cheaply(const char *name, long long max_pixels)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        struct gp_frame f = {0};
+        const struct gp_read_params p = {.max_pixels = max_pixels};
+#ifndef GP_SANITIZED
+        struct rlimit limit = {256 << 20, 256 << 20};
+        if (setrlimit(RLIMIT_AS, &limit))
+            _exit(99);
+#endif
+        heard.count = 0;
+        gp_set_threads(1); // a team does not survive fork()
+        gp_status st = gp_read_frame(&hear, &p, name, &f);
+        _exit(heard.count == 1 ? (int) st : 98);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), GP_ERR_DATA);
+}
+
+static void sizes_that_lie(void **state)
+{
+    (void) state;
+    static const int32_t window[][4] = {
+        {0, 0, 65534, 65534},
+        {-30000, -30000, 35534, 35534},
+        {0, 0, 1 << 29, 0},
+        {0, 0, 0, 1 << 29},
+        {0, 0, 100000, 39},
+        {0, 0, 39, 100000},
+        {5, 5, 4, 4},
+        {-2147483647 - 1, 0, 2147483647, 1},
+    };
+    static const long long most[] = {1LL << 28, 1LL << 60};
+    snprintf(path, sizeof path, "%s/lie.exr", folder);
+    for (int c = 0; c < 2 * LOSSLESS; c++) {
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = c & 1 ? 16 : 0,
+            .data = FIXTURE_WINDOW(0, 0, 40, 40),
+            .compression = lossless[c / 2],
+        }}};
+        for (size_t i = 0; i < sizeof window / sizeof *window; i++) {
+            size_t size;
+            uint8_t *bytes = fixture_make(&f, &size);
+            set_window(bytes, size, window[i]);
+            fixture_save(path, bytes, size);
+            free(bytes);
+            for (int k = 0; k < 2; k++)
+                assert_refused_cheaply(path, most[k]);
+        }
+    }
+}
+
+/* One tile that says it is the whole of a huge picture. */
+static void one_huge_tile(void **state)
+{
+    (void) state;
+    static const char name[] = "tiles\0tiledesc";
+    const int32_t window[4] = {0, 0, 29999, 29999};
+    const uint32_t tile[2] = {30000, 30000};
+    snprintf(path, sizeof path, "%s/tile.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        size_t size;
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = 16,
+            .data = FIXTURE_WINDOW(0, 0, 16, 16), .compression = lossless[c],
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        uint8_t *at = find_bytes(bytes, size, name);
+        assert_non_null(at);
+        memcpy(at + sizeof name + 4, tile, sizeof tile);
+        set_window(bytes, size, window);
+        fixture_save(path, bytes, size);
+        free(bytes);
+        assert_refused_cheaply(path, 1LL << 40);
+    }
+}
+
+/* A byte changed anywhere gives a frame or one error line, and the same for
+ * any number of threads. */
+static void changed_bytes(void **state)
+{
+    (void) state;
+    uint32_t seed = 2024;
+    snprintf(path, sizeof path, "%s/changed.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        size_t size;
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF), {"Z", EXR_PIXEL_FLOAT, 0, 0}},
+            .data = FIXTURE_WINDOW(0, 0, 31, 67), .compression = lossless[c],
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        for (int turn = 0; turn < 60; turn++) {
+            char first[4096] = "";
+            seed = seed * 1664525u + 1013904223u;
+            size_t at = 4 + (seed >> 8) % (size - 4);
+            uint8_t kept = bytes[at];
+            bytes[at] ^= (uint8_t) (1u << (seed >> 5 & 7));
+            fixture_save(path, bytes, size);
+            bytes[at] = kept;
+            for (int threads = 1; threads <= 4; threads += 3) {
+                struct gp_frame frame;
+                gp_set_threads(threads);
+                gp_status st = read_file(path, &frame);
+                assert_true(st == GP_OK || st == GP_ERR_DATA);
+                assert_int_equal(heard.count, st != GP_OK);
+                if (threads == 1)
+                    memcpy(first, heard.line, sizeof first);
+                else
+                    assert_string_equal(heard.line, first);
+                gp_frame_free(&frame);
+            }
+        }
+        free(bytes);
+    }
+    gp_set_threads(0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_colour_is_an_error),
+        cmocka_unit_test(files_that_are_none),
+        cmocka_unit_test(deep_data),
+        cmocka_unit_test(cut_files),
+        cmocka_unit_test(sizes_that_lie),
+        cmocka_unit_test(one_huge_tile),
+        cmocka_unit_test(changed_bytes),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,224 @@
+/* A folder for files that tests write, and frames made in memory. */
+#ifndef WRITE_FIXTURE_H
+#define WRITE_FIXTURE_H
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "core/frame.h"
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "io/half.h"
+#include "io/write.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+// -- files --------------------------------------------------------------------
+
+static char wf_folder[64];
+
+static inline int wf_start(void **state)
+{
+    (void) state;
+    strcpy(wf_folder, "/tmp/glarepp-test-XXXXXX");
+    return mkdtemp(wf_folder) ? 0 : -1;
+}
+
+/* Files in the folder, hidden ones too. */
+static inline int wf_names(void)
+{
+    int n = 0;
+    DIR *d = opendir(wf_folder);
+    for (struct dirent *e; d && (e = readdir(d));)
+        n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
+    if (d)
+        closedir(d);
+    return n;
+}
+
+/* Removes the folder and what is in it, one level deep. */
+static inline int wf_end(void **state)
+{
+    (void) state;
+    char path[512];
+    DIR *d = opendir(wf_folder);
+    for (struct dirent *e; d && (e = readdir(d));) {
+        snprintf(path, sizeof path, "%s/%s", wf_folder, e->d_name);
+        if (e->d_name[0] != '.' || e->d_name[1] > '.')
+            remove(path);
+    }
+    if (d)
+        closedir(d);
+    return rmdir(wf_folder);
+}
+
+/* The path of a file in the folder, good until the fourth next call. */
+static inline const char *wf_path(const char *name)
+{
+    static char path[4][512];
+    static int next;
+    char *p = path[next++ % 4];
+    snprintf(p, sizeof path[0], "%s/%s", wf_folder, name);
+    return p;
+}
+
+/* All bytes of a file; the caller frees. */
+static inline uint8_t *wf_read(const char *path, size_t *size)
+{
+    FILE *f = fopen(path, "rb");
+    if (!f)
+        fail_msg("%s is not there", path);
+    fseek(f, 0, SEEK_END);
+    *size = (size_t) ftell(f);
+    rewind(f);
+    uint8_t *bytes = malloc(*size + 1);
+    assert_non_null(bytes);
+    assert_int_equal(fread(bytes, 1, *size, f), *size);
+    fclose(f);
+    bytes[*size] = 0;
+    return bytes;
+}
+
+static inline void wf_assert_same(const char *a, const char *b)
+{
+    size_t n, m;
+    uint8_t *p = wf_read(a, &n), *q = wf_read(b, &m);
+    assert_int_equal(n, m);
+    assert_memory_equal(p, q, n);
+    free(p);
+    free(q);
+}
+
+/* Keeps the last line that was said. */
+static char wf_line[1024];
+static inline void wf_sink(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(wf_line, sizeof wf_line, "%s", line);
+}
+static const struct gp_log wf_log = {wf_sink, NULL, GP_LEVEL_INFO};
+
+static inline void wf_assert_said(const char *part)
+{
+    if (!strstr(wf_line, part))
+        fail_msg("\"%s\" is not in: %s", part, wf_line);
+}
+
+// -- frames -------------------------------------------------------------------
+
+static inline uint32_t wf_hash(uint32_t a, uint32_t b, uint32_t c)
+{
+    uint32_t h = a * 2654435761u ^ b * 2246822519u ^ c * 3266489917u;
+    h ^= h >> 15;
+    h *= 2246822519u;
+    return h ^ h >> 13;
+}
+
+/* Exact in half, within [-8, 8). */
+static inline float wf_value(int channel, int x, int y)
+{
+    const uint32_t h =
+        wf_hash((uint32_t) channel, (uint32_t) x, (uint32_t) y);
+    return (float) (h >> 24) / 16.0f - 8.0f;
+}
+
+struct wf_channel {
+    const char *name;
+    enum gp_pixel_type type;
+    int colour;  // 0..2, or -1 for carried
+    int xs, ys;  // 0 counts as 1
+};
+
+static inline int wf_grid(int from, int to, int step)
+{
+    int n = 0;
+    for (int i = from; i < to; i++)
+        n += i % step == 0;
+    return n;
+}
+
+/* Samples of a carried channel by wf_value(), in its own type. */
+static inline void *wf_samples(const struct gp_channel *c, int number)
+{
+    const size_t n = (size_t) c->w * (size_t) c->h;
+    void *data;
+    assert_int_equal(gp_alloc(NULL, "samples", n, gp_type_size(c->type),
+                              &data), 0);
+    for (size_t i = 0; i < n; i++) {
+        const int x = (int) (i % (size_t) c->w), y = (int) (i / (size_t) c->w);
+        const float v = wf_value(number, x, y);
+        const uint32_t u =
+            wf_hash((uint32_t) x, (uint32_t) y, (uint32_t) number);
+        if (c->type == GP_HALF)
+            (void) gp_float_to_half(&v, (uint16_t *) data + i, 1);
+        else
+            memcpy((float *) data + i,
+                   c->type == GP_UINT ? (const void *) &u : &v, 4);
+    }
+    return data;
+}
+
+/* A frame that came from no file: rgb by wf_value(0..2), and the channels of
+ * a list that ends with a NULL name. */
+static inline struct gp_frame wf_frame(struct gp_rect data, struct gp_rect display,
+                                const struct wf_channel *list)
+{
+    struct gp_frame f = {
+        .path = gp_strdup("made"), .data = data, .display = display,
+        .pixel_aspect = 1.0f, .model = GP_COLOUR_RGB, .colour_type = GP_HALF,
+        .parts = 1,
+    };
+    void *mem;
+    const int w = gp_frame_w(&f);
+    memcpy(f.chromaticities, gp_rec709_chromaticities,
+           sizeof f.chromaticities);
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    assert_int_equal(gp_planes_make(NULL, "rgb", gp_frame_pixels(&f), &f.rgb),
+                     0);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+            f.rgb.c[c][i] = wf_value(c, (int) i % w, (int) i / w);
+    }
+    while (list[f.channels].name)
+        f.channels++;
+    assert_int_equal(gp_alloc_zero(NULL, "channels", (size_t) f.channels,
+                                   sizeof *f.channel, &mem), 0);
+    f.channel = mem;
+    for (int i = 0; i < f.channels; i++) {
+        struct gp_channel *c = &f.channel[i];
+        const int xs = list[i].xs ? list[i].xs : 1;
+        const int ys = list[i].ys ? list[i].ys : 1;
+        *c = (struct gp_channel) {
+            .name = gp_strdup(list[i].name), .type = list[i].type, .xs = xs,
+            .ys = ys, .colour = list[i].colour,
+            .w = wf_grid(data.x0, data.x1, xs),
+            .h = wf_grid(data.y0, data.y1, ys),
+        };
+        if (c->colour < 0)
+            c->data = wf_samples(c, i);
+    }
+    return f;
+}
+
+static const struct wf_channel wf_rgb[] = {
+    {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0}, {"R", GP_HALF, 0, 0, 0},
+    {NULL, 0, 0, 0, 0},
+};
+
+/* Colour, alpha, depth and an id of every type. */
+static const struct wf_channel wf_all[] = {
+    {"A", GP_HALF, -1, 0, 0}, {"B", GP_HALF, 2, 0, 0},
+    {"G", GP_HALF, 1, 0, 0},  {"R", GP_HALF, 0, 0, 0},
+    {"Z", GP_FLOAT, -1, 0, 0}, {"id", GP_UINT, -1, 0, 0},
+    {NULL, 0, 0, 0, 0},
+};
+
+#endif
