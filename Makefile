@@ -1,6 +1,7 @@
 # glarepp: build, test, install. `make help` lists the targets.
 #
-# Objects go to build/; nothing is written beside the sources.
+# Objects go to build/; nothing is written beside the sources but the man page
+# and compile_commands.json.
 
 VERSION := 0.1.0
 PREFIX ?= /usr/local
@@ -39,10 +40,11 @@ LIB_OBJ := $(filter-out $(B)/app/main.o,$(OBJ))
 BRIDGES := $(if $(BRIDGE_SRC),$(B)/glarepp-oiio.so)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%)
 
-.PHONY: all help demo check check-asan check-ubsan check-valgrind check-headers \
-        check-rooms check-size check-man unit bench man install uninstall deps \
-        clean compile_commands
-all: $(B)/glarepp $(BRIDGES) man
+CHECKS := check-headers check-rooms check-symbols check-size check-man
+
+.PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
+        $(CHECKS) bench man install uninstall deps clean
+all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridge and the man page
 
 help: ## lists the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -94,6 +96,116 @@ man: $(B)/glarepp.1 ## makes man/glarepp.1 from the option table and the .in fil
 
 check-man: $(B)/glarepp.1 ## man page, --help and parser agree; the page is not stale
 	man/check.sh $(B)/glarepp $< man/glarepp.1
+
+# -- measuring ----------------------------------------------------------------
+
+$(B)/bench/%: tests/bench/%.c $(LIB_OBJ)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $< $(LIB_OBJ) $(LIBS) \
+	    -lfftw3f_omp -lfftw3f
+
+FRAMES ?= $(B)/bench-frames
+bench: all $(B)/bench/stage $(B)/bench/plain ## measures every figure of the README on this machine
+	tests/bench/run.sh $(B) $(FRAMES)
+
+# The whole process' peer: OpenEXR's C++ library and plain FFTW
+$(B)/bench/plain: tests/bench/plain.cpp
+	@mkdir -p $(@D)
+	$(CXX) -std=c++17 -O3 $(CFLAGS) -fopenmp -o $@ $< \
+	    $(call pc,--cflags --libs,OpenEXR) -lfftw3f_omp -lfftw3f
+
+# -- the two commands ---------------------------------------------------------
+
+demo: ## installs what is missing, builds, renders the example frames
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory all
+	@examples/demo.sh $(B)/glarepp $(B)/demo
+
+check: ## installs what is missing, builds, runs every test
+	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory check-all
+
+check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN)
+	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
+
+# The same tests in builds that look for errors of memory and of arithmetic
+SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
+           SAN="-fsanitize=$(2) -fno-omit-frame-pointer -fno-sanitize-recover=all"
+check-asan: ## the tests under AddressSanitizer
+	@LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
+	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,asan,address) check-san
+
+check-ubsan: ## the tests under UndefinedBehaviorSanitizer
+	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined) check-san
+
+check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN)
+	@tests/run.sh $(B) "$(UNIT_BIN)" ""
+
+# OpenImageIO's thread pools die with a forked child and count as lost
+check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) ## the unit tests under valgrind
+	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="valgrind -q --error-exitcode=99 \
+	    --leak-check=full --errors-for-leak-kinds=definite \
+	    --suppressions=$(CURDIR)/tests/valgrind.supp" tests/run.sh $(B) \
+	    "$(filter-out %/test_data %/test_oiio_read,$(UNIT_BIN))" "" no-cli
+
+# -- rules of the house -------------------------------------------------------
+
+check-headers: ## each header compiles alone
+	@for h in $(HDR:src/%=%); do \
+	    echo "#include \"$$h\"" | $(CC) $(ALL_CFLAGS) -fsyntax-only -xc - || \
+	    exit 1; done
+
+check-rooms: ## who may include whom; which room sees which library
+	@tests/tools/rooms.sh src
+
+check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
+	@! nm -g --defined-only $(LIB_OBJ) | \
+	    awk 'NF == 3 && $$3 !~ /^(gp_|\.)/ { print $$3; n++ } END { exit !n }'
+
+check-size: ## no source file over 450 lines
+	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) | \
+	    awk '$$2 != "total" && $$1 > 450 { print $$2, $$1; n++ } END { exit n > 0 }'
+
+# -- tools and places ---------------------------------------------------------
+
+compile_commands.json: Makefile $(SRC)
+	@for f in $(SRC); do \
+	    printf '%s{"directory":"%s","file":"%s","command":"%s"}\n' \
+	        "$${comma-[}" '$(CURDIR)' "$$f" \
+	        "$$(printf '%s' '$(CC) $(ALL_CFLAGS) -c' | sed 's/"/\\"/g') $$f"; \
+	    comma=,; done > $@; echo ']' >> $@
+
+install: all ## puts program, bridge and man page under PREFIX (DESTDIR is put before)
+	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \
+	    '$(DESTDIR)$(PREFIX)/share/man/man1'
+	install -m 755 $(B)/glarepp '$(DESTDIR)$(PREFIX)/bin/glarepp'
+	install -m 755 $(B)/glarepp-oiio.so '$(DESTDIR)$(PREFIX)/lib/glarepp/'
+	install -m 644 man/glarepp.1 '$(DESTDIR)$(PREFIX)/share/man/man1/'
+
+uninstall: ## takes away what install put
+	rm -f '$(DESTDIR)$(PREFIX)/bin/glarepp' \
+	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-oiio.so' \
+	    '$(DESTDIR)$(PREFIX)/share/man/man1/glarepp.1'
+	-rmdir '$(DESTDIR)$(PREFIX)/lib/glarepp' 2>/dev/null
+
+# What a fresh Debian 12 lacks: to build and run, and to test
+DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
+          libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
+          libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
+          libgl1-mesa-dri \
+          libcmocka-dev openimageio-tools openexr mandoc valgrind perl procps \
+          python3 python3-numpy python3-scipy python3-openimageio
+deps: ## installs the Debian packages that are missing
+	@command -v dpkg-query >/dev/null || { \
+	    echo "deps: this is no Debian; install what these Debian packages hold:"; \
+	    echo $(DEBIAN) | fold -s; exit 1; }
+	@missing=; for p in $(DEBIAN); do \
+	    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || \
+	    missing="$$missing $$p"; done; \
+	[ -z "$$missing" ] || { echo "deps: installing$$missing"; \
+	    sudo=; [ "$$(id -u)" = 0 ] || sudo=sudo; \
+	    $$sudo apt-get update -q && DEBIAN_FRONTEND=noninteractive \
+	    $$sudo apt-get install -q -y --no-install-recommends $$missing; }
 
 clean: ## removes build/
 	rm -rf $(B) compile_commands.json

@@ -11,6 +11,16 @@ static bool is_dash(const char *path)
     return strcmp(path, "-") == 0;
 }
 
+/* True when some output is a pattern. */
+static bool has_place(const struct gp_jobs *j)
+{
+    for (int i = 0; i < j->targets; i++) {
+        if (j->target[i].name.len)
+            return true;
+    }
+    return false;
+}
+
 // -- frames ------------------------------------------------------------------
 
 /* Appends a job; takes `input`, which may be NULL when memory was full. */
@@ -63,7 +73,7 @@ static gp_status add_input(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: --frames needs a pattern (found a plain name); "
                        "write shot.####.exr, or leave --frames out", path);
-    bool numbered = gp_frame_number(path, &frame);
+    bool numbered = has_place(j) && gp_frame_number(path, &frame);
     return add_job(log, j, gp_strdup(path), numbered, frame);
 }
 
@@ -190,11 +200,12 @@ static gp_status check_targets(const struct gp_log *log,
                                const struct gp_jobs *j, bool patterns)
 {
     gp_status st = GP_OK;
+    for (int i = 0; i < j->targets; i++)
+        GP_TRY(check_pattern(log, j, patterns, &j->target[i].name));
     if (j->targets)
         GP_TRY(check_numbers(log, j));
     for (int i = 0; i < j->targets; i++) {
         const struct gp_pattern *p = &j->target[i].name;
-        GP_TRY(check_pattern(log, j, patterns, p));
         GP_TRY(check_twice(log, p->path, s->report));
         for (int k = 0; k < i; k++)
             GP_TRY(check_twice(log, p->path, j->target[k].name.path));
@@ -222,8 +233,8 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     gp_status st;
     struct gp_jobs j = {0};
     bool patterns = false;
-    GP_TRY(add_inputs(log, s, &j, &patterns));
     GP_TRY(add_targets(log, s, &j));
+    GP_TRY(add_inputs(log, s, &j, &patterns));
     GP_TRY(check_targets(log, s, &j, patterns));
     *out = j;
     return GP_OK;

@@ -26,7 +26,7 @@ struct gp_target {
 /* One frame to make. */
 struct gp_job {
     char *input;    // owned
-    bool numbered;
+    bool numbered;  // by a pattern, or for an output that is one
     int frame;      // when numbered
 };
 

@@ -9,6 +9,11 @@
 
 #include <stdbool.h>
 
+/* A tap of all three channels on one core: one 512 x 512 source takes 0.063 ms
+ * at 2.5 GHz with AVX2 (1542 sources over the whole kernel in 97 ms). Pieces
+ * narrower than a strip pay for the strip. */
+#define GP_DIRECT_MS_PER_TAP (0.063 / (512.0 * 512.0))
+
 /* A kernel laid out for direct sums: each row has GP_TAPS_PAD zeros on both
  * sides, so that a strip of that many pixels never needs a border case. */
 enum { GP_TAPS_PAD = 32 };

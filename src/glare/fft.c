@@ -5,20 +5,12 @@
 #include "glare/direct.h"
 #include "glare/fft_lib.h"
 #include "glare/fft_pass.h"
+#include "glare/fft_place.h"
 #include "glare/fft_split.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* Where the sources, the kernel and the outputs stand on the torus of
- * nx * ny samples. The smallest on which no wrapped light reaches an output. */
-struct placing {
-    int nx, ny;
-    struct gp_rect in;   // box of the sources
-    struct gp_rect out;  // pixels of the frame that light reaches
-    struct gp_rect taps; // offsets from source to pixel that occur
-};
 
 static int max(int a, int b)
 {
@@ -30,43 +22,12 @@ static int min(int a, int b)
     return a < b ? a : b;
 }
 
-/* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
- * Returns the least period. */
-static int place_axis(int in0, int in1, int c, int w, int n, int *out0,
-                      int *out1, int *tap0, int *tap1)
-{
-    *out0 = max(0, in0 - c);
-    *out1 = min(n, in1 + w - 1 - c);
-    if (*out1 <= *out0) // nothing of the kernel reaches the frame
-        *out1 = *out0 = 0;
-    *tap0 = max(-c, *out0 - (in1 - 1));
-    *tap1 = min(w - c, *out1 - in0);
-    const int right = in1 - 1 + *tap1 - 1 - *out0; // wraps to the left end
-    const int left = *out1 - 1 - (in0 + *tap0);
-    return max(max(right, left) + 1, max(in1 - in0, *tap1 - *tap0));
-}
-
-static struct placing place(const struct gp_sources *s,
-                            const struct gp_kernel *k)
-{
-    struct placing p = {.in = s->box};
-    const int x = place_axis(p.in.x0, p.in.x1, k->cx, k->w, s->w, &p.out.x0,
-                             &p.out.x1, &p.taps.x0, &p.taps.x1);
-    const int y = place_axis(p.in.y0, p.in.y1, k->cy, k->h, s->h, &p.out.y0,
-                             &p.out.y1, &p.taps.y0, &p.taps.y1);
-    if (!gp_rect_empty(p.out)) {
-        p.nx = gp_fft_length(x);
-        p.ny = gp_fft_length(y);
-    }
-    return p;
-}
-
 /* Kept from frame to frame; each part is made anew when its key differs. */
 struct state {
     struct gp_fft_plan_pair plan[8]; // of the lengths used last
     int plans;
     unsigned long kernel; // serial of the spectrum's
-    struct placing placing;
+    struct gp_fft_placing placing;
     int core;
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
     struct gp_fft_matrix work;
@@ -124,7 +85,7 @@ static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
 
 struct kernel_rows {
     const struct gp_kernel *kernel;
-    const struct placing *p;
+    const struct gp_fft_placing *p;
     int core;
 };
 
@@ -159,7 +120,7 @@ static gp_status make_places(const struct gp_log *log, int first, int n,
 }
 
 static bool same_spectrum(const struct state *s, const struct gp_kernel *k,
-                          const struct placing *p, int core)
+                          const struct gp_fft_placing *p, int core)
 {
     return s->spectrum.z[0] && is_known(s->kernel, k) &&
            s->core == core && s->placing.nx == p->nx &&
@@ -169,7 +130,7 @@ static bool same_spectrum(const struct state *s, const struct gp_kernel *k,
 
 static gp_status make_spectrum(const struct gp_glare_job *job,
                                struct state *s, const struct gp_fft_job *fft,
-                               const struct placing *p, int core)
+                               const struct gp_fft_placing *p, int core)
 {
     gp_status st = GP_OK;
     const struct gp_kernel *const k = job->kernel;
@@ -208,7 +169,7 @@ out:
 /* Rows of the frame that hold light, in order, and where they stand. */
 struct light_rows {
     const struct gp_sources *src;
-    const struct placing *p;
+    const struct gp_fft_placing *p;
     struct gp_planes *layer;
     int n;
     int *y, *place;
@@ -216,7 +177,7 @@ struct light_rows {
 
 static gp_status find_light(const struct gp_log *log,
                             const struct gp_sources *s,
-                            const struct placing *p, struct light_rows *out)
+                            const struct gp_fft_placing *p, struct light_rows *out)
 {
     gp_status st;
     void *v;
@@ -249,7 +210,7 @@ static void load_light(const void *ctx, int c, int j, float *z)
 static void store_layer(const void *ctx, int c, int j, const float *z)
 {
     const struct light_rows *const r = ctx;
-    const struct placing *const p = r->p;
+    const struct gp_fft_placing *const p = r->p;
     const int w = r->src->w;
     float *const row =
         r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
@@ -272,7 +233,7 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_job *job, struct state *s,
                            const struct gp_sources *src,
-                           const struct placing *p, int core)
+                           const struct gp_fft_placing *p, int core)
 {
     gp_status st;
     struct gp_fft_job fft = {.log = job->log, .channels = 3};
@@ -306,73 +267,11 @@ out:
     return st;
 }
 
-/* Work of the passes, one core: half the row transforms, all columns twice,
- * for three channels; a third more for moving the data. */
-static double transform_ms(const struct gp_sources *s,
-                           const struct placing *p)
-{
-    int light = 0;
-    for (int y = 0; y < s->h; y++)
-        light += s->row[y + 1] > s->row[y];
-    const double rows = (light + gp_rect_h(p->out)) / 2.0;
-    return 3.0 * 1.35e-6 * (rows * gp_fft_cost(p->nx) +
-                            (p->nx + 2.0) * gp_fft_cost(p->ny));
-}
-
 static double predict_ms(const struct gp_glare_job *job)
 {
-    const struct placing p = place(job->src, job->kernel);
+    const struct gp_fft_placing p = gp_fft_place(job->src, job->kernel);
     // plans, spectrum, scratch: half a frame more, and something fixed
-    return p.nx ? 0.5 + 1.5 * transform_ms(job->src, &p) : 0.0;
-}
-
-/* Squares of one row left and right of the centre, which both count it;
- * false when a sample is negative. */
-static bool row_squares(const float *row, int w, int cx, double *left,
-                        double *right)
-{
-    bool lobe = false;
-    for (int x = 0; x < w; x++) {
-        const double v = (double) row[x];
-        lobe |= v < 0.0;
-        *left += x <= cx ? v * v : 0.0;
-        *right += x >= cx ? v * v : 0.0;
-    }
-    return !lobe;
-}
-
-/* How much smaller than the kernel's norm the light that a source leaves in
- * the frame can be: it keeps at least one quarter of the kernel, centre
- * included. Infinite when light can cancel, in kernels with lobes. */
-static double spread(const struct gp_kernel *k)
-{
-    double worst = 0.0;
-    for (int c = 0; c < 3; c++) {
-        double quarter[4] = {0}; // top left, top right, bottom left, right
-        for (int y = 0; y < k->h; y++) {
-            double left = 0.0, right = 0.0;
-            if (!row_squares(k->k.c[c] + (size_t) y * (size_t) k->w, k->w,
-                             k->cx, &left, &right))
-                return INFINITY;
-            quarter[0] += y <= k->cy ? left : 0.0;
-            quarter[1] += y <= k->cy ? right : 0.0;
-            quarter[2] += y >= k->cy ? left : 0.0;
-            quarter[3] += y >= k->cy ? right : 0.0;
-        }
-        const double least = fmin(fmin(quarter[0], quarter[1]),
-                                  fmin(quarter[2], quarter[3]));
-        if (k->norm2[c] > 0.0)
-            worst = fmax(worst, k->norm2[c] / sqrt(least));
-    }
-    return worst;
-}
-
-/* Rounding of three transforms, each within (4 + sqrt 2) 2^-24 log2 n of its
- * norm (Higham 2002, theorem 24.2), over the least that the layer can be: no
- * two sources of non-negative light cancel. */
-static double bound(double spread, const struct placing *p)
-{
-    return 3.0 * 5.42 * 0x1p-24 * log2((double) p->nx * p->ny) * spread;
+    return p.nx ? 0.5 + 1.5 * gp_fft_predict_ms(job->src, &p) : 0.0;
 }
 
 /* What goes direct: the core for all that was transformed, and hot sources
@@ -417,21 +316,21 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     struct gp_sources hot = {0}, rest = {0};
     const struct gp_sources *src = job->src;
     struct gp_fft_split split = {.core = -1, .hot = INFINITY};
-    struct placing p = place(src, job->kernel);
+    struct gp_fft_placing p = gp_fft_place(src, job->kernel);
     if (p.nx) {
         if (!is_known(s->norms_kernel, job->kernel)) {
             gp_fft_tail_norms(job->kernel, s->tail);
-            s->spread = spread(job->kernel);
+            s->spread = gp_fft_kernel_spread(job->kernel);
             s->norms_kernel = job->kernel->serial;
         }
         gp_fft_split_choose(src, job->kernel, s->tail, (double) p.nx * p.ny,
-                            transform_ms(src, &p), (double) job->params->gain,
+                            gp_fft_predict_ms(src, &p), (double) job->params->gain,
                             &split);
     }
     if (split.hot_count) {
         GP_TRY(gp_fft_split_sources(job->log, src, split.hot, &hot, &rest));
         src = &rest;
-        p = src->n ? place(src, job->kernel) : (struct placing) {0};
+        p = src->n ? gp_fft_place(src, job->kernel) : (struct gp_fft_placing) {0};
     }
     if (p.nx)
         GP_TRY(transform(job, s, src, &p, split.core));
@@ -442,7 +341,7 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     job->stats->fft_h = p.ny;
     job->stats->fft_core = split.core;
     job->stats->hot = split.hot_count;
-    job->stats->bound = p.nx ? bound(s->spread, &p) : 0.0;
+    job->stats->bound = p.nx ? gp_fft_bound(s->spread, &p) : 0.0;
 out:
     gp_sources_free(&hot);
     gp_sources_free(&rest);

@@ -1,6 +1,7 @@
 #include "glare/fft_split.h"
 
 #include "core/memory.h"
+#include "glare/direct.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,9 +13,6 @@ const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
  * float64), rounded up because the darkest pixels are what counts. */
 static const double NOISE = 4e-6;
 static const double ALLOWED = 1e-6;
-
-/* The cost of direct work on one core, as measured for direct.c. */
-static const double MS_PER_TAP = 0.16 / (512.0 * 512.0);
 
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
@@ -67,14 +65,32 @@ static float bin_start(int bin)
     return v;
 }
 
-/* Milliseconds of the core for n sources: a strip of 32 columns is the
- * smallest piece that direct sums work on. */
+/* Milliseconds of the core for n sources: a side and a strip less one, on
+ * average, are touched in each row. */
 static double core_ms(double n, int r)
 {
     if (r < 0)
         return 0.0;
-    const double side = 2.0 * r + 1.0, strips = (side + 31.0) / 32.0 + 0.5;
-    return n * side * strips * 32.0 * MS_PER_TAP * 1.5;
+    const double side = 2.0 * r + 1.0;
+    return 1.25 * n * side * (side + GP_TAPS_PAD - 1.0) * GP_DIRECT_MS_PER_TAP;
+}
+
+/* One way to split, and what it costs. */
+struct choice {
+    struct gp_fft_split split;
+    double ms;
+};
+
+/* A split within its means beats another when it reaches the aim more cheaply,
+ * or comes nearer to it. Reaching it may cost as much as the transform. */
+static int beats(const struct choice *a, const struct choice *b, double fft_ms)
+{
+    const int reaches = a->split.rounding <= ALLOWED;
+    if (a->ms > (reaches ? fft_ms : fft_ms / 4.0))
+        return 0;
+    if (reaches != (b->split.rounding <= ALLOWED))
+        return reaches;
+    return reaches ? a->ms < b->ms : a->split.rounding < b->split.rounding;
 }
 
 void gp_fft_split_choose(const struct gp_sources *src,
@@ -96,43 +112,41 @@ void gp_fft_split_choose(const struct gp_sources *src,
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
     const double scale = gain * NOISE / sqrt(points) / own;
-    const double cap = fft_ms / 3.0, hot_ms = (double) k->w * k->h * MS_PER_TAP;
+    const double hot_ms = (double) k->w * k->h * GP_DIRECT_MS_PER_TAP;
     const double plain = scale * tail[0] * sqrt(energy);
-    struct gp_fft_split best = {.core = -1, .hot = INFINITY, .rounding = plain};
-    double best_ms = 0.0;
+    struct choice best = {
+        {.core = -1, .hot = INFINITY, .rounding = plain}, 0.0,
+    };
 
-    double hot = 0.0, left = energy; // sources at and over bin b, and energy
-    for (int b = BINS; b > 0 && plain > ALLOWED; b--) {
+    double hot = 0.0, left = energy; // sources at and over bin b, energy under
+    for (int b = BINS; b > 0 && plain > ALLOWED && hot * hot_ms < fft_ms; b--) {
         if (b < BINS) {
             hot += h.count[b];
             left -= h.energy[b];
             if (h.count[b] == 0.0)
                 continue;
         }
-        if (hot * hot_ms > cap)
-            break;
         for (int i = 0; i < GP_FFT_CORES; i++) {
-            const double ms = hot * hot_ms +
-                              core_ms((double) src->n - hot,
-                                      gp_fft_core_radius[i]);
-            const double noise = scale * tail[i] * sqrt(fmax(left, 0.0));
-            const int good = noise <= ALLOWED;
-            const int best_good = best.rounding <= ALLOWED;
-            if (ms <= cap && (good ? !best_good || ms < best_ms
-                                   : !best_good && noise < best.rounding)) {
-                best.core = gp_fft_core_radius[i];
-                best.hot = b < BINS ? bin_start(b) : INFINITY;
-                best.hot_count = (size_t) hot;
-                best.rounding = noise;
-                best_ms = ms;
-            }
+            const int r = gp_fft_core_radius[i];
+            const struct choice c = {
+                {
+                    .core = r,
+                    .hot = b < BINS ? bin_start(b) : INFINITY,
+                    .hot_count = (size_t) hot,
+                    .rounding = scale * tail[i] * sqrt(fmax(left, 0.0)),
+                },
+                hot * hot_ms + core_ms((double) src->n - hot, r),
+            };
+            if (beats(&c, &best, fft_ms))
+                best = c;
         }
     }
-    if (best.rounding > ALLOWED && best.rounding * LEAST_GAIN > plain)
-        best = (struct gp_fft_split) {
+    if (best.split.rounding > ALLOWED &&
+        best.split.rounding * LEAST_GAIN > plain)
+        best.split = (struct gp_fft_split) {
             .core = -1, .hot = INFINITY, .rounding = plain,
         };
-    *out = best;
+    *out = best.split;
 }
 
 /* The sources for which (largest channel >= hot) == want. */

@@ -146,11 +146,11 @@ static void list_block(void *ctx, int i, int thread)
 }
 
 /* The luminance under which 1 % of the pixels with light lie, to within a
- * sixteenth, from every k-th pixel of a fixed grid of about 64 thousand. */
+ * sixteenth, from every k-th pixel of a fixed grid of about 16 thousand. */
 static double darkest(const struct sense *s)
 {
     enum { BINS = 1 << 13, SHIFT = 19 }; // sign, exponent, 4 bits of mantissa
-    static const size_t WANTED = 65536;
+    static const size_t WANTED = 16384;
     uint32_t count[BINS] = {0}, total = 0;
     const size_t n = (size_t) s->w * (size_t) s->h;
     const size_t step = n / WANTED + 1;

@@ -1,11 +1,7 @@
 /* The --hdr output: the frame as it came in, with glare. */
 #include "io/exr_sources.h"
 #include "io/exr_write.h"
-#include "io/file.h"
-#include "io/file_name.h"
 #include "io/write.h"
-
-#include <string.h>
 
 gp_status gp_write_hdr(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
@@ -13,17 +9,13 @@ gp_status gp_write_hdr(const struct gp_log *log,
                        const struct gp_planes *planes,
                        struct gp_write_stats *stats)
 {
-    char ending[16];
-    gp_file_ending(path, ending, sizeof ending);
-    if (strcmp(path, "-") != 0 && strcmp(ending, "exr") != 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --hdr keeps all channels, which EXR alone can "
-                       "(ending .%s); end the name in .exr", path, ending);
+    gp_status st = gp_write_hdr_check(log, p, path);
+    if (st)
+        return st;
     if (gp_write_would_clobber(p, path))
         return GP_OK;
     struct gp_exr_sources s;
-    gp_status st = gp_exr_sources_hdr(log, f, planes, gp_exr_colour_type(p, f),
-                                      &s);
+    st = gp_exr_sources_hdr(log, f, planes, gp_exr_colour_type(p, f), &s);
     if (st)
         return st;
     const struct gp_exr_job job = {

@@ -89,6 +89,23 @@ static bool is_missing(const struct gp_frame *f, const struct gp_planes *p,
     return f->model == GP_COLOUR_RGB && !all_zero(p->c[c], gp_frame_pixels(f));
 }
 
+/* What a file that was not EXR may have given. */
+static gp_status check_names(const struct gp_log *log,
+                             const struct gp_frame *f,
+                             const struct gp_exr_sources *s)
+{
+    for (int i = 0; i < s->sources; i++) {
+        const char *name = s->source[i].name;
+        if (name[0] == '\0' || strlen(name) > 255 ||
+            (i > 0 && strcmp(s->source[i - 1].name, name) == 0))
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: EXR cannot hold its channels (name \"%.40s\" "
+                           "is empty, too long, or there twice); rename them",
+                           f->path, name);
+    }
+    return GP_OK;
+}
+
 gp_status gp_exr_sources_hdr(const struct gp_log *log,
                              const struct gp_frame *f,
                              const struct gp_planes *planes,
@@ -121,6 +138,7 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
             GP_TRY(add_made(log, out, like, c, f, planes->c[c], type));
     }
     gp_exr_sort(out->source, out->sources);
+    GP_TRY(check_names(log, f, out));
     return GP_OK;
 out:
     gp_exr_sources_free(out);

@@ -16,7 +16,8 @@
  *   libdeflate 6        304 ms  2.22 MB     83 ms  1.88 MB    127 ms  3.28 MB
  *   libdeflate 9       1263 ms  2.14 MB     89 ms  1.88 MB    250 ms  3.27 MB
  *
- * Level 2 is the fastest whose files are not larger than OpenEXR's. */
+ * Level 2 is the fastest whose files are as small as OpenEXR's: within 2 %
+ * on these and on files of 4 to 56 channels. */
 enum { LEVEL = 2 };
 
 struct libdeflate_compressor *gp_exr_zip_compressor(void)

@@ -21,7 +21,8 @@ enum {
 
 struct gp_file {
     const struct gp_log *log;
-    char *path;      // as the user gave it, for messages
+    char *path;      // as the user gave it, "stdout" for "-": for messages
+    bool is_stdout;
     char *target;    // where the rename goes; NULL: straight to fd
     char *temp;      // the name while it is written; NULL: straight to fd
     int fd;          // -1 when closed
@@ -181,7 +182,7 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
 
 static gp_status open_straight(struct gp_file *f)
 {
-    if (strcmp(f->path, "-") == 0) {
+    if (f->is_stdout) {
         f->fd = STDOUT_FILENO;
         return GP_OK;
     }
@@ -200,7 +201,8 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &mem));
     f = mem;
     *f = (struct gp_file) {.log = log, .fd = -1, .live = -1};
-    f->path = gp_strdup(path);
+    f->is_stdout = strcmp(path, "-") == 0;
+    f->path = gp_strdup(f->is_stdout ? "stdout" : path);
     f->buffer = malloc(BUFFER_BYTES);
     f->room = BUFFER_BYTES;
     if (!f->path || !f->buffer)

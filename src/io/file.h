@@ -46,7 +46,7 @@ GP_MUST_CHECK gp_status gp_file_patch(struct gp_file *f, uint64_t at,
 /* Bytes appended so far. */
 uint64_t gp_file_size(const struct gp_file *f);
 
-/* The name it is for, as the user gave it. */
+/* The name it is for, as the user gave it; "stdout" for "-". */
 const char *gp_file_path(const struct gp_file *f);
 
 /* Ends the file under its final name and sets *f to NULL. When anything

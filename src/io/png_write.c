@@ -15,22 +15,18 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Every row has filter 1, Sub. CPU milliseconds and megabytes for filter and
- * deflate of a 1920x1080 frame of light sources, a 960x540 rendered night and
- * a 587x675 photograph, 8 bits a sample:
+/* Every row has filter 1, Sub. CPU milliseconds of filter and deflate, and
+ * megabytes, for 8-bit pictures:
  *
- *   libpng's default (zlib 6, adaptive)  480 ms 0.89 MB   77 ms 1.00 MB
- *                                                        162 ms 0.45 MB
- *   Sub,   libdeflate 1                   33      0.85    16      1.02
- *                                                         10      0.53
- *   Sub,   libdeflate 3                   51      0.75    25      1.00
- *                                                         20      0.52
- *   Sub,   libdeflate 6                  117      0.68    28      1.00
- *                                                         40      0.50
- *   Paeth, libdeflate 3                   93      0.97    32      1.03
- *                                                         27      0.47
- *   adaptive, libdeflate 3               182      0.97    36      0.97
- *                                                         31      0.47
+ *                            light sources    rendered night   photograph
+ *                            1920x1080        960x540          587x675
+ *   adaptive, zlib 6         480 ms 0.89 MB   77 ms 1.00 MB   162 ms 0.45 MB
+ *   (as libpng does it)
+ *   Sub, libdeflate 1         33    0.85      16    1.02       10    0.53
+ *   Sub, libdeflate 3         51    0.75      25    1.00       20    0.52
+ *   Sub, libdeflate 6        117    0.68      28    1.00       40    0.50
+ *   Paeth, libdeflate 3       93    0.97      32    1.03       27    0.47
+ *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47
  */
 enum { FILTER_SUB = 1, LEVEL = 3 };
 

@@ -11,7 +11,8 @@
  *
  * Colour chunks: for BT.709 primaries cICP (BT.709, sRGB curve), sRGB, gAMA
  * and cHRM; for a scene-linear picture in other primaries gAMA, and cHRM with
- * these primaries unless they are imaginary. Pixels that are not square get a pHYs chunk.
+ * these primaries unless they are imaginary. Pixels that are not square get a
+ * pHYs chunk.
  */
 GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
                                      const struct gp_write_params *p,

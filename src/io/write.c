@@ -11,13 +11,25 @@
 
 enum { ENDING_BYTES = 16 };
 
-/* The ending that decides; "-" is EXR. */
+/* The ending that decides; stdout, pipes and devices without one are EXR. */
 static void format_of(const char *path, char ending[ENDING_BYTES])
 {
-    if (strcmp(path, "-") == 0)
+    gp_file_ending(path, ending, ENDING_BYTES);
+    if (ending[0] == '\0' && gp_file_is_straight(path))
         strcpy(ending, "exr");
-    else
-        gp_file_ending(path, ending, ENDING_BYTES);
+}
+
+gp_status gp_write_hdr_check(const struct gp_log *log,
+                             const struct gp_write_params *p, const char *path)
+{
+    char ending[ENDING_BYTES];
+    format_of(path, ending);
+    if (strcmp(ending, "exr") != 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: --hdr keeps all channels, which EXR alone can "
+                       "(ending %s); end the name in .exr", path,
+                       ending[0] ? ending : "missing");
+    return gp_write_check(log, p, path);
 }
 
 bool gp_write_would_clobber(const struct gp_write_params *p, const char *path)

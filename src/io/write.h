@@ -54,11 +54,14 @@ enum gp_picture_kind {
 /* Writes `planes` (w * h of f's data window) with the frame's windows,
  * chromaticities and attributes, as a three-channel picture. The ending of
  * `path` picks the format: .exr here, .png by libpng, all else by the
- * OpenImageIO bridge; "-" writes EXR to stdout.
+ * OpenImageIO bridge; "-" (stdout), pipes and devices without an ending get
+ * EXR.
  *
- * EXR and other float formats store the values as they are. Integer formats
- * show the display window (pixels outside the data window are black), clamped
- * to [0,1] and encoded with the sRGB curve, with the colour chunks that say so.
+ * EXR and other float formats store the values as they are; integer formats
+ * clamp them to [0,1] and encode them with the sRGB curve, with the colour
+ * chunks that say so. All but EXR show the display window: pixels outside the
+ * data window are black. TIFF is float for scene-linear pictures and where
+ * p->type says so. p->compression is for EXR and TIFF.
  *
  * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
  * nothing stands under either name, and a file that was there stays whole.
@@ -85,6 +88,11 @@ GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
                                      const struct gp_frame *f,
                                      const struct gp_planes *planes,
                                      struct gp_write_stats *stats);
+
+/* gp_write_check() for gp_write_hdr(), which is EXR alone. */
+GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
+                                           const struct gp_write_params *p,
+                                           const char *path);
 
 /* True when no_clobber is set and a regular file stands under that name. The
  * writing functions leave it alone then and return GP_OK; asked before a

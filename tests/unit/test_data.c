@@ -272,9 +272,9 @@ static void damaged_files_end_well(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(damaged_files_end_well), // forks: before threads
         cmocka_unit_test(every_frame_as_openimageio_reads_it),
         cmocka_unit_test(luminance_chroma_and_dwa_as_openexr_reads_them),
-        cmocka_unit_test(damaged_files_end_well),
     };
     return cmocka_run_group_tests(tests, setup, teardown);
 }

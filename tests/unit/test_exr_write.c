@@ -334,8 +334,7 @@ static void subsampled_channels(void **state)
         gp_frame_free(&f);
         // every third row: OpenEXRCore 3.1.5 miscounts in blocks of 16
         f = wf_frame(r, r, odd);
-        const bool works = c == GP_COMPRESSION_NONE || c == GP_COMPRESSION_RLE ||
-                           c == GP_COMPRESSION_ZIP || c == GP_COMPRESSION_ZIPS;
+        const bool works = c <= GP_COMPRESSION_ZIP;
         assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), &f,
                                       &f.rgb, &stats),
                          works ? GP_OK : GP_ERR_USAGE);
@@ -373,5 +372,5 @@ int main(void)
         TEST(half_overflow_is_counted), TEST(automatic_type_and_compression),
         TEST(colour_models), TEST(subsampled_channels), TEST(standard_output),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }

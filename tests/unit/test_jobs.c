@@ -39,19 +39,20 @@ static const struct job_row rows[] = {
      "in.exr>h.exr,l.exr,o.png"},
     {"--report r.json in.exr", GP_OK, "in.exr>"},
     {"-o o.##.png s.####.exr", GP_OK,
-     "s.0001.exr>o.01.png s.0002.exr>o.02.png s.0010.exr>o.10.png"},
+     "s.0001.exr#>o.01.png s.0002.exr#>o.02.png s.0010.exr#>o.10.png"},
     {"-f 2-1 -o o.%d.png s.####.exr", GP_OK,
-     "s.0002.exr>o.2.png s.0001.exr>o.1.png"},
-    {"-f 77 -o o.@.png s.####.exr", GP_OK, "s.0077.exr>o.77.png"},
+     "s.0002.exr#>o.2.png s.0001.exr#>o.1.png"},
+    {"-f 77 -o o.@.png s.####.exr", GP_OK, "s.0077.exr#>o.77.png"},
     {"--report r.json s.####.exr", GP_OK,
-     "s.0001.exr> s.0002.exr> s.0010.exr>"},
+     "s.0001.exr#> s.0002.exr#> s.0010.exr#>"},
     {"-o o.#.png s.0002.exr s.0001.exr", GP_OK,
-     "s.0002.exr>o.2.png s.0001.exr>o.1.png"},
-    {"-o o.#.png s.0002.exr", GP_OK, "s.0002.exr>o.2.png"},
+     "s.0002.exr#>o.2.png s.0001.exr#>o.1.png"},
+    {"-o o.#.png s.0002.exr", GP_OK, "s.0002.exr#>o.2.png"},
     {"-o o.#.png s.####.exr x.0077.exr", GP_OK,
-     "s.0001.exr>o.1.png s.0002.exr>o.2.png s.0010.exr>o.10.png "
-     "x.0077.exr>o.77.png"},
+     "s.0001.exr#>o.1.png s.0002.exr#>o.2.png s.0010.exr#>o.10.png "
+     "x.0077.exr#>o.77.png"},
     {"--report r.json in.exr s.0001.exr", GP_OK, "in.exr> s.0001.exr>"},
+    {"-o o.png s.0002.exr", GP_OK, "s.0002.exr>o.png"},
     {"-o o.png real@2x.exr", GP_OK, "real@2x.exr>o.png"},
 
     {"-o o.png s.####.exr", GP_ERR_USAGE, "one name for a sequence (found 3 f"},
@@ -92,13 +93,14 @@ static gp_status make(const char *line, struct gp_settings *s,
     return st ? st : gp_jobs_make(&keeper, s, j);
 }
 
-/* "input>output,output input>..." */
+/* "input>output,output input>...", the input with # where numbered */
 static void describe(const struct gp_jobs *j, char *text, size_t size)
 {
     size_t at = 0;
     for (int i = 0; i < j->n; i++) {
-        at += (size_t) snprintf(text + at, size - at, "%s%s>", i ? " " : "",
-                                j->job[i].input);
+        at += (size_t) snprintf(text + at, size - at, "%s%s%s>", i ? " " : "",
+                                j->job[i].input,
+                                j->job[i].numbered ? "#" : "");
         for (int k = 0; k < j->targets; k++) {
             char *name = gp_job_name(&j->job[i], &j->target[k]);
             at += (size_t) snprintf(text + at, size - at, "%s%s",

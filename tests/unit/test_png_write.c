@@ -382,5 +382,5 @@ int main(void)
         TEST(colour_chunks), TEST(odd_primaries), TEST(threads_and_places),
         TEST(hostile_windows_and_full_disk), TEST(other_formats),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }

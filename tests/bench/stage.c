@@ -1,0 +1,193 @@
+/* The glare stage against plain 2-D FFTW, frame by frame in one run.
+ *
+ *   stage FRAME.exr KERNEL.exr WIDTH HEIGHT [RUNS [estimate|measure]]
+ *
+ * WIDTH and HEIGHT are the plain form's padded transform (its best sizes are
+ * 1280x1024, 2304x1344 and 4096x2560 for the usual frames). The plain form
+ * is what a good programmer writes first: one real 2-D plan with FFTW's own
+ * threads, a cached kernel spectrum, channel after channel. Both sides take
+ * the frame's planes to the layer (plain: to frame + layer), bright pass
+ * included; pairs alternate, so a machine whose speed drifts drifts for both.
+ */
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/engine.h"
+#include "io/read.h"
+
+#include <fftw3.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void print(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    fprintf(stderr, "stage: %s\n", line);
+}
+static const struct gp_log stage_log = {print, NULL, GP_LEVEL_WARN};
+
+struct plain {
+    int w, h;
+    size_t pitch; // floats of a row
+    float *buffer, *kernel[3];
+    fftwf_plan forward, backward;
+};
+
+static void plain_open(struct plain *p, const struct gp_kernel *k,
+                       unsigned flags)
+{
+    fftwf_init_threads();
+    fftwf_plan_with_nthreads(gp_threads());
+    p->pitch = 2 * ((size_t) p->w / 2 + 1);
+    const size_t n = p->pitch * (size_t) p->h;
+    p->buffer = fftwf_alloc_real(n);
+    p->forward = fftwf_plan_dft_r2c_2d(p->h, p->w, p->buffer,
+                                       (fftwf_complex *) p->buffer, flags);
+    p->backward = fftwf_plan_dft_c2r_2d(
+        p->h, p->w, (fftwf_complex *) p->buffer, p->buffer, flags);
+    const float scale = 1.0f / ((float) p->w * (float) p->h);
+    for (int c = 0; c < 3; c++) {
+        p->kernel[c] = fftwf_alloc_real(n);
+        memset(p->kernel[c], 0, n * sizeof(float));
+        for (int y = 0; y < k->h; y++) {
+            for (int x = 0; x < k->w; x++) {
+                const int ty = (y - k->cy + p->h) % p->h;
+                const int tx = (x - k->cx + p->w) % p->w;
+                p->kernel[c][(size_t) ty * p->pitch + (size_t) tx] =
+                    scale * k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
+            }
+        }
+        fftwf_execute_dft_r2c(p->forward, p->kernel[c],
+                              (fftwf_complex *) p->kernel[c]);
+    }
+}
+
+static void plain_run(const struct plain *p, const struct gp_frame *f,
+                      struct gp_planes *out)
+{
+    const int w = gp_frame_w(f), h = gp_frame_h(f);
+    const float *const weight = f->luminance;
+    const float *const r = f->rgb.c[0], *const g = f->rgb.c[1];
+    const float *const b = f->rgb.c[2];
+    for (int c = 0; c < 3; c++) {
+        const float *const in = f->rgb.c[c], *const k = p->kernel[c];
+        float *const z = p->buffer;
+#pragma omp parallel for num_threads(gp_threads())
+        for (int y = 0; y < p->h; y++) {
+            float *const row = z + (size_t) y * p->pitch;
+            memset(row, 0, p->pitch * sizeof(float));
+            for (int x = 0; y < h && x < w; x++) {
+                const size_t i = (size_t) y * (size_t) w + (size_t) x;
+                const float lum =
+                    weight[0] * r[i] + weight[1] * g[i] + weight[2] * b[i];
+                row[x] = lum > 1.0f ? in[i] : 0.0f;
+            }
+        }
+        fftwf_execute(p->forward);
+#pragma omp parallel for num_threads(gp_threads())
+        for (int y = 0; y < p->h; y++) {
+            for (size_t i = (size_t) y * p->pitch;
+                 i < ((size_t) y + 1) * p->pitch; i += 2) {
+                const float u = z[i], v = z[i + 1];
+                z[i] = u * k[i] - v * k[i + 1];
+                z[i + 1] = u * k[i + 1] + v * k[i];
+            }
+        }
+        fftwf_execute(p->backward);
+        float *const o = out->c[c];
+#pragma omp parallel for num_threads(gp_threads())
+        for (int y = 0; y < h; y++) {
+            for (int x = 0; x < w; x++)
+                o[(size_t) y * (size_t) w + (size_t) x] =
+                    in[(size_t) y * (size_t) w + (size_t) x] +
+                    z[(size_t) y * p->pitch + (size_t) x];
+        }
+    }
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *v, int n)
+{
+    qsort(v, (size_t) n, sizeof *v, by_value);
+    return v[n / 2];
+}
+
+enum { MOST_RUNS = 200 };
+
+static int compare(struct gp_frame *f, const struct gp_kernel *k,
+                   struct plain *p, int runs, enum gp_fft_plan how)
+{
+    static double ours[MOST_RUNS], plain[MOST_RUNS], ratio[MOST_RUNS];
+    const struct gp_sensor_params sense = GP_SENSOR_DEFAULTS;
+    struct gp_glare_params params = GP_GLARE_DEFAULTS;
+    struct gp_glare g = {0};
+    struct gp_glare_stats stats = {0};
+    struct gp_planes out;
+    params.engine = "fft";
+    params.fft_plan = how;
+    if (gp_planes_make(&stage_log, "plain", gp_frame_pixels(f), &out))
+        return 70;
+    for (int i = -2; i < runs; i++) { // two warm-ups
+        struct gp_sources src;
+        double t = gp_now_ms();
+        gp_status st = gp_sense(&stage_log, &sense, f, &src);
+        if (!st)
+            st = gp_glare_run(&stage_log, &params, &g, &src, k, f, &stats);
+        if (st)
+            return st;
+        const double a = gp_now_ms() - t;
+        gp_sources_free(&src);
+        t = gp_now_ms();
+        plain_run(p, f, &out);
+        const double b = gp_now_ms() - t;
+        if (i >= 0) {
+            ours[i] = a;
+            plain[i] = b;
+            ratio[i] = b / a;
+        }
+    }
+    printf("%dx%d fft %dx%d core %d hot %zu: ours %.2f ms, plain %dx%d "
+           "%.2f ms, plain/ours %.3f (medians of %d)\n",
+           gp_frame_w(f), gp_frame_h(f), stats.fft_w, stats.fft_h,
+           stats.fft_core, stats.hot, median(ours, runs), p->w, p->h,
+           median(plain, runs), median(ratio, runs), runs);
+    gp_planes_free(&out);
+    gp_glare_close(&g);
+    return 0;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 5) {
+        fprintf(stderr, "usage: stage FRAME KERNEL WIDTH HEIGHT [RUNS "
+                        "[estimate|measure]]\n");
+        return 2;
+    }
+    const struct gp_read_params read = GP_READ_DEFAULTS;
+    struct gp_kernel_params kernel = GP_KERNEL_DEFAULTS;
+    struct gp_frame f = {0}, image = {0};
+    struct gp_kernel k = {0};
+    int runs = argc > 5 ? atoi(argv[5]) : 15;
+    runs = runs < 1 ? 1 : runs > MOST_RUNS ? MOST_RUNS : runs;
+    const int measure = argc > 6 && strcmp(argv[6], "measure") == 0;
+    kernel.source = argv[2];
+    gp_status st = gp_read_frame(&stage_log, &read, argv[1], &f);
+    if (!st)
+        st = gp_read_frame(&stage_log, &read, argv[2], &image);
+    if (!st)
+        st = gp_kernel_from_frame(&stage_log, &kernel, &image, &k);
+    if (st)
+        return st;
+    struct plain p = {.w = atoi(argv[3]), .h = atoi(argv[4])};
+    // the plain form is always at its best: measured plans
+    plain_open(&p, &k, FFTW_MEASURE);
+    return compare(&f, &k, &p, runs,
+                   measure ? GP_FFT_PLAN_MEASURE : GP_FFT_PLAN_ESTIMATE);
+}
