@@ -34,7 +34,8 @@ void gp_progress_open(struct gp_progress *p, FILE *file,
 void gp_progress_close(struct gp_progress *p);
 
 /* Says that `done` of `total` frames are made, and that `stage` of the file
- * `name` comes next; its folder is not shown. In a pipe it draws at most ten lines a second. */
+ * `name` comes next; its folder is not shown. In a pipe it draws at most ten
+ * lines a second. */
 void gp_progress_update(struct gp_progress *p, int done, int total,
                         const char *name, const char *stage);
 

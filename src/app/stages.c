@@ -234,16 +234,21 @@ static gp_status run_write(struct gp_run *r)
 
 // -- all of them -------------------------------------------------------------
 
+enum {
+    RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
+    LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT,
+};
 const struct gp_stage gp_stages[GP_STAGES] = {
-    {"read", GP_TIME_READ, 0, GP_HAS_RGB, run_read},
-    {"sensors", GP_TIME_SENSORS, GP_HAS_RGB, GP_HAS_SOURCES, run_sensors},
-    {"kernel", -1, GP_HAS_SOURCES, GP_HAS_KERNEL, run_kernel},
-    {"glare", GP_TIME_GLARE, GP_HAS_SOURCES | GP_HAS_KERNEL, GP_HAS_LAYER, run_glare},
-    {"flux", -1, GP_HAS_LAYER, GP_HAS_FLUX, run_flux},
-    {"verify", -1, GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_KERNEL | GP_HAS_LAYER, GP_HAS_MEASURED, run_verify},
-    {"compose", GP_TIME_COMPOSE, GP_HAS_RGB | GP_HAS_SOURCES | GP_HAS_LAYER, GP_HAS_LIT, run_compose},
-    {"tonemap", GP_TIME_TONEMAP, GP_HAS_LIT, GP_HAS_SHOWN, run_tonemap},
-    {"write", GP_TIME_WRITE, 0, GP_HAS_FILES, run_write}, // needs what is written
+    {"read", GP_TIME_READ, 0, RGB, run_read},
+    {"sensors", GP_TIME_SENSORS, RGB, SOURCES, run_sensors},
+    {"kernel", -1, SOURCES, KERNEL, run_kernel},
+    {"glare", GP_TIME_GLARE, SOURCES | KERNEL, LAYER, run_glare},
+    {"flux", -1, LAYER, GP_HAS_FLUX, run_flux},
+    {"verify", -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
+     run_verify},
+    {"compose", GP_TIME_COMPOSE, RGB | SOURCES | LAYER, LIT, run_compose},
+    {"tonemap", GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, run_tonemap},
+    {"write", GP_TIME_WRITE, 0, GP_HAS_FILES, run_write},
 };
 
 unsigned gp_target_needs(const struct gp_settings *s,

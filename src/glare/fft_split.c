@@ -75,22 +75,51 @@ static double core_ms(double n, int r)
     return 1.25 * n * side * (side + GP_TAPS_PAD - 1.0) * GP_DIRECT_MS_PER_TAP;
 }
 
-/* One way to split, and what it costs. */
-struct choice {
-    struct gp_fft_split split;
-    double ms;
+/* What all splits of one frame share. A split sends no source, or all from one
+ * bin up, whole, and one of the cores for the rest. */
+struct search {
+    const struct gp_sources *src;
+    const double *tail;
+    struct histogram h;
+    double energy, scale, hot_ms;
 };
 
-/* A split within its means beats another when it reaches the aim more cheaply,
- * or comes nearer to it. Reaching it may cost as much as the transform. */
-static int beats(const struct choice *a, const struct choice *b, double fft_ms)
+/* The cheapest split of rounding <= `most` that costs up to `budget`; its
+ * rounding is INFINITY when there is none. With least_rounding, the split of
+ * least rounding in the budget instead. */
+static struct gp_fft_split find(const struct search *s, double budget,
+                                double most, int least_rounding)
 {
-    const int reaches = a->split.rounding <= ALLOWED;
-    if (a->ms > (reaches ? fft_ms : fft_ms / 4.0))
-        return 0;
-    if (reaches != (b->split.rounding <= ALLOWED))
-        return reaches;
-    return reaches ? a->ms < b->ms : a->split.rounding < b->split.rounding;
+    struct gp_fft_split best = {.core = -1, .rounding = INFINITY};
+    double best_ms = INFINITY;
+    double hot = 0.0, left = s->energy; // sources from bin b up; energy under
+    for (int b = BINS; b > 0 && hot * s->hot_ms <= budget; b--) {
+        if (b < BINS) {
+            hot += s->h.count[b];
+            left -= s->h.energy[b];
+            if (s->h.count[b] == 0.0)
+                continue;
+        }
+        for (int i = 0; i < GP_FFT_CORES; i++) {
+            const int r = gp_fft_core_radius[i];
+            const double ms = hot * s->hot_ms +
+                              core_ms((double) s->src->n - hot, r);
+            const struct gp_fft_split split = {
+                .core = r,
+                .hot = b < BINS ? bin_start(b) : INFINITY,
+                .hot_count = (size_t) hot,
+                .rounding = s->scale * s->tail[i] * sqrt(fmax(left, 0.0)),
+            };
+            if (ms > budget || split.rounding > most)
+                continue;
+            if (least_rounding ? split.rounding < best.rounding
+                               : ms < best_ms) {
+                best = split;
+                best_ms = ms;
+            }
+        }
+    }
+    return best;
 }
 
 void gp_fft_split_choose(const struct gp_sources *src,
@@ -98,55 +127,38 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          const double tail[GP_FFT_CORES], double points,
                          double fft_ms, double gain, struct gp_fft_split *out)
 {
-    static const double LEAST_GAIN = 4.0;
-    struct histogram h = {0};
-    for (size_t i = 0; i < src->n; i++) {
-        const double v = (double) largest(src, i);
-        h.count[bin_of((float) v)] += 1.0;
-        h.energy[bin_of((float) v)] += v * v;
-    }
-    double energy = 0.0;
-    for (int b = 0; b < BINS; b++)
-        energy += h.energy[b];
+    static const double LEAST_GAIN = 4.0, NEAR = 2.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
-    const double scale = gain * NOISE / sqrt(points) / own;
-    const double hot_ms = (double) k->w * k->h * GP_DIRECT_MS_PER_TAP;
-    const double plain = scale * tail[0] * sqrt(energy);
-    struct choice best = {
-        {.core = -1, .hot = INFINITY, .rounding = plain}, 0.0,
+    struct search s = {
+        .src = src, .tail = tail,
+        .scale = gain * NOISE / sqrt(points) / own,
+        .hot_ms = (double) k->w * k->h * GP_DIRECT_MS_PER_TAP,
     };
-
-    double hot = 0.0, left = energy; // sources at and over bin b, energy under
-    for (int b = BINS; b > 0 && plain > ALLOWED && hot * hot_ms < fft_ms; b--) {
-        if (b < BINS) {
-            hot += h.count[b];
-            left -= h.energy[b];
-            if (h.count[b] == 0.0)
-                continue;
-        }
-        for (int i = 0; i < GP_FFT_CORES; i++) {
-            const int r = gp_fft_core_radius[i];
-            const struct choice c = {
-                {
-                    .core = r,
-                    .hot = b < BINS ? bin_start(b) : INFINITY,
-                    .hot_count = (size_t) hot,
-                    .rounding = scale * tail[i] * sqrt(fmax(left, 0.0)),
-                },
-                hot * hot_ms + core_ms((double) src->n - hot, r),
-            };
-            if (beats(&c, &best, fft_ms))
-                best = c;
-        }
+    for (size_t i = 0; i < src->n; i++) {
+        const double v = (double) largest(src, i);
+        s.h.count[bin_of((float) v)] += 1.0;
+        s.h.energy[bin_of((float) v)] += v * v;
     }
-    if (best.split.rounding > ALLOWED &&
-        best.split.rounding * LEAST_GAIN > plain)
-        best.split = (struct gp_fft_split) {
-            .core = -1, .hot = INFINITY, .rounding = plain,
-        };
-    *out = best.split;
+    for (int b = 0; b < BINS; b++)
+        s.energy += s.h.energy[b];
+    const struct gp_fft_split none = {
+        .core = -1, .hot = INFINITY,
+        .rounding = s.scale * tail[0] * sqrt(s.energy),
+    };
+    *out = none;
+    if (none.rounding <= ALLOWED)
+        return;
+    struct gp_fft_split found = find(&s, fft_ms, ALLOWED, 0);
+    if (!(found.rounding <= ALLOWED)) {
+        const double least =
+            find(&s, fft_ms / 2.0, INFINITY, 1).rounding;
+        found = find(&s, fft_ms / 2.0, NEAR * least, 0);
+        if (found.rounding * LEAST_GAIN > none.rounding)
+            return;
+    }
+    *out = found;
 }
 
 /* The sources for which (largest channel >= hot) == want. */

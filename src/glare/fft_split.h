@@ -30,9 +30,10 @@ struct gp_fft_split {
 };
 
 /* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
- * most as much as the transform; when none does, the one with the least
- * rounding that costs a quarter of it, if that is at least 4 times less than
- * without; else no split.
+ * most as much as the transform. When none does, as on a bright sky whose
+ * every pixel counts: the cheapest that costs at most half of the transform
+ * and comes within twice the least rounding to be had for that, if that is at
+ * least 4 times less than without; else no split.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform

@@ -145,7 +145,7 @@ static void list_block(void *ctx, int i, int thread)
     }
 }
 
-/* The luminance under which 1 % of the pixels with light lie, to within a
+/* The luminance under which 0.1 % of the pixels with light lie, to within a
  * sixteenth, from every k-th pixel of a fixed grid of about 16 thousand. */
 static double darkest(const struct sense *s)
 {
@@ -167,7 +167,7 @@ static double darkest(const struct sense *s)
     uint32_t below = 0;
     for (uint32_t b = 0; total && b < BINS; b++) {
         below += count[b];
-        if (below * 100ull >= total) {
+        if (below * 1000ull >= total) {
             const uint32_t bits = b << SHIFT;
             float y;
             memcpy(&y, &bits, sizeof y);

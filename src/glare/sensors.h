@@ -35,7 +35,7 @@ struct gp_sources {
     float brightest;      // largest channel value
     long long nonfinite;  // pixels with NaN or Inf in rgb
     long long clamped;    // pixels with a finite value over max_value
-    double darkest;       // a low percentile (1 %) of the cleaned frame's
+    double darkest;       // a low percentile (0.1 %) of the cleaned frame's
                           // positive luminance; 0 when all is black
 };
 

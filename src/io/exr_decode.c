@@ -24,6 +24,7 @@ struct worker {
     struct gp_inflate *inflate;
     uint8_t *split;  // layout->largest bytes
     bool is_split;   // the chunk at hand is in `split`
+    bool is_stored;  // ... or lies in the file as it is
     bool ready;
 };
 
@@ -130,6 +131,16 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
     return EXR_ERR_SUCCESS;
 }
 
+/* B44 blocks that would have grown are stored as they are (tiny windows).
+ * OpenEXR's C++ library writes and reads such chunks; OpenEXRCore 3.1.5 takes
+ * them for compressed ones. */
+static exr_result_t decompress_b44(exr_decode_pipeline_t *pipe)
+{
+    struct worker *w = pipe->decoding_user_data;
+    w->is_stored = pipe->chunk.packed_size == pipe->chunk.unpacked_size;
+    return w->is_stored ? EXR_ERR_SUCCESS : w->library_decompress(pipe);
+}
+
 static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
 {
     const struct worker *w = pipe->decoding_user_data;
@@ -138,6 +149,8 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
         p.bytes = w->split;
         p.odd = w->split + (pipe->chunk.unpacked_size + 1) / 2;
     }
+    if (w->is_stored)
+        p.bytes = pipe->packed_buffer;
     if (!p.bytes)
         return EXR_ERR_CORRUPT_CHUNK;
     unpack(w, &p);
@@ -149,6 +162,7 @@ static exr_result_t run_chunk(struct worker *w, int index)
     const struct gp_exr_layout *l = w->layout;
     const exr_context_t exr = l->origin->exr;
     w->is_split = false;
+    w->is_stored = false;
     if (l->chunk[index].unpacked_size == 0) // lines that no channel samples
         return EXR_ERR_SUCCESS;
     exr_result_t r =
@@ -193,6 +207,9 @@ static gp_status open_worker(const struct gp_log *log,
     w->pipe.decoding_user_data = w;
     w->pipe.unpack_and_convert_fn = unpack_chunk;
     w->library_decompress = w->pipe.decompress_fn;
+    if (l->compression == EXR_COMPRESSION_B44 ||
+        l->compression == EXR_COMPRESSION_B44A)
+        w->pipe.decompress_fn = decompress_b44;
     if (!is_zip(l->compression) && l->compression != EXR_COMPRESSION_RLE)
         return GP_OK;
     w->pipe.decompress_fn = decompress;

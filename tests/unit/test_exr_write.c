@@ -79,13 +79,6 @@ static void assert_frame(const struct gp_frame *a, const struct gp_frame *b,
     }
 }
 
-/* OpenEXRCore 3.1.5 takes B44 chunks that did not shrink, and that OpenEXR
- * and this program store as they are, for compressed ones. */
-static bool is_b44(enum gp_compression c)
-{
-    return c == GP_COMPRESSION_B44 || c == GP_COMPRESSION_B44A;
-}
-
 static bool bridge(void)
 {
     char why[512];
@@ -110,10 +103,6 @@ static void every_compression(void **state)
                 if (c >= GP_COMPRESSION_DWAA && !bridge())
                     continue;
                 write_hdr(&p, wf_path("a.exr"), &f);
-                if (is_b44(c) && (type == GP_OUT_FLOAT ||
-                                  gp_rect_w(f.data) < 4 ||
-                                  gp_rect_h(f.data) < 4))
-                    continue;
                 struct gp_frame b = read_back(wf_path("a.exr"));
                 assert_int_equal(b.colour_type, type == GP_OUT_FLOAT
                                                     ? GP_FLOAT : GP_HALF);
@@ -142,8 +131,6 @@ static void noise(void **state)
         p.compression = c;
         p.type = GP_OUT_FLOAT;
         write_hdr(&p, wf_path("a.exr"), &f);
-        if (is_b44(c))
-            continue;
         struct gp_frame b = read_back(wf_path("a.exr"));
         assert_int_equal(b.channels, 4); // no B: its plane is 0
         assert_non_null(gp_frame_channel(&b, "G"));
