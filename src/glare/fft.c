@@ -270,8 +270,16 @@ out:
 static double predict_ms(const struct gp_glare_job *job)
 {
     const struct gp_fft_placing p = gp_fft_place(job->src, job->kernel);
+    if (!p.nx)
+        return 0.0;
+    double tail[GP_FFT_CORES];
+    struct gp_fft_split split;
+    const double ms = gp_fft_predict_ms(job->src, &p);
+    gp_fft_tail_norms(job->kernel, tail);
+    gp_fft_split_choose(job->src, job->kernel, tail, (double) p.nx * p.ny, ms,
+                        (double) job->params->gain, &split);
     // plans, spectrum, scratch: half a frame more, and something fixed
-    return p.nx ? 0.5 + 1.5 * gp_fft_predict_ms(job->src, &p) : 0.0;
+    return 0.5 + 1.5 * ms + split.ms;
 }
 
 /* What goes direct: the core for all that was transformed, and hot sources

@@ -37,32 +37,16 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
     }
 }
 
-/* Sources by the half-octave of their largest channel, hottest last. */
-enum { BINS = 512 };
-struct histogram {
-    double count[BINS], energy[BINS];
-};
-
 static float largest(const struct gp_sources *s, size_t i)
 {
     return fmaxf(s->rgb[0][i], fmaxf(s->rgb[1][i], s->rgb[2][i]));
 }
 
-/* Exponent and first mantissa bit; positive floats only. */
-static int bin_of(float v)
+/* What the squares of a bin's sources add up to, at most. */
+static double bin_energy(const struct gp_sources *s, int bin)
 {
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (int) (bits >> 22) & (BINS - 1);
-}
-
-/* The lower end of a bin. */
-static float bin_start(int bin)
-{
-    const uint32_t bits = (uint32_t) bin << 22;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    const double end = (double) gp_source_bin_start(bin + 1);
+    return s->count[bin] ? s->count[bin] * end * end : 0.0;
 }
 
 /* Milliseconds of the core for n sources: a side and a strip less one, on
@@ -75,12 +59,13 @@ static double core_ms(double n, int r)
     return 1.25 * n * side * (side + GP_TAPS_PAD - 1.0) * GP_DIRECT_MS_PER_TAP;
 }
 
+enum { BINS = GP_SOURCE_BINS - 1 }; // the last one would hold NaN
+
 /* What all splits of one frame share. A split sends no source, or all from one
  * bin up, whole, and one of the cores for the rest. */
 struct search {
     const struct gp_sources *src;
     const double *tail;
-    struct histogram h;
     double energy, scale, hot_ms;
 };
 
@@ -90,15 +75,16 @@ struct search {
 static struct gp_fft_split find(const struct search *s, double budget,
                                 double most, int least_rounding)
 {
-    struct gp_fft_split best = {.core = -1, .rounding = INFINITY};
-    double best_ms = INFINITY;
+    struct gp_fft_split best = {
+        .core = -1, .rounding = INFINITY, .ms = INFINITY,
+    };
     double hot = 0.0, left = s->energy; // sources from bin b up; energy under
-    for (int b = BINS; b > 0 && hot * s->hot_ms <= budget; b--) {
+    for (int b = BINS; b >= 0 && hot * s->hot_ms <= budget; b--) {
         if (b < BINS) {
-            hot += s->h.count[b];
-            left -= s->h.energy[b];
-            if (s->h.count[b] == 0.0)
+            if (!s->src->count[b])
                 continue;
+            hot += s->src->count[b];
+            left -= bin_energy(s->src, b);
         }
         for (int i = 0; i < GP_FFT_CORES; i++) {
             const int r = gp_fft_core_radius[i];
@@ -106,17 +92,16 @@ static struct gp_fft_split find(const struct search *s, double budget,
                               core_ms((double) s->src->n - hot, r);
             const struct gp_fft_split split = {
                 .core = r,
-                .hot = b < BINS ? bin_start(b) : INFINITY,
+                .hot = b < BINS ? gp_source_bin_start(b) : INFINITY,
                 .hot_count = (size_t) hot,
+                .ms = ms,
                 .rounding = s->scale * s->tail[i] * sqrt(fmax(left, 0.0)),
             };
             if (ms > budget || split.rounding > most)
                 continue;
             if (least_rounding ? split.rounding < best.rounding
-                               : ms < best_ms) {
+                               : split.ms < best.ms)
                 best = split;
-                best_ms = ms;
-            }
         }
     }
     return best;
@@ -127,7 +112,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          const double tail[GP_FFT_CORES], double points,
                          double fft_ms, double gain, struct gp_fft_split *out)
 {
-    static const double LEAST_GAIN = 4.0, NEAR = 2.0;
+    static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
@@ -136,13 +121,8 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_DIRECT_MS_PER_TAP,
     };
-    for (size_t i = 0; i < src->n; i++) {
-        const double v = (double) largest(src, i);
-        s.h.count[bin_of((float) v)] += 1.0;
-        s.h.energy[bin_of((float) v)] += v * v;
-    }
     for (int b = 0; b < BINS; b++)
-        s.energy += s.h.energy[b];
+        s.energy += bin_energy(src, b);
     const struct gp_fft_split none = {
         .core = -1, .hot = INFINITY,
         .rounding = s.scale * tail[0] * sqrt(s.energy),
@@ -150,7 +130,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     *out = none;
     if (none.rounding <= ALLOWED)
         return;
-    struct gp_fft_split found = find(&s, fft_ms, ALLOWED, 0);
+    struct gp_fft_split found = find(&s, WORTH * fft_ms, ALLOWED, 0);
     if (!(found.rounding <= ALLOWED)) {
         const double least =
             find(&s, fft_ms / 2.0, INFINITY, 1).rounding;

@@ -23,15 +23,16 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
 
 struct gp_fft_split {
     int core;         // radius in gp_fft_core_radius
-    float hot;        // a source with a channel over this goes direct whole;
-                      // INFINITY sends none
+    float hot;        // a source with a channel from this up goes direct
+                      // whole; INFINITY sends none
     size_t hot_count;
     double rounding;  // expected largest error of a pixel over its own value
+    double ms;        // predicted for the direct part, on one core
 };
 
 /* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
- * most as much as the transform. When none does, as on a bright sky whose
- * every pixel counts: the cheapest that costs at most half of the transform
+ * most four times the transform: a night sky is worth that. When none does,
+ * as in a bright sky: the cheapest that costs at most half of the transform
  * and comes within twice the least rounding to be had for that, if that is at
  * least 4 times less than without; else no split.
  *   tail       from gp_fft_tail_norms()
@@ -46,7 +47,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          double fft_ms, double gain,
                          struct gp_fft_split *out);
 
-/* Parts the sources into those with a channel over `hot` and the rest. Both
+/* Parts the sources into those with a channel of at least `hot` and the rest. Both
  * are whole lists of their own; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_split_sources(const struct gp_log *log,

@@ -16,6 +16,7 @@ struct block_sum {
     double flux[3], energy[3];
     float brightest;
     int x0, x1; // columns that hold light
+    uint32_t count[GP_SOURCE_BINS];
 };
 
 struct sense {
@@ -40,6 +41,21 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y)
         return 1.0f;
     const float t = (y - lo) / (hi - lo);
     return t * t * (3.0f - 2.0f * t); // smoothstep: slope 0 at both ends
+}
+
+int gp_source_bin(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
+}
+
+float gp_source_bin_start(int bin)
+{
+    const uint32_t bits = (uint32_t) bin << 22;
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
 }
 
 static inline __attribute__((always_inline)) float lit(float v)
@@ -119,13 +135,16 @@ static void list_row(const struct sense *s, int y, struct block_sum *sum)
         if (!(lum > s->open))
             continue;
         const float pass = gp_bright_pass(s->p, lum);
+        float largest = 0.0f;
         for (int k = 0; k < 3; k++) {
             const float v = c[k] * pass;
             o->rgb[k][n] = v;
             sum->flux[k] += (double) v;
             sum->energy[k] += (double) v * (double) v;
-            sum->brightest = v > sum->brightest ? v : sum->brightest;
+            largest = v > largest ? v : largest;
         }
+        sum->brightest = fmaxf(sum->brightest, largest);
+        sum->count[gp_source_bin(largest)]++;
         sum->x0 = x < sum->x0 ? x : sum->x0;
         sum->x1 = x + 1 > sum->x1 ? x + 1 : sum->x1;
         o->x[n++] = x;
@@ -191,6 +210,8 @@ static void add_up(const struct sense *s, int blocks)
         }
         o->brightest = b->brightest > o->brightest ? b->brightest
                                                    : o->brightest;
+        for (int k = 0; k < GP_SOURCE_BINS; k++)
+            o->count[k] += b->count[k];
         box.x0 = b->x0 < box.x0 ? b->x0 : box.x0;
         box.x1 = b->x1 > box.x1 ? b->x1 : box.x1;
     }

@@ -20,6 +20,14 @@ struct gp_sensor_params {
 #define GP_SENSOR_DEFAULTS                                                    \
     { .threshold = 1.0f, .knee = 0.0f, .max_value = 65504.0f }
 
+/* Sources are counted by their largest channel, two bins an octave. */
+enum { GP_SOURCE_BINS = 512 };
+
+/* The bin of a value > 0, and where a bin starts; bin b ends where b + 1
+ * starts. From the exponent and the first bit of the mantissa. */
+int gp_source_bin(float v);
+float gp_source_bin_start(int bin);
+
 /* The bright pixels of a frame in row order: sources of row y are
  * [row[y], row[y + 1]). Coordinates count from the data window's corner.
  * Colours are finite and >= 0. */
@@ -33,6 +41,7 @@ struct gp_sources {
     double flux[3];       // sum of each channel
     double energy[3];     // sum of squares of each channel
     float brightest;      // largest channel value
+    uint32_t count[GP_SOURCE_BINS];
     long long nonfinite;  // pixels with NaN or Inf in rgb
     long long clamped;    // pixels with a finite value over max_value
     double darkest;       // a low percentile (0.1 %) of the cleaned frame's

@@ -1,0 +1,171 @@
+#!/usr/bin/python3
+"""Makes small EXR files with nothing but Python: no library that is tested.
+
+usage: exr.py FILE [key=value...]
+
+  size=64x48          pixels of the data window
+  kind=lights         lights: dim noise and hot pixels; dark: noise alone;
+                      kernel: a peak with streaks; zeros; nan: kernel with one
+  lights=20 seed=1    number of hot pixels, and which
+  hot=0               value of one more pixel in the middle
+  channels=R,G,B      names, with :half, :float or :uint behind (else type)
+  type=half           of channels that do not say
+  origin=0,0          first pixel of the data window
+  display=x0,y0,x1,y1 display window, both ends inside; else the data window
+  attr=name:string:text  and float, int, v2f, m44f (numbers with commas)
+  part=NAME:Z:float   one more part, of one channel
+  deep=1              a deep file without samples
+Keys attr and part may come more than once.
+"""
+import math
+import random
+import struct
+import sys
+
+TYPES = {"uint": (0, "I"), "half": (1, "e"), "float": (2, "f")}
+
+
+def pixels(o, w, h):
+    """Function (channel, x, y) -> value, the same for any channel list."""
+    rng = random.Random(int(o["seed"]))
+    kind = o["kind"]
+    noise = [rng.random() for _ in range(4099)]
+    hot = {}
+    if kind == "lights":
+        for _ in range(int(o["lights"])):
+            at = rng.randrange(w), rng.randrange(h)
+            hot[at] = math.exp(rng.uniform(1, 7)), rng.random(), rng.random()
+    if float(o["hot"]):
+        hot[w // 2, h // 2] = float(o["hot"]), 1.0, 1.0
+
+    def colour(c, x, y):
+        if kind == "zeros":
+            return 0.0
+        if kind in ("kernel", "nan"):
+            dx, dy = x - w // 2, y - h // 2
+            if kind == "nan" and (dx, dy) == (1, 0):
+                return math.nan
+            streak = 1.0 if dx == 0 or dy == 0 else 0.0
+            r2 = (dx * dx + dy * dy) * (1 + 0.1 * c)
+            return 1 / (1 + r2) ** 1.25 + 0.02 * streak / (3 + r2)
+        v = 0.02 + 0.7 * noise[(x * 31 + y * 977 + c * 7) % 4099]
+        if (x, y) in hot:
+            L, g, b = hot[x, y]
+            v += L * (1.0, 0.5 + 0.5 * g, 0.5 + 0.5 * b)[c]
+        return v
+
+    def value(name, x, y):
+        if name in ("R", "G", "B"):
+            return colour("RGB".index(name), x, y)
+        if name == "A":
+            return (x % 5) / 4
+        if name == "Z":
+            return 1e10 if y < h // 4 else 10 + 0.125 * x + y
+        if name == "id":
+            return x * 70001 + y
+        return x - 0.5 * y
+
+    return value
+
+
+def attribute(name, kind, data):
+    return (name.encode() + b"\0" + kind.encode() + b"\0" +
+            struct.pack("<i", len(data)) + data)
+
+
+def given_attribute(text):
+    name, kind, value = text.split(":", 2)
+    if kind == "string":
+        return attribute(name, kind, value.encode())
+    v = [float(n) for n in value.split(",")]
+    if kind == "int":
+        return attribute(name, kind, struct.pack("<i", int(v[0])))
+    return attribute(name, kind, struct.pack("<%df" % len(v), *v))
+
+
+class Part:
+    def __init__(self, o, channels, name=None):
+        self.w, self.h = (int(n) for n in o["size"].split("x"))
+        self.x, self.y = (int(n) for n in o["origin"].split(","))
+        self.channels = sorted(channels)
+        self.name, self.deep, self.o = name, bool(int(o["deep"])), o
+
+    def header(self, multi):
+        data = (self.x, self.y, self.x + self.w - 1, self.y + self.h - 1)
+        shown = self.o["display"]
+        shown = [int(n) for n in shown.split(",")] if shown else data
+        chlist = b"".join(n.encode() + b"\0" +
+                          struct.pack("<iiii", TYPES[t][0], 0, 1, 1)
+                          for n, t in self.channels) + b"\0"
+        h = attribute("channels", "chlist", chlist)
+        h += attribute("compression", "compression", b"\0")
+        h += attribute("dataWindow", "box2i", struct.pack("<4i", *data))
+        h += attribute("displayWindow", "box2i", struct.pack("<4i", *shown))
+        h += attribute("lineOrder", "lineOrder", b"\0")
+        h += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+        h += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+        h += attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+        if multi or self.deep:
+            kind = b"deepscanline" if self.deep else b"scanlineimage"
+            h += attribute("name", "string", (self.name or "rgba").encode())
+            h += attribute("type", "string", kind)
+            h += attribute("chunkCount", "int", struct.pack("<i", self.h))
+        if self.deep:
+            h += attribute("version", "int", struct.pack("<i", 1))
+            h += attribute("maxSamplesPerPixel", "int", struct.pack("<i", 0))
+        if not self.name:
+            h += b"".join(given_attribute(a) for a in self.o["attr"])
+        return h + b"\0"
+
+    def chunks(self):
+        value = pixels(self.o, self.w, self.h)
+        for y in range(self.h):
+            if self.deep:
+                yield struct.pack("<iQQQ", self.y + y, 4 * self.w, 0, 0) + \
+                    bytes(4 * self.w)
+                continue
+            row = b""
+            for name, kind in self.channels:
+                v = [value(name, x, y) for x in range(self.w)]
+                if kind == "half":
+                    v = [min(n, 65504.0) if n == n else n for n in v]
+                row += struct.pack("<%d%s" % (self.w, TYPES[kind][1]), *v)
+            yield struct.pack("<ii", self.y + y, len(row)) + row
+
+
+def write(path, parts):
+    multi = len(parts) > 1
+    version = 2 | (0x1000 if multi else 0) | (0x800 if parts[0].deep else 0)
+    head = struct.pack("<ii", 20000630, version)
+    head += b"".join(p.header(multi) for p in parts) + (b"\0" if multi else b"")
+    at = len(head) + sum(8 * p.h for p in parts)
+    table, body = [], []
+    for i, p in enumerate(parts):
+        for chunk in p.chunks():
+            chunk = (struct.pack("<i", i) if multi else b"") + chunk
+            table.append(struct.pack("<Q", at))
+            body.append(chunk)
+            at += len(chunk)
+    with open(path, "wb") as f:
+        f.write(head + b"".join(table) + b"".join(body))
+
+
+def main():
+    o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1",
+         "hot": "0", "channels": "R,G,B", "type": "half", "origin": "0,0",
+         "display": "", "deep": "0", "attr": [], "part": []}
+    for word in sys.argv[2:]:
+        key, value = word.split("=", 1)
+        if isinstance(o[key], list):
+            o[key].append(value)
+        else:
+            o[key] = value
+    names = [(c.split(":") + [o["type"]])[:2] for c in o["channels"].split(",")]
+    parts = [Part(o, [tuple(n) for n in names])]
+    for text in o["part"]:
+        name, channel, kind = text.split(":")
+        parts.append(Part(o, [(channel, kind)], name))
+    write(sys.argv[1], parts)
+
+
+main()
