@@ -20,11 +20,11 @@ OPT ?= -O3
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -fopenmp -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl
-LINK = -fopenmp -Wl,--as-needed $(SAN)
+LINK = -pthread -Wl,--as-needed $(SAN)
 
 # -- what there is ------------------------------------------------------------
 
@@ -101,7 +101,7 @@ check-man: $(B)/glarepp.1 ## man page, --help and parser agree; the page is not 
 
 $(B)/bench/%: tests/bench/%.c $(LIB_OBJ)
 	@mkdir -p $(@D)
-	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $< $(LIB_OBJ) $(LIBS) \
+	$(CC) $(ALL_CFLAGS) -fopenmp $(LINK) -o $@ $< $(LIB_OBJ) $(LIBS) \
 	    -lfftw3f_omp -lfftw3f
 
 FRAMES ?= $(B)/bench-frames

@@ -2,7 +2,9 @@
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "core/memory.h"
 #include "core/parallel.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -74,6 +76,8 @@ int main(int argc, char *argv[])
     struct gp_settings s;
     struct gp_log log = {print_line, NULL, GP_LEVEL_WARN};
     keep_streams();
+    gp_keep_memory();
+    gp_file_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);

@@ -1,5 +1,6 @@
 #include "core/memory.h"
 
+#include <malloc.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +37,17 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
 void gp_free(void *p)
 {
     free(p);
+}
+
+void gp_keep_memory(void)
+{
+    static const int huge = 32 << 20; // the most that glibc takes
+#ifdef __GLIBC__
+    mallopt(M_MMAP_THRESHOLD, huge);
+    mallopt(M_TRIM_THRESHOLD, huge);
+#else
+    (void) huge;
+#endif
 }
 
 char *gp_strdup(const char *s)

@@ -28,6 +28,10 @@ GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
 #define GP_FREE(p) (gp_free(p), (void) ((p) = NULL))
 void gp_free(void *p);
 
+/* Lets freed blocks of any size be used again without a page fault for each
+ * 4 KiB: a sequence makes the same planes for every frame. Call once, first. */
+void gp_keep_memory(void);
+
 /* A copy of a string, or NULL when memory is full. */
 char *gp_strdup(const char *s);
 

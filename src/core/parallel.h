@@ -1,4 +1,7 @@
-/* Parallel loops whose result does not depend on the number of threads. */
+/* Parallel loops whose result does not depend on the number of threads.
+ *
+ * One loop at a time, from one thread; a loop inside a body runs there, alone.
+ * After fork() the child starts threads of its own. */
 #ifndef GP_CORE_PARALLEL_H
 #define GP_CORE_PARALLEL_H
 

@@ -21,6 +21,7 @@ struct gp_taps {
     int w, h, cx, cy;  // as in gp_kernel
     size_t pitch;      // floats from row to row
     float *k[3];
+    bool lobes;        // a sample is under 0
 };
 
 /* Copies the part of the kernel within `radius` pixels of its centre in x
@@ -39,6 +40,11 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
                                       const struct gp_sources *src,
                                       const struct gp_taps *taps, bool add,
                                       struct gp_planes *layer);
+
+/* What rel_l2 of the sum of n sources cannot exceed: float rounding, as long
+ * as no product is under the range of float. INFINITY for taps with lobes,
+ * whose light can cancel while the rounding stays. */
+double gp_direct_bound(const struct gp_taps *taps, size_t n);
 
 /* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
  * cut to the frame. */

@@ -22,9 +22,15 @@ static int min(int a, int b)
     return a < b ? a : b;
 }
 
+/* v modulo n, in [0, n). */
+static int wrap(int v, int n)
+{
+    return v % n < 0 ? v % n + n : v % n;
+}
+
 /* Kept from frame to frame; each part is made anew when its key differs. */
 struct state {
-    struct gp_fft_plan_pair plan[8]; // of the lengths used last
+    struct gp_fft_plan_pair plan[8]; // of the lengths used last, latest last
     int plans;
     unsigned long kernel; // serial of the spectrum's
     struct gp_fft_placing placing;
@@ -35,7 +41,8 @@ struct state {
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
     int core_taps_radius;
-    unsigned long norms_kernel; // serial of what follows
+    unsigned long norms_kernel; // serial and frame of what follows
+    int norms_w, norms_h;
     double tail[GP_FFT_CORES], spread;
 };
 
@@ -58,18 +65,23 @@ static void close_state(void **state)
     GP_FREE(*state);
 }
 
-/* The plans of length n, from the state or made. */
+/* The plans of length n, from the state or made; they stay when one more
+ * length is asked for, but may move. */
 static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
                            int n, const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
     for (int i = 0; i < s->plans; i++) {
-        if (s->plan[i].n == n && s->plan[i].how == job->params->fft_plan) {
-            *out = &s->plan[i];
+        const struct gp_fft_plan_pair found = s->plan[i];
+        if (found.n == n && found.how == job->params->fft_plan) {
+            memmove(s->plan + i, s->plan + i + 1,
+                    sizeof found * (size_t) (s->plans - 1 - i));
+            s->plan[s->plans - 1] = found;
+            *out = &s->plan[s->plans - 1];
             return GP_OK;
         }
     }
-    if (s->plans == room) { // drop the oldest but never the one found last
+    if (s->plans == room) { // the one that was not used for longest
         gp_fft_plan_free(&s->plan[0]);
         memmove(s->plan, s->plan + 1, sizeof *s->plan * (size_t) (room - 1));
         s->plans--;
@@ -100,7 +112,7 @@ static void load_kernel(const void *ctx, int c, int j, float *z)
     for (int dx = r->p->taps.x0; dx < r->p->taps.x1; dx++) {
         const int inside = abs(dx) <= r->core && abs(dy) <= r->core;
         if (!inside)
-            z[2 * (dx < 0 ? dx + nx : dx)] = row[dx];
+            z[2 * wrap(dx, nx)] = row[dx];
     }
 }
 
@@ -114,8 +126,7 @@ static gp_status make_places(const struct gp_log *log, int first, int n,
         return st;
     *out = v;
     for (int j = 0; j < n; j++)
-        (*out)[j] = (first + j) % ny < 0 ? (first + j) % ny + ny
-                                         : (first + j) % ny;
+        (*out)[j] = wrap(first + j, ny);
     return GP_OK;
 }
 
@@ -205,8 +216,8 @@ static void load_light(const void *ctx, int c, int j, float *z)
         z[2 * (s->x[i] - r->p->in.x0)] = s->rgb[c][i];
 }
 
-/* Output row j back to the layer: places start at the box's corner, so what
- * lies left of it wrapped to the far end. */
+/* Output row j back to the layer: places start at the box's corner, modulo
+ * nx. */
 static void store_layer(const void *ctx, int c, int j, const float *z)
 {
     const struct light_rows *const r = ctx;
@@ -215,10 +226,12 @@ static void store_layer(const void *ctx, int c, int j, const float *z)
     float *const row =
         r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
-    for (int x = p->out.x0; x < min(p->in.x0, p->out.x1); x++)
-        row[x] = z[2 * (x - p->in.x0 + p->nx)];
-    for (int x = max(p->in.x0, p->out.x0); x < p->out.x1; x++)
-        row[x] = z[2 * (x - p->in.x0)];
+    const int first = wrap(p->out.x0 - p->in.x0, p->nx);
+    const int seam = min(p->out.x0 + p->nx - first, p->out.x1);
+    for (int x = p->out.x0; x < seam; x++)
+        row[x] = z[2 * (x - p->out.x0 + first)];
+    for (int x = seam; x < p->out.x1; x++)
+        row[x] = z[2 * (x - seam)];
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
@@ -255,7 +268,7 @@ static gp_status transform(const struct gp_glare_job *job, struct state *s,
         s->work_rows = (size_t) rows;
     }
     GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &s->work));
-    const int first = (p->out.y0 - p->in.y0 + p->ny) % p->ny;
+    const int first = wrap(p->out.y0 - p->in.y0, p->ny);
     GP_TRY(gp_fft_multiply(&fft, &s->work, light.n, light.place, &s->spectrum,
                            job->kernel->grey ? 1 : 3, first, count));
     clear_rows(job, 0, p->out.y0);
@@ -282,6 +295,15 @@ static double predict_ms(const struct gp_glare_job *job)
     return 0.5 + 1.5 * ms + split.ms;
 }
 
+/* Adds a direct part, and its rounding to the bound. */
+static gp_status add_taps(const struct gp_glare_job *job,
+                          const struct gp_sources *src,
+                          const struct gp_taps *taps)
+{
+    job->stats->bound += gp_direct_bound(taps, src->n);
+    return gp_direct_sum(job->log, src, taps, true, job->layer);
+}
+
 /* What goes direct: the core for all that was transformed, and hot sources
  * whole. */
 static gp_status add_direct(const struct gp_glare_job *job, struct state *s,
@@ -303,14 +325,26 @@ static gp_status add_direct(const struct gp_glare_job *job, struct state *s,
             s->core_taps_radius = split->core;
         }
         if (!st)
-            st = gp_direct_sum(job->log, rest, &s->core_taps, true,
-                               job->layer);
+            st = add_taps(job, rest, &s->core_taps);
     }
     if (!st && hot->n && !s->all_taps.k[0])
         st = gp_taps_make(job->log, job->kernel, -1, &s->all_taps);
     if (!st && hot->n)
-        st = gp_direct_sum(job->log, hot, &s->all_taps, true, job->layer);
+        st = add_taps(job, hot, &s->all_taps);
     return st;
+}
+
+static void find_norms(struct state *s, const struct gp_kernel *k,
+                       const struct gp_sources *src)
+{
+    if (is_known(s->norms_kernel, k) && s->norms_w == src->w &&
+        s->norms_h == src->h)
+        return;
+    gp_fft_tail_norms(k, s->tail);
+    s->spread = gp_fft_kernel_spread(k, src->w, src->h);
+    s->norms_kernel = k->serial;
+    s->norms_w = src->w;
+    s->norms_h = src->h;
 }
 
 static gp_status run(const struct gp_glare_job *job, void **state)
@@ -326,11 +360,7 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     struct gp_fft_split split = {.core = -1, .hot = INFINITY};
     struct gp_fft_placing p = gp_fft_place(src, job->kernel);
     if (p.nx) {
-        if (!is_known(s->norms_kernel, job->kernel)) {
-            gp_fft_tail_norms(job->kernel, s->tail);
-            s->spread = gp_fft_kernel_spread(job->kernel);
-            s->norms_kernel = job->kernel->serial;
-        }
+        find_norms(s, job->kernel, src);
         gp_fft_split_choose(src, job->kernel, s->tail, (double) p.nx * p.ny,
                             gp_fft_predict_ms(src, &p), (double) job->params->gain,
                             &split);
@@ -344,12 +374,12 @@ static gp_status run(const struct gp_glare_job *job, void **state)
         GP_TRY(transform(job, s, src, &p, split.core));
     else
         clear_rows(job, 0, job->src->h);
+    job->stats->bound = p.nx ? gp_fft_bound(s->spread, &p) : 0.0;
     GP_TRY(add_direct(job, s, &split, &hot, src));
     job->stats->fft_w = p.nx;
     job->stats->fft_h = p.ny;
     job->stats->fft_core = split.core;
     job->stats->hot = split.hot_count;
-    job->stats->bound = p.nx ? gp_fft_bound(s->spread, &p) : 0.0;
 out:
     gp_sources_free(&hot);
     gp_sources_free(&rest);

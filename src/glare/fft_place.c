@@ -2,6 +2,7 @@
 
 #include "glare/fft_lib.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdbool.h>
 
@@ -59,38 +60,55 @@ double gp_fft_predict_ms(const struct gp_sources *s,
                             (p->nx + 2.0) * gp_fft_cost(p->ny));
 }
 
-/* Squares of one row left and right of the centre, which both count it;
- * false when a sample is negative. */
-static bool row_squares(const float *row, int w, int cx, double *left,
-                        double *right)
+/* Squares of one row up to `reach` left and right of the centre, which both
+ * count it; false when a sample is negative. */
+static bool row_squares(const float *row, int w, int cx, int reach,
+                        double *left, double *right)
 {
     bool lobe = false;
     for (int x = 0; x < w; x++) {
         const double v = (double) row[x];
         lobe |= v < 0.0;
-        *left += x <= cx ? v * v : 0.0;
-        *right += x >= cx ? v * v : 0.0;
+        *left += x <= cx && x >= cx - reach ? v * v : 0.0;
+        *right += x >= cx && x <= cx + reach ? v * v : 0.0;
     }
     return !lobe;
 }
 
-double gp_fft_kernel_spread(const struct gp_kernel *k)
+/* How far from the centre a source in a frame of n pixels is sure to see, to
+ * one side at least, on an axis where the kernel has w samples. */
+static int sure_reach(int w, int n)
+{
+    return w - 1 <= n ? INT_MAX / 2 : n / 2;
+}
+
+/* Sum of squares of the least quarter; -1 for a channel with lobes. */
+static double least_quarter(const struct gp_kernel *k, int c, int w, int h)
+{
+    const int reach_x = sure_reach(k->w, w), reach_y = sure_reach(k->h, h);
+    double quarter[4] = {0}; // top left, top right, bottom left, right
+    for (int y = 0; y < k->h; y++) {
+        double left = 0.0, right = 0.0;
+        if (!row_squares(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
+                         reach_x, &left, &right))
+            return -1.0;
+        const bool above = y <= k->cy && y >= k->cy - reach_y;
+        const bool below = y >= k->cy && y <= k->cy + reach_y;
+        quarter[0] += above ? left : 0.0;
+        quarter[1] += above ? right : 0.0;
+        quarter[2] += below ? left : 0.0;
+        quarter[3] += below ? right : 0.0;
+    }
+    return fmin(fmin(quarter[0], quarter[1]), fmin(quarter[2], quarter[3]));
+}
+
+double gp_fft_kernel_spread(const struct gp_kernel *k, int w, int h)
 {
     double worst = 0.0;
     for (int c = 0; c < 3; c++) {
-        double quarter[4] = {0}; // top left, top right, bottom left, right
-        for (int y = 0; y < k->h; y++) {
-            double left = 0.0, right = 0.0;
-            if (!row_squares(k->k.c[c] + (size_t) y * (size_t) k->w, k->w,
-                             k->cx, &left, &right))
-                return INFINITY;
-            quarter[0] += y <= k->cy ? left : 0.0;
-            quarter[1] += y <= k->cy ? right : 0.0;
-            quarter[2] += y >= k->cy ? left : 0.0;
-            quarter[3] += y >= k->cy ? right : 0.0;
-        }
-        const double least = fmin(fmin(quarter[0], quarter[1]),
-                                  fmin(quarter[2], quarter[3]));
+        const double least = least_quarter(k, c, w, h);
+        if (least < 0.0)
+            return INFINITY;
         if (k->norm2[c] > 0.0)
             worst = fmax(worst, k->norm2[c] / sqrt(least));
     }

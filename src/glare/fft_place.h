@@ -24,9 +24,10 @@ double gp_fft_predict_ms(const struct gp_sources *s,
                          const struct gp_fft_placing *p);
 
 /* How much smaller than the kernel's norm the light that a source leaves in
- * the frame can be: it keeps at least one quarter of the kernel, centre
- * included. Infinite when light can cancel, in kernels with lobes. */
-double gp_fft_kernel_spread(const struct gp_kernel *k);
+ * a frame of w x h pixels can be: it keeps at least one quarter of the kernel,
+ * centre included, or of its middle w x h samples when the frame is smaller.
+ * Infinite when light can cancel, in kernels with lobes. */
+double gp_fft_kernel_spread(const struct gp_kernel *k, int w, int h);
 
 /* What rel_l2 cannot exceed: rounding of three transforms, each within
  * (4 + sqrt 2) 2^-24 log2 n of its norm (Higham 2002, theorem 24.2), over the

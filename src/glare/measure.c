@@ -14,6 +14,12 @@ struct measure {
     double gain, peak;
 };
 
+/* The larger; a layer that is not a number is as wrong as can be. */
+static double worse(double a, double b)
+{
+    return b != b ? INFINITY : fmax(a, b);
+}
+
 static void measure_row(const struct measure *m, int y, struct row *r)
 {
     const int w = gp_frame_w(m->f);
@@ -30,15 +36,15 @@ static void measure_row(const struct measure *m, int y, struct row *r)
             wrong += weight * m->gain * (got - exact);
             r->square += (got - exact) * (got - exact);
             r->exact_square += exact * exact;
-            r->max_abs = fmax(r->max_abs, fabs(got - exact));
+            r->max_abs = worse(r->max_abs, fabs(got - exact));
             r->sum += got;
             r->exact_sum += exact;
         }
         r->peak = fmax(r->peak, composite);
-        if (fabs(wrong) > 0.0)
-            r->max_rel = fmax(r->max_rel,
-                              fabs(wrong) / (fmax(composite, 0.0) +
-                                             1e-6 * m->peak));
+        if (wrong != 0.0)
+            r->max_rel = worse(r->max_rel,
+                               fabs(wrong) / (fmax(composite, 0.0) +
+                                              1e-6 * m->peak));
     }
 }
 

@@ -76,14 +76,16 @@ static inline __attribute__((always_inline)) float clean(float v, float max)
     return v < -FLT_MAX ? 0.0f : v;
 }
 
-/* Cleans one row; returns how many of its pixels are over `open`. The loop
- * has no branch, so that it becomes vector code. */
-GP_CLONES static int clean_row(float *restrict r, float *restrict g,
-                               float *restrict b, int w, float max,
-                               const float *restrict weight, float open,
-                               int *nonfinite, int *clamped)
+/* Counts one row's bad pixels and, if there are none, its bright ones. No
+ * branch and no store, so that it becomes vector code and the frame is only
+ * read: bad pixels are rare. */
+GP_CLONES static void count_row(const float *restrict r,
+                                const float *restrict g,
+                                const float *restrict b, int w, float max,
+                                const float *restrict weight, float open,
+                                int *nonfinite, int *clamped, int *bright)
 {
-    int bad = 0, over = 0, bright = 0;
+    int bad = 0, over = 0, lit_up = 0;
     for (int x = 0; x < w; x++) {
         const float vr = r[x], vg = g[x], vb = b[x];
         const int finite = (fabsf(vr) <= FLT_MAX) & (fabsf(vg) <= FLT_MAX) &
@@ -91,34 +93,44 @@ GP_CLONES static int clean_row(float *restrict r, float *restrict g,
         const int large = ((vr > max) & (vr <= FLT_MAX)) |
                           ((vg > max) & (vg <= FLT_MAX)) |
                           ((vb > max) & (vb <= FLT_MAX));
-        const float cr = clean(vr, max), cg = clean(vg, max),
-                    cb = clean(vb, max);
-        r[x] = cr;
-        g[x] = cg;
-        b[x] = cb;
         bad += !finite;
         over += large;
-        bright += luminance_of(weight, cr, cg, cb) > open;
+        lit_up += luminance_of(weight, vr, vg, vb) > open;
     }
-    *nonfinite += bad;
-    *clamped += over;
-    return bright;
+    *nonfinite = bad;
+    *clamped = over;
+    *bright = lit_up;
+}
+
+static void clean_row(float *v, int w, float max)
+{
+    for (int x = 0; x < w; x++)
+        v[x] = clean(v[x], max);
 }
 
 static void clean_block(void *ctx, int i, int thread)
 {
     struct sense *const s = ctx;
     (void) thread;
-    int bad = 0, over = 0;
     const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
     for (int y = i * BLOCK; y < end; y++) {
         const size_t at = (size_t) y * (size_t) s->w;
-        s->out->row[y + 1] = (uint32_t) clean_row(
-            s->rgb[0] + at, s->rgb[1] + at, s->rgb[2] + at, s->w,
-            s->p->max_value, s->weight, s->open, &bad, &over);
+        float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
+        float *const b = s->rgb[2] + at;
+        int bad, over, bright, none;
+        count_row(r, g, b, s->w, s->p->max_value, s->weight, s->open, &bad,
+                  &over, &bright);
+        if (bad || over) {
+            clean_row(r, s->w, s->p->max_value);
+            clean_row(g, s->w, s->p->max_value);
+            clean_row(b, s->w, s->p->max_value);
+            count_row(r, g, b, s->w, s->p->max_value, s->weight, s->open,
+                      &none, &none, &bright);
+        }
+        s->out->row[y + 1] = (uint32_t) bright;
+        s->block[i].nonfinite += bad;
+        s->block[i].clamped += over;
     }
-    s->block[i].nonfinite = bad;
-    s->block[i].clamped = over;
 }
 
 /* Writes the sources of one row; its place in the list is known by now. */

@@ -1,0 +1,278 @@
+#!/bin/sh
+# Bad input and bad places: one line, the documented status, no file left, and
+# what stood before stays whole.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+frame in.exr channels=R,G,B,A,Z:float type=half
+frame wide.exr size=320x200 channels=R,G,B,A,Z:float lights=2000
+"$glarepp" -o good.png in.exr || exit 1
+mkdir there
+outputs='-o there/o.png --hdr there/h.exr --layer there/l.exr'
+
+# refuses STATUS NAME DESCRIPTION ARGUMENT...: with three outputs, none of
+# which is made
+refuses()
+{
+    wanted=$1 name=$2 about=$3
+    shift 3
+    run $outputs "$@"
+    fails_with "$wanted" "$name" "$about"
+    empty_folder there "$about: nothing written"
+    is "$(wc -c <out)" 0 "$about: nothing on stdout"
+}
+
+# -- frames that cannot be read ------------------------------------------------
+
+refuses 3 nowhere.exr 'no such file' nowhere.exr
+refuses 3 no/where.exr 'no such folder' no/where.exr
+mkdir folder.exr
+refuses 3 folder.exr 'a folder' folder.exr
+: >empty.exr
+refuses 4 empty.exr 'an empty file' empty.exr
+: >empty.png
+refuses 4 empty.png 'an empty PNG' empty.png
+size=$(wc -c <in.exr)
+for part in 3 8 40 200 $((size / 2)) $((size - 1)); do
+    head -c $part in.exr >cut.exr
+    refuses 4 cut.exr "an EXR cut after $part bytes" cut.exr
+done
+cp good.png named.exr
+refuses 4 named.exr 'a PNG named .exr' named.exr
+like "$(cat err)" '*PNG*' 'a PNG named .exr: says that it is a PNG'
+cp in.exr named.png
+"$glarepp" --layer a.exr in.exr && "$glarepp" --layer b.exr named.png
+same a.exr b.exr 'an EXR named .png is read as what it is'
+echo 'this is no picture' >text.tif
+refuses 4 text.tif 'a text named .tif' text.tif
+frame deep.exr deep=1
+refuses 4 deep.exr 'deep data' deep.exr
+like "$(cat err)" '*deep*; *' 'deep data: says so and what to do'
+if [ "$(id -u)" = 0 ]; then
+    skip 4 'root may read everything'
+else
+    cp in.exr locked.exr && chmod 0 locked.exr
+    refuses 3 locked.exr 'no permission' locked.exr
+fi
+
+# a header that claims what the file cannot hold: refused before memory is
+# taken, so also where there is little of it
+"$python" - <<'PY'
+import struct
+whole = open("in.exr", "rb").read()
+at = whole.index(b"dataWindow\0box2i\0") + 21
+window = struct.pack("<4i", 0, 0, 65534, 65534)
+open("huge.exr", "wb").write(whole[:at] + window + whole[at + 16:][:600])
+PY
+refuses 4 huge.exr 'a small file of 65535 x 65535 pixels' huge.exr
+refuses 4 in.exr 'more pixels than --max-pixels' --max-pixels 100 in.exr
+
+# -- the command line ----------------------------------------------------------
+
+refuses 2 nope 'an unknown channel' --depth nope in.exr
+like "$(cat err)" '*A*B*G*R*Z*' 'an unknown channel: lists those that are there'
+for pair in engine tonemap type compression gl mix alpha progress fft-plan \
+    kernel-normalize depth-bits; do
+    refuses 2 "--$pair" "an unknown value of --$pair" --$pair nope in.exr
+    like "$(cat err)" '*nope*one of*' "--$pair: says what there is"
+done
+refuses 2 builtin:nope 'an unknown kernel' -k builtin:nope in.exr
+for pair in threshold=x threshold=-1 threshold=nan knee=2 gain=inf threads=1.5 \
+    threads=-1 exposure=99 kernel-center=3 gain= max-value=0; do
+    refuses 2 "--${pair%%=*}" "--$pair" "--$pair" in.exr
+done
+refuses 2 --gain 'scatter of more light than there is' --mix scatter -g 2 in.exr
+refuses 2 --treshold 'an unknown option' --treshold 2 in.exr
+like "$(cat err)" '*--threshold*' 'an unknown option: names the nearest'
+refuses 2 -Z 'an unknown letter' -Z in.exr
+refuses 2 --quiet 'a value that is not wanted' --quiet=yes in.exr
+refuses 2 'no input' 'no input'
+run in.exr
+fails_with 2 'nothing to make' 'no output given'
+run -o
+fails_with 2 -o 'an option without its value'
+run -o there/x.png --hdr --quiet in.exr
+fails_with 2 --hdr 'an option in the place of a value'
+run -o - --hdr - in.exr
+fails_with 2 - 'two outputs to stdout'
+run -o - --report - in.exr
+fails_with 2 - 'picture and report to stdout'
+run -o there/x.png --hdr there/x.png in.exr
+fails_with 2 there/x.png 'one name for two outputs'
+run -o there/x.nope in.exr
+fails_with 2 there/x.nope 'an unknown ending'
+run -o there/ending in.exr
+fails_with 2 there/ending 'no ending'
+run --hdr there/x.png in.exr
+fails_with 2 there/x.png '--hdr with an ending that is not EXR'
+run --verify -o there/x.png in.exr
+fails_with 2 --verify '--verify that nobody sees'
+empty_folder there 'nothing written by any of these'
+
+# -- kernels -------------------------------------------------------------------
+
+refuses 3 nowhere.exr 'no such kernel' -k nowhere.exr in.exr
+frame zeros.exr kind=zeros size=9x9
+refuses 4 zeros.exr 'a kernel of zeros' -k zeros.exr in.exr
+frame nan.exr kind=nan size=9x9 type=float
+refuses 4 nan.exr 'a kernel with NaN' -k nan.exr in.exr
+frame deep.exr deep=1
+refuses 4 deep.exr 'a deep kernel' -k deep.exr in.exr
+frame dark.exr kind=dark
+refuses 4 zeros.exr 'a kernel of zeros for a dark frame' -k zeros.exr dark.exr
+
+# -- places that cannot be written ---------------------------------------------
+
+run -o there/none/x.png in.exr
+fails_with 3 there/none/x.png 'a folder that does not exist'
+run --hdr there/h.exr -o there/none/x.png in.exr
+fails_with 3 there/none/x.png 'one good output, one without its folder'
+empty_folder there 'one good output, one without its folder: none is written'
+run -o there --hdr there/h.exr in.exr
+status_is 2 'a folder as picture: its ending is unknown'
+run --hdr folder.exr in.exr
+fails_with 3 folder.exr 'a folder as output'
+run --report there/none/r.json -o there/x.png in.exr
+fails_with 3 there/none/r.json 'a report without its folder'
+run -o in.exr/x.png in.exr
+fails_with 3 in.exr/x.png 'a file as folder'
+long=$(printf '%0300d' 0)
+run -o "there/$long.png" in.exr
+fails_with 3 "$long" 'a name that is too long'
+empty_folder there 'nothing written in these places'
+run --create-dir -o made/by/x.png in.exr
+quiet_success '--create-dir'
+ok '--create-dir makes the folders' test -s made/by/x.png
+
+# -- full disks ----------------------------------------------------------------
+
+if [ -c /dev/full ]; then
+    for option in --hdr --layer -o --report; do
+        run $option /dev/full in.exr
+        fails_with 3 /dev/full "$option to a full device"
+    done
+    for option in --hdr --layer -o --report; do
+        "$glarepp" $option - in.exr >/dev/full 2>err
+        status=$?
+        fails_with 3 '' "$option - to a full device"
+    done
+    "$glarepp" --help >/dev/full 2>err
+    status=$?
+    fails_with 3 '' '--help to a full device'
+else
+    skip 18 'no /dev/full'
+fi
+
+# what a full disk leaves, old files and temporary ones included
+full_disk()
+{
+    cp good.png small/old.png
+    "$glarepp" --layer small/old.exr --compression none in.exr || return
+    cp small/old.exr old.exr
+    for to in '-o small/new.tif' '-o small/new.png --depth-bits 16' \
+        '--hdr small/new.exr --compression none' \
+        '--layer small/new.exr --compression zip --type float' \
+        '--layer small/new.exr --compression dwaa --type float'; do
+        run $to wide.exr
+        fails_with 3 small/new. "a full disk, $to"
+        is "$(ls -A small | xargs)" 'old.exr old.png' "a full disk, $to: no half file"
+    done
+    run --hdr small/old.exr --compression none wide.exr
+    fails_with 3 small/old.exr 'a full disk, over an old file'
+    same small/old.exr old.exr 'a full disk: the old EXR is whole'
+    run -o small/old.png --depth-bits 16 wide.exr
+    fails_with 3 small/old.png 'a full disk, over an old picture'
+    same small/old.png good.png 'a full disk: the old PNG is whole'
+    run -o there/first.png --hdr small/new.exr --compression none wide.exr
+    fails_with 3 small/new.exr 'a full disk beside a good place'
+    is "$(ls -A small | xargs)" 'old.exr old.png' 'a full disk: nothing new'
+    rm -f there/first.png
+}
+mkdir small
+if [ "$(id -u)" = 0 ] &&
+    mount -t tmpfs -o size=48k tmpfs small 2>/dev/null; then
+    mounted=$tmp/small
+    full_disk
+else
+    skip 25 'no small disk can be mounted'
+fi
+
+# -- no GL ---------------------------------------------------------------------
+
+export GLAREPP_OSMESA=/nonexistent
+refuses 5 /nonexistent 'no OSMesa' --engine splat --gl osmesa in.exr
+like "$(cat err)" '*libosmesa6*' 'no OSMesa: names the package'
+export GLAREPP_EGL=/nonexistent
+refuses 5 /nonexistent 'no EGL' --engine splat --gl egl in.exr
+refuses 5 libosmesa6 'no GL at all' --engine splat in.exr
+run --engine splat --layer dark-layer.exr dark.exr
+quiet_success 'no GL is no matter where there is no light'
+run --layer any.exr in.exr
+quiet_success 'no GL is no matter for auto'
+unset GLAREPP_OSMESA GLAREPP_EGL
+
+# -- old files stay ------------------------------------------------------------
+
+cp good.png kept.png
+cp in.exr kept.exr
+for wrong in cut.exr empty.exr deep.exr nowhere.exr; do
+    run -o kept.png --hdr kept.exr $wrong
+    cmp -s kept.png good.png && cmp -s kept.exr in.exr
+    result $? "$wrong: the outputs that stood before are whole"
+done
+cp in.exr self.exr
+run --hdr self.exr self.exr
+quiet_success 'a frame over itself'
+"$glarepp" --hdr apart.exr in.exr
+same self.exr apart.exr 'a frame over itself: as into another file'
+
+# -- pipes that end and signals ------------------------------------------------
+
+{
+    "$glarepp" --hdr - --compression none wide.exr 2>err
+    echo $? >code
+} | head -c 100 >head.out
+status=$(cat code)
+fails_with 3 '' 'a reader that leaves'
+is "$(wc -c <head.out)" 100 'a reader that leaves has got its bytes'
+
+# A run of many frames is ended in its middle, at several moments
+i=0
+while [ $i -lt 40 ]; do
+    i=$((i + 1))
+    ln wide.exr "many.$(printf %04d $i).exr"
+done
+mkdir seq
+for signal in 'INT --compression zip' 'TERM --compression dwaa' \
+    'HUP --compression none'; do
+    written=${signal#* } signal=${signal%% *}
+    for delay in 0 0.05 0.12; do
+        rm -rf seq && mkdir seq
+        # sh has background jobs ignore SIGINT; this gives it back
+        "$python" - "$signal" "$delay" "$glarepp" $written <<'PY' >code 2>err
+import os, signal, subprocess, sys, time
+name, delay, program, *written = sys.argv[1:]
+signal.signal(signal.SIGINT, signal.default_int_handler)
+p = subprocess.Popen([program, "--hdr", "seq/h.####.exr", "-o", "seq/o.####.png",
+                      "--type", "float", *written, "many.####.exr"])
+while not os.listdir("seq") and p.poll() is None:
+    time.sleep(0.002)
+time.sleep(float(delay))
+p.send_signal(getattr(signal, "SIG" + name))
+code = p.wait()
+print("ended" if code == -getattr(signal, "SIG" + name) or code == 0 else code)
+PY
+        is "$(cat code)" ended "SIG$signal after $delay s ends the run"
+        is "$(find seq -name '.*' -type f)" '' \
+            "SIG$signal after $delay s leaves no temporary file"
+        cut=
+        for f in seq/*.exr; do
+            [ -e "$f" ] || continue
+            [ -n "$cut" ] || "$glarepp" --report whole.json "$f" 2>cut.err ||
+                cut=$f
+        done
+        is "$cut" '' "SIG$signal after $delay s leaves whole files only"
+    done
+done
+
+done_testing

@@ -1,0 +1,225 @@
+#!/bin/sh
+# Formats in and out, and what --hdr carries along.
+. "$(dirname "$0")/lib.sh"
+need_python
+[ -n "$oiio" ] || skip_all 'no numpy and OpenImageIO to compare with'
+command -v oiiotool >/dev/null || skip_all 'no oiiotool'
+
+frame in.exr size=97x61 type=half
+frame rich.exr size=97x61 origin=-7,5 display=0,0,79,63 \
+    channels=R,G,B,A,Z:float,normals.X,normals.Y,normals.Z,id:uint \
+    part=depth.left:Z:float part=mask:A:half \
+    attr=owner:string:somebody attr=framesPerSecond:float:23.976 \
+    attr=shot:int:12 attr=offset:v2f:0.25,-3.5 \
+    attr=worldToCamera:m44f:1,2,3,4,5,6,7,8,9,10,11,12,13,14,15,16
+>list
+
+# -- other formats in ----------------------------------------------------------
+
+for ending in hdr pfm tif jpg dpx png; do
+    bits=
+    [ $ending != tif ] || bits='-d float'
+    oiiotool in.exr $bits -o f.$ending >ok.log 2>&1 || note "$(cat ok.log)"
+    run -t 0.6 --type float --hdr h.$ending.exr --layer l.$ending.exr f.$ending
+    quiet_success "reads .$ending"
+    case $ending in
+    hdr | pfm | tif)
+        # the same pixels in an EXR give the same light
+        oiiotool f.$ending -d float --compression none -o f.$ending.exr
+        run -t 0.6 --type float --hdr e.$ending.exr --layer g.$ending.exr \
+            f.$ending.exr
+        echo "h.$ending.exr e.$ending.exr equal .$ending in: frame as from EXR" >>list
+        echo "l.$ending.exr g.$ending.exr equal .$ending in: layer as from EXR" >>list
+        ;;
+    jpg | png) # nothing is over this threshold: the frame passes
+        run -t 1e9 --type float --hdr h.$ending.exr f.$ending
+        echo "h.$ending.exr f.$ending srgb:2e-3 .$ending in: the sRGB curve is taken off" >>list
+        ;;
+    dpx)
+        echo "h.dpx.exr:R,G,B l.dpx.exr:R,G,B 1e9 .dpx in: three channels" >>list
+        ;;
+    esac
+done
+frame kernel.exr kind=kernel size=15x15 type=float
+oiiotool kernel.exr -d float -o kernel.tif && oiiotool kernel.exr -o kernel.pfm
+for ending in exr tif pfm; do
+    run -k kernel.$ending --type float --layer k.$ending.exr in.exr
+    quiet_success "a kernel from .$ending"
+done
+echo "k.tif.exr k.exr.exr equal a kernel from .tif: as from EXR" >>list
+echo "k.pfm.exr k.exr.exr equal a kernel from .pfm: as from EXR" >>list
+
+# -- other formats out ---------------------------------------------------------
+
+run --type float --layer layer.exr --tonemap none -o lit.exr in.exr
+run --type float --layer layer.tif --layer layer.tif in.exr
+quiet_success 'the last of an option that comes twice holds'
+for ending in tif pfm hdr; do
+    limit=equal
+    [ $ending != hdr ] || limit=1e-2 # shared exponents: 8 bits
+    run --type float --layer layer.$ending --tonemap none -o lit.$ending in.exr
+    quiet_success "writes .$ending"
+    echo "layer.$ending layer.exr $limit .$ending out: the layer" >>list
+    echo "lit.$ending lit.exr $limit .$ending out: --tonemap none is the light" >>list
+done
+run --type float -o shown.exr --depth-bits 16 -o shown.png -o shown16.tif in.exr
+run -o shown.jpg -o shown8.png -o shown.dpx in.exr
+quiet_success 'several pictures in one run'
+echo "shown.exr shown.png srgb:2e-5 16-bit PNG is EXR with the sRGB curve" >>list
+echo "shown.exr shown8.png srgb:4e-3 8-bit PNG is EXR with the sRGB curve" >>list
+echo "shown.exr shown.jpg srgb:5e-2 JPEG is EXR with the sRGB curve" >>list
+echo "shown.exr shown.dpx 1e9 DPX can be read" >>list
+
+# -- EXR out: every compression and type ---------------------------------------
+
+for type in half float; do
+    run --type $type --compression none --hdr $type.none.exr rich.exr
+    for compression in none rle zips zip piz pxr24 b44 b44a dwaa dwab; do
+        name=$type.$compression.exr
+        run --type $type --compression $compression --hdr $name rich.exr
+        quiet_success "writes $type $compression"
+        ok "$type $compression: the header says so" \
+            sh -c "exrheader $name | grep -q '^compression .*: $compression\$' ||
+                exrinfo $name | grep -q \"compression: '$compression'\""
+        limit=equal
+        case $type.$compression in
+        float.pxr24) limit=1e-4 ;; # 24 bits
+        *b44*) limit=3e-2 ;;       # floats are not packed
+        *dwa*) limit=1e-1 ;;
+        esac
+        echo "$name:R,G,B $type.none.exr:R,G,B $limit $type $compression: colour" >>list
+        case $compression in
+        b44* | dwa* | pxr24) ;;
+        *)
+            echo "$name $type.none.exr equal $type $compression: all channels" >>list
+            echo "$name@1 rich.exr@1 equal $type $compression: the second part" >>list
+            ;;
+        esac
+    done
+done
+exrheader half.zip.exr >half.head
+exrheader float.zip.exr >float.head
+ok '--type half: R is half' grep -q '^ *R, 16-bit' half.head
+ok '--type float: R is float' grep -q '^ *R, 32-bit floating' float.head
+run --layer auto.exr in.exr
+ok '--type auto: half in, half out' sh -c \
+    'exrheader auto.exr | grep -q "^ *R, 16-bit"'
+frame single.exr type=float
+run --hdr auto.exr single.exr
+ok '--type auto: float in, float out' sh -c \
+    'exrheader auto.exr | grep -q "^ *R, 32-bit floating"'
+
+# -- what --hdr carries --------------------------------------------------------
+
+run --hdr carried.exr rich.exr
+quiet_success '--hdr of three parts'
+exrheader carried.exr >carried.head
+exrheader rich.exr >rich.head
+# all lines of the header but those that the writer decides
+plain()
+{
+    grep -vE '^(file |compression|chunkCount| *[0-9]+ part)' "$1" |
+        grep -vE '^$' | sort
+}
+plain rich.head >rich.plain
+plain carried.head >carried.plain
+ok '--hdr: windows, channels, types and attributes of all parts' \
+    cmp rich.plain carried.plain
+echo "carried.exr:A,Z,id,normals.X,normals.Y,normals.Z rich.exr:A,Z,id,normals.X,normals.Y,normals.Z equal --hdr: other channels untouched" >>list
+echo "carried.exr@1 rich.exr@1 equal --hdr: the second part" >>list
+echo "carried.exr@2 rich.exr@2 equal --hdr: the third part" >>list
+run -t 1e9 --hdr dark.exr rich.exr
+echo "dark.exr rich.exr equal --hdr without light: the frame itself" >>list
+frame first.exr size=64x48 origin=3,3 attr=owner:string:x
+run -g 0 --hdr nogain.exr first.exr
+echo "nogain.exr first.exr equal --gain 0: the frame itself" >>list
+
+# -- PNG -----------------------------------------------------------------------
+
+# colour types: 2 RGB, 6 RGB and alpha
+run -o p8.png --depth-bits 8 rich.exr
+is "$(png_size p8.png)" '80x64 8 2' 'PNG: display window, 8 bits, no alpha'
+run -o p16.png --depth-bits 16 rich.exr
+is "$(png_size p16.png)" '80x64 16 2' 'PNG: display window, 16 bits'
+run -o a8.png --alpha keep rich.exr
+is "$(png_size a8.png)" '80x64 8 6' '--alpha keep: PNG with alpha'
+run -o a.png --alpha keep in.exr
+is "$(png_size a.png)" '97x61 8 2' '--alpha keep: no alpha where there is none'
+for chunk in sRGB gAMA; do
+    ok "PNG: has the chunk $chunk" grep -qa $chunk p8.png
+    ok "16-bit PNG: has the chunk $chunk" grep -qa $chunk p16.png
+done
+run -o d.png --dither in.exr
+cp d.png d1.png
+run -o d.png --dither in.exr
+same d.png d1.png '--dither: the same in every run'
+run -o nod.png in.exr
+no '--dither: changes the picture' cmp -s d.png nod.png
+
+# -- pipes ---------------------------------------------------------------------
+
+run --hdr file.exr rich.exr
+cat rich.exr | "$glarepp" - --hdr - >pipe.exr
+same pipe.exr file.exr 'stdin to stdout: the bytes of the file'
+"$glarepp" --hdr - - <rich.exr >pipe.exr
+same pipe.exr file.exr 'stdin that is a file'
+"$glarepp" --hdr - rich.exr >pipe.exr
+same pipe.exr file.exr 'file to stdout'
+(read -r _ && "$glarepp" --hdr - -) <<END >out 2>err
+skipped
+END
+[ $? != 0 ] && [ "$(wc -l <err)" = 1 ]
+result $? 'nothing on stdin'
+run --tonemap none --type float -o file.exr in.exr
+cat in.exr | "$glarepp" --tonemap none --type float -o - - | cat >pipe.exr
+same pipe.exr file.exr '-o - is EXR'
+cat kernel.exr | "$glarepp" -k - --layer pipe.exr in.exr
+"$glarepp" -k kernel.exr --layer file.exr in.exr
+same pipe.exr file.exr 'the kernel from stdin'
+"$glarepp" --hdr once.exr in.exr && "$glarepp" --hdr again.exr once.exr
+cat in.exr | "$glarepp" --hdr - - | "$glarepp" --hdr twice.exr -
+same twice.exr again.exr 'two runs in a pipe'
+run --report - in.exr
+ok 'a report on stdout' "$python" -c 'import json; json.load(open("out"))'
+mkfifo fifo
+cat in.exr >fifo &
+run --hdr fifo.exr fifo
+wait
+"$glarepp" --hdr once.exr in.exr
+same fifo.exr once.exr 'a named pipe'
+cat f.hdr | "$glarepp" --layer pipe.exr - 2>err
+status=$?
+if [ $status = 0 ]; then
+    "$glarepp" --layer file.exr f.hdr
+    same pipe.exr file.exr 'other formats by stdin'
+else
+    one_line_error - 'other formats by stdin are refused'
+fi
+
+# -- DWA and luminance-chroma in -----------------------------------------------
+
+for compression in dwaa dwab b44 b44a pxr24 piz rle zips zip; do
+    oiiotool in.exr --compression $compression -o c.$compression.exr
+    run -t 1e9 --type float --hdr d.$compression.exr c.$compression.exr
+    quiet_success "reads $compression"
+    echo "d.$compression.exr c.$compression.exr equal $compression in: the library's values" >>list
+done
+oiiotool in.exr --tile 16 16 --compression zip -o tiled.exr
+run -t 1e9 --hdr d.exr tiled.exr
+echo "d.exr in.exr equal tiles in" >>list
+if [ -n "$data" ]; then
+    for name in CrissyField Garden StarField Rec709_YC; do
+        f=$data/luminance_chroma/$name.exr
+        run --hdr h.exr --layer l.$name.exr -o l.png "$f"
+        quiet_success "luminance-chroma $name"
+        echo "l.$name.exr:R,G,B l.$name.exr equal luminance-chroma $name becomes R,G,B" >>list
+        is "$(png_size l.png | cut -d' ' -f1)" \
+            "$(exrinfo "$f" | sed -n '/displayWindow/s/.*\] \([0-9]*\) x \([0-9]*\)/\1x\2/p' | head -1)" \
+            "luminance-chroma $name: the size"
+    done
+else
+    skip 12 'no data folder'
+fi
+
+"$python" "$cli/compare.py" <list | verdicts
+done_testing

@@ -1,0 +1,292 @@
+/* Frames, sources, kernels and their exact layer, made up for the engines'
+ * tests. Everything comes from a seed; nothing is read from a file. */
+#ifndef GP_TESTS_GLARE_SCENE_H
+#define GP_TESTS_GLARE_SCENE_H
+
+#include "core/luminance.h"
+#include "glare/engine.h"
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What frames hold. Backgrounds are in (0.05, 0.8), under a threshold of 1. */
+enum light {
+    DARK,     // background alone
+    ALL,      // every pixel bright
+    FEW,      // one pixel in 83, up to 65504
+    CORNERS,  // four sources
+    MIDDLE,   // FEW, but none near the border
+    HOT,      // one pixel of 1e9 in a frame of 1e-3
+    BAD,      // FEW with NaN, Inf, denormals and negative light among them
+    DENORMAL, // nothing over 1e-39
+    EDGE,     // values at 1, one step over, one step under
+    RAMP,     // luminance from 0 to 2, every pixel another
+    COLOURED, // FEW, each source in one channel
+};
+
+enum shape {
+    PEAK,   // bright centre, long tail
+    TINTED, // PEAK, another one a channel
+    BOX,
+    RING,   // dark within 4/5 of its radius
+    LOBES,  // negative ones
+    BORDER, // PEAK with zeros around it, more on the left and the top
+};
+
+struct scene {
+    struct gp_frame f;
+    struct gp_sources src;
+    struct gp_kernel k;
+    double *exact; // 3 * w * h
+};
+
+/* In [0, 1); the generator of Numerical Recipes, its upper bits. */
+static inline float scene_random(uint32_t *seed)
+{
+    *seed = *seed * 1664525u + 1013904223u;
+    return (float) (*seed >> 8) * 0x1p-24f;
+}
+
+static inline void *scene_alloc(size_t count, size_t size)
+{
+    void *p = calloc(count ? count : 1, size);
+    if (!p)
+        abort();
+    return p;
+}
+
+/* -- light ------------------------------------------------------------------*/
+
+static inline float scene_bad_value(int i)
+{
+    const float bad[] = {
+        NAN, INFINITY, -INFINITY, 1e-41f, -1e-41f, -3.0f, FLT_MAX, -0.0f,
+        -FLT_MAX, FLT_MIN, -NAN,
+    };
+    return bad[i % (int) (sizeof bad / sizeof *bad)];
+}
+
+static inline int scene_is_lit(enum light light, int x, int y, int w, int h)
+{
+    const int i = y * w + x;
+    if (light == CORNERS)
+        return (x == 0 || x == w - 1) && (y == 0 || y == h - 1);
+    if (light == MIDDLE)
+        return i % 83 == 13 && x >= w / 3 && x < w - w / 3 && y >= h / 3 &&
+               y < h - h / 3;
+    return i % 83 == 13 || i == w * h / 2;
+}
+
+static inline float scene_value(enum light light, int c, int x, int y, int w,
+                                int h, uint32_t *seed)
+{
+    const int i = y * w + x;
+    const float u = scene_random(seed), dim = 0.05f + 0.75f * u;
+    switch (light) {
+    case DARK:
+        return dim;
+    case ALL:
+        return 1.1f + 30.0f * u;
+    case HOT:
+        return i == w * h / 2 ? 1e9f : 1e-3f;
+    case DENORMAL:
+        return 1e-39f * u;
+    case EDGE:
+        return i % 3 == 0 ? 1.0f : nextafterf(1.0f, i % 3 == 1 ? 2.0f : 0.0f);
+    case RAMP:
+        return 2.0f * (float) i / (float) (w * h);
+    case BAD:
+        if (i % 89 == 5 || i == w * h / 2 - 1)
+            return scene_bad_value(i / 89 + c);
+        break;
+    case COLOURED:
+        if (scene_is_lit(light, x, y, w, h))
+            return i % 3 == c ? 100.0f * (1.0f + u) : 0.0f;
+        break;
+    default:
+        break;
+    }
+    return scene_is_lit(light, x, y, w, h)
+               ? (i % 5 == 0 ? 2.0f + 65502.0f * u : 2.0f + u) : dim;
+}
+
+/* A frame with its data window's corner at (x0, y0). */
+static inline struct gp_frame scene_frame(int w, int h, int x0, int y0,
+                                          enum light light, uint32_t seed)
+{
+    struct gp_frame f = {
+        .data = {x0, y0, x0 + w, y0 + h}, .display = {0, 0, w, h},
+    };
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    if (gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb))
+        abort();
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            for (int c = 0; c < 3; c++)
+                f.rgb.c[c][(size_t) y * (size_t) w + (size_t) x] =
+                    scene_value(light, c, x, y, w, h, &seed);
+        }
+    }
+    return f;
+}
+
+/* -- kernels ----------------------------------------------------------------*/
+
+static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
+                               int h)
+{
+    const double dx = x - w / 2, dy = y - h / 2, r2 = dx * dx + dy * dy;
+    const double peak = pow(r2 + 1.5, -1.25);
+    switch (shape) {
+    case TINTED:
+        return peak * (1.0 + 0.2 * c) + 0.01 * c / (1.0 + r2);
+    case BOX:
+        return 1.0;
+    case RING:
+        return r2 >= 0.16 * fmin(w * w, h * h) ? 1.0 : 0.0;
+    case LOBES:
+        return cos(0.7 * dx + 0.2 * c) * cos(0.4 * dy) * peak;
+    case BORDER:
+        return x < w / 4 || y < h / 3 || x >= w - 2 || y >= h - 1 ? 0.0 : peak;
+    default:
+        return peak;
+    }
+}
+
+enum { MID = INT_MIN }; // the centre that design.md gives a kernel
+
+/* Normalised so that the luminance sums to 1, LOBES included. */
+static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
+                                            enum shape shape)
+{
+    struct gp_frame image = {.data = {0, 0, w, h}};
+    struct gp_kernel k;
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    p.centered = cx != MID;
+    p.center[0] = cx + 0.5;
+    p.center[1] = cy + 0.5;
+    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
+    if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &image.rgb))
+        abort();
+    for (int i = 0; i < w * h; i++) {
+        for (int c = 0; c < 3; c++)
+            image.rgb.c[c][i] = (float) scene_tap(shape, c, i % w, i / w, w, h);
+    }
+    if (gp_kernel_from_frame(NULL, &p, &image, &k))
+        abort();
+    gp_planes_free(&image.rgb);
+    return k;
+}
+
+/* -- truth ------------------------------------------------------------------*/
+
+/* One sample of the layer, gathered: the sum over the kernel's taps of the
+ * source that each came from. `image` is the sources as a plane. */
+static inline double scene_sample(const float *image, int w, int h,
+                                  const struct gp_kernel *k, int c, int x,
+                                  int y)
+{
+    double sum = 0.0;
+    for (int ky = 0; ky < k->h; ky++) {
+        const int sy = y - (ky - k->cy);
+        for (int kx = 0; kx < k->w && sy >= 0 && sy < h; kx++) {
+            const int sx = x - (kx - k->cx);
+            if (sx >= 0 && sx < w)
+                sum += (double) image[(size_t) sy * (size_t) w + (size_t) sx] *
+                       (double) k->k.c[c][(size_t) ky * (size_t) k->w +
+                                          (size_t) kx];
+        }
+    }
+    return sum;
+}
+
+/* Takes the frame and the kernel; senses; computes the exact layer. */
+static inline struct scene scene_make(struct gp_frame f, struct gp_kernel k,
+                                      const struct gp_sensor_params *p)
+{
+    struct scene s = {.f = f, .k = k};
+    if (gp_sense(NULL, p, &s.f, &s.src))
+        abort();
+    s.exact = scene_alloc(3 * gp_frame_pixels(&s.f), sizeof *s.exact);
+    if (gp_glare_reference(NULL, &s.src, &s.k, s.exact))
+        abort();
+    return s;
+}
+
+static inline void scene_free(struct scene *s)
+{
+    gp_frame_free(&s->f);
+    gp_sources_free(&s->src);
+    gp_kernel_free(&s->k);
+    free(s->exact);
+    *s = (struct scene) {0};
+}
+
+/* Largest luminance error of a pixel over its own composite value. */
+static inline double scene_own_error(const struct scene *s)
+{
+    const size_t n = gp_frame_pixels(&s->f);
+    double worst = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double wrong = 0.0, own = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double exact = s->exact[(size_t) c * n + i];
+            const double y = (double) s->f.luminance[c];
+            wrong += y * ((double) s->f.layer.c[c][i] - exact);
+            own += y * (fmax((double) s->f.rgb.c[c][i], 0.0) + exact);
+        }
+        if (!(fabs(wrong) <= worst * own))
+            worst = own > 0.0 ? fabs(wrong) / own : INFINITY;
+    }
+    return worst;
+}
+
+/* -- engines ----------------------------------------------------------------*/
+
+static char scene_line[1024]; // the last message
+
+static inline void scene_keep(void *user, enum gp_level level,
+                              const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(scene_line, sizeof scene_line, "%s", line);
+}
+
+static const struct gp_log scene_log = {scene_keep, NULL, GP_LEVEL_INFO};
+
+/* Runs the named engine into s->f.layer, every sample of which must be
+ * written: it is NaN before. */
+static inline gp_status scene_run(const char *engine, struct scene *s,
+                                  struct gp_glare *g,
+                                  struct gp_glare_stats *stats)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    p.engine = engine;
+    if (!s->f.layer.c[0] &&
+        gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
+        abort();
+    for (int c = 0; c < 3; c++)
+        memset(s->f.layer.c[c], 0xff, gp_frame_pixels(&s->f) * sizeof(float));
+    return gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f, stats);
+}
+
+/* FNV-1a of the layer's bytes. */
+static inline uint64_t scene_hash(const struct scene *s)
+{
+    uint64_t hash = 14695981039346656037u;
+    for (int c = 0; c < 3; c++) {
+        const unsigned char *const b =
+            (const unsigned char *) s->f.layer.c[c];
+        for (size_t i = 0; i < gp_frame_pixels(&s->f) * sizeof(float); i++)
+            hash = (hash ^ b[i]) * 1099511628211u;
+    }
+    return hash;
+}
+
+#endif
