@@ -105,7 +105,7 @@ $(B)/bench/%: tests/bench/%.c $(LIB_OBJ)
 	    -lfftw3f_omp -lfftw3f
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/plain ## measures every figure of the README on this machine
+bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair ## measures every figure of the README on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # The whole process' peer: OpenEXR's C++ library and plain FFTW

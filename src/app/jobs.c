@@ -216,7 +216,9 @@ static gp_status check_targets(const struct gp_log *log,
         char *name = gp_job_name(&j->job[0], &j->target[i]);
         if (!name)
             return gp_fail(log, GP_ERR_BUG, "%s: out of memory", p->path);
-        st = gp_write_check(log, &s->write, name);
+        st = j->target[i].kind == GP_TARGET_HDR
+                 ? gp_write_hdr_check(log, &s->write, name)
+                 : gp_write_check(log, &s->write, name);
         free(name);
         if (st)
             return st;

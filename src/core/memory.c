@@ -4,6 +4,11 @@
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+
+/* Planes of this size ask for huge pages: a page fault for every 4 KiB of a
+ * single frame at 1920x1080 took a fifth of the run's CPU time. */
+enum { HUGE_PAGE = 2 << 20, LARGE = 4 << 20 };
 
 gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
                    size_t size, void **out)
@@ -11,13 +16,18 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     *out = NULL;
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
-        bytes > SIZE_MAX - GP_ALIGN)
+        bytes > SIZE_MAX - HUGE_PAGE)
         return gp_fail(log, GP_ERR_BUG,
                        "%s: more memory than there can be (%zu x %zu bytes); "
                        "use a smaller frame", what, count, size);
     // aligned_alloc wants a multiple of the alignment, and 0 is no size
-    size_t rounded = (bytes + GP_ALIGN) / GP_ALIGN * GP_ALIGN;
-    *out = aligned_alloc(GP_ALIGN, rounded);
+    const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
+    const size_t rounded = (bytes + GP_ALIGN) / GP_ALIGN * GP_ALIGN;
+    *out = aligned_alloc(align, rounded);
+#ifdef MADV_HUGEPAGE
+    if (*out && bytes >= LARGE)
+        madvise(*out, rounded / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+#endif
     if (!*out)
         return gp_fail(log, GP_ERR_BUG,
                        "%s: out of memory (%zu bytes); use a smaller frame "

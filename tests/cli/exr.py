@@ -40,7 +40,7 @@ def pixels(o, w, h):
 
     def colour(c, x, y):
         if kind == "zeros":
-            return 0.0
+            return hot.get((x, y), (0.0,))[0]
         if kind in ("kernel", "nan"):
             dx, dy = x - w // 2, y - h // 2
             if kind == "nan" and (dx, dy) == (1, 0):

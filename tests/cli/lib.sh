@@ -121,17 +121,16 @@ need_python()
     [ -n "$python" ] || skip_all "no python3 to make frames"
 }
 
-# verdicts: numbers the lines "ok DESC", "not ok DESC" and "# note" of stdin
+# verdicts FILE: numbers its lines "ok DESC", "not ok DESC" and "# note"
 verdicts()
 {
-    cat >verdicts.log
     while read -r line; do
         case $line in
         'ok '*) result 0 "${line#ok }" ;;
         'not ok '*) result 1 "${line#not ok }" ;;
         *) note "${line#\# }" ;;
         esac
-    done <verdicts.log
+    done <"$1"
 }
 
 done_testing()

@@ -1,0 +1,68 @@
+#!/bin/bash
+# Usage: run.sh BUILD FRAMES
+# Measures the figures of the README on this machine. FRAMES is a folder that
+# holds w1..w3 (few lights, windows, a sky) at 1024x768, 1920x1080, 3840x2160
+# and the kernel k512.exr; it is filled by frames.py when it is empty.
+build=$1 frames=$2
+here=$(dirname "$0")
+runs=${RUNS:-9}
+glarepp=$build/glarepp
+pair() { "$build/bench/pair" "$runs" "$@"; }
+
+set -eu
+mkdir -p "$frames"
+[ -e "$frames/w3_3840.exr" ] || /usr/bin/python3 "$here/frames.py" "$frames"
+tmp=$(mktemp -d)
+trap 'rm -rf "$tmp"' EXIT
+
+echo "# glare stage (bright pass to layer) against plain 2-D FFTW at its best"
+for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
+    set -- $size
+    for frame in w1 w2 w3; do
+        for plan in measure estimate; do
+            printf '%s %-8s ' $frame $plan
+            "$build/bench/stage" "$frames/${frame}_$1.exr" \
+                "$frames/k512.exr" "$2" "$3" "$runs" $plan
+        done
+    done
+done
+
+echo "# whole process, w2, float ZIP in, half ZIP out, against OpenEXR C++ + FFTW"
+for size in "1920 2304 1344" "3840 4096 2560"; do
+    set -- $size
+    printf '%s ' "$1"
+    pair "$glarepp" --type half --compression zip -k "$frames/k512.exr" \
+        --hdr "$tmp/a.exr" "$frames/w2_$1.exr" -- \
+        "$build/bench/plain" glare "$frames/w2_$1.exr" "$tmp/b.exr" 2 \
+        "$frames/k512.exr" "$2" "$3"
+done
+
+echo "# whole process, half ZIP in and out, against OpenEXR C++ decode + encode"
+for size in 1920 3840; do
+    for kernel in builtin:eye "$frames/k512.exr"; do
+        "$build/bench/plain" copy "$frames/w2_$size.exr" "$tmp/half.exr" 2
+        printf '%s %s ' "$size" "${kernel##*/}"
+        pair "$glarepp" -k "$kernel" --hdr "$tmp/a.exr" "$tmp/half.exr" -- \
+            "$build/bench/plain" copy "$tmp/half.exr" "$tmp/b.exr" 2
+    done
+done
+
+echo "# start-up beyond an empty program (ratio to true is no bar; see wall)"
+printf 'version '
+pair "$glarepp" --version -- true
+oiiotool "$frames/w1_1024.exr" --cut 64x64+0+0 --fill:color=2,2,2 4x4+30+30 \
+    -d half -o "$tmp/small.exr"
+oiiotool "$frames/k512.exr" --cut 65x65+224+224 -o "$tmp/k65.exr"
+printf '64x64 fft '
+pair "$glarepp" -e fft -k "$tmp/k65.exr" --hdr "$tmp/a.exr" "$tmp/small.exr" \
+    -- true
+
+echo "# peak memory at 3840x2160, EXR and PNG out"
+for frame in w1 w2 w3; do
+    "$glarepp" -k "$frames/k512.exr" --hdr "$tmp/a.exr" -o "$tmp/a.png" \
+        --report "$tmp/r.json" "$frames/${frame}_3840.exr"
+    awk -v f=$frame 'match($0, /"peak_rss_mib":[0-9.]+/) {
+        m = substr($0, RSTART + 15, RLENGTH - 15)
+        printf "%s %s MiB, %.0f bytes a pixel\n", f, m,
+            m * 1048576 / 3840 / 2160 }' "$tmp/r.json"
+done

@@ -1,0 +1,161 @@
+#!/bin/sh
+# What is said: the report's fields, -q, -v, --progress, --help, --version.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+frame in.exr channels=R,G,B,A,Z:float seed=3
+frame dark.exr kind=dark
+frame shot.0001.exr seed=1
+frame shot.0002.exr seed=2 size=40x30
+
+# field FILE EXPRESSION: of the first line, o being the object
+field()
+{
+    "$python" -c 'import json, sys
+o = json.loads(open(sys.argv[1]).readline())
+print(eval(sys.argv[2]))' "$1" "$2" 2>&1
+}
+
+# -- fields --------------------------------------------------------------------
+
+run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
+    --report r.json in.exr
+quiet_success '--report'
+is "$(wc -l <r.json)" 1 'one line a frame'
+is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', \
+'engine', 'engine_why', 'sources', 'fft_size', 'flux_in', 'flux_out', \
+'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
+'peak_rss_mib', 'threads', 'version']" 'the fields of an fft run'
+is "$(field r.json 'o["input"], o["outputs"]')" \
+    "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'
+is "$(field r.json 'o["width"], o["height"]')" '(64, 48)' 'width and height'
+is "$(field r.json 'o["engine"], o["sources"] > 0')" "('fft', True)" 'engine'
+is "$(field r.json 'sorted(o["measured"])')" \
+    "['flux_error', 'max_abs', 'max_rel', 'rel_l2']" 'measured'
+is "$(field r.json '0 < o["measured"]["rel_l2"] <= o["bound"] < 1e-3')" True \
+    'measured is within the bound'
+is "$(field r.json 'o["depth"]')" "{'channel': 'Z', 'type': 'float'}" 'depth'
+is "$(field r.json 'list(o["times_ms"])')" "['read', 'sensors', 'glare', \
+'compose', 'tonemap', 'write', 'total']" 'times'
+is "$(field r.json 'abs(sum(o["times_ms"].values()) - 2 * o["times_ms"]["total"]) < 0.02')" \
+    True 'times add up to the total'
+is "$(field r.json 'all(0 < b <= a * 1.00001 for a, b in zip(o["flux_in"], o["flux_out"]))')" \
+    True 'no more light comes out than goes in'
+is "$(field r.json 'len(o["fft_size"]), o["nonfinite"], o["clamped"]')" \
+    '(2, 0, 0)' 'counts'
+is "$(field r.json 'o["peak_rss_mib"] > 1 and o["threads"] >= 1')" True 'costs'
+is "$(field r.json 'o["version"]')" \
+    "$("$glarepp" --version | sed -n '1s/^glarepp //p')" 'version'
+
+run --engine direct --layer l.exr --report r.json in.exr
+is "$(field r.json '[k in o for k in ("fft_size", "measured", "gl", "polygons", "frame")]')" \
+    '[False, False, False, False, False]' 'what was not needed is left out'
+is "$(field r.json '[k in o["times_ms"] for k in ("compose", "tonemap")]')" \
+    '[False, False]' 'times of what did not run are left out'
+run --engine splat --layer l.exr --report r.json in.exr
+if [ $status = 0 ]; then
+    is "$(field r.json 'o["engine"], o["polygons"] == o["sources"], o["polygon_pixels"] > 0, len(o["gl"]) > 0')" \
+        "('splat', True, True, True)" 'the fields of a splat run'
+else
+    fails_with 5 '' 'no GL here'
+    tests=$((tests - 1))
+fi
+run -o out.png --report r.json dark.exr
+quiet_success 'a dark frame is a success'
+is "$(field r.json 'o["engine"], o["sources"], o["flux_in"], "bound" in o')" \
+    "('none', 0, [0.0, 0.0, 0.0], False)" 'the fields of a dark frame'
+frame hot.exr kind=zeros size=9x9 type=float hot=1e6
+run -o out.png --report r.json hot.exr
+is "$(field r.json 'o["clamped"], o["nonfinite"], o["sources"]')" '(1, 0, 1)' \
+    'a value over --max-value is counted'
+frame nan.exr kind=nan size=9x9 type=float
+run -o out.png -t 0.01 --report r.json nan.exr
+is "$(field r.json 'o["nonfinite"]')" 1 'a NaN is counted'
+run --max-value 1e7 --type half --hdr h.exr --report r.json hot.exr
+is "$(field r.json 'o["clamped_out"] > 0')" True \
+    'what half cannot hold is counted'
+
+run --report r.json -o 'o.####.png' 'shot.####.exr'
+ok 'a sequence: a valid line a frame' "$python" -c 'import json
+lines = [json.loads(line) for line in open("r.json")]
+assert [o["frame"] for o in lines] == [1, 2]
+assert [o["width"] for o in lines] == [64, 40]
+assert lines[1]["outputs"] == ["o.0002.png"]'
+name=$(printf 'b\303\244d "q\\\377.exr')
+cp in.exr "$name"
+run --report r.json -o out.png "$name"
+is "$(field r.json '"b\u00e4d \"q\\" in o["input"]')" True \
+    'any file name makes valid JSON'
+run --report - in.exr
+is "$(field out 'o["engine"] in ("direct", "fft", "splat")')" True \
+    'the report alone, on stdout'
+echo 'what was there' >old.json
+run --report old.json -o out.png nowhere.exr
+is "$(cat old.json)" 'what was there' 'a failed run leaves an old report'
+run --report new.json -o out.png nowhere.exr
+no 'a failed run leaves no empty report' test -e new.json
+
+# -- other locales -------------------------------------------------------------
+
+# a locale with a decimal comma, made here where the system has none
+comma=
+if LC_ALL=de_DE.UTF-8 sh -c 'printf %.1f 1,5' >/dev/null 2>&1; then
+    comma=de_DE.UTF-8
+elif command -v localedef >/dev/null &&
+    localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 >/dev/null 2>&1; then
+    export LOCPATH=$tmp
+    comma=de_DE.UTF-8
+fi
+if [ -n "$comma" ]; then
+    run --engine direct -t 1.5 -g 0.5 --report c.json --layer c.exr in.exr
+    LC_ALL=$comma "$glarepp" --engine direct -t 1.5 -g 0.5 --report l.json \
+        --layer l.exr -v in.exr 2>err
+    same c.exr l.exr 'a decimal comma changes no option and no pixel'
+    is "$(field l.json 'o["flux_in"], o["bound"]')" \
+        "$(field c.json 'o["flux_in"], o["bound"]')" 'a report has its points'
+    no '-v has its points' grep -q '[0-9],[0-9]' err
+    LC_ALL=$comma "$glarepp" -t 1,5 -o out.png in.exr 2>err
+    status=$?
+    fails_with 2 1,5 'a decimal comma is no number'
+else
+    skip 5 'no locale with a decimal comma'
+fi
+
+# -- words ---------------------------------------------------------------------
+
+run -v -o out.png in.exr
+status_is 0 -v
+is "$(wc -l <err)" 1 '-v: a line for the frame'
+like "$(cat err)" 'glarepp: in.exr: 64x48, * sources*' '-v: what was done'
+run -v --verify --engine fft -o out.png in.exr
+like "$(cat err)" '*measured rel_l2*bound*' '-v --verify: how wrong it is'
+run -o out.png in.exr
+quiet_success 'nothing is said without -v'
+run --tonemap none --exposure 1 -o out.exr in.exr
+like "$(cat err)" 'glarepp: warning: --exposure*' 'a setting without use: a warning'
+run -q --tonemap none --exposure 1 -o out.exr in.exr
+quiet_success '-q: no warning'
+run -q -o out.png nowhere.exr
+fails_with 3 nowhere.exr '-q: errors'
+run --progress always -o 'o.####.png' 'shot.####.exr'
+ok '--progress always: says how far it is' grep -q '/2' err
+run --progress never -o 'o.####.png' 'shot.####.exr'
+quiet_success '--progress never'
+run -q --progress always -o 'o.####.png' 'shot.####.exr'
+quiet_success '-q wins over --progress'
+run --progress always -o out.png nowhere.exr
+is "$(grep -c '^glarepp: nowhere.exr' err)" 1 'progress: the error has a line of its own'
+
+run --help
+status_is 0 --help
+ok '--help: on stdout, nothing wider than 80' \
+    awk 'length > 80 { exit 1 } END { exit NR < 20 }' out
+is "$(wc -c <err)" 0 '--help: nothing on stderr'
+run --version
+status_is 0 --version
+like "$(head -1 out)" 'glarepp [0-9]*.[0-9]*.[0-9]*' '--version'
+for library in OpenEXR libpng libdeflate jansson FFTW OpenImageIO; do
+    ok "--version: names $library" grep -qi $library out
+done
+
+done_testing
