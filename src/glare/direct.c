@@ -130,7 +130,7 @@ FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
                                 const float *k2, ptrdiff_t row_at,
                                 float sum[3][STRIP])
 {
-    vec total[3][STRIP / LANES] = {0};
+    vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {
         const uint32_t group = n < GROUP ? n : GROUP;
         vec a[3][STRIP / LANES] = {0};
@@ -143,8 +143,12 @@ FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
             }
         }
         for (int c = 0; c < 3; c++) {
-            for (int v = 0; v < STRIP / LANES; v++)
-                total[c][v] += a[c][v];
+            for (int v = 0; v < STRIP / LANES; v++) {
+                const vec more = a[c][v] - lost[c][v]; // Kahan 1965
+                const vec next = total[c][v] + more;
+                lost[c][v] = (next - total[c][v]) - more;
+                total[c][v] = next;
+            }
         }
         s += group;
         n -= group;
@@ -211,11 +215,12 @@ out:
     return st;
 }
 
-/* GROUP terms, then n / GROUP groups, each within 2^-24. */
+/* GROUP terms, each within 2^-24; then groups, whose sum is within 2 * 2^-24
+ * and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. */
 double gp_direct_bound(const struct gp_taps *taps, size_t n)
 {
     return taps->lobes ? INFINITY
-                       : (GROUP + (double) n / GROUP + 2.0) * 0x1p-24;
+                       : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
 }
 
 /* Length of the overlap of [at - c, at - c + n) and [0, limit). */

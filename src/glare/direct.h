@@ -33,8 +33,8 @@ GP_MUST_CHECK gp_status gp_taps_make(const struct gp_log *log,
 void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
- * in the order of the sources, in float, in groups of 32, so that its error
- * grows with the group and the number of groups, not with their product.
+ * in the order of the sources, in float, in groups of 32 whose sums are added
+ * with compensation, so that its error grows with the group alone.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
                                       const struct gp_sources *src,

@@ -6,7 +6,8 @@ stdout:                         "ok DESCRIPTION" or "not ok DESCRIPTION"
 
 A and B are FILE, FILE@PART or FILE:channel,channel (also FILE@PART:...).
 LIMIT is `equal` (every value, NaN equals NaN), a limit of rel_l2 (the norm of
-the difference over that of B), or srgb:LIMIT: B is decoded from sRGB first.
+the difference over that of B), srgb:LIMIT, where B is decoded from sRGB
+first, or each:LIMIT, the largest error relative to a value of B itself.
 Without channels, both sides have the same ones.
 """
 import sys
@@ -39,6 +40,9 @@ def compare(a, b, limit):
         return "%d values differ" % n if n else ""
     if limit.startswith("srgb:"):
         limit, b = limit[5:], decode(b)
+    if limit.startswith("each:"):
+        error = (np.abs(a - b) / np.maximum(np.abs(b), 1e-300)).max()
+        return "" if error <= float(limit[5:]) else "largest %.3g" % error
     error = np.linalg.norm(a - b) / max(np.linalg.norm(b), 1e-300)
     return "" if error <= float(limit) else "rel_l2 %.3g" % error
 

@@ -7,6 +7,7 @@ usage: exr.py FILE [key=value...]
   kind=lights         lights: dim noise and hot pixels; dark: noise alone;
                       kernel: a peak with streaks; zeros; nan: kernel with one
   lights=20 seed=1    number of hot pixels, and which
+  dim=0.7             largest value of the noise
   hot=0               value of one more pixel in the middle
   channels=R,G,B      names, with :half, :float or :uint behind (else type)
   type=half           of channels that do not say
@@ -48,7 +49,7 @@ def pixels(o, w, h):
             streak = 1.0 if dx == 0 or dy == 0 else 0.0
             r2 = (dx * dx + dy * dy) * (1 + 0.1 * c)
             return 1 / (1 + r2) ** 1.25 + 0.02 * streak / (3 + r2)
-        v = 0.02 + 0.7 * noise[(x * 31 + y * 977 + c * 7) % 4099]
+        v = float(o["dim"]) * (0.03 + 0.97 * noise[(x * 31 + y * 977 + c * 7) % 4099])
         if (x, y) in hot:
             L, g, b = hot[x, y]
             v += L * (1.0, 0.5 + 0.5 * g, 0.5 + 0.5 * b)[c]
@@ -151,7 +152,7 @@ def write(path, parts):
 
 
 def main():
-    o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1",
+    o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1", "dim": "0.7",
          "hot": "0", "channels": "R,G,B", "type": "half", "origin": "0,0",
          "display": "", "deep": "0", "attr": [], "part": []}
     for word in sys.argv[2:]:

@@ -138,13 +138,41 @@ quiet_success '-q: no warning'
 run -q -o out.png nowhere.exr
 fails_with 3 nowhere.exr '-q: errors'
 run --progress always -o 'o.####.png' 'shot.####.exr'
-ok '--progress always: says how far it is' grep -q '/2' err
+ok '--progress always: says how far it is' grep -q '^glarepp: frame 1 of 2.*: shot.0001.exr' err
 run --progress never -o 'o.####.png' 'shot.####.exr'
 quiet_success '--progress never'
 run -q --progress always -o 'o.####.png' 'shot.####.exr'
 quiet_success '-q wins over --progress'
 run --progress always -o out.png nowhere.exr
 is "$(grep -c '^glarepp: nowhere.exr' err)" 1 'progress: the error has a line of its own'
+
+# on a terminal: drawn over and over on one line, which is wiped at the end
+frame wide.0001.exr size=320x200
+for n in 02 03 04 05 06 07 08 09 10 11 12 13 14 15 16; do
+    ln wide.0001.exr wide.00$n.exr
+done
+"$python" - "$glarepp" <<'PY' >terminal 2>&1
+import os, pty, sys
+pid, fd = pty.fork()
+if pid == 0:
+    os.execv(sys.argv[1], [sys.argv[1], "--progress", "always", "--engine", "fft",
+                           "--tonemap", "agx", "--depth-bits", "16",
+                           "--verify", "--report", "wide.json",
+                           "-o", "wide.####.png", "wide.####.exr"])
+text = b""
+while True:
+    try:
+        more = os.read(fd, 4096)
+    except OSError:  # the other side is closed
+        break
+    if not more:
+        break
+    text += more
+status = os.waitpid(pid, 0)[1]
+print(status, text.count(b"\n"), text.count(b" of 16") > 0,
+      text.endswith(b"\r\x1b[K"))
+PY
+is "$(cat terminal)" '0 0 True True' 'progress on a terminal: one line, wiped'
 
 run --help
 status_is 0 --help

@@ -27,6 +27,7 @@ enum light {
     EDGE,     // values at 1, one step over, one step under
     RAMP,     // luminance from 0 to 2, every pixel another
     COLOURED, // FEW, each source in one channel
+    BLOCK,    // 33 x 33 bright pixels in the middle, no other
 };
 
 enum shape {
@@ -96,6 +97,8 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
         return i == w * h / 2 ? 1e9f : 1e-3f;
     case DENORMAL:
         return 1e-39f * u;
+    case BLOCK:
+        return abs(x - w / 2) <= 16 && abs(y - h / 2) <= 16 ? 1.1f + u : dim;
     case EDGE:
         return i % 3 == 0 ? 1.0f : nextafterf(1.0f, i % 3 == 1 ? 2.0f : 0.0f);
     case RAMP:
@@ -205,16 +208,29 @@ static inline double scene_sample(const float *image, int w, int h,
     return sum;
 }
 
-/* Takes the frame and the kernel; senses; computes the exact layer. */
-static inline struct scene scene_make(struct gp_frame f, struct gp_kernel k,
-                                      const struct gp_sensor_params *p)
+/* Takes the frame and the kernel; senses. No exact layer. */
+static inline struct scene scene_sense(struct gp_frame f, struct gp_kernel k,
+                                       const struct gp_sensor_params *p)
 {
     struct scene s = {.f = f, .k = k};
     if (gp_sense(NULL, p, &s.f, &s.src))
         abort();
-    s.exact = scene_alloc(3 * gp_frame_pixels(&s.f), sizeof *s.exact);
-    if (gp_glare_reference(NULL, &s.src, &s.k, s.exact))
+    return s;
+}
+
+static inline void scene_find_exact(struct scene *s)
+{
+    s->exact = scene_alloc(3 * gp_frame_pixels(&s->f), sizeof *s->exact);
+    if (gp_glare_reference(NULL, &s->src, &s->k, s->exact))
         abort();
+}
+
+/* Both. */
+static inline struct scene scene_make(struct gp_frame f, struct gp_kernel k,
+                                      const struct gp_sensor_params *p)
+{
+    struct scene s = scene_sense(f, k, p);
+    scene_find_exact(&s);
     return s;
 }
 
@@ -248,7 +264,8 @@ static inline double scene_own_error(const struct scene *s)
 
 /* -- engines ----------------------------------------------------------------*/
 
-static char scene_line[1024]; // the last message
+static char scene_line[1024];    // the last message
+static float scene_gain = 1.0f;  // of the layer in the composite
 
 static inline void scene_keep(void *user, enum gp_level level,
                               const char *line)
@@ -268,6 +285,7 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
 {
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     p.engine = engine;
+    p.gain = scene_gain;
     if (!s->f.layer.c[0] &&
         gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
         abort();

@@ -1,0 +1,111 @@
+#!/bin/sh
+# How wrong the engines are on real frames, kernel 512x512, against the exact
+# sum in double: rel_l2 within 1e-6 for direct and fft and 2e-6 for splat, and
+# never over the bound that the engine states.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+frame kernel.exr kind=kernel size=512x512 type=float
+gl=
+frame small.exr
+"$glarepp" --engine splat --layer gl.exr small.exr 2>/dev/null && gl=yes
+
+# -- one pixel of 1e9 in a frame of 1e-3 ----------------------------------------
+
+# Each pixel's own value of the composite, outside the hot one's reach too
+if [ -n "$oiio" ]; then
+    >list
+    frame dim.exr kind=dark dim=1e-3 hot=1e9 size=301x203 type=float
+    frame reach.exr kind=kernel size=65x64 type=float
+    for threshold in 0 1e-4 1; do
+        for engine in direct fft; do
+            "$glarepp" --engine $engine -t $threshold --max-value 1e9 --type float \
+                --hdr hot.$threshold.$engine.exr -k reach.exr dim.exr
+        done
+        echo "hot.$threshold.fft.exr hot.$threshold.direct.exr each:1e-5 fft: 1e9 in a frame of 1e-3, -t $threshold" >>list
+    done
+    "$python" "$cli/compare.py" <list >verdicts
+    verdicts verdicts
+else
+    skip 3 'no numpy and OpenImageIO'
+fi
+
+# -- real frames ----------------------------------------------------------------
+
+if [ -z "$data" ]; then
+    skip 1 'no data folder'
+    done_testing
+    exit 0
+fi
+
+# verify ENGINE LIMIT THRESHOLD FRAME
+verify()
+{
+    run -k kernel.exr --engine "$1" -t "$3" --verify --report r.json "$data/$4"
+    "$python" - "$2" <<'PY' >verdict 2>&1
+import json, sys
+o = json.load(open("r.json"))
+error, bound = o["measured"]["rel_l2"], o["bound"]
+print(error <= float(sys.argv[1]) and error <= bound and o["sources"] > 0,
+      "rel_l2 %.2g, bound %.2g, %d sources" % (error, bound, o["sources"]))
+PY
+    rm -f r.json
+    [ "$status" = 0 ] && grep -q ^True verdict
+    result $? "$1 $4 -t $3: $(sed 's/^[^ ]* //' verdict)" ||
+        note "status $status; $(cat err verdict)"
+}
+
+# thresholds that leave at most 5,000 sources
+while read -r threshold name; do
+    verify direct 1e-6 "$threshold" "$name"
+done <<'END'
+1 night/moonless_golf_1k.exr
+1 night/dikhololo_night_1k.exr
+1 rendered/night.1001.exr
+1 foliage/KernerEnvLatLong.exr
+50 windows/vestibule_1k.exr
+50 windows/brown_photostudio_02_1k.exr
+20 sky/aristea_wreck_puresky_1k.exr
+100 rendered/brightsky.1001.exr
+100 seq_foliage/foliage.1004.exr
+END
+
+while read -r threshold name; do
+    verify fft 1e-6 "$threshold" "$name"
+done <<'END'
+1 night/moonless_golf_1k.exr
+1 rendered/night.1001.exr
+1 foliage/KernerEnvLatLong.exr
+1 foliage/rainforest_trail_1k.exr
+1 windows/vestibule_1k.exr
+1 windows/brown_photostudio_02_1k.exr
+1 windows/evalglare_office_fisheye.exr
+1 windows/Desk.exr
+1 sky/aristea_top_x2.5.exr
+1 sky/aristea_wreck_puresky_1k.exr
+1 rendered/brightsky.1001.exr
+1 rendered/window.1001.exr
+1 seq_foliage/foliage.1004.exr
+1 seq_foliage/foliage_f32.1001.exr
+1 patterns/BrightRingsNanInf.exr
+1 patterns/CLF_testImage.exr
+0.5 windows_dw/oversizeDataWindow.exr
+0.5 chromaticities/XYZ.exr
+END
+
+while read -r threshold name; do
+    if [ -z "$gl" ]; then
+        skip 1 'no GL'
+    else
+        verify splat 2e-6 "$threshold" "$name"
+    fi
+done <<'END'
+1 night/moonless_golf_1k.exr
+1 night/dikhololo_night_1k.exr
+1 rendered/night.1001.exr
+50 windows/vestibule_1k.exr
+20 sky/aristea_wreck_puresky_1k.exr
+100 seq_foliage/foliage.1004.exr
+END
+
+done_testing
