@@ -117,6 +117,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
+    static const double ANYWAY_MS = 5.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
                                           : 1e-6 * (double) src->brightest;
@@ -135,7 +136,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     *out = none;
     if (none.rounding <= ALLOWED)
         return;
-    struct gp_fft_split found = find(&s, WORTH * fft_ms, ALLOWED, 0);
+    struct gp_fft_split found = find(&s, WORTH * fft_ms + ANYWAY_MS, ALLOWED, 0);
     if (!(found.rounding <= ALLOWED)) {
         const double least =
             find(&s, fft_ms / 2.0, INFINITY, 1).rounding;

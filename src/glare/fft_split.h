@@ -31,10 +31,10 @@ struct gp_fft_split {
 };
 
 /* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
- * most four times the transform: a night sky is worth that. When none does,
- * as in a bright sky: the cheapest that costs at most half of the transform
- * and comes within twice the least rounding to be had for that, if that is at
- * least 4 times less than without; else no split.
+ * most four times the transform and 5 ms: a night sky is worth that. When
+ * none does, as in a bright sky: the cheapest that costs at most half of the
+ * transform and comes within twice the least rounding to be had for that, if
+ * that is at least 4 times less than without; else no split.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform
