@@ -36,7 +36,7 @@ struct state {
     struct gp_fft_placing placing;
     int core;
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
-    struct gp_fft_matrix work;
+    struct gp_fft_matrix work;     // of one channel: three would leave the cache
     size_t work_rows;
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
@@ -91,6 +91,14 @@ static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
     if (!st)
         *out = &s->plan[s->plans++];
     return st;
+}
+
+/* The matrix of one plane, as the plane of channel c. */
+static struct gp_fft_matrix as_channel(const struct gp_fft_matrix *m, int c)
+{
+    struct gp_fft_matrix view = {.columns = m->columns, .pitch = m->pitch};
+    view.z[c] = m->z[0];
+    return view;
 }
 
 /* -- the kernel's spectrum -------------------------------------------------- */
@@ -152,18 +160,19 @@ static gp_status make_spectrum(const struct gp_glare_job *job,
     int *places = NULL;
     const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
     const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
-    const struct gp_fft_job kernel_fft = {
-        .log = fft->log, .x = fft->x, .y = fft->y, .channels = channels,
-    };
+    struct gp_fft_job one = *fft;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
     const float scale = (float) (0.25 / ((double) p->nx * p->ny));
-    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, n, &rows));
+    GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, n, &rows));
     GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny,
                               &s->spectrum));
     GP_TRY(make_places(job->log, p->taps.y0, n, p->ny, &places));
-    GP_TRY(gp_fft_rows_in(&kernel_fft, n, load_kernel, &from, &rows));
-    GP_TRY(gp_fft_columns(&kernel_fft, &rows, n, places, scale, &s->spectrum));
+    for (one.channel = 0; one.channel < channels; one.channel++) {
+        struct gp_fft_matrix m = as_channel(&rows, one.channel);
+        GP_TRY(gp_fft_rows_in(&one, n, load_kernel, &from, &m));
+        GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &s->spectrum));
+    }
     s->kernel = k->serial;
     s->placing = *p;
     s->core = core;
@@ -249,7 +258,7 @@ static gp_status transform(const struct gp_glare_job *job, struct state *s,
                            const struct gp_fft_placing *p, int core)
 {
     gp_status st;
-    struct gp_fft_job fft = {.log = job->log, .channels = 3};
+    struct gp_fft_job fft = {.log = job->log, .channels = 1};
     struct light_rows light = {.src = src, .p = p, .layer = job->layer};
     const int count = gp_rect_h(p->out);
     const struct gp_fft_plan_pair *x, *y;
@@ -264,16 +273,19 @@ static gp_status transform(const struct gp_glare_job *job, struct state *s,
     if (s->work.columns != (p->nx / 2 + 4) / 4 * 4 ||
         s->work_rows != (size_t) rows) {
         gp_fft_matrix_free(&s->work);
-        GP_TRY(gp_fft_matrix_make(job->log, 3, p->nx, rows, &s->work));
+        GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, rows, &s->work));
         s->work_rows = (size_t) rows;
     }
-    GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &s->work));
-    const int first = wrap(p->out.y0 - p->in.y0, p->ny);
-    GP_TRY(gp_fft_multiply(&fft, &s->work, light.n, light.place, &s->spectrum,
-                           job->kernel->grey ? 1 : 3, first, count));
     clear_rows(job, 0, p->out.y0);
     clear_rows(job, p->out.y1, src->h);
-    GP_TRY(gp_fft_rows_out(&fft, &s->work, count, store_layer, &light));
+    const int first = wrap(p->out.y0 - p->in.y0, p->ny);
+    for (fft.channel = 0; fft.channel < 3; fft.channel++) {
+        struct gp_fft_matrix m = as_channel(&s->work, fft.channel);
+        GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &m));
+        GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
+                               job->kernel->grey ? 1 : 3, first, count));
+        GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer, &light));
+    }
 out:
     gp_free(light.y);
     gp_free(light.place);

@@ -197,7 +197,8 @@ static size_t row_floats(int n)
 static void rows_in(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = i / s->tasks, j0 = i % s->tasks * ROWS, nx = s->job->x->n;
+    const int c = s->job->channel + i / s->tasks;
+    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
     const size_t pitch = row_floats(nx);
     float *const z = s->buffer + s->scratch * (size_t) thread;
     float *const spectrum = z + pitch;
@@ -245,7 +246,8 @@ static void column_forward(const struct pass *s, const float *column,
 static void columns_forward(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = i / s->tasks, k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
+    const int c = s->job->channel + i / s->tasks;
+    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
     float *const spread = s->buffer + s->scratch * (size_t) thread;
     float *const whole = spread + row_floats(ny);
     for (int k = k0; k < k0 + COLUMNS && k <= s->job->x->n / 2; k++) {
@@ -273,7 +275,8 @@ gp_status gp_fft_columns(const struct gp_fft_job *job,
 static void columns_multiply(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = i / s->tasks, k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
+    const int c = s->job->channel + i / s->tasks;
+    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
     const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : c];
     float *const spread = s->buffer + s->scratch * (size_t) thread;
     float *const whole = spread + row_floats(ny);
@@ -311,7 +314,8 @@ gp_status gp_fft_multiply(const struct gp_fft_job *job,
 static void rows_out(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = i / s->tasks, j0 = i % s->tasks * ROWS, nx = s->job->x->n;
+    const int c = s->job->channel + i / s->tasks;
+    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
     const size_t pitch = row_floats(nx);
     float *const z = s->buffer + s->scratch * (size_t) thread;
     float *const spectrum = z + pitch;

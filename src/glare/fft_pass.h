@@ -37,7 +37,7 @@ void gp_fft_matrix_free(struct gp_fft_matrix *m);
 struct gp_fft_job {
     const struct gp_log *log;
     const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny
-    int channels;
+    int channel, channels; // the first, and how many
 };
 
 /* Row `j` of channel `c` to z[2 * x], x in [0, nx); z is cleared, and only

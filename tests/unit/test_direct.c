@@ -134,7 +134,8 @@ static void parts_add_up(void **state)
     (void) state;
     for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
         struct scene s = hard_scene(&hard_cases[6]);
-        struct gp_kernel rest = hard_sense(&hard_cases[6]).k;
+        struct scene other = hard_sense(&hard_cases[6]);
+        const struct gp_kernel rest = other.k;
         struct gp_taps core, around;
         struct gp_glare_error e;
         const size_t n = gp_frame_pixels(&s.f);
@@ -157,7 +158,7 @@ static void parts_add_up(void **state)
         assert_true(e.rel_l2 <= 1e-6);
         gp_taps_free(&core);
         gp_taps_free(&around);
-        gp_kernel_free(&rest);
+        scene_free(&other);
         scene_free(&s);
     }
 }
