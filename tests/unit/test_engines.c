@@ -115,8 +115,8 @@ static struct scene thread_scene(int i)
 {
     static const enum light lights[] = {FEW, ALL, HOT, CORNERS};
     const struct gp_sensor_params *const p = i == 2 ? &open_all : &usual;
-    return scene_make(scene_frame(211, 131, 0, 0, lights[i], 8u),
-                      scene_kernel(41, 37, MID, 0, i % 2 ? PEAK : TINTED), p);
+    return scene_make(scene_frame(131, 83, 0, 0, lights[i], 8u),
+                      scene_kernel(31, 29, MID, 0, i % 2 ? PEAK : TINTED), p);
 }
 enum { THREAD_SCENES = 4 };
 

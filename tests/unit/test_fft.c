@@ -136,8 +136,8 @@ static void check_passes(const struct pass_row *p)
     assert_int_equal(gp_fft_rows_in(&job, p->rows, load_row, &r, &m), GP_OK);
     for (int j = 0; j < p->rows; j += 5) {
         for (int f = 0; f <= p->nx / 2; f += p->nx / 8)
-            assert_spectrum(&r, j % 3, j, f,
-                            m.z[j % 3] + 2 * ((size_t) f * m.pitch + (size_t) j));
+            assert_spectrum(&r, j % 3, j, f, m.z[j % 3] +
+                            2 * ((size_t) f * m.pitch + (size_t) j));
     }
     assert_int_equal(gp_fft_rows_in(&kernel_job, 1, load_row, &k,
                                     &kernel_rows), GP_OK);

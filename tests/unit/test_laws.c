@@ -159,7 +159,9 @@ static void light_moves_its_layer(void **state)
 /* The window's place is no part of the sum. */
 static void windows_change_no_byte(void **state)
 {
-    static const int corner[][2] = {{-1000, 3}, {7, -90000}, {1 << 20, 1 << 20}};
+    static const int corner[][2] = {
+        {-1000, 3}, {7, -90000}, {1 << 20, 1 << 20},
+    };
     (void) state;
     struct scene a = law_scene(FEW, 5u);
     for (int i = 0; gp_engines[i]; i++) {

@@ -19,7 +19,8 @@ static void check_samples(const struct scene *s, const double *layer, int step,
         const int x = i % w, y = i / w;
         for (int c = 0; c < 3; c++) {
             const double want = scene_sample(image.c[c], w, h, &s->k, c, x, y);
-            worst = fmax(worst, fabs(want - layer[(size_t) c * n + (size_t) i]));
+            const double got = layer[(size_t) c * n + (size_t) i];
+            worst = fmax(worst, fabs(want - got));
             peak = fmax(peak, fabs(want));
         }
     }
