@@ -20,13 +20,13 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         return gp_fail(log, GP_ERR_BUG,
                        "%s: more memory than there can be (%zu x %zu bytes); "
                        "use a smaller frame", what, count, size);
-    // aligned_alloc wants a multiple of the alignment, and 0 is no size
-    const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
-    const size_t rounded = (bytes + GP_ALIGN) / GP_ALIGN * GP_ALIGN;
-    *out = aligned_alloc(align, rounded);
+    // never no bytes: NULL is for failure alone
+    if (posix_memalign(out, bytes < LARGE ? GP_ALIGN : HUGE_PAGE,
+                       bytes ? bytes : 1) != 0)
+        *out = NULL;
 #ifdef MADV_HUGEPAGE
     if (*out && bytes >= LARGE)
-        madvise(*out, rounded / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+        madvise(*out, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     if (!*out)
         return gp_fail(log, GP_ERR_BUG,

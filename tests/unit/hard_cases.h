@@ -105,7 +105,8 @@ static const struct hard_case hard_cases[] = {
     {"denormals alone", 31, 29, DENORMAL, 9, 9, MID, 0, PEAK, BARS,
      .all_light = true, .abs = (double) FLT_MIN},
     // a third of the pixels is over the threshold, by one step
-    {"at the threshold", 63, 47, EDGE, 15, 15, MID, 0, PEAK, BARS},
+    {"at the threshold", 63, 47, EDGE, 15, 15, MID, 0, PEAK, BARS,
+     .sources = 63 * 47 / 3},
     {"knee", 61, 47, RAMP, 21, 21, MID, 0, PEAK, BARS, .knee = 0.5f},
     {"knee 1", 61, 47, RAMP, 21, 21, MID, 0, PEAK, BARS, .knee = 1.0f},
 
