@@ -23,7 +23,7 @@ CFLAGS ?= -g
 ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
-LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl
+LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
 LINK = -pthread -Wl,--as-needed $(SAN)
 
 # -- what there is ------------------------------------------------------------
@@ -131,8 +131,10 @@ check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN)
 # The same tests in builds that look for errors of memory and of arithmetic
 SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
            SAN="-fsanitize=$(2) -fno-omit-frame-pointer -fno-sanitize-recover=all"
+# (AddressSanitizer must know C++ exceptions before a bridge throws one)
 check-asan: ## the tests under AddressSanitizer
-	@LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
+	@SAN_LIBS="-Wl,--no-as-needed -lstdc++" \
+	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,asan,address) check-san
 
 check-ubsan: ## the tests under UndefinedBehaviorSanitizer

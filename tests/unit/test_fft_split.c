@@ -248,13 +248,10 @@ static struct gp_frame make_view(enum view view, int w, int h, uint32_t seed)
 }
 
 /* Where the split says that no pixel is off by over 1e-6 of its own value, none
- * is; elsewhere it is off by no more than a few times what was said. A sky
- * gets 2e-6: its light is one sum, which rounds as a whole and so shifts the
- * dark ground all one way, and the prediction knows noise alone. */
+ * is; elsewhere it is off by no more than a few times what was said. */
 static void check_promise(struct scene *s, const struct chosen *c,
                           enum view view)
 {
-    const double allowed = view == SKY ? 1e-6 : 1e-6;
     struct gp_glare_stats stats;
     struct gp_glare_error e;
     ran_once("fft", s, &stats, "rounding");
@@ -263,7 +260,7 @@ static void check_promise(struct scene *s, const struct chosen *c,
     assert_int_equal(stats.fft_core, c->split.core);
     assert_true(e.rel_l2 <= 1e-6);
     const double own = scene_own_error(s);
-    if (!(own <= (c->split.rounding <= 1e-6 ? allowed
+    if (!(own <= (c->split.rounding <= 1e-6 ? 1e-6
                                             : 4.0 * c->split.rounding)))
         fail_msg("view %d, %dx%d: %g of a pixel's own value, %g predicted",
                  (int) view, s->src.w, s->src.h, own, c->split.rounding);
