@@ -170,12 +170,18 @@ check-size: ## no source file over 450 lines
 
 # -- tools and places ---------------------------------------------------------
 
-compile_commands.json: Makefile $(SRC)
-	@for f in $(SRC); do \
-	    printf '%s{"directory":"%s","file":"%s","command":"%s"}\n' \
-	        "$${comma-[}" '$(CURDIR)' "$$f" \
-	        "$$(printf '%s' '$(CC) $(ALL_CFLAGS) -c' | sed 's/"/\\"/g') $$f"; \
-	    comma=,; done > $@; echo ']' >> $@
+# ("command" is split as a shell splits: the quotes of -DX='"..."' stay)
+COMMAND = $(CC) $(ALL_CFLAGS) -c
+CXX_COMMAND = $(CXX) -std=c++17 -Isrc $(call pc,--cflags,OpenImageIO OpenEXR) -c
+define json_entry
+{"directory":"$(CURDIR)","file":"$(1)","command":"$(subst ",\",$(2)) $(1)"},
+endef
+compile_commands.json: Makefile $(SRC) $(UNIT)
+	$(file >$@,[)
+	$(foreach f,$(SRC),$(file >>$@,$(call json_entry,$(f),$(COMMAND))))
+	$(foreach f,$(UNIT),$(file >>$@,$(call json_entry,$(f),$(COMMAND) -Itests/unit)))
+	$(foreach f,$(BRIDGE_SRC),$(file >>$@,$(call json_entry,$(f),$(CXX_COMMAND))))
+	@sed -i '$$s/,$$/\n]/' $@
 
 install: all ## puts program, bridge and man page under PREFIX (DESTDIR is put before)
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \

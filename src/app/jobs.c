@@ -4,6 +4,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool is_dash(const char *path)
@@ -195,6 +196,19 @@ static gp_status check_twice(const struct gp_log *log, const char *a,
     return GP_OK;
 }
 
+/* Refuses to write over a frame that is read, by any of its names. */
+static gp_status check_input(const struct gp_log *log, const char *name,
+                             const char *input)
+{
+    struct stat a, b;
+    if (stat(name, &a) == 0 && S_ISREG(a.st_mode) && stat(input, &b) == 0 &&
+        a.st_dev == b.st_dev && a.st_ino == b.st_ino)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: is the input (%s); write to another name", name,
+                       input);
+    return GP_OK;
+}
+
 static gp_status check_targets(const struct gp_log *log,
                                const struct gp_settings *s,
                                const struct gp_jobs *j, bool patterns)
@@ -219,6 +233,8 @@ static gp_status check_targets(const struct gp_log *log,
         st = j->target[i].kind == GP_TARGET_HDR
                  ? gp_write_hdr_check(log, &s->write, name)
                  : gp_write_check(log, &s->write, name);
+        if (!st)
+            st = check_input(log, name, j->job[0].input);
         free(name);
         if (st)
             return st;

@@ -40,6 +40,26 @@ static int fastest(const struct gp_glare_job *job)
     return best;
 }
 
+/* Says so when the engine that was asked for will take long and another not:
+ * a job on a farm should not find out after an hour. */
+static void warn_of_patience(const struct gp_glare_job *job, int i,
+                             const char *path)
+{
+    static const double LONG_MS = 20e3;
+    const double ms = gp_engines[i]->predict_ms(job);
+    struct gp_glare_stats stats = {0};
+    struct gp_glare_job other = *job;
+    other.stats = &stats;
+    const int best = fastest(&other);
+    if (ms > LONG_MS && best != i)
+        gp_say(job->log, GP_LEVEL_WARN,
+               "%s: %s will take about %.0f s for %zu sources; --engine %s "
+               "takes %.3g s, fewer sources come with a higher --threshold",
+               path, gp_engines[i]->name, ms * 1e-3, job->src->n,
+               gp_engines[best]->name,
+               gp_engines[best]->predict_ms(job) * 1e-3);
+}
+
 struct clear {
     const struct gp_planes *p;
     size_t n;
@@ -80,8 +100,10 @@ gp_status gp_glare_run(const struct gp_log *log,
         .layer = &f->layer, .stats = stats,
     };
     const int i = named >= 0 ? named : fastest(&job);
-    if (named >= 0)
+    if (named >= 0) {
         snprintf(stats->why, sizeof stats->why, "asked for");
+        warn_of_patience(&job, named, f->path ? f->path : "frame");
+    }
     stats->engine = gp_engines[i]->name;
     return gp_engines[i]->run(&job, &g->state[i]);
 }

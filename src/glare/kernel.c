@@ -232,6 +232,8 @@ static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
     return GP_OK;
 }
 
+enum { LEAST_FADED = 65 }; // smaller ones have no room to fade in
+
 static unsigned long kernels_made; // kernels are made on one thread
 
 static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
@@ -319,6 +321,27 @@ static gp_status unknown_builtin(const struct gp_log *log, const char *name)
                    "file", name, names);
 }
 
+/* A builtin kernel has to end somewhere, and where it ends at once a square
+ * shows around every lamp at night: from half the radius on it fades to 0 at
+ * the edge, by a smoothstep of the distance from the centre. */
+static void fade(const struct raw *raw)
+{
+    const double reach = raw->w / 2.0, start = reach / 2.0;
+    for (int y = 0; y < raw->h; y++) {
+        for (int x = 0; x < raw->w; x++) {
+            const double r = hypot(x - raw->w / 2, y - raw->h / 2);
+            if (r <= start || raw->w < LEAST_FADED)
+                continue;
+            const double t = fmin((r - start) / (reach - start), 1.0);
+            const double keep = 1.0 - t * t * (3.0 - 2.0 * t);
+            for (int c = 0; c < 3; c++) {
+                float *const v = raw->in.c[c] + (size_t) y * (size_t) raw->w;
+                v[x] = (float) ((double) v[x] * keep);
+            }
+        }
+    }
+}
+
 gp_status gp_kernel_builtin(const struct gp_log *log,
                             const struct gp_kernel_params *p,
                             struct gp_kernel *out)
@@ -338,7 +361,10 @@ gp_status gp_kernel_builtin(const struct gp_log *log,
     gp_status st = find_center(log, p, (struct gp_rect) {0}, &raw);
     if (!st)
         st = b->make(log, size, &raw.in);
-    return st ? st : make(log, p->normalize, &raw, out);
+    if (st)
+        return st;
+    fade(&raw);
+    return make(log, p->normalize, &raw, out);
 }
 
 gp_status gp_kernel_from_frame(const struct gp_log *log,

@@ -9,6 +9,7 @@
 #include "io/half.h"
 
 #include <stdio.h>
+#include <math.h>
 #include <string.h>
 
 /* `n` samples of `size` bytes from a row to every `step` bytes of `to`. */
@@ -20,20 +21,41 @@ static void scatter(const void *row, size_t n, size_t size, uint8_t *to,
         memcpy(to + i * step, from + i * size, size);
 }
 
+/* DWA stores halfs, floats too, and its loss moves values near the end of
+ * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
+ * end nothing did. */
+static const float DWA_MAX = 57344.0f;
+
+/* One row of a plane within that range, to `row`; returns how many were not. */
+static size_t limit_row(const float *from, size_t n, float *row)
+{
+    size_t over = 0;
+    for (size_t i = 0; i < n; i++) {
+        const bool large = fabsf(from[i]) > DWA_MAX;
+        row[i] = large ? copysignf(DWA_MAX, from[i]) : from[i];
+        over += large;
+    }
+    return over;
+}
+
 /* All rows of one channel into their place in the pixels. `row` is scratch
- * for one row of halfs. */
+ * for one row of floats and one of halfs. */
 static void interleave(const struct gp_exr_source *s, size_t rows,
-                       uint16_t *row, uint8_t *to, size_t step,
+                       float *row, uint8_t *to, size_t step,
                        struct gp_write_stats *stats)
 {
     const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
     for (size_t y = 0; y < rows; y++, to += n * step) {
         const void *from = (const uint8_t *) s->data + y * n * size;
-        if (s->plane)
-            from = s->plane + y * n;
-        if (s->plane && s->type == GP_HALF) {
-            stats->clamped += (long long) gp_float_to_half(from, row, n);
+        if (s->plane) {
+            stats->clamped +=
+                (long long) limit_row(s->plane + y * n, n, row);
             from = row;
+        }
+        if (s->plane && s->type == GP_HALF) {
+            uint16_t *const half = (uint16_t *) (row + n);
+            gp_float_to_half(row, half, n); // all within its range
+            from = half;
         }
         scatter(from, n, size, to, step);
     }
@@ -53,7 +75,7 @@ static gp_status make_pixels(const struct gp_log *log,
         step += gp_type_size(img->source[i].type);
     gp_status st = gp_alloc(log, "DWA pixels", w * h, step, pixels);
     if (!st)
-        st = gp_alloc(log, "DWA row", w, sizeof(uint16_t), &row);
+        st = gp_alloc(log, "DWA row", w, sizeof(float) + sizeof(uint16_t), &row);
     for (int i = 0; !st && i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
         names[i] = s->name;

@@ -199,8 +199,11 @@ static void half_overflow_is_counted(void **state)
         assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.exr"), &f,
                                           &f.rgb, GP_PICTURE_SCENE, &stats),
                          GP_OK);
-        assert_int_equal(stats.clamped, 106);
+        // DWA's range ends an eighth earlier, and Inf is no part of it
+        assert_int_equal(stats.clamped, k < 3 ? 106 : 112);
         struct gp_frame b = read_back(wf_path("a.exr"));
+        for (size_t i = 0; k == 3 && i < gp_frame_pixels(&b); i++)
+            assert_true(isfinite(b.rgb.c[0][i]) && isfinite(b.rgb.c[2][i]));
         if (k < 3) {
             assert_true(b.rgb.c[0][700] == 65504 && b.rgb.c[0][701] == -65504);
             assert_true(isinf(b.rgb.c[2][12]));
