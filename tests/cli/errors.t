@@ -221,10 +221,12 @@ for wrong in cut.exr empty.exr deep.exr nowhere.exr; do
     result $? "$wrong: the outputs that stood before are whole"
 done
 cp in.exr self.exr
+ln -s self.exr other-name.exr
 run --hdr self.exr self.exr
-quiet_success 'a frame over itself'
-"$glarepp" --hdr apart.exr in.exr
-same self.exr apart.exr 'a frame over itself: as into another file'
+fails_with 2 self.exr 'a frame over itself'
+run --hdr other-name.exr self.exr
+fails_with 2 other-name.exr 'a frame over itself by another name'
+same self.exr in.exr 'a frame over itself: the frame is whole'
 
 # -- pipes that end and signals ------------------------------------------------
 
