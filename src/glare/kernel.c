@@ -327,10 +327,13 @@ static gp_status unknown_builtin(const struct gp_log *log, const char *name)
 static void fade(const struct raw *raw)
 {
     const double reach = raw->w / 2.0, start = reach / 2.0;
+    if (raw->w < LEAST_FADED)
+        return;
     for (int y = 0; y < raw->h; y++) {
         for (int x = 0; x < raw->w; x++) {
-            const double r = hypot(x - raw->w / 2, y - raw->h / 2);
-            if (r <= start || raw->w < LEAST_FADED)
+            const double dx = x - raw->w / 2, dy = y - raw->h / 2;
+            const double r = sqrt(dx * dx + dy * dy);
+            if (r <= start)
                 continue;
             const double t = fmin((r - start) / (reach - start), 1.0);
             const double keep = 1.0 - t * t * (3.0 - 2.0 * t);

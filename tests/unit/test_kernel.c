@@ -1,6 +1,7 @@
 /* glare/kernel.c: centre, cutting, normalisation, bad images. */
 #include "core/luminance.h"
 #include "core/parallel.h"
+#include "glare/eye.h"
 #include "glare/kernel.h"
 
 #include <float.h>
@@ -312,9 +313,37 @@ static void negative_kernels_pass_unnormalised(void **state)
     gp_frame_free(&f);
 }
 
+/* Within half the radius the builtin kernel is the eye's, to one scale; from
+ * there it falls to nothing before the edge, the same in all directions. */
+static void builtin_fades_to_its_edge(void **state)
+{
+    (void) state;
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    p.builtin_size = 201;
+    assert_int_equal(gp_kernel_builtin(NULL, &p, &k), GP_OK);
+    const float *const row = k.k.c[0] + (size_t) k.cy * (size_t) k.w + k.cx;
+    const double scale = (double) row[0] / gp_eye_share(0, 0);
+    for (int x = 0; x <= 50; x++)
+        assert_true(fabs((double) row[x] / gp_eye_share(x, 0) / scale - 1.0) <
+                    1e-6);
+    for (int x = 52; x < k.w - k.cx; x++) {
+        assert_true((double) row[x] < scale * gp_eye_share(x, 0));
+        assert_true(row[x] < row[x - 1]);
+        assert_true(row[x] == row[-x]);
+    }
+    // a corner of the square is farther than the radius
+    assert_true(k.k.c[0][0] == 0.0f);
+    // the step into nothing is a thousandth of what the eye's edge would be
+    assert_true((double) row[k.w - k.cx - 1] <
+                1e-3 * scale * gp_eye_share(100, 0));
+    gp_kernel_free(&k);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(builtin_fades_to_its_edge),
         cmocka_unit_test(builtin_is_normalised),
         cmocka_unit_test(builtin_refuses),
         cmocka_unit_test(builtin_is_the_same_for_any_threads),
