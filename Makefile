@@ -202,6 +202,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
           libgl1-mesa-dri \
           libcmocka-dev openimageio-tools openexr mandoc valgrind perl procps \
+          gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \

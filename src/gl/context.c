@@ -129,6 +129,12 @@ static void find_limits(struct gp_gl *gl)
     long asked = lower ? strtol(lower, NULL, 10) : 0;
     if (asked > 0 && asked < gl->max_size)
         gl->max_size = (int) asked;
+
+    GLfloat point[2] = {0};
+    gl->f.GetFloatv(GL_POINT_SIZE_RANGE, point);
+    gl->max_point = point[1];
+    gl->f.GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->max_block);
+    gl->f.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->max_list);
 }
 
 /* State that holds for the context's whole life: what this program draws has
@@ -248,6 +254,21 @@ bool gp_gl_is_software(const struct gp_gl *gl)
 int gp_gl_max_size(const struct gp_gl *gl)
 {
     return gl->max_size;
+}
+
+float gp_gl_point_size_max(const struct gp_gl *gl)
+{
+    return gl->max_point;
+}
+
+int gp_gl_block_max(const struct gp_gl *gl)
+{
+    return gl->max_block;
+}
+
+int gp_gl_list_max(const struct gp_gl *gl)
+{
+    return gl->max_list;
 }
 
 static const char *error_name(GLenum error)

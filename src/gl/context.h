@@ -25,7 +25,8 @@ struct gp_gl {
     void *window;
     struct gp_gl_functions f;
     GLuint vertex_array; // core profile draws nothing without one
-    int max_size;
+    int max_size, max_block, max_list;
+    float max_point;
     bool software;
     char name[160];
 };

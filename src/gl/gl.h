@@ -2,7 +2,9 @@
  *
  * Float planes in, float planes out; nothing here knows what is drawn.
  *   gl.h       a context                     context.c, osmesa.c, egl.c
- *   texture.h  float textures and targets    texture.c
+ *   texture.h  float textures and targets    texture.c, target.c
+ *   block.h    uniform blocks                block.c
+ *   list.h     long lists for shaders        list.c
  *   program.h  shaders and draws             program.c, shaders/
  * Libraries come by dlopen, functions by the context's own GetProcAddress,
  * from one list of names (functions.h).
@@ -59,6 +61,17 @@ bool gp_gl_is_software(const struct gp_gl *gl);
 /* The widest and highest texture and target, in pixels: the least of
  * GL_MAX_TEXTURE_SIZE, GL_MAX_VIEWPORT_DIMS and GLAREPP_GL_MAX_SIZE. */
 int gp_gl_max_size(const struct gp_gl *gl);
+
+/* The widest point in pixels, >= 1: gl_PointSize over it is drawn smaller.
+ * GL_POINT_SIZE_RANGE. */
+float gp_gl_point_size_max(const struct gp_gl *gl);
+
+/* The largest uniform block in bytes, at least 16384, which is what every GL
+ * of 4.5 has; GL_MAX_UNIFORM_BLOCK_SIZE. */
+int gp_gl_block_max(const struct gp_gl *gl);
+
+/* The most texels of a list, at least 65536; GL_MAX_TEXTURE_BUFFER_SIZE. */
+int gp_gl_list_max(const struct gp_gl *gl);
 
 /* GP_ERR_GL with a line that says what GL's error flag holds and while doing
  * `what`; clears the flag. */

@@ -17,16 +17,16 @@ static const struct gp_shader_file *find_file(const char *name)
 }
 
 static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
-                         GLenum kind, const struct gp_shader_file *file,
-                         GLuint *out)
+                         const char *defines, GLenum kind,
+                         const struct gp_shader_file *file, GLuint *out)
 {
     const struct gp_shader_file *common = find_file("common.glsl");
-    const char *const parts[] = {"#version 450 core\n",
+    const char *const parts[] = {"#version 450 core\n", defines,
                                  common ? common->text : "", "\n#line 1\n",
                                  file->text};
     GLuint shader = gl->f.CreateShader(kind);
     GLint compiled = 0;
-    gl->f.ShaderSource(shader, 4, parts, NULL);
+    gl->f.ShaderSource(shader, 5, parts, NULL);
     gl->f.CompileShader(shader);
     gl->f.GetShaderiv(shader, GL_COMPILE_STATUS, &compiled);
     if (!compiled) {
@@ -58,7 +58,7 @@ static gp_status link_program(const struct gp_log *log, const struct gp_gl *gl,
 }
 
 gp_status gp_program_from_text(const struct gp_log *log,
-                               const struct gp_gl *gl,
+                               const struct gp_gl *gl, const char *defines,
                                const struct gp_shader_file *vert,
                                const struct gp_shader_file *frag,
                                struct gp_program *out)
@@ -66,8 +66,8 @@ gp_status gp_program_from_text(const struct gp_log *log,
     gp_status st;
     GLuint v = 0, f = 0;
     struct gp_program p = {0};
-    GP_TRY(compile(log, gl, GL_VERTEX_SHADER, vert, &v));
-    GP_TRY(compile(log, gl, GL_FRAGMENT_SHADER, frag, &f));
+    GP_TRY(compile(log, gl, defines, GL_VERTEX_SHADER, vert, &v));
+    GP_TRY(compile(log, gl, defines, GL_FRAGMENT_SHADER, frag, &f));
     p.id = gl->f.CreateProgram();
     gl->f.AttachShader(p.id, v);
     gl->f.AttachShader(p.id, f);
@@ -82,16 +82,23 @@ out:
     return st;
 }
 
-gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
-                          const char *vert, const char *frag,
-                          struct gp_program *out)
+gp_status gp_program_make_as(const struct gp_log *log, const struct gp_gl *gl,
+                             const char *defines, const char *vert,
+                             const char *frag, struct gp_program *out)
 {
     const struct gp_shader_file *v = find_file(vert), *f = find_file(frag);
     if (!v || !f)
         return gp_fail(log, GP_ERR_BUG,
                        "%s: no such shader file in this build; report it",
                        v ? frag : vert);
-    return gp_program_from_text(log, gl, v, f, out);
+    return gp_program_from_text(log, gl, defines, v, f, out);
+}
+
+gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
+                          const char *vert, const char *frag,
+                          struct gp_program *out)
+{
+    return gp_program_make_as(log, gl, "", vert, frag, out);
 }
 
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
@@ -103,45 +110,111 @@ void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 
 /* -- drawing --------------------------------------------------------------- */
 
-static gp_status set_uniforms(const struct gp_log *log, const struct gp_gl *gl,
-                              const struct gp_draw *draw)
+/* Where the next sampler, image and block of a draw are bound. */
+struct units {
+    GLuint texture, image, block;
+};
+
+static gp_status no_uniform(const struct gp_log *log, const char *name)
 {
-    GLuint unit = 0;
-    for (const struct gp_uniform *u = draw->uniform; u->name; u++) {
-        GLint at = gl->f.GetUniformLocation(draw->program->id, u->name);
-        if (at < 0)
-            return gp_fail(log, GP_ERR_BUG,
-                           "uniform %s: the program has none of that name; "
-                           "report it", u->name);
-        if (u->texture) {
-            gl->f.BindTextureUnit(unit, u->texture->id);
-            gl->f.Uniform1i(at, (GLint) unit++);
-        } else {
-            gl->f.Uniform2iv(at, 1, u->v);
-        }
+    return gp_fail(log, GP_ERR_BUG,
+                   "uniform %s: the program has none of that name; report it",
+                   name);
+}
+
+static gp_status set_block(const struct gp_log *log, const struct gp_gl *gl,
+                           GLuint program, const struct gp_uniform *u,
+                           struct units *next)
+{
+    GLuint at = gl->f.GetUniformBlockIndex(program, u->name);
+    if (at == GL_INVALID_INDEX)
+        return no_uniform(log, u->name);
+    gl->f.UniformBlockBinding(program, at, next->block);
+    gl->f.BindBufferBase(GL_UNIFORM_BUFFER, next->block++, u->block->id);
+    return GP_OK;
+}
+
+static void set_floats(const struct gp_gl *gl, GLint at,
+                       const struct gp_uniform *u)
+{
+    if (u->floats == 1)
+        gl->f.Uniform1fv(at, 1, u->f);
+    else if (u->floats == 2)
+        gl->f.Uniform2fv(at, 1, u->f);
+    else
+        gl->f.Uniform4fv(at, 1, u->f);
+}
+
+static gp_status set_uniform(const struct gp_log *log, const struct gp_gl *gl,
+                             GLuint program, const struct gp_uniform *u,
+                             struct units *next)
+{
+    if (u->block)
+        return set_block(log, gl, program, u, next);
+    GLint at = gl->f.GetUniformLocation(program, u->name);
+    if (at < 0)
+        return no_uniform(log, u->name);
+    if (u->texture) {
+        gl->f.BindTextureUnit(next->texture, u->texture->id);
+        gl->f.Uniform1i(at, (GLint) next->texture++);
+    } else if (u->image || u->list) {
+        gl->f.BindImageTexture(next->image,
+                               u->image ? u->image->id : u->list->id, 0,
+                               GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
+        gl->f.Uniform1i(at, (GLint) next->image++);
+    } else if (u->floats) {
+        set_floats(gl, at, u);
+    } else {
+        gl->f.Uniform2iv(at, 1, u->v);
     }
     return GP_OK;
 }
 
-gp_status gp_draw_add(const struct gp_log *log, const struct gp_gl *gl,
+/* What clip coordinates span: the target when nothing else is said. */
+static void set_view(const struct gp_gl *gl, const struct gp_draw *draw)
+{
+    struct gp_rect v = draw->view;
+    if (gp_rect_empty(v))
+        v = (struct gp_rect) {0, 0, draw->target->colour.w,
+                              draw->target->colour.h};
+    gl->f.Viewport(v.x0, v.y0, gp_rect_w(v), gp_rect_h(v));
+}
+
+static void set_state(const struct gp_gl *gl, GLenum what, bool on)
+{
+    if (on)
+        gl->f.Enable(what);
+    else
+        gl->f.Disable(what);
+}
+
+gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
                       const struct gp_draw *draw)
 {
     const struct gp_texture *to = &draw->target->colour;
     struct gp_rect cut = gp_rect_meet(draw->cut,
                                       (struct gp_rect) {0, 0, to->w, to->h});
+    struct units next = {0};
+    gp_status st = GP_OK;
     if (gp_rect_empty(cut))
         return GP_OK;
     gl->f.UseProgram(draw->program->id);
-    gp_status st = set_uniforms(log, gl, draw);
+    for (const struct gp_uniform *u = draw->uniform; !st && u->name; u++)
+        st = set_uniform(log, gl, draw->program->id, u, &next);
     if (st)
         return st;
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, draw->target->framebuffer);
-    gl->f.Viewport(0, 0, to->w, to->h);
+    set_view(gl, draw);
     gl->f.Enable(GL_SCISSOR_TEST);
     gl->f.Scissor(cut.x0, cut.y0, gp_rect_w(cut), gp_rect_h(cut));
-    gl->f.Enable(GL_BLEND);
-    gl->f.DrawArraysInstanced(GL_TRIANGLES, 0, draw->vertices,
-                              draw->instances);
+    set_state(gl, GL_BLEND, !draw->replace);
+    set_state(gl, GL_PROGRAM_POINT_SIZE, draw->points);
+    gl->f.DrawArraysInstanced(draw->points ? GL_POINTS : GL_TRIANGLES, 0,
+                              draw->vertices, draw->instances);
     gl->f.Disable(GL_SCISSOR_TEST);
+    // llvmpipe (Mesa 22.3) does not know that a draw still reads an image or a
+    // list: a later write to it, or its end, would be seen too early
+    if (gl->software && next.image > 0)
+        gl->f.Finish();
     return GP_OK;
 }

@@ -1,8 +1,8 @@
-// The glare image on an open quad (Ando et al. 2007, section 3.2). Quads lie
-// on whole pixels, so each pixel has its own kernel texel and none is filtered.
+// The glare image on an open polygon (Ando et al. 2007, section 3.2) that lies
+// on whole pixels: each pixel has its own kernel texel and none is filtered.
 //
 // in   kernel   share of a source's light that falls on each pixel
-//      light    of the source, scene-linear rgb
+//      light    of the polygon, scene-linear rgb
 //      corner   target pixel of kernel texel (0, 0)
 // out  scene-linear rgb to be added to the target; a is not used
 // CPU twin: direct.c, the innermost loop

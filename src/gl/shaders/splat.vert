@@ -1,41 +1,99 @@
-// Glare sensors: one degenerate quad for each pixel of a block of sources
-// (Ando et al. 2007, section 3.1). A bright sensor opens its quad to the
-// kernel's size, a dark one leaves all corners in one point.
+// Glare sensors: one degenerate polygon for each cell of a grid (Ando et al.
+// 2007, section 3.1), a pixel or a group. A bright sensor opens its polygon to
+// the kernel's size, shrunk to where the kernel counts (section 4.3); a dark
+// one leaves all corners in one point.
 //
-// in   sources   texel = one sensor: rgb light after the bright pass
-//                (scene-linear), a the largest of the three
-//      kernel    only its size, in pixels
-//      offset    corner of sensor (0, 0)'s open quad, in target pixels
-//      block     columns and rows of sensors in use
-//      range     first sensor and the one after the last, in row order
-//      target    size in pixels
-// out  quads cut to the target, so that none leaves the clip volume
-// CPU twin: direct.c, the loop over sources and their boxes
-uniform sampler2D sources;
-uniform sampler2D kernel;
-uniform ivec2 offset;
-uniform ivec2 block;
+// in   sensors   texel = one cell: sum of its rgb light (scene-linear), a its
+//                luminance L0
+//      places    as group.frag writes them; any texture when grid.y is -1
+//      reaches   by gp_source_bin(L0): pixels from P0 to the polygon's edge
+//      grid      x: pixels of a cell's side; y: the blur whose cells open, -1
+//                when cells are pixels
+//      cells     columns and rows of cells in use
+//      range     first cell and the one after the last, in row order
+//      offset    target pixel at the corner of cell (0, 0)
+//      extent    columns and rows of the kernel
+//      centre    of the kernel, its whole part, in kernel pixels
+//      rest      what `centre` lacks: 0 or 1/2 each
+//      form      x: vertices of a polygon, 6 for quads and 1 for points;
+//                y: 1 when polygons shrink
+//      view      corner of the view in target pixels
+//      viewed    its size
+// out  quads cut to the view, so that none leaves the clip volume; points are
+//      never cut, as they would vanish with their centre
+// CPU twin: gp_group_reference(); direct.c where cells are pixels
+uniform sampler2D sensors;
+uniform sampler2D places;
+layout(std140) uniform reaches
+{
+    vec4 reach[128];
+};
+uniform ivec2 grid;
+uniform ivec2 cells;
 uniform ivec2 range;
-uniform ivec2 target;
+uniform ivec2 offset;
+uniform ivec2 extent;
+uniform ivec2 centre;
+uniform vec2 rest;
+uniform ivec2 form;
+uniform ivec2 view;
+uniform ivec2 viewed;
 
-flat out vec3 light;   // of the source
-flat out ivec2 corner; // target pixel of kernel texel (0, 0)
+flat out vec3 light;    // of the polygon
+flat out ivec2 corner;  // target pixel of kernel pixel (0, 0)
+flat out vec2 fraction; // in [0, 1): the kernel lies so much right and below
+flat out ivec4 limits;  // first column and row, those after the last
 
-const int QUADS = 64; // of one instance; the same as in splat.c
+const int QUADS = 64; // of one instance; the same as in splat_draw.c
+
+// Clip coordinates of a place in half pixels from the view's corner.
+vec4 clip_of_half(ivec2 twice)
+{
+    return vec4(vec2(twice - viewed) / vec2(viewed), 0.0, 1.0);
+}
 
 void main()
 {
-    int sensor = range.x + gl_InstanceID * QUADS + gl_VertexID / 6;
-    ivec2 at = ivec2(sensor % block.x, sensor / block.x);
+    int sensor = range.x + gl_InstanceID * QUADS + gl_VertexID / form.x;
+    ivec2 at = ivec2(sensor % cells.x, sensor / cells.x);
     vec4 found = vec4(0.0);
     if (sensor < range.y)
-        found = texelFetch(sources, at, 0);
+        found = texelFetch(sensors, at, 0);
+    bool open = any(greaterThan(found, vec4(0.0)));
+    vec2 p0 = vec2(0.0);
+    if (open && grid.y >= 0) {
+        vec4 place = texelFetch(places, at, 0);
+        open = int(place.z) == grid.y;
+        p0 = place.xy;
+    }
 
+    ivec2 base = at * grid.x + offset;
+    vec2 whole = floor(p0 - rest);
     light = found.rgb;
-    corner = at + offset;
-    ivec2 low = clamp(corner, ivec2(0), target);
-    ivec2 high = clamp(corner + textureSize(kernel, 0), ivec2(0), target);
-    ivec2 open = found.a > 0.0 ? high - low : ivec2(0);
-    gl_Position = clip_of_corner(low + open * quad_corner(gl_VertexID % 6),
-                                 target);
+    fraction = p0 - rest - whole;
+    corner = base + ivec2(whole) - centre;
+    ivec2 low = corner;
+    ivec2 high = corner + extent + ivec2(greaterThan(fraction, vec2(0.0)));
+    if (open && form.y > 0) {
+        int bin = floatBitsToInt(found.a) >> 22 & 511;
+        int far = int(reach[bin >> 2][bin & 3]);
+        low = max(low, base + ivec2(ceil(p0)) - far);
+        high = min(high, base + ivec2(floor(p0)) + far + 1);
+    }
+    open = open && all(greaterThan(high, low));
+    limits = ivec4(low, high);
+
+    gl_PointSize = 1.0;
+    if (form.x == 1) {
+        int side = max(high.x - low.x, high.y - low.y);
+        gl_PointSize = float(max(side, 1));
+        gl_Position = open ? clip_of_half(2 * (low - view) + side)
+                           : vec4(2.0, 2.0, 2.0, 1.0);
+    } else {
+        low = clamp(low - view, ivec2(0), viewed);
+        high = clamp(high - view, ivec2(0), viewed);
+        ivec2 size = open ? high - low : ivec2(0);
+        gl_Position = clip_of_half(
+            2 * (low + size * quad_corner(gl_VertexID % 6)));
+    }
 }
