@@ -3,6 +3,7 @@
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/cost.h"
 #include "glare/engine.h"
 
 #include <limits.h>
@@ -245,18 +246,71 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
     return work;
 }
 
-static double predict_ms(const struct gp_glare_job *job)
-{
-    const struct gp_kernel *const k = job->kernel;
-    return 0.05 + GP_DIRECT_MS_PER_TAP *
-                      gp_direct_work(job->src, k->w, k->h, k->cx, k->cy);
-}
-
 /* The state is the laid-out kernel and what it was made from. */
 struct state {
     unsigned long kernel; // serial
     struct gp_taps taps;
 };
+
+static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
+{
+    return s && s->kernel && s->kernel == k->serial;
+}
+
+/* What run_strip() does, in rows of strips; and how often it lists a source. */
+struct strip_work {
+    double rows, listed;
+};
+
+static void add_source(const struct gp_glare_job *job, int x, int y,
+                       struct strip_work *work)
+{
+    const struct gp_sources *const s = job->src;
+    const struct gp_kernel *const k = job->kernel;
+    const int from = x - k->cx > 0 ? x - k->cx : 0;
+    const int cols = overlap(x, k->cx, k->w, s->w);
+    if (cols == 0)
+        return;
+    const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
+    work->listed += strips;
+    work->rows += (double) strips * overlap(y, k->cy, k->h, s->h);
+}
+
+/* From every k-th source: with many of them direct loses anyway. */
+static struct strip_work count_work(const struct gp_glare_job *job)
+{
+    static const size_t WANTED = 2048;
+    const struct gp_sources *const s = job->src;
+    const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
+    struct strip_work work = {0};
+    uint32_t i = step / 2, taken = 0;
+    for (int y = 0; y < s->h; y++) {
+        for (; i < s->row[y + 1]; i += step, taken++)
+            add_source(job, s->x[i], y, &work);
+    }
+    const double share = taken ? (double) s->n / taken : 0.0;
+    work.rows *= share;
+    work.listed *= share;
+    return work;
+}
+
+static double predict_ms(const struct gp_glare_job *job, const void *state)
+{
+    static const double row_ms[3] = GP_COST_DIRECT_SOURCE_ROW;
+    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const s = job->src;
+    const double samples = 3.0 * (k->w + 2.0 * GP_TAPS_PAD) * k->h;
+    const double strips = (s->w + STRIP - 1) / STRIP;
+    const struct strip_work work = count_work(job);
+    double ms = GP_COST_DIRECT_RUN +
+                GP_COST_DIRECT_STRIP_ROW * strips * s->h +
+                GP_COST_DIRECT_LIST * work.listed +
+                gp_cost_at(row_ms, samples * sizeof(float), 48 * 1024.0) *
+                    work.rows;
+    if (!job->later && !is_laid_out(state, k))
+        ms += GP_COST_DIRECT_LAYOUT * samples;
+    return ms;
+}
 
 static void close_state(void **state)
 {
@@ -270,7 +324,7 @@ static gp_status run(const struct gp_glare_job *job, void **state)
 {
     gp_status st = GP_OK;
     struct state *s = *state;
-    if (!s || !s->kernel || s->kernel != job->kernel->serial) {
+    if (!is_laid_out(s, job->kernel)) {
         close_state(state);
         st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
         if (st)
@@ -285,10 +339,25 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
 }
 
+/* A kernel has lobes where magnitudes add up to more than samples do: both are
+ * summed in one order, so they are equal to the last bit otherwise. */
+static gp_status bound(const struct gp_glare_job *job, void **state,
+                       double *out)
+{
+    const struct gp_kernel *const k = job->kernel;
+    struct gp_taps taps = {0};
+    (void) state;
+    for (int c = 0; c < 3; c++)
+        taps.lobes |= !(k->norm1[c] <= k->sum[c]);
+    *out = gp_direct_bound(&taps, job->src->n);
+    return GP_OK;
+}
+
 const struct gp_engine gp_engine_direct = {
     .name = "direct",
     .text = "the sum as it is written; the fastest for a handful of sources",
     .predict_ms = predict_ms,
+    .bound = bound,
     .run = run,
     .close = close_state,
 };

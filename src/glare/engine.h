@@ -14,27 +14,71 @@
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 
+#include <stdbool.h>
+
 enum gp_gl_choice { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
+
+/* How a group stands for its pixels.
+ *   CENTROID  the paper's formula (1): one kernel at the centroid
+ *   MOMENTS   the kernel blurred by as much as the group is wide (its second
+ *             moment), at the centroid
+ *   CORE      the kernel's core, GP_CORE_RADIUS pixels, from each single
+ *             sensor; only its tail from groups, by moments */
+enum gp_group_method { GP_GROUP_CENTROID, GP_GROUP_MOMENTS, GP_GROUP_CORE };
+
+/* What is drawn for a polygon. AUTO: TILE on a software context, QUAD else.
+ *   QUAD   a blended quad, opened by the vertex shader
+ *   POINT  a blended point sprite, up to the driver's limit of size
+ *   TILE   no primitive at all: for each tile, one fragment pass sums over
+ *          the polygons that reach it */
+enum gp_primitive {
+    GP_PRIMITIVE_AUTO, GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT,
+    GP_PRIMITIVE_TILE,
+};
+
+/* Ando et al. 2007, sections 4.1 to 4.3. */
+struct gp_splat_params {
+    int group;           // N of NxN blocks, a power of two, 1 (off) to 64
+    int cluster;         // side of a cluster, a power of two over `group`,
+                         // up to 64; 0 (off)
+    float cluster_fill;  // bright share from which an area is one polygon,
+                         // in (0, 1]
+    float shrink;        // share of the light that shrinking may leave out,
+                         // in [0, 1); 0 (off)
+    enum gp_group_method method;
+    enum gp_primitive primitive;
+};
+#define GP_SPLAT_DEFAULTS                                                     \
+    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
+      .method = GP_GROUP_CORE }
+#define GP_SPLAT_EXACT { .group = 1, .cluster_fill = 0.9f }
 
 struct gp_glare_params {
     const char *engine;        // "auto" or the name of an engine
     float gain;                // of the layer in the composite, >= 0
+    float tolerance;           // of rel_l2, for auto, >= 0
     enum gp_gl_choice gl;
     enum gp_fft_plan fft_plan;
     const char *wisdom;        // file for measured plans; NULL keeps none
+    struct gp_splat_params splat;
 };
-#define GP_GLARE_DEFAULTS { .engine = "auto", .gain = 1.0f }
+#define GP_GLARE_DEFAULTS                                                     \
+    { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
+      .splat = GP_SPLAT_DEFAULTS }
 
 /* What an engine did, for the report. Zero and NULL fields were not needed. */
 struct gp_glare_stats {
     const char *engine;     // the engine that ran
-    char why[160];          // engine_why
+    char why[256];          // engine_why
     int fft_w, fft_h;       // transform size
     int fft_core;           // radius of the kernel's part that went direct
     size_t hot;             // sources that fft handed to direct
-    size_t polygons;        // quads that opened
-    double polygon_pixels;  // their area on the layer
+    size_t groups, clusters; // polygons of blocks, and of filled areas
+    size_t polygons;        // all that opened; without a CORE's single sensors
+    size_t cores;           // single sensors that draw the kernel's core
+    double polygon_pixels;  // area of all of them on the layer
+    const char *form;       // "blended quads", "tiles, groups read back", ...
     double bound;           // of rel_l2, guaranteed before the run
     const char *gl;         // renderer string of the context
 };
@@ -47,15 +91,24 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
+    bool later; // asks predict_ms for a frame like this one, run again: plans,
+                // spectra and layouts are made, whatever the state holds
 };
 
 struct gp_engine {
     const char *name, *text;
 
     /* Milliseconds that `run` is expected to take on one core, from counted
-     * work. Never from the number of threads: what `auto` picks would then
-     * depend on it, and the bytes with it. */
-    double (*predict_ms)(const struct gp_glare_job *job);
+     * work and from what `state` (may be NULL) already holds. Cheap: no pass
+     * over pixels. Never from the number of threads: what `auto` picks would
+     * then depend on it, and the bytes with it. */
+    double (*predict_ms)(const struct gp_glare_job *job, const void *state);
+
+    /* What rel_l2 cannot exceed, before any drawing. May cost a few
+     * milliseconds and keep what it makes in *state. INFINITY where nothing
+     * can be guaranteed. Errors: GP_ERR_BUG out of memory. */
+    gp_status (*bound)(const struct gp_glare_job *job, void **state,
+                       double *out);
 
     /* Writes every sample of job->layer. *state is NULL at first, kept by the
      * caller from frame to frame, and freed by close(): spectra, plans, GL
@@ -66,13 +119,29 @@ struct gp_engine {
 extern const struct gp_engine gp_engine_direct, gp_engine_fft, gp_engine_splat;
 extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 
+/* What the planner knows of the frames before; zero at first. */
+struct gp_plan_past {
+    int last;    // candidate taken, from 1; 0 none
+    int rival;   // candidate that would have been faster, from 1
+    double lost; // milliseconds lost to it since
+    bool warned; // that the tolerance cannot be kept
+};
+
 /* The glare stage over a sequence. */
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
+    struct gp_plan_past past;
 };
 
 /* Computes f->layer from sources. No source: the layer is zero, no engine is
- * opened. `auto` takes the engine with the fewest predicted milliseconds.
+ * opened.
+ *
+ * `auto` takes the engine and setting with the fewest predicted milliseconds
+ * whose bound is within the tolerance (plan.h); a warning says so when there is
+ * none. The choice may depend on the frames before, so a frame of a sequence
+ * and the same frame by itself may come from different engines: their layers
+ * then differ by no more than the tolerance, in rel_l2. An engine that is named
+ * gives a frame the same bytes wherever it stands.
  * Errors: GP_ERR_USAGE unknown engine; GP_ERR_GL from splat.
  */
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,

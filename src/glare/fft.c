@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/cost.h"
 #include "glare/direct.h"
 #include "glare/fft_lib.h"
 #include "glare/fft_pass.h"
@@ -292,19 +293,60 @@ out:
     return st;
 }
 
-static double predict_ms(const struct gp_glare_job *job)
+static bool has_plan(const struct state *s, int n, enum gp_fft_plan how)
 {
+    for (int i = 0; i < s->plans; i++) {
+        if (s->plan[i].n == n && s->plan[i].how == how)
+            return true;
+    }
+    return false;
+}
+
+/* What a run with this placing has to make before it can start. */
+static double setup_ms(const struct gp_glare_job *job, const struct state *s,
+                       const struct gp_fft_placing *p, int core)
+{
+    const struct gp_glare_params *const params = job->params;
+    const struct gp_kernel *const k = job->kernel;
+    // a file that keeps measured plans is taken to have these
+    const double plan = params->fft_plan == GP_FFT_PLAN_MEASURE &&
+                                !params->wisdom
+                            ? GP_COST_FFT_PLAN_MEASURE
+                            : GP_COST_FFT_PLAN_ESTIMATE;
+    const int rows = max(gp_rect_h(p->in), gp_rect_h(p->out));
+    double ms = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
+    if (!has_plan(s, p->nx, params->fft_plan))
+        ms += plan;
+    if (p->ny != p->nx && !has_plan(s, p->ny, params->fft_plan))
+        ms += plan;
+    if (!same_spectrum(s, k, p, core))
+        ms += gp_cost_spectrum(k, p, params->fft_plan);
+    if (!s->work.z[0])
+        ms += GP_COST_FRESH_BYTE * 4.0 * p->nx * rows;
+    if (!is_known(s->norms_kernel, k))
+        ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
+    return ms;
+}
+
+static double predict_ms(const struct gp_glare_job *job, const void *state)
+{
+    static const struct state empty;
+    const struct state *const s = state ? state : &empty;
     const struct gp_fft_placing p = gp_fft_place(job->src, job->kernel);
     if (!p.nx)
-        return 0.0;
+        return GP_COST_FFT_RUN;
     double tail[GP_FFT_CORES];
     struct gp_fft_split split;
-    const double ms = gp_fft_predict_ms(job->src, &p);
-    gp_fft_tail_norms(job->kernel, tail);
-    gp_fft_split_choose(job->src, job->kernel, tail, (double) p.nx * p.ny, ms,
+    if (is_known(s->norms_kernel, job->kernel))
+        memcpy(tail, s->tail, sizeof tail);
+    else
+        gp_fft_tail_norms(job->kernel, tail);
+    gp_fft_split_choose(job->src, job->kernel, tail, (double) p.nx * p.ny,
+                        gp_fft_predict_ms(job->src, &p),
                         (double) job->params->gain, &split);
-    // plans, spectrum, scratch: half a frame more, and something fixed
-    return 0.5 + 1.5 * ms + split.ms;
+    return GP_COST_FFT_RUN + split.ms +
+           gp_cost_passes(job->src, &p, job->params->fft_plan) +
+           (job->later ? 0.0 : setup_ms(job, s, &p, split.core));
 }
 
 /* Adds a direct part, and its rounding to the bound. */
@@ -402,6 +444,7 @@ const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
     .predict_ms = predict_ms,
+    .bound = NULL,
     .run = run,
     .close = close_state,
 };

@@ -153,7 +153,11 @@ static gp_status filter(const struct gp_log *log, const struct gp_sources *src,
 {
     gp_status st;
     void *v;
-    struct gp_sources o = {.w = src->w, .h = src->h};
+    struct gp_sources o = {
+        .w = src->w, .h = src->h, .x0 = src->x0, .y0 = src->y0,
+        .luminance = {src->luminance[0], src->luminance[1],
+                      src->luminance[2]},
+    };
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) src->h + 1, sizeof *o.row,
                          &v));
     o.row = v;

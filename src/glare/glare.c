@@ -1,5 +1,6 @@
 #include "core/parallel.h"
 #include "glare/engine.h"
+#include "glare/plan.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -18,48 +19,29 @@ static int find(const char *name)
     return -1;
 }
 
-/* The engine with the fewest predicted milliseconds; says why. */
-static int fastest(const struct gp_glare_job *job)
-{
-    char *const why = job->stats->why;
-    const size_t room = sizeof job->stats->why;
-    int best = 0;
-    double best_ms = 0.0;
-    size_t used = 0;
-    for (int i = 0; gp_engines[i]; i++) {
-        const double ms = gp_engines[i]->predict_ms(job);
-        if (i == 0 || ms < best_ms) {
-            best = i;
-            best_ms = ms;
-        }
-        const int n = snprintf(why + used, room - used, "%s%s %.3g",
-                               i ? ", " : "predicted ms on one core: ",
-                               gp_engines[i]->name, ms);
-        used = n > 0 && (size_t) n < room - used ? used + (size_t) n : room - 1;
-    }
-    return best;
-}
-
 /* Says so when the engine that was asked for will take long and another not:
  * a job on a farm should not find out after an hour. */
-static void warn_of_patience(const struct gp_glare_job *job, int i,
+static void warn_of_patience(const struct gp_glare_job *job,
+                             const struct gp_glare *g, int named,
                              const char *path)
 {
     static const double LONG_MS = 20e3;
-    const double ms = gp_engines[i]->predict_ms(job);
+    const double ms = gp_engines[named]->predict_ms(job, g->state[named]);
     if (ms <= LONG_MS)
-        return; // the other engines are not asked: that counts all sources
-    struct gp_glare_stats stats = {0};
-    struct gp_glare_job other = *job;
-    other.stats = &stats;
-    const int best = fastest(&other);
-    if (best != i)
+        return;
+    struct gp_candidate c[GP_CANDIDATES];
+    const int n = gp_plan_candidates(job, g, c);
+    int best = 0;
+    for (int i = 1; i < n; i++) {
+        if (c[i].exact && c[i].ms < c[best].ms)
+            best = i;
+    }
+    if (c[best].engine != named)
         gp_say(job->log, GP_LEVEL_WARN,
                "%s: %s will take about %.0f s for %zu sources; --engine %s "
                "takes %.3g s, fewer sources come with a higher --threshold",
-               path, gp_engines[i]->name, ms * 1e-3, job->src->n,
-               gp_engines[best]->name,
-               gp_engines[best]->predict_ms(job) * 1e-3);
+               path, gp_engines[named]->name, ms * 1e-3, job->src->n,
+               gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
 }
 
 struct clear {
@@ -97,14 +79,23 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, &all);
         return GP_OK;
     }
+    struct gp_glare_params params = *p;
     const struct gp_glare_job job = {
-        .log = log, .params = p, .src = src, .kernel = kernel,
+        .log = log, .params = &params, .src = src, .kernel = kernel,
         .layer = &f->layer, .stats = stats,
     };
-    const int i = named >= 0 ? named : fastest(&job);
+    const char *const path = f->path ? f->path : "frame";
+    int i = named;
     if (named >= 0) {
         snprintf(stats->why, sizeof stats->why, "asked for");
-        warn_of_patience(&job, named, f->path ? f->path : "frame");
+        warn_of_patience(&job, g, named, path);
+    } else {
+        struct gp_candidate taken;
+        gp_status st = gp_plan(&job, g, path, &taken);
+        if (st)
+            return st;
+        i = taken.engine;
+        params.splat = taken.splat;
     }
     stats->engine = gp_engines[i]->name;
     return gp_engines[i]->run(&job, &g->state[i]);

@@ -3,17 +3,13 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/eye.h"
+#include "glare/builtin.h"
+#include "glare/turn.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-
-const struct gp_builtin_kernel gp_builtin_kernels[] = {
-    {"eye", "the human eye in daylight (Spencer et al. 1995)", gp_eye_make},
-    {0},
-};
 
 enum {
     MAX_BUILTIN = 16383,   // pixels wide; 3 GiB
@@ -232,10 +228,9 @@ static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
     return GP_OK;
 }
 
-enum { LEAST_FADED = 65 }; // smaller ones have no room to fade in
-
 static unsigned long kernels_made; // kernels are made on one thread
 
+/* Takes raw->in when it is owned, also on failure. */
 static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
                       struct raw *raw, struct gp_kernel *out)
 {
@@ -273,13 +268,88 @@ out:
     return st;
 }
 
+// -- turning ------------------------------------------------------------------
+
+/* Makes u scaled so that its turned form, *t, is normalised; both stay
+ * samples of the same float values. */
+static gp_status normalise_turned(const struct gp_log *log, bool grey,
+                                  struct raw *t, struct gp_unturned *u)
+{
+    struct row all;
+    struct gp_rect box;
+    double factor;
+    struct gp_turned turned;
+    gp_status st = survey(log, t, &all, &box);
+    if (!st)
+        st = find_factor(log, t, GP_NORMALIZE_LUMINANCE, &all, &factor);
+    if (st)
+        return st;
+    const size_t n = (size_t) u->w * (size_t) u->h;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++)
+            u->k.c[c][i] = (float) ((double) u->k.c[c][i] * factor);
+    }
+    gp_planes_free(&t->in);
+    st = gp_turn(log, t->name, u, grey, &turned);
+    if (!st)
+        t->in = turned.k;
+    return st;
+}
+
+/* Makes the kernel, turned when p->rotate says so. Takes raw->in when it is
+ * owned, also on failure. */
+static gp_status make_turned(const struct gp_log *log,
+                             const struct gp_kernel_params *p, struct raw *raw,
+                             struct gp_kernel *out)
+{
+    gp_status st;
+    int quarters;
+    struct gp_kernel flat = {0};
+    struct gp_turned turned = {0};
+    struct raw t = {.name = raw->name, .owned = true,
+                    .luminance = raw->luminance};
+    void *block = NULL;
+    const bool right = gp_turn_is_right(p->rotate, &quarters);
+    if (right && quarters == 0)
+        return make(log, p->normalize, raw, out);
+    GP_TRY(make(log, GP_NORMALIZE_NONE, raw, &flat));
+    struct gp_unturned u = {flat.w, flat.h, flat.cx, flat.cy, flat.k, 0, 0};
+    gp_turn_angle(p->rotate, &u);
+    GP_TRY(gp_turn(log, raw->name, &u, flat.grey, &turned));
+    t.w = turned.w, t.h = turned.h, t.cx = turned.cx, t.cy = turned.cy;
+    t.in = turned.k;
+    if (right) {
+        st = make(log, p->normalize, &t, out);
+        goto out;
+    }
+    GP_TRY(gp_alloc(log, raw->name, 1, sizeof u, &block));
+    if (p->normalize == GP_NORMALIZE_LUMINANCE)
+        GP_TRY(normalise_turned(log, flat.grey, &t, &u));
+    GP_TRY(make(log, GP_NORMALIZE_NONE, &t, out));
+    out->unturned = block;
+    *out->unturned = u;
+    block = NULL;
+    flat.k = (struct gp_planes) {0}; // they are the kernel's
+out:
+    if (t.owned)
+        gp_planes_free(&t.in);
+    gp_kernel_free(&flat);
+    gp_free(block);
+    return st;
+}
+
 // -- the two ways in ----------------------------------------------------------
 
-/* The pixel of the centre, counted from a window that starts at x0, y0. */
+/* The pixel of the centre, counted from a window that starts at x0, y0; and
+ * whether the angle is one. */
 static gp_status find_center(const struct gp_log *log,
                              const struct gp_kernel_params *p,
                              struct gp_rect window, struct raw *raw)
 {
+    if (!isfinite(p->rotate))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: the kernel cannot be turned (found the angle %g); "
+                       "give degrees", raw->name, (double) p->rotate);
     raw->cx = raw->w / 2;
     raw->cy = raw->h / 2;
     if (!p->centered)
@@ -296,67 +366,18 @@ static gp_status find_center(const struct gp_log *log,
     return GP_OK;
 }
 
-static const struct gp_builtin_kernel *find_builtin(const char *name)
-{
-    static const char prefix[] = "builtin:";
-    if (strncmp(name, prefix, strlen(prefix)) == 0)
-        name += strlen(prefix);
-    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
-        if (strcmp(b->name, name) == 0)
-            return b;
-    }
-    return NULL;
-}
-
-static gp_status unknown_builtin(const struct gp_log *log, const char *name)
-{
-    char names[256] = "";
-    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
-        size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%sbuiltin:%s",
-                 used ? ", " : "", b->name);
-    }
-    return gp_fail(log, GP_ERR_USAGE,
-                   "%s: no builtin kernel has this name; use one of %s, or a "
-                   "file", name, names);
-}
-
-/* A builtin kernel has to end somewhere, and where it ends at once a square
- * shows around every lamp at night: from half the radius on it fades to 0 at
- * the edge, by a smoothstep of the distance from the centre. */
-static void fade(const struct raw *raw)
-{
-    const double reach = raw->w / 2.0, start = reach / 2.0;
-    if (raw->w < LEAST_FADED)
-        return;
-    for (int y = 0; y < raw->h; y++) {
-        for (int x = 0; x < raw->w; x++) {
-            const double dx = x - raw->w / 2, dy = y - raw->h / 2;
-            const double r = sqrt(dx * dx + dy * dy);
-            if (r <= start)
-                continue;
-            const double t = fmin((r - start) / (reach - start), 1.0);
-            const double keep = 1.0 - t * t * (3.0 - 2.0 * t);
-            for (int c = 0; c < 3; c++) {
-                float *const v = raw->in.c[c] + (size_t) y * (size_t) raw->w;
-                v[x] = (float) ((double) v[x] * keep);
-            }
-        }
-    }
-}
-
 gp_status gp_kernel_builtin(const struct gp_log *log,
                             const struct gp_kernel_params *p,
                             struct gp_kernel *out)
 {
-    const struct gp_builtin_kernel *b = find_builtin(p->source);
+    const struct gp_builtin_kernel *b = gp_builtin_find(p->source);
     const int size = p->builtin_size;
     struct raw raw = {
         .name = p->source, .w = size, .h = size, .owned = true,
         .luminance = gp_rec709_luminance,
     };
     if (!b)
-        return unknown_builtin(log, p->source);
+        return gp_builtin_unknown(log, p->source);
     if (size < 1 || size > MAX_BUILTIN || size % 2 == 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: a builtin kernel cannot be %d pixels wide; use an "
@@ -366,8 +387,8 @@ gp_status gp_kernel_builtin(const struct gp_log *log,
         st = b->make(log, size, &raw.in);
     if (st)
         return st;
-    fade(&raw);
-    return make(log, p->normalize, &raw, out);
+    gp_builtin_fade(size, &raw.in);
+    return make_turned(log, p, &raw, out);
 }
 
 gp_status gp_kernel_from_frame(const struct gp_log *log,
@@ -385,11 +406,14 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
                        "%s: the kernel has no pixels (%dx%d); use another "
                        "image", raw.name, raw.w, raw.h);
     gp_status st = find_center(log, p, image->data, &raw);
-    return st ? st : make(log, p->normalize, &raw, out);
+    return st ? st : make_turned(log, p, &raw, out);
 }
 
 void gp_kernel_free(struct gp_kernel *k)
 {
+    if (k->unturned)
+        gp_planes_free(&k->unturned->k);
+    gp_free(k->unturned);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};
 }

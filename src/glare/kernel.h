@@ -17,9 +17,22 @@ struct gp_kernel_params {
                                    // the pixel that holds it is the centre
     enum gp_normalize normalize;
     int builtin_size;              // width of a builtin kernel; odd, >= 1
+    float rotate;                  // degrees, counter-clockwise as seen (y is
+                                   // down), about the centre's pixel
 };
 #define GP_KERNEL_DEFAULTS                                                    \
     { .source = "builtin:eye", .builtin_size = 511 }
+
+/* What a turned kernel was turned from, scaled by the same factor, so that
+ *   kernel(dx, dy) = bilinear(unturned, (cos * dx - sin * dy,
+ *                                        sin * dx + cos * dy))
+ * for whole offsets dx, dy from the centre, with zero outside. */
+struct gp_unturned {
+    int w, h;
+    int cx, cy;           // the centre's pixel; may lie outside
+    struct gp_planes k;   // w * h each
+    double cos, sin;      // of the angle
+};
 
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
@@ -36,6 +49,8 @@ struct gp_kernel {
     bool grey;            // the three planes are equal
     unsigned long serial; // of this making, > 0 and unique in the process;
                           // 0 (made by hand) is never taken for known
+    struct gp_unturned *unturned; // NULL when the kernel was not turned, or
+                          // by right angles, which need no sampling; owned
 };
 
 /* Names of the builtin kernels with one line each, NULL-terminated. */
@@ -50,7 +65,8 @@ extern const struct gp_builtin_kernel gp_builtin_kernels[];
 /* Makes the builtin kernel that p->source names, with or without "builtin:",
  * normalised. Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is
- * even or out of range, a centre that is not finite or over 2^20 pixels. */
+ * even or out of range, a centre that is not finite or over 2^20 pixels, an
+ * angle that is not finite, and what gp_turn() says. */
 GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
                                           const struct gp_kernel_params *p,
                                           struct gp_kernel *out);
@@ -61,11 +77,13 @@ GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
  *   out        written only on GP_OK; free with gp_kernel_free()
  *
  * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
- * p->centered. Normalised so that each channel's sum keeps the file's ratios
- * and the luminance sum is 1, unless GP_NORMALIZE_NONE.
+ * p->centered. Turned about it by p->rotate (turn.h). Normalised then so that
+ * each channel's sum keeps the file's ratios and the luminance sum is 1,
+ * unless GP_NORMALIZE_NONE.
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
  * or a luminance sum that is not positive when normalising; GP_ERR_USAGE a
- * centre that is not finite or over 2^20 pixels.
+ * centre that is not finite or over 2^20 pixels, an angle that is not finite,
+ * and what gp_turn() says.
  */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
                                              const struct gp_kernel_params *p,

@@ -3,30 +3,48 @@
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/bright.h"
 
 #include <float.h>
 #include <math.h>
 #include <string.h>
 
-enum { BLOCK = 16 }; // rows a task takes
+enum {
+    BLOCK = 16,  // rows a task takes
+    WIDE = 4,    // doubles summed side by side
+    TABLES = 4,  // that neighbours are counted in: a sky has them in one bin
+};
+
+typedef double wide __attribute__((vector_size(8 * WIDE)));
+typedef float narrow
+    __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
+typedef int32_t ints __attribute__((vector_size(4 * WIDE)));
+
+/* Darkness is found to within a sixteenth, on a fixed grid. */
+enum {
+    GRID = 16384,    // pixels, about
+    DARK_SHIFT = 19, // leaves sign, exponent and 4 bits of mantissa
+    DARK_BINS = 1 << 13,
+};
 
 /* What one block of rows found; added up in the order of the blocks. */
 struct block_sum {
     long long nonfinite, clamped;
-    double flux[3], energy[3];
-    float brightest;
+    wide flux[3], energy[3];
+    narrow brightest;
     int x0, x1; // columns that hold light
     uint32_t count[GP_SOURCE_BINS];
 };
 
 struct sense {
     const struct gp_sensor_params *p;
-    const float *weight;
+    struct gp_bright_rule rule;
     int w, h;
     float *rgb[3];
-    float open; // luminance over which a pixel may be a source
     struct block_sum *block;
     struct gp_sources *out;
+    uint32_t (*dark)[DARK_BINS]; // of each thread: luminance of the grid
+    size_t step;                 // of the grid, in pixels
 };
 
 float gp_bright_pass(const struct gp_sensor_params *p, float y)
@@ -58,17 +76,6 @@ float gp_source_bin_start(int bin)
     return v;
 }
 
-static inline __attribute__((always_inline)) float lit(float v)
-{
-    return v > 0.0f ? v : 0.0f;
-}
-
-static inline __attribute__((always_inline)) float
-luminance_of(const float weight[3], float r, float g, float b)
-{
-    return weight[0] * lit(r) + weight[1] * lit(g) + weight[2] * lit(b);
-}
-
 static inline __attribute__((always_inline)) float clean(float v, float max)
 {
     v = v != v ? 0.0f : v;
@@ -95,7 +102,7 @@ GP_CLONES static void count_row(const float *restrict r,
                           ((vb > max) & (vb <= FLT_MAX));
         bad += !finite;
         over += large;
-        lit_up += luminance_of(weight, vr, vg, vb) > open;
+        lit_up += gp_lit_luminance(weight, vr, vg, vb) > open;
     }
     *nonfinite = bad;
     *clamped = over;
@@ -108,58 +115,126 @@ static void clean_row(float *v, int w, float max)
         v[x] = clean(v[x], max);
 }
 
+/* Counts the grid's pixels of one row, which is in the cache by now: from
+ * every k-th pixel of the frame, about GRID in all. */
+static void sample_row(const struct sense *s, size_t at, uint32_t *count)
+{
+    const size_t end = at + (size_t) s->w;
+    for (size_t i = (at + s->step - 1) / s->step * s->step; i < end;
+         i += s->step) {
+        const float y = gp_lit_luminance(s->rule.weight, s->rgb[0][i],
+                                         s->rgb[1][i], s->rgb[2][i]);
+        if (!(y > 0.0f))
+            continue;
+        uint32_t bits;
+        memcpy(&bits, &y, sizeof bits);
+        count[bits >> DARK_SHIFT]++;
+    }
+}
+
 static void clean_block(void *ctx, int i, int thread)
 {
     struct sense *const s = ctx;
-    (void) thread;
     const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
     for (int y = i * BLOCK; y < end; y++) {
         const size_t at = (size_t) y * (size_t) s->w;
         float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
         float *const b = s->rgb[2] + at;
         int bad, over, bright, none;
-        count_row(r, g, b, s->w, s->p->max_value, s->weight, s->open, &bad,
-                  &over, &bright);
+        count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
+                  s->rule.open, &bad, &over, &bright);
         if (bad || over) {
             clean_row(r, s->w, s->p->max_value);
             clean_row(g, s->w, s->p->max_value);
             clean_row(b, s->w, s->p->max_value);
-            count_row(r, g, b, s->w, s->p->max_value, s->weight, s->open,
-                      &none, &none, &bright);
+            count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
+                      s->rule.open, &none, &none, &bright);
         }
+        sample_row(s, at, s->dark[thread]);
         s->out->row[y + 1] = (uint32_t) bright;
         s->block[i].nonfinite += bad;
         s->block[i].clamped += over;
     }
 }
 
+/* -- the list ---------------------------------------------------------------*/
+
+static void apply_knee(const struct sense *s, int n, struct gp_bright *c)
+{
+    for (int i = 0; i < n; i++) {
+        const float pass = gp_bright_pass(
+            s->p, gp_lit_luminance(s->rule.weight, c->rgb[0][i],
+                                   c->rgb[1][i], c->rgb[2][i]));
+        for (int k = 0; k < 3; k++)
+            c->rgb[k][i] *= pass;
+    }
+}
+
+static inline __attribute__((always_inline)) narrow larger(narrow a, narrow b)
+{
+    const ints which = a > b;
+    return (narrow) ((which & (ints) a) | (~which & (ints) b));
+}
+
+/* Adds n sources to the sums, each lane by itself, in the order of the row:
+ * the same bits with any vectors. */
+GP_CLONES static void sum_row(struct gp_bright *c, int n, float *largest,
+                              struct block_sum *sum)
+{
+    for (int i = n; i % WIDE; i++) // dark lanes fill the last vector
+        c->rgb[0][i] = c->rgb[1][i] = c->rgb[2][i] = 0.0f;
+    for (int k = 0; k < 3; k++) {
+        wide flux = sum->flux[k], energy = sum->energy[k];
+        for (int i = 0; i < n; i += WIDE) {
+            const wide v = __builtin_convertvector(
+                *(const narrow *) (c->rgb[k] + i), wide);
+            flux += v;
+            energy += v * v;
+        }
+        sum->flux[k] = flux;
+        sum->energy[k] = energy;
+    }
+    narrow brightest = sum->brightest;
+    for (int i = 0; i < n; i += WIDE) {
+        const narrow r = *(const narrow *) (c->rgb[0] + i);
+        const narrow g = *(const narrow *) (c->rgb[1] + i);
+        const narrow b = *(const narrow *) (c->rgb[2] + i);
+        const narrow v = larger(larger(r, g), b);
+        *(narrow *) (largest + i) = v;
+        brightest = larger(v, brightest);
+    }
+    sum->brightest = brightest;
+}
+
 /* Writes the sources of one row; its place in the list is known by now. */
-static void list_row(const struct sense *s, int y, struct block_sum *sum)
+static void list_row(const struct sense *s, int y, struct block_sum *sum,
+                     uint32_t count[TABLES][GP_SOURCE_BINS])
 {
     const struct gp_sources *const o = s->out;
-    const size_t at = (size_t) y * (size_t) s->w;
-    uint32_t n = o->row[y];
-    for (int x = 0; x < s->w && n < o->row[y + 1]; x++) {
-        float c[3];
-        for (int k = 0; k < 3; k++)
-            c[k] = lit(s->rgb[k][at + (size_t) x]);
-        const float lum = luminance_of(s->weight, c[0], c[1], c[2]);
-        if (!(lum > s->open))
+    uint32_t at = o->row[y];
+    struct gp_bright c;
+    float largest[GP_BRIGHT_MOST + GP_BRIGHT_LANES]; // channel of each
+    for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += GP_BRIGHT_MOST) {
+        const size_t first = (size_t) y * (size_t) s->w + (size_t) x0;
+        const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
+                                     s->rgb[2] + first};
+        const int rest = s->w - x0;
+        const int n = gp_bright_find(
+            &s->rule, rgb, x0,
+            rest < GP_BRIGHT_MOST ? rest : GP_BRIGHT_MOST, &c);
+        if (!n)
             continue;
-        const float pass = gp_bright_pass(s->p, lum);
-        float largest = 0.0f;
-        for (int k = 0; k < 3; k++) {
-            const float v = c[k] * pass;
-            o->rgb[k][n] = v;
-            sum->flux[k] += (double) v;
-            sum->energy[k] += (double) v * (double) v;
-            largest = v > largest ? v : largest;
-        }
-        sum->brightest = fmaxf(sum->brightest, largest);
-        sum->count[gp_source_bin(largest)]++;
-        sum->x0 = x < sum->x0 ? x : sum->x0;
-        sum->x1 = x + 1 > sum->x1 ? x + 1 : sum->x1;
-        o->x[n++] = x;
+        if (s->p->knee > 0.0f)
+            apply_knee(s, n, &c);
+        sum_row(&c, n, largest, sum);
+        for (int i = 0; i < n; i++)
+            count[i % TABLES][gp_source_bin(largest[i])]++;
+        sum->x0 = c.x[0] < sum->x0 ? c.x[0] : sum->x0;
+        sum->x1 = c.x[n - 1] + 1 > sum->x1 ? c.x[n - 1] + 1 : sum->x1;
+        memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
+        for (int k = 0; k < 3; k++)
+            memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
+        at += (uint32_t) n;
     }
 }
 
@@ -168,44 +243,47 @@ static void list_block(void *ctx, int i, int thread)
     struct sense *const s = ctx;
     (void) thread;
     struct block_sum *const sum = &s->block[i];
+    uint32_t count[TABLES][GP_SOURCE_BINS];
     sum->x0 = s->w;
     const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
+    if (s->out->row[end] == s->out->row[i * BLOCK])
+        return;
+    memset(count, 0, sizeof count);
     for (int y = i * BLOCK; y < end; y++) {
         if (s->out->row[y + 1] > s->out->row[y])
-            list_row(s, y, sum);
+            list_row(s, y, sum, count);
+    }
+    for (int t = 0; t < TABLES; t++) {
+        for (int k = 0; k < GP_SOURCE_BINS; k++)
+            sum->count[k] += count[t][k];
     }
 }
 
-/* The luminance under which 0.1 % of the pixels with light lie, to within a
- * sixteenth, from every k-th pixel of a fixed grid of about 16 thousand. */
-static double darkest(const struct sense *s)
+/* The luminance under which 0.1 % of the grid's pixels with light lie. */
+static double darkest(const struct sense *s, int threads)
 {
-    enum { BINS = 1 << 13, SHIFT = 19 }; // sign, exponent, 4 bits of mantissa
-    static const size_t WANTED = 16384;
-    uint32_t count[BINS] = {0}, total = 0;
-    const size_t n = (size_t) s->w * (size_t) s->h;
-    const size_t step = n / WANTED + 1;
-    for (size_t i = 0; i < n; i += step) {
-        const float y = luminance_of(s->weight, s->rgb[0][i], s->rgb[1][i],
-                                     s->rgb[2][i]);
-        if (!(y > 0.0f))
-            continue;
-        uint32_t bits;
-        memcpy(&bits, &y, sizeof bits);
-        count[bits >> SHIFT]++;
-        total++;
+    uint32_t total = 0, below = 0;
+    for (int t = 1; t < threads; t++) {
+        for (int b = 0; b < DARK_BINS; b++)
+            s->dark[0][b] += s->dark[t][b];
     }
-    uint32_t below = 0;
-    for (uint32_t b = 0; total && b < BINS; b++) {
-        below += count[b];
+    for (int b = 0; b < DARK_BINS; b++)
+        total += s->dark[0][b];
+    for (uint32_t b = 0; total && b < DARK_BINS; b++) {
+        below += s->dark[0][b];
         if (below * 1000ull >= total) {
-            const uint32_t bits = b << SHIFT;
+            const uint32_t bits = b << DARK_SHIFT;
             float y;
             memcpy(&y, &bits, sizeof y);
             return (double) y;
         }
     }
     return 0.0;
+}
+
+static double total(wide v)
+{
+    return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
 static void add_up(const struct sense *s, int blocks)
@@ -217,11 +295,12 @@ static void add_up(const struct sense *s, int blocks)
         o->nonfinite += b->nonfinite;
         o->clamped += b->clamped;
         for (int k = 0; k < 3; k++) {
-            o->flux[k] += b->flux[k];
-            o->energy[k] += b->energy[k];
+            o->flux[k] += total(b->flux[k]);
+            o->energy[k] += total(b->energy[k]);
         }
-        o->brightest = b->brightest > o->brightest ? b->brightest
-                                                   : o->brightest;
+        for (int k = 0; k < WIDE; k++)
+            o->brightest = b->brightest[k] > o->brightest ? b->brightest[k]
+                                                          : o->brightest;
         for (int k = 0; k < GP_SOURCE_BINS; k++)
             o->count[k] += b->count[k];
         box.x0 = b->x0 < box.x0 ? b->x0 : box.x0;
@@ -241,17 +320,26 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
 {
     gp_status st;
     void *v;
-    struct gp_sources o = {.w = gp_frame_w(f), .h = gp_frame_h(f)};
-    struct sense s = {
-        .p = p, .weight = f->luminance, .w = o.w, .h = o.h, .out = &o,
-        .rgb = {f->rgb.c[0], f->rgb.c[1], f->rgb.c[2]},
-        .open = p->knee > 0.0f ? p->threshold * (1.0f - p->knee)
-                               : p->threshold,
+    struct gp_sources o = {
+        .w = gp_frame_w(f), .h = gp_frame_h(f),
+        .x0 = f->data.x0, .y0 = f->data.y0,
+        .luminance = {f->luminance[0], f->luminance[1], f->luminance[2]},
     };
-    const int blocks = (o.h + BLOCK - 1) / BLOCK;
+    struct sense s = {
+        .p = p, .w = o.w, .h = o.h, .out = &o,
+        .rgb = {f->rgb.c[0], f->rgb.c[1], f->rgb.c[2]},
+    };
+    const int blocks = (o.h + BLOCK - 1) / BLOCK, threads = gp_threads();
+    s.step = (size_t) o.w * (size_t) o.h / GRID + 1;
+    gp_bright_rule_make(p->knee > 0.0f ? p->threshold * (1.0f - p->knee)
+                                       : p->threshold,
+                        f->luminance, &s.rule);
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
                          sizeof *s.block, &v));
     s.block = v;
+    GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
+                         &v));
+    s.dark = v;
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) o.h + 1, sizeof *o.row, &v));
     o.row = v;
     gp_parallel_do(blocks, clean_block, &s);
@@ -267,11 +355,12 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     if (o.n)
         gp_parallel_do(blocks, list_block, &s);
     add_up(&s, blocks);
-    o.darkest = darkest(&s);
+    o.darkest = darkest(&s, threads);
     *out = o;
     o = (struct gp_sources) {0};
 out:
     gp_free(s.block);
+    gp_free(s.dark);
     gp_sources_free(&o);
     return st;
 }

@@ -33,6 +33,8 @@ float gp_source_bin_start(int bin);
  * Colours are finite and >= 0. */
 struct gp_sources {
     int w, h;             // of the frame
+    int x0, y0;           // the data window's corner, EXR pixel space
+    float luminance[3];   // weights of the frame's primaries
     size_t n;             // sources
     uint32_t *row;        // h + 1 offsets
     int32_t *x;           // n columns, ascending in a row

@@ -14,7 +14,7 @@
 
 static uint32_t seed;
 
-static float uniform(void)
+static inline float uniform(void)
 {
     seed = seed * 1664525u + 1013904223u;
     return (float) (seed >> 8) * 0x1p-24f;
@@ -22,9 +22,10 @@ static float uniform(void)
 
 /* -- light ----------------------------------------------------------------- */
 
-enum light { EVERY, NONE, CORNERS, FEW, MANY, HOT, EQUAL };
+/* FAINT light is near the smallest that float has whole, UNDER is below it. */
+enum light { EVERY, NONE, CORNERS, FEW, MANY, HOT, EQUAL, FAINT, UNDER };
 
-static bool is_lit(enum light light, int i, int w, int h)
+static inline bool is_lit(enum light light, int i, int w, int h)
 {
     int x = i % w, y = i / w;
     switch (light) {
@@ -39,23 +40,28 @@ static bool is_lit(enum light light, int i, int w, int h)
     case HOT:
         return i % 97 == 13 || i == w * h / 2;
     case MANY:
+    case FAINT:
+    case UNDER:
         break;
     }
     return uniform() < 0.3f;
 }
 
-static float lit_value(enum light light, int i, int w, int h)
+static inline float lit_value(enum light light, int i, int w, int h)
 {
     if (light == EQUAL)
         return 1.1f;
+    if (light == FAINT || light == UNDER)
+        return (light == FAINT ? 1e-35f : 1e-40f) * (1.0f + uniform());
     if (light == HOT)
         return i == w * h / 2 ? 1e9f : 1e-3f * uniform();
     return i % 5 == 0 ? 65504.0f * uniform() : 1.0f + uniform();
 }
 
-static struct gp_sources make_sources(int w, int h, enum light light)
+static inline struct gp_sources make_sources(int w, int h, enum light light)
 {
-    struct gp_sources s = {.w = w, .h = h, .box = {w, h, 0, 0}};
+    struct gp_sources s = {.w = w, .h = h, .box = {w, h, 0, 0},
+                           .luminance = {0.2126f, 0.7152f, 0.0722f}};
     size_t pixels = (size_t) w * (size_t) h;
     s.row = calloc((size_t) h + 1, sizeof *s.row);
     s.x = calloc(pixels, sizeof *s.x);
@@ -67,6 +73,8 @@ static struct gp_sources make_sources(int w, int h, enum light light)
             for (int c = 0; c < 3; c++)
                 s.rgb[c][s.n] = i % 11 == c ? 0.0f
                                             : lit_value(light, i, w, h);
+            for (int c = 0; c < 3; c++)
+                s.flux[c] += (double) s.rgb[c][s.n];
             s.x[s.n++] = x;
             s.box.x0 = x < s.box.x0 ? x : s.box.x0;
             s.box.y0 = y < s.box.y0 ? y : s.box.y0;
@@ -78,7 +86,7 @@ static struct gp_sources make_sources(int w, int h, enum light light)
     return s;
 }
 
-static void free_sources(struct gp_sources *s)
+static inline void free_sources(struct gp_sources *s)
 {
     free(s->row);
     free(s->x);
@@ -90,7 +98,23 @@ static void free_sources(struct gp_sources *s)
 
 enum shape { PEAK, BOX, LOBES, HOLES };
 
-static void fill_kernel(struct gp_kernel *k, enum shape shape)
+static inline void find_norms(struct gp_kernel *k)
+{
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0, norm1 = 0.0, squares = 0.0;
+        for (int i = 0; i < k->w * k->h; i++) {
+            const double v = (double) k->k.c[c][i];
+            sum += v;
+            norm1 += fabs(v);
+            squares += v * v;
+        }
+        k->sum[c] = sum;
+        k->norm1[c] = norm1;
+        k->norm2[c] = sqrt(squares);
+    }
+}
+
+static inline void fill_kernel(struct gp_kernel *k, enum shape shape)
 {
     for (int i = 0; i < k->w * k->h; i++) {
         double dx = i % k->w - k->w / 2, dy = i / k->w - k->h / 2;
@@ -105,10 +129,11 @@ static void fill_kernel(struct gp_kernel *k, enum shape shape)
             k->k.c[c][i] = (float) v;
         }
     }
+    find_norms(k);
 }
 
-static struct gp_kernel make_kernel(int w, int h, int cx, int cy,
-                                    enum shape shape)
+static inline struct gp_kernel make_kernel(int w, int h, int cx, int cy,
+                                           enum shape shape)
 {
     struct gp_kernel k = {.w = w, .h = h, .cx = cx, .cy = cy};
     if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &k.k))
@@ -121,7 +146,7 @@ static struct gp_kernel make_kernel(int w, int h, int cx, int cy,
 
 static char last_line[4096];
 
-static void keep(void *user, enum gp_level level, const char *line)
+static inline void keep(void *user, enum gp_level level, const char *line)
 {
     (void) user;
     (void) level;
@@ -131,15 +156,18 @@ static void keep(void *user, enum gp_level level, const char *line)
 static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
 
 static struct gp_glare_stats stats; // of the last run
+static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next
 
-static gp_status splat(enum gp_gl_choice gl, const struct gp_sources *src,
-                       const struct gp_kernel *k, struct gp_planes *layer,
-                       void **state)
+static inline gp_status splat(enum gp_gl_choice gl,
+                              const struct gp_sources *src,
+                              const struct gp_kernel *k,
+                              struct gp_planes *layer, void **state)
 {
     const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
-                                           .gl = gl};
-    const struct gp_glare_job job = {&log_kept, &params, src,
-                                     k,         layer,   &stats};
+                                           .gl = gl, .splat = how};
+    const struct gp_glare_job job = {.log = &log_kept, .params = &params,
+                                     .src = src, .kernel = k, .layer = layer,
+                                     .stats = &stats};
     size_t samples = (size_t) src->w * (size_t) src->h;
     stats = (struct gp_glare_stats) {0};
     if (gp_planes_make(NULL, "layer", samples, layer))
@@ -151,8 +179,9 @@ static gp_status splat(enum gp_gl_choice gl, const struct gp_sources *src,
 
 /* -- the sum --------------------------------------------------------------- */
 
-static void add_source(const struct gp_sources *src, const struct gp_kernel *k,
-                       int sx, int sy, float value, int c, double *sum)
+static inline void add_source(const struct gp_sources *src,
+                              const struct gp_kernel *k, int sx, int sy,
+                              float value, int c, double *sum)
 {
     for (int y = 0; y < k->h; y++) {
         long long py = (long long) sy + y - k->cy;
@@ -168,8 +197,9 @@ static void add_source(const struct gp_sources *src, const struct gp_kernel *k,
 }
 
 /* rel_l2 of a layer against the sum in double; 0 when both are all 0. */
-static double rel_l2(const struct gp_sources *src, const struct gp_kernel *k,
-                     const struct gp_planes *layer)
+static inline double rel_l2(const struct gp_sources *src,
+                            const struct gp_kernel *k,
+                            const struct gp_planes *layer)
 {
     size_t samples = (size_t) src->w * (size_t) src->h;
     double wrong = 0.0, all = 0.0;

@@ -1,8 +1,7 @@
-/* splat against a plain double sum: sizes, kernels, tiles, sequences, threads.
+/* splat against a plain double sum: sizes, kernels, tiles, sequences.
  *
  *   test_splat          the tests
  *   test_splat --time   measures the constants of splat.c's prediction
- *   test_splat --hash   prints a checksum of one layer (the tests call it)
  */
 #include "core/clock.h"
 #include "core/parallel.h"
@@ -17,7 +16,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 
 #include <cmocka.h>
 
@@ -79,13 +77,13 @@ static void run_row(enum gp_gl_choice gl, const struct row *r, void **state)
     struct gp_planes layer;
     int row = (int) (r - rows);
     if (splat_or_skip(gl, &src, &k, &layer, state) != GP_OK)
-        fail_msg("row %d: %s", row, last_line);
+        fail_msg("row %d, %d: %s", row, how.primitive, last_line);
     double error = rel_l2(&src, &k, &layer);
     if (!(error <= 2e-6))
-        fail_msg("row %d: rel_l2 %g", row, error);
+        fail_msg("row %d, %d: rel_l2 %g", row, how.primitive, error);
     if (stats.gl && !(error <= stats.bound))
-        fail_msg("row %d: rel_l2 %g over the bound %g", row, error,
-                 stats.bound);
+        fail_msg("row %d, %d: rel_l2 %g over the bound %g", row,
+                 how.primitive, error, stats.bound);
     if (stats.gl && r->shape == LOBES)
         assert_true(isinf(stats.bound));
     gp_planes_free(&layer);
@@ -93,12 +91,22 @@ static void run_row(enum gp_gl_choice gl, const struct row *r, void **state)
     free_sources(&src);
 }
 
-/* One state for all rows: frames and kernels change size under way. */
+/* One state for all rows: frames and kernels change size under way, and how
+ * they are drawn. */
 static void rows_equal_the_sum(enum gp_gl_choice gl)
 {
+    static const enum gp_primitive primitives[] = {
+        GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT, GP_PRIMITIVE_TILE,
+        GP_PRIMITIVE_AUTO,
+    };
     void *state = NULL;
-    for (int i = 0; i < ROWS; i++)
-        run_row(gl, &rows[i], &state);
+    for (int i = 0; i < ROWS; i++) {
+        for (int p = 0; p < 4; p++) {
+            how.primitive = primitives[p];
+            run_row(gl, &rows[i], &state);
+        }
+    }
+    how.primitive = GP_PRIMITIVE_AUTO;
     gp_engine_splat.close(&state);
     assert_null(state);
 }
@@ -130,6 +138,7 @@ static void tiles_equal_the_sum(void **state)
         {"7", {22, 1, EVERY, 7, 7, 0, 6, HOLES}},
     };
     (void) state;
+    how.primitive = GP_PRIMITIVE_QUAD;
     for (size_t i = 0; i < sizeof tiled / sizeof tiled[0]; i++) {
         void *kept = NULL;
         setenv("GLAREPP_GL_MAX_SIZE", tiled[i].side, 1);
@@ -137,6 +146,7 @@ static void tiles_equal_the_sum(void **state)
         unsetenv("GLAREPP_GL_MAX_SIZE");
         gp_engine_splat.close(&kept);
     }
+    how.primitive = GP_PRIMITIVE_AUTO;
 }
 
 static void over_the_limit_fails_with_words(void **state)
@@ -147,6 +157,7 @@ static void over_the_limit_fails_with_words(void **state)
     struct gp_kernel small = make_kernel(9, 9, 4, 4, PEAK);
     struct gp_kernel large = make_kernel(17, 9, 8, 4, PEAK);
     struct gp_planes layer;
+    how.primitive = GP_PRIMITIVE_QUAD;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
     assert_int_equal(splat_or_skip(GP_GL_AUTO, &src, &small, &layer, &kept),
                      GP_OK);
@@ -160,6 +171,7 @@ static void over_the_limit_fails_with_words(void **state)
     assert_int_equal(splat(GP_GL_AUTO, &src, &small, &layer, &kept), GP_OK);
     assert_true(rel_l2(&src, &small, &layer) <= 2e-6);
     unsetenv("GLAREPP_GL_MAX_SIZE");
+    how.primitive = GP_PRIMITIVE_AUTO;
     gp_planes_free(&layer);
     gp_planes_free(&small.k);
     gp_planes_free(&large.k);
@@ -177,6 +189,7 @@ static void missing_library_fails_with_words(void **state)
     setenv("GLAREPP_OSMESA", "/nonexistent/libOSMesa.so.8", 1);
     assert_int_equal(splat(GP_GL_OSMESA, &src, &k, &layer, &kept), GP_ERR_GL);
     unsetenv("GLAREPP_OSMESA");
+    gp_engine_splat.close(&kept);
     assert_null(kept);
     assert_non_null(strstr(last_line, "libosmesa6"));
     gp_planes_free(&layer);
@@ -262,74 +275,20 @@ static void counts_are_right(void **state)
     struct gp_sources src = make_sources(40, 30, CORNERS);
     struct gp_kernel k = make_kernel(9, 7, 4, 3, PEAK);
     struct gp_planes layer;
-    const struct gp_glare_job job = {.src = &src, .kernel = &k};
+    const struct gp_glare_params params = {.splat = how};
+    const struct gp_glare_job job = {.params = &params, .src = &src,
+                                     .kernel = &k};
     assert_int_equal(splat_or_skip(GP_GL_AUTO, &src, &k, &layer, &kept),
                      GP_OK);
     assert_int_equal(stats.polygons, 4);
     assert_true(stats.polygon_pixels == 4 * 5 * 4);
     assert_true(stats.bound > 0 && stats.bound < 1e-5);
-    assert_true(gp_engine_splat.predict_ms(&job) > 0);
+    assert_true(gp_engine_splat.predict_ms(&job, NULL) > 0);
     gp_planes_free(&layer);
     gp_planes_free(&k.k);
     gp_engine_splat.close(&kept);
     gp_engine_splat.close(&kept);
     free_sources(&src);
-}
-
-/* -- threads --------------------------------------------------------------- */
-
-/* FNV-1a of the bytes of a layer with overlaps, chunks and several tiles. */
-static int print_hash(void)
-{
-    void *kept = NULL;
-    seed = 5u;
-    struct gp_sources src = make_sources(211, 173, MANY);
-    struct gp_kernel k = make_kernel(64, 61, 32, 30, PEAK);
-    struct gp_planes layer;
-    if (splat(GP_GL_AUTO, &src, &k, &layer, &kept) != GP_OK)
-        return 77;
-    uint64_t hash = 14695981039346656037u;
-    for (int c = 0; c < 3; c++) {
-        const unsigned char *byte = (const unsigned char *) layer.c[c];
-        for (size_t i = 0; i < 211 * 173 * sizeof(float); i++)
-            hash = (hash ^ byte[i]) * 1099511628211u;
-    }
-    printf("%016llx\n", (unsigned long long) hash);
-    gp_engine_splat.close(&kept);
-    gp_planes_free(&layer);
-    gp_planes_free(&k.k);
-    free_sources(&src);
-    return 0;
-}
-
-static const char *program;
-
-static int hash_with(const char *threads, char *line, int size)
-{
-    char command[1024];
-    snprintf(command, sizeof command, "LP_NUM_THREADS=%s '%s' --hash", threads,
-             program);
-    FILE *p = popen(command, "r");
-    assert_non_null(p);
-    bool said = fgets(line, size, p) != NULL;
-    int status = pclose(p);
-    return WIFEXITED(status) && (said || WEXITSTATUS(status))
-               ? WEXITSTATUS(status) : -1;
-}
-
-static void threads_change_no_byte(void **state)
-{
-    static const char *const threads[] = {"1", "2", "3", "4", "7"};
-    char first[64], line[64];
-    (void) state;
-    int status = hash_with("0", first, sizeof first);
-    if (status == 77)
-        skip();
-    assert_int_equal(status, 0);
-    for (size_t i = 0; i < sizeof threads / sizeof threads[0]; i++) {
-        assert_int_equal(hash_with(threads[i], line, sizeof line), 0);
-        assert_string_equal(line, first);
-    }
 }
 
 /* -- timing ---------------------------------------------------------------- */
@@ -394,11 +353,13 @@ static int print_times(void)
         struct gp_kernel k = make_kernel(timed[i].side, timed[i].side,
                                          timed[i].side / 2, timed[i].side / 2,
                                          PEAK);
-        const struct gp_glare_job job = {.src = &src, .kernel = &k};
+        const struct gp_glare_params params = {.splat = how};
+        const struct gp_glare_job job = {.params = &params, .src = &src,
+                                         .kernel = &k};
         double ms = time_frame(&src, &k, &state);
         printf("1024x768, %5zu polygons of %dx%d: %.1f ms (%.0f predicted "
                "with the start)\n", src.n, k.w, k.h, ms,
-               gp_engine_splat.predict_ms(&job));
+               gp_engine_splat.predict_ms(&job, NULL));
         gp_planes_free(&k.k);
         free_sources(&src);
     }
@@ -417,11 +378,7 @@ int main(int argc, char **argv)
         cmocka_unit_test(no_stale_kernel),
         cmocka_unit_test(contexts_in_turns),
         cmocka_unit_test(counts_are_right),
-        cmocka_unit_test(threads_change_no_byte),
     };
-    program = argv[0];
-    if (argc > 1 && strcmp(argv[1], "--hash") == 0)
-        return print_hash();
     if (argc > 1 && strcmp(argv[1], "--time") == 0)
         return print_times();
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind

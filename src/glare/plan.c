@@ -1,0 +1,378 @@
+#include "glare/plan.h"
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Another technique is worth a change from this share of the old one's time
+ * on. */
+static const double GAIN = 0.8;
+
+// -- the choice ---------------------------------------------------------------
+
+struct asking {
+    struct gp_candidate *c;
+    int n;
+    double tolerance;
+    gp_plan_ask ask;
+    void *ctx;
+    int order[GP_CANDIDATES]; // by ms, those of finite ms alone
+    int count;
+};
+
+static gp_status ask_bound(struct asking *a, int i)
+{
+    struct gp_candidate *const c = &a->c[i];
+    if (!isnan(c->bound))
+        return GP_OK;
+    gp_status st = a->ask(a->ctx, i, &c->bound);
+    if (isnan(c->bound))
+        c->bound = INFINITY;
+    return st;
+}
+
+/* Fewest ms first; of equals, the first in the list. */
+static void sort(struct asking *a)
+{
+    for (int i = 0; i < a->n; i++) {
+        if (!(a->c[i].ms < INFINITY)) // NAN too
+            continue;
+        int at = a->count++;
+        for (; at > 0 && a->c[a->order[at - 1]].ms > a->c[i].ms; at--)
+            a->order[at] = a->order[at - 1];
+        a->order[at] = i;
+    }
+}
+
+/* The first in order that keeps the tolerance, or -1. */
+static gp_status first_within(struct asking *a, bool exact, int *found)
+{
+    *found = -1;
+    for (int k = 0; k < a->count && *found < 0; k++) {
+        const int i = a->order[k];
+        if (exact && !a->c[i].exact)
+            continue;
+        gp_status st = ask_bound(a, i);
+        if (st)
+            return st;
+        if (a->c[i].bound <= a->tolerance)
+            *found = i;
+    }
+    return GP_OK;
+}
+
+/* Of the exact ones, whose bounds are known. */
+static int least_bound(const struct asking *a)
+{
+    int best = -1;
+    for (int k = 0; k < a->count; k++) {
+        const int i = a->order[k];
+        if (a->c[i].exact &&
+            (best < 0 || a->c[i].bound < a->c[best].bound))
+            best = i;
+    }
+    return best;
+}
+
+/* Whether candidate i may follow `last`, for what it changes. */
+static gp_status may_follow(struct asking *a, int last, int i, bool *may)
+{
+    gp_status st = ask_bound(a, i);
+    *may = !st && a->c[last].bound + a->c[i].bound <= a->tolerance;
+    return st;
+}
+
+/* The candidate with the least later_ms, under `last`'s ms, that may follow
+ * it; -1 when there is none. */
+static gp_status find_rival(struct asking *a, int last, int *rival)
+{
+    bool refused[GP_CANDIDATES] = {false};
+    for (;;) {
+        *rival = -1;
+        for (int k = 0; k < a->count; k++) {
+            const int i = a->order[k];
+            if (i != last && !refused[i] &&
+                a->c[i].later_ms <
+                    (*rival < 0 ? a->c[last].ms : a->c[*rival].later_ms))
+                *rival = i;
+        }
+        if (*rival < 0)
+            return GP_OK;
+        bool may;
+        gp_status st = may_follow(a, last, *rival, &may);
+        if (st || may)
+            return st;
+        refused[*rival] = true;
+    }
+}
+
+/* `last` keeps the tolerance and `fastest` does too: which of them, or the
+ * rival that staying has lost enough to. */
+static gp_status stay_or_go(struct asking *a, int last, int fastest,
+                            struct gp_plan_past *past, int *taken)
+{
+    *taken = last;
+    if (a->c[fastest].ms < GAIN * a->c[last].ms) {
+        bool may;
+        gp_status st = may_follow(a, last, fastest, &may);
+        if (st || may) {
+            *taken = fastest;
+            return st;
+        }
+    }
+    int rival;
+    gp_status st = find_rival(a, last, &rival);
+    if (st || rival < 0) {
+        past->rival = 0;
+        return st;
+    }
+    const struct gp_candidate *const old = &a->c[last], *const c = &a->c[rival];
+    if (past->rival != rival + 1)
+        past->lost = 0.0;
+    past->rival = rival + 1;
+    past->lost += old->ms - c->later_ms;
+    if (past->lost > c->ms - c->later_ms + old->ms)
+        *taken = rival;
+    return GP_OK;
+}
+
+gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
+                         struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
+                         struct gp_choice *out)
+{
+    struct asking a = {
+        .c = c, .n = n, .tolerance = tolerance, .ask = ask, .ctx = ctx,
+    };
+    int fastest, taken;
+    sort(&a);
+    // an approximation rounds as well: it is not asked when that is too much
+    gp_status st = first_within(&a, true, &fastest);
+    const bool within = fastest >= 0;
+    if (!st && within)
+        st = first_within(&a, false, &fastest);
+    if (st)
+        return st;
+    taken = within ? fastest : least_bound(&a);
+    const int last = past->last - 1;
+    if (within && last >= 0 && last < n && c[last].ms < INFINITY) {
+        st = ask_bound(&a, last);
+        if (!st && c[last].bound <= tolerance)
+            st = stay_or_go(&a, last, fastest, past, &taken);
+    }
+    if (st)
+        return st;
+    if (taken != last) {
+        past->rival = 0;
+        past->lost = 0.0;
+    }
+    past->last = taken + 1;
+    *out = (struct gp_choice) {
+        .taken = taken, .within = within,
+        .kept = taken == last && taken != fastest && within,
+    };
+    return GP_OK;
+}
+
+// -- the candidates -----------------------------------------------------------
+
+static double predict(const struct gp_glare_job *job, const struct gp_glare *g,
+                      int engine, const struct gp_splat_params *splat,
+                      bool later)
+{
+    struct gp_glare_params params = *job->params;
+    struct gp_glare_job asked = *job;
+    if (splat)
+        params.splat = *splat;
+    asked.params = &params;
+    asked.later = later;
+    return gp_engines[engine]->predict_ms(&asked, g->state[engine]);
+}
+
+static bool is_splat(int engine)
+{
+    return gp_engines[engine] == &gp_engine_splat;
+}
+
+/* Setting `i` of a splat, from the coarsest to the exact one; false after
+ * that. */
+static bool splat_setting(const struct gp_glare_params *p, int i,
+                          struct gp_splat_params *out)
+{
+    static const struct { int group, cluster; bool shrink; } setting[] = {
+        {8, 16, true}, {8, 16, false}, {4, 8, true}, {4, 8, false},
+        {2, 4, true},  {2, 4, false},  {1, 0, true}, {1, 0, false},
+    };
+    if (i >= (int) (sizeof setting / sizeof *setting))
+        return false;
+    *out = p->splat;
+    out->group = setting[i].group;
+    out->cluster = setting[i].cluster;
+    out->shrink = setting[i].shrink ? p->tolerance / 2.0f : 0.0f;
+    return true;
+}
+
+static bool is_exact(const struct gp_splat_params *s)
+{
+    return s->group == 1 && s->cluster == 0 && !(s->shrink > 0.0f);
+}
+
+static void name_splat(struct gp_candidate *c)
+{
+    const struct gp_splat_params *const s = &c->splat;
+    snprintf(c->name, sizeof c->name, "splat %d/%d%s", s->group, s->cluster,
+             s->shrink > 0.0f ? " shrunk" : "");
+}
+
+/* One splat. A context is never opened in hope of frames to come: what it
+ * takes counts in full until it is open. */
+static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
+                      int engine, const struct gp_splat_params *s,
+                      struct gp_candidate *c)
+{
+    *c = (struct gp_candidate) {
+        .engine = engine, .splat = *s, .exact = is_exact(s), .bound = NAN,
+        .ms = predict(job, g, engine, s, false),
+    };
+    c->later_ms = c->ms;
+    name_splat(c);
+}
+
+/* Finer groups are more polygons: where the coarsest setting takes longer than
+ * another engine, so do the rest, which are not counted out then. */
+static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
+                      int engine, double least, struct gp_candidate *c)
+{
+    int n = 0;
+    struct gp_splat_params s;
+    add_splat(job, g, engine, &job->params->splat, &c[n++]);
+    for (int i = 0; splat_setting(job->params, i, &s); i++) {
+        if (i > 0 && !(c[1].ms < least))
+            c[n++] = (struct gp_candidate) {
+                .engine = engine, .splat = s, .bound = NAN,
+                .ms = INFINITY, .later_ms = INFINITY,
+            };
+        else
+            add_splat(job, g, engine, &s, &c[n++]);
+    }
+    return n;
+}
+
+int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
+                       struct gp_candidate c[GP_CANDIDATES])
+{
+    int n = 0;
+    double least = INFINITY;
+    for (int i = 0; gp_engines[i]; i++) {
+        if (is_splat(i)) {
+            n += add_splats(job, g, i, least, c + n);
+            continue;
+        }
+        c[n] = (struct gp_candidate) {
+            .engine = i, .splat = job->params->splat, .exact = true,
+            .bound = NAN, .ms = predict(job, g, i, NULL, false),
+        };
+        c[n].later_ms = fmin(c[n].ms, predict(job, g, i, NULL, true));
+        snprintf(c[n].name, sizeof c[n].name, "%s", gp_engines[i]->name);
+        least = fmin(least, c[n].ms);
+        n++;
+    }
+    return n;
+}
+
+// -- in words -----------------------------------------------------------------
+
+struct words {
+    char *at;
+    size_t room;
+};
+
+__attribute__((format(printf, 2, 3))) static void
+say(struct words *w, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    const int n = vsnprintf(w->at, w->room, format, args);
+    va_end(args);
+    const size_t used =
+        n < 0 ? 0 : (size_t) n < w->room ? (size_t) n : w->room - 1;
+    w->at += used;
+    w->room -= used;
+}
+
+/* Every candidate whose bound was asked, the exact engines, and the splat of
+ * fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03". */
+static void tell(const struct gp_candidate *c, int n,
+                 const struct gp_choice *choice, double tolerance,
+                 struct words w)
+{
+    const struct gp_candidate *const t = &c[choice->taken];
+    int splat = -1;
+    for (int i = 0; i < n; i++) {
+        if (is_splat(c[i].engine) && c[i].ms < INFINITY &&
+            (splat < 0 || c[i].ms < c[splat].ms))
+            splat = i;
+    }
+    say(&w, "%s %.3g ms of bound %.2g", t->name, t->ms, t->bound);
+    if (!choice->within)
+        say(&w, ", the least there is, not %.2g", tolerance);
+    if (choice->kept)
+        say(&w, ", as before");
+    const char *between = "; ";
+    for (int i = 0; i < n; i++) {
+        if (i == choice->taken || !(c[i].ms < INFINITY) ||
+            (is_splat(c[i].engine) && isnan(c[i].bound) && i != splat))
+            continue;
+        say(&w, "%s%s %.3g", between, c[i].name, c[i].ms);
+        if (!isnan(c[i].bound) && !(c[i].bound <= tolerance))
+            say(&w, " of bound %.2g", c[i].bound);
+        between = ", ";
+    }
+}
+
+// -- the plan -----------------------------------------------------------------
+
+struct plan {
+    const struct gp_glare_job *job;
+    struct gp_glare *g;
+    struct gp_candidate c[GP_CANDIDATES];
+};
+
+static gp_status ask_engine(void *ctx, int i, double *bound)
+{
+    const struct plan *const p = ctx;
+    const struct gp_candidate *const c = &p->c[i];
+    struct gp_glare_params params = *p->job->params;
+    struct gp_glare_job job = *p->job;
+    params.splat = c->splat;
+    job.params = &params;
+    *bound = INFINITY;
+    return gp_engines[c->engine]->bound
+               ? gp_engines[c->engine]->bound(&job, &p->g->state[c->engine],
+                                              bound)
+               : GP_OK;
+}
+
+gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
+                  const char *path, struct gp_candidate *out)
+{
+    struct plan p = {.job = job, .g = g};
+    struct gp_choice choice;
+    const double tolerance = (double) job->params->tolerance;
+    const int n = gp_plan_candidates(job, g, p.c);
+    gp_status st = gp_plan_choose(p.c, n, tolerance, &g->past, ask_engine, &p,
+                                  &choice);
+    if (st)
+        return st;
+    const struct words w = {job->stats->why, sizeof job->stats->why};
+    tell(p.c, n, &choice, tolerance, w);
+    *out = p.c[choice.taken];
+    if (!choice.within && !g->past.warned) {
+        g->past.warned = true;
+        gp_say(job->log, GP_LEVEL_WARN,
+               "%s: no engine guarantees --tolerance %.3g (the least bound is "
+               "%.2g, of %s, which is taken); a larger tolerance may be faster",
+               path, tolerance, out->bound, out->name);
+    }
+    return GP_OK;
+}

@@ -1,0 +1,498 @@
+/* glare/group.c and glare/group_reference.c: formula (1), clusters, blurs, and
+ * that what is drawn is what was meant. */
+#include "core/parallel.h"
+#include "glare/blur.h"
+#include "glare_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+static const struct gp_sensor_params all_light = {0.0f, 0.0f, 65504.0f};
+static const struct gp_sensor_params over_one = {1.0f, 0.0f, 65504.0f};
+
+/* Sources of a frame of w x h grey pixels. */
+static struct gp_sources grey_sources(int w, int h, int x0, int y0,
+                                      const float *grey)
+{
+    struct gp_frame f = scene_frame(w, h, x0, y0, DARK, 1u);
+    struct gp_sources s;
+    for (int c = 0; c < 3; c++)
+        memcpy(f.rgb.c[c], grey, (size_t) (w * h) * sizeof *grey);
+    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
+    gp_frame_free(&f);
+    return s;
+}
+
+static struct gp_sources scene_sources(int w, int h, int x0, int y0,
+                                       enum light light, uint32_t seed)
+{
+    struct gp_frame f = scene_frame(w, h, x0, y0, light, seed);
+    struct gp_sources s;
+    assert_int_equal(gp_sense(NULL, &over_one, &f, &s), GP_OK);
+    gp_frame_free(&f);
+    return s;
+}
+
+static struct gp_polygons group(const struct gp_sources *s,
+                                const struct gp_splat_params *p)
+{
+    struct gp_polygons q;
+    assert_int_equal(gp_group(NULL, s, p, &q), GP_OK);
+    assert_int_equal(q.n, q.groups + q.clusters);
+    return q;
+}
+
+/* -- formula (1) -------------------------------------------------------------*/
+
+static void formula_by_hand(void **state)
+{
+    (void) state;
+    // two blocks of 2x2; the second holds one pixel
+    static const float grey[] = {1, 3, 0, 0,
+                                 0, 4, 0, 5};
+    struct gp_sources s = grey_sources(4, 2, 0, 0, grey);
+    const struct gp_splat_params p = {.group = 2, .method = GP_GROUP_MOMENTS};
+    struct gp_polygons q = group(&s, &p);
+    assert_int_equal(q.groups, 2);
+    assert_true(fabsf(q.at[0].light - 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].rgb[1] - 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].x - 7.0f / 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].y - 4.0f / 8.0f) < 1e-6f);
+    assert_true(q.at[1].x == 3.0f && q.at[1].y == 1.0f);
+    assert_int_equal(q.at[1].blur, 0);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+}
+
+/* -- the naive form ----------------------------------------------------------*/
+
+/* Block of side `side` that holds v, in EXR pixel space. */
+static int block_of(int v, int side)
+{
+    return (int) floor((double) v / side);
+}
+
+struct naive {
+    double light, x, y, square, rgb[3];
+    int sources, area;
+};
+
+/* The block (bx, by) of EXR pixel space, looking at every source. */
+static struct naive naive_block(const struct gp_sources *s, int bx, int by,
+                                int side)
+{
+    struct naive n = {0};
+    for (int y = 0; y < s->h; y++) {
+        for (int x = 0; x < s->w; x++)
+            n.area += block_of(x + s->x0, side) == bx &&
+                      block_of(y + s->y0, side) == by;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            const int x = s->x[i];
+            if (block_of(x + s->x0, side) != bx ||
+                block_of(y + s->y0, side) != by)
+                continue;
+            double light = 0.0;
+            for (int c = 0; c < 3; c++) {
+                n.rgb[c] += (double) s->rgb[c][i];
+                light += (double) s->luminance[c] * (double) s->rgb[c][i];
+            }
+            n.light += light;
+            n.x += light * x;
+            n.y += light * y;
+            n.square += light * (x * x + y * y);
+            n.sources++;
+        }
+    }
+    n.x /= n.light;
+    n.y /= n.light;
+    n.square = (n.square / n.light - n.x * n.x - n.y * n.y) / 2.0;
+    return n;
+}
+
+static int naive_filled(const struct naive *n, const struct gp_splat_params *p)
+{
+    return (float) n->sources >= p->cluster_fill * (float) n->area;
+}
+
+static double spread_of(int box, const struct gp_polygon *q)
+{
+    double f[2] = {(double) q->x - (box - 1) / 2.0,
+                   (double) q->y - (box - 1) / 2.0};
+    double sum = (box * box - 1) / 12.0;
+    for (int i = 0; i < 2; i++) {
+        f[i] -= floor(f[i]);
+        sum += f[i] * (1.0 - f[i]) / 2.0;
+    }
+    return sum;
+}
+
+static void check_polygon(const struct gp_polygon *q, const struct naive *n,
+                          int side, const struct gp_splat_params *p)
+{
+    const double span = 1e-6 * (1.0 + fabs(n->x) + fabs(n->y));
+    assert_int_equal(q->side, side);
+    assert_true(fabs((double) q->light - n->light) <= 1e-6 * n->light);
+    assert_true(fabs((double) q->x - n->x) <= span);
+    assert_true(fabs((double) q->y - n->y) <= span);
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs((double) q->rgb[c] - n->rgb[c]) <= 1e-6 * n->rgb[c]);
+    if (p->method == GP_GROUP_CENTROID) {
+        assert_int_equal(q->blur, 0);
+        return;
+    }
+    const double off = fabs(spread_of(gp_blur_box[q->blur], q) - n->square);
+    assert_true(gp_blur_box[q->blur] <= side);
+    for (int b = 0; b < GP_BLURS && gp_blur_box[b] <= side; b++)
+        assert_true(off <= fabs(spread_of(gp_blur_box[b], q) - n->square) +
+                               1e-3);
+}
+
+/* Every block of that side in row order; those in filled areas are left out
+ * unless they are these areas. Returns how many polygons it saw. */
+static size_t check_blocks(const struct gp_sources *s,
+                           const struct gp_splat_params *p, int side,
+                           const struct gp_polygon *at)
+{
+    size_t n = 0;
+    for (int by = block_of(s->y0, side); by * side < s->y0 + s->h; by++) {
+        for (int bx = block_of(s->x0, side); bx * side < s->x0 + s->w; bx++) {
+            const struct naive b = naive_block(s, bx, by, side);
+            if (!b.sources || (side == p->cluster && !naive_filled(&b, p)))
+                continue;
+            if (side != p->cluster && p->cluster) {
+                const struct naive c =
+                    naive_block(s, block_of(bx * side, p->cluster),
+                                block_of(by * side, p->cluster), p->cluster);
+                if (naive_filled(&c, p))
+                    continue;
+            }
+            check_polygon(&at[n++], &b, side, p);
+        }
+    }
+    return n;
+}
+
+struct naive_row {
+    int w, h, x0, y0;
+    enum light light;
+    struct gp_splat_params p;
+};
+
+#define MOMENTS .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS
+#define CENTROID .cluster_fill = 0.9f, .method = GP_GROUP_CENTROID
+static const struct naive_row naive_rows[] = {
+    {1, 1, 0, 0, ALL, {.group = 4, .cluster = 8, MOMENTS}},
+    {1, 1, -1, -1, ALL, {.group = 1, .cluster = 2, CENTROID}},
+    {1, 33, 3, -7, ALL, {.group = 8, .cluster = 16, MOMENTS}},
+    {40, 24, 0, 0, FEW, {.group = 4, MOMENTS}},
+    {41, 23, -5, 3, FEW, {.group = 4, .cluster = 8, MOMENTS}},
+    {41, 23, 1000003, -77, FEW, {.group = 8, .cluster = 64, CENTROID}},
+    {67, 45, -1001, -13, BLOCK, {.group = 2, .cluster = 8, MOMENTS}},
+    {67, 45, -1001, -13, BLOCK, {.group = 4, .cluster = 16, CENTROID}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, .cluster = 8, MOMENTS}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, MOMENTS}},
+    {39, 31, 2, 2, ALL, {.group = 16, .cluster = 32, MOMENTS}},
+    {39, 31, -2, -2, ALL, {.group = 64, MOMENTS}},
+    {39, 31, 0, 0, DARK, {.group = 4, .cluster = 8, MOMENTS}},
+    {53, 37, 1, 1, COLOURED, {.group = 8, MOMENTS}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, MOMENTS}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, .cluster_fill = 0.25f,
+                           .method = GP_GROUP_CORE}},
+    {16384, 2, -9, 0, CORNERS, {.group = 4, .cluster = 8, MOMENTS}},
+};
+
+static void all_as_the_naive_form(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+        const struct naive_row *const r = &naive_rows[i];
+        if (r->w > 1000 && getenv("GLAREPP_TEST_QUICK"))
+            continue;
+        struct gp_sources s =
+            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 7u);
+        struct gp_polygons q = group(&s, &r->p);
+        size_t clusters = 0;
+        if (r->p.cluster)
+            clusters = check_blocks(&s, &r->p, r->p.cluster, q.at);
+        const size_t groups =
+            check_blocks(&s, &r->p, r->p.group, q.at + q.clusters);
+        if (clusters != q.clusters || groups != q.groups)
+            fail_msg("row %zu: %zu clusters and %zu groups in place of %zu "
+                     "and %zu", i, q.clusters, q.groups, clusters, groups);
+        gp_polygons_free(&q);
+        gp_sources_free(&s);
+    }
+}
+
+/* -- clusters ---------------------------------------------------------------*/
+
+/* An area of w x h pixels of which `bright` are bright: one polygon or not. */
+static size_t clusters_of(int w, int h, int bright, float fill)
+{
+    float grey[64] = {0};
+    for (int i = 0; i < bright; i++)
+        grey[i] = 2.0f;
+    struct gp_sources s = grey_sources(w, h, 0, 0, grey);
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {
+        .group = 4, .cluster = 8, .cluster_fill = fill});
+    const size_t n = q.clusters;
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+    return n;
+}
+
+static void clusters_from_the_fill_on(void **state)
+{
+    static const struct {
+        int w, h, bright;
+        float fill;
+        size_t clusters;
+    } rows[] = {
+        {8, 8, 58, 0.9f, 1}, {8, 8, 57, 0.9f, 0}, // 57.6
+        {5, 2, 9, 0.9f, 1},  {5, 2, 8, 0.9f, 0},  // cut by the window: 9
+        {5, 2, 6, 0.6f, 1},  {5, 2, 5, 0.6f, 0},
+        {8, 8, 64, 1.0f, 1}, {8, 8, 63, 1.0f, 0},
+        {8, 8, 1, 1e-6f, 1}, {8, 8, 0, 1e-6f, 0}, {1, 1, 1, 0.9f, 1},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        assert_int_equal(clusters_of(rows[i].w, rows[i].h, rows[i].bright,
+                                     rows[i].fill),
+                         rows[i].clusters);
+}
+
+/* -- laws -------------------------------------------------------------------*/
+
+static void light_is_kept(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+        const struct naive_row *const r = &naive_rows[i];
+        struct gp_sources s =
+            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 3u);
+        struct gp_polygons q = group(&s, &r->p);
+        double rgb[3] = {0};
+        for (size_t k = 0; k < q.n; k++) {
+            for (int c = 0; c < 3; c++)
+                rgb[c] += (double) q.at[k].rgb[c];
+        }
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(rgb[c] - s.flux[c]) <= 1e-7 * s.flux[c]);
+        gp_polygons_free(&q);
+        gp_sources_free(&s);
+    }
+}
+
+/* Light too small for a luminance stands in the middle of its block. */
+static void denormal_light_is_kept(void **state)
+{
+    (void) state;
+    struct gp_frame f = scene_frame(8, 8, 0, 0, DENORMAL, 1u);
+    struct gp_sources s;
+    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
+    assert_true(s.n > 0);
+    s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {
+        .group = 8, .method = GP_GROUP_MOMENTS});
+    assert_int_equal(q.n, 1);
+    assert_true(q.at[0].x == 3.5f && q.at[0].y == 3.5f);
+    assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] > 0.0f);
+    assert_true((double) q.at[0].rgb[0] <= s.flux[0] * 1.001);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+    gp_frame_free(&f);
+}
+
+/* Light over the range of float stays finite. */
+static void too_much_light_stays_finite(void **state)
+{
+    (void) state;
+    static const float grey[] = {1, 1, 1, 1};
+    struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < s.n; i++)
+            s.rgb[c][i] = FLT_MAX;
+    }
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {.group = 2});
+    assert_true(isfinite(q.at[0].light) && isfinite(q.at[0].rgb[0]));
+    assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+}
+
+/* A window that moves over the same light moves no block. */
+static void windows_move_no_block(void **state)
+{
+    (void) state;
+    // clusters see the window's edge, so groups alone are the same
+    const struct gp_splat_params p = {.group = 4, MOMENTS};
+    float a[20 * 12] = {0}, b[25 * 19] = {0};
+    for (int y = 0; y < 12; y++) {
+        for (int x = 0; x < 20; x++)
+            a[y * 20 + x] = b[(y + 7) * 25 + x + 5] =
+                (x * 7 + y * 3) % 11 < 8 ? (float) (1 + x + y) : 0.0f;
+    }
+    struct gp_sources s = grey_sources(20, 12, 5, 6, a);
+    struct gp_sources t = grey_sources(25, 19, 0, -1, b);
+    struct gp_polygons q = group(&s, &p), r = group(&t, &p);
+    assert_int_equal(q.n, r.n);
+    for (size_t i = 0; i < q.n; i++) {
+        assert_true(fabsf(q.at[i].x + 5.0f - r.at[i].x) < 1e-5f);
+        assert_true(fabsf(q.at[i].y + 7.0f - r.at[i].y) < 1e-5f);
+        assert_true(q.at[i].light == r.at[i].light);
+    }
+    gp_polygons_free(&q);
+    gp_polygons_free(&r);
+    gp_sources_free(&s);
+    gp_sources_free(&t);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void) state;
+    struct gp_sources s = scene_sources(211, 151, -3, 5, RAMP, 1u);
+    const struct gp_splat_params p = {.group = 4, .cluster = 8, MOMENTS};
+    gp_set_threads(1);
+    struct gp_polygons one = group(&s, &p);
+    for (int threads = 2; threads < 6; threads++) {
+        gp_set_threads(threads);
+        struct gp_polygons q = group(&s, &p);
+        assert_int_equal(q.n, one.n);
+        for (size_t i = 0; i < q.n; i++)
+            assert_true(q.at[i].x == one.at[i].x && q.at[i].y == one.at[i].y &&
+                        q.at[i].light == one.at[i].light &&
+                        q.at[i].rgb[2] == one.at[i].rgb[2] &&
+                        q.at[i].blur == one.at[i].blur);
+        gp_polygons_free(&q);
+    }
+    gp_set_threads(0);
+    gp_polygons_free(&one);
+    gp_sources_free(&s);
+}
+
+/* -- what is drawn ----------------------------------------------------------*/
+
+static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
+                    const struct gp_splat_params *p,
+                    const struct gp_polygons *q)
+{
+    double *const layer =
+        scene_alloc(3 * (size_t) s->w * (size_t) s->h, sizeof *layer);
+    struct gp_shrink shrink;
+    assert_int_equal(gp_shrink_make(NULL, k, p, q, &shrink), GP_OK);
+    assert_int_equal(gp_group_reference(NULL, s, k, p, q, &shrink, layer),
+                     GP_OK);
+    return layer;
+}
+
+/* A point's polygon has its light, its centroid and the spread claimed. */
+static void moments_are_kept(void **state)
+{
+    (void) state;
+    struct gp_kernel point = scene_kernel(1, 1, MID, 0, BOX);
+    struct gp_sources s = scene_sources(96, 96, 0, 0, CORNERS, 1u);
+    for (int blur = 0; blur < GP_BLURS; blur++) {
+        struct gp_polygon at = {
+            .x = 47.3125f, .y = 46.75f, .rgb = {2, 2, 2}, .light = 2,
+            .side = 64, .blur = (uint8_t) blur,
+        };
+        const struct gp_polygons q = {1, 1, 0, &at};
+        const struct gp_splat_params p = {.group = 64};
+        double *const layer = draw(&s, &point, &p, &q);
+        double m0 = 0.0, mx = 0.0, my = 0.0, m2 = 0.0;
+        for (int i = 0; i < 96 * 96; i++) {
+            const double dx = i % 96 - (double) at.x;
+            const double dy = i / 96 - (double) at.y;
+            m0 += layer[i];
+            mx += layer[i] * dx;
+            my += layer[i] * dy;
+            m2 += layer[i] * (dx * dx + dy * dy);
+        }
+        assert_true(fabs(m0 - 2.0) < 1e-6 && fabs(mx) < 1e-5 &&
+                    fabs(my) < 1e-5);
+        const double want = spread_of(gp_blur_box[blur], &at);
+        assert_true(fabs(m2 / m0 / 2.0 - want) < 1e-5 * (1.0 + want));
+        free(layer);
+    }
+    gp_sources_free(&s);
+    gp_kernel_free(&point);
+}
+
+/* Ungrouped, it is the exact sum, whatever the method and the kernel. */
+static void ungrouped_is_exact(void **state)
+{
+    static const int kernels[][4] = {
+        {1, 1, MID, 0}, {9, 9, MID, 0}, {30, 18, MID, 0}, {121, 97, MID, 0},
+        {13, 11, -20, 5}, {13, 11, 30, 25}, {13, 11, 1048575, 5},
+    };
+    (void) state;
+    for (int i = 0; i < 7 * 3; i++) {
+        const int *const r = kernels[i / 3];
+        struct scene s = scene_make(
+            scene_frame(61, 47, -3, 7, FEW, 5u),
+            scene_kernel(r[0], r[1], r[2], r[3], TINTED), &over_one);
+        struct gp_splat_params p = GP_SPLAT_EXACT;
+        p.method = (enum gp_group_method) (i % 3);
+        struct gp_polygons q = group(&s.src, &p);
+        assert_int_equal(q.n, s.src.n);
+        double *const layer = draw(&s.src, &s.k, &p, &q);
+        for (size_t k = 0; k < 3 * gp_frame_pixels(&s.f); k++)
+            assert_true(fabs(layer[k] - s.exact[k]) <=
+                        1e-12 * fabs(s.exact[k]));
+        free(layer);
+        gp_polygons_free(&q);
+        scene_free(&s);
+    }
+}
+
+/* Pixels beyond the reach get nothing from the tail, those within all. */
+static void reach_cuts(void **state)
+{
+    (void) state;
+    struct gp_kernel k = scene_kernel(81, 81, MID, 0, PEAK);
+    struct gp_sources s = scene_sources(96, 96, 0, 0, DARK, 1u);
+    struct gp_polygon at = {
+        .x = 40.5f, .y = 44.0f, .rgb = {1, 1, 1}, .light = 1, .side = 4,
+        .blur = 1,
+    };
+    const struct gp_polygons q = {1, 1, 0, &at};
+    const struct gp_splat_params p = {.group = 4};
+    double *const whole = draw(&s, &k, &p, &q);
+    double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
+    struct gp_shrink shrink = {.reach = {0}};
+    shrink.reach[gp_source_bin(1.0f)] = 10;
+    assert_int_equal(gp_group_reference(NULL, &s, &k, &p, &q, &shrink, cut),
+                     GP_OK);
+    for (int i = 0; i < 3 * 96 * 96; i++) {
+        const double dx = i % 96 - 40.5, dy = i / 96 % 96 - 44.0;
+        const int inside = fabs(dx) <= 10.0 && fabs(dy) <= 10.0;
+        assert_true(cut[i] == (inside ? whole[i] : 0.0));
+        assert_true(!inside || cut[i] > 0.0);
+    }
+    free(whole);
+    free(cut);
+    gp_sources_free(&s);
+    gp_kernel_free(&k);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(formula_by_hand),
+        cmocka_unit_test(all_as_the_naive_form),
+        cmocka_unit_test(clusters_from_the_fill_on),
+        cmocka_unit_test(light_is_kept),
+        cmocka_unit_test(denormal_light_is_kept),
+        cmocka_unit_test(too_much_light_stays_finite),
+        cmocka_unit_test(windows_move_no_block),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(moments_are_kept),
+        cmocka_unit_test(ungrouped_is_exact),
+        cmocka_unit_test(reach_cuts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
