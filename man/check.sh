@@ -20,10 +20,13 @@ else
     echo "check-man: mandoc is missing, its check is left out" >&2
 fi
 
-# one line an option: "-o --output", "--hdr"
-help=$("$glarepp" --help |
-    sed -n 's/^  *\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' |
-    tr -d , | sort)
+# options_of [COMMAND]: those that its --help lists, one a line: "-o --output"
+options_of()
+{
+    "$glarepp" "$@" --help |
+        sed -n 's/^  *\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
+}
+help=$({ options_of; options_of bench; } | sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
     sed -n 's/^\.It \(Fl \([a-z]\) , \)\{0,1\}Fl \\-\([a-z-]*\).*/-\2 --\3/p' |
     sed 's/^- //' | sort)
@@ -34,11 +37,14 @@ $help
 page:
 $man"
 
-for option in $help; do
-    line=$("$glarepp" "$option" 2>&1)
-    case $line in
-    *"unknown option"*) fail "--help lists $option, the parser: $line" ;;
-    esac
+for command in '' bench; do
+    for option in $(options_of $command); do
+        line=$("$glarepp" $command "$option" 2>&1)
+        case $line in
+        *"unknown option"* | *": not for "*)
+            fail "$command --help lists $option, the parser: $line" ;;
+        esac
+    done
 done
 "$glarepp" --no-such-option 2>/dev/null
 [ $? = 2 ] || fail "an unknown option is no usage error"

@@ -114,20 +114,42 @@ static void help_option(FILE *f, const struct gp_option *o)
     wrap(f, INDENT, text);
 }
 
-void gp_help(FILE *f)
+/* What a command is for, and how it is called. */
+static void help_head(FILE *f, enum gp_command command)
 {
+    if (command == GP_COMMAND_BENCH) {
+        fprintf(f, "Measures speed against error on a frame, for every "
+                   "technique.\n\n"
+                   "  glarepp bench [options] INPUT\n"
+                   "  glarepp bench [options] --paper\n\n"
+                   "INPUT is a file, or - for stdin (EXR).\n");
+        return;
+    }
     fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
-               "  glarepp [options] -o OUTPUT INPUT...\n\n"
+               "  glarepp [options] -o OUTPUT INPUT...\n"
+               "  glarepp bench [options] INPUT    "
+               "(see glarepp bench --help)\n\n"
                "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or "
                "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr.\n");
+}
+
+void gp_help(FILE *f, enum gp_command command)
+{
+    help_head(f, command);
     for (int g = 0; g < GP_GROUPS; g++) {
-        fprintf(f, "\n%s\n", gp_option_groups[g]);
+        bool headed = false;
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group == g && !o->hidden)
-                help_option(f, o);
+            if ((int) o->group != g || o->hidden || !(o->commands & command))
+                continue;
+            if (!headed)
+                fprintf(f, "\n%s\n", gp_option_groups[g]);
+            headed = true;
+            help_option(f, o);
         }
     }
-    fprintf(f, "\nThe first command to try: glarepp -o out.png frame.exr\n");
+    fprintf(f, "\nThe first command to try: %s\n",
+            command == GP_COMMAND_BENCH ? "glarepp bench frame.exr"
+                                        : "glarepp -o out.png frame.exr");
 }
 
 // -- the man page ------------------------------------------------------------
@@ -197,6 +219,21 @@ static void man_option(FILE *f, const struct gp_option *o)
     man_values(f, o);
 }
 
+/* The options of pictures that bench takes too, in one sentence. */
+static void man_bench(FILE *f)
+{
+    const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
+    const char *before = NULL;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (o->hidden || o->commands != both)
+            continue;
+        if (before)
+            fprintf(f, ".Fl \\-%s ,\n", before);
+        before = o->name;
+    }
+    fprintf(f, "and\n.Fl \\-%s .\n", before);
+}
+
 void gp_help_man(FILE *f)
 {
     fprintf(f, "@OPTIONS@\n");
@@ -208,6 +245,8 @@ void gp_help_man(FILE *f)
         }
         fprintf(f, ".El\n");
     }
+    fprintf(f, "@BENCH@\n");
+    man_bench(f);
     fprintf(f, "@EXIT@\n");
 #define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
     GP_STATUS_LIST(ITEM)

@@ -161,6 +161,8 @@ static gp_status add_targets(const struct gp_log *log,
     for (int i = 0; i < s->outputs.n; i++)
         GP_TRY(add_target(log, j, GP_TARGET_PICTURE, s->outputs.at[i]));
     GP_TRY(add_target(log, j, GP_TARGET_SENSORS, s->debug[GP_DEBUG_SENSORS]));
+    GP_TRY(add_target(log, j, GP_TARGET_POLYGONS,
+                      s->debug[GP_DEBUG_POLYGONS]));
 out:
     return st;
 }

@@ -15,6 +15,7 @@ enum gp_target_kind {
     GP_TARGET_LAYER,
     GP_TARGET_PICTURE,
     GP_TARGET_SENSORS,
+    GP_TARGET_POLYGONS,
 };
 
 /* A file, or one a frame when its name is a pattern. */

@@ -1,3 +1,4 @@
+#include "app/bench.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"
@@ -41,7 +42,7 @@ static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
     if (s->help)
-        gp_help(stdout);
+        gp_help(stdout, s->command);
     else if (s->help_man)
         gp_help_man(stdout);
     else
@@ -84,6 +85,8 @@ int main(int argc, char *argv[])
     log.level = s.level;
     if (!st && (s.help || s.help_man || s.version))
         st = print_text(&log, &s);
+    else if (!st && s.command == GP_COMMAND_BENCH)
+        st = gp_bench_run(&log, &s);
     else if (!st)
         st = make_frames(&log, &s);
     gp_settings_free(&s);

@@ -11,6 +11,8 @@ const struct gp_settings gp_defaults = {
     .compose = GP_COMPOSE_DEFAULTS,
     .tone = GP_TONE_DEFAULTS,
     .write = GP_WRITE_DEFAULTS,
+    .bench = GP_BENCH_DEFAULTS,
+    .command = GP_COMMAND_MAIN,
     .level = GP_LEVEL_WARN,
 };
 
@@ -19,9 +21,10 @@ const char *const gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_INPUT] = "Frames to read",
     [GP_GROUP_LIGHT] = "Light and kernel",
     [GP_GROUP_ENGINE] = "How the glare is computed",
-    [GP_GROUP_TONE] = "Tone mapping, for -o",
+    [GP_GROUP_TONE] = "Tone mapping",
     [GP_GROUP_FILE] = "Files",
     [GP_GROUP_REPORT] = "What was done",
+    [GP_GROUP_BENCH] = "What glarepp bench measures and writes",
     [GP_GROUP_GENERAL] = "General",
 };
 
@@ -30,7 +33,8 @@ const char *const gp_option_groups[GP_GROUPS] = {
 static const char *engine_name(int i, const char **text)
 {
     if (i == 0) {
-        *text = "the engine with the fewest predicted milliseconds, counted "
+        *text = "the engine and setting with the fewest predicted "
+                "milliseconds whose bound is within the tolerance, counted "
                 "anew for each frame";
         return "auto";
     }
@@ -74,6 +78,24 @@ static const struct gp_choice gls[] = {
     {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
     {"egl", GP_GL_EGL, "a GPU's device where there is one, Mesa's surfaceless "
      "platform else"},
+    {0},
+};
+static const struct gp_choice methods[] = {
+    {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
+     "formula (1) of Ando et al."},
+    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by as much as the group "
+     "is wide"},
+    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each single sensor, "
+     "only its tail from groups"},
+    {0},
+};
+static const struct gp_choice primitives[] = {
+    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, quad else"},
+    {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
+    {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
+     "limit of size"},
+    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile, summed over the "
+     "polygons that reach it"},
     {0},
 };
 static const struct gp_choice plans[] = {
@@ -122,6 +144,8 @@ static const struct gp_choice progresses[] = {
 static const struct gp_choice debugs[] = {
     {"sensors", GP_DEBUG_SENSORS, "the light that the engines are given, "
      "scene-linear"},
+    {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
+     "draws, in green over the tone-mapped picture"},
     {0},
 };
 
@@ -149,7 +173,11 @@ static const struct gp_choice debugs[] = {
 #define SET(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_SET), __VA_ARGS__)
 
-#define IN(g) .group = GP_GROUP_##g
+/* Its heading, and which commands take it. */
+#define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
+#define BOTH(g) .group = GP_GROUP_##g,                                        \
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH
+#define BENCH .group = GP_GROUP_BENCH, .commands = GP_COMMAND_BENCH
 
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', IN(OUTPUT), .arg = "FILE",
@@ -169,52 +197,81 @@ const struct gp_option gp_options[] = {
     OPT(depth, .name = "depth", IN(INPUT), .arg = "CH",
         .help = "Depth channel, named in the report; without it, Z, depth.Z, "
                 "Depth.Z, *.Depth.Z or *.Z is looked for"),
-    OPT(read.max_pixels, .name = "max-pixels", IN(INPUT), .arg = "N",
+    OPT(read.max_pixels, .name = "max-pixels", BOTH(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
         .help = "Refuses files that claim to have more pixels"),
 
-    OPT(sensor.threshold, .name = "threshold", .letter = 't', IN(LIGHT),
+    OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T", .hi = FLT_MAX,
         .help = "Luminance over which a pixel is a light source"),
-    OPT(sensor.knee, .name = "knee", IN(LIGHT), .arg = "K", .hi = 1,
+    OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
         .help = "Smooth start of the threshold, from T(1-K) to T(1+K)"),
-    OPT(sensor.max_value, .name = "max-value", IN(LIGHT), .arg = "V",
+    OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .lo = FLT_MIN, .hi = 1e30,
         .help = "What brighter and infinite values become"),
-    OPT(kernel.source, .name = "kernel", .letter = 'k', IN(LIGHT),
+    OPT(kernel.source, .name = "kernel", .letter = 'k', BOTH(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
         .help = "What one bright pixel becomes: an image"),
-    OPT(kernel.center, .name = "kernel-center", IN(LIGHT), .arg = "X,Y",
+    OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .given = offsetof(struct gp_settings, kernel.centered),
         .lo = -1e6, .hi = 1e6,
         .help = "The kernel's centre in its own pixels, whose centres are at "
                 "halves; without it, pixel (w/2, h/2) rounded down"),
-    CHOICE(kernel.normalize, .name = "kernel-normalize", IN(LIGHT),
+    CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
            .arg = "HOW", .choices = normalizes,
            .help = "Scale of the kernel"),
-    OPT(compose.gain, .name = "gain", .letter = 'g', IN(LIGHT), .arg = "G",
+    OPT(kernel.rotate, .name = "rotate", BOTH(LIGHT), .arg = "DEG",
+        .lo = -36000, .hi = 36000,
+        .help = "Turns the kernel about its centre, counter-clockwise"),
+    OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
         .hi = 1e6, .help = "Scale of the layer in the pictures"),
-    CHOICE(compose.mix, .name = "mix", IN(LIGHT), .arg = "HOW",
+    CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
            .choices = mixes, .help = "How frame and layer go together"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = engine_name,
         .help = "Method; all give the same layer within their error"),
-    CHOICE(glare.gl, .name = "gl", IN(ENGINE), .arg = "API", .choices = gls,
+    OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
+        .hi = 1,
+        .help = "Error that auto may make: the norm of the layer's error over "
+                "that of the exact layer"),
+    OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
+        .hi = 64,
+        .help = "splat: NxN pixels are one polygon; a power of two, 1 for "
+                "none"),
+    CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
+           .arg = "HOW", .choices = methods,
+           .help = "splat: how a group stands for its pixels"),
+    OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
+        .hi = 64, .given = offsetof(struct gp_settings, clustered),
+        .help = "splat: filled areas of NxN pixels are one polygon; a power "
+                "of two over that of --group, 0 for none; without it, none "
+                "where --group is as large"),
+    OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
+        .arg = "F", .lo = FLT_MIN, .hi = 1,
+        .help = "splat: share of bright pixels from which an area is filled"),
+    OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
+        .hi = 0.99,
+        .help = "splat: share of the light that may be left out where the "
+                "kernel is too dim to see; 0 for none"),
+    CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
+           .arg = "WHAT", .choices = primitives,
+           .help = "splat: what is drawn for a polygon"),
+    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API", .choices = gls,
            .help = "Context of the engine on GL"),
-    CHOICE(glare.fft_plan, .name = "fft-plan", IN(ENGINE), .arg = "HOW",
+    CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
            .choices = plans, .help = "How the FFT chooses its plans"),
-    OPT(threads, .name = "threads", IN(ENGINE), .arg = "N", .hi = 1024,
+    OPT(threads, .name = "threads", BOTH(ENGINE), .arg = "N", .hi = 1024,
         .help = "Threads, 0 for all processors; no output depends on it"),
 
-    OPT(tone.curve, .name = "tonemap", IN(TONE), .arg = "NAME",
+    OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .list = curve_name, .help = "Operator"),
-    OPT(tone.exposure, .name = "exposure", IN(TONE), .arg = "EV", .lo = -32,
+    OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .hi = 32, .help = "Scales the light by 2 to the EV first"),
-    OPT(tone.auto_exposure, .name = "auto-exposure", IN(TONE),
+    OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
         .help = "Scales so that the frame's log-average becomes middle grey; "
                 "EV comes on top"),
-    OPT(tone.white, .name = "white", IN(TONE), .arg = "W", .hi = FLT_MAX,
+    OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .help = "Luminance that burns out with reinhard-extended, in scaled "
                 "units; 0 takes the frame's maximum"),
 
@@ -240,14 +297,26 @@ const struct gp_option gp_options[] = {
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
            .choices = progresses, .help = "Line with frame, rate and time "
            "left"),
-    SET(level, .name = "quiet", .letter = 'q', IN(REPORT),
+    SET(level, .name = "quiet", .letter = 'q', BOTH(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Errors only"),
-    SET(level, .name = "verbose", .letter = 'v', IN(REPORT),
+    SET(level, .name = "verbose", .letter = 'v', BOTH(REPORT),
         .set = GP_LEVEL_INFO, .help = "A line for each frame"),
 
-    OPT(version, .name = "version", IN(GENERAL),
+    OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE",
+        .help = "The table as comma-separated values; - is stdout"),
+    OPT(bench.json, .name = "json", BENCH, .arg = "FILE",
+        .help = "The table as JSON; - is stdout"),
+    OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
+        .help = "Error over time with the Pareto front, as SVG, by gnuplot"),
+    OPT(bench.paper, .name = "paper", BENCH,
+        .help = "Three frames after the paper, made here: few points, "
+                "windows, and a sky that fills the frame"),
+    OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
+        .help = "Timed runs of each row; the table has their median"),
+
+    OPT(version, .name = "version", BOTH(GENERAL),
         .help = "Prints the versions of the program and its libraries"),
-    OPT(help, .name = "help", .letter = 'h', IN(GENERAL),
+    OPT(help, .name = "help", .letter = 'h', BOTH(GENERAL),
         .help = "Prints this"),
     OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
         .help = "Prints the man page's generated parts"),

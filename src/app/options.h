@@ -1,7 +1,7 @@
 /* The command line.
  *
  * app/ as a room: argv in, exit status out.
- *   options   the one table of options: parse.c, help.c read it
+ *   options   the one table of options: parse.c, check.c, help.c read it
  *   jobs      which frames are made, and under which names
  *   pipeline  frame after frame through the stages
  *   report    JSON lines; progress: the line on the terminal
@@ -34,8 +34,8 @@ enum gp_option_kind {
 /* Headings of --help. */
 enum gp_option_group {
     GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_ENGINE,
-    GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT, GP_GROUP_GENERAL,
-    GP_GROUPS,
+    GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT, GP_GROUP_BENCH,
+    GP_GROUP_GENERAL, GP_GROUPS,
 };
 extern const char *const gp_option_groups[GP_GROUPS];
 
@@ -50,6 +50,7 @@ struct gp_option {
     char letter;           // 0: none
     enum gp_option_kind kind;
     enum gp_option_group group;
+    unsigned commands;     // that take it: bits of enum gp_command
     size_t at;             // offset of the field in struct gp_settings
     size_t given;          // offset of a bool set along with it; 0: none
     double lo, hi;         // numbers: inclusive range; NaN is outside
@@ -79,10 +80,13 @@ struct gp_range_text gp_option_range(const struct gp_option *o);
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter);
 
+/* The word that asks for a command; "" for GP_COMMAND_MAIN. */
+const char *gp_command_word(enum gp_command command);
+
 /* Reads the command line into *out, which starts as gp_defaults; its last
- * value wins where an option comes twice. `--` ends the options, `-` is a
- * file. Options that only work together are checked too, unless --help or
- * --version is asked for.
+ * value wins where an option comes twice. The first word may be a command's;
+ * `--` ends the options, `-` is a file. Options that only work together are
+ * checked too, unless --help or --version is asked for.
  *
  *   out  written in any case; free with gp_settings_free(); borrows from argv
  * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory.
@@ -92,8 +96,14 @@ GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
                                          struct gp_settings *out);
 void gp_settings_free(struct gp_settings *s);
 
-/* --help, to `f`. */
-void gp_help(FILE *f);
+/* Checks what no single option can see, settles what follows from several,
+ * and warns of settings that do nothing.
+ * Errors: GP_ERR_USAGE with one line. */
+GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
+                                          struct gp_settings *s);
+
+/* --help of a command, to `f`. */
+void gp_help(FILE *f, enum gp_command command);
 
 /* The parts of the man page that come from the table and the status list:
  * mdoc items, each part behind a line @NAME@ that names its place. */

@@ -213,7 +213,7 @@ static gp_status set_option(const struct use *u)
     return GP_ERR_BUG;
 }
 
-// -- words -------------------------------------------------------------------
+// -- misspelt options --------------------------------------------------------
 
 /* Edits (insert, delete, replace) that turn a into b, both of at most 31
  * characters; 99 for longer ones. */
@@ -239,14 +239,63 @@ static int distance(const char *a, size_t a_n, const char *b)
     return row[b_n];
 }
 
-static gp_status unknown_option(const struct gp_log *log, const char *word)
+// -- commands ----------------------------------------------------------------
+
+static const struct {
+    const char *word;
+    enum gp_command command;
+} commands[] = {
+    {"", GP_COMMAND_MAIN},
+    {"bench", GP_COMMAND_BENCH},
+};
+enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
+
+const char *gp_command_word(enum gp_command command)
+{
+    int i = 0;
+    while (i < COMMANDS - 1 && commands[i].command != command)
+        i++;
+    return commands[i].word;
+}
+
+/* The command of a command line; moves *i behind its word. */
+static enum gp_command read_command(int argc, char *const argv[], int *i)
+{
+    for (int c = 1; c < COMMANDS && argc > *i; c++) {
+        if (strcmp(argv[*i], commands[c].word) == 0) {
+            ++*i;
+            return commands[c].command;
+        }
+    }
+    return GP_COMMAND_MAIN;
+}
+
+static gp_status other_command(const struct use *u)
+{
+    const char *name = u->option->name;
+    if (u->s->command == GP_COMMAND_MAIN)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not for pictures; write glarepp %s --%s, or "
+                       "leave it out", name,
+                       gp_command_word(u->option->commands), name);
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: not for glarepp %s; glarepp %s --help lists its "
+                   "options", name, gp_command_word(u->s->command),
+                   gp_command_word(u->s->command));
+}
+
+// -- words -------------------------------------------------------------------
+
+static gp_status unknown_option(const struct gp_log *log,
+                                enum gp_command command, const char *word)
 {
     const char *name = word + strspn(word, "-");
     size_t length = strcspn(name, "=");
     const struct gp_option *nearest = NULL;
     int least = 4; // further away it is no slip of the finger
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        int d = o->hidden ? 99 : distance(name, length, o->name);
+        int d = o->hidden || !(o->commands & command)
+                    ? 99 : distance(name, length, o->name);
         if (d < least && d < (int) length) {
             least = d;
             nearest = o;
@@ -258,8 +307,9 @@ static gp_status unknown_option(const struct gp_log *log, const char *word)
                        "%.*s: unknown option; did you mean --%s?", shown,
                        word, nearest->name);
     return gp_fail(log, GP_ERR_USAGE,
-                   "%.*s: unknown option; glarepp --help lists them", shown,
-                   word);
+                   "%.*s: unknown option; glarepp %s%s--help lists them",
+                   shown, word, gp_command_word(command),
+                   command == GP_COMMAND_MAIN ? "" : " ");
 }
 
 /* Finds the option that `word` names. *value is what stands in the word
@@ -295,7 +345,9 @@ static gp_status read_option(const struct gp_log *log, int argc,
     struct use u = {.log = log, .s = s};
     u.option = split(word, &u.value);
     if (!u.option)
-        return unknown_option(log, word);
+        return unknown_option(log, s->command, word);
+    if (!(u.option->commands & s->command))
+        return other_command(&u);
     if (!u.option->arg && u.value)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: takes no value (found \"%s\"); leave it out",
@@ -330,55 +382,15 @@ static gp_status make_lists(const struct gp_log *log, int argc,
     return GP_OK;
 }
 
-/* Settings that are right and do nothing. */
-static void warn(const struct gp_log *log, const struct gp_settings *s)
-{
-    const struct gp_tone_params *t = &s->tone;
-    bool none = strcmp(t->curve, "none") == 0;
-    if (none && (t->exposure != 0.0f || t->auto_exposure))
-        gp_say(log, GP_LEVEL_WARN, "--exposure: does nothing with --tonemap "
-               "none; use --tonemap linear");
-    if (t->white != 0.0f && strcmp(t->curve, "reinhard-extended") != 0)
-        gp_say(log, GP_LEVEL_WARN, "--white: does nothing with --tonemap %s; "
-               "use --tonemap reinhard-extended", t->curve);
-}
-
-/* What no single option can see. */
-static gp_status check(const struct gp_log *log, struct gp_settings *s)
-{
-    bool wants = s->outputs.n || s->hdr || s->layer || s->report;
-    for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        wants = wants || s->debug[i];
-    if (s->inputs.n == 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "no input; write glarepp -o out.png frame.exr, or see "
-                       "glarepp --help");
-    if (!wants)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "nothing to make; write glarepp -o out.png %s, or see "
-                       "glarepp --help", s->inputs.at[0]);
-    if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--gain: more light would be scattered than there is "
-                       "(found %g with --mix scatter); give 0 to 1, or --mix "
-                       "add", (double) s->compose.gain);
-    if (s->verify && !s->report && s->level < GP_LEVEL_INFO)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--verify: its result would be shown nowhere; add "
-                       "--report FILE or -v");
-    s->glare.gain = s->compose.gain;
-    if (s->level >= GP_LEVEL_WARN)
-        warn(log, s);
-    return GP_OK;
-}
-
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
     *out = gp_defaults;
     gp_status st = make_lists(log, argc, out);
     bool options = true; // until "--"
-    for (int i = 1; i < argc && !st; i++) {
+    int i = 1;
+    out->command = read_command(argc, argv, &i);
+    for (; i < argc && !st; i++) {
         const char *word = argv[i];
         if (options && strcmp(word, "--") == 0)
             options = false;
@@ -389,7 +401,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     }
     if (st || out->help || out->help_man || out->version)
         return st;
-    return check(log, out);
+    return gp_settings_check(log, out);
 }
 
 void gp_settings_free(struct gp_settings *s)

@@ -92,6 +92,13 @@ static void put(struct object *o, const char *key, json_t *value)
         o->full = true;
 }
 
+/* A count; 0 was not needed. */
+static void put_count(struct object *o, const char *key, size_t n)
+{
+    if (n)
+        put(o, key, json_integer((json_int_t) n));
+}
+
 static void put_inner(struct object *o, const char *key,
                       const struct object *inner)
 {
@@ -124,10 +131,14 @@ static void add_work(struct object *o, const struct gp_facts *f)
 {
     const struct gp_glare_stats *g = &f->glare;
     put(o, "sources", json_integer(f->sources));
-    if (g->polygons) {
-        put(o, "polygons", json_integer((json_int_t) g->polygons));
+    put_count(o, "groups", g->groups);
+    put_count(o, "clusters", g->clusters);
+    put_count(o, "polygons", g->polygons);
+    put_count(o, "cores", g->cores);
+    if (g->polygons)
         put(o, "polygon_pixels", number(g->polygon_pixels, 0.0));
-    }
+    if (g->form)
+        put(o, "form", text(g->form));
     if (g->fft_w)
         put(o, "fft_size", json_pack("[ii]", g->fft_w, g->fft_h));
     put(o, "flux_in", numbers(f->flux_in));
@@ -196,6 +207,21 @@ static void append(char *line, size_t size, size_t *at, const char *fmt, ...)
     *at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
 }
 
+static void append_polygons(char *line, size_t size, size_t *at,
+                            const struct gp_glare_stats *g)
+{
+    if (!g->polygons)
+        return;
+    append(line, size, at, ", %zu polygons", g->polygons);
+    if (g->groups || g->clusters)
+        append(line, size, at, " (%zu groups, %zu clusters)", g->groups,
+               g->clusters);
+    if (g->cores)
+        append(line, size, at, ", %zu cores", g->cores);
+    if (g->form)
+        append(line, size, at, ", %s", g->form);
+}
+
 void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 {
     const struct gp_glare_stats *g = &f->glare;
@@ -204,6 +230,7 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
            f->height, f->sources);
     if (g->engine)
         append(line, size, &at, ", %s (%s)", g->engine, g->why);
+    append_polygons(line, size, &at, g);
     if (g->gl)
         append(line, size, &at, " on %s", g->gl);
     if (f->depth)

@@ -23,7 +23,14 @@ enum gp_progress_when {
 };
 
 /* Kinds of --debug KIND=FILE. */
-enum gp_debug_kind { GP_DEBUG_SENSORS, GP_DEBUG_KINDS };
+enum gp_debug_kind { GP_DEBUG_SENSORS, GP_DEBUG_POLYGONS, GP_DEBUG_KINDS };
+
+/* What the first word of the command line asks for, as bits: an option says
+ * by them which commands take it. */
+enum gp_command {
+    GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
+    GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
+};
 
 /* Words from the command line, in its order. */
 struct gp_texts {
@@ -31,8 +38,17 @@ struct gp_texts {
     int n;
 };
 
+/* What `glarepp bench` makes of its table; files are NULL when not wanted. */
+struct gp_bench_settings {
+    const char *csv, *json, *plot;
+    bool paper;  // the paper's three frames instead of an input
+    int runs;    // timed ones of each row, >= 1
+};
+#define GP_BENCH_DEFAULTS { .runs = 9 }
+
 /* Strings are borrowed from argv or are constants. */
 struct gp_settings {
+    enum gp_command command;
     struct gp_read_params read;
     struct gp_sensor_params sensor;
     struct gp_kernel_params kernel;
@@ -40,6 +56,7 @@ struct gp_settings {
     struct gp_compose_params compose;
     struct gp_tone_params tone;
     struct gp_write_params write;
+    struct gp_bench_settings bench;
 
     struct gp_texts inputs, outputs;   // outputs: -o
     const char *hdr, *layer;           // NULL: not wanted
@@ -49,6 +66,7 @@ struct gp_settings {
     const char *depth;                 // channel
     int threads;                       // 0: all processors
     bool verify;
+    bool clustered;                    // --cluster was given
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;

@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/outline.h"
 #include "io/channels.h"
 
 #include <stdlib.h>
@@ -192,6 +193,34 @@ static gp_status write_sensors(struct gp_run *r, const char *name,
     return st;
 }
 
+/* What -o shows. */
+static gp_status write_shown(struct gp_run *r, const char *name,
+                             const struct gp_planes *planes,
+                             struct gp_write_stats *stats)
+{
+    return gp_write_picture(r->log, &r->s->write, name, &r->frame, planes,
+                            untoned(r->s) ? GP_PICTURE_SCENE
+                                          : GP_PICTURE_SHOWN, stats);
+}
+
+static gp_status write_polygons(struct gp_run *r, const char *name,
+                                struct gp_write_stats *stats)
+{
+    const struct gp_planes *const shown =
+        untoned(r->s) ? &r->frame.lit : &r->frame.shown;
+    const size_t n = gp_frame_pixels(&r->frame);
+    struct gp_planes p = {0};
+    gp_status st = gp_planes_make(r->log, "polygons", n, &p);
+    for (int c = 0; c < 3 && !st; c++)
+        memcpy(p.c[c], shown->c[c], n * sizeof(float));
+    if (!st && r->sources.n > 0)
+        st = gp_outline(r->log, &r->sources, &r->kernel, &r->glare.splat, &p);
+    if (!st)
+        st = write_shown(r, name, &p, stats);
+    gp_planes_free(&p);
+    return st;
+}
+
 static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
                               const char *name, struct gp_write_stats *stats)
 {
@@ -203,13 +232,12 @@ static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
     case GP_TARGET_LAYER:
         return write_layer(r, name, stats);
     case GP_TARGET_PICTURE:
-        return untoned(r->s)
-                   ? gp_write_picture(r->log, p, name, f, &f->lit,
-                                      GP_PICTURE_SCENE, stats)
-                   : gp_write_picture(r->log, p, name, f, &f->shown,
-                                      GP_PICTURE_SHOWN, stats);
+        return write_shown(r, name, untoned(r->s) ? &f->lit : &f->shown,
+                           stats);
     case GP_TARGET_SENSORS:
         return write_sensors(r, name, stats);
+    case GP_TARGET_POLYGONS:
+        return write_polygons(r, name, stats);
     }
     return GP_ERR_BUG;
 }
@@ -263,6 +291,9 @@ unsigned gp_target_needs(const struct gp_settings *s,
         return untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
     case GP_TARGET_SENSORS:
         return GP_HAS_SOURCES;
+    case GP_TARGET_POLYGONS:
+        return GP_HAS_SOURCES | GP_HAS_KERNEL |
+               (untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN);
     }
     return 0;
 }

@@ -30,6 +30,34 @@ else
     skip 3 'no numpy and OpenImageIO'
 fi
 
+# -- turned kernels -------------------------------------------------------------
+
+frame lamps.exr lights=40 size=150x111 type=float
+"$glarepp" --engine fft -k kernel.exr --type float --layer none.exr lamps.exr
+"$glarepp" --engine fft -k kernel.exr --type float --rotate 0 --layer zero.exr lamps.exr
+"$glarepp" --engine fft -k kernel.exr --type float --rotate 12.5 --layer some.exr lamps.exr
+same none.exr zero.exr '--rotate 0: the same bytes as none'
+no '--rotate 12.5 turns' cmp -s none.exr some.exr
+if [ -n "$oiio" ]; then
+    >list
+    engines=direct
+    [ -z "$gl" ] || engines='direct splat'
+    for degrees in 90 -30 12.5; do
+        for engine in fft $engines; do
+            "$glarepp" -q --engine $engine --group 1 --cluster 0 --shrink 0 \
+                -k kernel.exr --type float --rotate $degrees \
+                --layer turned.$degrees.$engine.exr lamps.exr
+        done
+        for engine in $engines; do
+            echo "turned.$degrees.$engine.exr turned.$degrees.fft.exr 2e-6 $engine and fft: --rotate $degrees" >>list
+        done
+    done
+    "$python" "$cli/compare.py" <list >verdicts
+    verdicts verdicts
+else
+    skip 6 'no numpy and OpenImageIO'
+fi
+
 # -- real frames ----------------------------------------------------------------
 
 if [ -z "$data" ]; then
@@ -38,10 +66,10 @@ if [ -z "$data" ]; then
     exit 0
 fi
 
-# verify ENGINE LIMIT THRESHOLD FRAME
+# verify ENGINE LIMIT THRESHOLD FRAME: with one polygon a source
 verify()
 {
-    run -k kernel.exr --engine "$1" -t "$3" --verify --report r.json "$data/$4"
+    run -q --group 1 --cluster 0 --shrink 0 -k kernel.exr --engine "$1" -t "$3" --verify --report r.json "$data/$4"
     "$python" - "$2" <<'PY' >verdict 2>&1
 import json, sys
 o = json.load(open("r.json"))

@@ -72,13 +72,14 @@ refuses 4 in.exr 'more pixels than --max-pixels' --max-pixels 100 in.exr
 refuses 2 nope 'an unknown channel' --depth nope in.exr
 like "$(cat err)" '*A*B*G*R*Z*' 'an unknown channel: lists those that are there'
 for pair in engine tonemap type compression gl mix alpha progress fft-plan \
-    kernel-normalize depth-bits; do
+    kernel-normalize depth-bits group-method primitive debug; do
     refuses 2 "--$pair" "an unknown value of --$pair" --$pair nope in.exr
     like "$(cat err)" '*nope*one of*' "--$pair: says what there is"
 done
 refuses 2 builtin:nope 'an unknown kernel' -k builtin:nope in.exr
 for pair in threshold=x threshold=-1 threshold=nan knee=2 gain=inf threads=1.5 \
-    threads=-1 exposure=99 kernel-center=3 gain= max-value=0; do
+    threads=-1 exposure=99 kernel-center=3 gain= max-value=0 group=3 group=0 \
+    cluster=12 cluster=4 cluster-fill=0 shrink=1 tolerance=-1 rotate=nan; do
     refuses 2 "--${pair%%=*}" "--$pair" "--$pair" in.exr
 done
 refuses 2 --gain 'scatter of more light than there is' --mix scatter -g 2 in.exr
@@ -89,6 +90,13 @@ refuses 2 --quiet 'a value that is not wanted' --quiet=yes in.exr
 refuses 2 'no input' 'no input'
 run in.exr
 fails_with 2 'nothing to make' 'no output given'
+refuses 2 --csv 'an option of glarepp bench' --csv x in.exr
+run bench -o there/x.png in.exr
+fails_with 2 --output 'glarepp bench with an option of pictures'
+run bench
+fails_with 2 'no input' 'glarepp bench without input'
+run bench --paper in.exr
+fails_with 2 --paper 'glarepp bench with two kinds of frames'
 run -o
 fails_with 2 -o 'an option without its value'
 run -o there/x.png --hdr --quiet in.exr

@@ -52,13 +52,19 @@ is "$(field r.json '[k in o for k in ("fft_size", "measured", "gl", "polygons", 
     '[False, False, False, False, False]' 'what was not needed is left out'
 is "$(field r.json '[k in o["times_ms"] for k in ("compose", "tonemap")]')" \
     '[False, False]' 'times of what did not run are left out'
-run --engine splat --layer l.exr --report r.json in.exr
+run --engine splat --group 1 --cluster 0 --shrink 0 --layer l.exr \
+    --report r.json in.exr
 if [ $status = 0 ]; then
     is "$(field r.json 'o["engine"], o["polygons"] == o["sources"], o["polygon_pixels"] > 0, len(o["gl"]) > 0')" \
         "('splat', True, True, True)" 'the fields of a splat run'
+    run --engine splat --group 8 --cluster 16 --cluster-fill 0.1 --layer l.exr \
+        --report r.json -v in.exr
+    is "$(field r.json 'o["groups"] + o.get("clusters", 0) == o["polygons"] < o["sources"], len(o["form"]) > 0, o["bound"] > 0')" \
+        '(True, True, True)' 'the fields of a grouped splat run'
+    like "$(cat err)" '*polygons (*groups, *clusters)*' '-v: groups and clusters'
 else
     fails_with 5 '' 'no GL here'
-    tests=$((tests - 1))
+    skip 1 'no GL'
 fi
 run -o out.png --report r.json dark.exr
 quiet_success 'a dark frame is a success'

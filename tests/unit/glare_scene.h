@@ -286,6 +286,7 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     p.engine = engine;
     p.gain = scene_gain;
+    p.splat = (struct gp_splat_params) GP_SPLAT_EXACT; // as other engines
     if (!s->f.layer.c[0] &&
         gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
         abort();

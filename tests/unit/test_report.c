@@ -37,8 +37,9 @@ static struct gp_facts full_facts(void)
         .width = 640, .height = 480, .sources = 12,
         .flux_in = {1.5, 2.5, 3.5}, .flux_out = {1.25, 2.25, 3.25},
         .has_flux_out = true, .nonfinite = 3, .clamped = 4, .clamped_out = 5,
-        .glare = {.engine = "splat", .why = "asked for", .polygons = 12,
-                  .polygon_pixels = 1e6, .fft_w = 1280, .fft_h = 1024,
+        .glare = {.engine = "splat", .why = "asked for", .groups = 7,
+                  .clusters = 5, .polygons = 12, .cores = 11,
+                  .polygon_pixels = 1e6, .form = "blended quads", .fft_w = 1280, .fft_h = 1024,
                   .bound = 1e-6, .gl = "OSMesa: llvmpipe"},
         .verified = true,
         .error = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
@@ -74,7 +75,8 @@ static char *reported(const struct gp_facts *facts, int n)
 
 static const char *const keys[] = {
     "frame", "input", "outputs", "width", "height", "engine", "engine_why",
-    "sources", "polygons", "polygon_pixels", "fft_size", "flux_in",
+    "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
+    "form", "fft_size", "flux_in",
     "flux_out", "bound", "measured", "nonfinite", "clamped", "clamped_out",
     "depth", "times_ms", "peak_rss_mib", "threads", "gl", "version",
 };
@@ -113,7 +115,8 @@ static void what_was_not_needed_is_left_out(void **state)
     for (int i = 0; i < GP_TIMES; i++)
         facts.ms[i] = i == GP_TIME_READ ? 1.0 : -1.0;
     static const char *const gone[] = {
-        "frame", "polygons", "polygon_pixels", "fft_size", "flux_out",
+        "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
+        "form", "fft_size", "flux_out",
         "bound", "measured", "clamped_out", "depth", "gl",
     };
     char *text = reported(&facts, 1);
@@ -227,8 +230,8 @@ static void lines_are_cut_not_overrun(void **state)
 {
     (void) state;
     struct gp_facts facts = full_facts();
-    char line[600];
-    for (size_t size = 1; size < 512; size++) {
+    char line[700];
+    for (size_t size = 1; size < 600; size++) {
         memset(line, '#', sizeof line);
         gp_facts_text(&facts, line, size);
         assert_true(strlen(line) < size);
@@ -236,7 +239,9 @@ static void lines_are_cut_not_overrun(void **state)
     }
     gp_facts_text(&facts, line, sizeof line);
     assert_non_null(strstr(line, "in.0007.exr: 640x480, 12 sources, splat "
-                                 "(asked for) on OSMesa: llvmpipe"));
+                                 "(asked for), 12 polygons (7 groups, 5 "
+                                 "clusters), 11 cores, blended quads on "
+                                 "OSMesa: llvmpipe"));
 }
 
 struct progress_row {

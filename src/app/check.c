@@ -1,0 +1,146 @@
+#include "app/options.h"
+
+#include <string.h>
+
+// -- settings that are right and do nothing -----------------------------------
+
+static void warn_of_tone(const struct gp_log *log,
+                         const struct gp_tone_params *t)
+{
+    const bool none = strcmp(t->curve, "none") == 0;
+    if (none && (t->exposure != 0.0f || t->auto_exposure))
+        gp_say(log, GP_LEVEL_WARN, "--exposure: does nothing with --tonemap "
+               "none; use --tonemap linear");
+    if (t->white != 0.0f && strcmp(t->curve, "reinhard-extended") != 0)
+        gp_say(log, GP_LEVEL_WARN, "--white: does nothing with --tonemap %s; "
+               "use --tonemap reinhard-extended", t->curve);
+}
+
+/* The first option of splat that is not at its default, or NULL. */
+static const char *splat_option(const struct gp_settings *s)
+{
+    const struct gp_splat_params *p = &s->glare.splat;
+    const struct gp_splat_params *d = &gp_defaults.glare.splat;
+    return p->group != d->group                 ? "group"
+           : p->method != d->method             ? "group-method"
+           : s->clustered                       ? "cluster"
+           : p->cluster_fill != d->cluster_fill ? "cluster-fill"
+           : p->shrink != d->shrink             ? "shrink"
+           : p->primitive != d->primitive       ? "primitive" : NULL;
+}
+
+static void warn_of_engine(const struct gp_log *log,
+                           const struct gp_settings *s)
+{
+    const char *const engine = s->glare.engine;
+    const bool chosen = strcmp(engine, "auto") == 0;
+    const bool splat = chosen || strcmp(engine, "splat") == 0;
+    const char *const option = splat_option(s);
+    if (option && !splat && !s->debug[GP_DEBUG_POLYGONS])
+        gp_say(log, GP_LEVEL_WARN, "--%s: does nothing with --engine %s; use "
+               "--engine splat", option, engine);
+    if (s->glare.tolerance != gp_defaults.glare.tolerance && !chosen)
+        gp_say(log, GP_LEVEL_WARN, "--tolerance: does nothing with --engine "
+               "%s; use --engine auto", engine);
+}
+
+// -- groups and clusters ------------------------------------------------------
+
+static bool is_power_of_two(int n)
+{
+    return n > 0 && (n & (n - 1)) == 0;
+}
+
+static gp_status check_splat(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_splat_params *const p = &s->glare.splat;
+    if (!is_power_of_two(p->group))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--group: not a power of two (found %d); give 1, 2, 4, "
+                       "8, 16, 32 or 64", p->group);
+    if (!s->clustered && p->cluster <= p->group)
+        p->cluster = 0;
+    if (p->cluster == 0)
+        return GP_OK;
+    if (!is_power_of_two(p->cluster))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--cluster: not a power of two (found %d); give 0, 2, "
+                       "4, 8, 16, 32 or 64", p->cluster);
+    if (p->cluster <= p->group)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--cluster: no larger than --group (found %d and %d); "
+                       "give a larger one, or 0 for none", p->cluster,
+                       p->group);
+    return GP_OK;
+}
+
+// -- what to read and to make -------------------------------------------------
+
+static gp_status check_main(const struct gp_log *log,
+                            const struct gp_settings *s)
+{
+    bool wants = s->outputs.n || s->hdr || s->layer || s->report;
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        wants = wants || s->debug[i];
+    if (s->inputs.n == 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "no input; write glarepp -o out.png frame.exr, or see "
+                       "glarepp --help");
+    if (!wants)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "nothing to make; write glarepp -o out.png %s, or see "
+                       "glarepp --help", s->inputs.at[0]);
+    if (s->verify && !s->report && s->level < GP_LEVEL_INFO)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--verify: its result would be shown nowhere; add "
+                       "--report FILE or -v");
+    return GP_OK;
+}
+
+static gp_status check_bench(const struct gp_log *log,
+                             const struct gp_settings *s)
+{
+    if (s->bench.paper && s->inputs.n)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--paper: brings its own frames (found %s as well); "
+                       "leave one of the two out", s->inputs.at[0]);
+    if (!s->bench.paper && s->inputs.n == 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "no input; write glarepp bench frame.exr, or glarepp "
+                       "bench --paper");
+    if (s->inputs.n > 1)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: one frame at a time is measured (found %d); give "
+                       "one", s->inputs.at[1], s->inputs.n);
+    const char *const file[] = {s->bench.csv, s->bench.json, s->bench.plot};
+    for (int i = 1; i < 3; i++) {
+        for (int k = 0; k < i; k++) {
+            if (file[i] && file[k] && strcmp(file[i], file[k]) == 0)
+                return gp_fail(log, GP_ERR_USAGE,
+                               "%s: given for two outputs; give each a name "
+                               "of its own", file[i]);
+        }
+    }
+    return GP_OK;
+}
+
+gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
+{
+    gp_status st = s->command == GP_COMMAND_BENCH ? check_bench(log, s)
+                                                  : check_main(log, s);
+    if (!st)
+        st = check_splat(log, s);
+    if (st)
+        return st;
+    if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--gain: more light would be scattered than there is "
+                       "(found %g with --mix scatter); give 0 to 1, or --mix "
+                       "add", (double) s->compose.gain);
+    s->glare.gain = s->compose.gain;
+    if (s->level >= GP_LEVEL_WARN) {
+        warn_of_tone(log, &s->tone);
+        warn_of_engine(log, s);
+    }
+    return GP_OK;
+}

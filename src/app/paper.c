@@ -1,0 +1,347 @@
+#include "app/paper.h"
+
+#include "core/luminance.h"
+#include "core/memory.h"
+
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS] = {
+    [GP_PAPER_POINTS] = {"points", "best", 120},
+    [GP_PAPER_WINDOWS] = {"windows", "average", 60},
+    [GP_PAPER_SKY] = {"sky", "worst", 40},
+};
+
+// -- numbers --------------------------------------------------------------------
+
+/* SplitMix64 (Steele, Lea, Flood 2014). */
+static uint64_t mix(uint64_t x)
+{
+    x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ x >> 27) * 0x94d049bb133111ebu;
+    return x ^ x >> 31;
+}
+
+struct dice {
+    uint64_t state;
+};
+
+/* In [0, 1). */
+static double roll(struct dice *d)
+{
+    return (double) (mix(d->state += 0x9e3779b97f4a7c15u) >> 11) * 0x1p-53;
+}
+
+static double between(struct dice *d, double low, double high)
+{
+    return low + (high - low) * roll(d);
+}
+
+/* Spread over octaves from `low` on, not over `high`: about log-uniform, and
+ * no logarithm in it. */
+static double octaves(struct dice *d, double low, double high)
+{
+    double v = low * (1.0 + roll(d));
+    int doublings = 0;
+    for (double top = 2.0 * low; top < high; top *= 2.0)
+        doublings++;
+    for (int n = (int) (roll(d) * (doublings + 1)); n > 0; n--)
+        v *= 2.0;
+    return v < high ? v : high;
+}
+
+static double smooth(double x)
+{
+    x = x < 0.0 ? 0.0 : x > 1.0 ? 1.0 : x;
+    return x * x * (3.0 - 2.0 * x);
+}
+
+/* Value noise in [0, 1): random at whole x and y, smooth between. */
+static double noise(uint64_t seed, double x, double y)
+{
+    const int64_t ix = (int64_t) floor(x), iy = (int64_t) floor(y);
+    const double fx = smooth(x - (double) ix), fy = smooth(y - (double) iy);
+    double corner[4];
+    for (int i = 0; i < 4; i++) {
+        const uint64_t at = (uint64_t) (ix + i % 2) * 0x9e3779b97f4a7c15u +
+                            (uint64_t) (iy + i / 2) * 0xc2b2ae3d27d4eb4fu;
+        corner[i] = (double) (mix(mix(at) + seed) >> 11) * 0x1p-53;
+    }
+    const double top = corner[0] + fx * (corner[1] - corner[0]);
+    const double low = corner[2] + fx * (corner[3] - corner[2]);
+    return top + fy * (low - top);
+}
+
+// -- light ----------------------------------------------------------------------
+
+struct canvas {
+    struct gp_frame *f;
+    int w, h;
+};
+
+/* A colour of luminance 1. */
+struct tint {
+    double c[3];
+};
+
+static struct tint tint_of(double r, double g, double b)
+{
+    const float *const k = gp_rec709_luminance;
+    const double y = (double) k[0] * r + (double) k[1] * g + (double) k[2] * b;
+    return (struct tint) {{r / y, g / y, b / y}};
+}
+
+static struct tint random_tint(struct dice *d, struct tint low)
+{
+    double c[3];
+    for (int i = 0; i < 3; i++)
+        c[i] = between(d, low.c[i], 1.0);
+    return tint_of(c[0], c[1], c[2]);
+}
+
+static void set(const struct canvas *v, int x, int y, const struct tint *t,
+                double luminance)
+{
+    const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
+    for (int c = 0; c < 3; c++)
+        v->f->rgb.c[c][at] = (float) (luminance * t->c[c]);
+}
+
+static void add(const struct canvas *v, int x, int y, const struct tint *t,
+                double luminance)
+{
+    const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
+    for (int c = 0; c < 3; c++)
+        v->f->rgb.c[c][at] += (float) (luminance * t->c[c]);
+}
+
+/* What all frames start from: 0.05 to 0.8. */
+static void paint_background(const struct canvas *v, uint64_t seed)
+{
+    const struct tint warm = tint_of(1.0, 0.95, 0.85);
+    for (int y = 0; y < v->h; y++) {
+        for (int x = 0; x < v->w; x++) {
+            const double u = (double) x / v->h, t = (double) y / v->h;
+            const double n = 0.5 * noise(seed, 4.0 * u, 4.0 * t) +
+                             0.3 * noise(seed + 1, 16.0 * u, 16.0 * t) +
+                             0.2 * noise(seed + 2, 97.0 * u, 97.0 * t);
+            set(v, x, y, &warm, 0.05 + 0.75 * n);
+        }
+    }
+}
+
+/* A point of light between pixels: its four neighbours by their nearness. */
+static void paint_point(const struct canvas *v, double x, double y,
+                        const struct tint *t, double luminance)
+{
+    const int ix = (int) x, iy = (int) y;
+    const double fx = x - ix, fy = y - iy;
+    for (int i = 0; i < 4; i++)
+        add(v, ix + i % 2, iy + i / 2, t,
+            luminance * (i % 2 ? fx : 1.0 - fx) * (i / 2 ? fy : 1.0 - fy));
+}
+
+static void paint_points(const struct canvas *v)
+{
+    enum { POINTS = 32 };
+    static const struct tint least = {{0.5, 0.5, 0.5}};
+    struct dice d = {11};
+    for (int i = 0; i < POINTS; i++) {
+        const struct tint t = random_tint(&d, least);
+        const double x = between(&d, 2.0, v->w - 4), y = between(&d, 2.0, v->h - 4);
+        paint_point(v, x, y, &t, octaves(&d, 10.0, 5000.0));
+    }
+}
+
+/* A lamp: a disc whose border fades within a pixel. */
+static void paint_lamp(const struct canvas *v, double x, double y, double radius,
+                       const struct tint *t, double luminance)
+{
+    const int reach = (int) radius + 2;
+    for (int j = (int) y - reach; j <= (int) y + reach; j++) {
+        for (int i = (int) x - reach; i <= (int) x + reach; i++) {
+            const double dx = i - x, dy = j - y;
+            const double in = radius + 0.5 - sqrt(dx * dx + dy * dy);
+            if (i >= 0 && j >= 0 && i < v->w && j < v->h && in > 0.0)
+                add(v, i, j, t, luminance * (in < 1.0 ? in : 1.0));
+        }
+    }
+}
+
+/* A lit room seen through a window: brighter towards its lamp, darker behind
+ * a curtain on one side, whose folds are 3 pixels wide. */
+static void paint_window(const struct canvas *v, struct gp_rect r,
+                         struct dice *d)
+{
+    static const struct tint least = {{0.8, 0.6, 0.3}};
+    const struct tint t = random_tint(d, least);
+    const double luminance = octaves(d, 5.0, 50.0);
+    const double lamp_x = roll(d), lamp_y = roll(d);
+    const double curtain = between(d, -0.5, 0.5); // < 0: none
+    const bool left = roll(d) < 0.5;
+    for (int y = r.y0; y < r.y1; y++) {
+        for (int x = r.x0; x < r.x1; x++) {
+            const double u = (x - r.x0 + 0.5) / gp_rect_w(r);
+            const double s = (y - r.y0 + 0.5) / gp_rect_h(r);
+            const double du = u - lamp_x, ds = s - lamp_y;
+            double l = luminance / (1.0 + 0.8 * (du * du + ds * ds));
+            if ((left ? u : 1.0 - u) < curtain)
+                l *= (x - r.x0) % 3 == 0 ? 0.3 : 0.45;
+            set(v, x, y, &t, l);
+        }
+    }
+}
+
+static void paint_windows(const struct canvas *v)
+{
+    enum { ACROSS = 16, DOWN = 12, LAMPS = 6 };
+    static const struct tint least = {{0.7, 0.6, 0.4}};
+    struct dice d = {22};
+    for (int i = 0; i < ACROSS * DOWN; i++) {
+        struct gp_rect r = {v->w * (10 * (i % ACROSS) + 3) / (10 * ACROSS),
+                            v->h * (10 * (i / ACROSS) + 3) / (10 * DOWN), 0, 0};
+        r.x1 = r.x0 + v->w * 26 / (100 * ACROSS);
+        r.y1 = r.y0 + v->h * 35 / (100 * DOWN);
+        if (roll(&d) < 1.0 / 3.0)
+            paint_window(v, r, &d);
+    }
+    for (int i = 0; i < LAMPS; i++) {
+        const struct tint t = random_tint(&d, least);
+        const double x = between(&d, 4.0, v->w - 5);
+        const double y = between(&d, 0.8 * v->h, v->h - 5);
+        paint_lamp(v, x, y, between(&d, 0.7, 2.0), &t,
+                   octaves(&d, 100.0, 5000.0));
+    }
+}
+
+static void paint_sky(const struct canvas *v)
+{
+    const struct tint blue = tint_of(0.8, 1.0, 1.3);
+    for (int x = 0; x < v->w; x++) {
+        const double u = (double) x / v->h;
+        const double horizon = v->h * (0.57 + 0.08 * noise(31, 3.0 * u, 0.0) +
+                                       0.02 * noise(32, 29.0 * u, 0.0));
+        for (int y = 0; y < (int) horizon; y++) {
+            const double t = (double) y / v->h;
+            const double cloud = 0.55 * noise(33, 5.0 * u, 7.0 * t) +
+                                 0.3 * noise(34, 17.0 * u, 23.0 * t) +
+                                 0.15 * noise(35, 61.0 * u, 71.0 * t);
+            set(v, x, y, &blue, 2.1 + 17.8 * cloud);
+        }
+    }
+}
+
+// -- frames ---------------------------------------------------------------------
+
+static gp_status make_frame(const struct gp_log *log, const char *name, int w,
+                            int h, struct gp_frame *out)
+{
+    struct gp_frame f = {
+        .data = {0, 0, w, h}, .display = {0, 0, w, h}, .pixel_aspect = 1.0f,
+        .model = GP_COLOUR_RGB, .colour_type = GP_FLOAT, .parts = 1,
+    };
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    f.path = gp_strdup(name);
+    gp_status st = f.path ? gp_planes_make(log, name, gp_frame_pixels(&f),
+                                           &f.rgb)
+                          : gp_fail(log, GP_ERR_BUG, "%s: out of memory", name);
+    if (st)
+        gp_frame_free(&f);
+    else
+        *out = f;
+    return st;
+}
+
+gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
+                         int w, int h, struct gp_frame *out)
+{
+    static void (*const paint[GP_PAPER_KINDS])(const struct canvas *) = {
+        [GP_PAPER_POINTS] = paint_points, [GP_PAPER_WINDOWS] = paint_windows,
+        [GP_PAPER_SKY] = paint_sky,
+    };
+    enum { W_MIN = 64, H_MIN = 48, SIDE_MAX = 16384 };
+    const char *const name = gp_paper_rates[kind].name;
+    if (w < W_MIN || h < H_MIN || w > SIDE_MAX || h > SIDE_MAX)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: no frame of this size (found %d x %d); give %d x "
+                       "%d to %d x %d", name, w, h, W_MIN, H_MIN, SIDE_MAX,
+                       SIDE_MAX);
+    gp_status st = make_frame(log, name, w, h, out);
+    if (st)
+        return st;
+    const struct canvas v = {out, w, h};
+    paint_background(&v, 100 * (uint64_t) (kind + 1));
+    paint[kind](&v);
+    return GP_OK;
+}
+
+// -- the kernel -----------------------------------------------------------------
+
+struct streak {
+    double x, y;      // direction, a unit vector
+    double strength;
+};
+
+enum { STREAKS = 44, STRONG = 8 };
+
+/* 8 strong ones that cross, the others anywhere and weaker. Directions are
+ * ((1 - t^2), 2 t) / (1 + t^2), points of the circle without a sine. */
+static void make_streaks(struct streak s[STREAKS])
+{
+    struct dice d = {7};
+    for (int i = 0; i < STREAKS; i++) {
+        const double t = i < STRONG ? 0.47 * (i / 2) - 0.9
+                                    : between(&d, -1.0, 1.0);
+        const double side = i % 2 ? -1.0 : 1.0, q = 1.0 + t * t;
+        s[i].x = side * (1.0 - t * t) / q;
+        s[i].y = side * 2.0 * t / q;
+        s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&d) * roll(&d);
+    }
+}
+
+/* At offset x, y of a picture `spread` times as wide; `half` of its side. */
+static double kernel_at(const struct streak s[STREAKS], double x, double y,
+                        double spread, double half)
+{
+    const double r2 = (x * x + y * y) / (spread * spread), r = sqrt(r2);
+    const double a = r2 + 1.5;
+    double light = 1.0 / (a * sqrt(sqrt(a))) + 0.02 / (r2 + 60.0);
+    double streaks = 0.0;
+    for (int i = 0; i < STREAKS; i++) {
+        const double along = x * s[i].x + y * s[i].y;
+        const double across = (x * s[i].y - y * s[i].x) / 0.7;
+        const double q = 1.0 + across * across;
+        if (along > 0.0)
+            streaks += s[i].strength / (q * q);
+    }
+    light += 0.02 * streaks / ((r + 3.0) * sqrt(r + 3.0));
+    // fades over the last sixth, and ends inside the border
+    return light * smooth((half - sqrt(x * x + y * y)) / (half / 6.0));
+}
+
+gp_status gp_paper_kernel(const struct gp_log *log, int size,
+                          struct gp_frame *out)
+{
+    static const double spread[3] = {1.06, 1.0, 0.93}; // red scatters widest
+    enum { LEAST = 16, MOST = 4096 };
+    struct streak s[STREAKS];
+    if (size < LEAST || size > MOST)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "kernel: no kernel of this size (found %d); give %d to "
+                       "%d", size, LEAST, MOST);
+    gp_status st = make_frame(log, "kernel", size, size, out);
+    if (st)
+        return st;
+    make_streaks(s);
+    for (int c = 0; c < 3; c++) {
+        float *to = out->rgb.c[c];
+        for (int y = 0; y < size; y++) {
+            for (int x = 0; x < size; x++)
+                *to++ = (float) kernel_at(s, x - size / 2, y - size / 2,
+                                          spread[c], size / 2);
+        }
+    }
+    return GP_OK;
+}

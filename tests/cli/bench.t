@@ -1,0 +1,281 @@
+#!/bin/sh
+# glarepp bench: a table of speed against error, the same rows as CSV, JSON and
+# plot.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+frame in.exr channels=R,G,B,A lights=40 seed=3
+frame kernel.exr kind=kernel size=33x32 type=float
+frame dark.exr kind=dark
+unset DISPLAY
+gnuplot=
+command -v gnuplot >/dev/null && gnuplot=yes
+gl=
+"$glarepp" --engine splat --layer gl.exr in.exr 2>/dev/null && gl=yes
+
+techniques='direct
+fft
+splat
+splat group 2
+splat group 4
+splat group 8
+splat group 4, cluster 8
+splat group 4, shrink 1e-3
+splat 4/8/1e-3 centroid
+splat 4/8/1e-3 moments
+splat 4/8/1e-3 core
+splat 4/8/1e-3 tiles
+splat 4/8/1e-3 quads
+splat 4/8/1e-3 points
+auto'
+
+cat >check.py <<'PY'
+"""check.py JSON CSV [extrapolated]: laws of a table, and that both agree."""
+import csv
+import json
+import math
+import sys
+
+def verdict(fine, what):
+    print(("ok " if fine else "not ok ") + what)
+
+table = json.load(open(sys.argv[1]))
+lines = list(csv.DictReader(open(sys.argv[2], newline="")))
+raw = open(sys.argv[2], "rb").read()
+verdict(raw.endswith(b"\r\n") and raw.count(b"\n") == raw.count(b"\r\n"),
+        "CSV: lines end as RFC 4180 asks")
+rows = [(f, r) for f in table["frames"] for r in f["rows"]]
+verdict(len(rows) == len(lines) > 0, "as many rows in both files")
+
+def cell(value):
+    if value is None:
+        return "inf"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return value
+
+agree, absent = True, True
+for (frame, row), line in zip(rows, lines):
+    agree = agree and line["input"] == frame["input"]
+    for key, text in line.items():
+        if key in ("input", "why"):
+            continue
+        if key not in row:
+            absent = absent and text == ""
+            continue
+        value = cell(row[key])
+        same = (text == value if isinstance(value, str)
+                else math.isclose(float(text), value, rel_tol=1e-9))
+        agree = agree and same
+verdict(agree, "CSV and JSON hold the same")
+verdict(absent, "what JSON leaves out is empty in CSV")
+
+ran = [r for _, r in rows if "why" not in r]
+verdict(all("ms" not in r for _, r in rows if "why" in r) and
+        all("ms" in r for r in ran), "a row has a time, or says why not")
+verdict(all(0 < r["ms_min"] <= r["ms"] <= r["ms_max"] for r in ran),
+        "the median is between least and most")
+verdict(all(abs(r["frames_per_second"] * r["ms"] - 1000) < 20 for r in ran
+            if r["ms"] > .05), "frames a second are those of the median")
+whole = [r for r in ran if not r["extrapolated"]]
+parts = [r for r in ran if r["extrapolated"]]
+verdict(all(r["runs"] == table["runs"] for r in whole if r["ms_max"] < 1000),
+        "as many runs as were asked for")
+verdict(all(r["rel_l2"] < 2e-6 for r in whole
+            if r["name"] in ("direct", "fft", "splat")), "exact rows are exact")
+verdict(all(r["rel_l2"] < 1e-6 for r in whole if r["name"] in ("direct", "fft")),
+        "direct and fft: rel_l2 under 1e-6")
+verdict(all(r.get("bound") is None or r["rel_l2"] <= r["bound"] for r in whole),
+        "no error is over its bound")
+verdict(all(0 <= r["flip"] <= 1 for r in whole), "FLIP is in [0,1]")
+verdict(all(r["flip"] < 1e-3 for r in whole if r["rel_l2"] < 1e-6),
+        "FLIP sees nothing in exact rows")
+front = True
+for f in table["frames"]:
+    mine = [r for r in f["rows"] if "rel_l2" in r]
+    for r in f["rows"]:
+        beaten = any(o["ms"] <= r["ms"] and o["rel_l2"] <= r["rel_l2"] and
+                     (o["ms"], o["rel_l2"]) != (r["ms"], r["rel_l2"])
+                     for o in mine if "rel_l2" in r)
+        # (times in the files are rounded: two that differ there do differ)
+        if r["pareto"] and ("rel_l2" not in r or beaten and not any(
+                o["ms"] == r["ms"] for o in mine if o is not r)):
+            front = False
+    front = front and (not mine or any(r["pareto"] for r in mine))
+verdict(front, "nothing beats a row of the Pareto front")
+verdict(all("rel_l2" not in r and "flip" not in r and not r["pareto"] and
+            0 < r["share"] < .3 and r["ms_min"] == r["ms"] == r["ms_max"]
+            for r in parts), "extrapolated rows are marked and have no error")
+if "extrapolated" in sys.argv:
+    verdict(len(parts) > 0, "there is an extrapolated row")
+PY
+
+# table JSON: the rows' names
+names()
+{
+    "$python" -c 'import json, sys
+for f in json.load(open(sys.argv[1]))["frames"]:
+    for r in f["rows"]:
+        print(r["name"])' "$1"
+}
+
+# -- one frame -----------------------------------------------------------------
+
+run bench --runs 3 -k kernel.exr --csv t.csv --json t.json in.exr
+quiet_success 'bench'
+is "$(names t.json)" "$techniques" 'every technique has its row'
+"$python" check.py t.json t.csv >verdicts 2>&1 || echo 'not ok check.py' >>verdicts
+verdicts verdicts
+is "$(awk '/^  technique /,/^$/' out | sed '1d' | cut -c 3-28 | sed 's/ *$//' |
+    head -15)" "$techniques" 'the table has them in the same order'
+like "$(head -1 out)" 'in.exr: 64x48, * sources, kernel kernel.exr 33x32; *' \
+    'the table says what was measured'
+ok 'the table: a mark on the Pareto front' grep -q '^> ' out
+is "$(awk 'length > 140' out | grep -cv '^  auto took')" 0 'no line is too wide'
+
+run bench --runs 1 -k kernel.exr --json - in.exr
+ok '--json -: stdout is JSON alone' "$python" -m json.tool out
+run bench --runs 1 -k kernel.exr --csv - in.exr
+like "$(head -1 out)" 'input,name,options,ms,*' '--csv -: stdout is CSV alone'
+is "$(wc -l <out)" 16 '--csv -: a line for each row'
+run bench --runs 1 -k kernel.exr --tonemap none --json n.json in.exr
+no '--tonemap none: no FLIP' grep -q '"flip"' n.json
+run bench -v --runs 1 -k kernel.exr in.exr
+is "$(grep -c '^glarepp: ' err)" 15 '-v: a line for each row'
+run bench --runs 1 -k kernel.exr - <in.exr
+like "$(head -1 out)" '-: 64x48*' 'a frame from stdin'
+cp in.exr 'a,"b".exr'
+run bench --runs 1 -k kernel.exr --csv q.csv --json q.json 'a,"b".exr'
+is "$("$python" -c 'import csv, json
+print(list(csv.DictReader(open("q.csv", newline="")))[0]["input"],
+      json.load(open("q.json"))["frames"][0]["input"])')" \
+    'a,"b".exr a,"b".exr' 'a file name with a comma and quotes'
+# the word is the command, a path is a file
+cp in.exr bench
+run --engine direct -k kernel.exr -o bench.png ./bench
+quiet_success './bench is a file'
+
+run bench --runs 1 --csv d.csv --json d.json dark.exr
+quiet_success 'a dark frame is a success'
+is "$(grep -c 'no pixel is over the threshold' out)" 15 \
+    'a dark frame: every row says so'
+
+# -- long rows -------------------------------------------------------------------
+
+# every pixel is a source: seconds for direct, of which a tenth is run
+frame all.exr size=768x512
+frame wide.exr kind=kernel size=511x511 type=float
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent "$glarepp" bench -t 0 \
+    --runs 1 --threads 1 -k wide.exr --csv x.csv --json x.json all.exr >out 2>err
+status=$?
+quiet_success 'a frame with too many sources'
+"$python" check.py x.json x.csv extrapolated >verdicts 2>&1 ||
+    echo 'not ok check.py' >>verdicts
+verdicts verdicts
+ok 'the table: extrapolated rows have a star' grep -q '^  direct  *[0-9.]*\*' out
+
+# -- what is missing ---------------------------------------------------------------
+
+GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
+    "$glarepp" bench --runs 1 -k kernel.exr --json g.json in.exr >out 2>err
+status=$?
+quiet_success 'no GL is no error of bench'
+is "$("$python" -c 'import json
+rows = json.load(open("g.json"))["frames"][0]["rows"]
+print(all(("why" in r) == r["name"].startswith("splat") for r in rows),
+      all(len(r["why"]) > 10 for r in rows if "why" in r))')" 'True True' \
+    'no GL: the rows of splat say why'
+is "$(grep -c '^  splat.* cannot run: .*nonexistent' out)" 12 \
+    'no GL: the table says why'
+
+if [ -n "$gnuplot" ]; then
+    run bench --runs 1 -k kernel.exr --plot p.svg in.exr
+    quiet_success '--plot'
+    ok '--plot: a valid SVG with a label for each row that has an error' \
+        "$python" -c 'import json, xml.dom.minidom
+d = xml.dom.minidom.parse("p.svg")
+assert d.documentElement.tagName == "svg"
+words = " ".join(n.firstChild.data for e in ("text", "tspan")
+                 for n in d.getElementsByTagName(e)
+                 if n.firstChild and n.firstChild.nodeType == 3)
+rows = json.load(open("t.json"))["frames"][0]["rows"]
+assert all(r["name"] in words for r in rows if "rel_l2" in r)
+assert "Pareto front" in words and "rel_l2" in words'
+    run bench --runs 1 --plot d.svg dark.exr
+    quiet_success '--plot of a dark frame'
+else
+    skip 3 'no gnuplot'
+fi
+mkdir bin plots
+"$python" -c 'open("bin/gnuplot", "w").write(
+    "#!/bin/sh\necho >&2; echo \"line 0: a reason of its own\" >&2; exit 1\n")'
+chmod +x bin/gnuplot
+PATH=$PWD/bin:$PATH "$glarepp" bench --runs 1 --plot plots/p.svg in.exr >out 2>err
+status=$?
+fails_with 3 'a reason of its own' 'gnuplot that fails'
+empty_folder plots 'gnuplot that fails: no file'
+PATH=/nonexistent "$glarepp" bench --runs 1 --plot plots/p.svg in.exr >out 2>err
+status=$?
+fails_with 3 gnuplot-nox 'no gnuplot'
+is "$(wc -c <out)" 0 'no gnuplot: found out before any work'
+
+# -- the paper's frames --------------------------------------------------------------
+
+# fewer sources and no GL: a matter of seconds
+paper()
+{
+    if [ -n "$quick" ] || [ -z "$gl" ]; then
+        GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
+            "$glarepp" bench --paper -t 17 --runs 1 "$@" >out 2>err
+    else
+        "$glarepp" bench --paper --runs 1 "$@" >out 2>err
+    fi
+    status=$?
+}
+paper --json paper.json --csv paper.csv
+quiet_success '--paper'
+"$python" check.py paper.json paper.csv >verdicts 2>&1 ||
+    echo 'not ok check.py' >>verdicts
+verdicts verdicts
+is "$("$python" -c 'import json
+for f in json.load(open("paper.json"))["frames"]:
+    print(f["input"], f["width"], f["height"], f["kernel"],
+          f["paper"]["rate"], f["paper"]["frames_per_second"])')" \
+    'points 1024 768 streaks best 120
+windows 1024 768 streaks average 60
+sky 1024 768 streaks worst 40' '--paper: three frames, beside the paper'"'"'s rates'
+is "$(grep -c 'beside the .* of the paper' out)" 3 '--paper: the table says so'
+
+# -- what makes no sense ---------------------------------------------------------------
+
+run bench
+fails_with 2 bench 'no input'
+run bench in.exr dark.exr
+fails_with 2 dark.exr 'two inputs'
+run bench --paper in.exr
+fails_with 2 in.exr '--paper with an input'
+run bench --runs 0 in.exr
+fails_with 2 --runs 'no runs'
+run bench --runs 2.5 in.exr
+fails_with 2 --runs 'half a run'
+run bench -o out.png in.exr
+fails_with 2 -o 'a picture from bench'
+run --runs 3 -o out.png in.exr
+fails_with 2 --runs 'runs without bench'
+run bench --csv - --json - in.exr
+fails_with 2 - 'two files on stdout'
+run bench nowhere.exr
+fails_with 3 nowhere.exr 'a frame that is not there'
+run bench -k nowhere.exr in.exr
+fails_with 3 nowhere.exr 'a kernel that is not there'
+run bench --csv nowhere/t.csv in.exr
+fails_with 3 nowhere 'a folder that is not there'
+if [ -w /dev/full ]; then
+    "$glarepp" bench --runs 1 -k kernel.exr in.exr >/dev/full 2>err
+    status=$?
+    fails_with 3 stdout 'a full disk under stdout'
+else
+    skip 2 'no /dev/full'
+fi
+
+done_testing

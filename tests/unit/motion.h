@@ -1,0 +1,178 @@
+/* Light that slides over the pixel grid, and what a layer makes of it. */
+#ifndef GP_TESTS_MOTION_H
+#define GP_TESTS_MOTION_H
+
+#include "glare_scene.h"
+
+#include "glare/blur.h"
+#include "glare/group.h"
+
+/* Steps of 1/8 pixel to the right and 1/16 down: over 8 by 4 pixels every
+ * place in a group of 8 comes about. */
+enum { MOTION_STEPS = 64, MOTION_SIZE = 128, MOTION_KERNEL = 65 };
+
+enum motion_shape { POINT, LINE, DISC, MOTION_SHAPES };
+
+static const char *const motion_shapes[MOTION_SHAPES] = {
+    "point", "line", "disc",
+};
+
+/* True where the shape is, dx, dy pixels from its middle: a point, a line of
+ * 1 x 40 pixels at a slope of 1 : 3, a disc of radius 3. */
+static inline int motion_covers(enum motion_shape shape, double dx, double dy)
+{
+    const double n = sqrt(10.0);
+    const double along = (3.0 * dx + dy) / n, beside = (3.0 * dy - dx) / n;
+    switch (shape) {
+    case LINE:
+        return fabs(along) < 20.0 && fabs(beside) < 0.5;
+    case DISC:
+        return dx * dx + dy * dy < 9.0;
+    default:
+        return dx == 0.0 && dy == 0.0;
+    }
+}
+
+/* The middle of the shape at a step, in pixel centres. */
+static inline void motion_place(int step, double place[2])
+{
+    place[0] = MOTION_SIZE / 2 - 4 + step / 8.0;
+    place[1] = MOTION_SIZE / 2 - 2 + step / 16.0;
+}
+
+/* Adds light at a place that is no pixel's, by bilinear weights, which keep
+ * its sum and its centroid. */
+static inline void motion_add(struct gp_frame *f, double x, double y,
+                              float light)
+{
+    const int x0 = (int) floor(x), y0 = (int) floor(y);
+    for (int i = 0; i < 4; i++) {
+        const int px = x0 + (i & 1), py = y0 + (i >> 1);
+        const double w = (1.0 - fabs(x - px)) * (1.0 - fabs(y - py));
+        for (int c = 0; c < 3; c++)
+            f->rgb.c[c][py * MOTION_SIZE + px] += (float) w * light;
+    }
+}
+
+/* A black frame with the shape at a step: a sixteenth of a pixel apart, so
+ * that each step moves the same samples as a whole. */
+static inline struct gp_frame motion_frame(enum motion_shape shape, int step)
+{
+    enum { FINE = 16 };
+    struct gp_frame f = {
+        .data = {0, 0, MOTION_SIZE, MOTION_SIZE},
+        .display = {0, 0, MOTION_SIZE, MOTION_SIZE},
+    };
+    double place[2];
+    const size_t n = (size_t) MOTION_SIZE * MOTION_SIZE;
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    if (gp_planes_make(NULL, "rgb", n, &f.rgb))
+        abort();
+    for (int c = 0; c < 3; c++)
+        memset(f.rgb.c[c], 0, n * sizeof(float));
+    motion_place(step, place);
+    for (int y = -8 * FINE; y <= 8 * FINE; y++) {
+        for (int x = -20 * FINE; x <= 20 * FINE; x++) {
+            const double dx = (double) x / FINE, dy = (double) y / FINE;
+            if (motion_covers(shape, dx, dy))
+                motion_add(&f, place[0] + dx, place[1] + dy, 1.0f);
+        }
+    }
+    return f;
+}
+
+/* Whatever shines is a source: no threshold adds ripples of its own. */
+static const struct gp_sensor_params motion_sensors = {
+    .threshold = 0.0f, .max_value = 65504.0f,
+};
+
+static inline struct gp_kernel motion_kernel(void)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    p.builtin_size = MOTION_KERNEL;
+    if (gp_kernel_builtin(NULL, &p, &k))
+        abort();
+    return k;
+}
+
+/* -- what a layer says about it ---------------------------------------------*/
+
+/* Of the green plane; the light is grey. */
+struct motion_view {
+    double flux, centroid[2];
+};
+
+static inline struct motion_view motion_look(const double *layer)
+{
+    struct motion_view v = {0};
+    for (int i = 0; i < MOTION_SIZE * MOTION_SIZE; i++) {
+        v.flux += layer[i];
+        v.centroid[0] += layer[i] * (i % MOTION_SIZE);
+        v.centroid[1] += layer[i] * (i / MOTION_SIZE);
+    }
+    v.centroid[0] /= v.flux;
+    v.centroid[1] /= v.flux;
+    return v;
+}
+
+/* What 64 steps come to. */
+struct motion_result {
+    double ripple;    // largest flux over smallest, less 1
+    double centroid;  // largest distance of the centroid from the light's,
+                      // pixels
+    double jump;      // largest change of the error from a frame to the next,
+                      // over the norm of the exact layer
+};
+
+struct motion_track {
+    double least, most, centroid, jump;
+    double *error;    // of the step before, or NULL
+};
+
+/* Takes the layer's place at a step; layers come in order. */
+static inline void motion_follow(struct motion_track *t, int step,
+                                 const double *layer, const double *exact)
+{
+    const int n = MOTION_SIZE * MOTION_SIZE;
+    const struct motion_view v = motion_look(layer);
+    double place[2], change = 0.0, whole = 0.0;
+    double *const error = scene_alloc((size_t) n, sizeof *error);
+    motion_place(step, place);
+    t->least = step ? fmin(t->least, v.flux) : v.flux;
+    t->most = fmax(t->most, v.flux);
+    t->centroid = fmax(t->centroid, hypot(v.centroid[0] - place[0],
+                                          v.centroid[1] - place[1]));
+    for (int i = 0; i < n; i++) {
+        error[i] = layer[i] - exact[i];
+        const double step_of_it = t->error ? error[i] - t->error[i] : 0.0;
+        change += step_of_it * step_of_it;
+        whole += exact[i] * exact[i];
+    }
+    t->jump = fmax(t->jump, sqrt(change / whole));
+    free(t->error);
+    t->error = error;
+}
+
+/* How much one step moves the exact layer itself, over its norm. */
+static inline double motion_own(const double *before, const double *exact)
+{
+    double change = 0.0, whole = 0.0;
+    for (int i = 0; i < MOTION_SIZE * MOTION_SIZE; i++) {
+        change += (exact[i] - before[i]) * (exact[i] - before[i]);
+        whole += exact[i] * exact[i];
+    }
+    return sqrt(change / whole);
+}
+
+static inline struct motion_result motion_end(struct motion_track *t)
+{
+    const struct motion_result r = {
+        t->most / t->least - 1.0, t->centroid, t->jump,
+    };
+    free(t->error);
+    *t = (struct motion_track) {0};
+    return r;
+}
+
+#endif
