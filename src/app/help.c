@@ -30,7 +30,8 @@ static void default_text(const struct gp_option *o, char *text, size_t size)
         break;
     case GP_KIND_CHOICE:
         memcpy(&value, at, sizeof value);
-        for (const struct gp_choice *c = o->choices; c->name && !word; c++)
+        for (const struct gp_option_choice *c = o->choices; c->name && !word;
+             c++)
             word = c->value == value ? c->name : NULL;
         break;
     case GP_KIND_FLAG:

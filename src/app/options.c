@@ -61,26 +61,26 @@ static const char *kernel_name(int i, const char **text)
     return name;
 }
 
-static const struct gp_choice normalizes[] = {
+static const struct gp_option_choice normalizes[] = {
     {"luminance", GP_NORMALIZE_LUMINANCE, "the luminance of its sum is 1, the "
      "ratios of its channels stay"},
     {"none", GP_NORMALIZE_NONE, "as it is in the file"},
     {0},
 };
-static const struct gp_choice mixes[] = {
+static const struct gp_option_choice mixes[] = {
     {"add", GP_MIX_ADD, "the layer comes on top of the frame"},
     {"scatter", GP_MIX_SCATTER, "light that is spread is taken from its "
      "source, which conserves energy; needs a gain up to 1"},
     {0},
 };
-static const struct gp_choice gls[] = {
+static const struct gp_option_choice gls[] = {
     {"auto", GP_GL_AUTO, "the first that opens"},
     {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
     {"egl", GP_GL_EGL, "a GPU's device where there is one, Mesa's surfaceless "
      "platform else"},
     {0},
 };
-static const struct gp_choice methods[] = {
+static const struct gp_option_choice methods[] = {
     {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
      "formula (1) of Ando et al."},
     {"moments", GP_GROUP_MOMENTS, "the kernel blurred by as much as the group "
@@ -89,7 +89,7 @@ static const struct gp_choice methods[] = {
      "only its tail from groups"},
     {0},
 };
-static const struct gp_choice primitives[] = {
+static const struct gp_option_choice primitives[] = {
     {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, quad else"},
     {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
     {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
@@ -98,20 +98,20 @@ static const struct gp_choice primitives[] = {
      "polygons that reach it"},
     {0},
 };
-static const struct gp_choice plans[] = {
+static const struct gp_option_choice plans[] = {
     {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
      "every run"},
     {"measure", GP_FFT_PLAN_MEASURE, "the fastest plan of a few tried; kept "
      "in the cache folder for later runs"},
     {0},
 };
-static const struct gp_choice types[] = {
+static const struct gp_option_choice types[] = {
     {"auto", GP_OUT_AUTO, "as in the input"},
     {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504"},
     {"float", GP_OUT_FLOAT, "32 bits"},
     {0},
 };
-static const struct gp_choice compressions[] = {
+static const struct gp_option_choice compressions[] = {
     {"auto", GP_COMPRESSION_AUTO, "as in the input when that is lossless, "
      "zip else"},
     {"none", GP_COMPRESSION_NONE, NULL},
@@ -126,22 +126,22 @@ static const struct gp_choice compressions[] = {
     {"dwab", GP_COMPRESSION_DWAB, NULL},
     {0},
 };
-static const struct gp_choice bits[] = {
+static const struct gp_option_choice bits[] = {
     {"8", 8, NULL}, {"16", 16, NULL}, {0},
 };
-static const struct gp_choice alphas[] = {
+static const struct gp_option_choice alphas[] = {
     {"black", GP_ALPHA_BLACK, "the picture stands over black and has no "
      "alpha"},
     {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"},
     {0},
 };
-static const struct gp_choice progresses[] = {
+static const struct gp_option_choice progresses[] = {
     {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
     {"always", GP_PROGRESS_ALWAYS, NULL},
     {"never", GP_PROGRESS_NEVER, NULL},
     {0},
 };
-static const struct gp_choice debugs[] = {
+static const struct gp_option_choice debugs[] = {
     {"sensors", GP_DEBUG_SENSORS, "the light that the engines are given, "
      "scene-linear"},
     {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "

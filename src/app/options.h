@@ -39,7 +39,7 @@ enum gp_option_group {
 };
 extern const char *const gp_option_groups[GP_GROUPS];
 
-struct gp_choice {
+struct gp_option_choice {
     const char *name;
     int value;
     const char *text;  // one line for the man page; NULL: the name says it
@@ -57,7 +57,7 @@ struct gp_option {
     int set;               // GP_KIND_SET
     const char *arg;       // what --help calls the value; NULL: takes none
     const char *help;      // one line, no full stop
-    const struct gp_choice *choices;  // NULL name at the end
+    const struct gp_option_choice *choices;  // NULL name at the end
     /* The i-th value and its line, NULL behind the last. */
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are taken as well

@@ -121,10 +121,10 @@ static gp_status unknown_value(const struct use *u, const char *found)
                    u->option->name, found, line);
 }
 
-static const struct gp_choice *find_choice(const struct gp_option *o,
-                                           const char *name, size_t length)
+static const struct gp_option_choice *
+find_choice(const struct gp_option *o, const char *name, size_t length)
 {
-    for (const struct gp_choice *c = o->choices; c->name; c++) {
+    for (const struct gp_option_choice *c = o->choices; c->name; c++) {
         if (strlen(c->name) == length && strncmp(c->name, name, length) == 0)
             return c;
     }
@@ -133,7 +133,7 @@ static const struct gp_choice *find_choice(const struct gp_option *o,
 
 static gp_status set_choice(const struct use *u)
 {
-    const struct gp_choice *c =
+    const struct gp_option_choice *c =
         find_choice(u->option, u->value, strlen(u->value));
     if (!c)
         return unknown_value(u, u->value);
@@ -161,7 +161,7 @@ static gp_status set_text(const struct use *u)
 static gp_status set_named(const struct use *u)
 {
     size_t length = strcspn(u->value, "=");
-    const struct gp_choice *c = find_choice(u->option, u->value, length);
+    const struct gp_option_choice *c = find_choice(u->option, u->value, length);
     if (!c)
         return unknown_value(u, u->value);
     if (!u->value[length] || !u->value[length + 1])

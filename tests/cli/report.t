@@ -59,7 +59,7 @@ if [ $status = 0 ]; then
         "('splat', True, True, True)" 'the fields of a splat run'
     run --engine splat --group 8 --cluster 16 --cluster-fill 0.1 --layer l.exr \
         --report r.json -v in.exr
-    is "$(field r.json 'o["groups"] + o.get("clusters", 0) == o["polygons"] < o["sources"], len(o["form"]) > 0, o["bound"] > 0')" \
+    is "$(field r.json 'o["groups"] + o.get("clusters", 0) == o["polygons"] < o["sources"], len(o["form"]) > 0, "bound" in o')" \
         '(True, True, True)' 'the fields of a grouped splat run'
     like "$(cat err)" '*polygons (*groups, *clusters)*' '-v: groups and clusters'
 else
