@@ -156,17 +156,50 @@ static double exact_bound(const struct gp_glare_job *job,
                                                        : e / (1.0 - e);
 }
 
+static double norm_of(const struct gp_unturned *u, int c)
+{
+    double sum = 0.0;
+    for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
+        sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
+    return sqrt(sum);
+}
+
+/* What a turned quad adds: where it samples, rounding is `place` pixels at
+ * most (splat_turn.frag). Each sample is then wrong by at most 2 * place of its
+ * four taps' sum, no more than four samples share their taps, and flux times
+ * that error's norm is the most that all sources can make of it (Young's
+ * inequality). */
+static gp_status add_turning(const struct gp_glare_job *job,
+                             struct gp_bound_cache *cache,
+                             struct gp_splat_plan *p)
+{
+    const struct gp_unturned *const u = job->kernel->unturned;
+    const double radius = hypot(fabs((double) u->cx) + u->w,
+                                fabs((double) u->cy) + u->h);
+    const double place = 0x1p-23 + 0x1p-31 * radius;
+    double least = 0.0, wrong = 0.0;
+    gp_status st = gp_layer_least(job->log, job->src, job->kernel, cache,
+                                  &least);
+    for (int c = 0; c < 3; c++) {
+        const double e = job->src->flux[c] * 2.0 * place * 4.0 * 2.0 *
+                         norm_of(u, c);
+        wrong += e * e;
+    }
+    p->bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
+    return st;
+}
+
 static gp_status find_bound(const struct gp_glare_job *job,
                             struct gp_bound_cache *cache,
                             struct gp_splat_plan *p)
 {
-    (void) cache;
     if (p->single && p->params.shrink <= 0.0f) {
         p->bound = exact_bound(job, p);
-        return GP_OK;
+        return p->turned ? add_turning(job, cache, p) : GP_OK;
     }
-    p->bound = INFINITY; // nothing is guaranteed of groups
-    return GP_OK;
+    return gp_group_bound(job->log, job->src, job->kernel, &p->params,
+                          &p->polygons, &p->shrink, roundings(p), cache,
+                          &p->bound);
 }
 
 /* -- counting -------------------------------------------------------------- */

@@ -39,6 +39,7 @@ void gp_splat_close(void **state)
         return;
     close_context(s);
     gp_splat_plan_free(&s->plan);
+    gp_bound_cache_free(&s->bounds);
     gp_free(s->band);
     GP_FREE(*state);
 }
