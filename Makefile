@@ -104,6 +104,11 @@ $(B)/bench/%: tests/bench/%.c $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) -fopenmp $(LINK) -o $@ $< $(LIB_OBJ) $(LIBS) \
 	    -lfftw3f_omp -lfftw3f
 
+# Measures this machine for the planner's predictions
+$(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
+
 FRAMES ?= $(B)/bench-frames
 bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair ## measures every figure of the README on this machine
 	tests/bench/run.sh $(B) $(FRAMES)

@@ -13,7 +13,7 @@ double gp_cost_at(const double value[3], double size, double first)
     return value[i] + (at - i) * (value[i + 1] - value[i]);
 }
 
-enum { ODDS = 7 };
+enum { ODDS = 7, OCTAVES = 8, FIRST_OCTAVE = 6 };
 
 static int odd_class(int n)
 {
@@ -28,24 +28,26 @@ static int odd_class(int n)
 
 double gp_cost_transform(int n, enum gp_fft_plan how)
 {
-    static const double estimate[ODDS][3] = {
-        GP_COST_FFT_ESTIMATE_1,  GP_COST_FFT_ESTIMATE_3,
-        GP_COST_FFT_ESTIMATE_5,  GP_COST_FFT_ESTIMATE_9,
-        GP_COST_FFT_ESTIMATE_15, GP_COST_FFT_ESTIMATE_25,
-        GP_COST_FFT_ESTIMATE_OTHER,
-    };
-    static const double measure[ODDS][3] = {
-        GP_COST_FFT_MEASURE_1,  GP_COST_FFT_MEASURE_3,
-        GP_COST_FFT_MEASURE_5,  GP_COST_FFT_MEASURE_9,
-        GP_COST_FFT_MEASURE_15, GP_COST_FFT_MEASURE_25,
-        GP_COST_FFT_MEASURE_OTHER,
+    static const double cost[2][ODDS][OCTAVES] = {
+        [GP_FFT_PLAN_ESTIMATE] = {
+            GP_COST_FFT_ESTIMATE_1, GP_COST_FFT_ESTIMATE_3,
+            GP_COST_FFT_ESTIMATE_5, GP_COST_FFT_ESTIMATE_9,
+            GP_COST_FFT_ESTIMATE_15, GP_COST_FFT_ESTIMATE_25,
+            GP_COST_FFT_ESTIMATE_OTHER,
+        },
+        [GP_FFT_PLAN_MEASURE] = {
+            GP_COST_FFT_MEASURE_1, GP_COST_FFT_MEASURE_3,
+            GP_COST_FFT_MEASURE_5, GP_COST_FFT_MEASURE_9,
+            GP_COST_FFT_MEASURE_15, GP_COST_FFT_MEASURE_25,
+            GP_COST_FFT_MEASURE_OTHER,
+        },
     };
     if (n < 2)
         return 1e-5;
-    const int odd = odd_class(n);
-    const double picoseconds = gp_cost_at(
-        how == GP_FFT_PLAN_MEASURE ? measure[odd] : estimate[odd], n, 64.0);
-    return 1e-9 * picoseconds * n * log2(n);
+    const double size = log2((double) n);
+    const int octave = (int) fmin(fmax(floor(size) - FIRST_OCTAVE, 0.0),
+                                  OCTAVES - 1.0);
+    return 1e-9 * cost[how][odd_class(n)][octave] * n * size;
 }
 
 /* `rows` real rows, two to a transform. */

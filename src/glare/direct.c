@@ -224,6 +224,14 @@ double gp_direct_bound(const struct gp_taps *taps, size_t n)
                        : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
 }
 
+bool gp_direct_lobes(const struct gp_kernel *kernel)
+{
+    bool lobes = false;
+    for (int c = 0; c < 3; c++)
+        lobes |= !(kernel->norm1[c] <= kernel->sum[c]);
+    return lobes;
+}
+
 /* Length of the overlap of [at - c, at - c + n) and [0, limit). */
 static int overlap(int at, int c, int n, int limit)
 {
@@ -257,23 +265,38 @@ static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
     return s && s->kernel && s->kernel == k->serial;
 }
 
-/* What run_strip() does, in rows of strips; and how often it lists a source. */
+/* What run_strip() does, in rows of strips of sources whose taps another has
+ * just used and of those whose have to be fetched; how often it lists one. */
 struct strip_work {
-    double rows, listed;
+    double near, far, listed;
 };
 
-static void add_source(const struct gp_glare_job *job, int x, int y,
+static bool has_neighbour(const struct gp_sources *s, uint32_t i, int y)
+{
+    enum { NEAR = 8 }; // pixels: half a cache line
+    const int x = s->x[i];
+    if (i > s->row[y] && s->x[i - 1] >= x - NEAR)
+        return true;
+    if (y == 0)
+        return false;
+    const uint32_t above =
+        first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
+    return above < s->row[y] && s->x[above] <= x + NEAR;
+}
+
+static void add_source(const struct gp_glare_job *job, uint32_t i, int y,
                        struct strip_work *work)
 {
     const struct gp_sources *const s = job->src;
     const struct gp_kernel *const k = job->kernel;
-    const int from = x - k->cx > 0 ? x - k->cx : 0;
+    const int x = s->x[i], from = x - k->cx > 0 ? x - k->cx : 0;
     const int cols = overlap(x, k->cx, k->w, s->w);
     if (cols == 0)
         return;
     const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
+    const double rows = (double) strips * overlap(y, k->cy, k->h, s->h);
     work->listed += strips;
-    work->rows += (double) strips * overlap(y, k->cy, k->h, s->h);
+    *(has_neighbour(s, i, y) ? &work->near : &work->far) += rows;
 }
 
 /* From every k-th source: with many of them direct loses anyway. */
@@ -286,29 +309,34 @@ static struct strip_work count_work(const struct gp_glare_job *job)
     uint32_t i = step / 2, taken = 0;
     for (int y = 0; y < s->h; y++) {
         for (; i < s->row[y + 1]; i += step, taken++)
-            add_source(job, s->x[i], y, &work);
+            add_source(job, i, y, &work);
     }
     const double share = taken ? (double) s->n / taken : 0.0;
-    work.rows *= share;
+    work.near *= share;
+    work.far *= share;
     work.listed *= share;
     return work;
 }
 
 static double predict_ms(const struct gp_glare_job *job, const void *state)
 {
-    static const double row_ms[3] = GP_COST_DIRECT_SOURCE_ROW;
+    static const double near[3] = GP_COST_DIRECT_NEAR_ROW;
+    static const double far[3] = GP_COST_DIRECT_FAR_ROW;
+    static const double empty[3] = GP_COST_DIRECT_STRIP_ROW;
     const struct gp_kernel *const k = job->kernel;
     const struct gp_sources *const s = job->src;
     const double samples = 3.0 * (k->w + 2.0 * GP_TAPS_PAD) * k->h;
+    const double bytes = samples * sizeof(float);
+    const double layer = 3.0 * sizeof(float) * s->w * s->h;
     const double strips = (s->w + STRIP - 1) / STRIP;
     const struct strip_work work = count_work(job);
     double ms = GP_COST_DIRECT_RUN +
-                GP_COST_DIRECT_STRIP_ROW * strips * s->h +
+                gp_cost_at(empty, layer, 0x1p19) * strips * s->h +
                 GP_COST_DIRECT_LIST * work.listed +
-                gp_cost_at(row_ms, samples * sizeof(float), 48 * 1024.0) *
-                    work.rows;
+                gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
+                gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
     if (!job->later && !is_laid_out(state, k))
-        ms += GP_COST_DIRECT_LAYOUT * samples;
+        ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
     return ms;
 }
 
@@ -339,16 +367,11 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
 }
 
-/* A kernel has lobes where magnitudes add up to more than samples do: both are
- * summed in one order, so they are equal to the last bit otherwise. */
 static gp_status bound(const struct gp_glare_job *job, void **state,
                        double *out)
 {
-    const struct gp_kernel *const k = job->kernel;
-    struct gp_taps taps = {0};
+    const struct gp_taps taps = {.lobes = gp_direct_lobes(job->kernel)};
     (void) state;
-    for (int c = 0; c < 3; c++)
-        taps.lobes |= !(k->norm1[c] <= k->sum[c]);
     *out = gp_direct_bound(&taps, job->src->n);
     return GP_OK;
 }

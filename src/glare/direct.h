@@ -46,6 +46,10 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
  * whose light can cancel while the rounding stays. */
 double gp_direct_bound(const struct gp_taps *taps, size_t n);
 
+/* Whether the kernel has samples under 0: where magnitudes add up to more than
+ * samples do, as both are summed in one order. */
+bool gp_direct_lobes(const struct gp_kernel *kernel);
+
 /* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
  * cut to the frame. */
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,

@@ -2,15 +2,14 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/cost.h"
 #include "glare/direct.h"
-#include "glare/fft_lib.h"
 #include "glare/fft_pass.h"
 #include "glare/fft_place.h"
+#include "glare/fft_spectrum.h"
+#include "glare/fft_state.h"
 #include "glare/fft_split.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static int max(int a, int b)
@@ -29,32 +28,9 @@ static int wrap(int v, int n)
     return v % n < 0 ? v % n + n : v % n;
 }
 
-/* Kept from frame to frame; each part is made anew when its key differs. */
-struct state {
-    struct gp_fft_plan_pair plan[8]; // of the lengths used last, latest last
-    int plans;
-    unsigned long kernel; // serial of the spectrum's
-    struct gp_fft_placing placing;
-    int core;
-    struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
-    struct gp_fft_matrix work;     // of one channel: three would leave the cache
-    size_t work_rows;
-    unsigned long taps_kernel; // serial of the taps'
-    struct gp_taps core_taps, all_taps;
-    int core_taps_radius;
-    unsigned long norms_kernel; // serial and frame of what follows
-    int norms_w, norms_h;
-    double tail[GP_FFT_CORES], spread;
-};
-
-static bool is_known(unsigned long serial, const struct gp_kernel *k)
-{
-    return serial && serial == k->serial;
-}
-
 static void close_state(void **state)
 {
-    struct state *const s = *state;
+    struct gp_fft_state *const s = *state;
     if (s) {
         for (int i = 0; i < s->plans; i++)
             gp_fft_plan_free(&s->plan[i]);
@@ -62,13 +38,14 @@ static void close_state(void **state)
         gp_fft_matrix_free(&s->work);
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
+        gp_bound_cache_free(&s->least);
     }
     GP_FREE(*state);
 }
 
 /* The plans of length n, from the state or made; they stay when one more
  * length is asked for, but may move. */
-static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
+static gp_status find_plan(const struct gp_glare_job *job, struct gp_fft_state *s,
                            int n, const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
@@ -94,95 +71,20 @@ static gp_status find_plan(const struct gp_glare_job *job, struct state *s,
     return st;
 }
 
-/* The matrix of one plane, as the plane of channel c. */
-static struct gp_fft_matrix as_channel(const struct gp_fft_matrix *m, int c)
-{
-    struct gp_fft_matrix view = {.columns = m->columns, .pitch = m->pitch};
-    view.z[c] = m->z[0];
-    return view;
-}
-
-/* -- the kernel's spectrum -------------------------------------------------- */
-
-struct kernel_rows {
-    const struct gp_kernel *kernel;
-    const struct gp_fft_placing *p;
-    int core;
-};
-
-/* Row of offset dy = taps.y0 + j, each sample at its offset modulo nx. */
-static void load_kernel(const void *ctx, int c, int j, float *z)
-{
-    const struct kernel_rows *const r = ctx;
-    const struct gp_kernel *const k = r->kernel;
-    const int dy = r->p->taps.y0 + j, nx = r->p->nx;
-    const float *const row =
-        k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
-    for (int dx = r->p->taps.x0; dx < r->p->taps.x1; dx++) {
-        const int inside = abs(dx) <= r->core && abs(dy) <= r->core;
-        if (!inside)
-            z[2 * wrap(dx, nx)] = row[dx];
-    }
-}
-
-/* Rows first .. first + n at places modulo ny. */
-static gp_status make_places(const struct gp_log *log, int first, int n,
-                             int ny, int **out)
-{
-    void *v;
-    gp_status st = gp_alloc(log, "transform", (size_t) n, sizeof **out, &v);
-    if (st)
-        return st;
-    *out = v;
-    for (int j = 0; j < n; j++)
-        (*out)[j] = wrap(first + j, ny);
-    return GP_OK;
-}
-
-static bool same_spectrum(const struct state *s, const struct gp_kernel *k,
-                          const struct gp_fft_placing *p, int core)
-{
-    return s->spectrum.z[0] && is_known(s->kernel, k) &&
-           s->core == core && s->placing.nx == p->nx &&
-           s->placing.ny == p->ny &&
-           memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
-}
-
 static gp_status make_spectrum(const struct gp_glare_job *job,
-                               struct state *s, const struct gp_fft_job *fft,
+                               struct gp_fft_state *s, const struct gp_fft_job *fft,
                                const struct gp_fft_placing *p, int core)
 {
-    gp_status st = GP_OK;
-    const struct gp_kernel *const k = job->kernel;
-    if (same_spectrum(s, k, p, core))
+    if (gp_fft_same_spectrum(s, job->kernel, p, core))
         return GP_OK;
     gp_fft_matrix_free(&s->spectrum);
-    struct gp_fft_matrix rows = {0};
-    int *places = NULL;
-    const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
-    const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
-    struct gp_fft_job one = *fft;
-    // two factors 1/2 were left out on the way in: the kernel's rows, the
-    // sources' rows
-    const float scale = (float) (0.25 / ((double) p->nx * p->ny));
-    GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, n, &rows));
-    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny,
-                              &s->spectrum));
-    GP_TRY(make_places(job->log, p->taps.y0, n, p->ny, &places));
-    for (one.channel = 0; one.channel < channels; one.channel++) {
-        struct gp_fft_matrix m = as_channel(&rows, one.channel);
-        GP_TRY(gp_fft_rows_in(&one, n, load_kernel, &from, &m));
-        GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &s->spectrum));
-    }
-    s->kernel = k->serial;
+    gp_status st = gp_fft_spectrum(fft, job->kernel, p, core, &s->spectrum);
+    if (st)
+        return st;
+    s->kernel = job->kernel->serial;
     s->placing = *p;
     s->core = core;
-out:
-    if (st)
-        gp_fft_matrix_free(&s->spectrum);
-    gp_free(places);
-    gp_fft_matrix_free(&rows);
-    return st;
+    return GP_OK;
 }
 
 /* -- one frame ---------------------------------------------------------------*/
@@ -254,7 +156,7 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */
-static gp_status transform(const struct gp_glare_job *job, struct state *s,
+static gp_status transform(const struct gp_glare_job *job, struct gp_fft_state *s,
                            const struct gp_sources *src,
                            const struct gp_fft_placing *p, int core)
 {
@@ -281,7 +183,7 @@ static gp_status transform(const struct gp_glare_job *job, struct state *s,
     clear_rows(job, p->out.y1, src->h);
     const int first = wrap(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = as_channel(&s->work, fft.channel);
+        struct gp_fft_matrix m = gp_fft_channel(&s->work, fft.channel);
         GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
                                job->kernel->grey ? 1 : 3, first, count));
@@ -293,80 +195,15 @@ out:
     return st;
 }
 
-static bool has_plan(const struct state *s, int n, enum gp_fft_plan how)
-{
-    for (int i = 0; i < s->plans; i++) {
-        if (s->plan[i].n == n && s->plan[i].how == how)
-            return true;
-    }
-    return false;
-}
-
-/* What a run with this placing has to make before it can start. */
-static double setup_ms(const struct gp_glare_job *job, const struct state *s,
-                       const struct gp_fft_placing *p, int core)
-{
-    const struct gp_glare_params *const params = job->params;
-    const struct gp_kernel *const k = job->kernel;
-    // a file that keeps measured plans is taken to have these
-    const double plan = params->fft_plan == GP_FFT_PLAN_MEASURE &&
-                                !params->wisdom
-                            ? GP_COST_FFT_PLAN_MEASURE
-                            : GP_COST_FFT_PLAN_ESTIMATE;
-    const int rows = max(gp_rect_h(p->in), gp_rect_h(p->out));
-    double ms = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
-    if (!has_plan(s, p->nx, params->fft_plan))
-        ms += plan;
-    if (p->ny != p->nx && !has_plan(s, p->ny, params->fft_plan))
-        ms += plan;
-    if (!same_spectrum(s, k, p, core))
-        ms += gp_cost_spectrum(k, p, params->fft_plan);
-    if (!s->work.z[0])
-        ms += GP_COST_FRESH_BYTE * 4.0 * p->nx * rows;
-    if (!is_known(s->norms_kernel, k))
-        ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
-    return ms;
-}
-
-static double predict_ms(const struct gp_glare_job *job, const void *state)
-{
-    static const struct state empty;
-    const struct state *const s = state ? state : &empty;
-    const struct gp_fft_placing p = gp_fft_place(job->src, job->kernel);
-    if (!p.nx)
-        return GP_COST_FFT_RUN;
-    double tail[GP_FFT_CORES];
-    struct gp_fft_split split;
-    if (is_known(s->norms_kernel, job->kernel))
-        memcpy(tail, s->tail, sizeof tail);
-    else
-        gp_fft_tail_norms(job->kernel, tail);
-    gp_fft_split_choose(job->src, job->kernel, tail, (double) p.nx * p.ny,
-                        gp_fft_predict_ms(job->src, &p),
-                        (double) job->params->gain, &split);
-    return GP_COST_FFT_RUN + split.ms +
-           gp_cost_passes(job->src, &p, job->params->fft_plan) +
-           (job->later ? 0.0 : setup_ms(job, s, &p, split.core));
-}
-
-/* Adds a direct part, and its rounding to the bound. */
-static gp_status add_taps(const struct gp_glare_job *job,
-                          const struct gp_sources *src,
-                          const struct gp_taps *taps)
-{
-    job->stats->bound += gp_direct_bound(taps, src->n);
-    return gp_direct_sum(job->log, src, taps, true, job->layer);
-}
-
 /* What goes direct: the core for all that was transformed, and hot sources
  * whole. */
-static gp_status add_direct(const struct gp_glare_job *job, struct state *s,
+static gp_status add_direct(const struct gp_glare_job *job, struct gp_fft_state *s,
                             const struct gp_fft_split *split,
                             const struct gp_sources *hot,
                             const struct gp_sources *rest)
 {
     gp_status st = GP_OK;
-    if (!is_known(s->taps_kernel, job->kernel)) {
+    if (!gp_fft_is_known(s->taps_kernel, job->kernel)) {
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
         s->taps_kernel = job->kernel->serial;
@@ -379,46 +216,111 @@ static gp_status add_direct(const struct gp_glare_job *job, struct state *s,
             s->core_taps_radius = split->core;
         }
         if (!st)
-            st = add_taps(job, rest, &s->core_taps);
+            st = gp_direct_sum(job->log, rest, &s->core_taps, true, job->layer);
     }
     if (!st && hot->n && !s->all_taps.k[0])
         st = gp_taps_make(job->log, job->kernel, -1, &s->all_taps);
     if (!st && hot->n)
-        st = add_taps(job, hot, &s->all_taps);
+        st = gp_direct_sum(job->log, hot, &s->all_taps, true, job->layer);
     return st;
 }
 
-static void find_norms(struct state *s, const struct gp_kernel *k,
+static void find_norms(struct gp_fft_state *s, const struct gp_kernel *k,
                        const struct gp_sources *src)
 {
-    if (is_known(s->norms_kernel, k) && s->norms_w == src->w &&
+    if (gp_fft_is_known(s->norms_kernel, k) && s->norms_w == src->w &&
         s->norms_h == src->h)
         return;
     gp_fft_tail_norms(k, s->tail);
-    s->spread = gp_fft_kernel_spread(k, src->w, src->h);
+    gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
     s->norms_kernel = k->serial;
     s->norms_w = src->w;
     s->norms_h = src->h;
 }
 
-static gp_status run(const struct gp_glare_job *job, void **state)
+static gp_status open_state(const struct gp_glare_job *job, void **state)
 {
+    return *state ? GP_OK
+                  : gp_alloc_zero(job->log, "fft", 1, sizeof(struct gp_fft_state),
+                                  state);
+}
+
+/* Where all sources stand, and what of the sum goes direct; p->nx is 0 when no
+ * light reaches the frame. */
+static void place_and_split(const struct gp_glare_job *job, struct gp_fft_state *s,
+                            struct gp_fft_placing *p,
+                            struct gp_fft_split *split)
+{
+    *split = (struct gp_fft_split) {.core = -1, .hot = INFINITY};
+    *p = gp_fft_place(job->src, job->kernel);
+    if (!p->nx)
+        return;
+    find_norms(s, job->kernel, job->src);
+    gp_fft_split_choose(job->src, job->kernel, s->tail,
+                        (double) p->nx * p->ny,
+                        gp_fft_predict_ms(job->src, p),
+                        (double) job->params->gain, split);
+}
+
+/* What a transform of all sources cannot exceed: by the least layer that
+ * sources anywhere would leave and, where that is more than the tolerance, by
+ * the least that these do, which takes longer to find. */
+static gp_status transform_bound(const struct gp_glare_job *job,
+                                 struct gp_fft_state *s,
+                                 const struct gp_fft_placing *p, double *out)
+{
+    double least = gp_fft_least(job->src, &s->quarters), more;
+    *out = gp_fft_bound(job->src, job->kernel, least, p);
+    if (*out <= (double) job->params->tolerance || s->quarters.lobes)
+        return GP_OK;
+    gp_status st =
+        gp_layer_least(job->log, job->src, job->kernel, &s->least, &more);
+    if (!st)
+        *out = gp_fft_bound(job->src, job->kernel, fmax(least, more), p);
+    return st;
+}
+
+/* Each part is within its bound of its own share of the layer. */
+static gp_status find_bound(const struct gp_glare_job *job, struct gp_fft_state *s,
+                            const struct gp_fft_placing *p,
+                            const struct gp_fft_split *split, double *out)
+{
+    const size_t n = job->src->n;
+    const struct gp_taps taps = {.lobes = s->quarters.lobes};
+    const int parts = (split->core >= 0) + (split->hot_count > 0);
     gp_status st = GP_OK;
-    if (!*state)
-        st = gp_alloc_zero(job->log, "fft", 1, sizeof(struct state), state);
+    *out = 0.0;
+    if (p->nx && split->hot_count < n)
+        st = transform_bound(job, s, p, out);
+    if (parts)
+        *out += parts * gp_direct_bound(&taps, n);
+    return st;
+}
+
+static gp_status bound(const struct gp_glare_job *job, void **state,
+                       double *out)
+{
+    struct gp_fft_placing p;
+    struct gp_fft_split split;
+    gp_status st = open_state(job, state);
     if (st)
         return st;
-    struct state *const s = *state;
+    place_and_split(job, *state, &p, &split);
+    return find_bound(job, *state, &p, &split, out);
+}
+
+static gp_status run(const struct gp_glare_job *job, void **state)
+{
+    gp_status st = open_state(job, state);
+    if (st)
+        return st;
+    struct gp_fft_state *const s = *state;
     struct gp_sources hot = {0}, rest = {0};
     const struct gp_sources *src = job->src;
-    struct gp_fft_split split = {.core = -1, .hot = INFINITY};
-    struct gp_fft_placing p = gp_fft_place(src, job->kernel);
-    if (p.nx) {
-        find_norms(s, job->kernel, src);
-        gp_fft_split_choose(src, job->kernel, s->tail, (double) p.nx * p.ny,
-                            gp_fft_predict_ms(src, &p), (double) job->params->gain,
-                            &split);
-    }
+    struct gp_fft_split split;
+    struct gp_fft_placing p;
+    place_and_split(job, s, &p, &split);
+    GP_TRY(find_bound(job, s, &p, &split, &job->stats->bound));
     if (split.hot_count) {
         GP_TRY(gp_fft_split_sources(job->log, src, split.hot, &hot, &rest));
         src = &rest;
@@ -428,7 +330,6 @@ static gp_status run(const struct gp_glare_job *job, void **state)
         GP_TRY(transform(job, s, src, &p, split.core));
     else
         clear_rows(job, 0, job->src->h);
-    job->stats->bound = p.nx ? gp_fft_bound(s->spread, &p) : 0.0;
     GP_TRY(add_direct(job, s, &split, &hot, src));
     job->stats->fft_w = p.nx;
     job->stats->fft_h = p.ny;
@@ -443,8 +344,8 @@ out:
 const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
-    .predict_ms = predict_ms,
-    .bound = NULL,
+    .predict_ms = gp_fft_predict,
+    .bound = bound,
     .run = run,
     .close = close_state,
 };

@@ -1,5 +1,6 @@
 #include "glare/fft_place.h"
 
+#include "glare/direct.h"
 #include "glare/fft_lib.h"
 
 #include <limits.h>
@@ -60,19 +61,19 @@ double gp_fft_predict_ms(const struct gp_sources *s,
                             (p->nx + 2.0) * gp_fft_cost(p->ny));
 }
 
-/* Squares of one row up to `reach` left and right of the centre, which both
- * count it; false when a sample is negative. */
-static bool row_squares(const float *row, int w, int cx, int reach,
-                        double *left, double *right)
+/* Adds one row up to `reach` left and right of the centre, which both sides
+ * count: squares to [0] and [1], samples to [2] and [3]. */
+static void add_row(const float *row, int w, int cx, int reach, double side[4])
 {
-    bool lobe = false;
     for (int x = 0; x < w; x++) {
         const double v = (double) row[x];
-        lobe |= v < 0.0;
-        *left += x <= cx && x >= cx - reach ? v * v : 0.0;
-        *right += x >= cx && x <= cx + reach ? v * v : 0.0;
+        const double left = x <= cx && x >= cx - reach ? v : 0.0;
+        const double right = x >= cx && x <= cx + reach ? v : 0.0;
+        side[0] += left * left;
+        side[1] += right * right;
+        side[2] += left;
+        side[3] += right;
     }
-    return !lobe;
 }
 
 /* How far from the centre a source in a frame of n pixels is sure to see, to
@@ -82,40 +83,62 @@ static int sure_reach(int w, int n)
     return w - 1 <= n ? INT_MAX / 2 : n / 2;
 }
 
-/* Sum of squares of the least quarter; -1 for a channel with lobes. */
-static double least_quarter(const struct gp_kernel *k, int c, int w, int h)
+/* Of channel c: the least quarter's squares and samples. */
+static void least_quarter(const struct gp_kernel *k, int c, int w, int h,
+                          double *square, double *sum)
 {
     const int reach_x = sure_reach(k->w, w), reach_y = sure_reach(k->h, h);
-    double quarter[4] = {0}; // top left, top right, bottom left, right
+    double half[2][4] = {{0}}; // above the centre, and below
     for (int y = 0; y < k->h; y++) {
-        double left = 0.0, right = 0.0;
-        if (!row_squares(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx,
-                         reach_x, &left, &right))
-            return -1.0;
+        double side[4] = {0};
+        add_row(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx, reach_x,
+                side);
         const bool above = y <= k->cy && y >= k->cy - reach_y;
         const bool below = y >= k->cy && y <= k->cy + reach_y;
-        quarter[0] += above ? left : 0.0;
-        quarter[1] += above ? right : 0.0;
-        quarter[2] += below ? left : 0.0;
-        quarter[3] += below ? right : 0.0;
+        for (int i = 0; i < 4; i++) {
+            half[0][i] += above ? side[i] : 0.0;
+            half[1][i] += below ? side[i] : 0.0;
+        }
     }
-    return fmin(fmin(quarter[0], quarter[1]), fmin(quarter[2], quarter[3]));
+    *square = fmin(fmin(half[0][0], half[0][1]), fmin(half[1][0], half[1][1]));
+    *sum = fmin(fmin(half[0][2], half[0][3]), fmin(half[1][2], half[1][3]));
 }
 
-double gp_fft_kernel_spread(const struct gp_kernel *k, int w, int h)
+void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
+                          struct gp_fft_quarters *out)
 {
-    double worst = 0.0;
+    *out = (struct gp_fft_quarters) {.lobes = gp_direct_lobes(k)};
+    for (int c = 0; c < 3 && !out->lobes; c++)
+        least_quarter(k, c, w, h, &out->square[c], &out->sum[c]);
+}
+
+double gp_fft_least(const struct gp_sources *s,
+                    const struct gp_fft_quarters *q)
+{
+    double all = 0.0;
     for (int c = 0; c < 3; c++) {
-        const double least = least_quarter(k, c, w, h);
-        if (least < 0.0)
-            return INFINITY;
-        if (k->norm2[c] > 0.0)
-            worst = fmax(worst, k->norm2[c] / sqrt(least));
+        const double flux = s->flux[c] * q->sum[c];
+        all += fmax(s->energy[c] * q->square[c],
+                    flux * flux / ((double) s->w * s->h));
     }
-    return worst;
+    return sqrt(all);
 }
 
-double gp_fft_bound(double spread, const struct gp_fft_placing *p)
+double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
+                    double least, const struct gp_fft_placing *p)
 {
-    return 3.0 * 5.42 * 0x1p-24 * log2((double) p->nx * p->ny) * spread;
+    static const double STAGE = 5.42, ADDING = 1.0; // of 2^-24: see above
+    double noise = 0.0, layer = 0.0; // squares
+    for (int c = 0; c < 3; c++) {
+        const double norm = sqrt(s->energy[c]);
+        const double young = fmin(norm * k->norm1[c],
+                                  s->flux[c] * k->norm2[c]);
+        noise += norm * norm * k->norm2[c] * k->norm2[c];
+        layer += young * young;
+    }
+    if (!(least > 0.0))
+        return INFINITY;
+    return 0x1p-24 * sqrt(log2((double) p->nx * p->ny)) *
+           (2.0 * STAGE * sqrt(noise) +
+            (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
 }

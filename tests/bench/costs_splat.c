@@ -1,0 +1,56 @@
+/* What splat costs on the context that `auto` would open. */
+#include "costs_scene.h"
+
+#include <stdio.h>
+
+/* ms with this setting, and without set-up in *ms. */
+static double first_ms(const struct gp_splat_params *p, int w, int h, int spots,
+                       int side, int kernel, double *ms, double *sources)
+{
+    struct costs_job j =
+        costs_make(&gp_engine_splat, w, h, spots, side, kernel);
+    const struct gp_glare_job job = costs_glare_job(&j);
+    j.params.splat = *p;
+    const double t = costs_now();
+    if (j.engine->run(&job, &j.state)) {
+        fprintf(stderr, "costs: no GL context: what splat costs stays\n");
+        costs_free(&j);
+        return -1.0;
+    }
+    const double first = costs_now() - t;
+    *ms = costs_time(costs_run, &j);
+    *sources = (double) j.src.n;
+    costs_free(&j);
+    return first;
+}
+
+void costs_splat(void)
+{
+    struct gp_splat_params tile = GP_SPLAT_EXACT, quad = GP_SPLAT_EXACT;
+    double n, small, base, lamps, large, many;
+    if (!costs_wants("GP_COST_GL"))
+        return;
+    tile.primitive = GP_PRIMITIVE_TILE;
+    quad.primitive = GP_PRIMITIVE_QUAD;
+    const double first = first_ms(&tile, 64, 64, 1, 1, 1, &small, &n);
+    if (first < 0.0)
+        return;
+    costs_put_one("GP_COST_GL_START", first - small);
+    first_ms(&tile, 1024, 768, 1, 1, 1, &base, &n);
+    costs_put_one("GP_COST_GL_TRANSFER",
+                  (base - small) / (1024.0 * 768 - 64 * 64));
+    first_ms(&tile, 1024, 768, 2000, 6, 1, &many, &n);
+    costs_put_one("GP_COST_GL_SOURCE", (many - base) / n);
+    // kernels of 129 x 129 that hardly leave the frame
+    first_ms(&tile, 1024, 768, 300, 1, 129, &large, &n);
+    costs_put_one("GP_COST_GL_TILE", (large - base) / (n * 129 * 129));
+    first_ms(&quad, 1024, 768, 2, 1, 1, &small, &n);
+    const double sensor = (small - base) / (1024.0 * 768);
+    costs_put_one("GP_COST_GL_SENSOR", sensor);
+    first_ms(&quad, 1024, 768, 2000, 1, 1, &lamps, &n);
+    costs_put_one("GP_COST_GL_POLYGON",
+                  (lamps - base - sensor * 1024 * 768) / n);
+    first_ms(&quad, 1024, 768, 300, 1, 129, &large, &n);
+    costs_put_one("GP_COST_GL_BLEND",
+                  (large - base - sensor * 1024 * 768) / (n * 129 * 129));
+}

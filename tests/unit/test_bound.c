@@ -1,0 +1,474 @@
+/* glare/bound.h: what is measured is never over the bound, and the bound is
+ * not far over it. Random frames, kernels and settings; the layer of the
+ * polygons and the exact one both in double. */
+#include "core/parallel.h"
+#include "glare/bound.h"
+#include "glare_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+enum { CASES = 400, QUICK_CASES = 40 };
+
+static int pick(uint32_t *seed, int low, int high)
+{
+    return low + (int) (scene_random(seed) * (float) (high - low + 1));
+}
+
+/* In [low, high], each octave as likely. */
+static float pick_log(uint32_t *seed, float low, float high)
+{
+    return low * powf(high / low, scene_random(seed));
+}
+
+/* -- frames -----------------------------------------------------------------*/
+
+enum content {
+    SPARSE, CROWDED, GRADIENT, NOISE, SPOTS, WINDOWS, COMB, EVERY, CONTENTS,
+};
+static const char *const content_text[CONTENTS] = {
+    "sparse", "crowded", "gradient", "noise", "coloured spots", "windows",
+    "comb", "constant",
+};
+
+/* Light of pixel (x, y), 0 where dark; `step` is a distance of its own. */
+static float light_of(enum content what, int x, int y, int step,
+                      uint32_t *seed)
+{
+    const float u = scene_random(seed);
+    switch (what) {
+    case SPARSE:
+        return u < 0.005f ? pick_log(seed, 1.0f, 1e4f) : 0.0f;
+    case CROWDED:
+        return u < 0.3f ? 1.0f + 5.0f * u : 0.0f;
+    case GRADIENT:
+        return 1.0f + 0.05f * (float) (x + 2 * y);
+    case NOISE:
+        return pick_log(seed, 0.1f, 100.0f);
+    case SPOTS:
+        return x / 5 % 4 == 1 && y / 3 % 5 == 2 ? 2.0f + u : 0.0f;
+    case WINDOWS:
+        return x / step % 2 && y / (step + 2) % 3 == 1 ? 3.0f + u : 0.0f;
+    case COMB: // all blocks wrong in the same way
+        return x % step == 0 && y % step == 0 ? 10.0f : 0.0f;
+    default:
+        return 1.0f;
+    }
+}
+
+static struct gp_frame make_frame(enum content what, int w, int h,
+                                  uint32_t *seed)
+{
+    struct gp_frame f = scene_frame(w, h, pick(seed, -70, 70),
+                                    pick(seed, -70, 70), DARK, 1u);
+    const int step = pick(seed, 2, 12), tint = pick(seed, 0, 2);
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            const float v = light_of(what, x, y, step, seed);
+            for (int c = 0; c < 3; c++) {
+                const float share =
+                    what == SPOTS ? ((x / 5 + c) % 3 == 0 ? 1.0f : 0.01f)
+                    : tint == 2   ? 0.5f + scene_random(seed)
+                    : tint == 1   ? 1.0f + 0.5f * (float) c
+                                  : 1.0f;
+                f.rgb.c[c][(size_t) y * (size_t) w + (size_t) x] = v * share;
+            }
+        }
+    }
+    return f;
+}
+
+/* -- kernels ----------------------------------------------------------------*/
+
+enum kind {
+    EYE, RANDOM, STREAKS, POINT, EVEN, LARGE, TINT, FLAT, HOLLOW, ASIDE, KINDS,
+};
+static const char *const kind_text[KINDS] = {
+    "eye", "random", "streaks", "1x1", "even", "over the frame", "tinted",
+    "flat", "ring", "centre aside",
+};
+
+static struct gp_kernel kernel_of_planes(int w, int h, enum kind kind,
+                                         uint32_t *seed)
+{
+    struct gp_frame image = {.data = {0, 0, w, h}};
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
+    if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &image.rgb))
+        abort();
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < w * h; i++) {
+            const int dx = abs(i % w - w / 2), dy = abs(i / w - h / 2);
+            const float far = 1.0f + (float) (dx * dx + dy * dy);
+            const float streak = dx == 0 || dy == 0 || dx == dy ? 1.0f : 0.0f;
+            image.rgb.c[c][i] =
+                kind == RANDOM ? powf(scene_random(seed), 4.0f)
+                               : streak / sqrtf(far) + 0.1f / (far * far);
+        }
+    }
+    if (gp_kernel_from_frame(NULL, &p, &image, &k))
+        abort();
+    gp_planes_free(&image.rgb);
+    return k;
+}
+
+static struct gp_kernel make_kernel(enum kind kind, int w, int h,
+                                    uint32_t *seed)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    switch (kind) {
+    case EYE:
+        p.builtin_size = w | 1;
+        if (gp_kernel_builtin(NULL, &p, &k))
+            abort();
+        return k;
+    case RANDOM:
+    case STREAKS:
+        return kernel_of_planes(w, h, kind, seed);
+    case POINT:
+        return scene_kernel(1, 1, MID, 0, BOX);
+    case EVEN:
+        return scene_kernel(w & ~1, h & ~1, MID, 0, PEAK);
+    case FLAT:
+        return scene_kernel(w, h, MID, 0, BOX);
+    case HOLLOW:
+        return scene_kernel(w, h, MID, 0, RING);
+    case ASIDE:
+        return scene_kernel(w, h, pick(seed, -w / 2, w + w / 2),
+                            pick(seed, -h / 2, h), TINTED);
+    default:
+        return scene_kernel(w, h, MID, 0, kind == TINT ? TINTED : PEAK);
+    }
+}
+
+/* -- settings ---------------------------------------------------------------*/
+
+static struct gp_splat_params make_params(uint32_t *seed)
+{
+    static const float shares[] = {0.0f, 0.0f, 1e-4f, 1e-3f, 1e-2f, 0.2f};
+    struct gp_splat_params p = {
+        .group = 1 << pick(seed, 0, scene_random(seed) < 0.2f ? 6 : 4),
+        .cluster_fill = 0.25f + 0.75f * scene_random(seed),
+        .shrink = shares[pick(seed, 0, 5)],
+        .method = (enum gp_group_method) pick(seed, 0, 2),
+    };
+    if (p.group < 64 && scene_random(seed) < 0.6f)
+        p.cluster = p.group << pick(seed, 1, p.group < 32 ? 2 : 1);
+    return p;
+}
+
+struct trial {
+    struct scene s;
+    struct gp_splat_params p;
+    struct gp_polygons q;
+    struct gp_shrink shrink;
+    enum content content;
+    enum kind kind;
+};
+
+/* Everything but the exact layer, from a seed. */
+static struct trial make_trial(uint32_t seed)
+{
+    // the generator's first numbers are near each other for near seeds
+    for (int i = 0; i < 8; i++)
+        scene_random(&seed);
+    struct trial t = {
+        .content = (enum content) pick(&seed, 0, CONTENTS - 1),
+        .kind = (enum kind) pick(&seed, 0, KINDS - 1),
+    };
+    const int small = getenv("GLAREPP_TEST_QUICK") != NULL;
+    const int most = small ? 40 : pick(&seed, 0, 3) ? 80 : 160;
+    const int w = pick(&seed, 16, most), h = pick(&seed, 16, most);
+    int kw = pick(&seed, 3, small ? 40 : 90);
+    int kh = pick(&seed, 3, small ? 40 : 90);
+    if (t.kind == LARGE) {
+        kw = 2 * w + 5;
+        kh = 2 * h + 9;
+    }
+    t.s = scene_sense(make_frame(t.content, w, h, &seed),
+                      make_kernel(t.kind, kw, kh, &seed),
+                      &(struct gp_sensor_params) {0.0f, 0.0f, 65504.0f});
+    t.p = make_params(&seed);
+    if (gp_group(NULL, &t.s.src, &t.p, &t.q) ||
+        gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
+        abort();
+    return t;
+}
+
+static void free_trial(struct trial *t)
+{
+    gp_polygons_free(&t->q);
+    scene_free(&t->s);
+}
+
+static double bound_of(const struct trial *t, double roundings,
+                       struct gp_bound_cache *cache)
+{
+    double bound = -1.0;
+    assert_int_equal(gp_group_bound(NULL, &t->s.src, &t->s.k, &t->p, &t->q,
+                                    &t->shrink, roundings, cache, &bound),
+                     GP_OK);
+    assert_true(bound >= 0.0);
+    return bound;
+}
+
+static double least_of(const struct trial *t, struct gp_bound_cache *cache)
+{
+    double least = -1.0;
+    assert_int_equal(gp_layer_least(NULL, &t->s.src, &t->s.k, cache, &least),
+                     GP_OK);
+    assert_true(least >= 0.0);
+    return least;
+}
+
+/* -- the law ----------------------------------------------------------------*/
+
+/* Norms of the exact layer and of what the polygons are wrong by. */
+static void measure(struct trial *t, double *norm, double *wrong)
+{
+    const size_t n = 3 * gp_frame_pixels(&t->s.f);
+    double *const layer = scene_alloc(n, sizeof *layer);
+    scene_find_exact(&t->s);
+    assert_int_equal(gp_group_reference(NULL, &t->s.src, &t->s.k, &t->p,
+                                        &t->q, &t->shrink, layer),
+                     GP_OK);
+    *norm = *wrong = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        *norm += t->s.exact[i] * t->s.exact[i];
+        *wrong += (layer[i] - t->s.exact[i]) * (layer[i] - t->s.exact[i]);
+    }
+    *norm = sqrt(*norm);
+    *wrong = sqrt(*wrong);
+    free(layer);
+}
+
+static int compare(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *v, size_t n)
+{
+    qsort(v, n, sizeof *v, compare);
+    return v[n / 2];
+}
+
+/* Four roundings are the reference's own: its blurred kernels and the
+ * polygons are floats. */
+static void measured_is_never_over_the_bound(void **state)
+{
+    (void) state;
+    const char *const more = getenv("GLAREPP_TEST_CASES");
+    const uint32_t cases = more ? (uint32_t) strtoul(more, NULL, 10)
+                           : getenv("GLAREPP_TEST_QUICK") ? QUICK_CASES : CASES;
+    double *const ratio = scene_alloc(cases, sizeof *ratio);
+    double *const slack = scene_alloc(cases, sizeof *slack);
+    size_t n = 0, layers = 0;
+    for (uint32_t seed = 0; seed < cases; seed++) {
+        struct trial t = make_trial(seed);
+        struct gp_bound_cache cache = {0};
+        double norm, wrong;
+        const double bound = bound_of(&t, 4.0, &cache);
+        const double least = least_of(&t, &cache);
+        measure(&t, &norm, &wrong);
+        if (least > norm * (1.0 + 1e-9) ||
+            !(isinf(bound) || wrong <= bound * norm))
+            fail_msg("seed %u: %s, %dx%d, kernel %s %dx%d, group %d, cluster "
+                     "%d, method %d, shrink %g: rel_l2 %g, bound %g; norm "
+                     "%g, least %g", seed, content_text[t.content],
+                     t.s.src.w, t.s.src.h, kind_text[t.kind], t.s.k.w,
+                     t.s.k.h, t.p.group, t.p.cluster, (int) t.p.method,
+                     (double) t.p.shrink, wrong / norm, bound, norm, least);
+        if (norm > 0.0 && least > 0.0)
+            slack[layers++] = norm / least;
+        // where grouping is exact there is nothing to compare
+        if (norm > 0.0 && wrong > 1e-6 * norm)
+            ratio[n++] = bound * norm / wrong;
+        if (getenv("GLAREPP_TEST_VERBOSE"))
+            printf("%3u %-14s %-14s %3dx%3d k %3dx%3d N %2d C %2d m %d s %g: "
+                   "%.3e bound %.3e ratio %.2f layer %.2f\n", seed,
+                   content_text[t.content], kind_text[t.kind], t.s.src.w,
+                   t.s.src.h, t.s.k.w, t.s.k.h, t.p.group, t.p.cluster,
+                   (int) t.p.method, (double) t.p.shrink, wrong / norm, bound,
+                   bound * norm / wrong, norm / least);
+        gp_bound_cache_free(&cache);
+        free_trial(&t);
+    }
+    const double middle = median(ratio, n), usual = median(slack, layers);
+    print_message("bound / measured of %zu frames: median %.2f, from %.2f to "
+                  "%.2f; layer / least: median %.2f, to %.2f\n", n, middle,
+                  ratio[0], ratio[n - 1], usual, slack[layers - 1]);
+    assert_true(n > cases / 3);
+    assert_true(middle <= 10.0);
+    free(ratio);
+    free(slack);
+}
+
+/* -- what it must not depend on ---------------------------------------------*/
+
+/* A cache that has seen other frames, kernels and settings. */
+static void caches_change_nothing(void **state)
+{
+    (void) state;
+    struct gp_bound_cache old = {0};
+    double bound[24], least[24];
+    for (int pass = 0; pass < 2; pass++) {
+        struct trial shared = make_trial(1000u);
+        for (uint32_t i = 0; i < 24; i++) {
+            struct gp_bound_cache own = {0};
+            struct trial t = make_trial(1000u + i);
+            // half of them share one kernel
+            struct gp_kernel k = t.s.k;
+            if (i % 2) {
+                t.s.k = shared.s.k;
+                assert_int_equal(gp_shrink_make(NULL, &t.s.k, &t.p, &t.q,
+                                                &t.shrink), GP_OK);
+            }
+            struct gp_bound_cache *const cache = pass ? &old : &own;
+            bound[i] = pass && bound_of(&t, 1.0, cache) != bound[i]
+                           ? -1.0 : bound_of(&t, 1.0, cache);
+            least[i] = pass && least_of(&t, cache) != least[i]
+                           ? -1.0 : least_of(&t, cache);
+            if (bound[i] < 0.0 || least[i] < 0.0)
+                fail_msg("trial %u: the cache changed it", i);
+            t.s.k = k;
+            gp_bound_cache_free(&own);
+            free_trial(&t);
+        }
+        free_trial(&shared);
+        // serials differ between the passes; the kernels do not
+    }
+    gp_bound_cache_free(&old);
+    gp_bound_cache_free(&old); // twice is harmless
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void) state;
+    double bound[6];
+    for (int threads = 1; threads < 5; threads++) {
+        gp_set_threads(threads);
+        for (uint32_t i = 0; i < 6; i++) {
+            struct gp_bound_cache cache = {0};
+            struct trial t = make_trial(300u + i);
+            const double b = bound_of(&t, 1.0, &cache);
+            if (threads == 1)
+                bound[i] = b;
+            assert_true(b == bound[i]);
+            gp_bound_cache_free(&cache);
+            free_trial(&t);
+        }
+    }
+    gp_set_threads(0);
+}
+
+/* -- the ends of the range --------------------------------------------------*/
+
+static struct trial simple_trial(enum light light, struct gp_kernel k,
+                                 struct gp_splat_params p)
+{
+    struct trial t = {.p = p};
+    t.s = scene_sense(scene_frame(61, 47, -3, 5, light, 3u), k,
+                      &(struct gp_sensor_params) {1.0f, 0.0f, 65504.0f});
+    if (gp_group(NULL, &t.s.src, &t.p, &t.q) ||
+        gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
+        abort();
+    return t;
+}
+
+static void nothing_is_said_of_lobes(void **state)
+{
+    (void) state;
+    struct gp_bound_cache cache = {0};
+    struct trial t = simple_trial(FEW, scene_kernel(31, 31, MID, 0, LOBES),
+                                  (struct gp_splat_params) {.group = 4});
+    assert_true(isinf(bound_of(&t, 0.0, &cache)));
+    assert_true(least_of(&t, &cache) == 0.0);
+    gp_bound_cache_free(&cache);
+    free_trial(&t);
+}
+
+/* Single sensors are wrong by rounding alone, and roundings count. */
+static void single_sensors_only_round(void **state)
+{
+    (void) state;
+    for (int method = 0; method < 3; method++) {
+        struct gp_bound_cache cache = {0};
+        struct gp_splat_params p = GP_SPLAT_EXACT;
+        p.method = (enum gp_group_method) method;
+        struct trial t =
+            simple_trial(FEW, scene_kernel(31, 31, MID, 0, PEAK), p);
+        const double none = bound_of(&t, 0.0, &cache);
+        const double many = bound_of(&t, 1000.0, &cache);
+        assert_true(none < 1e-6);
+        assert_true(many >= 1000.0 * 0x1p-24 && many < 1100.0 * 0x1p-24);
+        gp_bound_cache_free(&cache);
+        free_trial(&t);
+    }
+}
+
+static void darkness_is_no_error(void **state)
+{
+    (void) state;
+    struct gp_bound_cache cache = {0};
+    struct trial t = simple_trial(DARK, scene_kernel(31, 31, MID, 0, PEAK),
+                                  (struct gp_splat_params) {.group = 4});
+    assert_true(least_of(&t, &cache) == 0.0);
+    bound_of(&t, 0.0, &cache);
+    gp_bound_cache_free(&cache);
+    free_trial(&t);
+}
+
+/* More light left out, or larger blocks: never a smaller bound than what a
+ * point far from others must lose. One lit pixel is exact in every block. */
+static void a_single_light_is_exact(void **state)
+{
+    (void) state;
+    for (int group = 2; group <= 64; group *= 2) {
+        struct gp_bound_cache cache = {0};
+        struct trial t = simple_trial(
+            CORNERS, scene_kernel(31, 31, MID, 0, PEAK),
+            (struct gp_splat_params) {.group = group < 32 ? group : 16,
+                                      .method = GP_GROUP_MOMENTS});
+        assert_int_equal(t.q.n, t.s.src.n);
+        // only the samples' places and rounding are left
+        assert_true(bound_of(&t, 0.0, &cache) < 1e-3);
+        gp_bound_cache_free(&cache);
+        free_trial(&t);
+    }
+}
+
+/* A kernel that cannot reach the frame. */
+static void out_of_reach(void **state)
+{
+    (void) state;
+    struct gp_bound_cache cache = {0};
+    struct trial t = simple_trial(FEW, scene_kernel(13, 11, 2000, 5, PEAK),
+                                  (struct gp_splat_params) {.group = 4});
+    assert_true(least_of(&t, &cache) == 0.0);
+    bound_of(&t, 0.0, &cache);
+    gp_bound_cache_free(&cache);
+    free_trial(&t);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(measured_is_never_over_the_bound),
+        cmocka_unit_test(caches_change_nothing),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(nothing_is_said_of_lobes),
+        cmocka_unit_test(single_sensors_only_round),
+        cmocka_unit_test(darkness_is_no_error),
+        cmocka_unit_test(a_single_light_is_exact),
+        cmocka_unit_test(out_of_reach),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
