@@ -309,7 +309,7 @@ gp_status gp_group_bound(const struct gp_log *log,
     GP_TRY(gp_bound_state(log, kernel, cache, &s));
     if (s->lobes)
         return GP_OK;
-    GP_TRY(gp_layer_least(log, src, kernel, cache, &least));
+    GP_TRY(gp_bound_least(log, src, kernel, s, &least));
     if (!(least > 0.0))
         return GP_OK;
     if (!is_single(p))

@@ -292,17 +292,15 @@ static gp_status add_cells(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_layer_least(const struct gp_log *log,
+gp_status gp_bound_least(const struct gp_log *log,
                          const struct gp_sources *src,
                          const struct gp_kernel *kernel,
-                         struct gp_bound_cache *cache, double *least)
+                         struct gp_bound_state *s, double *least)
 {
-    gp_status st;
+    gp_status st = GP_OK;
     void *v = NULL;
-    struct gp_bound_state *s;
     double sum[3] = {0}, cells[3] = {0};
     *least = 0.0;
-    GP_TRY(gp_bound_state(log, kernel, cache, &s));
     if (s->lobes || !src->n)
         return GP_OK;
     if (!s->has_least)
@@ -323,4 +321,14 @@ gp_status gp_layer_least(const struct gp_log *log,
 out:
     gp_free(v);
     return st;
+}
+
+gp_status gp_layer_least(const struct gp_log *log,
+                         const struct gp_sources *src,
+                         const struct gp_kernel *kernel,
+                         struct gp_bound_cache *cache, double *least)
+{
+    struct gp_bound_state *s;
+    gp_status st = gp_bound_state(log, kernel, cache, &s);
+    return st ? st : gp_bound_least(log, src, kernel, s, least);
 }

@@ -30,6 +30,13 @@ GP_MUST_CHECK gp_status gp_bound_state(const struct gp_log *log,
                                        struct gp_bound_cache *cache,
                                        struct gp_bound_state **out);
 
+/* gp_layer_least() with the kernel's state, which is not made anew. */
+GP_MUST_CHECK gp_status gp_bound_least(const struct gp_log *log,
+                                       const struct gp_sources *src,
+                                       const struct gp_kernel *kernel,
+                                       struct gp_bound_state *s,
+                                       double *least);
+
 /* || k * d ||_2 over the whole plane for each channel, by Parseval's theorem:
  * the sum of |K|^2 |D|^2 over a grid on which nothing wraps around.
  *   d     w * h samples of each channel
