@@ -224,7 +224,7 @@ is "$(wc -c <out)" 0 'no gnuplot: found out before any work'
 # fewer sources and no GL: a matter of seconds
 paper()
 {
-    if [ -n "$quick" ] || [ -z "$gl" ]; then
+    if [ -z "${GLAREPP_TEST_LONG-}" ] || [ -z "$gl" ]; then
         GLAREPP_OSMESA=/nonexistent GLAREPP_EGL=/nonexistent \
             "$glarepp" bench --paper -t 17 --runs 1 "$@" >out 2>err
     else
