@@ -110,7 +110,7 @@ $(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair ## measures every figure of the README on this machine
+bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures every figure of the README on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # The whole process' peer: OpenEXR's C++ library and plain FFTW

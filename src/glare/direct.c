@@ -1,9 +1,10 @@
 #include "glare/direct.h"
 
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/cost.h"
+#include "glare/direct_quad.h"
+#include "glare/direct_sum.h"
 #include "glare/engine.h"
 
 #include <limits.h>
@@ -12,13 +13,10 @@
 
 enum {
     STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors of 8
-    LANES = 8,
-    GROUP = 32, // sources summed before the sum is put aside
+    LANES = GP_DIRECT_LANES,
+    GROUP = GP_DIRECT_GROUP,
+    LINE = 64 / sizeof(float), // floats of a cache line
 };
-
-typedef float vec __attribute__((vector_size(4 * LANES)));
-typedef float loose
-    __attribute__((vector_size(4 * LANES), aligned(4), may_alias));
 
 /* A source as one strip sees it: taps[base + y * pitch] is the kernel's
  * sample for the strip's first column of row y. */
@@ -78,19 +76,6 @@ void gp_taps_free(struct gp_taps *t)
     *t = (struct gp_taps) {0};
 }
 
-/* First index in [lo, hi) whose column is >= x. */
-static uint32_t first_from(const int32_t *col, uint32_t lo, uint32_t hi, int x)
-{
-    while (lo < hi) {
-        const uint32_t mid = lo + (hi - lo) / 2;
-        if (col[mid] < x)
-            lo = mid + 1;
-        else
-            hi = mid;
-    }
-    return lo;
-}
-
 /* Lists the sources whose kernel reaches columns [x0, x0 + STRIP). */
 static void list_strip(const struct direct *d, int x0,
                        struct strip_source *list, uint32_t *row)
@@ -102,7 +87,7 @@ static void list_strip(const struct direct *d, int x0,
     uint32_t n = 0;
     for (int y = 0; y < s->h; y++) {
         row[y] = n;
-        uint32_t i = first_from(s->x, s->row[y], s->row[y + 1], from);
+        uint32_t i = gp_first_from(s->x, s->row[y], s->row[y + 1], from);
         for (; i < s->row[y + 1] && s->x[i] < to; i++) {
             list[n++] = (struct strip_source) {
                 .base = ((ptrdiff_t) t->cy - y) * (ptrdiff_t) t->pitch +
@@ -114,42 +99,30 @@ static void list_strip(const struct direct *d, int x0,
     row[s->h] = n;
 }
 
-/* Fused multiply-add where the CPU has it: half the instructions of the loop
- * that all direct work spends its time in. */
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
-    !defined(GP_SANITIZED)
-#define FUSED                                                                 \
-    __attribute__((target_clones("fma", "default"),                           \
-                   optimize("fp-contract=fast")))
-#else
-#define FUSED
-#endif
-
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
-FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
-                                const float *k0, const float *k1,
-                                const float *k2, ptrdiff_t row_at,
-                                float sum[3][STRIP])
+GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
+                               const float *k0, const float *k1,
+                               const float *k2, ptrdiff_t row_at,
+                               float sum[3][STRIP])
 {
-    vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
+    gp_vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {
         const uint32_t group = n < GROUP ? n : GROUP;
-        vec a[3][STRIP / LANES] = {0};
+        gp_vec a[3][STRIP / LANES] = {0};
         for (uint32_t i = 0; i < group; i++) {
             const ptrdiff_t at = s[i].base + row_at;
             for (int v = 0; v < STRIP / LANES; v++) {
-                a[0][v] += s[i].rgb[0] * *(const loose *) (k0 + at + v * LANES);
-                a[1][v] += s[i].rgb[1] * *(const loose *) (k1 + at + v * LANES);
-                a[2][v] += s[i].rgb[2] * *(const loose *) (k2 + at + v * LANES);
+                a[0][v] += s[i].rgb[0] *
+                           *(const gp_loose *) (k0 + at + v * LANES);
+                a[1][v] += s[i].rgb[1] *
+                           *(const gp_loose *) (k1 + at + v * LANES);
+                a[2][v] += s[i].rgb[2] *
+                           *(const gp_loose *) (k2 + at + v * LANES);
             }
         }
         for (int c = 0; c < 3; c++) {
-            for (int v = 0; v < STRIP / LANES; v++) {
-                const vec more = a[c][v] - lost[c][v]; // Kahan 1965
-                const vec next = total[c][v] + more;
-                lost[c][v] = (next - total[c][v]) - more;
-                total[c][v] = next;
-            }
+            for (int v = 0; v < STRIP / LANES; v++)
+                GP_ADD_KEPT(total[c][v], lost[c][v], a[c][v]);
         }
         s += group;
         n -= group;
@@ -174,6 +147,11 @@ static void run_strip(void *ctx, int strip, int thread)
         if (d->add && row[to] == row[from])
             continue;
         float sum[3][STRIP];
+        for (int c = 0; c < 3; c++) { // the layer comes while the sum is made
+            const float *const out = d->layer->c[c] + (size_t) y * (size_t) w;
+            __builtin_prefetch(out + x0, 1);
+            __builtin_prefetch(out + x0 + LINE, 1);
+        }
         sum_strip(list + row[from], row[to] - row[from], t->k[0], t->k[1],
                   t->k[2], (ptrdiff_t) y * (ptrdiff_t) t->pitch, sum);
         for (int c = 0; c < 3; c++) {
@@ -184,9 +162,10 @@ static void run_strip(void *ctx, int strip, int thread)
     }
 }
 
-gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
-                        const struct gp_taps *taps, bool add,
-                        struct gp_planes *layer)
+static gp_status sum_sources(const struct gp_log *log,
+                             const struct gp_sources *src,
+                             const struct gp_taps *taps, bool add,
+                             struct gp_planes *layer)
 {
     gp_status st;
     const int threads = gp_threads();
@@ -213,6 +192,41 @@ out:
     }
     gp_free(d.list);
     gp_free(d.row);
+    return st;
+}
+
+double gp_direct_quads(const struct gp_sources *src)
+{
+    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
+    static const double FULL = 2.5; // most quads for each source
+    if (src->n >= MOST)
+        return 0.0;
+    // an odd step, as light may stand in every other row
+    const int step = 7 + 2 * (int) (src->n / WANTED);
+    const double quads = (double) gp_quads_count(src, step);
+    return quads <= FULL * (double) src->n ? quads : 0.0;
+}
+
+/* Whether quads may be used for a frame of h rows: they need the kernel's
+ * rows four times as fast, from the cache, and place them by an int. */
+static bool fits_quads(const struct gp_taps *t, int h)
+{
+    return 3 * sizeof(float) * t->pitch * (size_t) t->h <= 1 << 18 &&
+           t->pitch * ((size_t) t->h + (size_t) h) <= INT_MAX;
+}
+
+gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
+                        const struct gp_taps *taps, bool add,
+                        struct gp_planes *layer)
+{
+    if (!fits_quads(taps, src->h) || gp_direct_quads(src) <= 0.0)
+        return sum_sources(log, src, taps, add, layer);
+    struct gp_quads q;
+    gp_status st = gp_quads_make(log, src, &q);
+    if (st)
+        return st;
+    st = gp_quads_sum(log, &q, taps, src->w, src->h, add, layer);
+    gp_quads_free(&q);
     return st;
 }
 
@@ -266,9 +280,10 @@ static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
 }
 
 /* What run_strip() does, in rows of strips of sources whose taps another has
- * just used and of those whose have to be fetched; how often it lists one. */
+ * just used and of those whose have to be fetched; how often it lists one; and
+ * the tiles of quads that kernels would cover, were each source one. */
 struct strip_work {
-    double near, far, listed;
+    double near, far, listed, tiles;
 };
 
 static bool has_neighbour(const struct gp_sources *s, uint32_t i, int y)
@@ -280,9 +295,11 @@ static bool has_neighbour(const struct gp_sources *s, uint32_t i, int y)
     if (y == 0)
         return false;
     const uint32_t above =
-        first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
+        gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
     return above < s->row[y] && s->x[above] <= x + NEAR;
 }
+
+enum { TILE_W = 16 }; // pixels; as high as a quad
 
 static void add_source(const struct gp_glare_job *job, uint32_t i, int y,
                        struct strip_work *work)
@@ -294,9 +311,12 @@ static void add_source(const struct gp_glare_job *job, uint32_t i, int y,
     if (cols == 0)
         return;
     const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
-    const double rows = (double) strips * overlap(y, k->cy, k->h, s->h);
+    const int rows = overlap(y, k->cy, k->h, s->h);
     work->listed += strips;
-    *(has_neighbour(s, i, y) ? &work->near : &work->far) += rows;
+    *(has_neighbour(s, i, y) ? &work->near : &work->far) +=
+        (double) strips * rows;
+    work->tiles += (cols + TILE_W - 1.0) / TILE_W *
+                   (rows + GP_QUAD - 1.0) / GP_QUAD;
 }
 
 /* From every k-th source: with many of them direct loses anyway. */
@@ -315,6 +335,7 @@ static struct strip_work count_work(const struct gp_glare_job *job)
     work.near *= share;
     work.far *= share;
     work.listed *= share;
+    work.tiles *= share;
     return work;
 }
 
@@ -329,12 +350,19 @@ static double predict_ms(const struct gp_glare_job *job, const void *state)
     const double bytes = samples * sizeof(float);
     const double layer = 3.0 * sizeof(float) * s->w * s->h;
     const double strips = (s->w + STRIP - 1) / STRIP;
+    const struct gp_taps taps = {
+        .pitch = (size_t) k->w + 2 * GP_TAPS_PAD, .h = k->h,
+    };
+    const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
     const struct strip_work work = count_work(job);
     double ms = GP_COST_DIRECT_RUN +
-                gp_cost_at(empty, layer, 0x1p19) * strips * s->h +
-                GP_COST_DIRECT_LIST * work.listed +
-                gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
-                gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
+                gp_cost_at(empty, layer, 0x1p19) * strips * s->h;
+    if (quads > 0.0)
+        ms += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
+    else
+        ms += GP_COST_DIRECT_LIST * work.listed +
+              gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
+              gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
     if (!job->later && !is_laid_out(state, k))
         ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
     return ms;

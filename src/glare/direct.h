@@ -41,6 +41,11 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
                                       const struct gp_taps *taps, bool add,
                                       struct gp_planes *layer);
 
+/* Quads (direct_quad.h) that gp_direct_sum() makes of the sources when the
+ * kernel is small, about; 0 when it takes them one by one, as they stand too
+ * far apart. */
+double gp_direct_quads(const struct gp_sources *src);
+
 /* What rel_l2 of the sum of n sources cannot exceed: float rounding, as long
  * as no product is under the range of float. INFINITY for taps with lobes,
  * whose light can cancel while the rounding stays. */

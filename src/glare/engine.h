@@ -93,6 +93,8 @@ struct gp_glare_job {
     struct gp_glare_stats *stats;
     bool later; // asks predict_ms for a frame like this one, run again: plans,
                 // spectra and layouts are made, whatever the state holds
+    double enough; // predict_ms may stop counting at more than this, where it
+                   // is over 0: another engine takes less
 };
 
 struct gp_engine {
@@ -110,9 +112,10 @@ struct gp_engine {
     gp_status (*bound)(const struct gp_glare_job *job, void **state,
                        double *out);
 
-    /* Writes every sample of job->layer. *state is NULL at first, kept by the
-     * caller from frame to frame, and freed by close(): spectra, plans, GL
-     * objects. It never changes a result. */
+    /* Writes every sample of job->layer, and job->stats; a bound over 0 that
+     * is there already may stay, as bound() gave it. *state is NULL at first,
+     * kept by the caller from frame to frame, and freed by close(): spectra,
+     * plans, GL objects. It never changes a result. */
     gp_status (*run)(const struct gp_glare_job *job, void **state);
     void (*close)(void **state);
 };

@@ -262,51 +262,44 @@ static void place_and_split(const struct gp_glare_job *job, struct gp_fft_state 
                         (double) job->params->gain, split);
 }
 
-/* What a transform of all sources cannot exceed: by the least layer that
- * sources anywhere would leave and, where that is more than the tolerance, by
- * the least that these do, which takes longer to find. */
-static gp_status transform_bound(const struct gp_glare_job *job,
-                                 struct gp_fft_state *s,
-                                 const struct gp_fft_placing *p, double *out)
-{
-    double least = gp_fft_least(job->src, &s->quarters), more;
-    *out = gp_fft_bound(job->src, job->kernel, least, p);
-    if (*out <= (double) job->params->tolerance || s->quarters.lobes)
-        return GP_OK;
-    gp_status st =
-        gp_layer_least(job->log, job->src, job->kernel, &s->least, &more);
-    if (!st)
-        *out = gp_fft_bound(job->src, job->kernel, fmax(least, more), p);
-    return st;
-}
-
-/* Each part is within its bound of its own share of the layer. */
-static gp_status find_bound(const struct gp_glare_job *job, struct gp_fft_state *s,
-                            const struct gp_fft_placing *p,
-                            const struct gp_fft_split *split, double *out)
+/* Each part is within its bound of its own share of the layer, of which the
+ * norm is at least `least`. */
+static double bound_of(const struct gp_glare_job *job,
+                       const struct gp_fft_state *s,
+                       const struct gp_fft_placing *p,
+                       const struct gp_fft_split *split, double least)
 {
     const size_t n = job->src->n;
     const struct gp_taps taps = {.lobes = s->quarters.lobes};
     const int parts = (split->core >= 0) + (split->hot_count > 0);
-    gp_status st = GP_OK;
-    *out = 0.0;
+    double sum = parts ? parts * gp_direct_bound(&taps, n) : 0.0;
     if (p->nx && split->hot_count < n)
-        st = transform_bound(job, s, p, out);
-    if (parts)
-        *out += parts * gp_direct_bound(&taps, n);
-    return st;
+        sum += gp_fft_bound(job->src, job->kernel, least, p);
+    return sum;
 }
 
+/* By the least layer that sources anywhere would leave and, where that is more
+ * than the tolerance, by the least that these do, which takes longer to find
+ * than the layer. */
 static gp_status bound(const struct gp_glare_job *job, void **state,
                        double *out)
 {
     struct gp_fft_placing p;
     struct gp_fft_split split;
+    double least;
     gp_status st = open_state(job, state);
     if (st)
         return st;
-    place_and_split(job, *state, &p, &split);
-    return find_bound(job, *state, &p, &split, out);
+    struct gp_fft_state *const s = *state;
+    place_and_split(job, s, &p, &split);
+    const double anywhere = gp_fft_least(job->src, &s->quarters);
+    *out = bound_of(job, s, &p, &split, anywhere);
+    if (*out <= (double) job->params->tolerance || s->quarters.lobes)
+        return GP_OK;
+    st = gp_layer_least(job->log, job->src, job->kernel, &s->least, &least);
+    if (!st)
+        *out = bound_of(job, s, &p, &split, fmax(least, anywhere));
+    return st;
 }
 
 static gp_status run(const struct gp_glare_job *job, void **state)
@@ -320,7 +313,9 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     struct gp_fft_split split;
     struct gp_fft_placing p;
     place_and_split(job, s, &p, &split);
-    GP_TRY(find_bound(job, s, &p, &split, &job->stats->bound));
+    if (!(job->stats->bound > 0.0))
+        job->stats->bound =
+            bound_of(job, s, &p, &split, gp_fft_least(src, &s->quarters));
     if (split.hot_count) {
         GP_TRY(gp_fft_split_sources(job->log, src, split.hot, &hot, &rest));
         src = &rest;

@@ -86,6 +86,13 @@ double gp_fft_cost(int n)
     return n > 1 ? picoseconds(n) * 1e-3 * n * log2(n) : 1.0;
 }
 
+/* Of any length from n up, n > 1: by the least of picoseconds(), and with the
+ * whole part of the logarithm. */
+static double least_cost(int n)
+{
+    return 135.0 * 1e-3 * n * (31 - __builtin_clz((unsigned) n));
+}
+
 static int is_smooth(int n)
 {
     static const int primes[] = {2, 3, 5, 7};
@@ -100,8 +107,10 @@ int gp_fft_length(int n)
 {
     int best = 0;
     double cost = INFINITY;
-    // a power of two lies within twice the length, so this ends there
-    for (int m = (n + 7) / 8 * 8; m < 2 * n + 8; m += 8) {
+    // a power of two lies within twice the length, so this ends there at the
+    // latest
+    for (int m = (n + 7) / 8 * 8; m < 2 * n + 8 && least_cost(m) < cost;
+         m += 8) {
         if (is_smooth(m) && gp_fft_cost(m) < cost) {
             best = m;
             cost = gp_fft_cost(m);

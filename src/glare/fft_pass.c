@@ -10,6 +10,8 @@ enum {
     ROWS = 8,     // rows that share a cache line of a column
     PAIRS = 4,    // complex rows that hold them
     COLUMNS = 16, // columns a task takes
+    AHEAD = 12,   // columns fetched before they are needed: no CPU foresees
+                  // steps as long as a column
 };
 
 /* Four complex numbers; as floats to calculate, as doubles to move. */
@@ -77,6 +79,7 @@ GP_CLONES static void unpack(const float *z, size_t z_pitch, int nx,
         transpose(row + 4, hi);
         for (int i = 0; i < 4; i++) {
             float *const line = out + 2 * ((size_t) (k + i) * pitch);
+            __builtin_prefetch(line + 2 * AHEAD * pitch, 1);
             store4(line, lo[i]);
             store4(line + 8, hi[i]);
         }
@@ -91,6 +94,7 @@ GP_CLONES static void pack(const float *in, size_t pitch, int nx, float *z,
         vf lo[4], hi[4], row[ROWS];
         for (int i = 0; i < 4; i++) {
             const float *const line = in + 2 * ((size_t) (k + i) * pitch);
+            __builtin_prefetch(line + 2 * AHEAD * pitch);
             lo[i] = load4(line);
             hi[i] = load4(line + 8);
         }
@@ -235,10 +239,17 @@ gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
 static void column_forward(const struct pass *s, const float *column,
                            float *spread, float *out)
 {
-    memset(spread, 0, 2 * sizeof(float) * (size_t) s->job->y->n);
-    for (int j = 0; j < s->rows; j++) {
-        spread[2 * s->place[j]] = column[2 * j];
-        spread[2 * s->place[j] + 1] = column[2 * j + 1];
+    const int ny = s->job->y->n;
+    const size_t one = 2 * sizeof(float); // complex number
+    if (s->rows && s->place[s->rows - 1] - s->place[0] == s->rows - 1) {
+        const int first = s->place[0], end = first + s->rows; // no gap
+        memset(spread, 0, one * (size_t) first);
+        memcpy(spread + 2 * first, column, one * (size_t) s->rows);
+        memset(spread + 2 * end, 0, one * (size_t) (ny - end));
+    } else {
+        memset(spread, 0, one * (size_t) ny);
+        for (int j = 0; j < s->rows; j++)
+            memcpy(spread + 2 * s->place[j], column + 2 * j, one);
     }
     s->lib->execute_dft(s->job->y->forward, (void *) spread, (void *) out);
 }

@@ -128,6 +128,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p)
 {
     static const double STAGE = 5.42, ADDING = 1.0; // of 2^-24: see above
+    static const double CERTAIN = 1e-6; // sums in double lose what is under it
     double noise = 0.0, layer = 0.0; // squares
     for (int c = 0; c < 3; c++) {
         const double norm = sqrt(s->energy[c]);
@@ -136,7 +137,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
         noise += norm * norm * k->norm2[c] * k->norm2[c];
         layer += young * young;
     }
-    if (!(least > 0.0))
+    if (!(least > CERTAIN * sqrt(noise)))
         return INFINITY;
     return 0x1p-24 * sqrt(log2((double) p->nx * p->ny)) *
            (2.0 * STAGE * sqrt(noise) +

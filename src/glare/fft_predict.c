@@ -38,23 +38,43 @@ static double setup_ms(const struct gp_glare_job *job,
     return ms;
 }
 
+/* What goes direct. Finding the tails' norms takes as long as a small frame:
+ * not before it is known that without a core it is too wrong. */
+static void predict_split(const struct gp_glare_job *job,
+                          const struct gp_fft_state *s,
+                          const struct gp_fft_placing *p,
+                          struct gp_fft_split *split)
+{
+    const struct gp_kernel *const k = job->kernel;
+    const double points = (double) p->nx * p->ny;
+    const double ms = gp_fft_predict_ms(job->src, p);
+    const double gain = (double) job->params->gain;
+    const bool known = gp_fft_is_known(s->norms_kernel, k);
+    double tail[GP_FFT_CORES] = {
+        fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
+    };
+    if (known)
+        memcpy(tail, s->tail, sizeof tail);
+    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
+    if (known || (split->core < 0 && split->hot_count == 0))
+        return;
+    gp_fft_tail_norms(k, tail);
+    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
+}
+
 double gp_fft_predict(const struct gp_glare_job *job, const void *state)
 {
     static const struct gp_fft_state empty;
     const struct gp_fft_state *const s = state ? state : &empty;
     const struct gp_kernel *const k = job->kernel;
     struct gp_fft_placing p = gp_fft_place(job->src, k);
-    double tail[GP_FFT_CORES];
     struct gp_fft_split split;
     if (!p.nx)
         return GP_COST_FFT_RUN;
-    if (gp_fft_is_known(s->norms_kernel, k))
-        memcpy(tail, s->tail, sizeof tail);
-    else
-        gp_fft_tail_norms(k, tail);
-    gp_fft_split_choose(job->src, k, tail, (double) p.nx * p.ny,
-                        gp_fft_predict_ms(job->src, &p),
-                        (double) job->params->gain, &split);
+    const double passes = gp_cost_passes(job->src, &p, job->params->fft_plan);
+    if (job->enough > 0.0 && passes > job->enough)
+        return GP_COST_FFT_RUN + passes;
+    predict_split(job, s, &p, &split);
     double ms = GP_COST_FFT_RUN + split.ms;
     if (!job->later && !gp_fft_is_known(s->norms_kernel, k))
         ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;

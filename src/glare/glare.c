@@ -96,6 +96,7 @@ gp_status gp_glare_run(const struct gp_log *log,
             return st;
         i = taken.engine;
         params.splat = taken.splat;
+        stats->bound = taken.bound;
     }
     stats->engine = gp_engines[i]->name;
     return gp_engines[i]->run(&job, &g->state[i]);

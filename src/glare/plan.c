@@ -9,6 +9,10 @@
  * on. */
 static const double GAIN = 0.8;
 
+/* An engine that takes this many times as long as another is not counted out
+ * to the end. */
+static const double ENOUGH = 2.0;
+
 // -- the choice ---------------------------------------------------------------
 
 struct asking {
@@ -178,7 +182,7 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
 
 static double predict(const struct gp_glare_job *job, const struct gp_glare *g,
                       int engine, const struct gp_splat_params *splat,
-                      bool later)
+                      bool later, double enough)
 {
     struct gp_glare_params params = *job->params;
     struct gp_glare_job asked = *job;
@@ -186,6 +190,7 @@ static double predict(const struct gp_glare_job *job, const struct gp_glare *g,
         params.splat = *splat;
     asked.params = &params;
     asked.later = later;
+    asked.enough = enough;
     return gp_engines[engine]->predict_ms(&asked, g->state[engine]);
 }
 
@@ -217,13 +222,6 @@ static bool is_exact(const struct gp_splat_params *s)
     return s->group == 1 && s->cluster == 0 && !(s->shrink > 0.0f);
 }
 
-static void name_splat(struct gp_candidate *c)
-{
-    const struct gp_splat_params *const s = &c->splat;
-    snprintf(c->name, sizeof c->name, "splat %d/%d%s", s->group, s->cluster,
-             s->shrink > 0.0f ? " shrunk" : "");
-}
-
 /* One splat. A context is never opened in hope of frames to come: what it
  * takes counts in full until it is open. */
 static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
@@ -232,10 +230,9 @@ static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
 {
     *c = (struct gp_candidate) {
         .engine = engine, .splat = *s, .exact = is_exact(s), .bound = NAN,
-        .ms = predict(job, g, engine, s, false),
+        .ms = predict(job, g, engine, s, false, 0.0),
     };
     c->later_ms = c->ms;
-    name_splat(c);
 }
 
 /* Finer groups are more polygons: where the coarsest setting takes longer than
@@ -264,16 +261,19 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
     int n = 0;
     double least = INFINITY;
     for (int i = 0; gp_engines[i]; i++) {
+        const double enough = n ? ENOUGH * least : 0.0;
         if (is_splat(i)) {
             n += add_splats(job, g, i, least, c + n);
             continue;
         }
         c[n] = (struct gp_candidate) {
             .engine = i, .splat = job->params->splat, .exact = true,
-            .bound = NAN, .ms = predict(job, g, i, NULL, false),
+            .bound = NAN, .later_ms = predict(job, g, i, NULL, true, enough),
         };
-        c[n].later_ms = fmin(c[n].ms, predict(job, g, i, NULL, true));
-        snprintf(c[n].name, sizeof c[n].name, "%s", gp_engines[i]->name);
+        const double later = c[n].later_ms; // set-up only adds to it
+        c[n].ms = n && later > enough
+                      ? later
+                      : fmax(later, predict(job, g, i, NULL, false, enough));
         least = fmin(least, c[n].ms);
         n++;
     }
@@ -300,6 +300,17 @@ say(struct words *w, const char *format, ...)
     w->room -= used;
 }
 
+/* "fft", "splat 4/8". */
+static void say_name(struct words *w, const struct gp_candidate *c)
+{
+    const struct gp_splat_params *const s = &c->splat;
+    if (is_splat(c->engine))
+        say(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group, s->cluster,
+            s->shrink > 0.0f ? " shrunk" : "");
+    else
+        say(w, "%s", gp_engines[c->engine]->name);
+}
+
 /* Every candidate whose bound was asked, the exact engines, and the splat of
  * fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03". */
 static void tell(const struct gp_candidate *c, int n,
@@ -313,7 +324,8 @@ static void tell(const struct gp_candidate *c, int n,
             (splat < 0 || c[i].ms < c[splat].ms))
             splat = i;
     }
-    say(&w, "%s %.3g ms of bound %.2g", t->name, t->ms, t->bound);
+    say_name(&w, t);
+    say(&w, " %.3g ms of bound %.2g", t->ms, t->bound);
     if (!choice->within)
         say(&w, ", the least there is, not %.2g", tolerance);
     if (choice->kept)
@@ -323,7 +335,9 @@ static void tell(const struct gp_candidate *c, int n,
         if (i == choice->taken || !(c[i].ms < INFINITY) ||
             (is_splat(c[i].engine) && isnan(c[i].bound) && i != splat))
             continue;
-        say(&w, "%s%s %.3g", between, c[i].name, c[i].ms);
+        say(&w, "%s", between);
+        say_name(&w, &c[i]);
+        say(&w, " %.3g", c[i].ms);
         if (!isnan(c[i].bound) && !(c[i].bound <= tolerance))
             say(&w, " of bound %.2g", c[i].bound);
         between = ", ";
@@ -372,7 +386,7 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
         gp_say(job->log, GP_LEVEL_WARN,
                "%s: no engine guarantees --tolerance %.3g (the least bound is "
                "%.2g, of %s, which is taken); a larger tolerance may be faster",
-               path, tolerance, out->bound, out->name);
+               path, tolerance, out->bound, gp_engines[out->engine]->name);
     }
     return GP_OK;
 }

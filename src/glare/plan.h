@@ -17,7 +17,6 @@ enum { GP_CANDIDATES = 16 };
 struct gp_candidate {
     int engine;                   // index in gp_engines
     struct gp_splat_params splat; // its settings, where it is a splat
-    char name[24];                // "fft", "splat 4/8"
     bool exact;                   // rounding is its only error
     double ms;                    // predicted for this frame, with what is
                                   // not set up yet; INFINITY: not to be taken

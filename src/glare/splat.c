@@ -12,24 +12,13 @@
  *
  * One polygon a source, on whole pixels and not cut, is the exact sum up to
  * float rounding. */
+#include "glare/costs.h"
 #include "glare/direct.h"
 #include "glare/splat_draw.h"
 #include "glare/splat_state.h"
 
 #include <math.h>
 #include <string.h>
-
-/* Milliseconds, measured with `test_splat --time` on two cores of a 2.5 GHz
- * Xeon, Mesa 22.3 llvmpipe. They do not ask how many threads there are: then
- * `auto` would choose by it, and the bytes would differ. On a GPU all but the
- * first are far smaller, but which GPU there is shows only in a context. */
-static const double START_MS = 90.0;     // libraries, context, link, JIT
-static const double SENSOR_MS = 1.35e-4; // a quad that stays shut
-static const double POLYGON_MS = 2e-3;   // a quad that opens, whatever size
-static const double BLEND_MS = 6.5e-6;   // a blended pixel
-static const double TILE_MS = 2.5e-6;    // a gathered pixel
-static const double SOURCE_MS = 4e-5;    // planning for one
-static const double TRANSFER_MS = 7e-6;  // a pixel up, cleared and back
 
 /* -- predicting ------------------------------------------------------------ */
 
@@ -61,9 +50,9 @@ static double polygon_ms(const struct gp_glare_job *job, double polygons,
                                      crop.y1 - k->cy, s->h);
     const double sensors = (double) gp_rect_w(s->box) * gp_rect_h(s->box);
     if (blended)
-        return SENSOR_MS * sensors +
-               polygons * (POLYGON_MS + BLEND_MS * area);
-    return polygons * TILE_MS * area;
+        return GP_COST_GL_SENSOR * sensors +
+               polygons * (GP_COST_GL_POLYGON + GP_COST_GL_BLEND * area);
+    return polygons * GP_COST_GL_TILE * area;
 }
 
 static double predict_ms(const struct gp_glare_job *job, const void *state)
@@ -75,9 +64,9 @@ static double predict_ms(const struct gp_glare_job *job, const void *state)
     if (s->n == 0 || gp_rect_empty(crop))
         return 0.0;
     const double n = (double) s->n, area = (double) p->group * p->group;
-    double ms = job->later || (kept && kept->gl) ? 0.0 : START_MS;
-    ms += polygon_ms(job, ceil(n / area), crop) + SOURCE_MS * n +
-          TRANSFER_MS * s->w * s->h;
+    double ms = job->later || (kept && kept->gl) ? 0.0 : GP_COST_GL_START;
+    ms += polygon_ms(job, ceil(n / area), crop) + GP_COST_GL_SOURCE * n +
+          GP_COST_GL_TRANSFER * s->w * s->h;
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
         ms += n * GP_DIRECT_MS_PER_TAP *
               (2 * GP_CORE_RADIUS + 1) * (2 * GP_CORE_RADIUS + 1);

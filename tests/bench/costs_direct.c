@@ -61,6 +61,18 @@ static void measure_rows(double run)
     costs_put("GP_COST_DIRECT_STRIP_ROW", row, 3);
 }
 
+/* ms of a tile of a quad, where kernels of 64 x 64 hardly leave the frame. */
+static double tile_ms(void)
+{
+    struct costs_job j =
+        costs_make(&gp_engine_direct, 800, 600, 250, 6, 64);
+    const double ms = costs_time(costs_run, &j);
+    const double tiles = gp_direct_quads(&j.src) * (64 + 15) / 16 *
+                         (64 + 3) / 4;
+    costs_free(&j);
+    return tiles > 0.0 ? (ms - empty_ms(800, 600)) / tiles : 0.0;
+}
+
 static void lay_out(void *ctx)
 {
     struct gp_taps taps;
@@ -79,7 +91,7 @@ void costs_direct(void)
     measure_rows(run);
     // with its padding a kernel of n * n has 12 (n + 64) n bytes
     const double near[3] = {
-        row_ms(400, 300, 39, 20, 24), row_ms(400, 300, 226, 2, 24),
+        row_ms(400, 300, 120, 6, 24), row_ms(400, 300, 226, 2, 24),
         row_ms(1000, 750, 992, 2, 24),
     };
     const double far[3] = {
@@ -88,11 +100,12 @@ void costs_direct(void)
     };
     costs_put("GP_COST_DIRECT_NEAR_ROW", near, 3);
     costs_put("GP_COST_DIRECT_FAR_ROW", far, 3);
+    costs_put_one("GP_COST_DIRECT_QUAD_TILE", tile_ms());
     double sources;
     const double listed =
-        costs_engine_ms(&gp_engine_direct, 400, 300, 1000, 6, 1, &sources);
+        costs_engine_ms(&gp_engine_direct, 400, 300, 5000, 1, 1, &sources);
     costs_put_one("GP_COST_DIRECT_LIST",
-                  (listed - empty_ms(400, 300)) / sources - near[0]);
+                  (listed - empty_ms(400, 300)) / sources - far[0]);
     struct gp_kernel k = costs_kernel(256);
     costs_put_one("GP_COST_DIRECT_LAYOUT",
                   costs_time(lay_out, &k) /

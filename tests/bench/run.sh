@@ -15,6 +15,17 @@ mkdir -p "$frames"
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
 
+echo "# auto against the fastest single engine"
+data=${GLAREPP_DATA:-../shared/data}
+real=()
+[ ! -d "$data" ] || while IFS= read -r frame; do
+    real+=("$frame")
+done < <(find "$data" -name '*.exr' ! -path '*/damaged/*' | sort)
+for kernel in builtin:eye "$frames/k512.exr"; do
+    GLAREPP_BRIDGES=$build "$build/bench/auto" "$kernel" "$runs" \
+        "$frames"/w?_1024.exr "$frames"/w?_1920.exr ${real[@]+"${real[@]}"}
+done
+
 echo "# glare stage (bright pass to layer) against plain 2-D FFTW at its best"
 for size in "1024 1280 1024" "1920 2304 1344" "3840 4096 2560"; do
     set -- $size
@@ -66,3 +77,6 @@ for frame in w1 w2 w3; do
         printf "%s %s MiB, %.0f bytes a pixel\n", f, m,
             m * 1048576 / 3840 / 2160 }' "$tmp/r.json"
 done
+
+echo "# what things cost here, for the next build's predictions"
+"$build/bench/costs" "$here/../../src/glare/costs.h"

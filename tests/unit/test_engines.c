@@ -200,7 +200,8 @@ static void bounds_hold(void **state)
             assert_int_equal(scene_run(gp_engines[e]->name, &s, &g, &stats),
                              GP_OK);
             gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &error);
-            if (!(error.rel_l2 <= bound) || bound != stats.bound)
+            // a run does not look for the least that these sources leave
+            if (!(error.rel_l2 <= bound && bound <= stats.bound))
                 fail_msg("%s, scene %d: rel_l2 %g, bound %g, reported %g",
                          gp_engines[e]->name, i, error.rel_l2, bound,
                          stats.bound);

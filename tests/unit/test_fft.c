@@ -198,8 +198,8 @@ static void passes_go_round(void **state)
 
 /* -- the engine -------------------------------------------------------------*/
 
-/* Where no light may be lost at the frame's edge (the bound is finite), the
- * transform alone meets the bar; lobes may cancel, and these meet it too. */
+/* Where hardly any light may be lost at the frame's edge (the bound is small),
+ * the transform alone meets the bar; lobes may cancel, and these meet it too. */
 static void check_alone(const struct hard_case *h, const struct scene *s,
                         const struct gp_glare_stats *stats)
 {
@@ -212,7 +212,7 @@ static void check_alone(const struct hard_case *h, const struct scene *s,
     }
     if (!(stats->bound == 0.0 || e.rel_l2 <= stats->bound))
         fail_msg("%s: %g over the bound %g", h->name, e.rel_l2, stats->bound);
-    if ((isfinite(stats->bound) || h->shape == LOBES) &&
+    if ((stats->bound < 1e-3 || h->shape == LOBES) &&
         !(e.rel_l2 <= h->bar.fft))
         fail_msg("%s: rel_l2 %g", h->name, e.rel_l2);
 }
