@@ -3,15 +3,18 @@
 #define GP_GLARE_BOUND_STATE_H
 
 #include "glare/bound.h"
+#include "glare/bound_cells.h"
+#include "glare/bound_rings.h"
+#include "glare/bound_spectrum.h"
 
 #include <stdbool.h>
 
-/* |K|^2 of the kernel, whole or without its core, on one grid. */
-struct gp_bound_power {
-    int nx, ny;      // 0: not made
-    int channels;
-    size_t columns;  // nx / 2 + 1, each of ny numbers
-    float *power[3];
+/* Of the kernel's tail or whole, and one width of border. */
+struct gp_bound_drawn {
+    bool has_power, has_most, has_rings;
+    struct gp_power power;
+    struct gp_cell_table most;
+    struct gp_bound_rings rings;
 };
 
 struct gp_bound_state {
@@ -21,7 +24,9 @@ struct gp_bound_state {
     double *square[3];      // integral images of k^2
     float *near[3], *far[3]; // least means over cells, by offset
     int far_reach;
-    struct gp_bound_power power[2]; // [tail]
+    int w, h;               // of the frames that the rest is for
+    struct gp_cells cells;
+    struct gp_bound_drawn drawn[2][2]; // [tail][wide border]
 };
 
 /* The state of this kernel, made new when the cache holds another's. */
@@ -36,16 +41,5 @@ GP_MUST_CHECK gp_status gp_bound_least(const struct gp_log *log,
                                        const struct gp_kernel *kernel,
                                        struct gp_bound_state *s,
                                        double *least);
-
-/* || k * d ||_2 over the whole plane for each channel, by Parseval's theorem:
- * the sum of |K|^2 |D|^2 over a grid on which nothing wraps around.
- *   d     w * h samples of each channel
- *   tail  leave the kernel's core out */
-GP_MUST_CHECK gp_status gp_bound_convolved(const struct gp_log *log,
-                                           const struct gp_kernel *k,
-                                           bool tail,
-                                           const struct gp_planes *d, int w,
-                                           int h, struct gp_bound_state *s,
-                                           double norm[3]);
 
 #endif

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <string.h>
 
-const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 12, 16, 24, 32};
+const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
 
 /* The largest error of a pixel is about this times |s| |k| / sqrt(points): 1e-6
  * to 6.5e-6 over random frames, W1 to W3 and all radii (test_fft_split; numpy
@@ -75,9 +75,10 @@ struct search {
     const struct gp_sources *src;
     const double *tail;
     double energy, scale;
-    double quads;   // that all sources make, or 0
-    double hot_ms;  // of one hot source
-    double pass_ms; // of adding a direct part to the layer
+    double quads;     // that all sources make, or 0
+    double core_most; // milliseconds that the core may take
+    double hot_ms;    // of one hot source
+    double pass_ms;   // of adding a direct part to the layer
 };
 
 /* The cheapest split of rounding <= `most` that costs up to `budget`; its
@@ -100,8 +101,8 @@ static struct gp_fft_split find(const struct search *s, double budget,
         for (int i = 0; i < GP_FFT_CORES; i++) {
             const int r = gp_fft_core_radius[i];
             const double n = (double) s->src->n, rest = n - hot;
-            const double ms = hot * s->hot_ms +
-                              core_ms(rest, s->quads * rest / n, r) +
+            const double core = core_ms(rest, s->quads * rest / n, r);
+            const double ms = hot * s->hot_ms + core +
                               s->pass_ms * ((hot > 0.0) + (r >= 0));
             const struct gp_fft_split split = {
                 .core = r,
@@ -110,7 +111,7 @@ static struct gp_fft_split find(const struct search *s, double budget,
                 .ms = ms,
                 .rounding = s->scale * s->tail[i] * sqrt(fmax(left, 0.0)),
             };
-            if (ms > budget || split.rounding > most)
+            if (ms > budget || core > s->core_most || split.rounding > most)
                 continue;
             if (least_rounding ? split.rounding < best.rounding
                                : split.ms < best.ms)
@@ -125,7 +126,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          const double tail[GP_FFT_CORES], double points,
                          double fft_ms, double gain, struct gp_fft_split *out)
 {
-    static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 1.5;
+    static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
     static const double ANYWAY_MS = 5.0;
     // black frames have no own value to spoil: the layer's peak counts there
     const double own = src->darkest > 0.0 ? src->darkest
@@ -135,6 +136,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
         .scale = gain * NOISE / sqrt(points) / own,
         .hot_ms = (double) k->w * k->h * GP_DIRECT_MS_PER_TAP,
         .pass_ms = 2.5e-6 * src->w * src->h,
+        .core_most = fft_ms + ANYWAY_MS,
     };
     for (int b = 0; b < BINS; b++)
         s.energy += bin_energy(src, b);

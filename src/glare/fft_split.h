@@ -13,7 +13,7 @@
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 
-enum { GP_FFT_CORES = 7 };
+enum { GP_FFT_CORES = 5 };
 
 /* Radii of the core that may go direct; -1 is none. */
 extern const int gp_fft_core_radius[GP_FFT_CORES];
@@ -31,10 +31,11 @@ struct gp_fft_split {
 };
 
 /* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
- * most one and a half times the transform and 5 ms: a night is worth that. When
- * none does, as in a bright sky: the cheapest that costs at most half of the
- * transform and comes within twice the least rounding to be had for that, if
- * that is at least 4 times less than without; else no split.
+ * most four times the transform and 5 ms, the core as much as the
+ * transform and 5 ms: a night is worth that. When none does, as in a bright
+ * sky: the cheapest that costs at most half of the transform and comes within
+ * twice the least rounding to be had for that, if that is at least 4 times
+ * less than without; else no split.
  *   tail       from gp_fft_tail_norms()
  *   points     nx * ny
  *   fft_ms     predicted for the transform

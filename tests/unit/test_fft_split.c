@@ -287,6 +287,42 @@ static void predicted_rounding_is_kept(void **state)
     assert_true(promised > 0);
 }
 
+/* -- the budget -------------------------------------------------------------*/
+
+/* At the size of work: lamps over a night are kept from spoiling it, though
+ * that takes longer than the transform; a bright sky is not worth as much. */
+static void a_night_is_worth_more_than_a_sky(void **state)
+{
+    (void) state;
+    if (quick)
+        skip();
+    struct gp_frame night = make_view(LAMPS, 960, 540, 3u);
+    uint32_t seed = 11u;
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < 960 * 540; i++)
+            night.rgb.c[c][i] = 3e-4f;
+    }
+    for (int i = 0; i < 24; i++)
+        add_blob(&night, (int) (960.0f * scene_random(&seed)),
+                 (int) (540.0f * scene_random(&seed)), 3000.0f, 0.6f);
+    struct scene s = scene_sense(
+        night, scene_kernel(512, 512, MID, 0, PEAK),
+        &(struct gp_sensor_params) GP_SENSOR_DEFAULTS);
+    struct chosen c = choose(&s, 1.0);
+    if (!(c.split.rounding <= 1e-6 && c.split.ms > 1.5 * c.fft_ms + 5.0))
+        fail_msg("night: rounding %g, %g ms direct for %g of transform",
+                 c.split.rounding, c.split.ms, c.fft_ms);
+    scene_free(&s);
+    s = scene_sense(make_view(SKY, 1024, 768, 3u),
+                    scene_kernel(512, 512, MID, 0, PEAK),
+                    &(struct gp_sensor_params) GP_SENSOR_DEFAULTS);
+    c = choose(&s, 1.0);
+    if (!(c.split.ms <= c.fft_ms + 10.0))
+        fail_msg("sky: %g ms direct for %g of transform", c.split.ms,
+                 c.fft_ms);
+    scene_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -295,6 +331,7 @@ int main(void)
         cmocka_unit_test(tails_are_the_rest),
         cmocka_unit_test(parts_hold_all),
         cmocka_unit_test(predicted_rounding_is_kept),
+        cmocka_unit_test(a_night_is_worth_more_than_a_sky),
     };
     quick = getenv("GLAREPP_TEST_QUICK") != NULL;
     return cmocka_run_group_tests(tests, NULL, NULL);
