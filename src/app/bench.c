@@ -32,7 +32,15 @@ static gp_status check_files(const struct gp_log *log,
         if (st)
             return st;
     }
-    return s->bench.plot ? gp_bench_plot_check(log) : GP_OK;
+    if (!s->bench.plot)
+        return GP_OK;
+    const size_t n = strlen(s->bench.plot);
+    if (!on_stdout(s->bench.plot) &&
+        (n < 4 || strcasecmp(s->bench.plot + n - 4, ".svg") != 0))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: the plot is an SVG; give a name that ends in .svg",
+                       s->bench.plot);
+    return gp_bench_plot_check(log);
 }
 
 /* The kernel that was asked for; the paper's own where none was. */

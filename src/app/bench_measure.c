@@ -173,7 +173,7 @@ static double predict(const struct trial *t)
     };
     if (!t->engine || t->engine == &gp_engine_fft)
         return 0.0;
-    return t->engine->predict_ms(&job, NULL);
+    return t->engine->predict(&job, NULL).ms;
 }
 
 /* Whole runs, or a part when those would take too long. */

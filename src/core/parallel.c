@@ -2,6 +2,7 @@
 
 #include <limits.h>
 #include <pthread.h>
+#include <signal.h>
 #include <sched.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -101,20 +102,26 @@ static void after_fork(void)
     pool.loop = 0;
 }
 
-/* Starts what is missing of `team` threads; fewer are no error. Locked. */
+/* Starts what is missing of `team` threads; fewer are no error. Locked.
+ * Signals are for the caller's thread, which knows what it is at: a handler
+ * on another could miss a file that is being opened. */
 static void start_workers(int team)
 {
     static bool registered;
+    sigset_t all, before;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
     if (!registered)
         registered = pthread_atfork(NULL, NULL, after_fork) == 0;
     while (pool.workers < team - 1) {
         pthread_t id;
         if (pthread_create(&id, NULL, worker,
                            (void *) (long) (pool.workers + 1)) != 0)
-            return;
+            break;
         pthread_detach(id);
         pool.workers++;
     }
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
 static gp_status run_alone(int n, gp_body body, void *ctx, int *failed)

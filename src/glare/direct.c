@@ -339,7 +339,8 @@ static struct strip_work count_work(const struct gp_glare_job *job)
     return work;
 }
 
-static double predict_ms(const struct gp_glare_job *job, const void *state)
+static struct gp_prediction predict(const struct gp_glare_job *job,
+                                    const void *state)
 {
     static const double near[3] = GP_COST_DIRECT_NEAR_ROW;
     static const double far[3] = GP_COST_DIRECT_FAR_ROW;
@@ -355,17 +356,18 @@ static double predict_ms(const struct gp_glare_job *job, const void *state)
     };
     const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
     const struct strip_work work = count_work(job);
-    double ms = GP_COST_DIRECT_RUN +
-                gp_cost_at(empty, layer, 0x1p19) * strips * s->h;
+    double later = GP_COST_DIRECT_RUN +
+                   gp_cost_at(empty, layer, 0x1p19) * strips * s->h;
     if (quads > 0.0)
-        ms += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
+        later += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
     else
-        ms += GP_COST_DIRECT_LIST * work.listed +
-              gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
-              gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
-    if (!job->later && !is_laid_out(state, k))
+        later += GP_COST_DIRECT_LIST * work.listed +
+                 gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
+                 gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
+    double ms = later;
+    if (!is_laid_out(state, k))
         ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
-    return ms;
+    return (struct gp_prediction) {.ms = ms, .later_ms = later};
 }
 
 static void close_state(void **state)
@@ -407,7 +409,7 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
 const struct gp_engine gp_engine_direct = {
     .name = "direct",
     .text = "the sum as it is written; the fastest for a handful of sources",
-    .predict_ms = predict_ms,
+    .predict = predict,
     .bound = bound,
     .run = run,
     .close = close_state,

@@ -91,20 +91,26 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
-    bool later; // asks predict_ms for a frame like this one, run again: plans,
-                // spectra and layouts are made, whatever the state holds
-    double enough; // predict_ms may stop counting at more than this, where it
+    double enough; // predict() may stop counting at more than this, where it
                    // is over 0: another engine takes less
+};
+
+/* Milliseconds on one core: of this frame, and of one like it run again, when
+ * plans, spectra and layouts are made. later_ms <= ms. */
+struct gp_prediction {
+    double ms, later_ms;
+    bool more; // counting stopped: it takes longer than that
 };
 
 struct gp_engine {
     const char *name, *text;
 
-    /* Milliseconds that `run` is expected to take on one core, from counted
-     * work and from what `state` (may be NULL) already holds. Cheap: no pass
-     * over pixels. Never from the number of threads: what `auto` picks would
-     * then depend on it, and the bytes with it. */
-    double (*predict_ms)(const struct gp_glare_job *job, const void *state);
+    /* What `run` is expected to take, from counted work and from what `state`
+     * (may be NULL) already holds. Cheap: no pass over pixels. Never from the
+     * number of threads: what `auto` picks would then depend on it, and the
+     * bytes with it. */
+    struct gp_prediction (*predict)(const struct gp_glare_job *job,
+                                    const void *state);
 
     /* What rel_l2 cannot exceed, before any drawing. May cost a few
      * milliseconds and keep what it makes in *state. INFINITY where nothing

@@ -339,7 +339,7 @@ out:
 const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
-    .predict_ms = gp_fft_predict,
+    .predict = gp_fft_predict,
     .bound = bound,
     .run = run,
     .close = close_state,

@@ -62,7 +62,13 @@ static void predict_split(const struct gp_glare_job *job,
     gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
 }
 
-double gp_fft_predict(const struct gp_glare_job *job, const void *state)
+static struct gp_prediction once(double ms)
+{
+    return (struct gp_prediction) {.ms = ms, .later_ms = ms};
+}
+
+struct gp_prediction gp_fft_predict(const struct gp_glare_job *job,
+                                    const void *state)
 {
     static const struct gp_fft_state empty;
     const struct gp_fft_state *const s = state ? state : &empty;
@@ -70,20 +76,25 @@ double gp_fft_predict(const struct gp_glare_job *job, const void *state)
     struct gp_fft_placing p = gp_fft_place(job->src, k);
     struct gp_fft_split split;
     if (!p.nx)
-        return GP_COST_FFT_RUN;
+        return once(GP_COST_FFT_RUN);
     const double passes = gp_cost_passes(job->src, &p, job->params->fft_plan);
     if (job->enough > 0.0 && passes > job->enough)
-        return GP_COST_FFT_RUN + passes;
+        return (struct gp_prediction) {
+            .ms = GP_COST_FFT_RUN + passes,
+            .later_ms = GP_COST_FFT_RUN + passes, .more = true,
+        };
     predict_split(job, s, &p, &split);
-    double ms = GP_COST_FFT_RUN + split.ms;
-    if (!job->later && !gp_fft_is_known(s->norms_kernel, k))
-        ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
+    struct gp_prediction ms = once(GP_COST_FFT_RUN + split.ms);
+    if (!gp_fft_is_known(s->norms_kernel, k))
+        ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
     if (split.hot_count == job->src->n)
         return ms;
     // without the hot ones the rest may stand elsewhere: where it stood before
     if (split.hot_count && gp_fft_is_known(s->kernel, k) &&
         s->core == split.core)
         p = s->placing;
-    return ms + gp_cost_passes(job->src, &p, job->params->fft_plan) +
-           (job->later ? 0.0 : setup_ms(job, s, &p, split.core));
+    ms.later_ms += gp_cost_passes(job->src, &p, job->params->fft_plan);
+    ms.ms += gp_cost_passes(job->src, &p, job->params->fft_plan) +
+             setup_ms(job, s, &p, split.core);
+    return ms;
 }

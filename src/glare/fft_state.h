@@ -50,7 +50,8 @@ static inline bool gp_fft_same_spectrum(const struct gp_fft_state *s,
            memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
 }
 
-/* gp_engine.predict_ms of fft. */
-double gp_fft_predict(const struct gp_glare_job *job, const void *state);
+/* gp_engine.predict of fft. */
+struct gp_prediction gp_fft_predict(const struct gp_glare_job *job,
+                                    const void *state);
 
 #endif

@@ -26,7 +26,7 @@ static void warn_of_patience(const struct gp_glare_job *job,
                              const char *path)
 {
     static const double LONG_MS = 20e3;
-    const double ms = gp_engines[named]->predict_ms(job, g->state[named]);
+    const double ms = gp_engines[named]->predict(job, g->state[named]).ms;
     if (ms <= LONG_MS)
         return;
     struct gp_candidate c[GP_CANDIDATES];

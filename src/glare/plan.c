@@ -180,18 +180,17 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
 
 // -- the candidates -----------------------------------------------------------
 
-static double predict(const struct gp_glare_job *job, const struct gp_glare *g,
-                      int engine, const struct gp_splat_params *splat,
-                      bool later, double enough)
+static struct gp_prediction
+predict(const struct gp_glare_job *job, const struct gp_glare *g, int engine,
+        const struct gp_splat_params *splat, double enough)
 {
     struct gp_glare_params params = *job->params;
     struct gp_glare_job asked = *job;
     if (splat)
         params.splat = *splat;
     asked.params = &params;
-    asked.later = later;
     asked.enough = enough;
-    return gp_engines[engine]->predict_ms(&asked, g->state[engine]);
+    return gp_engines[engine]->predict(&asked, g->state[engine]);
 }
 
 static bool is_splat(int engine)
@@ -226,13 +225,13 @@ static bool is_exact(const struct gp_splat_params *s)
  * takes counts in full until it is open. */
 static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
                       int engine, const struct gp_splat_params *s,
-                      struct gp_candidate *c)
+                      double enough, struct gp_candidate *c)
 {
+    const struct gp_prediction p = predict(job, g, engine, s, enough);
     *c = (struct gp_candidate) {
         .engine = engine, .splat = *s, .exact = is_exact(s), .bound = NAN,
-        .ms = predict(job, g, engine, s, false, 0.0),
+        .ms = p.ms, .later_ms = p.ms, .more = p.more,
     };
-    c->later_ms = c->ms;
 }
 
 /* Finer groups are more polygons: where the coarsest setting takes longer than
@@ -242,7 +241,8 @@ static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
 {
     int n = 0;
     struct gp_splat_params s;
-    add_splat(job, g, engine, &job->params->splat, &c[n++]);
+    const double enough = ENOUGH * least;
+    add_splat(job, g, engine, &job->params->splat, enough, &c[n++]);
     for (int i = 0; splat_setting(job->params, i, &s); i++) {
         if (i > 0 && !(c[1].ms < least))
             c[n++] = (struct gp_candidate) {
@@ -250,7 +250,7 @@ static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
                 .ms = INFINITY, .later_ms = INFINITY,
             };
         else
-            add_splat(job, g, engine, &s, &c[n++]);
+            add_splat(job, g, engine, &s, enough, &c[n++]);
     }
     return n;
 }
@@ -266,14 +266,11 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
             n += add_splats(job, g, i, least, c + n);
             continue;
         }
+        const struct gp_prediction p = predict(job, g, i, NULL, enough);
         c[n] = (struct gp_candidate) {
             .engine = i, .splat = job->params->splat, .exact = true,
-            .bound = NAN, .later_ms = predict(job, g, i, NULL, true, enough),
+            .bound = NAN, .ms = p.ms, .later_ms = p.later_ms, .more = p.more,
         };
-        const double later = c[n].later_ms; // set-up only adds to it
-        c[n].ms = n && later > enough
-                      ? later
-                      : fmax(later, predict(job, g, i, NULL, false, enough));
         least = fmin(least, c[n].ms);
         n++;
     }
@@ -337,7 +334,7 @@ static void tell(const struct gp_candidate *c, int n,
             continue;
         say(&w, "%s", between);
         say_name(&w, &c[i]);
-        say(&w, " %.3g", c[i].ms);
+        say(&w, c[i].more ? " over %.3g" : " %.3g", c[i].ms);
         if (!isnan(c[i].bound) && !(c[i].bound <= tolerance))
             say(&w, " of bound %.2g", c[i].bound);
         between = ", ";

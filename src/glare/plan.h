@@ -21,6 +21,7 @@ struct gp_candidate {
     double ms;                    // predicted for this frame, with what is
                                   // not set up yet; INFINITY: not to be taken
     double later_ms;              // predicted when all is set up, <= ms
+    bool more;                    // it takes longer than that
     double bound;                 // of rel_l2; NAN: not asked
 };
 

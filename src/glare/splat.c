@@ -55,22 +55,25 @@ static double polygon_ms(const struct gp_glare_job *job, double polygons,
     return polygons * GP_COST_GL_TILE * area;
 }
 
-static double predict_ms(const struct gp_glare_job *job, const void *state)
+static struct gp_prediction predict(const struct gp_glare_job *job,
+                                    const void *state)
 {
     const struct gp_splat *const kept = state;
     const struct gp_sources *const s = job->src;
     const struct gp_splat_params *const p = &job->params->splat;
     const struct gp_rect crop = gp_splat_crop(job->kernel, s->w, s->h, 1);
     if (s->n == 0 || gp_rect_empty(crop))
-        return 0.0;
+        return (struct gp_prediction) {.ms = 0.0};
     const double n = (double) s->n, area = (double) p->group * p->group;
-    double ms = job->later || (kept && kept->gl) ? 0.0 : GP_COST_GL_START;
-    ms += polygon_ms(job, ceil(n / area), crop) + GP_COST_GL_SOURCE * n +
+    const double start = kept && kept->gl ? 0.0 : GP_COST_GL_START;
+    if (job->enough > 0.0 && start > job->enough)
+        return (struct gp_prediction) {.ms = start, .more = true};
+    double ms = polygon_ms(job, ceil(n / area), crop) + GP_COST_GL_SOURCE * n +
           GP_COST_GL_TRANSFER * s->w * s->h;
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
         ms += n * GP_DIRECT_MS_PER_TAP *
               (2 * GP_CORE_RADIUS + 1) * (2 * GP_CORE_RADIUS + 1);
-    return ms;
+    return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};
 }
 
 /* -- drawing --------------------------------------------------------------- */
@@ -187,7 +190,7 @@ out:
 const struct gp_engine gp_engine_splat = {
     .name = "splat",
     .text = "glare polygons for bright pixels and groups of them, on GL",
-    .predict_ms = predict_ms,
+    .predict = predict,
     .bound = bound,
     .run = run,
     .close = gp_splat_close,

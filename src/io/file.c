@@ -168,13 +168,13 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
     if (create_dir && gp_file_make_folders(f->target))
         return cannot_write(f->log, f->path, errno);
     const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    f->live = live_add(f->temp); // first: no moment where a signal misses it
     f->fd = open(f->temp, flags, 0666);
     if (f->fd < 0 && errno == EEXIST && !unlink(f->temp))
         f->fd = open(f->temp, flags, 0666); // left by a killed namesake
     if (f->fd < 0)
         return cannot_write(f->log, f->path, errno);
     f->own_fd = true;
-    f->live = live_add(f->temp);
     if (stat(f->target, &old) == 0 && fchmod(f->fd, old.st_mode & 0777))
         return cannot_write(f->log, f->path, errno);
     return GP_OK;

@@ -58,9 +58,9 @@ static double predict(struct frame *w, int i)
         i == 0 ? &gp_engine_direct : &gp_engine_fft;
     const struct gp_glare_job job = {
         .params = &w->t[i].p, .src = &w->src, .kernel = w->k,
-        .layer = &w->f.layer, .stats = &w->t[i].stats, .later = true,
+        .layer = &w->f.layer, .stats = &w->t[i].stats,
     };
-    return e->predict_ms(&job, NULL);
+    return e->predict(&job, NULL).later_ms;
 }
 
 static double run(struct frame *w, int i)

@@ -214,6 +214,9 @@ PATH=$PWD/bin:$PATH "$glarepp" bench --runs 1 --plot plots/p.svg in.exr >out 2>e
 status=$?
 fails_with 3 'a reason of its own' 'gnuplot that fails'
 empty_folder plots 'gnuplot that fails: no file'
+run bench --runs 1 --plot plots/p.png in.exr
+fails_with 2 plots/p.png '--plot with an ending that is not SVG'
+empty_folder plots '--plot with a wrong ending: no file'
 PATH=/nonexistent "$glarepp" bench --runs 1 --plot plots/p.svg in.exr >out 2>err
 status=$?
 fails_with 3 gnuplot-nox 'no gnuplot'

@@ -229,9 +229,9 @@ static void auto_takes_the_fastest(void **state)
         };
         const struct gp_engine *best = gp_engines[0];
         for (int i = 0; gp_engines[i]; i++) {
-            assert_true(gp_engines[i]->predict_ms(&job, NULL) > 0.0);
-            if (gp_engines[i]->predict_ms(&job, NULL) <
-                best->predict_ms(&job, NULL))
+            assert_true(gp_engines[i]->predict(&job, NULL).ms > 0.0);
+            if (gp_engines[i]->predict(&job, NULL).ms <
+                best->predict(&job, NULL).ms)
                 best = gp_engines[i];
         }
         if (ran_once("auto", &s, &stats, "auto")) {

@@ -279,25 +279,27 @@ static void candidates_are_whole(void **state)
 static void states_count(void **state)
 {
     (void) state;
-    struct scene s = scene_of(FEW, 97, 61, 31);
-    struct gp_candidate cold[GP_CANDIDATES], warm[GP_CANDIDATES];
-    struct gp_glare g = {0};
-    struct gp_glare_stats stats;
-    collect(&s, &g, cold);
     for (int i = 0; i < 2; i++) {
+        struct scene s = scene_of(FEW, 97, 61, 31);
         struct gp_glare_params p = GP_GLARE_DEFAULTS;
-        p.engine = gp_engines[i]->name;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        const struct gp_engine *const e = gp_engines[i];
+        const struct gp_glare_job job = {
+            .params = &p, .src = &s.src, .kernel = &s.k, .layer = &s.f.layer,
+            .stats = &stats,
+        };
+        p.engine = e->name;
+        const struct gp_prediction cold = e->predict(&job, NULL);
         assert_int_equal(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f,
                                       &stats), GP_OK);
+        const struct gp_prediction warm = e->predict(&job, g.state[i]);
+        assert_true(warm.ms < cold.ms);
+        assert_true(warm.ms == warm.later_ms);
+        assert_true(warm.later_ms == cold.later_ms);
+        gp_glare_close(&g);
+        scene_free(&s);
     }
-    collect(&s, &g, warm);
-    for (int i = 0; i < 2; i++) {
-        assert_true(warm[i].ms < cold[i].ms);
-        assert_true(warm[i].ms == warm[i].later_ms);
-        assert_true(warm[i].later_ms == cold[i].later_ms);
-    }
-    gp_glare_close(&g);
-    scene_free(&s);
 }
 
 static struct gp_glare_stats run_auto(struct scene *s, double tolerance,

@@ -283,7 +283,7 @@ static void counts_are_right(void **state)
     assert_int_equal(stats.polygons, 4);
     assert_true(stats.polygon_pixels == 4 * 5 * 4);
     assert_true(stats.bound > 0 && stats.bound < 1e-5);
-    assert_true(gp_engine_splat.predict_ms(&job, NULL) > 0);
+    assert_true(gp_engine_splat.predict(&job, NULL).ms > 0);
     gp_planes_free(&layer);
     gp_planes_free(&k.k);
     gp_engine_splat.close(&kept);
@@ -359,7 +359,7 @@ static int print_times(void)
         double ms = time_frame(&src, &k, &state);
         printf("1024x768, %5zu polygons of %dx%d: %.1f ms (%.0f predicted "
                "with the start)\n", src.n, k.w, k.h, ms,
-               gp_engine_splat.predict_ms(&job, NULL));
+               gp_engine_splat.predict(&job, NULL).ms);
         gp_planes_free(&k.k);
         free_sources(&src);
     }
