@@ -28,7 +28,7 @@ LINK = -pthread -Wl,--as-needed $(SAN)
 
 # -- what there is ------------------------------------------------------------
 
-ROOMS := core gl io glare tone app
+ROOMS := core gl io glare sun tone app
 SRC := $(foreach r,$(ROOMS),$(wildcard src/$(r)/*.c))
 HDR := $(foreach r,$(ROOMS),$(wildcard src/$(r)/*.h))
 SHADERS := $(wildcard src/gl/shaders/*)

@@ -1,9 +1,11 @@
 #include "app/bench.h"
 
 #include "app/bench_measure.h"
+#include "app/bench_sun.h"
 #include "app/bench_table.h"
 #include "app/cache.h"
 #include "app/options.h"
+#include "app/sun.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -139,6 +141,10 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_settings *s)
     job.wisdom = wisdom;
     gp_set_threads(s->threads);
     GP_TRY(check_files(log, s));
+    if (gp_suns_wanted(&s->sun)) {
+        st = gp_bench_sun(log, s);
+        goto out;
+    }
     GP_TRY(make_kernel(log, s, &kernel, &name));
     for (int i = 0; i < (s->bench.paper ? GP_PAPER_KINDS : 1); i++)
         GP_TRY(measure_frame(&job, name, i, &table));

@@ -1,5 +1,7 @@
 #include "app/options.h"
 
+#include "app/sun.h"
+
 #include <string.h>
 
 // -- settings that are right and do nothing -----------------------------------
@@ -74,6 +76,85 @@ static gp_status check_splat(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
+// -- suns and lamps -----------------------------------------------------------
+
+/* The first option that needs a light and is there without one, or NULL. */
+static const char *lightless_option(const struct gp_settings *s)
+{
+    const struct gp_sun_settings *const p = &s->sun;
+    const struct gp_sun_settings *const d = &gp_defaults.sun;
+    return p->flare                                   ? "flare"
+           : p->color.n                               ? "sun-color"
+           : p->mask                                  ? "mask"
+           : p->mask_file                             ? "mask-file"
+           : p->depth_file                            ? "depth-file"
+           : p->in_frame                              ? "sun-in-frame"
+           : p->adapt != d->adapt                     ? "sun-adapt"
+           : p->params.method != d->params.method     ? "sun-method"
+           : p->params.map != d->params.map           ? "sun-map"
+           : p->params.pattern != d->params.pattern   ? "sun-pattern"
+           : p->params.sum != d->params.sum           ? "sun-sum"
+           : p->params.outside != d->params.outside   ? "sun-outside"
+           : s->debug[GP_DEBUG_SUNMAP]                ? "debug sunmap"
+           : s->debug[GP_DEBUG_INTENSITY]             ? "debug intensity"
+                                                      : NULL;
+}
+
+/* The first option of the mask that another method does not use, or NULL. */
+static const char *mask_option(const struct gp_settings *s)
+{
+    const struct gp_sun_params *const p = &s->sun.params;
+    const struct gp_sun_params *const d = &gp_defaults.sun.params;
+    if (p->method == GP_SUN_MASK)
+        return NULL;
+    if (p->sum != d->sum)
+        return "sun-sum";
+    if (s->debug[GP_DEBUG_SUNMAP]) // shows what the map would be
+        return NULL;
+    return p->map != d->map           ? "sun-map"
+           : p->pattern != d->pattern ? "sun-pattern" : NULL;
+}
+
+static gp_status check_sun(const struct gp_log *log,
+                           const struct gp_settings *s)
+{
+    const struct gp_sun_settings *const p = &s->sun;
+    const char *option = lightless_option(s);
+    if (option && !gp_suns_wanted(p))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: there is no light; give --sun, --sun-dir, "
+                       "--camera or --lights", option);
+    if (p->at.n && p->dir.n)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-dir: the sun has a place by --sun already; "
+                       "leave one out");
+    if (p->at.n == 3 && p->at.v[2] < 0.0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun: a negative radius (found %g); give 0 or more",
+                       p->at.v[2]);
+    if (p->color.n == 2)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-color: two numbers; give one or three");
+    if (p->params.map % 2)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-map: odd (found %d); give an even number",
+                       p->params.map);
+    if (p->color.n && !p->at.n && !p->dir.n && !p->camera)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--sun-color: there is no sun; lights of --lights have "
+                       "flux of their own");
+    if (p->flare && !p->color.n && !p->lights)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--flare: the sun has no flux to make it of; give "
+                       "--sun-color");
+    option = mask_option(s);
+    if (option && s->level >= GP_LEVEL_WARN &&
+        s->command == GP_COMMAND_MAIN && gp_suns_wanted(p))
+        gp_say(log, GP_LEVEL_WARN, "--%s: does nothing with this --sun-method; "
+               "use --sun-method mask", option);
+    return GP_OK;
+}
+
 // -- what to read and to make -------------------------------------------------
 
 static gp_status check_main(const struct gp_log *log,
@@ -104,6 +185,10 @@ static gp_status check_bench(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "--paper: brings its own frames (found %s as well); "
                        "leave one of the two out", s->inputs.at[0]);
+    if (s->bench.paper && gp_suns_wanted(&s->sun))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--paper: its frames have no depth for a light; leave "
+                       "one of the two out");
     if (!s->bench.paper && s->inputs.n == 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "no input; write glarepp bench frame.exr, or glarepp "
@@ -130,6 +215,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                                                   : check_main(log, s);
     if (!st)
         st = check_splat(log, s);
+    if (!st)
+        st = check_sun(log, s);
     if (st)
         return st;
     if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)

@@ -37,6 +37,7 @@ static void default_text(const struct gp_option *o, char *text, size_t size)
     case GP_KIND_FLAG:
     case GP_KIND_SET:
     case GP_KIND_PAIR:
+    case GP_KIND_NUMBERS:
     case GP_KIND_TEXTS:
     case GP_KIND_NAMED:
         break;

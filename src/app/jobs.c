@@ -141,7 +141,7 @@ static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
 {
     if (!path)
         return GP_OK;
-    struct gp_target *t = &j->target[j->targets++];
+    struct gp_output *t = &j->target[j->targets++];
     t->kind = kind;
     return gp_pattern_find(log, path, &t->name);
 }
@@ -163,6 +163,9 @@ static gp_status add_targets(const struct gp_log *log,
     GP_TRY(add_target(log, j, GP_TARGET_SENSORS, s->debug[GP_DEBUG_SENSORS]));
     GP_TRY(add_target(log, j, GP_TARGET_POLYGONS,
                       s->debug[GP_DEBUG_POLYGONS]));
+    GP_TRY(add_target(log, j, GP_TARGET_SUNMAP, s->debug[GP_DEBUG_SUNMAP]));
+    GP_TRY(add_target(log, j, GP_TARGET_INTENSITY,
+                      s->debug[GP_DEBUG_INTENSITY]));
 out:
     return st;
 }
@@ -272,7 +275,7 @@ void gp_jobs_free(struct gp_jobs *j)
     *j = (struct gp_jobs) {0};
 }
 
-char *gp_job_name(const struct gp_job *job, const struct gp_target *target)
+char *gp_job_name(const struct gp_job *job, const struct gp_output *target)
 {
     return gp_pattern_name(&target->name, job->frame);
 }

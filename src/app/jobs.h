@@ -16,10 +16,12 @@ enum gp_target_kind {
     GP_TARGET_PICTURE,
     GP_TARGET_SENSORS,
     GP_TARGET_POLYGONS,
+    GP_TARGET_SUNMAP,
+    GP_TARGET_INTENSITY,
 };
 
 /* A file, or one a frame when its name is a pattern. */
-struct gp_target {
+struct gp_output {
     enum gp_target_kind kind;
     struct gp_pattern name;
 };
@@ -34,7 +36,7 @@ struct gp_job {
 struct gp_jobs {
     struct gp_job *job;        // owned; at least one
     int n;
-    struct gp_target *target;  // owned; in the order they are written
+    struct gp_output *target;  // owned; in the order they are written
     int targets;
 };
 
@@ -60,6 +62,6 @@ void gp_jobs_free(struct gp_jobs *j);
 
 /* The name of one target for one job; the caller owns it (free()). NULL when
  * memory is full. */
-char *gp_job_name(const struct gp_job *job, const struct gp_target *target);
+char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 
 #endif

@@ -1,5 +1,7 @@
 #include "app/options.h"
 
+#include "app/option_values.h"
+
 #include <float.h>
 #include <string.h>
 
@@ -12,6 +14,7 @@ const struct gp_settings gp_defaults = {
     .tone = GP_TONE_DEFAULTS,
     .write = GP_WRITE_DEFAULTS,
     .bench = GP_BENCH_DEFAULTS,
+    .sun = GP_SUN_SETTINGS_DEFAULTS,
     .command = GP_COMMAND_MAIN,
     .level = GP_LEVEL_WARN,
 };
@@ -20,6 +23,7 @@ const char *const gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_OUTPUT] = "Pictures to make (at least one)",
     [GP_GROUP_INPUT] = "Frames to read",
     [GP_GROUP_LIGHT] = "Light and kernel",
+    [GP_GROUP_SUN] = "Suns, lamps and lens flare",
     [GP_GROUP_ENGINE] = "How the glare is computed",
     [GP_GROUP_TONE] = "Tone mapping",
     [GP_GROUP_FILE] = "Files",
@@ -61,94 +65,6 @@ static const char *kernel_name(int i, const char **text)
     return name;
 }
 
-static const struct gp_option_choice normalizes[] = {
-    {"luminance", GP_NORMALIZE_LUMINANCE, "the luminance of its sum is 1, the "
-     "ratios of its channels stay"},
-    {"none", GP_NORMALIZE_NONE, "as it is in the file"},
-    {0},
-};
-static const struct gp_option_choice mixes[] = {
-    {"add", GP_MIX_ADD, "the layer comes on top of the frame"},
-    {"scatter", GP_MIX_SCATTER, "light that is spread is taken from its "
-     "source, which conserves energy; needs a gain up to 1"},
-    {0},
-};
-static const struct gp_option_choice gls[] = {
-    {"auto", GP_GL_AUTO, "the first that opens"},
-    {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
-    {"egl", GP_GL_EGL, "a GPU's device where there is one, Mesa's surfaceless "
-     "platform else"},
-    {0},
-};
-static const struct gp_option_choice methods[] = {
-    {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
-     "formula (1) of Ando et al."},
-    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by as much as the group "
-     "is wide"},
-    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each single sensor, "
-     "only its tail from groups"},
-    {0},
-};
-static const struct gp_option_choice primitives[] = {
-    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, quad else"},
-    {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
-    {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
-     "limit of size"},
-    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile, summed over the "
-     "polygons that reach it"},
-    {0},
-};
-static const struct gp_option_choice plans[] = {
-    {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
-     "every run"},
-    {"measure", GP_FFT_PLAN_MEASURE, "the fastest plan of a few tried; kept "
-     "in the cache folder for later runs"},
-    {0},
-};
-static const struct gp_option_choice types[] = {
-    {"auto", GP_OUT_AUTO, "as in the input"},
-    {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504"},
-    {"float", GP_OUT_FLOAT, "32 bits"},
-    {0},
-};
-static const struct gp_option_choice compressions[] = {
-    {"auto", GP_COMPRESSION_AUTO, "as in the input when that is lossless, "
-     "zip else"},
-    {"none", GP_COMPRESSION_NONE, NULL},
-    {"rle", GP_COMPRESSION_RLE, NULL},
-    {"zips", GP_COMPRESSION_ZIPS, NULL},
-    {"zip", GP_COMPRESSION_ZIP, NULL},
-    {"piz", GP_COMPRESSION_PIZ, NULL},
-    {"pxr24", GP_COMPRESSION_PXR24, NULL},
-    {"b44", GP_COMPRESSION_B44, NULL},
-    {"b44a", GP_COMPRESSION_B44A, NULL},
-    {"dwaa", GP_COMPRESSION_DWAA, NULL},
-    {"dwab", GP_COMPRESSION_DWAB, NULL},
-    {0},
-};
-static const struct gp_option_choice bits[] = {
-    {"8", 8, NULL}, {"16", 16, NULL}, {0},
-};
-static const struct gp_option_choice alphas[] = {
-    {"black", GP_ALPHA_BLACK, "the picture stands over black and has no "
-     "alpha"},
-    {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"},
-    {0},
-};
-static const struct gp_option_choice progresses[] = {
-    {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
-    {"always", GP_PROGRESS_ALWAYS, NULL},
-    {"never", GP_PROGRESS_NEVER, NULL},
-    {0},
-};
-static const struct gp_option_choice debugs[] = {
-    {"sensors", GP_DEBUG_SENSORS, "the light that the engines are given, "
-     "scene-linear"},
-    {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
-     "draws, in green over the tone-mapped picture"},
-    {0},
-};
-
 // -- the table ---------------------------------------------------------------
 
 #define FIELD(f) (&((struct gp_settings *) 0)->f)
@@ -160,6 +76,7 @@ static const struct gp_option_choice debugs[] = {
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     double (*)[2]: GP_KIND_PAIR,                              \
+                    struct gp_numbers *: GP_KIND_NUMBERS,                     \
                     const char **: GP_KIND_TEXT,                              \
                     struct gp_texts *: GP_KIND_TEXTS,                         \
                     const char *(*)[GP_DEBUG_KINDS]: GP_KIND_NAMED),          \
@@ -189,14 +106,11 @@ const struct gp_option gp_options[] = {
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
         .help = "The glare layer alone, scene-linear"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
-        .choices = debugs, .help = "Picture of a step on the way"),
+        .choices = gp_debugs, .help = "Picture of a step on the way"),
 
     OPT(frames, .name = "frames", .letter = 'f', IN(INPUT), .arg = "LIST",
         .help = "Frames of a pattern: 1-100, 1-100x2, 3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
-    OPT(depth, .name = "depth", IN(INPUT), .arg = "CH",
-        .help = "Depth channel, named in the report; without it, Z, depth.Z, "
-                "Depth.Z, *.Depth.Z or *.Z is looked for"),
     OPT(read.max_pixels, .name = "max-pixels", BOTH(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
         .help = "Refuses files that claim to have more pixels"),
@@ -218,7 +132,7 @@ const struct gp_option gp_options[] = {
         .help = "The kernel's centre in its own pixels, whose centres are at "
                 "halves; without it, pixel (w/2, h/2) rounded down"),
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
-           .arg = "HOW", .choices = normalizes,
+           .arg = "HOW", .choices = gp_normalizes,
            .help = "Scale of the kernel"),
     OPT(kernel.rotate, .name = "rotate", BOTH(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
@@ -226,7 +140,61 @@ const struct gp_option gp_options[] = {
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
         .hi = 1e6, .help = "Scale of the layer in the pictures"),
     CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
-           .choices = mixes, .help = "How frame and layer go together"),
+           .choices = gp_mixes, .help = "How frame and layer go together"),
+
+    OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
+        .most = 3, .lo = -1e6, .hi = 1e6,
+        .help = "Sun's centre and radius in pixels (radius 0.5 when left "
+                "out); with bench, the table of its visibility"),
+    OPT(sun.dir, .name = "sun-dir", BOTH(SUN), .arg = "X,Y,Z", .least = 3,
+        .most = 3, .lo = -1e9, .hi = 1e9,
+        .help = "Direction towards the sun in the world, placed by the "
+                "frame's worldToNDC matrix or --camera"),
+    OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
+        .hi = 90, .help = "Degrees across, for --sun-dir and --camera"),
+    OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
+        .most = 3, .hi = 1e12,
+        .help = "Flux of the sun, scene-linear, summed over pixels: it gets "
+                "glare of its own and lights the flare; without it the frame's "
+                "bright pixels alone glare"),
+    OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN),
+        .help = "The frame's pixels show the lights already and glare by "
+                "themselves: flux lights the flare alone"),
+    CHOICE(sun.params.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
+           .choices = gp_sun_methods, .help = "How the visible share is found"),
+    OPT(sun.params.map, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
+        .hi = 256, .help = "mask: texels of a sun map's side; even"),
+    CHOICE(sun.params.pattern, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
+           .choices = gp_patterns, .help = "mask: what the texels sample"),
+    CHOICE(sun.params.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
+           .choices = gp_sums, .help = "mask: how texels add up"),
+    CHOICE(sun.params.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
+           .choices = gp_outsides,
+           .help = "What the part of a light outside the frame counts as"),
+    OPT(sun.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
+        .help = "Dims the picture by F times the visible share, as the pupil "
+                "does"),
+    OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
+        .help = "JSON with a camera for each frame, and the sun's direction"),
+    CHOICE(sun.ndc, .name = "ndc", BOTH(SUN), .arg = "HOW", .choices = gp_ndcs,
+           .help = "What the frame's worldToNDC maps the picture to"),
+    OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
+        .help = "JSON with suns and lamps"),
+    OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
+        .help = "JSON with lens-flare elements, drawn for each light that has "
+                "flux, scaled by its visible share"),
+    OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
+        .help = "Depth channel, in any part; without it, Z, depth.Z, "
+                "Depth.Z, *.Depth.Z or *.Z is looked for"),
+    OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
+        .help = "File (or pattern) that holds the depth"),
+    CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
+           .choices = gp_depth_types, .help = "What its values say"),
+    OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
+        .help = "Channel with the coverage of what hides the lights, 0 clear "
+                "to 1 opaque: A, say"),
+    OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
+        .help = "File (or pattern) that holds the coverage"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = engine_name,
@@ -240,7 +208,7 @@ const struct gp_option gp_options[] = {
         .help = "splat: NxN pixels are one polygon; a power of two, 1 for "
                 "none"),
     CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
-           .arg = "HOW", .choices = methods,
+           .arg = "HOW", .choices = gp_methods,
            .help = "splat: how a group stands for its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
         .hi = 64, .given = offsetof(struct gp_settings, clustered),
@@ -255,12 +223,12 @@ const struct gp_option gp_options[] = {
         .help = "splat: share of the light that may be left out where the "
                 "kernel is too dim to see; 0 for none"),
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
-           .arg = "WHAT", .choices = primitives,
+           .arg = "WHAT", .choices = gp_primitives,
            .help = "splat: what is drawn for a polygon"),
-    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API", .choices = gls,
+    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API", .choices = gp_gls,
            .help = "Context of the engine on GL"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
-           .choices = plans, .help = "How the FFT chooses its plans"),
+           .choices = gp_plans, .help = "How the FFT chooses its plans"),
     OPT(threads, .name = "threads", BOTH(ENGINE), .arg = "N", .hi = 1024,
         .help = "Threads, 0 for all processors; no output depends on it"),
 
@@ -276,16 +244,16 @@ const struct gp_option gp_options[] = {
                 "units; 0 takes the frame's maximum"),
 
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
-           .choices = types, .help = "Samples of float formats"),
+           .choices = gp_types, .help = "Samples of float formats"),
     CHOICE(write.compression, .name = "compression", IN(FILE), .arg = "NAME",
-           .choices = compressions, .help = "EXR compression"),
+           .choices = gp_compressions, .help = "EXR compression"),
     CHOICE(write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
-           .choices = bits, .help = "Bits a sample of PNG and other integer "
+           .choices = gp_bits, .help = "Bits a sample of PNG and other integer "
            "formats"),
     OPT(write.dither, .name = "dither", IN(FILE),
         .help = "Dithers where values become integers"),
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
-           .choices = alphas, .help = "Alpha of -o pictures"),
+           .choices = gp_alphas, .help = "Alpha of -o pictures"),
     OPT(write.create_dir, .name = "create-dir", IN(FILE),
         .help = "Makes the folders of output files that are missing"),
 
@@ -295,7 +263,7 @@ const struct gp_option gp_options[] = {
         .help = "Measures the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
-           .choices = progresses, .help = "Line with frame, rate and time "
+           .choices = gp_progresses, .help = "Line with frame, rate and time "
            "left"),
     SET(level, .name = "quiet", .letter = 'q', BOTH(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Errors only"),

@@ -25,6 +25,7 @@ enum gp_option_kind {
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
     GP_KIND_PAIR,    // double[2], "x,y"
+    GP_KIND_NUMBERS, // struct gp_numbers, "1,2,3": `least` to `most` of them
     GP_KIND_CHOICE,  // enum or int: one of `choices`
     GP_KIND_TEXT,    // const char *: one of `list`, or any when `open`
     GP_KIND_TEXTS,   // struct gp_texts: one more at each use
@@ -33,9 +34,9 @@ enum gp_option_kind {
 
 /* Headings of --help. */
 enum gp_option_group {
-    GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_ENGINE,
-    GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT, GP_GROUP_BENCH,
-    GP_GROUP_GENERAL, GP_GROUPS,
+    GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_SUN,
+    GP_GROUP_ENGINE, GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT,
+    GP_GROUP_BENCH, GP_GROUP_GENERAL, GP_GROUPS,
 };
 extern const char *const gp_option_groups[GP_GROUPS];
 
@@ -55,6 +56,7 @@ struct gp_option {
     size_t given;          // offset of a bool set along with it; 0: none
     double lo, hi;         // numbers: inclusive range; NaN is outside
     int set;               // GP_KIND_SET
+    int least, most;       // GP_KIND_NUMBERS
     const char *arg;       // what --help calls the value; NULL: takes none
     const char *help;      // one line, no full stop
     const struct gp_option_choice *choices;  // NULL name at the end

@@ -83,18 +83,41 @@ static gp_status set_whole(const struct use *u)
     return GP_OK;
 }
 
-static gp_status set_pair(const struct use *u)
+/* Numbers with commas between them, `most` at most; 0 when they are not. */
+static int read_list(const char *s, int most, double *v)
 {
-    const char *s = u->value;
-    double v[2];
-    bool read = read_double(&s, &v[0]) && *s == ',';
-    if (!read || (s++, !read_double(&s, &v[1])) || *s)
+    int n = 0;
+    while (n < most && read_double(&s, &v[n])) {
+        n++;
+        if (*s == '\0')
+            return n;
+        if (*s++ != ',')
+            return 0;
+    }
+    return 0;
+}
+
+/* "x,y" into two doubles, or a list into a struct gp_numbers. */
+static gp_status set_list(const struct use *u)
+{
+    const struct gp_option *const o = u->option;
+    const bool pair = o->kind == GP_KIND_PAIR;
+    const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
+    struct gp_numbers list = {0};
+    list.n = read_list(u->value, most, list.v);
+    if (list.n < least)
         return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not two numbers (found \"%s\"); write x,y",
-                       u->option->name, u->value);
-    if (!in_range(u->option, v[0]) || !in_range(u->option, v[1]))
-        return out_of_range(u);
-    memcpy(field(u), v, sizeof v);
+                       "--%s: not %s (found \"%s\"); write %s", o->name,
+                       pair ? "two numbers" : "the numbers that it takes",
+                       u->value, o->arg);
+    for (int i = 0; i < list.n; i++) {
+        if (!in_range(o, list.v[i]))
+            return out_of_range(u);
+    }
+    if (pair)
+        memcpy(field(u), list.v, 2 * sizeof *list.v);
+    else
+        memcpy(field(u), &list, sizeof list);
     return GP_OK;
 }
 
@@ -200,7 +223,8 @@ static gp_status set_option(const struct use *u)
     case GP_KIND_COUNT:
         return set_whole(u);
     case GP_KIND_PAIR:
-        return set_pair(u);
+    case GP_KIND_NUMBERS:
+        return set_list(u);
     case GP_KIND_CHOICE:
         return set_choice(u);
     case GP_KIND_TEXT:

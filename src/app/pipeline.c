@@ -5,6 +5,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* Which stages run, and what nobody needs after each. */
@@ -26,7 +27,8 @@ static gp_status make_plan(const struct gp_run *r, struct plan *p)
     for (int i = GP_STAGES - 1; i >= 0; i--) {
         bool writes = gp_stages[i].gives == GP_HAS_FILES;
         needs[i] = gp_stages[i].needs | (writes ? written : 0u);
-        p->on[i] = gp_stages[i].gives & wanted;
+        p->on[i] = (gp_stages[i].gives & wanted) &&
+                   (!gp_stages[i].asked || gp_stages[i].asked(r->s));
         p->dead[i] = ~wanted;
         wanted |= p->on[i] ? needs[i] : 0u;
     }
@@ -35,7 +37,9 @@ static gp_status make_plan(const struct gp_run *r, struct plan *p)
             return gp_fail(r->log, GP_ERR_BUG,
                            "%s: runs before its input exists (bits %#x)",
                            gp_stages[i].name, needs[i] & ~have);
-        have |= p->on[i] ? gp_stages[i].gives : 0u;
+        const bool there = p->on[i] || (gp_stages[i].asked &&
+                                        !gp_stages[i].asked(r->s));
+        have |= there ? gp_stages[i].gives : 0u;
     }
     return GP_OK;
 }
@@ -56,6 +60,7 @@ static void begin_frame(struct gp_run *r, const struct gp_job *job)
 static void end_frame(struct gp_run *r)
 {
     gp_run_release(r, ~0u);
+    gp_suns_end_frame(&r->suns);
     gp_frame_free(&r->frame);
     for (int i = 0; i < r->jobs->targets; i++)
         GP_FREE(r->names[i]);
@@ -87,8 +92,9 @@ static gp_status make_frame(struct gp_run *r, const struct plan *plan,
         double start = gp_now_ms();
         GP_TRY(stage->run(r));
         if (stage->time >= 0) {
-            r->facts.ms[stage->time] = gp_now_ms() - start;
-            r->facts.total_ms += r->facts.ms[stage->time];
+            const double ms = gp_now_ms() - start;
+            r->facts.ms[stage->time] = fmax(r->facts.ms[stage->time], 0) + ms;
+            r->facts.total_ms += ms;
         }
         gp_run_release(r, plan->dead[i]);
     }
@@ -113,6 +119,7 @@ static gp_status begin_run(struct gp_run *r)
         r->wisdom = gp_cache_file("fft-wisdom");
     r->glare.wisdom = r->wisdom;
     GP_TRY(gp_run_read_kernel(r));
+    GP_TRY(gp_suns_begin(r->log, r->s, &r->suns));
     if (r->s->report)
         GP_TRY(gp_report_open(r->log, r->s->report, &r->report));
 out:
@@ -134,6 +141,7 @@ gp_status gp_pipeline_run(const struct gp_log *log,
 out:;
     gp_status closed = gp_report_close(st ? NULL : log, &r.report);
     gp_glare_close(&r.engines);
+    gp_suns_close(&r.suns);
     gp_kernel_free(&r.kernel);
     gp_free(r.names);
     free(r.wisdom);

@@ -15,7 +15,8 @@
 #include <unistd.h>
 
 static const char *const time_names[GP_TIMES] = {
-    [GP_TIME_READ] = "read", [GP_TIME_SENSORS] = "sensors",
+    [GP_TIME_READ] = "read",
+    [GP_TIME_SUN] = "sun", [GP_TIME_SENSORS] = "sensors",
     [GP_TIME_GLARE] = "glare", [GP_TIME_COMPOSE] = "compose",
     [GP_TIME_TONEMAP] = "tonemap", [GP_TIME_WRITE] = "write",
 };
@@ -148,6 +149,52 @@ static void add_work(struct object *o, const struct gp_facts *f)
         put(o, "bound", number(g->bound, 0.0));
 }
 
+/* The depth channel, and what of it counted as no surface. */
+static void add_depth(struct object *o, const struct gp_facts *f)
+{
+    const struct gp_occluders *const c = f->occluders;
+    struct object d = {.json = json_object()};
+    if (c && c->depth) {
+        put(&d, "channel", text(c->depth->name));
+        put(&d, "empty", text(c->facts.empty));
+        if (c->facts.reversed)
+            put(&d, "reversed", json_true());
+    } else if (f->depth) {
+        put(&d, "channel", text(f->depth));
+        put(&d, "type", text(type_names[f->depth_type]));
+    }
+    if (json_object_size(d.json))
+        put_inner(o, "depth", &d);
+    else
+        json_decref(d.json);
+    if (c && c->mask)
+        put(o, "mask", text(c->mask->name));
+}
+
+static void add_lights(struct object *o, const struct gp_facts *f)
+{
+    if (!f->light)
+        return;
+    json_t *const list = json_array();
+    for (int i = 0; i < f->lights; i++) {
+        const struct gp_light *const l = &f->light[i];
+        struct object one = {.json = json_object()};
+        if (l->behind)
+            put(&one, "behind", json_true());
+        else {
+            put(&one, "x", number(l->x, 1e-4));
+            put(&one, "y", number(l->y, 1e-4));
+            put(&one, "radius", number(l->radius, 1e-4));
+        }
+        put(&one, "visibility", number(l->visibility, 1e-6));
+        o->full = o->full || one.full;
+        json_array_append_new(list, one.json);
+    }
+    put(o, "lights", list);
+    if (f->sun_way)
+        put(o, "sun_method", text(f->sun_way));
+}
+
 static void add_checks(struct object *o, const struct gp_facts *f)
 {
     if (f->verified) {
@@ -162,12 +209,7 @@ static void add_checks(struct object *o, const struct gp_facts *f)
     put(o, "clamped", json_integer(f->clamped));
     if (f->clamped_out)
         put(o, "clamped_out", json_integer(f->clamped_out));
-    if (f->depth) {
-        struct object d = {.json = json_object()};
-        put(&d, "channel", text(f->depth));
-        put(&d, "type", text(type_names[f->depth_type]));
-        put_inner(o, "depth", &d);
-    }
+    add_depth(o, f);
 }
 
 static void add_costs(struct object *o, const struct gp_facts *f)
@@ -181,8 +223,8 @@ static void add_costs(struct object *o, const struct gp_facts *f)
     put_inner(o, "times_ms", &times);
     put(o, "peak_rss_mib", number(gp_peak_rss_mib(), 0.1));
     put(o, "threads", json_integer(gp_threads()));
-    if (f->glare.gl)
-        put(o, "gl", text(f->glare.gl));
+    if (f->glare.gl || f->sun_gl)
+        put(o, "gl", text(f->glare.gl ? f->glare.gl : f->sun_gl));
     put(o, "version", text(GP_VERSION));
 }
 
@@ -233,6 +275,11 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
     append_polygons(line, size, &at, g);
     if (g->gl)
         append(line, size, &at, " on %s", g->gl);
+    for (int i = 0; i < f->lights && i < 8; i++)
+        append(line, size, &at, "%s%.4g", i ? " " : ", visible ",
+               f->light[i].visibility);
+    if (f->lights > 8)
+        append(line, size, &at, " ... of %d", f->lights);
     if (f->depth)
         append(line, size, &at, ", depth %s (%s)", f->depth,
                type_names[f->depth_type]);
@@ -302,6 +349,7 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     add_engine(&o, &facts->glare);
     add_work(&o, facts);
     add_checks(&o, facts);
+    add_lights(&o, facts);
     add_costs(&o, facts);
     char *line = o.full ? NULL
                         : json_dumps(o.json, JSON_COMPACT |

@@ -5,6 +5,8 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
+#include "sun/light.h"
+#include "sun/occluder.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -12,6 +14,7 @@
 /* Stages that are timed, in their order. */
 enum gp_time {
     GP_TIME_READ,
+    GP_TIME_SUN,
     GP_TIME_SENSORS,
     GP_TIME_GLARE,
     GP_TIME_COMPOSE,
@@ -28,7 +31,7 @@ struct gp_facts {
     char **outputs;              // `n_outputs` names
     int n_outputs;
     int width, height;           // of the data window
-    long long sources;
+    long long sources;           // bright pixels, and those of lights
     double flux_in[3];           // of the sources, by channel
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
@@ -38,6 +41,11 @@ struct gp_facts {
     struct gp_glare_stats glare; // engine NULL: no glare stage
     bool verified;
     struct gp_glare_error error; // when verified
+    const struct gp_light *light; // `lights` of them; NULL: none asked for
+    int lights;
+    const struct gp_occluders *occluders; // what hides them; with light
+    const char *sun_way;         // how the lights were seen and drawn
+    const char *sun_gl;          // context of the lights, or NULL
     const char *depth;           // channel, or NULL
     enum gp_pixel_type depth_type;
     double ms[GP_TIMES];         // negative: the stage was not needed

@@ -11,6 +11,9 @@
 #include "glare/sensors.h"
 #include "io/read.h"
 #include "io/write.h"
+#include "sun/camera.h"
+#include "sun/light.h"
+#include "sun/occluder.h"
 #include "tone/tone.h"
 
 #include <stdbool.h>
@@ -23,7 +26,13 @@ enum gp_progress_when {
 };
 
 /* Kinds of --debug KIND=FILE. */
-enum gp_debug_kind { GP_DEBUG_SENSORS, GP_DEBUG_POLYGONS, GP_DEBUG_KINDS };
+enum gp_debug_kind {
+    GP_DEBUG_SENSORS,
+    GP_DEBUG_POLYGONS,
+    GP_DEBUG_SUNMAP,
+    GP_DEBUG_INTENSITY,
+    GP_DEBUG_KINDS,
+};
 
 /* What the first word of the command line asks for, as bits: an option says
  * by them which commands take it. */
@@ -37,6 +46,30 @@ struct gp_texts {
     const char **at;  // owned array of borrowed words
     int n;
 };
+
+/* Numbers of one option, "1,2,3". */
+struct gp_numbers {
+    double v[4];
+    int n; // 0: not given
+};
+
+/* Suns and lamps, what hides them, what they do. Files are NULL when not
+ * given. */
+struct gp_sun_settings {
+    struct gp_sun_params params;
+    struct gp_numbers at;      // x, y and maybe radius, pixels
+    struct gp_numbers dir;     // towards the sun, world
+    struct gp_numbers color;   // flux by channel, or one for all
+    float size;                // degrees across, with dir and camera
+    bool in_frame;             // the frame's pixels hold the lights already
+    float adapt;               // share that the pupil takes, 0 to 1
+    enum gp_ndc ndc;
+    enum gp_depth_type depth_type;
+    const char *camera, *lights, *flare;
+    const char *depth_file, *mask, *mask_file;
+};
+#define GP_SUN_SETTINGS_DEFAULTS                                              \
+    { .params = GP_SUN_DEFAULTS, .size = 0.533f }
 
 /* What `glarepp bench` makes of its table; files are NULL when not wanted. */
 struct gp_bench_settings {
@@ -57,6 +90,7 @@ struct gp_settings {
     struct gp_tone_params tone;
     struct gp_write_params write;
     struct gp_bench_settings bench;
+    struct gp_sun_settings sun;
 
     struct gp_texts inputs, outputs;   // outputs: -o
     const char *hdr, *layer;           // NULL: not wanted

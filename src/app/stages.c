@@ -34,7 +34,29 @@ static gp_status run_read(struct gp_run *r)
         return st;
     r->facts.width = gp_frame_w(&r->frame);
     r->facts.height = gp_frame_h(&r->frame);
-    return find_depth(r);
+    return gp_suns_wanted(&r->s->sun) ? GP_OK : find_depth(r);
+}
+
+/* Where the lights are, and how much of each shows. */
+static gp_status run_suns(struct gp_run *r)
+{
+    gp_status st = gp_suns_place(r->log, r->s, r->job, &r->frame, &r->suns);
+    if (!st)
+        st = gp_suns_see(r->log, r->s, &r->suns);
+    if (st)
+        return st;
+    r->facts.light = r->suns.light;
+    r->facts.lights = r->suns.n;
+    r->facts.occluders = &r->suns.occluders;
+    r->facts.sun_way = gp_suns_way(r->s, &r->suns);
+    if (r->suns.gl)
+        r->facts.sun_gl = gp_gl_name(r->suns.gl);
+    return GP_OK;
+}
+
+static bool suns_asked(const struct gp_settings *s)
+{
+    return gp_suns_wanted(&s->sun);
 }
 
 static gp_status run_sensors(struct gp_run *r)
@@ -66,17 +88,30 @@ gp_status gp_run_read_kernel(struct gp_run *r)
 /* Builtin kernels wait for light. */
 static gp_status run_kernel(struct gp_run *r)
 {
-    if (r->has_kernel || r->sources.n == 0)
+    if (r->has_kernel || (r->sources.n == 0 && !gp_suns_glare(&r->suns)))
         return GP_OK;
     gp_status st = gp_kernel_builtin(r->log, &r->s->kernel, &r->kernel);
     r->has_kernel = !st;
     return st;
 }
 
+/* What the engines get: bright pixels, and lights whose share is known. */
+static const struct gp_sources *all_light(const struct gp_run *r)
+{
+    return r->joined.n ? &r->joined : &r->sources;
+}
+
 static gp_status run_glare(struct gp_run *r)
 {
-    if (r->sources.n > 0)
-        return gp_glare_run(r->log, &r->glare, &r->engines, &r->sources,
+    bool joined;
+    gp_status st = gp_suns_join(r->log, r->s, &r->suns, &r->frame,
+                                &r->sources, &r->joined, &joined);
+    if (st)
+        return st;
+    r->facts.sources = (long long) all_light(r)->n;
+    memcpy(r->facts.flux_in, all_light(r)->flux, sizeof r->facts.flux_in);
+    if (all_light(r)->n > 0)
+        return gp_glare_run(r->log, &r->glare, &r->engines, all_light(r),
                             &r->kernel, &r->frame, &r->facts.glare);
     r->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
@@ -125,14 +160,14 @@ static gp_status run_flux(struct gp_run *r)
 static gp_status run_verify(struct gp_run *r)
 {
     void *exact;
-    if (r->sources.n == 0)
+    if (all_light(r)->n == 0)
         return GP_OK;
     gp_status st = gp_alloc(r->log, "exact layer",
                             3 * gp_frame_pixels(&r->frame), sizeof(double),
                             &exact);
     if (st)
         return st;
-    st = gp_glare_reference(r->log, &r->sources, &r->kernel, exact);
+    st = gp_glare_reference(r->log, all_light(r), &r->kernel, exact);
     if (!st) {
         gp_glare_measure(&r->frame, &r->frame.layer, exact,
                          r->s->compose.gain, &r->facts.error);
@@ -142,9 +177,23 @@ static gp_status run_verify(struct gp_run *r)
     return st;
 }
 
+static gp_status make_dark_layer(struct gp_run *r);
+
+/* Lens flare, and the glare of lights that the engines were not given. */
+static gp_status run_flare(struct gp_run *r)
+{
+    if (!gp_suns_glare(&r->suns)) // no flux: only their shares are asked for
+        return gp_suns_draw(r->log, r->s, &r->suns, &r->kernel, &r->frame);
+    gp_status st = r->frame.layer.c[0] ? GP_OK : make_dark_layer(r);
+    return st ? st : gp_suns_draw(r->log, r->s, &r->suns, &r->kernel,
+                                  &r->frame);
+}
+
 static gp_status run_compose(struct gp_run *r)
 {
-    return gp_compose(r->log, &r->s->compose, &r->sources, &r->frame);
+    struct gp_compose_params p = r->s->compose;
+    p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
+    return gp_compose(r->log, &p, &r->sources, &r->frame);
 }
 
 static gp_status run_tonemap(struct gp_run *r)
@@ -221,6 +270,24 @@ static gp_status write_polygons(struct gp_run *r, const char *name,
     return st;
 }
 
+/* Sun maps and intensity map are pictures of their own size. */
+static gp_status write_map(struct gp_run *r, bool intensity, const char *name,
+                           struct gp_write_stats *stats)
+{
+    struct gp_frame f = r->frame;
+    struct gp_planes p = {0};
+    int w, h;
+    gp_status st = gp_suns_picture(r->log, r->s, &r->suns, intensity, &w, &h,
+                                   &p);
+    if (!st) {
+        f.data = f.display = (struct gp_rect) {0, 0, w, h};
+        st = gp_write_picture(r->log, &r->s->write, name, &f, &p,
+                              GP_PICTURE_SHOWN, stats);
+    }
+    gp_planes_free(&p);
+    return st;
+}
+
 static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
                               const char *name, struct gp_write_stats *stats)
 {
@@ -238,6 +305,9 @@ static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
         return write_sensors(r, name, stats);
     case GP_TARGET_POLYGONS:
         return write_polygons(r, name, stats);
+    case GP_TARGET_SUNMAP:
+    case GP_TARGET_INTENSITY:
+        return write_map(r, kind == GP_TARGET_INTENSITY, name, stats);
     }
     return GP_ERR_BUG;
 }
@@ -246,7 +316,7 @@ static gp_status run_write(struct gp_run *r)
 {
     struct gp_write_stats stats = {0};
     for (int i = 0; i < r->jobs->targets; i++) {
-        const struct gp_target *t = &r->jobs->target[i];
+        const struct gp_output *t = &r->jobs->target[i];
         r->names[i] = gp_job_name(r->job, t);
         if (!r->names[i])
             return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory",
@@ -264,19 +334,24 @@ static gp_status run_write(struct gp_run *r)
 
 enum {
     RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
-    LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT,
+    LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT, SUNS = GP_HAS_SUNS,
+    FLARE = GP_HAS_FLARE,
 };
 const struct gp_stage gp_stages[GP_STAGES] = {
-    {"read", GP_TIME_READ, 0, RGB, run_read},
-    {"sensors", GP_TIME_SENSORS, RGB, SOURCES, run_sensors},
-    {"kernel", -1, SOURCES, KERNEL, run_kernel},
-    {"glare", GP_TIME_GLARE, SOURCES | KERNEL, LAYER, run_glare},
-    {"flux", -1, LAYER, GP_HAS_FLUX, run_flux},
+    {"read", GP_TIME_READ, 0, RGB, run_read, NULL},
+    {"sun", GP_TIME_SUN, RGB, SUNS, run_suns, suns_asked},
+    {"sensors", GP_TIME_SENSORS, RGB, SOURCES, run_sensors, NULL},
+    {"kernel", -1, SOURCES | SUNS, KERNEL, run_kernel, NULL},
+    {"glare", GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER, run_glare, NULL},
     {"verify", -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
-     run_verify},
-    {"compose", GP_TIME_COMPOSE, RGB | SOURCES | LAYER, LIT, run_compose},
-    {"tonemap", GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, run_tonemap},
-    {"write", GP_TIME_WRITE, 0, GP_HAS_FILES, run_write},
+     run_verify, NULL},
+    {"flare", GP_TIME_SUN, LAYER | KERNEL | SUNS, FLARE, run_flare,
+     suns_asked},
+    {"flux", -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
+    {"compose", GP_TIME_COMPOSE, RGB | SOURCES | LAYER | FLARE, LIT,
+     run_compose, NULL},
+    {"tonemap", GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, run_tonemap, NULL},
+    {"write", GP_TIME_WRITE, 0, GP_HAS_FILES, run_write, NULL},
 };
 
 unsigned gp_target_needs(const struct gp_settings *s,
@@ -286,7 +361,7 @@ unsigned gp_target_needs(const struct gp_settings *s,
     case GP_TARGET_HDR:
         return GP_HAS_LIT;
     case GP_TARGET_LAYER:
-        return GP_HAS_LAYER;
+        return GP_HAS_LAYER | GP_HAS_FLARE;
     case GP_TARGET_PICTURE:
         return untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
     case GP_TARGET_SENSORS:
@@ -294,6 +369,9 @@ unsigned gp_target_needs(const struct gp_settings *s,
     case GP_TARGET_POLYGONS:
         return GP_HAS_SOURCES | GP_HAS_KERNEL |
                (untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN);
+    case GP_TARGET_SUNMAP:
+    case GP_TARGET_INTENSITY:
+        return GP_HAS_FLARE;
     }
     return 0;
 }
@@ -302,8 +380,10 @@ void gp_run_release(struct gp_run *r, unsigned dead)
 {
     if (dead & GP_HAS_RGB)
         gp_planes_free(&r->frame.rgb);
-    if (dead & GP_HAS_SOURCES)
+    if (dead & GP_HAS_SOURCES) {
         gp_sources_free(&r->sources);
+        gp_sources_free(&r->joined);
+    }
     if (dead & GP_HAS_LAYER)
         gp_planes_free(&r->frame.layer);
     if (dead & GP_HAS_LIT)

@@ -5,6 +5,7 @@
 #include "app/jobs.h"
 #include "app/report.h"
 #include "app/settings.h"
+#include "app/sun.h"
 #include "core/frame.h"
 #include "core/status.h"
 
@@ -21,6 +22,8 @@ enum {
     GP_HAS_LIT = 1 << 6,       // frame.lit
     GP_HAS_SHOWN = 1 << 7,     // frame.shown
     GP_HAS_FILES = 1 << 8,     // all that is written
+    GP_HAS_SUNS = 1 << 9,      // suns placed, and seen or being seen
+    GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
 };
 
 /* A run, and the frame it is at. */
@@ -34,24 +37,29 @@ struct gp_run {
     struct gp_kernel kernel;
     bool has_kernel;
     struct gp_glare engines;
+    struct gp_suns suns;
     struct gp_report report;
 
     const struct gp_job *job;
     struct gp_frame frame;
     struct gp_sources sources;
+    struct gp_sources joined;      // sources and lights; empty: no lights
     char **names;                  // one a target: files written, owned
     struct gp_facts facts;
 };
 
 /* A step of a frame. `time` is an enum gp_time, -1 for steps that are no part
- * of the picture. What the last stage needs is what the targets need. */
+ * of the picture; steps of one time add up. What the last stage needs is what
+ * the targets need. `asked`, where there is one, says whether the command line
+ * gives the step anything to do; what it gives counts as there without it. */
 struct gp_stage {
     const char *name;
     int time;
     unsigned needs, gives;
     gp_status (*run)(struct gp_run *r);
+    bool (*asked)(const struct gp_settings *s);
 };
-enum { GP_STAGES = 9 };
+enum { GP_STAGES = 11 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
 /* What must exist for a target to be written. */

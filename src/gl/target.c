@@ -2,8 +2,13 @@
 
 #include "gl/context.h"
 
+/* Makes the texture of an attachment. */
+typedef gp_status (*maker)(const struct gp_log *log, const struct gp_gl *gl,
+                           const char *what, int w, int h,
+                           struct gp_texture *out);
+
 static gp_status attach(const struct gp_log *log, const struct gp_gl *gl,
-                        const char *what, int w, int h, int n,
+                        const char *what, int w, int h, int n, maker texture,
                         struct gp_target *t)
 {
     static const GLenum buffers[GP_ATTACHMENTS] = {
@@ -14,7 +19,7 @@ static gp_status attach(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.CreateFramebuffers(1, &t->framebuffer);
     for (; t->n < n; t->n++) {
         struct gp_texture *to = t->n ? &t->more[t->n - 1] : &t->colour;
-        gp_status st = gp_texture_make(log, gl, what, w, h, to);
+        gp_status st = texture(log, gl, what, w, h, to);
         if (st)
             return st;
         gl->f.NamedFramebufferTexture(t->framebuffer, buffers[t->n], to->id,
@@ -24,19 +29,20 @@ static gp_status attach(const struct gp_log *log, const struct gp_gl *gl,
     return GP_OK;
 }
 
-gp_status gp_target_make_many(const struct gp_log *log,
-                              const struct gp_gl *gl, const char *what, int w,
-                              int h, int n, struct gp_target *out)
+static gp_status make(const struct gp_log *log, const struct gp_gl *gl,
+                      const char *what, int w, int h, int n, maker texture,
+                      struct gp_target *out)
 {
     struct gp_target t = {0};
     gp_status st;
-    GP_TRY(attach(log, gl, what, w, h, n, &t));
+    GP_TRY(attach(log, gl, what, w, h, n, texture, &t));
     GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
         st = gp_fail(log, GP_ERR_GL,
-                     "%s: %s: the driver does not draw to RGBA32F "
-                     "(framebuffer status 0x%04x); use --engine fft or direct",
+                     "%s: %s: the driver does not draw to such "
+                     "a texture (framebuffer status 0x%04x); use --engine fft "
+                     "or direct",
                      gp_gl_name(gl), what, state);
         goto out;
     }
@@ -48,10 +54,31 @@ out:
     return st;
 }
 
+gp_status gp_target_make_many(const struct gp_log *log,
+                              const struct gp_gl *gl, const char *what, int w,
+                              int h, int n, struct gp_target *out)
+{
+    return make(log, gl, what, w, h, n, gp_texture_make, out);
+}
+
 gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
                          const char *what, int w, int h, struct gp_target *out)
 {
-    return gp_target_make_many(log, gl, what, w, h, 1, out);
+    return make(log, gl, what, w, h, 1, gp_texture_make, out);
+}
+
+gp_status gp_target_make_linear(const struct gp_log *log,
+                                const struct gp_gl *gl, const char *what,
+                                int w, int h, struct gp_target *out)
+{
+    return make(log, gl, what, w, h, 1, gp_texture_make_linear, out);
+}
+
+gp_status gp_target_make_byte(const struct gp_log *log, const struct gp_gl *gl,
+                              const char *what, int w, int h,
+                              struct gp_target *out)
+{
+    return make(log, gl, what, w, h, 1, gp_texture_make_byte, out);
 }
 
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,

@@ -3,8 +3,8 @@
 #include "gl/context.h"
 
 static gp_status make(const struct gp_log *log, const struct gp_gl *gl,
-                      const char *what, int w, int h, GLint filter,
-                      struct gp_texture *out)
+                      const char *what, int w, int h, GLenum format,
+                      GLint filter, struct gp_texture *out)
 {
     int limit = gp_gl_max_size(gl);
     if (w < 1 || h < 1 || w > limit || h > limit)
@@ -14,7 +14,7 @@ static gp_status make(const struct gp_log *log, const struct gp_gl *gl,
                        gp_gl_name(gl), what, w, h, limit, limit);
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
-    gl->f.TextureStorage2D(t.id, 1, GL_RGBA32F, w, h);
+    gl->f.TextureStorage2D(t.id, 1, format, w, h);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_MIN_FILTER, filter);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_MAG_FILTER, filter);
     gl->f.TextureParameteri(t.id, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
@@ -31,14 +31,21 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
                           const char *what, int w, int h,
                           struct gp_texture *out)
 {
-    return make(log, gl, what, w, h, GL_NEAREST, out);
+    return make(log, gl, what, w, h, GL_RGBA32F, GL_NEAREST, out);
 }
 
 gp_status gp_texture_make_linear(const struct gp_log *log,
                                  const struct gp_gl *gl, const char *what,
                                  int w, int h, struct gp_texture *out)
 {
-    return make(log, gl, what, w, h, GL_LINEAR, out);
+    return make(log, gl, what, w, h, GL_RGBA32F, GL_LINEAR, out);
+}
+
+gp_status gp_texture_make_byte(const struct gp_log *log,
+                               const struct gp_gl *gl, const char *what, int w,
+                               int h, struct gp_texture *out)
+{
+    return make(log, gl, what, w, h, GL_RGBA8, GL_NEAREST, out);
 }
 
 void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,

@@ -9,7 +9,7 @@
 #include "core/frame.h"
 #include "gl/gl.h"
 
-/* RGBA32F: four floats a texel, red first, not clamped. */
+/* RGBA32F: four floats a texel, red first, not clamped; or RGBA8. */
 struct gp_texture {
     unsigned id; // 0: empty
     int w, h;
@@ -43,6 +43,12 @@ GP_MUST_CHECK gp_status gp_texture_make_linear(const struct gp_log *log,
                                                const char *what, int w, int h,
                                                struct gp_texture *out);
 
+/* RGBA8 in place of RGBA32F: [0, 1] in 255ths. Read by texelFetch only. */
+GP_MUST_CHECK gp_status gp_texture_make_byte(const struct gp_log *log,
+                                             const struct gp_gl *gl,
+                                             const char *what, int w, int h,
+                                             struct gp_texture *out);
+
 /* Writes the texels of `rect`, which lies inside the texture, from packed
  * rows of rgba: 4 * w * h floats. */
 void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
@@ -62,6 +68,20 @@ GP_MUST_CHECK gp_status gp_target_make_many(const struct gp_log *log,
                                             const struct gp_gl *gl,
                                             const char *what, int w, int h,
                                             int n, struct gp_target *out);
+
+/* The same with one attachment whose texture is also sampled, as by
+ * gp_texture_make_linear(). */
+GP_MUST_CHECK gp_status gp_target_make_linear(const struct gp_log *log,
+                                              const struct gp_gl *gl,
+                                              const char *what, int w, int h,
+                                              struct gp_target *out);
+
+/* The same with one attachment of RGBA8: what is drawn or added is clamped to
+ * [0, 1] and rounded to 255ths, and so are sums. */
+GP_MUST_CHECK gp_status gp_target_make_byte(const struct gp_log *log,
+                                            const struct gp_gl *gl,
+                                            const char *what, int w, int h,
+                                            struct gp_target *out);
 
 /* The pixels of `rect`, cut to the target, become 0 in all attachments. */
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,

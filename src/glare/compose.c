@@ -9,7 +9,7 @@
 struct composing {
     struct gp_frame *f;
     const struct gp_sources *src;
-    float gain;
+    float gain, keep;
     bool scatter;
 };
 
@@ -32,6 +32,12 @@ static void scatter_row(const struct composing *m, int c, int y,
     }
 }
 
+static void dim_row(float keep, size_t n, float *out)
+{
+    for (size_t i = 0; i < n; i++)
+        out[i] *= keep;
+}
+
 static void compose_row(void *ctx, int y, int thread)
 {
     const struct composing *m = ctx;
@@ -42,14 +48,15 @@ static void compose_row(void *ctx, int y, int thread)
     for (int c = 0; c < 3; c++) {
         const float *in = f->rgb.c[c] + at;
         float *out = f->lit.c[c] + at;
-        if (!f->layer.c[0]) {
+        const float *layer = f->layer.c[c] ? f->layer.c[c] + at : NULL;
+        if (layer)
+            add_row(in, layer, m->gain, w, out);
+        else
             memcpy(out, in, w * sizeof *out);
-            continue;
-        }
-        const float *layer = f->layer.c[c] + at;
-        add_row(in, layer, m->gain, w, out);
-        if (m->scatter)
+        if (layer && m->scatter)
             scatter_row(m, c, y, in, layer, out);
+        if (m->keep < 1.0f)
+            dim_row(m->keep, w, out);
     }
 }
 
@@ -58,7 +65,7 @@ gp_status gp_compose(const struct gp_log *log,
                      const struct gp_sources *src, struct gp_frame *f)
 {
     struct composing m = {
-        .f = f, .src = src, .gain = p->gain,
+        .f = f, .src = src, .gain = p->gain, .keep = 1.0f - p->dim,
         .scatter = p->mix == GP_MIX_SCATTER && src->n > 0,
     };
     if (m.scatter && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))

@@ -11,6 +11,7 @@ enum gp_mix { GP_MIX_ADD, GP_MIX_SCATTER };
 struct gp_compose_params {
     float gain;  // >= 0; in [0,1] for scatter
     enum gp_mix mix;
+    float dim;   // share of everything that a narrower pupil takes; 0 to 1
 };
 #define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_ADD }
 
@@ -18,6 +19,7 @@ struct gp_compose_params {
  *   add:     lit = rgb + gain * layer
  *   scatter: lit = rgb - gain * source + gain * layer, which conserves
  *            energy up to what leaves the frame
+ * and then lit *= 1 - dim, the whole picture alike.
  * f->layer may be empty when there was no light: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is written over.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */

@@ -1,31 +1,24 @@
 #include "io/channels.h"
 
-#include "io/exr_origin.h"
+#include "core/parallel.h"
 #include "io/half.h"
 
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-enum { LIST_BYTES = 1500 };
-
-/* The names of the frame's channels, with commas, cut where `to` ends. */
-static const char *list_channels(const struct gp_frame *f,
-                                 char to[LIST_BYTES])
+bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
+                         const char *name)
 {
-    size_t used = 0;
-    to[0] = '\0';
-    for (int i = 0; i < f->channels; i++) {
-        const char *name = f->channel[i].name;
-        size_t room = LIST_BYTES - used;
-        if (strlen(name) + 8 > room) {
-            snprintf(to + used, room, ", ...");
-            break;
-        }
-        used += (size_t) snprintf(to + used, room, "%s%s", i ? ", " : "",
-                                  name);
+    const size_t used = strlen(to), room = GP_CHANNEL_LIST - used;
+    const size_t more = strlen(name) + (part ? strlen(part) : 0);
+    if (more + 10 > room) { // two dots and commas, and those of the cut
+        snprintf(to + used, room, ", ...");
+        return false;
     }
-    return to;
+    snprintf(to + used, room, "%s%s%s%s", used ? ", " : "", part ? part : "",
+             part ? "." : "", name);
+    return true;
 }
 
 static int channel_index(const struct gp_frame *f, const char *name)
@@ -37,41 +30,22 @@ static int channel_index(const struct gp_frame *f, const char *name)
     return -1;
 }
 
-/* Another part of the file that has a channel of this name, or -1. */
-static int part_with(const struct gp_frame *f, const char *name)
-{
-    const struct gp_origin *o = gp_origin_of(f);
-    for (int part = 0; o && o->exr && part < o->parts; part++) {
-        const exr_attr_chlist_t *list;
-        if (part == o->part || exr_get_channels(o->exr, part, &list))
-            continue;
-        for (int i = 0; i < list->num_channels; i++) {
-            if (strcmp(list->entries[i].name.str, name) == 0)
-                return part;
-        }
-    }
-    return -1;
-}
-
 gp_status gp_find_channel(const struct gp_log *log, const struct gp_frame *f,
                           const char *name, int *out)
 {
-    char list[LIST_BYTES];
-    int i = channel_index(f, name), part;
-    if (i >= 0) {
-        *out = i;
+    char list[GP_CHANNEL_LIST] = "";
+    const int at = channel_index(f, name);
+    if (at >= 0) {
+        *out = at;
         return GP_OK;
     }
-    part = part_with(f, name);
-    if (part >= 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: channel %s is in part %d, not in part %d that "
-                       "holds the colour; put both into one, with e.g. "
-                       "oiiotool IN --subimage %d IN --subimage %d --chappend -o OUT",
-                       f->path, name, part, f->part, f->part, part);
+    for (int i = 0; i < f->channels; i++) {
+        if (!gp_channel_list_add(list, NULL, f->channel[i].name))
+            break;
+    }
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: has no channel %s (it has %s); give one of those",
-                   f->path, name, list_channels(f, list));
+                   f->path, name, list);
 }
 
 /* -- depth ---------------------------------------------------------------- */
@@ -119,6 +93,10 @@ enum { RANKS = 5 };
 static int depth_rank(const struct gp_frame *f, const char *name)
 {
     static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
+    // a part of its own has a layer's channels without the layer's name
+    if (strcmp(name, "Z") == 0 && channel_index(f, "X") >= 0 &&
+        channel_index(f, "Y") >= 0)
+        return RANKS;
     for (int i = 0; i < 3; i++) {
         if (strcmp(name, exact[i]) == 0)
             return i;
@@ -149,10 +127,6 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
                        "%s: two channels could be depth (%s and %s); choose "
                        "with --depth", f->path, f->channel[best].name,
                        f->channel[second].name);
-    if (best < 0 && part_with(f, "Z") >= 0)
-        gp_say(log, GP_LEVEL_INFO,
-               "%s: depth Z is in part %d; only part %d, which holds the "
-               "colour, is searched", f->path, part_with(f, "Z"), f->part);
     *out = best;
     return GP_OK;
 }
@@ -184,19 +158,34 @@ static int sample(int at, int step, int count)
     return i < count ? i : count - 1;
 }
 
+struct rows {
+    const struct gp_frame *f;
+    const struct gp_channel *c;
+    float *out;
+};
+
+static void fill_row(void *ctx, int y, int thread)
+{
+    (void) thread;
+    const struct rows *r = ctx;
+    const struct gp_channel *c = r->c;
+    const int w = gp_frame_w(r->f);
+    float *row = r->out + (size_t) y * (size_t) w;
+    if (!c->data) {
+        memcpy(row, r->f->rgb.c[c->colour] + (size_t) y * (size_t) w,
+               (size_t) w * sizeof *row);
+        return;
+    }
+    row_to_floats(c, (size_t) sample(y, c->ys, c->h), row);
+    // from the right, so that no sample is overwritten before its use
+    for (int x = w - 1; x >= 0 && c->xs > 1; x--)
+        row[x] = row[sample(x, c->xs, c->w)];
+}
+
 void gp_channel_floats(const struct gp_frame *f, int channel, float *out)
 {
     const struct gp_channel *c = &f->channel[channel];
-    const int w = gp_frame_w(f), h = gp_frame_h(f);
-    if (!c->data) {
-        memcpy(out, f->rgb.c[c->colour], gp_frame_pixels(f) * sizeof *out);
-        return;
-    }
-    for (int y = h - 1; y >= 0 && c->w > 0 && c->h > 0; y--) {
-        float *row = out + (size_t) y * (size_t) w;
-        row_to_floats(c, (size_t) sample(y, c->ys, c->h), row);
-        // from the right, so that no sample is overwritten before its use
-        for (int x = w - 1; x >= 0 && c->xs > 1; x--)
-            row[x] = row[sample(x, c->xs, c->w)];
-    }
+    struct rows r = {f, c, out};
+    if (!c->data || (c->w > 0 && c->h > 0))
+        gp_parallel_do(gp_frame_h(f), fill_row, &r);
 }

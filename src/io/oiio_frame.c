@@ -266,23 +266,42 @@ out:
     return st;
 }
 
-gp_status gp_read_other(const struct gp_log *log,
+gp_status gp_read_image(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
-                        const struct gp_stream *stream, struct gp_frame *out)
+                        const struct gp_stream *stream,
+                        struct gp_oiio_image *out)
 {
     char why[512];
-    struct gp_oiio_image image;
     const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "%s: formats other than EXR need the OpenImageIO "
                        "bridge (%s); install it, or give an EXR", path, why);
-    if (api->read(path, stream->data, stream->size, 0, p->max_pixels, &image,
+    if (api->read(path, stream->data, stream->size, 0, p->max_pixels, out,
                   why, sizeof why))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: no image format that can be read (%s); give an "
                        "EXR or convert it", path, why);
-    gp_status st = gp_frame_of_image(log, path, &image, out);
-    api->image_free(&image);
+    return GP_OK;
+}
+
+void gp_image_free(struct gp_oiio_image *image)
+{
+    char why[512];
+    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
+    if (api && image->own)
+        api->image_free(image);
+}
+
+gp_status gp_read_other(const struct gp_log *log,
+                        const struct gp_read_params *p, const char *path,
+                        const struct gp_stream *stream, struct gp_frame *out)
+{
+    struct gp_oiio_image image;
+    gp_status st = gp_read_image(log, p, path, stream, &image);
+    if (st)
+        return st;
+    st = gp_frame_of_image(log, path, &image, out);
+    gp_image_free(&image);
     return st;
 }

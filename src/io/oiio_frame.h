@@ -15,7 +15,19 @@ GP_MUST_CHECK gp_status gp_read_other(const struct gp_log *log,
                                       const struct gp_stream *stream,
                                       struct gp_frame *out);
 
-/* The same from an image that is already there; it stays the caller's. */
+/* Its image alone, with values as stored; free with gp_image_free(). Errors
+ * as above. */
+GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_stream *stream,
+                                      struct gp_oiio_image *out);
+
+/* Frees an image of gp_read_image(); one that is all zero is fine. */
+void gp_image_free(struct gp_oiio_image *image);
+
+/* gp_read_other() from an image that is already there; it stays the
+ * caller's. */
 GP_MUST_CHECK gp_status gp_frame_of_image(const struct gp_log *log,
                                           const char *path,
                                           const struct gp_oiio_image *image,

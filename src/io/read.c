@@ -2,7 +2,7 @@
 
 #include "io/exr_read.h"
 #include "io/oiio_frame.h"
-#include "io/stream.h"
+#include "io/read_open.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -62,24 +62,37 @@ static uint64_t pipe_limit(const struct gp_read_params *p)
     return (pixels < most ? pixels : most) * 16 + (1 << 26);
 }
 
+gp_status gp_read_open(const struct gp_log *log,
+                       const struct gp_read_params *p, const char *path,
+                       struct gp_stream *stream, bool *exr)
+{
+    uint8_t first[MAGIC_BYTES] = {0};
+    gp_status st = gp_stream_open(log, path, pipe_limit(p), stream);
+    if (st)
+        return st;
+    if (gp_stream_read(stream, first, sizeof first, 0) < 0)
+        st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
+                     path);
+    *exr = memcmp(first, exr_magic, sizeof exr_magic) == 0;
+    if (!st && !*exr && ends_with_exr(path))
+        st = not_exr(log, path, first);
+    if (st)
+        gp_stream_close(stream);
+    return st;
+}
+
 gp_status gp_read_frame(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
                         struct gp_frame *out)
 {
     struct gp_stream stream;
-    uint8_t first[MAGIC_BYTES] = {0};
-    gp_status st = gp_stream_open(log, path, pipe_limit(p), &stream);
+    bool exr;
+    gp_status st = gp_read_open(log, p, path, &stream, &exr);
     if (st)
         return st;
-    if (gp_stream_read(&stream, first, sizeof first, 0) < 0)
-        st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
-                     path);
-    else if (memcmp(first, exr_magic, sizeof exr_magic) == 0)
+    if (exr)
         return gp_read_exr(log, p, path, &stream, out);
-    else if (ends_with_exr(path))
-        st = not_exr(log, path, first);
-    else
-        st = gp_read_other(log, p, path, &stream, out);
+    st = gp_read_other(log, p, path, &stream, out);
     gp_stream_close(&stream);
     return st;
 }

@@ -197,6 +197,14 @@ empty_folder()
     is "$(ls -A "$1")" '' "$2"
 }
 
+# field FILE EXPRESSION: of the first line, o being the object
+field()
+{
+    "$python" -c 'import json, sys
+o = json.loads(open(sys.argv[1]).readline())
+print(eval(sys.argv[2]))' "$1" "$2" 2>&1
+}
+
 # -- frames --------------------------------------------------------------------
 
 # frame FILE [key=value...]: an uncompressed EXR; the keys are in exr.py

@@ -8,14 +8,6 @@ frame dark.exr kind=dark
 frame shot.0001.exr seed=1
 frame shot.0002.exr seed=2 size=40x30
 
-# field FILE EXPRESSION: of the first line, o being the object
-field()
-{
-    "$python" -c 'import json, sys
-o = json.loads(open(sys.argv[1]).readline())
-print(eval(sys.argv[2]))' "$1" "$2" 2>&1
-}
-
 # -- fields --------------------------------------------------------------------
 
 run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \

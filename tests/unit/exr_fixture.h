@@ -40,6 +40,7 @@ struct fixture {
     bool chromaticities;        // ACES AP0's
     float aspect;               // 0 counts as 1
     exr_attr_box2i_t display;   // empty (all 0): the first data window
+    void (*more)(exr_context_t exr, int part);  // adds attributes; NULL: none
 };
 
 static const exr_attr_chromaticities_t fixture_ap0 = {
@@ -109,9 +110,11 @@ static int64_t fixture_write(exr_const_context_t ctxt, void *user,
     (void) error;
     struct fixture_file *f = user;
     if (at + n > f->room) {
+        const size_t had = f->room;
         f->room = (size_t) (at + n) * 2;
         f->bytes = realloc(f->bytes, f->room);
         assert_non_null(f->bytes);
+        memset(f->bytes + had, 0, f->room - had); // tables of deep parts stay
     }
     if (at + n > f->size)
         f->size = (size_t) (at + n);
@@ -260,6 +263,8 @@ static void fixture_header(exr_context_t exr, const struct fixture *f,
         assert_int_equal(exr_attr_set_chromaticities(
                              exr, part, "chromaticities", &fixture_ap0),
                          EXR_ERR_SUCCESS);
+    if (f->more)
+        f->more(exr, part);
     for (int i = 0; i < FIXTURE_CHANNELS && p->channel[i].name; i++) {
         const struct fixture_channel *c = &p->channel[i];
         assert_int_equal(exr_add_channel(exr, part, c->name, c->type,

@@ -60,6 +60,8 @@ static void depth_by_search(void **state)
         // a vector by its axes, whatever its name
         {{"thing.X", "thing.Y", "thing.Z"}, NULL, NULL},
         {{"thing.X", "thing.Z"}, "thing.Z", NULL},
+        {{"X", "Y", "Z"}, NULL, NULL},
+        {{"Y", "Z"}, "Z", NULL},
         // a vector by its name, whatever its axes
         {{"normals.Z"}, NULL, NULL},
         {{"Normal.Z"}, NULL, NULL},

@@ -84,7 +84,7 @@ static void mixes_are_their_formulas(void **state)
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s;
-        struct gp_compose_params p = {rows[i].gain, rows[i].mix};
+        struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
         make_scene(&s, rows[i].w, rows[i].h, rows[i].every, 1000.0f);
         assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
         for (int k = 0; k < rows[i].w * rows[i].h; k++) {
@@ -107,7 +107,7 @@ static void no_layer_means_no_light(void **state)
     (void) state;
     for (int mix = 0; mix < 2; mix++) {
         struct scene s;
-        struct gp_compose_params p = {1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD};
+        struct gp_compose_params p = {1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f};
         make_scene(&s, 13, 7, 4, 10.0f);
         gp_planes_free(&s.f.layer);
         s.f.rgb.c[0][3] = -0.0f;
@@ -125,7 +125,7 @@ static void no_layer_means_no_light(void **state)
 static void a_huge_source_leaves_nothing_behind(void **state)
 {
     struct scene s;
-    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER};
+    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
     (void) state;
     make_scene(&s, 5, 5, 13, 1.0f);
     for (int c = 0; c < 3; c++) {
@@ -148,7 +148,7 @@ static void scatter_conserves_energy(void **state)
     (void) state;
     for (size_t g = 0; g < COUNT(gains); g++) {
         struct scene s;
-        struct gp_compose_params p = {gains[g], GP_MIX_SCATTER};
+        struct gp_compose_params p = {gains[g], GP_MIX_SCATTER, 0.0f};
         make_scene(&s, W, H, W + 1, 100.0f); // on a diagonal
         for (int c = 0; c < 3; c++)
             memset(s.f.layer.c[c], 0, W * H * sizeof(float));
@@ -200,7 +200,7 @@ static void planes_are_made_once(void **state)
 static void sources_of_another_frame_are_refused(void **state)
 {
     struct scene s;
-    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER};
+    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
     (void) state;
     make_scene(&s, 8, 8, 9, 4.0f);
     s.src.h = 9;
@@ -209,13 +209,42 @@ static void sources_of_another_frame_are_refused(void **state)
     gp_frame_free(&s.f);
 }
 
+/* A pupil takes its share of every sample, of whichever mix, layer or none. */
+static void dim_takes_its_share(void **state)
+{
+    (void) state;
+    for (int i = 0; i < 4; i++) {
+        struct scene plain, dim;
+        struct gp_compose_params p = {
+            0.7f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f,
+        };
+        seed = 5;
+        make_scene(&plain, 19, 11, 6, 50.0f);
+        seed = 5;
+        make_scene(&dim, 19, 11, 6, 50.0f);
+        if (i & 2) {
+            gp_planes_free(&plain.f.layer);
+            gp_planes_free(&dim.f.layer);
+        }
+        assert_int_equal(gp_compose(NULL, &p, &plain.src, &plain.f), GP_OK);
+        p.dim = 0.25f;
+        assert_int_equal(gp_compose(NULL, &p, &dim.src, &dim.f), GP_OK);
+        for (int c = 0; c < 3; c++) {
+            for (int k = 0; k < 19 * 11; k++)
+                assert_true(dim.f.lit.c[c][k] == 0.75f * plain.f.lit.c[c][k]);
+        }
+        gp_frame_free(&plain.f);
+        gp_frame_free(&dim.f);
+    }
+}
+
 static void threads_change_nothing(void **state)
 {
     float first[37 * 23];
     (void) state;
     for (int threads = 1; threads <= 7; threads++) {
         struct scene s;
-        struct gp_compose_params p = {0.7f, GP_MIX_SCATTER};
+        struct gp_compose_params p = {0.7f, GP_MIX_SCATTER, 0.0f};
         seed = 9;
         gp_set_threads(threads);
         make_scene(&s, 37, 23, 6, 50.0f);
@@ -237,6 +266,7 @@ int main(void)
         cmocka_unit_test(scatter_conserves_energy),
         cmocka_unit_test(planes_are_made_once),
         cmocka_unit_test(sources_of_another_frame_are_refused),
+        cmocka_unit_test(dim_takes_its_share),
         cmocka_unit_test(threads_change_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

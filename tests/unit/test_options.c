@@ -296,7 +296,24 @@ static const struct error_row errors[] = {
     {"-o a i --debug sensors=", "write sensors=FILE"},
     {"-o a i --mix scatter -g 1.5", "more light would be scattered"},
     {"-o a i --verify", "--verify: its result would be shown nowhere"},
-    {"-o a i --sun 1,2", "unknown option"},
+    {"-o a i --sun 1", "--sun: not the numbers that it takes"},
+    {"-o a i --sun 1,2,3,4", "write X,Y[,R]"},
+    {"-o a i --sun 1,2,", "--sun: not the numbers that it takes"},
+    {"-o a i --sun 1,inf", "--sun: out of range"},
+    {"-o a i --sun 1,2,-1", "--sun: a negative radius (found -1)"},
+    {"-o a i --sun 1,2 --sun-dir 0,0,1", "leave one out"},
+    {"-o a i --sun 1,2 --sun-color 1,2", "--sun-color: two numbers"},
+    {"-o a i --sun 1,2 --sun-color -1", "--sun-color: out of range"},
+    {"-o a i --sun 1,2 --sun-map 5", "--sun-map: odd (found 5)"},
+    {"-o a i --sun 1,2 --sun-map 258", "give 2 to 256"},
+    {"-o a i --sun 1,2 --flare f", "--flare: the sun has no flux"},
+    {"-o a i --lights l --sun-color 1", "--sun-color: there is no sun"},
+    {"-o a i --flare f", "--flare: there is no light"},
+    {"-o a i --mask A", "--mask: there is no light"},
+    {"-o a i --sun-method mask", "--sun-method: there is no light"},
+    {"-o a i --debug sunmap=f", "--debug sunmap: there is no light"},
+    {"bench --paper --sun 1,2", "--paper: its frames have no depth"},
+    {"bench --sun 1,2 --flare f i", "--flare: not for glarepp bench"},
     {"-o a i --group 0", "--group: out of range (found 0); give 1 to 64"},
     {"-o a i --group 3", "--group: not a power of two (found 3)"},
     {"-o a i --group 128", "--group: out of range"},
@@ -370,6 +387,13 @@ static void warnings(void **state)
                      GP_OK);
     assert_int_equal(lines, 0); // the polygons are drawn by it
     gp_settings_free(&s);
+    assert_int_equal(parse("-o a i --sun 1,2 --sun-sum 8bit", &s), GP_OK);
+    assert_non_null(strstr(said, "--sun-sum: does nothing"));
+    gp_settings_free(&s);
+    assert_int_equal(parse("-o a i --sun 1,2 --sun-map 8 --debug sunmap=m",
+                           &s), GP_OK);
+    assert_int_equal(lines, 0); // the picture has that size
+    gp_settings_free(&s);
     assert_int_equal(parse("-q -o a i --tonemap hable --white 3", &s), GP_OK);
     assert_int_equal(lines, 0);
     gp_settings_free(&s);
@@ -386,8 +410,8 @@ static void named_values_parse(void **state)
         for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
             struct gp_settings s;
             char line[256];
-            snprintf(line, sizeof line, "-o a i --%s %s%s", o->name, name,
-                     o->kind == GP_KIND_NAMED ? "=f" : "");
+            snprintf(line, sizeof line, "-o a i --sun 1,2 --%s %s%s",
+                     o->name, name, o->kind == GP_KIND_NAMED ? "=f" : "");
             if (parse(line, &s) != GP_OK)
                 fail_msg("%s: %s", line, said);
             gp_settings_free(&s);

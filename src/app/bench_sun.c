@@ -1,0 +1,336 @@
+#include "app/bench_sun.h"
+
+#include "app/bench_table.h"
+#include "app/sun.h"
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/file.h"
+#include "io/read.h"
+#include "sun/exact.h"
+
+#include <errno.h>
+#include <jansson.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = 36, FLIGHT = 8 }; // frames that a row has under way at once
+
+struct row {
+    struct gp_sun_params p;
+    char name[40];
+    char why[200];         // "": it ran
+    double ms, least, most, first;
+    double flight;         // a frame's ms with FLIGHT of them under way
+    double visibility;     // of the first light
+    double mean, worst;    // error over all lights
+};
+
+struct bench {
+    const struct gp_log *log;
+    const struct gp_settings *s;
+    struct gp_frame frame;
+    struct gp_suns suns;
+    double *exact;         // visibility of each light
+    double *ms;            // runs
+    char gl[160];
+    struct row row[ROWS];
+    int rows;
+};
+
+// -- rows ---------------------------------------------------------------------
+
+static void add_row(struct bench *b, enum gp_sun_method method, int map,
+                    enum gp_sun_pattern pattern, enum gp_sun_sum sum)
+{
+    static const char *const sums[] = {
+        [GP_SUM_FLOAT] = "float", [GP_SUM_BYTE] = "8bit",
+        [GP_SUM_BILINEAR] = "bilinear",
+    };
+    struct row *const r = &b->row[b->rows++];
+    *r = (struct row) {.p = b->s->sun.params};
+    r->p.method = method;
+    r->p.map = map;
+    r->p.pattern = pattern;
+    r->p.sum = sum;
+    if (method == GP_SUN_MASK)
+        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", map, map,
+                 pattern == GP_PATTERN_DISC ? "disc" : "square", sums[sum]);
+    else
+        snprintf(r->name, sizeof r->name, "%s",
+                 method == GP_SUN_EXACT ? "exact" : "readback");
+}
+
+static void add_rows(struct bench *b)
+{
+    static const int map[] = {4, 8, 16, 32, 64};
+    const struct gp_sun_params *const p = &b->s->sun.params;
+    add_row(b, GP_SUN_EXACT, p->map, p->pattern, GP_SUM_FLOAT);
+    add_row(b, GP_SUN_READBACK, p->map, p->pattern, GP_SUM_FLOAT);
+    for (int i = 0; i < 5; i++) {
+        for (int k = 0; k < 2; k++) {
+            const enum gp_sun_pattern pattern =
+                k ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_FLOAT);
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BYTE);
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BILINEAR);
+        }
+    }
+}
+
+// -- measuring ----------------------------------------------------------------
+
+/* One frame's visibilities, of which the mask's stay on GL. */
+static gp_status see(struct bench *b, const struct gp_log *log,
+                     const struct row *r)
+{
+    struct gp_settings s = *b->s;
+    s.sun.params = r->p;
+    return gp_suns_see(log, &s, &b->suns);
+}
+
+static gp_status finish(struct bench *b, const struct gp_log *log,
+                        const struct row *r)
+{
+    return r->p.method == GP_SUN_MASK
+               ? gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,
+                                 b->suns.n)
+               : GP_OK;
+}
+
+/* One run of `frames` frames, the last of which is waited for. */
+static gp_status run(struct bench *b, const struct gp_log *log,
+                     const struct row *r, int frames, double *ms)
+{
+    const double start = gp_now_ms();
+    gp_status st = GP_OK;
+    for (int i = 0; i < frames && !st; i++)
+        st = see(b, log, r);
+    if (!st)
+        st = finish(b, log, r);
+    *ms = (gp_now_ms() - start) / frames;
+    return st;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+static gp_status run_all(struct bench *b, const struct gp_log *log,
+                         struct row *r, int frames)
+{
+    for (int i = 0; i < b->s->bench.runs; i++) {
+        gp_status st = run(b, log, r, frames, &b->ms[i]);
+        if (st)
+            return st;
+    }
+    qsort(b->ms, (size_t) b->s->bench.runs, sizeof *b->ms, by_value);
+    return GP_OK;
+}
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    struct row *const r = user;
+    if (level == GP_LEVEL_ERROR)
+        snprintf(r->why, sizeof r->why, "%s", line);
+}
+
+static gp_status measure(struct bench *b, struct row *r)
+{
+    const struct gp_log log = {keep_line, r, GP_LEVEL_ERROR};
+    const int last = b->s->bench.runs - 1;
+    gp_status st;
+    GP_TRY(run(b, &log, r, 1, &r->first));
+    GP_TRY(run_all(b, &log, r, FLIGHT));
+    r->flight = b->ms[last / 2];
+    GP_TRY(run_all(b, &log, r, 1));
+    r->ms = b->ms[last / 2];
+    r->least = b->ms[0];
+    r->most = b->ms[last];
+    r->visibility = b->suns.n ? b->suns.light[0].visibility : 0.0;
+    for (int i = 0; i < b->suns.n; i++) {
+        const double v = b->suns.light[i].visibility;
+        if (r->p.method == GP_SUN_EXACT)
+            b->exact[i] = v;
+        const double off = fabs(v - b->exact[i]);
+        r->mean += off / b->suns.n;
+        r->worst = fmax(r->worst, off);
+    }
+    if (b->suns.gl)
+        snprintf(b->gl, sizeof b->gl, "%s", gp_gl_name(b->suns.gl));
+out:
+    return st == GP_ERR_GL ? GP_OK : st;
+}
+
+// -- tables -------------------------------------------------------------------
+
+static const struct row *find(const struct bench *b, const char *name)
+{
+    for (int i = 0; i < b->rows; i++) {
+        if (strcmp(b->row[i].name, name) == 0 && !b->row[i].why[0])
+            return &b->row[i];
+    }
+    return NULL;
+}
+
+static void print_table(const struct bench *b, FILE *to)
+{
+    fprintf(to, "%s: %dx%d, %d lights, the first at %.2f,%.2f of radius %.2f; "
+            "median of %d runs, %d threads\n", b->frame.path,
+            gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
+            b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
+            b->s->bench.runs, gp_threads());
+    fprintf(to, "  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method",
+            "ms", "min", "max", "first", "in flight", "visible", "mean error",
+            "worst");
+    for (int i = 0; i < b->rows; i++) {
+        const struct row *const r = &b->row[i];
+        if (r->why[0])
+            fprintf(to, "  %-26s cannot run: %s\n", r->name, r->why);
+        else
+            fprintf(to, "  %-26s %8.3f %8.3f %8.3f %8.1f %9.3f %10.6f %10.2g "
+                    "%10.2g\n", r->name, r->ms, r->least, r->most, r->first,
+                    r->flight, r->visibility, r->mean, r->worst);
+    }
+    const struct row *const mask = find(b, "mask 16x16 disc float");
+    const struct row *const back = find(b, "readback");
+    if (mask && back)
+        fprintf(to, "readback over mask 16x16 disc float, %d frames in flight: "
+                "%.2f times (the paper, on a GPU of 2002: 1.92)\n", FLIGHT,
+                back->flight / mask->flight);
+    fprintf(to, "in flight: ms a frame when the mask is waited for after the "
+            "last of %d; error: to exact\n", FLIGHT);
+    if (b->gl[0])
+        fprintf(to, "GL ran on %s\n", b->gl);
+}
+
+static gp_status write_text(const struct bench *b, const char *path,
+                            char *text, size_t size)
+{
+    gp_status st = gp_bench_write(b->log, path, text, size);
+    free(text);
+    return st;
+}
+
+static gp_status write_csv(const struct bench *b, const char *path)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *const to = open_memstream(&text, &size);
+    if (!to)
+        return gp_fail(b->log, GP_ERR_BUG, "%s: out of memory", path);
+    fprintf(to, "method,ms,ms_min,ms_max,ms_first,ms_in_flight,visibility,"
+            "error_mean,error_worst\r\n");
+    for (int i = 0; i < b->rows; i++) {
+        const struct row *const r = &b->row[i];
+        if (r->why[0])
+            fprintf(to, "%s,,,,,,,,\r\n", r->name);
+        else
+            fprintf(to, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.9g,%.6g,%.6g\r\n",
+                    r->name, r->ms, r->least, r->most, r->first, r->flight,
+                    r->visibility, r->mean, r->worst);
+    }
+    if (fclose(to) != 0) {
+        free(text);
+        return gp_fail(b->log, GP_ERR_BUG, "%s: out of memory", path);
+    }
+    return write_text(b, path, text, size);
+}
+
+static json_t *row_json(const struct row *r)
+{
+    return r->why[0]
+               ? json_pack("{ss ss%}", "method", r->name, "why", r->why,
+                           strlen(r->why))
+               : json_pack("{ss sf sf sf sf sf sf sf sf}", "method", r->name,
+                           "ms", r->ms, "ms_min", r->least, "ms_max", r->most,
+                           "ms_first", r->first, "ms_in_flight", r->flight,
+                           "visibility", r->visibility, "error_mean", r->mean,
+                           "error_worst", r->worst);
+}
+
+static gp_status write_json(const struct bench *b, const char *path)
+{
+    json_t *const rows = json_array();
+    for (int i = 0; i < b->rows; i++)
+        json_array_append_new(rows, row_json(&b->row[i]));
+    json_t *const all =
+        json_pack("{ss si si si so}", "input", b->frame.path, "lights",
+                  b->suns.n, "runs", b->s->bench.runs, "threads",
+                  gp_threads(), "rows", rows);
+    char *text = all ? json_dumps(all, JSON_INDENT(1) |
+                                           JSON_REAL_PRECISION(10))
+                     : NULL;
+    json_decref(all);
+    if (!text)
+        return gp_fail(b->log, GP_ERR_BUG, "%s: no JSON (out of memory, or a "
+                       "name that is not UTF-8)", path);
+    return write_text(b, path, text, strlen(text));
+}
+
+static bool on_stdout(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
+
+static gp_status write_all(const struct bench *b)
+{
+    const struct gp_bench_settings *const p = &b->s->bench;
+    gp_status st = GP_OK;
+    if (p->csv)
+        GP_TRY(write_csv(b, p->csv));
+    if (p->json)
+        GP_TRY(write_json(b, p->json));
+    if (on_stdout(p->csv) || on_stdout(p->json))
+        return GP_OK;
+    print_table(b, stdout);
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return gp_fail(b->log, GP_ERR_IO,
+                       "-: cannot write to stdout (%s); check who reads it",
+                       strerror(errno));
+out:
+    return st;
+}
+
+gp_status gp_bench_sun(const struct gp_log *log, const struct gp_settings *s)
+{
+    gp_status st;
+    void *v;
+    struct bench b = {.log = log, .s = s};
+    char *const path = gp_strdup(s->inputs.at[0]);
+    const struct gp_job job = {.input = path};
+    if (!path)
+        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: out of memory",
+                       s->inputs.at[0]));
+    if (s->bench.plot)
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "--plot: not for the table of a sun; give --csv or "
+                       "--json"));
+    GP_TRY(gp_suns_begin(log, s, &b.suns));
+    GP_TRY(gp_read_frame(log, &s->read, path, &b.frame));
+    GP_TRY(gp_suns_place(log, s, &job, &b.frame, &b.suns));
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof(double),
+                         &v));
+    b.exact = v;
+    GP_TRY(gp_alloc_zero(log, "times", (size_t) s->bench.runs, sizeof(double),
+                         &v));
+    b.ms = v;
+    if (!b.suns.n)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: no light in it; add one, or give --sun",
+                       s->sun.lights));
+    add_rows(&b);
+    for (int i = 0; i < b.rows; i++)
+        GP_TRY(measure(&b, &b.row[i]));
+    GP_TRY(write_all(&b));
+out:
+    gp_suns_close(&b.suns);
+    gp_frame_free(&b.frame);
+    gp_free(b.exact);
+    gp_free(b.ms);
+    gp_free(path);
+    return st;
+}

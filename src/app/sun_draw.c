@@ -1,0 +1,327 @@
+#include "app/sun.h"
+
+#include "core/memory.h"
+#include "glare/engine.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- which light goes where ---------------------------------------------------
+
+bool gp_suns_glare(const struct gp_suns *suns)
+{
+    for (int i = 0; i < suns->n; i++) {
+        if (gp_light_has_flux(&suns->light[i]))
+            return true;
+    }
+    return false;
+}
+
+/* A light of which a part that counts as visible is beyond the pixels: engines
+ * know no sources there. */
+static bool shows_beyond(const struct gp_settings *s,
+                         const struct gp_light *l, struct gp_rect data)
+{
+    const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
+    return s->sun.params.outside == GP_OUTSIDE_VISIBLE &&
+           (l->x - r < data.x0 || l->y - r < data.y0 || l->x + r > data.x1 ||
+            l->y + r > data.y1);
+}
+
+/* Whether light l is drawn as a sprite and not by the engines. */
+static bool is_sprite(const struct gp_settings *s, const struct gp_suns *suns,
+                      const struct gp_light *l, struct gp_rect data)
+{
+    const bool known = s->sun.params.method != GP_SUN_MASK || suns->early;
+    return gp_light_has_flux(l) && !s->sun.in_frame &&
+           (!known || (l->visibility > 0.0 && shows_beyond(s, l, data)));
+}
+
+gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
+                       const struct gp_suns *suns, const struct gp_frame *f,
+                       const struct gp_sources *src, struct gp_sources *out,
+                       bool *joined)
+{
+    gp_status st = GP_OK;
+    struct gp_extra *list = NULL;
+    size_t n = 0;
+    *joined = false;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!gp_light_has_flux(l) || s->sun.in_frame ||
+            is_sprite(s, suns, l, f->data) || !(l->visibility > 0.0))
+            continue;
+        struct gp_disc_pixels d;
+        void *v;
+        GP_TRY(gp_disc_pixels_make(log, l->radius, &d));
+        const size_t side = 2 * (size_t) d.m + 2;
+        st = gp_alloc(log, "light", n + side * side, sizeof *list, &v);
+        if (!st) {
+            if (n)
+                memcpy(v, list, n * sizeof *list);
+            gp_free(list);
+            list = v;
+            gp_disc_light(&d, l, f->data, list, &n);
+        }
+        gp_free(d.weight);
+        GP_TRY(st);
+    }
+    if (n) {
+        GP_TRY(gp_sources_with(log, src, list, n, out));
+        *joined = true;
+    }
+out:
+    gp_free(list);
+    return st;
+}
+
+// -- sprites ------------------------------------------------------------------
+
+/* The kernel spread over a disc: the layer of a source image that is the disc.
+ * The engines do it, on a frame just large enough. */
+static gp_status spread(const struct gp_log *log, const struct gp_kernel *k,
+                        const struct gp_disc_pixels *d,
+                        struct gp_flare_image *out)
+{
+    static unsigned made;
+    gp_status st;
+    const int m = d->m, w = k->w + 2 * m, h = k->h + 2 * m;
+    const struct gp_light middle = {
+        .x = k->cx + m + 0.5, .y = k->cy + m + 0.5,
+        .flux = {1.0f, 1.0f, 1.0f}, .visibility = 1.0,
+    };
+    const size_t side = 2 * (size_t) m + 2;
+    struct gp_frame f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
+    struct gp_sources none = {.w = w, .h = h, .luminance = {0.3f, 0.6f, 0.1f}};
+    struct gp_sources src = {0};
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    struct gp_glare engines = {0};
+    struct gp_extra *list = NULL;
+    size_t n = 0;
+    void *v;
+    p.engine = m > 3 ? "fft" : "direct";
+    GP_TRY(gp_alloc_zero(log, "light", (size_t) h + 1, sizeof *none.row, &v));
+    none.row = v;
+    GP_TRY(gp_alloc(log, "light", side * side, sizeof *list, &v));
+    list = v;
+    gp_disc_light(d, &middle, f.data, list, &n);
+    GP_TRY(gp_sources_with(log, &none, list, n, &src));
+    GP_TRY(gp_glare_run(log, &p, &engines, &src, k, &f, &stats));
+    *out = (struct gp_flare_image) {
+        .w = w, .h = h, .cx = middle.x, .cy = middle.y, .rgb = f.layer,
+        .serial = 1000000u + ++made,
+    };
+    f.layer = (struct gp_planes) {0};
+out:
+    gp_glare_close(&engines);
+    gp_sources_free(&src);
+    gp_free(none.row);
+    gp_free(list);
+    gp_planes_free(&f.layer);
+    return st;
+}
+
+static void drop_sprites(struct gp_suns *suns)
+{
+    for (int i = 0; i < suns->sprites; i++) {
+        gp_planes_free(&suns->sprite[i].element.image.rgb);
+        if (suns->sprite[i].drawn)
+            gp_flare_close(suns->gl, &suns->sprite[i].drawn);
+    }
+    suns->sprites = 0;
+}
+
+/* The sprite of a radius, made when there is none yet. A frame may have more
+ * radii than are kept: then all are made anew. */
+static gp_status find_sprite(const struct gp_log *log,
+                             const struct gp_kernel *k, double radius,
+                             struct gp_suns *suns, struct gp_sun_sprite **out)
+{
+    struct gp_disc_pixels d;
+    radius = radius > 0.5 ? radius : 0.5;
+    if (suns->sprite_kernel != k->serial || suns->sprites == GP_SUN_SPRITES)
+        drop_sprites(suns);
+    suns->sprite_kernel = k->serial;
+    for (int i = 0; i < suns->sprites; i++) {
+        if (suns->sprite[i].radius == radius) {
+            *out = &suns->sprite[i];
+            return GP_OK;
+        }
+    }
+    struct gp_sun_sprite *const made = &suns->sprite[suns->sprites];
+    *made = (struct gp_sun_sprite) {
+        .radius = radius,
+        .element = {.shape = GP_FLARE_IMAGE, .plain = true,
+                    .colour = {1.0f, 1.0f, 1.0f}, .scale = {1.0f, 1.0f, 1.0f}},
+    };
+    gp_status st = gp_disc_pixels_make(log, radius, &d);
+    if (st)
+        return st;
+    st = spread(log, k, &d, &made->element.image);
+    gp_free(d.weight);
+    if (st)
+        return st;
+    suns->sprites++;
+    *out = made;
+    return GP_OK;
+}
+
+// -- drawing ------------------------------------------------------------------
+
+/* All of a flare's elements, on the CPU or on GL. */
+static gp_status draw(const struct gp_log *log, const struct gp_settings *s,
+                      struct gp_suns *suns, const struct gp_flare *flare,
+                      const struct gp_light *light, struct gp_frame *f,
+                      struct gp_flare_gl **drawn)
+{
+    if (s->sun.params.method == GP_SUN_EXACT)
+        return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
+                            &f->layer);
+    gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
+                                 gp_sun_intensity(suns->map), f->data,
+                                 f->display, drawn);
+    return st ? st : gp_flare_read_layer(log, suns->gl, *drawn, f->data,
+                                         &f->layer);
+}
+
+/* Marks the sprites' lights of the next radius that has none yet; how many. */
+static int next_radius(const struct gp_settings *s, const struct gp_suns *suns,
+                       struct gp_rect data, bool *done, struct gp_light *some)
+{
+    int n = 0;
+    double radius = 0.0;
+    for (int i = 0; i < suns->n; i++) {
+        some[i] = suns->light[i];
+        const bool next = !done[i] && is_sprite(s, suns, &some[i], data) &&
+                          (n == 0 || some[i].radius == radius);
+        if (next) {
+            radius = some[i].radius;
+            done[i] = true;
+            n++;
+        } else {
+            memset(some[i].flux, 0, sizeof some[i].flux);
+        }
+    }
+    return n;
+}
+
+/* The glare of the sprites' lights, those of one radius at a time. */
+static gp_status draw_sprites(const struct gp_log *log,
+                              const struct gp_settings *s,
+                              struct gp_suns *suns,
+                              const struct gp_kernel *kernel, bool *done,
+                              struct gp_light *some, struct gp_frame *f)
+{
+    while (next_radius(s, suns, f->data, done, some)) {
+        struct gp_sun_sprite *sprite;
+        double radius = 0.0;
+        for (int i = 0; i < suns->n; i++)
+            radius = gp_light_has_flux(&some[i]) ? some[i].radius : radius;
+        gp_status st = find_sprite(log, kernel, radius, suns, &sprite);
+        if (st)
+            return st;
+        const struct gp_flare one = {.element = &sprite->element, .n = 1};
+        st = draw(log, s, suns, &one, some, f, &sprite->drawn);
+        if (st)
+            return st;
+    }
+    return GP_OK;
+}
+
+/* Sprite and flare together, where all lights that have flux are sprites of
+ * one radius, as a lone sun is: one draw and one way back. */
+static gp_status draw_together(const struct gp_log *log,
+                               const struct gp_settings *s,
+                               struct gp_suns *suns,
+                               const struct gp_kernel *kernel,
+                               struct gp_frame *f, bool *drawn)
+{
+    double radius = -1.0;
+    struct gp_sun_sprite *sprite;
+    void *v;
+    *drawn = false;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!gp_light_has_flux(l))
+            continue;
+        if (!is_sprite(s, suns, l, f->data) ||
+            (radius >= 0.0 && l->radius != radius))
+            return GP_OK;
+        radius = l->radius;
+    }
+    gp_status st = find_sprite(log, kernel, radius, suns, &sprite);
+    if (st)
+        return st;
+    const int n = suns->flare.n + 1;
+    st = gp_alloc(log, "flare", (size_t) n, sizeof *suns->flare.element, &v);
+    if (st)
+        return st;
+    const struct gp_flare all = {.element = v, .n = n};
+    all.element[0] = sprite->element;
+    memcpy(all.element + 1, suns->flare.element,
+           (size_t) suns->flare.n * sizeof *all.element);
+    st = draw(log, s, suns, &all, suns->light, f, &suns->drawn);
+    gp_free(v);
+    *drawn = !st;
+    return st;
+}
+
+static gp_status draw_all(const struct gp_log *log, const struct gp_settings *s,
+                          struct gp_suns *suns, const struct gp_kernel *kernel,
+                          struct gp_frame *f)
+{
+    gp_status st;
+    void *some = NULL, *done = NULL;
+    bool drawn = false;
+    if (suns->flare.n)
+        GP_TRY(draw_together(log, s, suns, kernel, f, &drawn));
+    if (drawn)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "lights", (size_t) suns->n, sizeof *suns->light,
+                    &some));
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) suns->n, sizeof(bool),
+                         &done));
+    GP_TRY(draw_sprites(log, s, suns, kernel, done, some, f));
+    if (suns->flare.n)
+        GP_TRY(draw(log, s, suns, &suns->flare, suns->light, f,
+                    &suns->drawn));
+out:
+    gp_free(some);
+    gp_free(done);
+    return st;
+}
+
+gp_status gp_suns_draw(const struct gp_log *log, const struct gp_settings *s,
+                       struct gp_suns *suns, const struct gp_kernel *kernel,
+                       struct gp_frame *f)
+{
+    gp_status st = GP_OK;
+    if (!suns->n)
+        return GP_OK;
+    if (suns->gl)
+        GP_TRY(gp_gl_use(log, suns->gl));
+    if (gp_suns_glare(suns))
+        GP_TRY(draw_all(log, s, suns, kernel, f));
+    if (s->sun.params.method == GP_SUN_MASK && !suns->early)
+        GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light,
+                               suns->n));
+out:
+    return st;
+}
+
+void gp_suns_close(struct gp_suns *suns)
+{
+    gp_suns_end_frame(suns);
+    drop_sprites(suns);
+    if (suns->drawn)
+        gp_flare_close(suns->gl, &suns->drawn);
+    if (suns->map)
+        gp_sun_map_close(suns->gl, &suns->map);
+    if (suns->gl)
+        gp_gl_close(&suns->gl);
+    gp_flare_free(&suns->flare);
+    gp_camera_file_free(&suns->cameras);
+    gp_free(suns->spec);
+    *suns = (struct gp_suns) {0};
+}

@@ -1,0 +1,101 @@
+// Sun map (Maughan, "Texture Masking for Faster Lens Flare", step 3): each
+// fragment is a texel of one light's map, the mean of its k x k samples.
+// With PIXELS defined: the pixels of a region themselves, for one light.
+//
+// in   pixels   texel = two pixels beside each other: place on the light's
+//               scale of depth (EMPTY: no surface) and coverage, twice
+//      frame    columns and rows of the frame
+//      form     x: texels of a map's side; y: 1 a disc, 0 a square
+//      outside  x: share shown by what is outside the frame; y: its weight
+//      from sun_map.vert, the light's:
+//      place    centre x and y in pixels of the frame, each as the sum of two
+//               floats
+//      extent   radius as the sum of two floats; k (0: behind the camera);
+//               place at which surfaces are no longer nearer
+//      shift    what leads from a pixel of the frame to one of `pixels`
+//      corner   its map's first texel; PIXELS: less the frame's pixel there
+// out  r share shown times g, g weight
+// CPU twin: map_reference.c
+uniform sampler2D pixels;
+
+flat in vec4 place;
+flat in vec4 extent;
+flat in ivec2 shift;
+flat in ivec2 corner;
+
+out vec4 map;
+
+const float EMPTY = 3.4e38; // GP_SUN_EMPTY
+
+// Share of a light that the pixel shows; gp_occluders_show().
+float show(ivec2 pixel)
+{
+    ivec2 at = pixel + shift;
+    vec4 pair = texelFetch(pixels, ivec2(at.x >> 1, at.y), 0);
+    vec2 seen = (at.x & 1) != 0 ? pair.zw : pair.xy;
+    bool hides = seen.x < extent.w || seen.x >= EMPTY;
+    return hides ? 1.0 - seen.y : 1.0;
+}
+
+#ifdef PIXELS
+
+void main()
+{
+    map = vec4(show(ivec2(gl_FragCoord.xy) - corner), 1.0, 0.0, 0.0);
+}
+
+#else
+
+uniform ivec2 frame;
+uniform ivec2 form;
+uniform vec2 outside;
+
+const double NUDGE = 1.0lf / 1048576.0lf; // GP_SUN_NUDGE
+
+// Concentric map (Shirley and Chiu 1997) of [-1, 1]^2, without its axes, to
+// the unit disc: the angle is pi / 4 times t, whose sine and cosine are
+// Taylor's, exact to 1e-11 over the eighth of a turn that they are asked for.
+dvec2 disc_place(dvec2 p)
+{
+    const double quarter = 0.78539816339744830962lf;
+    bool flat_side = abs(p.x) > abs(p.y);
+    double a = flat_side ? p.x : p.y;
+    double t = quarter * ((flat_side ? p.y : p.x) / a);
+    double q = t * t;
+    double c = 1.0lf + q * (-1.0lf / 2.0lf + q * (1.0lf / 24.0lf +
+        q * (-1.0lf / 720.0lf + q * (1.0lf / 40320.0lf +
+        q * (-1.0lf / 3628800.0lf + q * (1.0lf / 479001600.0lf))))));
+    double s = 1.0lf + q * (-1.0lf / 6.0lf + q * (1.0lf / 120.0lf +
+        q * (-1.0lf / 5040.0lf + q * (1.0lf / 362880.0lf +
+        q * (-1.0lf / 39916800.0lf)))));
+    dvec2 d = a * dvec2(c, t * s);
+    return flat_side ? d : d.yx;
+}
+
+void main()
+{
+    dvec2 centre = dvec2(place.xz) + dvec2(place.yw) + NUDGE;
+    double radius = double(extent.x) + double(extent.y);
+    int k = int(extent.z);
+
+    // double, so that a sample falls in the same pixel as on the CPU
+    ivec2 first = (ivec2(gl_FragCoord.xy) - corner) * k;
+    double wide = 2.0lf / double(form.x * max(k, 1));
+    vec2 sum = vec2(0.0);
+    ivec2 at = ivec2(0);
+    // asks at its end: llvmpipe runs what follows a break once more, masked
+    do {
+        dvec2 p = (dvec2(first + at) + 0.5lf) * wide - 1.0lf;
+        if (form.y != 0)
+            p = disc_place(p);
+        dvec2 exact = clamp(centre + radius * p, dvec2(-1.0lf), dvec2(frame));
+        ivec2 pixel = ivec2(exact + 1.0lf) - 1; // floor: none under -1
+        bool within = all(greaterThanEqual(pixel, ivec2(0))) &&
+                      all(lessThan(pixel, frame));
+        sum += within ? vec2(show(pixel), 1.0) : outside;
+        at = at.x + 1 < k ? at + ivec2(1, 0) : ivec2(0, at.y + 1);
+    } while (at.y < k);
+    map = k > 0 ? vec4(sum / float(k * k), 0.0, 0.0) : vec4(0.0);
+}
+
+#endif

@@ -1,0 +1,305 @@
+#include "io/plane.h"
+
+#include "core/memory.h"
+#include "io/channels.h"
+#include "io/exr_decode.h"
+#include "io/oiio_frame.h"
+#include "io/plane_find.h"
+#include "io/read_open.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* -- what each way of reading shares -------------------------------------- */
+
+/* The channel as the report and --depth call it. */
+static gp_status make_name(const struct gp_log *log,
+                           const struct gp_plane_list *list,
+                           const struct gp_plane_place *at,
+                           struct gp_plane *out)
+{
+    const struct gp_plane_part *part = at->part;
+    const char *channel = part->channel[at->channel].name;
+    const bool plain = part->colour || list->parts == 1 || !part->name;
+    const size_t room = strlen(channel) + 2 + (plain ? 0 : strlen(part->name));
+    void *to;
+    gp_status st = gp_alloc(log, "channel name", room, 1, &to);
+    out->name = to;
+    if (!st)
+        snprintf(to, room, "%s%s%s", plain ? "" : part->name,
+                 plain ? "" : ".", channel);
+    return st;
+}
+
+static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
+                              struct gp_plane *out)
+{
+    void *to;
+    gp_status st = gp_alloc(log, "depth or coverage",
+                            (size_t) gp_rect_w(window) *
+                                (size_t) gp_rect_h(window),
+                            sizeof *out->v, &to);
+    out->window = window;
+    out->v = to;
+    return st;
+}
+
+/* -- from an EXR ---------------------------------------------------------- */
+
+/* A subsampled channel at full resolution. */
+static gp_status widen(const struct gp_log *log, struct gp_rect window,
+                       struct gp_channel *c, struct gp_plane *out)
+{
+    const struct gp_frame one = {
+        .data = window, .channel = c, .channels = 1,
+    };
+    gp_status st = make_samples(log, window, out);
+    if (!st)
+        gp_channel_floats(&one, 0, out->v);
+    return st;
+}
+
+static gp_status decode(const struct gp_log *log,
+                        const struct gp_exr_layout *l, int channel,
+                        float *samples)
+{
+    void *list;
+    gp_status st = gp_alloc_zero(log, "channels",
+                                 (size_t) l->channel->num_channels,
+                                 sizeof(struct gp_exr_sink), &list);
+    if (st)
+        return st;
+    struct gp_exr_sink *sink = list;
+    sink[channel] = (struct gp_exr_sink) {samples, true};
+    if (gp_exr_can_decode(l))
+        st = gp_exr_decode(log, l, sink);
+    else
+        st = gp_exr_decode_by_bridge(log, l, sink);
+    gp_free(list);
+    return st;
+}
+
+/* One channel of one part, from the file. */
+static gp_status from_part(const struct gp_log *log,
+                           const struct gp_read_params *p, const char *path,
+                           const struct gp_origin *o,
+                           const struct gp_plane_place *at,
+                           struct gp_plane *out)
+{
+    gp_status st;
+    void *samples = NULL;
+    struct gp_exr_layout l;
+    GP_TRY(gp_exr_layout_make(log, path, o, at->part->part, p->max_pixels,
+                              &l));
+    const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
+    const struct gp_rect window = {l.x0, l.y0, l.x0 + l.w, l.y0 + l.h};
+    struct gp_channel c = {
+        .type = GP_FLOAT, .xs = e->x_sampling, .ys = e->y_sampling,
+        .w = l.w / e->x_sampling, .h = l.h / e->y_sampling, .colour = -1,
+    };
+    GP_TRY(gp_alloc(log, "depth or coverage", (size_t) c.w * (size_t) c.h,
+                    sizeof(float), &samples));
+    GP_TRY(decode(log, &l, at->channel, samples));
+    c.data = samples;
+    if (c.xs == 1 && c.ys == 1) {
+        out->window = window;
+        out->v = samples;
+        samples = NULL;
+    } else {
+        st = widen(log, window, &c, out);
+    }
+out:
+    gp_free(samples);
+    gp_exr_layout_free(&l);
+    return st;
+}
+
+/* -- beside a frame ------------------------------------------------------- */
+
+static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
+                            bool depth, struct gp_plane_list *list)
+{
+    const struct gp_origin *o = gp_origin_of(f);
+    if (o && o->exr)
+        return gp_plane_list_exr(log, f->path, o, true, depth, list);
+    gp_status st = gp_plane_list_one(log, f->path, true, f->channels, list);
+    for (int i = 0; !st && i < f->channels; i++)
+        list->channel[i].name = f->channel[i].name;
+    return st;
+}
+
+/* Colour is read again from an EXR: its planes may be converted (luminance
+ * and chroma) or cleaned of NaN. */
+static gp_status from_frame(const struct gp_log *log,
+                            const struct gp_read_params *p,
+                            const struct gp_frame *f,
+                            const struct gp_plane_place *at,
+                            struct gp_plane *out)
+{
+    const struct gp_origin *o = gp_origin_of(f);
+    const bool here = at->part->colour &&
+                      (f->channel[at->channel].data || !o || !o->exr);
+    if (!here)
+        return from_part(log, p, f->path, o, at, out);
+    gp_status st = make_samples(log, f->data, out);
+    if (!st)
+        gp_channel_floats(f, at->channel, out->v);
+    return st;
+}
+
+static gp_status read_beside(const struct gp_log *log,
+                             const struct gp_read_params *p,
+                             const struct gp_frame *f, const char *name,
+                             bool depth, struct gp_plane *out)
+{
+    gp_status st;
+    struct gp_plane_list list;
+    struct gp_plane_place at;
+    struct gp_plane made = {0};
+    GP_TRY(list_frame(log, f, depth, &list));
+    GP_TRY(gp_plane_pick(log, &list, name, depth, false, &at));
+    if (at.part) {
+        GP_TRY(make_name(log, &list, &at, &made));
+        GP_TRY(from_frame(log, p, f, &at, &made));
+    }
+    *out = made;
+out:
+    if (st)
+        gp_plane_free(&made);
+    gp_plane_list_free(&list);
+    return st;
+}
+
+gp_status gp_read_depth(const struct gp_log *log,
+                        const struct gp_read_params *p,
+                        const struct gp_frame *f, const char *name,
+                        struct gp_plane *out)
+{
+    return read_beside(log, p, f, name, true, out);
+}
+
+gp_status gp_read_coverage(const struct gp_log *log,
+                           const struct gp_read_params *p,
+                           const struct gp_frame *f, const char *name,
+                           struct gp_plane *out)
+{
+    return read_beside(log, p, f, name, false, out);
+}
+
+/* -- from a file of its own ----------------------------------------------- */
+
+/* What is asked of a file. */
+struct wanted {
+    const struct gp_log *log;
+    const struct gp_read_params *p;
+    const char *path, *name;
+    bool depth;
+};
+
+/* Takes the stream over. */
+static gp_status from_exr(const struct wanted *w, struct gp_stream *stream,
+                          struct gp_plane *out)
+{
+    gp_status st;
+    struct gp_origin *o = NULL;
+    struct gp_plane_list list = {0};
+    struct gp_plane_place at;
+    GP_TRY(gp_origin_open_exr(w->log, w->path, stream, &o));
+    GP_TRY(gp_plane_list_exr(w->log, w->path, o, false, w->depth, &list));
+    GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
+    GP_TRY(make_name(w->log, &list, &at, out));
+    GP_TRY(from_part(w->log, w->p, w->path, o, &at, out));
+out:
+    gp_plane_list_free(&list);
+    gp_origin_free(o);
+    return st;
+}
+
+static void one_of(const struct gp_oiio_image *image, int channel, float *to)
+{
+    const size_t pixels = (size_t) image->w * (size_t) image->h;
+    const size_t step = (size_t) image->channels;
+    for (size_t i = 0; i < pixels; i++)
+        to[i] = image->pixels[i * step + (size_t) channel];
+}
+
+static gp_status from_other(const struct wanted *w,
+                            const struct gp_stream *stream,
+                            struct gp_plane *out)
+{
+    gp_status st;
+    struct gp_oiio_image image = {0};
+    struct gp_plane_list list = {0};
+    struct gp_plane_place at;
+    GP_TRY(gp_read_image(w->log, w->p, w->path, stream, &image));
+    GP_TRY(gp_plane_list_one(w->log, w->path, false, image.channels, &list));
+    for (int i = 0; i < image.channels; i++)
+        list.channel[i].name = (char *) (uintptr_t) image.channel_name[i];
+    GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
+    GP_TRY(make_name(w->log, &list, &at, out));
+    const struct gp_rect window = {image.x, image.y, image.x + image.w,
+                                   image.y + image.h};
+    GP_TRY(make_samples(w->log, window, out));
+    one_of(&image, at.channel, out->v);
+out:
+    gp_plane_list_free(&list);
+    gp_image_free(&image);
+    return st;
+}
+
+gp_status gp_read_plane_file(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             const char *name, bool depth,
+                             struct gp_plane *out)
+{
+    const struct wanted w = {log, p, path, name, depth};
+    struct gp_stream stream;
+    struct gp_plane made = {0};
+    bool exr;
+    gp_status st = gp_read_open(log, p, path, &stream, &exr);
+    if (st)
+        return st;
+    if (exr) {
+        st = from_exr(&w, &stream, &made);
+    } else {
+        st = from_other(&w, &stream, &made);
+        gp_stream_close(&stream);
+    }
+    if (st)
+        gp_plane_free(&made);
+    else
+        *out = made;
+    return st;
+}
+
+/* -- attributes ----------------------------------------------------------- */
+
+static bool part_matrix(const struct gp_origin *o, int part, const char *name,
+                        double m[16])
+{
+    exr_attr_m44f_t single;
+    exr_attr_m44d_t twice;
+    if (!exr_attr_get_m44d(o->exr, part, name, &twice)) {
+        memcpy(m, twice.m, sizeof twice.m);
+        return true;
+    }
+    if (exr_attr_get_m44f(o->exr, part, name, &single))
+        return false;
+    for (int i = 0; i < 16; i++)
+        m[i] = (double) single.m[i];
+    return true;
+}
+
+bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
+{
+    const struct gp_origin *o = gp_origin_of(f);
+    if (!o || !o->exr)
+        return false;
+    if (part_matrix(o, o->part, name, m))
+        return true;
+    for (int part = 0; part < o->parts; part++) {
+        if (part != o->part && part_matrix(o, part, name, m))
+            return true;
+    }
+    return false;
+}

@@ -1,0 +1,293 @@
+#include "io/plane_find.h"
+
+#include "core/memory.h"
+#include "io/channels.h"
+
+#include <string.h>
+
+/* -- the list ------------------------------------------------------------- */
+
+static gp_status make_list(const struct gp_log *log, int parts, int channels,
+                           struct gp_plane_list *list)
+{
+    void *p;
+    gp_status st = gp_alloc_zero(log, "parts", (size_t) parts,
+                                 sizeof *list->part, &p);
+    list->part = p;
+    if (st)
+        return st;
+    st = gp_alloc_zero(log, "channels", (size_t) channels,
+                       sizeof *list->channel, &p);
+    list->channel = p;
+    return st;
+}
+
+void gp_plane_list_free(struct gp_plane_list *list)
+{
+    gp_free(list->part);
+    gp_free(list->channel);
+    *list = (struct gp_plane_list) {0};
+}
+
+gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
+                            bool colour, int channels,
+                            struct gp_plane_list *list)
+{
+    *list = (struct gp_plane_list) {.path = path};
+    gp_status st = make_list(log, 1, channels, list);
+    if (st)
+        return st;
+    list->parts = 1;
+    list->channels = channels;
+    list->part[0] = (struct gp_plane_part) {
+        .colour = colour, .channel = list->channel, .channels = channels,
+    };
+    return GP_OK;
+}
+
+static const char *view_of(const struct gp_origin *o, int part)
+{
+    int32_t length;
+    const char *view;
+    return exr_attr_get_string(o->exr, part, "view", &length, &view) ? NULL
+                                                                     : view;
+}
+
+static const char *name_of(const struct gp_origin *o, int part)
+{
+    const char *name = NULL;
+    if (exr_get_name(o->exr, part, &name) || !name || !name[0])
+        return NULL;
+    return name;
+}
+
+static bool is_deep(const struct gp_origin *o, int part)
+{
+    exr_storage_t storage;
+    return exr_get_storage(o->exr, part, &storage) ||
+           storage == EXR_STORAGE_DEEP_SCANLINE ||
+           storage == EXR_STORAGE_DEEP_TILED;
+}
+
+static int count_channels(const struct gp_origin *o, int part)
+{
+    const exr_attr_chlist_t *list;
+    return exr_get_channels(o->exr, part, &list) ? 0 : list->num_channels;
+}
+
+static bool other_view(const char *a, const char *b)
+{
+    return a && b && strcmp(a, b) != 0;
+}
+
+enum { ORDERS = 8 }; // values of order_of()
+
+/* Smaller is searched first, the colour's part aside. */
+static int order_of(const struct gp_origin *o, int part, bool colour,
+                    bool depth)
+{
+    const char *name = name_of(o, part);
+    const bool far =
+        colour && other_view(view_of(o, part), view_of(o, o->part));
+    const bool plain = depth && !(name && strcasestr(name, "depth"));
+    return 4 * is_deep(o, part) + 2 * far + plain;
+}
+
+static void add_part(const struct gp_origin *o, int part, bool colour,
+                     struct gp_plane_list *list)
+{
+    const exr_attr_chlist_t *from;
+    struct gp_plane_part *to = &list->part[list->parts++];
+    *to = (struct gp_plane_part) {
+        .part = part, .name = name_of(o, part), .view = view_of(o, part),
+        .colour = colour, .deep = is_deep(o, part),
+        .channel = list->channel + list->channels,
+        .channels = count_channels(o, part),
+    };
+    if (to->channels == 0 || exr_get_channels(o->exr, part, &from))
+        return;
+    for (int i = 0; i < to->channels; i++)
+        to->channel[i].name = (char *) (uintptr_t) from->entries[i].name.str;
+    list->channels += to->channels;
+}
+
+gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
+                            const struct gp_origin *o, bool colour, bool depth,
+                            struct gp_plane_list *list)
+{
+    int channels = 0;
+    *list = (struct gp_plane_list) {.path = path};
+    for (int part = 0; part < o->parts; part++)
+        channels += count_channels(o, part);
+    gp_status st = make_list(log, o->parts, channels, list);
+    if (st)
+        return st;
+    if (colour)
+        add_part(o, o->part, true, list);
+    for (int order = 0; order < ORDERS; order++) {
+        for (int part = 0; part < o->parts; part++) {
+            if (!(colour && part == o->part) &&
+                order_of(o, part, colour, depth) == order)
+                add_part(o, part, false, list);
+        }
+    }
+    return GP_OK;
+}
+
+/* -- by name -------------------------------------------------------------- */
+
+/* The first channel of that name in any part. */
+static bool find_exact(const struct gp_plane_list *list, const char *name,
+                       struct gp_plane_place *out)
+{
+    for (int p = 0; p < list->parts; p++) {
+        const struct gp_plane_part *part = &list->part[p];
+        for (int i = 0; i < part->channels; i++) {
+            if (strcmp(part->channel[i].name, name) == 0) {
+                *out = (struct gp_plane_place) {part, i};
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+/* PART.CHANNEL; both may hold dots. */
+static bool find_in_part(const struct gp_plane_list *list, const char *name,
+                         struct gp_plane_place *out)
+{
+    for (int p = 0; p < list->parts; p++) {
+        const struct gp_plane_part *part = &list->part[p];
+        const size_t n = part->name ? strlen(part->name) : 0;
+        if (n == 0 || strncmp(name, part->name, n) != 0 || name[n] != '.')
+            continue;
+        for (int i = 0; i < part->channels; i++) {
+            if (strcmp(part->channel[i].name, name + n + 1) == 0) {
+                *out = (struct gp_plane_place) {part, i};
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+static void list_names(const struct gp_plane_list *list,
+                       char to[GP_CHANNEL_LIST])
+{
+    to[0] = '\0';
+    for (int p = 0; p < list->parts; p++) {
+        const struct gp_plane_part *part = &list->part[p];
+        const bool plain = part->colour || list->parts == 1;
+        for (int i = 0; i < part->channels; i++) {
+            if (!gp_channel_list_add(to, plain ? NULL : part->name,
+                                     part->channel[i].name))
+                return;
+        }
+    }
+}
+
+/* -- by search ------------------------------------------------------------ */
+
+static gp_status search_depth(const struct gp_log *log,
+                              const struct gp_plane_list *list,
+                              struct gp_plane_place *out)
+{
+    for (int p = 0; p < list->parts; p++) {
+        const struct gp_plane_part *part = &list->part[p];
+        const struct gp_frame names = {
+            .path = (char *) (uintptr_t) list->path,
+            .channel = part->channel, .channels = part->channels,
+        };
+        int i;
+        gp_status st = gp_find_depth(log, &names, NULL, &i);
+        if (st)
+            return st;
+        if (i >= 0) {
+            *out = (struct gp_plane_place) {part, i};
+            return GP_OK;
+        }
+    }
+    return GP_OK;
+}
+
+/* The only channel of the file; beside others, alpha is no depth. */
+static void search_lone(const struct gp_plane_list *list, bool depth,
+                        struct gp_plane_place *out)
+{
+    struct gp_plane_place lone = {0};
+    for (int p = 0; p < list->parts; p++) {
+        const struct gp_plane_part *part = &list->part[p];
+        for (int i = 0; i < part->channels; i++) {
+            const bool alpha = strcmp(part->channel[i].name, "A") == 0;
+            if (depth && alpha && list->channels > 1)
+                continue;
+            if (lone.part)
+                return;
+            lone = (struct gp_plane_place) {part, i};
+        }
+    }
+    *out = lone;
+}
+
+static gp_status not_found(const struct gp_log *log,
+                           const struct gp_plane_list *list, bool depth)
+{
+    char names[GP_CHANNEL_LIST];
+    list_names(list, names);
+    return gp_fail(log, GP_ERR_USAGE,
+                   depth ? "%s: no channel is clearly depth (it has %s); name "
+                           "one with --depth"
+                         : "%s: has no alpha, and not one channel only (it "
+                           "has %s); name one with --mask",
+                   list->path, names);
+}
+
+/* Says what a search found that its user might not expect. */
+static void tell(const struct gp_log *log, const struct gp_plane_list *list,
+                 struct gp_plane_place *at, bool whole)
+{
+    const char *view = list->parts ? list->part[0].view : NULL;
+    if (!at->part || whole)
+        return;
+    if (at->part->deep) {
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: depth is only in part %d, which is deep and is not read; "
+               "flatten it, with e.g. oiiotool --flatten", list->path,
+               at->part->part);
+        *at = (struct gp_plane_place) {0};
+    } else if (other_view(at->part->view, view)) {
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: depth of view %s is taken for colour of view %s, which "
+               "has none; choose with --depth or --depth-file", list->path,
+               at->part->view, view);
+    }
+}
+
+gp_status gp_plane_pick(const struct gp_log *log,
+                        const struct gp_plane_list *list, const char *name,
+                        bool depth, bool whole, struct gp_plane_place *out)
+{
+    gp_status st = GP_OK;
+    struct gp_plane_place at = {0};
+    if (name) {
+        char names[GP_CHANNEL_LIST];
+        if (find_exact(list, name, out) || find_in_part(list, name, out))
+            return GP_OK;
+        list_names(list, names);
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: has no channel %s (it has %s); give one of those",
+                       list->path, name, names);
+    }
+    if (depth)
+        GP_TRY(search_depth(log, list, &at));
+    else
+        find_exact(list, "A", &at);
+    if (!at.part && whole)
+        search_lone(list, depth, &at);
+    if (!at.part && whole)
+        return not_found(log, list, depth);
+    tell(log, list, &at, whole);
+    *out = at;
+out:
+    return st;
+}

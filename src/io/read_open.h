@@ -1,0 +1,23 @@
+/* Opening an input and seeing what it is. */
+#ifndef GP_IO_READ_OPEN_H
+#define GP_IO_READ_OPEN_H
+
+#include "io/read.h"
+#include "io/stream.h"
+
+#include <stdbool.h>
+
+/* Opens `path` or stdin and looks at its first bytes.
+ *
+ *   stream  empty on failure; else the caller's to close
+ *   exr     written on GP_OK: it begins as an EXR
+ *
+ * Errors: those of gp_stream_open(); GP_ERR_DATA the name says EXR and the
+ * bytes do not.
+ */
+GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
+                                     const struct gp_read_params *p,
+                                     const char *path,
+                                     struct gp_stream *stream, bool *exr);
+
+#endif

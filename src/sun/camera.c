@@ -1,0 +1,243 @@
+#include "sun/camera.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A picture's far side: places beyond count as beside the camera, so that
+ * every pixel position fits an int. */
+static const double FAR_PIXEL = 1e9;
+
+static const double MOST_RADIUS = 1e6; // pixels
+static const double PI = 3.14159265358979323846;
+
+// -- vectors: columns of a matrix for row vectors ----------------------------
+
+struct v3 {
+    double x, y, z;
+};
+
+/* The upper three of column c: what that coordinate measures in directions. */
+static struct v3 column(const double m[16], int c)
+{
+    return (struct v3) {m[c], m[4 + c], m[8 + c]};
+}
+
+static double dot(struct v3 a, struct v3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static struct v3 cross(struct v3 a, struct v3 b)
+{
+    return (struct v3) {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z,
+                        a.x * b.y - a.y * b.x};
+}
+
+static double det(struct v3 a, struct v3 b, struct v3 c)
+{
+    return dot(a, cross(b, c));
+}
+
+static double length(struct v3 a)
+{
+    return sqrt(dot(a, a));
+}
+
+/* Whether three vectors span space, by what single precision can tell. */
+static bool spans(struct v3 a, struct v3 b, struct v3 c)
+{
+    return fabs(det(a, b, c)) > 1e-9 * length(a) * length(b) * length(c);
+}
+
+// -- making ------------------------------------------------------------------
+
+static double largest(const double *v, int n)
+{
+    double most = 0.0;
+    for (int i = 0; i < n; i++)
+        most = fmax(most, fabs(v[i]));
+    return most;
+}
+
+static gp_status check_finite(const struct gp_log *log, const char *path,
+                              const char *name, const double m[16])
+{
+    for (int i = 0; i < 16; i++) {
+        if (!isfinite(m[i]))
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: %s is no matrix (row %d, column %d is %s); "
+                           "write the file anew or give --camera", path, name,
+                           i / 4, i % 4, isnan(m[i]) ? "NaN" : "Inf");
+    }
+    return GP_OK;
+}
+
+/* A projection keeps its meaning when all of it is scaled: here so that the
+ * view axis has length 1, and w is a distance. */
+static gp_status scale_to_axis(const struct gp_log *log, const char *path,
+                               const double m[16], double out[16])
+{
+    const double a[3] = {m[3], m[7], m[11]};
+    const double most = largest(a, 3);
+    double size = 0.0; // in two steps: squares of 1e300 would overflow
+    for (int i = 0; i < 3; i++)
+        size += most > 0.0 ? a[i] / most * (a[i] / most) : 0.0;
+    size = sqrt(size);
+    for (int i = 0; i < 16; i++)
+        out[i] = size > 0.0 ? m[i] / most / size : INFINITY;
+    // (written so that a NaN fails too)
+    bool axis = largest(out, 16) <= 1e30;
+    for (int c = 0; axis && c < 2; c++)
+        axis = 1e-9 * length(column(out, c)) < 1.0;
+    if (!axis)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC has no view axis (column 3 is %g, %g, "
+                       "%g); only perspective cameras can place a light, give "
+                       "its pixel", path, m[3], m[7], m[11]);
+    if (!spans(column(out, 0), column(out, 1), column(out, 3)))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC is singular (its x, y and w do not "
+                       "tell directions apart); write the file anew or give "
+                       "--camera", path);
+    return GP_OK;
+}
+
+/* Which of the two conventions, by where the view axis falls. */
+static gp_status tell_ndc(const struct gp_log *log, const char *path,
+                          const double m[16], enum gp_ndc *out)
+{
+    static const double reach = 0.2;
+    const struct v3 axis = column(m, 3); // of length 1, so w is 1
+    const double x = dot(axis, column(m, 0)), y = dot(axis, column(m, 1));
+    const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
+    const double clip = fmax(fabs(x), fabs(y));
+    if (!(fmin(spec, clip) <= reach))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: cannot tell what worldToNDC maps to (the view "
+                       "axis falls on %.3g, %.3g: neither near 0.5, 0.5 nor "
+                       "near 0, 0); give --ndc spec or --ndc clip", path, x, y);
+    *out = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
+    return GP_OK;
+}
+
+/* [-1, 1] with y up to [0, 1] with y down, before the division by w. */
+static void clip_to_spec(double m[16])
+{
+    for (int row = 0; row < 16; row += 4) {
+        m[row] = 0.5 * (m[row + 3] + m[row]);
+        m[row + 1] = 0.5 * (m[row + 3] - m[row + 1]);
+    }
+}
+
+static gp_status check_camera(const struct gp_log *log, const char *path,
+                              const double m[16])
+{
+    gp_status st = check_finite(log, path, "worldToCamera", m);
+    if (st)
+        return st;
+    const double most = largest(m, 16);
+    if (most > 1e30 || !spans(column(m, 0), column(m, 1), column(m, 2)))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToCamera is singular (its largest entry is "
+                       "%g); write the file anew or give --camera", path,
+                       most);
+    return GP_OK;
+}
+
+gp_status gp_camera_make(const struct gp_log *log, const char *path,
+                         const double *to_camera, const double to_ndc[16],
+                         enum gp_ndc ndc, struct gp_camera *out)
+{
+    gp_status st;
+    struct gp_camera c = {.has_camera = to_camera != NULL};
+    GP_TRY(check_finite(log, path, "worldToNDC", to_ndc));
+    GP_TRY(scale_to_axis(log, path, to_ndc, c.to_ndc));
+    if (ndc == GP_NDC_AUTO)
+        GP_TRY(tell_ndc(log, path, c.to_ndc, &ndc));
+    if (ndc == GP_NDC_CLIP)
+        clip_to_spec(c.to_ndc);
+    if (to_camera) {
+        GP_TRY(check_camera(log, path, to_camera));
+        memcpy(c.to_camera, to_camera, sizeof c.to_camera);
+    }
+    *out = c;
+out:
+    return st;
+}
+
+// -- projecting --------------------------------------------------------------
+
+/* Camera units in a unit of the world. */
+static double unit(const struct gp_camera *c)
+{
+    const double *m = c->to_camera;
+    if (!c->has_camera)
+        return 1.0;
+    return cbrt(fabs(det(column(m, 0), column(m, 1), column(m, 2))));
+}
+
+/* Where the camera stands: x, y and w are 0 there (Cramer's rule). */
+static struct v3 eye(const double m[16])
+{
+    const struct v3 a = column(m, 0), b = column(m, 1), w = column(m, 3);
+    const struct v3 bw = cross(b, w), wa = cross(w, a), ab = cross(a, b);
+    const double d = dot(a, bw);
+    const double x = -m[12] / d, y = -m[13] / d, z = -m[15] / d;
+    return (struct v3) {x * bw.x + y * wa.x + z * ab.x,
+                        x * bw.y + y * wa.y + z * ab.y,
+                        x * bw.z + y * wa.z + z * ab.z};
+}
+
+struct gp_projected gp_camera_project(const struct gp_camera *c,
+                                      struct gp_rect display,
+                                      const double world[3], double w)
+{
+    static const struct gp_projected behind = {.behind = true};
+    const double *m = c->to_ndc;
+    // a direction's length says nothing: none may overflow or vanish
+    const double scale = w == 0.0 ? largest(world, 3) : 1.0;
+    const struct v3 p = {world[0] / scale, world[1] / scale, world[2] / scale};
+    const double pw = dot(p, column(m, 3)) + w * m[15];
+    if (!(pw > 0.0))
+        return behind;
+    const double x = (dot(p, column(m, 0)) + w * m[12]) / pw;
+    const double y = (dot(p, column(m, 1)) + w * m[13]) / pw;
+    struct gp_projected at = {
+        .x = display.x0 + x * ((double) display.x1 - display.x0),
+        .y = display.y0 + y * ((double) display.y1 - display.y0),
+        .z = INFINITY, .ray = INFINITY,
+    };
+    if (!(fabs(at.x) <= FAR_PIXEL && fabs(at.y) <= FAR_PIXEL))
+        return behind;
+    if (w != 0.0) {
+        const struct v3 e = eye(m);
+        at.z = pw * unit(c);
+        at.ray = unit(c) *
+                 length((struct v3) {p.x - e.x, p.y - e.y, p.z - e.z});
+    }
+    return at;
+}
+
+/* The cone of half-angle a around a ray at angle t off the axis of a pinhole of
+ * distance 1 cuts an ellipse with the half-axes
+ *   sin a cos a / (cos^2 t - sin^2 a)  and  sin a / sqrt(cos^2 t - sin^2 a),
+ * and the picture is that plane by an affine map of determinant `area`. */
+double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
+                      const double dir[3], double degrees)
+{
+    const double *m = c->to_ndc;
+    const double most = largest(dir, 3);
+    const struct v3 d = {dir[0] / most, dir[1] / most, dir[2] / most};
+    const struct v3 axis = column(m, 3);
+    const double t = atan2(length(cross(d, axis)), dot(d, axis));
+    const double a = degrees * (PI / 360.0);
+    if (!(a >= 0.0 && t + a < PI / 2.0))
+        return 0.0;
+    const double area =
+        fabs(det(column(m, 0), column(m, 1), axis)) *
+        ((double) display.x1 - display.x0) * ((double) display.y1 - display.y0);
+    const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
+    const double r =
+        sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
+    return fmin(r, MOST_RADIUS);
+}

@@ -1,0 +1,99 @@
+/* From the world to the frame. */
+#ifndef GP_SUN_CAMERA_H
+#define GP_SUN_CAMERA_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+#include <stdbool.h>
+
+/* What a worldToNDC matrix maps the picture to. */
+enum gp_ndc {
+    GP_NDC_AUTO, // told apart by where the view axis falls
+    GP_NDC_SPEC, // [0, 1], y down (ImfStandardAttributes.h)
+    GP_NDC_CLIP, // [-1, 1], y up (Arnold, Gaffer; worldToScreen)
+};
+
+/* Row vectors, p' = p * m, m[4 * row + column], as in OpenEXR: a point is
+ * (x, y, z, 1), a direction (x, y, z, 0). to_ndc is always GP_NDC_SPEC after
+ * gp_camera_make(): (x, y) / w in [0, 1], y down; w > 0 before the camera, and
+ * scaled so that w is the distance along the view axis in units of the world.
+ */
+struct gp_camera {
+    bool has_camera;     // to_camera is known: its scale is that of z and ray
+    double to_camera[16], to_ndc[16];
+};
+
+/* A camera from a frame's matrices. The view axis v is the direction in which
+ * w grows fastest, the upper three of column 3; it falls on the middle of the
+ * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
+ * the nearer of the two when it is within 0.2 of it in both axes.
+ *   to_camera  may be NULL
+ *   path       for the message
+ *   out        written on GP_OK only
+ * Errors: GP_ERR_DATA a matrix with NaN or Inf; to_ndc that is no projection
+ * (column 3 has no axis, as of an orthographic camera; singular; entries over
+ * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO cannot tell (names
+ * --ndc). */
+GP_MUST_CHECK gp_status gp_camera_make(const struct gp_log *log,
+                                       const char *path,
+                                       const double *to_camera,
+                                       const double to_ndc[16],
+                                       enum gp_ndc ndc, struct gp_camera *out);
+
+/* Where a point (w = 1) or direction (w = 0) of the world stands. */
+struct gp_projected {
+    double x, y;     // EXR pixel space: NDC 0 to 1 spans the display window
+    double z, ray;   // distance along the view axis and from the camera, scene
+                     // units; INFINITY for a direction
+    bool behind;     // the camera, or beside it: w <= 0, or more than 1e9
+                     // pixels away; the rest is 0
+};
+struct gp_projected gp_camera_project(const struct gp_camera *c,
+                                      struct gp_rect display,
+                                      const double world[3], double w);
+
+/* Radius in pixels, at the place where direction `dir` falls, of a disc of
+ * `degrees` across: the geometric mean of the half-axes of the ellipse that its
+ * cone cuts from the picture, at most 1e6. It grows off the axis, about as
+ * cos^-1.5. 0 when behind, or where the cone reaches beside the camera and the
+ * cut is no ellipse. */
+double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
+                      const double dir[3], double degrees);
+
+/* The cameras of a sequence, and the sun, from JSON as beside the project's
+ * test frames:
+ *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
+ *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
+ *     "sun_radius_px": r}]}              or that array alone
+ * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
+ * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
+ * vectors and GP_NDC_SPEC, may stand in its place. All other keys are left
+ * alone. */
+struct gp_camera_frame {
+    long long frame;
+    struct gp_camera camera;
+    bool has_sun;
+    double sun_dir[3];
+    double sun_radius;   // pixels; 0: not told
+};
+struct gp_camera_file {
+    struct gp_camera_frame *at; // owned
+    int n;
+};
+
+/* Files over 8 MiB (some 5000 frames) are refused.
+ *   out  written on GP_OK only, by frame number; gp_camera_file_free()
+ * Errors: GP_ERR_IO; GP_ERR_DATA not JSON, no frames, a frame without matrix
+ * or number, two of one number (each names the frame), what gp_camera_make()
+ * refuses, a direction of 0, a radius outside 0 to 1e6. */
+GP_MUST_CHECK gp_status gp_camera_read(const struct gp_log *log,
+                                       const char *path,
+                                       struct gp_camera_file *out);
+void gp_camera_file_free(struct gp_camera_file *f);
+
+/* That of frame `number`; of a file with one frame, that one; else NULL. */
+const struct gp_camera_frame *
+gp_camera_frame_find(const struct gp_camera_file *f, long long number);
+
+#endif

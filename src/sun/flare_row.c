@@ -1,0 +1,325 @@
+/* Rows of flare elements, in float: the plain form of shaders/flare.frag. */
+#include "sun/flare_item.h"
+
+#include "core/cpu.h"
+
+#include <math.h>
+
+enum { RUN = 64 }; // pixels of a polygon at a time
+
+/* -- columns that are reached ---------------------------------------------- */
+
+/* Adds to [*lo, *hi] the values of (limit - a * y) / b at four corners. */
+static void cross(double limit, double a, double b, const double y[2],
+                  double *lo, double *hi)
+{
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        const double x = ((i & 1 ? limit : -limit) - a * y[i >> 1]) / b;
+        low = fmin(low, x);
+        high = fmax(high, x);
+    }
+    *lo = fmax(*lo, low);
+    *hi = fmin(*hi, high);
+}
+
+static float largest(const float v[3])
+{
+    return fmaxf(v[0], fmaxf(v[1], v[2]));
+}
+
+/* Columns around the place, for rows' centres from y[0] to y[1] around it. */
+static void round_span(double radius, const double y[2], double *lo,
+                       double *hi)
+{
+    const double d = y[0] > 0.0 ? y[0] : y[1] < 0.0 ? -y[1] : 0.0;
+    const double x = d < radius ? sqrt(radius * radius - d * d) : -1.0;
+    *lo = -x;
+    *hi = x;
+}
+
+static void streak_span(const struct gp_flare_item *i, const double y[2],
+                        double *lo, double *hi)
+{
+    const double c = (double) i->turn[0], s = (double) i->turn[1];
+    *lo = -INFINITY;
+    *hi = INFINITY;
+    if (fabs(s) > 1e-6)
+        cross((double) largest(i->inner) + 1.0, c, s, y, lo, hi);
+    if (fabs(c) > 1e-6)
+        cross((double) largest(i->radius) + 1.0, -s, c, y, lo, hi);
+}
+
+bool gp_flare_span(const struct gp_flare_item *i, int y0, int y1, int *x0,
+                   int *x1)
+{
+    const int top = y0 > i->rect.y0 ? y0 : i->rect.y0;
+    const int bottom = y1 < i->rect.y1 ? y1 : i->rect.y1;
+    *x0 = i->rect.x0;
+    *x1 = i->rect.x1;
+    if (top >= bottom)
+        return false;
+    if (i->shape == GP_FLARE_IMAGE)
+        return true;
+    const double y[2] = {top + 0.5 - i->y, bottom - 0.5 - i->y};
+    double lo, hi;
+    if (i->shape == GP_FLARE_STREAK)
+        streak_span(i, y, &lo, &hi);
+    else
+        round_span((double) largest(i->radius) + 1.0, y, &lo, &hi);
+    lo += i->x - 1.0;
+    hi += i->x + 1.0;
+    if (lo > *x0)
+        *x0 = lo < *x1 ? (int) lo : *x1;
+    if (hi < *x1)
+        *x1 = hi > *x0 ? (int) hi : *x0;
+    return *x0 < *x1;
+}
+
+/* -- shapes ---------------------------------------------------------------- */
+
+/* Columns `from`, ... of a row, counted from the rect's corner. */
+struct run {
+    int from, n;
+    float x, y;   // pixel's place: x + column, y
+    float amount;
+    float *out;
+};
+
+GP_CLONES static void add_flat(const struct run *r)
+{
+    for (int i = 0; i < r->n; i++)
+        r->out[i] += r->amount;
+}
+
+static inline float least(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float most(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline float clamp1(float v)
+{
+    return least(most(v, 0.0f), 1.0f);
+}
+
+GP_CLONES static void add_round(const struct run *r, float radius, float inner)
+{
+    const float x0 = r->x, y = r->y, tiny = 1e-20f, amount = r->amount;
+    const float edge = least(radius, 0.5f), hole = least(inner, 0.5f);
+    const int from = r->from;
+    float *const out = r->out;
+    for (int i = 0; i < r->n; i++) {
+        const float x = x0 + (float) (from + i);
+        const float rho = sqrtf(x * x + y * y);
+        const float m = most(fabsf(x), fabsf(y));
+        const float slope = most(rho, tiny) / most(m, tiny);
+        const float cover = clamp1(edge + (radius - rho) * slope) -
+                            clamp1(hole + (inner - rho) * slope);
+        out[i] += amount * cover;
+    }
+}
+
+GP_CLONES static void meet_side(const struct run *r, const float *side,
+                                float apothem, float *cover)
+{
+    const float nx = side[0], ny = side[1], steep = side[2];
+    const float x0 = r->x, y = r->y;
+    const int from = r->from;
+    for (int i = 0; i < r->n; i++) {
+        const float x = x0 + (float) (from + i);
+        const float c = 0.5f + (apothem - (nx * x + ny * y)) * steep;
+        cover[i] = least(cover[i], c);
+    }
+}
+
+static void add_polygon(const struct run *r, const struct gp_flare_item *item,
+                        float apothem)
+{
+    for (int at = 0; at < r->n; at += RUN) {
+        struct run part = *r;
+        float cover[RUN];
+        part.from += at;
+        part.n = r->n - at < RUN ? r->n - at : RUN;
+        for (int i = 0; i < part.n; i++)
+            cover[i] = 1.0f;
+        for (int s = 0; s < item->sides; s++)
+            meet_side(&part, item->edge + 3 * s, apothem, cover);
+        for (int i = 0; i < part.n; i++)
+            r->out[at + i] += r->amount * most(cover[i], 0.0f);
+    }
+}
+
+GP_CLONES static void add_streak(const struct run *r, const float turn[2],
+                                 float radius, float half)
+{
+    const float x0 = r->x, y = r->y, amount = r->amount;
+    const float c = turn[0], s = turn[1];
+    const float steep = 1.0f / most(fabsf(c), fabsf(s));
+    const float share = 1.0f / radius;
+    const int from = r->from;
+    float *const out = r->out;
+    for (int i = 0; i < r->n; i++) {
+        const float x = x0 + (float) (from + i);
+        const float v = fabsf(x * s + y * c);
+        const float fade = most(1.0f - fabsf(x * c - y * s) * share, 0.0f);
+        const float cover = clamp1(0.5f + (half - v) * steep) -
+                            clamp1(0.5f - (half + v) * steep);
+        out[i] += amount * (cover * (fade * fade));
+    }
+}
+
+/* -- images ---------------------------------------------------------------- */
+
+static float texel(const struct gp_flare_image *m, int c, int x, int y)
+{
+    return x < 0 || y < 0 || x >= m->w || y >= m->h
+               ? 0.0f
+               : m->rgb.c[c][(size_t) y * (size_t) m->w + (size_t) x];
+}
+
+static float blend(float a, float b, float t)
+{
+    return a * (1.0f - t) + b * t;
+}
+
+/* Far outside, where this texel and the next are none. */
+static int clamp_texel(float v, int size)
+{
+    return (int) most(-2.0f, least(v, (float) size));
+}
+
+static void add_image(const struct run *r, const struct gp_flare_item *item,
+                      int c)
+{
+    const struct gp_flare_image *const m = item->image;
+    const float cosine = item->turn[0] * item->radius[0];
+    const float sine = item->turn[1] * item->radius[0];
+    for (int i = 0; i < r->n; i++) {
+        const float x = r->x + (float) (r->from + i);
+        const float u = x * cosine - r->y * sine + item->inner[0] - 0.5f;
+        const float v = x * sine + r->y * cosine + item->inner[1] - 0.5f;
+        const float left = floorf(u), top = floorf(v);
+        const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
+        const float upper = blend(texel(m, c, tx, ty),
+                                  texel(m, c, tx + 1, ty), u - left);
+        const float lower = blend(texel(m, c, tx, ty + 1),
+                                  texel(m, c, tx + 1, ty + 1), u - left);
+        r->out[i] += r->amount * blend(upper, lower, v - top);
+    }
+}
+
+GP_CLONES static void add_taps(const struct run *r, const float *upper,
+                               const float *lower, float s, float t)
+{
+    float *const out = r->out;
+    const float amount = r->amount;
+    for (int i = 0; i < r->n; i++) {
+        const float a = upper[i] * (1.0f - s) + upper[i + 1] * s;
+        const float b = lower[i] * (1.0f - s) + lower[i + 1] * s;
+        out[i] += amount * (a * (1.0f - t) + b * t);
+    }
+}
+
+/* At its own pixels: all of a run have the same weights. */
+static void add_plain(const struct run *r, const struct gp_flare_item *item,
+                      int c, int row)
+{
+    const struct gp_flare_image *const m = item->image;
+    const float s = item->fraction[0], t = item->fraction[1];
+    const int ty = item->corner[1] + row;
+    const int tx = item->corner[0] + r->from; // texel of weight 1 - s
+    const bool inside = ty >= 0 && ty + 1 < m->h;
+    const int first = tx < 0 ? -tx : 0;
+    const int end = m->w - 1 - tx < r->n ? m->w - 1 - tx : r->n;
+    for (int i = 0; i < r->n; i++) {
+        if (inside && i >= first && i < end) {
+            struct run part = *r;
+            const float *const at = m->rgb.c[c] +
+                                    (size_t) ty * (size_t) m->w +
+                                    (size_t) (tx + i);
+            part.n = end - i;
+            part.out += i;
+            add_taps(&part, at, at + m->w, s, t);
+            i = end - 1;
+            continue;
+        }
+        const float a = blend(texel(m, c, tx + i, ty),
+                              texel(m, c, tx + i + 1, ty), s);
+        const float b = blend(texel(m, c, tx + i, ty + 1),
+                              texel(m, c, tx + i + 1, ty + 1), s);
+        r->out[i] += r->amount * blend(a, b, t);
+    }
+}
+
+/* -- a row ----------------------------------------------------------------- */
+
+/* The part of a run whose pixels lie all within `radius` of the place: what
+ * is inside of an edge needs no ramp. */
+static void middle(const struct run *r, float radius, int *first, int *end)
+{
+    const double d = (double) radius * (double) radius -
+                     (double) r->y * (double) r->y;
+    const double h = radius > 0.0f && d > 0.0 ? sqrt(d) : -1.0;
+    const double x = (double) r->x + r->from; // of the run's first pixel
+    const double lo = ceil(-h - x), hi = floor(h - x) + 1.0;
+    *first = lo < 0.0 ? 0 : lo > r->n ? r->n : (int) lo;
+    *end = hi > r->n ? r->n : hi < *first ? *first : (int) hi;
+}
+
+static struct run cut(const struct run *r, int first, int end)
+{
+    struct run part = *r;
+    part.from += first;
+    part.n = end - first;
+    part.out += first;
+    return part;
+}
+
+static void add_ramps(const struct run *r, const struct gp_flare_item *item,
+                      int c)
+{
+    if (item->shape == GP_FLARE_POLYGON)
+        add_polygon(r, item, item->inner[c]);
+    else
+        add_round(r, item->radius[c], item->inner[c]);
+}
+
+/* Ramps, what lies between them, ramps: all that is not within a pixel of an
+ * edge is flat light, or the hole of a ring. */
+static void add_closed(const struct run *r, const struct gp_flare_item *item,
+                       int c)
+{
+    const float flat = item->shape == GP_FLARE_DISC ? item->radius[c]
+                                                    : item->inner[c];
+    int first, end;
+    middle(r, flat - 1.0f, &first, &end);
+    const struct run left = cut(r, 0, first), right = cut(r, end, r->n);
+    const struct run between = cut(r, first, end);
+    add_ramps(&left, item, c);
+    if (item->shape != GP_FLARE_RING)
+        add_flat(&between);
+    add_ramps(&right, item, c);
+}
+
+void gp_flare_row(const struct gp_flare_item *item, int c, int y, int x0,
+                  int x1, float amount, float *out)
+{
+    const int row = y - item->rect.y0;
+    const struct run r = {
+        .from = x0 - item->rect.x0, .n = x1 - x0, .x = item->base[0],
+        .y = item->base[1] + (float) row, .amount = amount, .out = out,
+    };
+    if (item->shape == GP_FLARE_STREAK)
+        add_streak(&r, item->turn, item->radius[c], item->inner[c]);
+    else if (item->plain)
+        add_plain(&r, item, c, row);
+    else if (item->shape == GP_FLARE_IMAGE)
+        add_image(&r, item, c);
+    else
+        add_closed(&r, item, c);
+}

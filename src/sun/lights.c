@@ -1,0 +1,199 @@
+#include "sun/lights.h"
+
+#include "core/memory.h"
+#include "sun/json.h"
+#include "sun/map.h"
+
+#include <math.h>
+
+static const double MOST_FLUX = 1e12, MOST_COLOUR = 1e6;
+static const double MOST_RADIUS = 1e6; // pixels
+static const double MOST_PIXEL = 1e9, MOST_WORLD = 1e15, MOST_DEPTH = 1e30;
+static const double SUN_DEGREES = 0.533; // mean angular diameter of the sun
+
+static const char *const keys[] = {
+    "pixel", "world", "direction", "radius", "degrees", "depth", "bias",
+    "flux",  "color", "name",      NULL,
+};
+
+/* Where a light may stand; in the order of enum gp_light_place. */
+static const struct {
+    const char *key;
+    int count;
+    double most;
+} places[] = {
+    [GP_PLACE_PIXEL] = {"pixel", 2, MOST_PIXEL},
+    [GP_PLACE_WORLD] = {"world", 3, MOST_WORLD},
+    [GP_PLACE_DIRECTION] = {"direction", 3, MOST_WORLD},
+};
+enum { PLACES = sizeof places / sizeof *places };
+
+// -- reading -----------------------------------------------------------------
+
+static gp_status read_place(const struct gp_json_place *p, json_t *o,
+                            struct gp_light_spec *out)
+{
+    int n = 0;
+    for (int i = 0; i < PLACES; i++) {
+        bool found;
+        gp_status st =
+            gp_json_numbers(p, o, places[i].key, places[i].count, false,
+                            -places[i].most, places[i].most, out->at, &found);
+        if (st)
+            return st;
+        if (found) {
+            out->place = (enum gp_light_place) i;
+            n++;
+        }
+    }
+    if (n != 1)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d needs one place (found %d); give \"pixel\", "
+                       "\"world\" or \"direction\"", p->path, p->what,
+                       p->index, n);
+    if (out->place == GP_PLACE_DIRECTION && out->at[0] == 0.0 &&
+        out->at[1] == 0.0 && out->at[2] == 0.0)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: \"direction\" has no direction (found 0, "
+                       "0, 0); give one", p->path, p->what, p->index);
+    return GP_OK;
+}
+
+/* A direction's disc is seen under an angle, unless pixels are given. */
+static gp_status read_size(const struct gp_json_place *p, json_t *o,
+                           struct gp_light_spec *out)
+{
+    bool pixels, angle;
+    gp_status st = gp_json_number(p, o, "radius", 0.0, MOST_RADIUS,
+                                  &out->radius, &pixels);
+    if (!st)
+        st = gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees, &angle);
+    if (st)
+        return st;
+    if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: \"degrees\" is for a \"direction\" without "
+                       "\"radius\" (found it with \"%s\"); give \"radius\" "
+                       "alone", p->path, p->what, p->index,
+                       pixels ? "radius" : places[out->place].key);
+    if (out->place == GP_PLACE_DIRECTION && !pixels)
+        out->radius = -1.0;
+    return GP_OK;
+}
+
+static gp_status read_flux(const struct gp_json_place *p, json_t *o,
+                           struct gp_light_spec *out)
+{
+    double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
+    gp_status st;
+    GP_TRY(gp_json_numbers(p, o, "flux", 3, true, 0.0, MOST_FLUX, flux, NULL));
+    GP_TRY(gp_json_numbers(p, o, "color", 3, false, 0.0, MOST_COLOUR, colour,
+                           NULL));
+    for (int c = 0; c < 3; c++)
+        out->flux[c] = (float) (flux[c] * colour[c]);
+out:
+    return st;
+}
+
+static gp_status read_light(const struct gp_json_place *p, json_t *o,
+                            struct gp_light_spec *out)
+{
+    static const struct gp_light plain = GP_LIGHT_DEFAULTS;
+    gp_status st;
+    const char *name; // for the file's readers; only its type is looked at
+    *out = (struct gp_light_spec) {
+        .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
+        .bias = plain.bias,
+    };
+    GP_TRY(gp_json_keys(p, o, keys));
+    GP_TRY(read_place(p, o, out));
+    GP_TRY(read_size(p, o, out));
+    GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
+    GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias, NULL));
+    GP_TRY(read_flux(p, o, out));
+    GP_TRY(gp_json_text(p, o, "name", &name, NULL));
+out:
+    return st;
+}
+
+gp_status gp_lights_read(const struct gp_log *log, const char *path,
+                         struct gp_light_spec **out, int *n)
+{
+    static const char *const whole[] = {"lights", NULL};
+    gp_status st;
+    json_t *root = NULL, *array;
+    struct gp_light_spec *spec = NULL;
+    struct gp_json_place place = {.log = log, .path = path, .what = "light"};
+    GP_TRY(gp_json_read(log, path, &root));
+    if (json_is_object(root))
+        GP_TRY(gp_json_keys(&place, root, whole));
+    GP_TRY(gp_json_array(&place, root, "lights", GP_LIGHTS_MAX, &array));
+    const int count = (int) json_array_size(array);
+    GP_TRY(gp_alloc_zero(log, path, (size_t) count, sizeof *spec,
+                         (void **) &spec));
+    for (int i = 0; i < count; i++) {
+        place.index = i + 1;
+        GP_TRY(read_light(&place, json_array_get(array, (size_t) i),
+                          &spec[i]));
+    }
+    *out = spec;
+    *n = count;
+    spec = NULL; // the caller's
+out:
+    gp_free(spec);
+    json_decref(root);
+    return st;
+}
+
+// -- placing -----------------------------------------------------------------
+
+/* A lamp's own distance, counted as the frame's depth channel counts. */
+static gp_status own_depth(const struct gp_log *log, const char *path,
+                           enum gp_depth_type type,
+                           const struct gp_projected *at, double *out)
+{
+    if (type == GP_DEPTH_NORMALIZED)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: a lamp's distance says nothing in normalized "
+                       "depth (found \"world\" without \"depth\"); give the "
+                       "light \"depth\", 0 near to 1 far", path);
+    *out = type == GP_DEPTH_RAY ? at->ray : at->z;
+    return GP_OK;
+}
+
+gp_status gp_light_place_in(const struct gp_log *log, const char *path,
+                            const struct gp_light_spec *spec,
+                            const struct gp_camera *c, enum gp_depth_type type,
+                            struct gp_rect display, struct gp_light *out)
+{
+    struct gp_light l = GP_LIGHT_DEFAULTS;
+    struct gp_projected at = {.x = spec->at[0], .y = spec->at[1]};
+    if (spec->place != GP_PLACE_PIXEL) {
+        if (!c)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: a light's \"%s\" needs a camera (the frame "
+                           "has no worldToNDC); give --camera FILE, or the "
+                           "light's pixel", path, places[spec->place].key);
+        at = gp_camera_project(c, display, spec->at,
+                               spec->place == GP_PLACE_WORLD ? 1.0 : 0.0);
+    }
+    l.x = at.x;
+    l.y = at.y;
+    l.behind = at.behind;
+    l.bias = spec->bias;
+    if (spec->radius >= 0.0)
+        l.radius = spec->radius;
+    else if (spec->place == GP_PLACE_DIRECTION)
+        l.radius = gp_camera_disc(c, display, spec->at, spec->degrees);
+    if (!isnan(spec->depth)) {
+        l.depth = spec->depth;
+    } else if (spec->place == GP_PLACE_WORLD) {
+        gp_status st = own_depth(log, path, type, &at, &l.depth);
+        if (st)
+            return st;
+    }
+    for (int i = 0; i < 3; i++)
+        l.flux[i] = spec->flux[i];
+    *out = l;
+    return GP_OK;
+}

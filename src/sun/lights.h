@@ -1,0 +1,63 @@
+/* Lights from JSON.
+ *
+ * An array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
+ *   {"pixel": [x, y]             in EXR pixel space, or
+ *    "world": [x, y, z]          a lamp's place (needs a camera), or
+ *    "direction": [x, y, z]      towards a sun (needs a camera),
+ *    "radius": pixels            default 0.5; of a direction by "degrees",
+ *    "degrees": across           the sun's 0.533; not beside "radius"
+ *    "depth": d                  default: of "world" its own, else infinite
+ *    "bias": share of depth      default 0.001
+ *    "flux" : [r,g,b] | grey,    default 0: no glare of its own, no flare
+ *    "color": [r,g,b]            times flux, default 1,1,1
+ *    "name": text}
+ * Exactly one place. Unknown keys, wrong types, numbers that are not finite or
+ * out of range (flux 0 to 1e12, color 0 to 1e6, radius 0 to 1e6, degrees 0 to
+ * 90, depth 0 to 1e30, bias 0 to 1, pixel to 1e9 and world to 1e15 either way)
+ * are errors that name file, light and key.
+ */
+#ifndef GP_SUN_LIGHTS_H
+#define GP_SUN_LIGHTS_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "sun/camera.h"
+#include "sun/light.h"
+#include "sun/occluder.h"
+
+enum gp_light_place { GP_PLACE_PIXEL, GP_PLACE_WORLD, GP_PLACE_DIRECTION };
+
+/* A light as it was asked for, before a frame gives it a place. */
+struct gp_light_spec {
+    enum gp_light_place place;
+    double at[3];      // pixel x, y; world; direction
+    double radius;     // pixels; under 0: of a direction by `degrees`, else
+                       // the default of gp_light
+    double degrees;    // across
+    double depth;      // NAN: by the place
+    double bias;
+    float flux[3];
+};
+
+/* Errors: GP_ERR_IO; GP_ERR_DATA. *out is owned by the caller (gp_free()),
+ * written on GP_OK only; *n may be 0. Files over 1 MiB are refused. */
+GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
+                                       const char *path,
+                                       struct gp_light_spec **out, int *n);
+
+/* Gives a light its place in a frame. The depth of "world" is distance along
+ * the axis for z and inverse, along the ray for ray; for normalized it cannot
+ * be known: GP_ERR_DATA asks for "depth".
+ *   c     NULL: no camera; GP_ERR_USAGE when the place needs one (says that
+ *         the frame has no worldToNDC, and that --camera gives one)
+ *   path  of the frame, for the message
+ *   out   written on GP_OK only; visibility 1 until it is measured */
+GP_MUST_CHECK gp_status gp_light_place_in(const struct gp_log *log,
+                                          const char *path,
+                                          const struct gp_light_spec *spec,
+                                          const struct gp_camera *c,
+                                          enum gp_depth_type type,
+                                          struct gp_rect display,
+                                          struct gp_light *out);
+
+#endif

@@ -1,0 +1,196 @@
+#include "sun/map_state.h"
+
+#include "core/memory.h"
+
+#include <math.h>
+
+/* -- atlas ------------------------------------------------------------------*/
+
+/* Maps in a row, so that the atlas is about square. */
+static int columns_for(int n)
+{
+    return (int) ceil(sqrt((double) n));
+}
+
+static int power_of_two(int v)
+{
+    int p = 1;
+    while (p < v)
+        p *= 2;
+    return p;
+}
+
+static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
+                           const struct gp_sun_params *p, int n,
+                           struct gp_sun_map *s)
+{
+    enum { MOST = 1 << 24 }; // texels, 256 MiB
+    const int columns = columns_for(n), rows = (n + columns - 1) / columns;
+    int w = power_of_two(columns * p->map), h = power_of_two(rows * p->map);
+    const int limit = gp_gl_max_size(gl);
+    if (w > limit || h > limit || (long long) w * h > MOST)
+        return gp_fail(log, GP_ERR_GL,
+                       "sun map: %d maps of %dx%d texels do not go into one "
+                       "texture (%d texels wide and high, and %d in all, is "
+                       "the limit); use a smaller --sun-map or --sun-method "
+                       "exact", n, p->map, p->map, limit, MOST);
+    s->map = p->map;
+    s->columns = columns;
+    if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
+        return GP_OK;
+    gp_target_free(gl, &s->atlas);
+    return gp_target_make_linear(log, gl, "sun maps", w, h, &s->atlas);
+}
+
+static int rows_of(const struct gp_sun_map *s, int n)
+{
+    return (n + s->columns - 1) / s->columns;
+}
+
+static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
+                           const struct gp_occluders *o,
+                           const struct gp_sun_params *p, int n,
+                           struct gp_sun_map *s)
+{
+    const struct gp_texture *const to = &s->atlas.colour;
+    float outside[2];
+    gp_sun_outside_counts(p->outside, outside);
+    const struct gp_uniform uniform[] = {
+        {.name = "pixels", .texture = &s->pixels},
+        {.name = "lights", .texture = &s->lights},
+        {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
+        {.name = "size", .v = {to->w, to->h}},
+        {.name = "map", .v = {s->map, s->columns}},
+        {.name = "form", .v = {s->map, p->pattern == GP_PATTERN_DISC}},
+        {.name = "outside", .floats = 2, .f = {outside[0], outside[1]}},
+        {0},
+    };
+    const struct gp_draw draw = {
+        .program = &s->program[GP_SUN_TEXELS], .target = &s->atlas,
+        .cut = {0, 0, s->columns * s->map, rows_of(s, n) * s->map},
+        .uniform = uniform, .vertices = 6, .instances = n, .replace = true,
+    };
+    gp_status st = gp_sun_use(log, gl, s, GP_SUN_TEXELS);
+    return st ? st : gp_draw_run(log, gl, &draw);
+}
+
+/* -- intensity --------------------------------------------------------------*/
+
+/* A pixel for each light, in rows as the maps of the atlas. */
+static gp_status fit_sums(const struct gp_log *log, const struct gp_gl *gl,
+                          bool byte, int n, struct gp_sun_map *s,
+                          struct gp_target **out)
+{
+    struct gp_target *const t = byte ? &s->byte_sums : &s->sums;
+    const int w = s->columns, h = rows_of(s, n);
+    *out = t;
+    if (t->colour.w == w && t->colour.h == h)
+        return GP_OK;
+    gp_target_free(gl, t);
+    return byte ? gp_target_make_byte(log, gl, "8-bit sums", w, h, t)
+                : gp_target_make(log, gl, "sums", w, h, t);
+}
+
+static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
+                             enum gp_sun_sum sum, struct gp_sun_map *s,
+                             const struct gp_target *to)
+{
+    const enum gp_sun_program which = GP_SUN_POINTS + sum;
+    const int count = s->map * s->map;
+    const int w = to->colour.w, h = to->colour.h;
+    const float widest = gp_gl_point_size_max(gl);
+    const int tile = widest < (float) w ? (int) widest : w; // w >= h
+    const int across = (w + tile - 1) / tile, down = (h + tile - 1) / tile;
+    struct gp_uniform uniform[] = {
+        {.name = "atlas", .texture = &s->atlas.colour},
+        {.name = "map", .v = {s->map, s->columns}},
+        {.name = "tiles", .v = {across, down}},
+        {.name = "width", .v = {tile, tile}},
+        {0}, {0},
+    };
+    // the paper's 1 / 255 is for 256 texels; others are scaled to them
+    if (sum == GP_SUM_BYTE)
+        uniform[4] = (struct gp_uniform) {
+            .name = "scale", .floats = 1,
+            .f = {256.0f / (255.0f * (float) count)},
+        };
+    const struct gp_draw draw = {
+        .program = &s->program[which], .target = to,
+        .cut = {0, 0, w, h}, .view = {0, 0, across * tile, down * tile},
+        .uniform = uniform,
+        .vertices = sum == GP_SUM_BILINEAR ? count / 4 : count,
+        .instances = across * down, .points = true,
+    };
+    gp_status st = gp_sun_use(log, gl, s, which);
+    return st ? st : gp_draw_run(log, gl, &draw);
+}
+
+static gp_status draw_intensity(const struct gp_log *log,
+                                const struct gp_gl *gl, bool byte, int n,
+                                struct gp_sun_map *s,
+                                const struct gp_target *sums)
+{
+    const float scale = byte ? 1.0f : 1.0f / (float) (s->map * s->map);
+    const struct gp_uniform uniform[] = {
+        {.name = "sums", .texture = &sums->colour},
+        {.name = "map", .v = {s->map, s->columns}},
+        {.name = "scale", .floats = 1, .f = {scale}}, {0},
+    };
+    const struct gp_draw draw = {
+        .program = &s->program[GP_SUN_TOTAL], .target = &s->intensity,
+        .cut = {0, 0, n, 1}, .uniform = uniform, .vertices = 3,
+        .instances = 1, .replace = true,
+    };
+    gp_status st = gp_sun_use(log, gl, s, GP_SUN_TOTAL);
+    return st ? st : gp_draw_run(log, gl, &draw);
+}
+
+gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
+                          const struct gp_occluders *o,
+                          const struct gp_sun_params *p,
+                          const struct gp_light *light, int n,
+                          struct gp_sun_map **state)
+{
+    const bool byte = p->sum == GP_SUM_BYTE;
+    struct gp_target *sums = NULL;
+    gp_status st;
+    GP_TRY(gp_sun_begin(log, gl, o, p, light, n, state));
+    struct gp_sun_map *const s = *state;
+    GP_TRY(fit_atlas(log, gl, p, n, s));
+    GP_TRY(draw_maps(log, gl, o, p, n, s));
+    GP_TRY(fit_sums(log, gl, byte, n, s, &sums));
+    gp_target_clear(gl, sums, (struct gp_rect) {0, 0, sums->colour.w,
+                                                sums->colour.h});
+    GP_TRY(draw_points(log, gl, p->sum, s, sums));
+    GP_TRY(draw_intensity(log, gl, byte, n, s, sums));
+    GP_TRY(gp_gl_check(log, gl, "sun map"));
+    s->n = n;
+out:
+    return st;
+}
+
+/* -- results ----------------------------------------------------------------*/
+
+const struct gp_texture *gp_sun_intensity(const struct gp_sun_map *s)
+{
+    return &s->intensity.colour;
+}
+
+gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
+                          const struct gp_sun_map *s, struct gp_light *light,
+                          int n)
+{
+    float rgba[4 * GP_LIGHTS_MAX];
+    if (!s || !n || s->n != n)
+        return gp_fail(log, GP_ERR_BUG,
+                       "sun map: %d lights were drawn and %d are read; report "
+                       "it", s ? s->n : 0, n);
+    gp_target_read(gl, &s->intensity, (struct gp_rect) {0, 0, n, 1}, rgba);
+    for (int i = 0; i < n; i++) {
+        const double shown = (double) rgba[4 * i];
+        const double weight = (double) rgba[4 * i + 1];
+        const double part = weight > 0.0 ? shown / weight : 0.0;
+        light[i].visibility = part < 1.0 ? part : 1.0;
+    }
+    return gp_gl_check(log, gl, "sun map");
+}

@@ -1,0 +1,230 @@
+#include "sun/occluder.h"
+
+#include "core/cpu.h"
+#include "sun/surfaces.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+/* -- which samples are surfaces, and where --------------------------------- */
+
+struct gp_surfaces gp_surfaces_of(enum gp_depth_type type, bool reversed)
+{
+    const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
+    const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
+    const struct gp_surfaces inverse = {least, INFINITY, NAN, true};
+    const struct gp_surfaces share = {-INFINITY, nextafterf(1.0f, 0.0f), NAN,
+                                      false};
+    switch (type) {
+    case GP_DEPTH_INVERSE:
+        return inverse;
+    case GP_DEPTH_NORMALIZED:
+        return reversed ? inverse : share;
+    case GP_DEPTH_Z:
+    case GP_DEPTH_RAY:
+        break;
+    }
+    return reversed ? (struct gp_surfaces) {-deepest, -least, -half, true}
+                    : (struct gp_surfaces) {least, deepest, half, false};
+}
+
+/* Place of a sample that is a surface. */
+static double place_of(enum gp_depth_type type, bool reversed, float v)
+{
+    const double d = (double) v;
+    switch (type) {
+    case GP_DEPTH_INVERSE:
+        return 1.0 / d;
+    case GP_DEPTH_NORMALIZED:
+        return fmax(reversed ? 1.0 - d : d, 0.0);
+    case GP_DEPTH_Z:
+    case GP_DEPTH_RAY:
+        break;
+    }
+    return reversed ? -d : d;
+}
+
+double gp_depth_place(const struct gp_occluders *o, float v)
+{
+    const bool reversed = o->facts.reversed;
+    const struct gp_surfaces s = gp_surfaces_of(o->type, reversed);
+    if (!gp_is_surface(s, v))
+        return INFINITY;
+    return place_of(o->type, reversed, v);
+}
+
+/* Whether a surface at `place` hides the light. */
+static bool hides(const struct gp_light *l, double place)
+{
+    return isinf(l->depth) ? l->depth > 0.0
+                           : place < l->depth * (1.0 - l->bias);
+}
+
+/* -- samples of planes ----------------------------------------------------- */
+
+static bool has(const struct gp_plane *p)
+{
+    return p && p->v;
+}
+
+static bool within(struct gp_rect r, int x, int y)
+{
+    return x >= r.x0 && x < r.x1 && y >= r.y0 && y < r.y1;
+}
+
+static const float *sample_at(const struct gp_plane *p, int x, int y)
+{
+    const size_t w = (size_t) gp_rect_w(p->window);
+    return p->v + (size_t) ((int64_t) y - p->window.y0) * w +
+           (size_t) ((int64_t) x - p->window.x0);
+}
+
+static float clamped(float m)
+{
+    return m > 0.0f ? (m < 1.0f ? m : 1.0f) : 0.0f; // NaN: 0
+}
+
+double gp_occluders_show(const struct gp_occluders *o,
+                         const struct gp_light *l, int x, int y)
+{
+    double hidden = 1.0;
+    if (has(o->mask))
+        hidden = within(o->mask->window, x, y)
+                     ? (double) clamped(*sample_at(o->mask, x, y))
+                     : 0.0;
+    if (!has(o->depth))
+        return has(o->mask) ? 1.0 - hidden : 1.0;
+    const double place = within(o->depth->window, x, y)
+                             ? gp_depth_place(o, *sample_at(o->depth, x, y))
+                             : (double) INFINITY;
+    const bool empty = isinf(place);
+    const bool hit = !empty && hides(l, place);
+    return hit || (empty && has(o->mask)) ? 1.0 - hidden : 1.0;
+}
+
+/* -- many pixels at a time ------------------------------------------------
+ *
+ * Places grow or fall with the samples, so what a light's depth means for a
+ * sample is two comparisons of floats: the surfaces that hide the light are an
+ * interval, and those behind it are another. */
+
+struct rule {
+    float near_lo, near_hi; // hide the light; none: lo > hi
+    float far_lo, far_hi;   // surfaces that do not
+    float hole;             // empty all the same
+};
+
+static struct rule rule_for(const struct gp_occluders *o,
+                            const struct gp_light *l)
+{
+    const bool turned = o->facts.reversed;
+    const struct gp_surfaces s = gp_surfaces_of(o->type, turned);
+    // steps from the nearest surface; `hit` of them hide
+    const int64_t nearest = gp_float_order(s.near_high ? s.hi : s.lo);
+    const int64_t toward = s.near_high ? -1 : 1;
+    const int64_t all =
+        (int64_t) gp_float_order(s.hi) - gp_float_order(s.lo) + 1;
+    int64_t hit = 0, clear = all;
+    while (hit < clear) {
+        const int64_t mid = hit + (clear - hit) / 2;
+        const float v = gp_float_of((int32_t) (nearest + toward * mid));
+        if (hides(l, place_of(o->type, turned, v)))
+            hit = mid + 1;
+        else
+            clear = mid;
+    }
+    struct rule r = {1.0f, 0.0f, 1.0f, 0.0f, s.hole};
+    const float last = gp_float_of((int32_t) (nearest + toward * (hit - 1)));
+    if (hit > 0) {
+        r.near_lo = s.near_high ? last : s.lo;
+        r.near_hi = s.near_high ? s.hi : last;
+    }
+    if (hit < all) {
+        const float next = gp_float_of((int32_t) (nearest + toward * hit));
+        r.far_lo = s.near_high ? s.lo : next;
+        r.far_hi = s.near_high ? next : s.hi;
+    }
+    return r;
+}
+
+enum { RUN = 512, LANES = 8 };
+
+/* The hidden share of n pixels into `hidden`, from depth d and mask m; NULL:
+ * without. */
+GP_CLONES static void find_hidden(const struct rule *rule,
+                                  const float *restrict d,
+                                  const float *restrict m, int n,
+                                  float *restrict hidden)
+{
+    const struct rule r = *rule;
+    if (d && m) {
+        for (int i = 0; i < n; i++) {
+            const bool behind = (d[i] >= r.far_lo) & (d[i] <= r.far_hi) &
+                                (d[i] != r.hole);
+            hidden[i] = behind ? 0.0f : clamped(m[i]);
+        }
+    } else if (d) {
+        for (int i = 0; i < n; i++) {
+            const bool before = (d[i] >= r.near_lo) & (d[i] <= r.near_hi) &
+                                (d[i] != r.hole);
+            hidden[i] = before ? 1.0f : 0.0f;
+        }
+    } else {
+        for (int i = 0; i < n; i++)
+            hidden[i] = clamped(m[i]);
+    }
+}
+
+/* Sum of n floats, a multiple of LANES; lanes keep the order, and so the bits,
+ * the same for vectors of any width. */
+GP_CLONES static double sum_of(const float *v, int n)
+{
+    double lane[LANES] = {0.0};
+    for (int i = 0; i < n; i += LANES) {
+        for (int k = 0; k < LANES; k++)
+            lane[k] += (double) v[i + k];
+    }
+    double sum = 0.0;
+    for (int k = 0; k < LANES; k++)
+        sum += lane[k];
+    return sum;
+}
+
+/* n samples from (x, y) on: in place, or in `copy` with `missing` for those
+ * outside of the plane's window. */
+static const float *samples(const struct gp_plane *p, int x, int y, int n,
+                            float missing, float *copy)
+{
+    const struct gp_rect w = p->window;
+    if (within(w, x, y) && w.x1 - x >= n)
+        return sample_at(p, x, y);
+    for (int i = 0; i < n; i++)
+        copy[i] = within(w, x + i, y) ? *sample_at(p, x + i, y) : missing;
+    return copy;
+}
+
+double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
+                        int x0, int x1, int y)
+{
+    if (x1 <= x0)
+        return 0.0;
+    const double count = (double) x1 - (double) x0;
+    if (!has(o->depth) && !has(o->mask))
+        return count;
+    const struct rule rule = has(o->depth) ? rule_for(o, l) : (struct rule) {0};
+    float hidden[RUN + LANES], depth[RUN], mask[RUN];
+    double sum = 0.0;
+    for (int64_t x = x0; x < x1; x += RUN) {
+        const int n = (int) (x1 - x < RUN ? x1 - x : RUN);
+        const float *const d =
+            has(o->depth) ? samples(o->depth, (int) x, y, n, NAN, depth) : NULL;
+        const float *const m =
+            has(o->mask) ? samples(o->mask, (int) x, y, n, 0.0f, mask) : NULL;
+        find_hidden(&rule, d, m, n, hidden);
+        memset(hidden + n, 0, LANES * sizeof *hidden);
+        sum += sum_of(hidden, (n + LANES - 1) / LANES * LANES);
+    }
+    return count - sum;
+}

@@ -1,0 +1,79 @@
+/* What stands before a light, from a frame's depth and coverage.
+ *
+ * A pixel shows a light's share s in [0, 1]:
+ *   neither plane   1
+ *   mask alone      1 - m
+ *   depth alone     0 where a surface is nearer than the light, else 1
+ *   both            1 - m where a surface is nearer or where depth is empty
+ *                   (a leaf's edge, whose depth sample missed it); else 1
+ * m is the mask clamped to [0, 1], NaN 0. A surface is nearer when
+ * z < depth * (1 - bias); every surface is nearer than an infinite depth.
+ *
+ * Empty depth is no surface. What counts as empty, by type:
+ *   z, ray      <= 0, NaN, Inf, >= 1e9 (Blender's 1e10, 1e30), 65504 (1e10 in
+ *               half). Where no surface is over 0 and some would be with the
+ *               other sign, the file counts backwards along the axis: its
+ *               sign is turned.
+ *   inverse     1 / z: <= 0, NaN; +Inf is a surface at the camera
+ *   normalized  0 near to 1 far: >= 1, NaN. Where no sample is >= 1 and some
+ *               are 0, 0 is the background and near is 1 (reversed).
+ * Pixels outside a plane's window have no sample: depth is empty, m is 0.
+ */
+#ifndef GP_SUN_OCCLUDER_H
+#define GP_SUN_OCCLUDER_H
+
+#include "core/plane.h"
+#include "core/status.h"
+#include "sun/light.h"
+
+#include <stddef.h>
+
+enum gp_depth_type {
+    GP_DEPTH_Z,
+    GP_DEPTH_RAY,
+    GP_DEPTH_INVERSE,
+    GP_DEPTH_NORMALIZED,
+};
+
+/* Depth samples of a frame by kind, and what follows for the plane. The kinds
+ * do not meet, but surface counts by `reversed` all that are not empty. */
+struct gp_depth_facts {
+    long long zero, nan, inf; // of either sign
+    long long huge;           // finite, 1e9 and more from 0
+    long long half_max;       // 65504 from 0
+    long long negative;       // the others under 0
+    long long one;            // 1
+    long long surface;
+    bool reversed;  // sign or direction turned, see above
+    char empty[64]; // values of the background that occur: "1e+10",
+                    // "0, inf", "none"
+};
+
+struct gp_occluders {
+    const struct gp_plane *depth, *mask; // borrowed; NULL: none
+    enum gp_depth_type type;
+    struct gp_rect frame;        // pixels about which the planes can tell:
+                                 // display and data window together
+    struct gp_depth_facts facts; // by gp_occluders_survey()
+};
+
+/* Counts o->depth's samples (in parallel, same counts for any number of
+ * threads) and fills o->facts. Call before anything below; no depth is fine.
+ * Cannot fail. */
+GP_MUST_CHECK gp_status gp_occluders_survey(const struct gp_log *log,
+                                            struct gp_occluders *o);
+
+/* Whether depth sample v is empty, and else its place on the light's scale:
+ * distance for z, ray and inverse, 0 near to 1 far for normalized. INFINITY
+ * when empty. */
+double gp_depth_place(const struct gp_occluders *o, float v);
+
+/* s of a pixel, anywhere in the plane. */
+double gp_occluders_show(const struct gp_occluders *o,
+                         const struct gp_light *l, int x, int y);
+
+/* Sum of s over pixels [x0, x1) of row y: the same values, many at a time. */
+double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
+                        int x0, int x1, int y);
+
+#endif
