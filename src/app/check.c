@@ -94,6 +94,7 @@ static const char *lightless_option(const struct gp_settings *s)
            : p->params.map != d->params.map           ? "sun-map"
            : p->params.pattern != d->params.pattern   ? "sun-pattern"
            : p->params.sum != d->params.sum           ? "sun-sum"
+           : p->params.draw != d->params.draw         ? "sun-draw"
            : p->params.outside != d->params.outside   ? "sun-outside"
            : s->debug[GP_DEBUG_SUNMAP]                ? "debug sunmap"
            : s->debug[GP_DEBUG_INTENSITY]             ? "debug intensity"
@@ -107,8 +108,8 @@ static const char *mask_option(const struct gp_settings *s)
     const struct gp_sun_params *const d = &gp_defaults.sun.params;
     if (p->method == GP_SUN_MASK)
         return NULL;
-    if (p->sum != d->sum)
-        return "sun-sum";
+    if (p->sum != d->sum || p->draw != d->draw)
+        return p->sum != d->sum ? "sun-sum" : "sun-draw";
     if (s->debug[GP_DEBUG_SUNMAP]) // shows what the map would be
         return NULL;
     return p->map != d->map           ? "sun-map"

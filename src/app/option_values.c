@@ -73,6 +73,14 @@ const struct gp_option_choice gp_outsides[] = {
     {"hidden", GP_OUTSIDE_HIDDEN, "what is outside is hidden"},
     {0},
 };
+const struct gp_option_choice gp_sun_draws[] = {
+    {"auto", GP_DRAW_AUTO, "on GL with a GPU, on the CPU with a software "
+     "context, where that takes a quarter of the time"},
+    {"gl", GP_DRAW_GL, "sprites and elements fetch the share on GL; nothing is "
+     "read back before the layer is done"},
+    {"cpu", GP_DRAW_CPU, "the shares are read first"},
+    {0},
+};
 const struct gp_option_choice gp_ndcs[] = {
     {"auto", GP_NDC_AUTO, "told apart by where the view axis falls"},
     {"spec", GP_NDC_SPEC, "0 to 1, y down, as OpenEXR defines it"},

@@ -48,9 +48,7 @@ struct gp_suns {
     struct gp_occluders occluders;
     struct gp_light *light;     // owned
     int n;
-    bool early;  // the mask's shares were read before the engines ran: many
-                 // lights on a software context, which has no pipeline to
-                 // stall, cost less as sources than as sprites
+    bool early;  // the mask's shares were read before the engines ran
 };
 
 /* Whether the command line names a light. */
@@ -99,7 +97,7 @@ GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
                                      const struct gp_kernel *kernel,
                                      struct gp_frame *f);
 
-/* The way of the lights in words, for the report: "mask, sprites on GL". */
+/* The way of the lights in words, for the report: "mask, drawn on GL". */
 const char *gp_suns_way(const struct gp_settings *s,
                         const struct gp_suns *suns);
 

@@ -28,13 +28,19 @@ static bool shows_beyond(const struct gp_settings *s,
             l->y + r > data.y1);
 }
 
+/* Whether the shares are on GL still: what hangs on them is drawn there. On
+ * the CPU the same takes a tenth of llvmpipe's time. */
+static bool on_gl(const struct gp_settings *s, const struct gp_suns *suns)
+{
+    return s->sun.params.method == GP_SUN_MASK && !suns->early;
+}
+
 /* Whether light l is drawn as a sprite and not by the engines. */
 static bool is_sprite(const struct gp_settings *s, const struct gp_suns *suns,
                       const struct gp_light *l, struct gp_rect data)
 {
-    const bool known = s->sun.params.method != GP_SUN_MASK || suns->early;
     return gp_light_has_flux(l) && !s->sun.in_frame &&
-           (!known || (l->visibility > 0.0 && shows_beyond(s, l, data)));
+           (on_gl(s, suns) || (l->visibility > 0.0 && shows_beyond(s, l, data)));
 }
 
 gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
@@ -175,7 +181,7 @@ static gp_status draw(const struct gp_log *log, const struct gp_settings *s,
                       const struct gp_light *light, struct gp_frame *f,
                       struct gp_flare_gl **drawn)
 {
-    if (s->sun.params.method == GP_SUN_EXACT)
+    if (!on_gl(s, suns))
         return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
                             &f->layer);
     gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
@@ -299,11 +305,11 @@ gp_status gp_suns_draw(const struct gp_log *log, const struct gp_settings *s,
     gp_status st = GP_OK;
     if (!suns->n)
         return GP_OK;
-    if (suns->gl)
+    if (on_gl(s, suns))
         GP_TRY(gp_gl_use(log, suns->gl));
     if (gp_suns_glare(suns))
         GP_TRY(draw_all(log, s, suns, kernel, f));
-    if (s->sun.params.method == GP_SUN_MASK && !suns->early)
+    if (on_gl(s, suns))
         GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light,
                                suns->n));
 out:

@@ -51,6 +51,14 @@ enum gp_sun_method {
     GP_SUN_READBACK, // gp_sun_readback()
 };
 
+/* Where the glare and flare of a mask's lights are drawn. */
+enum gp_sun_draw {
+    GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
+    GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
+                  // nothing is read back before the layer is done
+    GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
+};
+
 enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
 
 /* How the intensity map is summed. */
@@ -65,6 +73,7 @@ struct gp_sun_params {
     enum gp_sun_outside outside;
     enum gp_sun_pattern pattern;
     enum gp_sun_sum sum;
+    enum gp_sun_draw draw;
     int map; // texels of a sun map's side, 2 to 256, even
 };
 #define GP_SUN_DEFAULTS { .map = 16 }

@@ -104,6 +104,11 @@ print("%.6g" % np.asarray(oiio.ImageBuf(sys.argv[1]).get_pixels(oiio.FLOAT),
 PY
 }
 
+printf '[{"pixel": [20, 5], "radius": 2, "flux": 100},
+ {"pixel": [10.2, 6.7], "radius": 1, "flux": [9, 50, 20]},
+ {"pixel": [50, 4.4], "radius": 2, "flux": 60},
+ {"pixel": [44, 40], "radius": 2, "flux": 6e5},
+ {"pixel": [60, 3], "radius": 0, "flux": 30}]' >many.json
 printf '[{"shape": "disc", "position": 0.3, "size": 0.2, "color": 0.01},
  {"shape": "ring", "position": 1.2, "size": 0.3, "color": [0.01, 0.02, 0.03],
   "scale": [1, 1.1, 1.2]}]' >flare.json
@@ -148,20 +153,34 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
             --flare flare.json --sun-method $method --layer $method.exr in.exr
         quiet_success "$method draws light and flare"
     done
+    for place in gl cpu; do
+        run -k kernel.exr --sun 30.3,6.6,2.2 --sun-color 900,500,200 \
+            --flare flare.json --sun-method mask --sun-draw $place \
+            --layer $place.exr --report r.json in.exr
+        like "$(field r.json 'o["sun_method"].lower()')" "mask, drawn on*$place" \
+            "--sun-draw $place: the report names it"
+    done
+    run -k kernel.exr --lights many.json --flare flare.json --layer many.exr \
+        in.exr
+    run -k kernel.exr --lights many.json --flare flare.json --sun-method mask \
+        --sun-draw gl --layer manygl.exr in.exr
     {
         echo 'fft.exr direct.exr 1e-6 fft lays the same light as direct'
-        echo 'mask.exr direct.exr 1e-5 mask lays it by GL, the same'
+        echo 'mask.exr direct.exr 1e-5 mask lays the same'
+        echo 'gl.exr direct.exr 1e-5 sprites on GL, the same'
+        echo 'cpu.exr direct.exr 1e-5 engines and CPU, the same'
+        echo 'manygl.exr many.exr 1e-5 five lights of three sizes, the same'
         echo 'readback.exr direct.exr 1e-5 readback, the same'
     } | "$python" "$cli/compare.py" >verdicts
     verdicts verdicts
 else
-    skip 5 'no GL, or nothing to compare with'
+    skip 10 'no GL, or nothing to compare with'
 fi
 
 # -- the same bytes ------------------------------------------------------------
 
-for method in exact mask; do
-    [ -n "$gl" ] || [ $method = exact ] || {
+for method in exact 'mask --sun-draw gl' mask; do
+    [ -n "$gl" ] || [ "$method" = exact ] || {
         skip 2 'no GL'
         continue
     }

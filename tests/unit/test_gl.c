@@ -164,7 +164,7 @@ static void limit_can_be_lowered(void **state)
     };
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         struct gp_texture t = {0};
-        struct gp_output g = {0};
+        struct gp_target g = {0};
         last_line[0] = '\0';
         assert_int_equal(gp_texture_make(&log_kept, gl, "kernel", rows[i].w,
                                          rows[i].h, &t), rows[i].want);
@@ -248,7 +248,7 @@ static void fill(float *px, unsigned seed)
 
 static void add_twice(struct gp_gl *gl, const struct gp_program *p,
                       const struct gp_texture *from,
-                      const struct gp_output *to)
+                      const struct gp_target *to)
 {
     const struct gp_uniform uniform[] = {{.name = "addend", .texture = from},
                                          {0}};
@@ -284,7 +284,7 @@ static void draw_in(struct gp_gl *gl)
     static float px[4 * W * H], got[4 * W * H];
     struct gp_program p = {0};
     struct gp_texture from = {0};
-    struct gp_output to = {0};
+    struct gp_target to = {0};
     const struct gp_rect all = {0, 0, W, H};
     fill(px, 20071u);
     assert_int_equal(gp_gl_use(&log_kept, gl), GP_OK);
@@ -360,7 +360,7 @@ static struct gp_program program_of(struct gp_gl *gl, const char *defines,
 
 /* Draws once, the whole target when nothing else is said. */
 static void draw_once(struct gp_gl *gl, const struct gp_program *p,
-                      const struct gp_output *to,
+                      const struct gp_target *to,
                       const struct gp_uniform *uniform, bool replace)
 {
     const struct gp_draw draw = {
@@ -393,7 +393,7 @@ static void attachments_are_apart(void **state)
     const struct gp_uniform u[] = {{.name = "first", .floats = 1,
                                     .f = {0.25f}}, {0}};
     for (int n = 1; n <= GP_ATTACHMENTS; n++) {
-        struct gp_output t = {0};
+        struct gp_target t = {0};
         assert_int_equal(gp_target_make_many(&log_kept, gl, "t", 5, 3, n, &t),
                          GP_OK);
         assert_int_equal(t.n, n);
@@ -448,7 +448,7 @@ static void uniforms_arrive(void **state)
     struct gp_texture sharp = {0}, smooth = {0};
     struct gp_list list = {0};
     struct gp_block block = {0};
-    struct gp_output t = {0};
+    struct gp_target t = {0};
     float got[12];
     (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
@@ -514,7 +514,7 @@ static void linear_textures_mix(void **state)
         {-3.0f, 0.25f, 1.0f}, {9.0f, 9.0f, 9.0f},
     };
     struct gp_texture t = {0};
-    struct gp_output to = {0};
+    struct gp_target to = {0};
     float px[4];
     (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
@@ -556,7 +556,7 @@ static void points_are_squares(void **state)
         {0.5f, 0.5f, 5, 0, 9},   {-0.5f, 4.5f, 5, 0, 0},
         {-0.5f, 4.5f, 5, 3, 10}, {-0.5f, -0.5f, 5, 3, 4}, {4, 4, 40, 8, 64},
     };
-    struct gp_output t = {0};
+    struct gp_target t = {0};
     float px[4 * 64];
     (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
@@ -600,7 +600,7 @@ static void lists_wait_for_draws(void **state)
     static float px[4 * SIDE * SIDE];
     float entries[4 * 64];
     struct gp_list list = {0};
-    struct gp_output t = {0};
+    struct gp_target t = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
     (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);

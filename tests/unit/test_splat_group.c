@@ -57,7 +57,7 @@ struct cells {
 };
 
 static struct cells read_cells(struct gp_splat *s, struct gp_cells grid,
-                               const struct gp_output *t)
+                               const struct gp_target *t)
 {
     const struct gp_rect all = {0, 0, grid.w, grid.h};
     const size_t n = (size_t) grid.w * (size_t) grid.h;
