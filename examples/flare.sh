@@ -1,0 +1,14 @@
+#!/bin/sh
+# Usage: flare.sh [GLAREPP [FRAMES [CAMERA [FOLDER]]]]
+# A sequence with lens flare that dims as leaves hide the sun: FRAMES is a
+# pattern with depth, CAMERA tells where the sun is. Without them, two frames
+# beside this script. The frames show the sun, so its flux lights the flare
+# alone (--sun-in-frame).
+here=$(dirname "$0")
+frames=${2:-$here/foliage.####.exr}
+camera=${3:-$here/foliage.camera.json}
+out=${4:-flare}
+exec "${1:-glarepp}" --create-dir -v -t 4 --knee 0.5 --tonemap agx \
+    --camera "$camera" --sun-color 1.2e6,1.1e6,8e5 --sun-in-frame \
+    --flare "$here/flare.json" --report "$out.json" \
+    -o "$out/foliage.####.png" "$frames"
