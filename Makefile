@@ -35,16 +35,17 @@ SHADERS := $(wildcard src/gl/shaders/*)
 BRIDGE_SRC := $(wildcard src/io/*.cpp)
 UNIT := $(wildcard tests/unit/test_*.c)
 
-OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o
+OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o $(B)/app/manual_text.o
 LIB_OBJ := $(filter-out $(B)/app/main.o,$(OBJ))
-BRIDGES := $(if $(BRIDGE_SRC),$(B)/glarepp-oiio.so)
+OCIO_SRC := src/tone/ocio_bridge.cpp
+BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%)
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        $(CHECKS) bench man install uninstall deps clean
-all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridge and the man page
+        $(CHECKS) bench man install uninstall deb deps clean
+all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 18
@@ -71,12 +72,29 @@ $(B)/gl/shaders.c: $(SHADERS) Makefile
 $(B)/gl/shaders.o: $(B)/gl/shaders.c
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
-# C++ lives in this one shared object, opened only when a file needs it
+# `glarepp help` prints from the man page
+$(B)/app/manual_text.c: man/glarepp.1.in Makefile
+	@mkdir -p $(@D)
+	@{ echo '#include "app/manual.h"'; \
+	   echo 'const char gp_manual_text[] = {'; \
+	   od -An -v -tx1 $< | sed 's/ \([0-9a-f]*\)/0x\1,/g'; \
+	   echo '0};'; } > $@
+
+$(B)/app/manual_text.o: $(B)/app/manual_text.c
+	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
+
+# C++ lives in these shared objects, opened only when something needs them
 $(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h
 	@mkdir -p $(@D)
 	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
 	    -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
+
+$(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
+	@mkdir -p $(@D)
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
+	    -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
+	    $(call pc,--cflags --libs,OpenColorIO)
 
 $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h)
 	@mkdir -p $(@D)
@@ -170,14 +188,14 @@ check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
 	    awk 'NF == 3 && $$3 !~ /^(gp_|\.)/ { print $$3; n++ } END { exit !n }'
 
 check-size: ## no source file over 450 lines
-	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) | \
+	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) $(OCIO_SRC) | \
 	    awk '$$2 != "total" && $$1 > 450 { print $$2, $$1; n++ } END { exit n > 0 }'
 
 # -- tools and places ---------------------------------------------------------
 
 # ("command" is split as a shell splits: the quotes of -DX='"..."' stay)
 COMMAND = $(CC) $(ALL_CFLAGS) -c
-CXX_COMMAND = $(CXX) -std=c++17 -Isrc $(call pc,--cflags,OpenImageIO OpenEXR) -c
+CXX_COMMAND = $(CXX) -std=c++17 -Isrc $(call pc,--cflags,OpenImageIO OpenEXR OpenColorIO) -c
 define json_entry
 {"directory":"$(CURDIR)","file":"$(1)","command":"$(subst ",\",$(2)) $(1)"},
 endef
@@ -185,30 +203,54 @@ compile_commands.json: Makefile $(SRC) $(UNIT)
 	$(file >$@,[)
 	$(foreach f,$(SRC),$(file >>$@,$(call json_entry,$(f),$(COMMAND))))
 	$(foreach f,$(UNIT),$(file >>$@,$(call json_entry,$(f),$(COMMAND) -Itests/unit)))
-	$(foreach f,$(BRIDGE_SRC),$(file >>$@,$(call json_entry,$(f),$(CXX_COMMAND))))
+	$(foreach f,$(BRIDGE_SRC) $(OCIO_SRC),$(file >>$@,$(call json_entry,$(f),$(CXX_COMMAND))))
 	@sed -i '$$s/,$$/\n]/' $@
 
-install: all ## puts program, bridge and man page under PREFIX (DESTDIR is put before)
+# Where each shell looks for a program's completions
+SHELLS := bash zsh fish
+BASH_PLACE := share/bash-completion/completions/glarepp
+ZSH_PLACE := share/zsh/site-functions/_glarepp
+FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
+
+$(B)/completions.%: $(B)/glarepp
+	$(B)/glarepp help --completion $* > $@.tmp
+	mv $@.tmp $@
+
+install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, man page and completions under PREFIX (DESTDIR is put before)
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/share/man/man1'
+	install -D -m 644 $(B)/completions.bash '$(DESTDIR)$(PREFIX)/$(BASH_PLACE)'
+	install -D -m 644 $(B)/completions.zsh '$(DESTDIR)$(PREFIX)/$(ZSH_PLACE)'
+	install -D -m 644 $(B)/completions.fish '$(DESTDIR)$(PREFIX)/$(FISH_PLACE)'
 	install -m 755 $(B)/glarepp '$(DESTDIR)$(PREFIX)/bin/glarepp'
-	install -m 755 $(B)/glarepp-oiio.so '$(DESTDIR)$(PREFIX)/lib/glarepp/'
+	install -m 755 $(BRIDGES) '$(DESTDIR)$(PREFIX)/lib/glarepp/'
 	install -m 644 man/glarepp.1 '$(DESTDIR)$(PREFIX)/share/man/man1/'
 
 uninstall: ## takes away what install put
 	rm -f '$(DESTDIR)$(PREFIX)/bin/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-oiio.so' \
-	    '$(DESTDIR)$(PREFIX)/share/man/man1/glarepp.1'
+	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-ocio.so' \
+	    '$(DESTDIR)$(PREFIX)/share/man/man1/glarepp.1' \
+	    $(patsubst %,'$(DESTDIR)$(PREFIX)/%',$(BASH_PLACE) $(ZSH_PLACE) $(FISH_PLACE))
 	-rmdir '$(DESTDIR)$(PREFIX)/lib/glarepp' 2>/dev/null
+
+deb: all ## makes a Debian package in build/
+	rm -rf $(B)/deb
+	@$(MAKE) --no-print-directory B=$(B) PREFIX=/usr \
+	    DESTDIR=$(abspath $(B))/deb install
+	.ci/deb.sh $(B)/deb $(VERSION) $(B)
 
 # What a fresh Debian 12 lacks: to build and run, and to test
 DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
+          libopencolorio-dev \
           libgl-dev libegl-dev libosmesa6 libegl1 libegl-mesa0 \
           libgl1-mesa-dri \
           libcmocka-dev openimageio-tools openexr mandoc valgrind perl procps \
-          gnuplot-nox \
+          dpkg-dev gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
+# What only a few tests use, which are skipped without it
+EXTRA := zsh fish parallel slurm-wlm munge python3-yaml
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \
 	    echo "deps: this is no Debian; install what these Debian packages hold:"; \
@@ -216,10 +258,17 @@ deps: ## installs the Debian packages that are missing
 	@missing=; for p in $(DEBIAN); do \
 	    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || \
 	    missing="$$missing $$p"; done; \
+	extra=; for p in $(EXTRA); do \
+	    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || \
+	    extra="$$extra $$p"; done; \
+	export DEBIAN_FRONTEND=noninteractive; \
+	sudo=; [ "$$(id -u)" = 0 ] || sudo='sudo -E'; \
+	[ -z "$$missing$$extra" ] || $$sudo apt-get update -q; \
 	[ -z "$$missing" ] || { echo "deps: installing$$missing"; \
-	    sudo=; [ "$$(id -u)" = 0 ] || sudo=sudo; \
-	    $$sudo apt-get update -q && DEBIAN_FRONTEND=noninteractive \
-	    $$sudo apt-get install -q -y --no-install-recommends $$missing; }
+	    $$sudo apt-get install -q -y --no-install-recommends $$missing; } && \
+	{ [ -z "$$extra" ] || { echo "deps: trying to install$$extra"; \
+	    timeout 300 $$sudo apt-get install -q -y --no-install-recommends \
+	        $$extra || echo "deps: without$$extra a few tests are skipped"; }; }
 
 clean: ## removes build/
 	rm -rf $(B) compile_commands.json

@@ -26,7 +26,7 @@ options_of()
     "$glarepp" "$@" --help |
         sed -n 's/^  *\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
-help=$({ options_of; options_of bench; } | sort -u)
+help=$({ options_of; options_of bench; options_of compare; } | sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
     sed -n 's/^\.It \(Fl \([a-z]\) , \)\{0,1\}Fl \\-\([a-z-]*\).*/-\2 --\3/p' |
     sed 's/^- //' | sort)
@@ -37,7 +37,7 @@ $help
 page:
 $man"
 
-for command in '' bench; do
+for command in '' bench compare; do
     for option in $(options_of $command); do
         line=$("$glarepp" $command "$option" 2>&1)
         case $line in

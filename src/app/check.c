@@ -1,14 +1,22 @@
 #include "app/options.h"
 
+#include "app/compare.h"
 #include "app/sun.h"
+#include "io/file_name.h"
 
 #include <string.h>
 
 // -- settings that are right and do nothing -----------------------------------
 
 static void warn_of_tone(const struct gp_log *log,
-                         const struct gp_tone_params *t)
+                         const struct gp_settings *s)
 {
+    const struct gp_tone_params *const t = &s->tone;
+    if (s->ocio.config && t->white != 0.0f)
+        gp_say(log, GP_LEVEL_WARN, "--white: does nothing with --ocio; leave "
+               "it out");
+    if (s->ocio.config)
+        return;
     const bool none = strcmp(t->curve, "none") == 0;
     if (none && (t->exposure != 0.0f || t->auto_exposure))
         gp_say(log, GP_LEVEL_WARN, "--exposure: does nothing with --tonemap "
@@ -44,6 +52,40 @@ static void warn_of_engine(const struct gp_log *log,
     if (s->glare.tolerance != gp_defaults.glare.tolerance && !chosen)
         gp_say(log, GP_LEVEL_WARN, "--tolerance: does nothing with --engine "
                "%s; use --engine auto", engine);
+}
+
+/* True when that output has no ending to say its format. */
+static bool open_ended(const char *path)
+{
+    char ending[16];
+    if (!path || !gp_file_is_straight(path))
+        return false;
+    gp_file_ending(path, ending, sizeof ending);
+    return ending[0] == '\0';
+}
+
+static void warn_of_stdout(const struct gp_log *log,
+                           const struct gp_settings *s)
+{
+    bool used = open_ended(s->hdr) || open_ended(s->layer);
+    for (int i = 0; i < s->outputs.n; i++)
+        used = used || open_ended(s->outputs.at[i]);
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        used = used || open_ended(s->debug[i]);
+    if (!used && (s->raw_given || s->stdout_given))
+        gp_say(log, GP_LEVEL_WARN, "--%s: does nothing, as no output is -; "
+               "write -o -", s->raw_given ? "raw" : "stdout-format");
+}
+
+static void warn_of_files(const struct gp_log *log,
+                          const struct gp_settings *s)
+{
+    bool any = s->outputs.n || s->hdr || s->layer;
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        any = any || s->debug[i];
+    if (s->write.no_clobber && !any)
+        gp_say(log, GP_LEVEL_WARN, "--no-clobber: does nothing, as no picture "
+               "is written; leave it out");
 }
 
 // -- groups and clusters ------------------------------------------------------
@@ -148,11 +190,59 @@ static gp_status check_sun(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "--flare: the sun has no flux to make it of; give "
                        "--sun-color");
+    if (p->params.sum == GP_SUM_BYTE && p->params.map > 16 &&
+        p->params.method == GP_SUN_MASK && s->level >= GP_LEVEL_WARN)
+        gp_say(log, GP_LEVEL_WARN, "--sun-sum 8bit: a map over 16 adds up to "
+               "nothing (found %d); use --sun-map 16", p->params.map);
     option = mask_option(s);
     if (option && s->level >= GP_LEVEL_WARN &&
         s->command == GP_COMMAND_MAIN && gp_suns_wanted(p))
         gp_say(log, GP_LEVEL_WARN, "--%s: does nothing with this --sun-method; "
                "use --sun-method mask", option);
+    return GP_OK;
+}
+
+// -- colour management --------------------------------------------------------
+
+/* The first option that a config is for, or NULL; one of pictures comes
+ * first. */
+static const char *ocio_option(const struct gp_settings *s, bool *shows)
+{
+    const struct gp_ocio_params *const p = &s->ocio;
+    *shows = p->display || p->view || p->look;
+    return p->display          ? "display"
+           : p->view           ? "view"
+           : p->look           ? "look"
+           : p->output         ? "output-space"
+           : p->input          ? "input-space"
+           : s->ocio_context.n ? "ocio-context" : NULL;
+}
+
+static gp_status check_ocio(const struct gp_log *log, struct gp_settings *s)
+{
+    struct gp_ocio_params *const p = &s->ocio;
+    bool shows;
+    const char *const option = ocio_option(s, &shows);
+    if (!p->config && option)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: there is no config; give --ocio CONFIG, or "
+                       "--ocio env", option);
+    if (p->config && s->toned)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--tonemap: --ocio takes its place; leave one of the "
+                       "two out");
+    p->shows = s->outputs.n > 0 || s->debug[GP_DEBUG_POLYGONS];
+    if (shows && !p->shows)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: there is no picture to show; give -o FILE",
+                       option);
+    if (p->output && !s->hdr)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--output-space: there is no frame to convert; give "
+                       "--hdr FILE");
+    p->context = s->ocio_context.at;
+    p->contexts = s->ocio_context.n;
+    s->write.converted = p->output != NULL;
     return GP_OK;
 }
 
@@ -210,14 +300,46 @@ static gp_status check_bench(const struct gp_log *log,
     return GP_OK;
 }
 
+static gp_status check_help(const struct gp_log *log,
+                            const struct gp_settings *s)
+{
+    const int most = s->completion ? 0 : 1;
+    if (s->inputs.n > most)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "help: too many words (found %s); give one topic",
+                       s->inputs.at[most]);
+    return GP_OK;
+}
+
+/* --raw says what --stdout-format is. */
+static gp_status check_stdout(const struct gp_log *log, struct gp_settings *s)
+{
+    if (s->raw_given && s->stdout_given &&
+        s->write.stdout_format != GP_STDOUT_RAW)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--raw: --stdout-format says otherwise; leave one of "
+                       "the two out");
+    if (s->raw_given)
+        s->write.stdout_format = GP_STDOUT_RAW;
+    return GP_OK;
+}
+
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
+    if (s->command == GP_COMMAND_HELP)
+        return check_help(log, s);
+    if (s->command == GP_COMMAND_COMPARE)
+        return gp_compare_check(log, s);
     gp_status st = s->command == GP_COMMAND_BENCH ? check_bench(log, s)
                                                   : check_main(log, s);
+    if (!st)
+        st = check_stdout(log, s);
     if (!st)
         st = check_splat(log, s);
     if (!st)
         st = check_sun(log, s);
+    if (!st)
+        st = check_ocio(log, s);
     if (st)
         return st;
     if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
@@ -227,8 +349,10 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "add", (double) s->compose.gain);
     s->glare.gain = s->compose.gain;
     if (s->level >= GP_LEVEL_WARN) {
-        warn_of_tone(log, &s->tone);
+        warn_of_tone(log, s);
         warn_of_engine(log, s);
+        warn_of_stdout(log, s);
+        warn_of_files(log, s);
     }
     return GP_OK;
 }

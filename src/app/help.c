@@ -1,4 +1,4 @@
-#include "app/options.h"
+#include "app/help.h"
 
 #include <ctype.h>
 #include <string.h>
@@ -100,7 +100,7 @@ static void wrap(FILE *f, int column, const char *text)
     putc('\n', f);
 }
 
-static void help_option(FILE *f, const struct gp_option *o)
+void gp_help_option(FILE *f, const struct gp_option *o)
 {
     char text[1024], more[768];
     int column = o->letter ? fprintf(f, "  -%c, --%s", o->letter, o->name)
@@ -116,6 +116,16 @@ static void help_option(FILE *f, const struct gp_option *o)
     wrap(f, INDENT, text);
 }
 
+void gp_help_value(FILE *f, const char *name, const char *text)
+{
+    const int column = fprintf(f, "      %s", name);
+    if (column >= INDENT - 1)
+        fprintf(f, "\n%*s", INDENT, "");
+    else
+        fprintf(f, "%*s", INDENT - column, "");
+    wrap(f, INDENT, text);
+}
+
 /* What a command is for, and how it is called. */
 static void help_head(FILE *f, enum gp_command command)
 {
@@ -127,30 +137,72 @@ static void help_head(FILE *f, enum gp_command command)
                    "INPUT is a file, or - for stdin (EXR).\n");
         return;
     }
+    if (command == GP_COMMAND_COMPARE) {
+        fprintf(f, "Says how far two images, or two sequences, are apart.\n\n"
+                   "  glarepp compare [options] A B\n\n"
+                   "A, the reference, and B are files or patterns; one may be "
+                   "- for stdin.\nExit status: 0 match, 1 warning, 2 failure "
+                   "(or a wrong command line),\n3 nothing to compare, 4 a "
+                   "file cannot be read or written.\n");
+        return;
+    }
     fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
                "  glarepp [options] -o OUTPUT INPUT...\n"
                "  glarepp bench [options] INPUT    "
-               "(see glarepp bench --help)\n\n"
+               "(see glarepp bench --help)\n"
+               "  glarepp compare [options] A B    "
+               "(see glarepp compare --help)\n"
+               "  glarepp help [TOPIC]\n\n"
                "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or "
                "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr.\n");
+}
+
+/* An example stands where its own command is explained. */
+static bool is_example_of(const char *line, enum gp_command command)
+{
+    const char *const word = gp_command_word(command);
+    const size_t n = strlen(word);
+    const char *second = line + strlen("glarepp ");
+    if (command == GP_COMMAND_MAIN)
+        return *second == '-' || strncmp(second, "help ", 5) == 0;
+    return strncmp(second, word, n) == 0 && second[n] == ' ';
+}
+
+bool gp_help_group(FILE *f, int group, unsigned commands)
+{
+    const struct gp_option_heading *const head = &gp_option_groups[group];
+    bool headed = false;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if ((int) o->group != group || o->hidden || !(o->commands & commands))
+            continue;
+        if (!headed) {
+            fprintf(f, "%s\n", head->title);
+            enum gp_command command;
+            bool shown = false;
+            for (int i = 0; gp_command_at(i, &command) && !shown; i++) {
+                shown = (commands & command) &&
+                        is_example_of(head->example, command);
+                if (shown)
+                    fprintf(f, "    %s\n", head->example);
+            }
+        }
+        headed = true;
+        gp_help_option(f, o);
+    }
+    return headed;
 }
 
 void gp_help(FILE *f, enum gp_command command)
 {
     help_head(f, command);
+    putc('\n', f);
     for (int g = 0; g < GP_GROUPS; g++) {
-        bool headed = false;
-        for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group != g || o->hidden || !(o->commands & command))
-                continue;
-            if (!headed)
-                fprintf(f, "\n%s\n", gp_option_groups[g]);
-            headed = true;
-            help_option(f, o);
-        }
+        if (gp_help_group(f, g, command))
+            putc('\n', f);
     }
-    fprintf(f, "\nThe first command to try: %s\n",
-            command == GP_COMMAND_BENCH ? "glarepp bench frame.exr"
+    fprintf(f, "The first command to try: %s\n",
+            command == GP_COMMAND_BENCH     ? "glarepp bench frame.exr"
+            : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
                                         : "glarepp -o out.png frame.exr");
 }
 
@@ -227,7 +279,7 @@ static void man_bench(FILE *f)
     const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
     const char *before = NULL;
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (o->hidden || o->commands != both)
+        if (o->hidden || (o->commands & both) != both)
             continue;
         if (before)
             fprintf(f, ".Fl \\-%s ,\n", before);
@@ -240,7 +292,8 @@ void gp_help_man(FILE *f)
 {
     fprintf(f, "@OPTIONS@\n");
     for (int g = 0; g < GP_GROUPS; g++) {
-        fprintf(f, ".Ss %s\n.Bl -tag -width Ds\n", gp_option_groups[g]);
+        fprintf(f, ".Ss %s\n.Dl %s\n.Bl -tag -width Ds\n",
+                gp_option_groups[g].title, gp_option_groups[g].example);
         for (const struct gp_option *o = gp_options; o->name; o++) {
             if ((int) o->group == g && !o->hidden)
                 man_option(f, o);

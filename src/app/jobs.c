@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -56,10 +57,25 @@ static gp_status add_pattern(const struct gp_log *log,
     return st;
 }
 
+/* One job stands for stdin until it is read. */
+static gp_status add_stdin(const struct gp_log *log,
+                           const struct gp_settings *s, struct gp_jobs *j)
+{
+    struct gp_frames f = {0};
+    gp_status st = s->frames ? gp_frames_parse(log, s->frames, &f) : GP_OK;
+    if (!st)
+        st = add_job(log, j, gp_strdup("-"), has_place(j) || s->frames,
+                     f.n ? f.number[0] : 1);
+    gp_frames_free(&f);
+    return st;
+}
+
 static gp_status add_input(const struct gp_log *log,
                            const struct gp_settings *s, const char *path,
                            struct gp_jobs *j, bool *patterns)
 {
+    if (is_dash(path))
+        return add_stdin(log, s, j);
     struct gp_pattern p = {0};
     int frame = 0;
     if (access(path, F_OK) != 0) {
@@ -118,8 +134,8 @@ static gp_status add_inputs(const struct gp_log *log,
         const char *path = in->at[i];
         if (is_dash(path) && in->n > 1)
             return gp_fail(log, GP_ERR_USAGE,
-                           "-: stdin holds one frame (found %d inputs); give "
-                           "- alone", in->n);
+                           "-: stdin goes with no other input (found %d); "
+                           "give - alone", in->n);
         if (is_dash(path) && isatty(STDIN_FILENO))
             return gp_fail(log, GP_ERR_USAGE,
                            "-: stdin is a terminal; pipe an EXR file in");
@@ -175,10 +191,10 @@ static gp_status check_pattern(const struct gp_log *log,
                                const struct gp_jobs *j, bool patterns,
                                const struct gp_pattern *p)
 {
-    if (!p->len && (patterns || j->n > 1))
+    if (!p->len && !is_dash(p->path) && (patterns || j->n > 1))
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: one name for a sequence (found %d frame%s); write "
-                       "a pattern such as out.####.png", p->path, j->n,
+                       "a pattern such as out.####.png, or -", p->path, j->n,
                        j->n == 1 ? "" : "s");
     for (int i = 0; i < j->n && p->len; i++) {
         if (!j->job[i].numbered)
@@ -188,6 +204,15 @@ static gp_status check_pattern(const struct gp_log *log,
                            j->job[i].input, p->path);
     }
     return GP_OK;
+}
+
+static gp_status check_patterns(const struct gp_log *log,
+                                const struct gp_jobs *j, bool patterns)
+{
+    gp_status st = GP_OK;
+    for (int i = 0; i < j->targets && !st; i++)
+        st = check_pattern(log, j, patterns, &j->target[i].name);
+    return st;
 }
 
 static gp_status check_twice(const struct gp_log *log, const char *a,
@@ -218,10 +243,9 @@ static gp_status check_targets(const struct gp_log *log,
                                const struct gp_settings *s,
                                const struct gp_jobs *j, bool patterns)
 {
-    gp_status st = GP_OK;
-    for (int i = 0; i < j->targets; i++)
-        GP_TRY(check_pattern(log, j, patterns, &j->target[i].name));
-    if (j->targets)
+    gp_status st;
+    GP_TRY(check_patterns(log, j, patterns));
+    if (has_place(j))
         GP_TRY(check_numbers(log, j));
     for (int i = 0; i < j->targets; i++) {
         const struct gp_pattern *p = &j->target[i].name;
@@ -248,17 +272,65 @@ out:
     return st;
 }
 
+// -- what is there -----------------------------------------------------------
+
+bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
+                 const struct gp_job *job)
+{
+    for (int i = 0; i < j->targets; i++) {
+        char *name = gp_job_name(job, &j->target[i]);
+        const bool there = name && gp_write_would_clobber(p, name);
+        free(name);
+        if (!there)
+            return false;
+    }
+    return p->no_clobber && j->targets > 0;
+}
+
+/* Frames that were asked for by number and are not there cost no work. */
+static gp_status check_missing(const struct gp_log *log,
+                               const struct gp_settings *s,
+                               const struct gp_jobs *j)
+{
+    const struct gp_job *first = NULL;
+    int missing = 0;
+    if (!s->frames || s->skip_bad_frames)
+        return GP_OK;
+    for (int i = 0; i < j->n; i++) {
+        // (what cannot be looked at says why when it is read)
+        const bool gone = !is_dash(j->job[i].input) &&
+                          access(j->job[i].input, F_OK) != 0 &&
+                          (errno == ENOENT || errno == ENOTDIR);
+        if (!gone || gp_job_made(&s->write, j, &j->job[i]))
+            continue;
+        first = first ? first : &j->job[i];
+        missing++;
+    }
+    if (!first)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_IO,
+                   "%s: no such frame (the first of %d missing, of %d in "
+                   "--frames %s); render %s, or give --skip-bad-frames",
+                   first->input, missing, j->n, s->frames,
+                   missing == 1 ? "it" : "them");
+}
+
 // -- both --------------------------------------------------------------------
 
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
     gp_status st;
-    struct gp_jobs j = {0};
+    struct gp_jobs j = {.members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
     GP_TRY(add_targets(log, s, &j));
     GP_TRY(add_inputs(log, s, &j, &patterns));
     GP_TRY(check_targets(log, s, &j, patterns));
+    GP_TRY(check_missing(log, s, &j));
+    if (is_dash(j.job[0].input)) {
+        GP_TRY(gp_jobs_read_stdin(log, s, &j));
+        GP_TRY(check_patterns(log, &j, patterns));
+    }
     *out = j;
     return GP_OK;
 out:
@@ -271,6 +343,7 @@ void gp_jobs_free(struct gp_jobs *j)
     for (int i = 0; i < j->n; i++)
         free(j->job[i].input);
     free(j->job);
+    gp_members_free(&j->members);
     gp_free(j->target);
     *j = (struct gp_jobs) {0};
 }

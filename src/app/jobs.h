@@ -5,6 +5,7 @@
 
 #include "app/settings.h"
 #include "core/status.h"
+#include "io/members.h"
 #include "io/sequence.h"
 
 #include <stdbool.h>
@@ -29,7 +30,7 @@ struct gp_output {
 /* One frame to make. */
 struct gp_job {
     char *input;    // owned
-    bool numbered;  // by a pattern, or for an output that is one
+    bool numbered;  // by a pattern, for an output that is one, or in stdin
     int frame;      // when numbered
 };
 
@@ -38,22 +39,27 @@ struct gp_jobs {
     int n;
     struct gp_output *target;  // owned; in the order they are written
     int targets;
+    struct gp_members members; // frames of stdin, one a job; n is 0 without
 };
 
 /* Expands the inputs and checks every name that the command line gives:
  *
  *   - a pattern stands for the frames of --frames, or those on disk; a file
  *     that really has the pattern's name is that file
- *   - several frames need patterns for all their outputs, and for these a
- *     number each, no two the same: the pattern's, or the last one in a plain
- *     file's name
+ *   - several frames need patterns or `-` for all their outputs, and for
+ *     patterns a number each, no two the same: the pattern's, or the last one
+ *     in a plain file's name
+ *   - when all else is right, stdin is read to its end: each image in it is a
+ *     frame, numbered by --frames or from 1
  *   - no name twice, `-` at most once among outputs and never a terminal
  *   - gp_write_check() holds for the first frame's outputs
+ *   - every frame of --frames is there, unless --skip-bad-frames says that it
+ *     need not be, or gp_job_made() that it is not needed
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
- * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, and as
- * gp_write_check().
+ * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, frames that are
+ * missing, and as gp_write_check().
  */
 GP_MUST_CHECK gp_status gp_jobs_make(const struct gp_log *log,
                                      const struct gp_settings *s,
@@ -63,5 +69,18 @@ void gp_jobs_free(struct gp_jobs *j);
 /* The name of one target for one job; the caller owns it (free()). NULL when
  * memory is full. */
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
+
+/* True when p->no_clobber is set, there are outputs and all of the job's stand
+ * on disk: nothing is left to make. */
+bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
+                 const struct gp_job *job);
+
+/* Part of gp_jobs_make(), in jobs_stdin.c: reads stdin into j->members and
+ * makes one job for each image in it, in place of the one job that j holds.
+ * Errors: those of gp_members_read(); GP_ERR_USAGE --frames lists another
+ * number of frames. */
+GP_MUST_CHECK gp_status gp_jobs_read_stdin(const struct gp_log *log,
+                                           const struct gp_settings *s,
+                                           struct gp_jobs *j);
 
 #endif

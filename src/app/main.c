@@ -1,4 +1,6 @@
 #include "app/bench.h"
+#include "app/compare.h"
+#include "app/help.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"
@@ -41,12 +43,19 @@ static void print_line(void *user, enum gp_level level, const char *line)
 static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
-    if (s->help)
+    gp_status st = GP_OK;
+    if (s->command == GP_COMMAND_HELP && s->completion)
+        gp_complete(stdout, s->completion);
+    else if (s->command == GP_COMMAND_HELP)
+        st = gp_help_topic(log, stdout, s->inputs.n ? s->inputs.at[0] : NULL);
+    else if (s->help)
         gp_help(stdout, s->command);
     else if (s->help_man)
         gp_help_man(stdout);
     else
         gp_version(stdout);
+    if (st)
+        return st;
     if (fflush(stdout) != 0)
         return gp_fail(log, GP_ERR_IO,
                        "-: cannot write to stdout (%s); check who reads it",
@@ -75,6 +84,7 @@ static gp_status make_frames(struct gp_log *log, const struct gp_settings *s)
 int main(int argc, char *argv[])
 {
     struct gp_settings s;
+    int status = 0; // of what has exit statuses of its own
     struct gp_log log = {print_line, NULL, GP_LEVEL_WARN};
     keep_streams();
     gp_keep_memory();
@@ -83,12 +93,15 @@ int main(int argc, char *argv[])
     signal(SIGPIPE, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
-    if (!st && (s.help || s.help_man || s.version))
+    if (!st && (s.help || s.help_man || s.version ||
+                s.command == GP_COMMAND_HELP))
         st = print_text(&log, &s);
     else if (!st && s.command == GP_COMMAND_BENCH)
         st = gp_bench_run(&log, &s);
+    else if (!st && s.command == GP_COMMAND_COMPARE)
+        status = gp_compare_run(&log, &s);
     else if (!st)
         st = make_frames(&log, &s);
     gp_settings_free(&s);
-    return (int) st;
+    return st ? (int) st : status;
 }

@@ -124,6 +124,21 @@ const struct gp_option_choice gp_alphas[] = {
     {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"},
     {0},
 };
+const struct gp_option_choice gp_stdout_formats[] = {
+    {"exr", GP_STDOUT_EXR, "OpenEXR; with --hdr the only one"},
+    {"png", GP_STDOUT_PNG, NULL},
+    {"pfm", GP_STDOUT_PFM, "portable float map: floats as they are"},
+    {"raw", GP_STDOUT_RAW, "no header: pixels from the top left on, for ffmpeg "
+     "-f rawvideo; all frames have one size"},
+    {0},
+};
+const struct gp_option_choice gp_raws[] = {
+    {"rgb24", GP_RAW_RGB24, "8 bits, sRGB"},
+    {"rgb48le", GP_RAW_RGB48LE, "16 bits, sRGB, low byte first"},
+    {"rgb48be", GP_RAW_RGB48BE, "16 bits, sRGB, high byte first"},
+    {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"},
+    {0},
+};
 const struct gp_option_choice gp_progresses[] = {
     {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
     {"always", GP_PROGRESS_ALWAYS, NULL},
@@ -139,5 +154,11 @@ const struct gp_option_choice gp_debugs[] = {
      "white where a light shows"},
     {"intensity", GP_DEBUG_INTENSITY, "the intensity map: a pixel for each "
      "light, as bright as its visible share"},
+    {0},
+};
+const struct gp_option_choice gp_shells[] = {
+    {"bash", GP_SHELL_BASH, NULL},
+    {"zsh", GP_SHELL_ZSH, NULL},
+    {"fish", GP_SHELL_FISH, NULL},
     {0},
 };

@@ -14,22 +14,34 @@ const struct gp_settings gp_defaults = {
     .tone = GP_TONE_DEFAULTS,
     .write = GP_WRITE_DEFAULTS,
     .bench = GP_BENCH_DEFAULTS,
+    .compare = GP_COMPARE_DEFAULTS,
     .sun = GP_SUN_SETTINGS_DEFAULTS,
     .command = GP_COMMAND_MAIN,
     .level = GP_LEVEL_WARN,
 };
 
-const char *const gp_option_groups[GP_GROUPS] = {
-    [GP_GROUP_OUTPUT] = "Pictures to make (at least one)",
-    [GP_GROUP_INPUT] = "Frames to read",
-    [GP_GROUP_LIGHT] = "Light and kernel",
-    [GP_GROUP_SUN] = "Suns, lamps and lens flare",
-    [GP_GROUP_ENGINE] = "How the glare is computed",
-    [GP_GROUP_TONE] = "Tone mapping",
-    [GP_GROUP_FILE] = "Files",
-    [GP_GROUP_REPORT] = "What was done",
-    [GP_GROUP_BENCH] = "What glarepp bench measures and writes",
-    [GP_GROUP_GENERAL] = "General",
+const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
+    [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",
+        "glarepp -o out.png --hdr lit.exr --layer glare.exr frame.exr"},
+    [GP_GROUP_INPUT] = {"Frames to read", "inputs",
+        "glarepp -f 1-100x2 -o out.####.png shot.####.exr"},
+    [GP_GROUP_LIGHT] = {"Light and kernel", "kernels",
+        "glarepp -t 2 -k builtin:streak --rotate 10 -o out.png frame.exr"},
+    [GP_GROUP_SUN] = {"Suns, lamps and lens flare", "lights",
+        "glarepp --sun 960,200,12 --sun-color 5e4 -o out.png frame.exr"},
+    [GP_GROUP_ENGINE] = {"How the glare is computed", "engines",
+        "glarepp --tolerance 1e-4 --threads 2 -o out.png frame.exr"},
+    [GP_GROUP_TONE] = {"Tone mapping", "tone",
+        "glarepp --tonemap agx --exposure -1 -o out.png frame.exr"},
+    [GP_GROUP_FILE] = {"Files", "files",
+        "glarepp --type half --compression piz --hdr lit.exr frame.exr"},
+    [GP_GROUP_REPORT] = {"What was done", "report",
+        "glarepp --verify --report - --layer glare.exr frame.exr"},
+    [GP_GROUP_BENCH] = {"What glarepp bench measures and writes", "measuring",
+        "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
+    [GP_GROUP_COMPARE] = {"What glarepp compare allows and makes", "comparing",
+        "glarepp compare --fail 0.004 --heatmap diff.png a.exr b.exr"},
+    [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
 };
 
 // -- values by name ----------------------------------------------------------
@@ -95,6 +107,9 @@ static const char *kernel_name(int i, const char **text)
 #define BOTH(g) .group = GP_GROUP_##g,                                        \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH
 #define BENCH .group = GP_GROUP_BENCH, .commands = GP_COMMAND_BENCH
+#define COMPARE .group = GP_GROUP_COMPARE, .commands = GP_COMMAND_COMPARE
+#define ALL(g) .group = GP_GROUP_##g,                                         \
+    .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH | GP_COMMAND_COMPARE
 
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', IN(OUTPUT), .arg = "FILE",
@@ -108,10 +123,14 @@ const struct gp_option gp_options[] = {
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Picture of a step on the way"),
 
-    OPT(frames, .name = "frames", .letter = 'f', IN(INPUT), .arg = "LIST",
+    OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .help = "Frames of a pattern: 1-100, 1-100x2, 3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
-    OPT(read.max_pixels, .name = "max-pixels", BOTH(INPUT), .arg = "N",
+    OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
+        .help = "Goes on when a frame cannot be read or written; says which "
+                "at the end, with exit status 6"),
+    OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
         .help = "Refuses files that claim to have more pixels"),
 
@@ -232,10 +251,11 @@ const struct gp_option gp_options[] = {
            .help = "Context of the engine on GL"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
            .choices = gp_plans, .help = "How the FFT chooses its plans"),
-    OPT(threads, .name = "threads", BOTH(ENGINE), .arg = "N", .hi = 1024,
+    OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .help = "Threads, 0 for all processors; no output depends on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
+        .given = offsetof(struct gp_settings, toned),
         .list = curve_name, .help = "Operator"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .hi = 32, .help = "Scales the light by 2 to the EV first"),
@@ -245,6 +265,24 @@ const struct gp_option gp_options[] = {
     OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .help = "Luminance that burns out with reinhard-extended, in scaled "
                 "units; 0 takes the frame's maximum"),
+
+    OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
+        .help = "An OpenColorIO config, whose view takes the place of "
+                "--tonemap: a file, env for $OCIO, or ocio://NAME of a library "
+                "that has built-in ones"),
+    OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
+        .help = "The config's colour space or role that the frame is in; "
+                "without it, scene_linear"),
+    OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
+        .help = "The config's display; without it, its default"),
+    OPT(ocio.view, .name = "view", IN(TONE), .arg = "V",
+        .help = "The display's view; without it, its default"),
+    OPT(ocio.look, .name = "look", IN(TONE), .arg = "L",
+        .help = "Looks in place of those of the view: A, or -A,+B"),
+    OPT(ocio.output, .name = "output-space", IN(TONE), .arg = "S",
+        .help = "The config's colour space that --hdr is converted to"),
+    OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
+        .help = "Context variable of the config; may be given more than once"),
 
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
            .choices = gp_types, .help = "Samples of float formats"),
@@ -257,6 +295,17 @@ const struct gp_option gp_options[] = {
         .help = "Dithers where values become integers"),
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
            .choices = gp_alphas, .help = "Alpha of -o pictures"),
+    OPT(write.no_clobber, .name = "no-clobber", IN(FILE),
+        .help = "Leaves frames alone whose outputs are all there, to resume a "
+                "run; says how many at the end"),
+    CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
+           .arg = "FORMAT", .choices = gp_stdout_formats,
+           .given = offsetof(struct gp_settings, stdout_given),
+           .help = "What - is as an output"),
+    CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
+           .choices = gp_raws,
+           .given = offsetof(struct gp_settings, raw_given),
+           .help = "Pixels of --stdout-format raw, which it stands for too"),
     OPT(write.create_dir, .name = "create-dir", IN(FILE),
         .help = "Makes the folders of output files that are missing"),
 
@@ -268,15 +317,17 @@ const struct gp_option gp_options[] = {
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
            .choices = gp_progresses, .help = "Line with frame, rate and time "
            "left"),
-    SET(level, .name = "quiet", .letter = 'q', BOTH(REPORT),
+    SET(level, .name = "quiet", .letter = 'q', ALL(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Errors only"),
-    SET(level, .name = "verbose", .letter = 'v', BOTH(REPORT),
+    SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "A line for each frame"),
 
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE",
         .help = "The table as comma-separated values; - is stdout"),
-    OPT(bench.json, .name = "json", BENCH, .arg = "FILE",
-        .help = "The table as JSON; - is stdout"),
+    OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
+        .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
+        .help = "bench: the table as JSON; compare: one object a line for "
+                "each pair; - is stdout"),
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
         .help = "Error over time with the Pareto front, as SVG, by gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,
@@ -285,12 +336,43 @@ const struct gp_option gp_options[] = {
     OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
         .help = "Timed runs of each row; the table has their median"),
 
-    OPT(version, .name = "version", BOTH(GENERAL),
+    OPT(compare.fail, .name = "fail", COMPARE, .arg = "E", .hi = FLT_MAX,
+        .help = "Error over which a value fails"),
+    OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = FLT_MAX,
+        .help = "Error over which a value is a warning"),
+    OPT(compare.fail_relative, .name = "failrelative", COMPARE, .arg = "F",
+        .hi = FLT_MAX,
+        .help = "Share of the mean of both magnitudes that an error must be "
+                "over as well to fail"),
+    OPT(compare.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
+        .hi = FLT_MAX, .help = "The same for warnings"),
+    OPT(compare.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
+        .hi = 100, .help = "Percentage of pixels that may fail"),
+    OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
+        .hi = 100, .help = "Percentage of pixels that may be over the warning"),
+    OPT(compare.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
+        .hi = FLT_MAX, .help = "Error that no pixel may exceed at all"),
+    OPT(compare.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
+        .hi = FLT_MAX, .help = "Error over which a single pixel is a warning"),
+    OPT(compare.flip_exposures, .name = "flip-exposures", COMPARE,
+        .arg = "START,STOP,COUNT", .least = 3, .most = 3, .lo = -64, .hi = 64,
+        .help = "Exposures of HDR-FLIP in EV; without it, those that fit the "
+                "first image"),
+    OPT(compare.no_flip, .name = "no-flip", COMPARE,
+        .help = "Leaves FLIP out, which takes most of the time"),
+    OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
+        .help = "Picture of FLIP at each pixel: magma, black 0 to pale "
+                "yellow 1"),
+
+    OPT(version, .name = "version", ALL(GENERAL),
         .help = "Prints the versions of the program and its libraries"),
-    OPT(help, .name = "help", .letter = 'h', BOTH(GENERAL),
-        .help = "Prints this"),
+    OPT(help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
+        .commands = ~0u, .help = "Prints this; glarepp help TOPIC says more"),
     OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
         .help = "Prints the man page's generated parts"),
+    CHOICE(completion, .name = "completion", .group = GP_GROUP_GENERAL,
+           .commands = GP_COMMAND_HELP, .arg = "SHELL", .choices = gp_shells,
+           .hidden = true, .help = "Prints the shell's completions"),
     {0},
 };
 

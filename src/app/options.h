@@ -36,9 +36,14 @@ enum gp_option_kind {
 enum gp_option_group {
     GP_GROUP_OUTPUT, GP_GROUP_INPUT, GP_GROUP_LIGHT, GP_GROUP_SUN,
     GP_GROUP_ENGINE, GP_GROUP_TONE, GP_GROUP_FILE, GP_GROUP_REPORT,
-    GP_GROUP_BENCH, GP_GROUP_GENERAL, GP_GROUPS,
+    GP_GROUP_BENCH, GP_GROUP_COMPARE, GP_GROUP_GENERAL, GP_GROUPS,
 };
-extern const char *const gp_option_groups[GP_GROUPS];
+struct gp_option_heading {
+    const char *title;
+    const char *word;     // its name as a topic of glarepp help
+    const char *example;  // a command line that uses options of the group
+};
+extern const struct gp_option_heading gp_option_groups[GP_GROUPS];
 
 struct gp_option_choice {
     const char *name;
@@ -63,6 +68,7 @@ struct gp_option {
     /* The i-th value and its line, NULL behind the last. */
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are taken as well
+    bool blank;            // GP_KIND_TEXT: an empty word is a value
     bool hidden;           // not in --help
 };
 extern const struct gp_option gp_options[];  // NULL name at the end
@@ -82,8 +88,13 @@ struct gp_range_text gp_option_range(const struct gp_option *o);
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter);
 
-/* The word that asks for a command; "" for GP_COMMAND_MAIN. */
+/* The word that asks for a command, for the first of several bits; "" for
+ * GP_COMMAND_MAIN. */
 const char *gp_command_word(enum gp_command command);
+
+/* The i-th command with its word, from GP_COMMAND_MAIN on; NULL behind the
+ * last, which leaves *command as it is. */
+const char *gp_command_at(int i, enum gp_command *command);
 
 /* Reads the command line into *out, which starts as gp_defaults; its last
  * value wins where an option comes twice. The first word may be a command's;

@@ -1,11 +1,13 @@
 #include "app/options.h"
 
+#include "app/spell.h"
 #include "core/memory.h"
 
 #include <errno.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* One option as it stands on the command line. */
 struct use {
@@ -173,7 +175,7 @@ static gp_status set_text(const struct use *u)
         known = strcmp(name, u->value) == 0;
     if (!known)
         return unknown_value(u, u->value);
-    if (!*u->value)
+    if (!*u->value && !o->blank)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: needs a value (found an empty word); give %s",
                        o->name, o->arg);
@@ -237,32 +239,6 @@ static gp_status set_option(const struct use *u)
     return GP_ERR_BUG;
 }
 
-// -- misspelt options --------------------------------------------------------
-
-/* Edits (insert, delete, replace) that turn a into b, both of at most 31
- * characters; 99 for longer ones. */
-static int distance(const char *a, size_t a_n, const char *b)
-{
-    enum { LONGEST = 31 };
-    size_t b_n = strlen(b);
-    int row[LONGEST + 1];
-    if (a_n > LONGEST || b_n > LONGEST)
-        return 99;
-    for (size_t j = 0; j <= b_n; j++)
-        row[j] = (int) j;
-    for (size_t i = 1; i <= a_n; i++) {
-        int diagonal = row[0];
-        row[0] = (int) i;
-        for (size_t j = 1; j <= b_n; j++) {
-            int replaced = diagonal + (a[i - 1] != b[j - 1]);
-            int other = (row[j] < row[j - 1] ? row[j] : row[j - 1]) + 1;
-            diagonal = row[j];
-            row[j] = replaced < other ? replaced : other;
-        }
-    }
-    return row[b_n];
-}
-
 // -- commands ----------------------------------------------------------------
 
 static const struct {
@@ -271,14 +247,24 @@ static const struct {
 } commands[] = {
     {"", GP_COMMAND_MAIN},
     {"bench", GP_COMMAND_BENCH},
+    {"compare", GP_COMMAND_COMPARE},
+    {"help", GP_COMMAND_HELP},
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
 
 const char *gp_command_word(enum gp_command command)
 {
     int i = 0;
-    while (i < COMMANDS - 1 && commands[i].command != command)
+    while (i < COMMANDS - 1 && !(commands[i].command & command))
         i++;
+    return commands[i].word;
+}
+
+const char *gp_command_at(int i, enum gp_command *command)
+{
+    if (i < 0 || i >= COMMANDS)
+        return NULL;
+    *command = commands[i].command;
     return commands[i].word;
 }
 
@@ -292,6 +278,20 @@ static enum gp_command read_command(int argc, char *const argv[], int *i)
         }
     }
     return GP_COMMAND_MAIN;
+}
+
+/* A first word that is nearly a command's and names no file. */
+static gp_status check_slip(const struct gp_log *log, const char *word)
+{
+    struct gp_nearest near = gp_nearest_to(word, strlen(word), 2);
+    for (int c = 1; c < COMMANDS; c++)
+        gp_nearest_try(&near, commands[c].word);
+    if (!near.name || word[strspn(word, "abcdefghijklmnopqrstuvwxyz")] ||
+        access(word, F_OK) == 0)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%s: no such command or file; did you mean glarepp %s?",
+                   word, near.name);
 }
 
 static gp_status other_command(const struct use *u)
@@ -315,21 +315,16 @@ static gp_status unknown_option(const struct gp_log *log,
 {
     const char *name = word + strspn(word, "-");
     size_t length = strcspn(name, "=");
-    const struct gp_option *nearest = NULL;
-    int least = 4; // further away it is no slip of the finger
+    struct gp_nearest near = gp_nearest_to(name, length, 3);
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        int d = o->hidden || !(o->commands & command)
-                    ? 99 : distance(name, length, o->name);
-        if (d < least && d < (int) length) {
-            least = d;
-            nearest = o;
-        }
+        if (!o->hidden && (o->commands & command))
+            gp_nearest_try(&near, o->name);
     }
     int shown = (int) (name - word + (ptrdiff_t) length);
-    if (nearest)
+    if (near.name)
         return gp_fail(log, GP_ERR_USAGE,
                        "%.*s: unknown option; did you mean --%s?", shown,
-                       word, nearest->name);
+                       word, near.name);
     return gp_fail(log, GP_ERR_USAGE,
                    "%.*s: unknown option; glarepp %s%s--help lists them",
                    shown, word, gp_command_word(command),
@@ -358,6 +353,14 @@ static bool is_long_option(const char *word)
 {
     const char *value;
     return strncmp(word, "--", 2) == 0 && split(word, &value);
+}
+
+/* `glarepp help --gain` asks about an option. */
+static bool is_topic(enum gp_command command, const char *word)
+{
+    const char *value;
+    const struct gp_option *o = split(word, &value);
+    return command == GP_COMMAND_HELP && !(o && (o->commands & command));
 }
 
 /* Reads the option at argv[*i] and moves *i to its last word. */
@@ -394,8 +397,8 @@ static gp_status read_option(const struct gp_log *log, int argc,
 static gp_status make_lists(const struct gp_log *log, int argc,
                             struct gp_settings *s)
 {
-    struct gp_texts *lists[] = {&s->inputs, &s->outputs};
-    for (int i = 0; i < 2; i++) {
+    struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context};
+    for (int i = 0; i < 3; i++) {
         void *block;
         gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
                                 sizeof(char *), &block);
@@ -414,11 +417,14 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     bool options = true; // until "--"
     int i = 1;
     out->command = read_command(argc, argv, &i);
+    if (!st && argc > 1 && out->command == GP_COMMAND_MAIN)
+        st = check_slip(log, argv[1]);
     for (; i < argc && !st; i++) {
         const char *word = argv[i];
         if (options && strcmp(word, "--") == 0)
             options = false;
-        else if (options && word[0] == '-' && word[1])
+        else if (options && word[0] == '-' && word[1] &&
+                 !is_topic(out->command, word))
             st = read_option(log, argc, argv, &i, out);
         else
             out->inputs.at[out->inputs.n++] = word;
@@ -432,5 +438,6 @@ void gp_settings_free(struct gp_settings *s)
 {
     GP_FREE(s->inputs.at);
     GP_FREE(s->outputs.at);
-    s->inputs.n = s->outputs.n = 0;
+    GP_FREE(s->ocio_context.at);
+    s->inputs.n = s->outputs.n = s->ocio_context.n = 0;
 }

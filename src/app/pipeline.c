@@ -2,11 +2,14 @@
 
 #include "app/cache.h"
 #include "app/stages.h"
+#include "app/tally.h"
 #include "core/clock.h"
 #include "core/memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Which stages run, and what nobody needs after each. */
 struct plan {
@@ -78,19 +81,20 @@ static gp_status tell(struct gp_run *r)
                         : GP_OK;
 }
 
-static gp_status make_frame(struct gp_run *r, const struct plan *plan,
-                            int index, struct gp_progress *progress)
+/* Frames that were left alone count as if they had not been asked for. */
+static gp_status run_stages(struct gp_run *r, const struct plan *plan,
+                            int index, int kept, struct gp_progress *progress)
 {
-    gp_status st = GP_OK;
-    begin_frame(r, &r->jobs->job[index]);
     for (int i = 0; i < GP_STAGES; i++) {
         const struct gp_stage *stage = &gp_stages[i];
         if (!plan->on[i])
             continue;
-        gp_progress_update(progress, index, r->jobs->n, r->job->input,
-                           stage->name);
+        gp_progress_update(progress, index - kept, r->jobs->n - kept,
+                           r->job->input, stage->name);
         double start = gp_now_ms();
-        GP_TRY(stage->run(r));
+        gp_status st = stage->run(r);
+        if (st)
+            return st;
         if (stage->time >= 0) {
             const double ms = gp_now_ms() - start;
             r->facts.ms[stage->time] = fmax(r->facts.ms[stage->time], 0) + ms;
@@ -98,8 +102,57 @@ static gp_status make_frame(struct gp_run *r, const struct plan *plan,
         }
         gp_run_release(r, plan->dead[i]);
     }
-    GP_TRY(tell(r));
-out:
+    return GP_OK;
+}
+
+// -- frames that fail --------------------------------------------------------
+
+/* Hands every message on, and keeps the last error for the report. */
+struct errors {
+    const struct gp_log *to;
+    char last[4096];
+};
+
+static void keep_error(void *user, enum gp_level level, const char *line)
+{
+    struct errors *const e = user;
+    if (level == GP_LEVEL_ERROR)
+        snprintf(e->last, sizeof e->last, "%s", line);
+    if (e->to && e->to->sink)
+        e->to->sink(e->to->user, level, line);
+}
+
+static struct gp_log log_of_errors(const struct gp_log *to, struct errors *e)
+{
+    *e = (struct errors) {.to = to};
+    return (struct gp_log) {keep_error, e, to ? to->level : GP_LEVEL_ERROR};
+}
+
+/* True for what may be wrong with one frame alone; a lost context, a full
+ * memory or a closed stdout would fail the others too. */
+static bool can_skip(const struct gp_run *r, gp_status st)
+{
+    const char *const writing = r->names[r->facts.n_outputs];
+    if (st == GP_ERR_IO && writing && strcmp(writing, "-") == 0)
+        return false;
+    return r->s->skip_bad_frames && (st == GP_ERR_IO || st == GP_ERR_DATA ||
+                                     st == GP_ERR_USAGE);
+}
+
+static gp_status make_frame(struct gp_run *r, const struct plan *plan,
+                            int index, struct gp_progress *progress,
+                            struct gp_tally *tally)
+{
+    begin_frame(r, &r->jobs->job[index]);
+    gp_status st = run_stages(r, plan, index, tally->kept, progress);
+    if (!st) {
+        st = tell(r);
+    } else if (can_skip(r, st)) {
+        const struct errors *const e = r->log->user;
+        gp_tally_fail(tally, index);
+        st = r->s->report ? gp_report_failed(r->log, &r->report, &r->facts,
+                                             e->last) : GP_OK;
+    }
     end_frame(r);
     return st;
 }
@@ -119,6 +172,8 @@ static gp_status begin_run(struct gp_run *r)
         r->wisdom = gp_cache_file("fft-wisdom");
     r->glare.wisdom = r->wisdom;
     GP_TRY(gp_run_read_kernel(r));
+    if (r->s->ocio.config)
+        GP_TRY(gp_ocio_open(r->log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(r->log, r->s, &r->suns));
     if (r->s->report)
         GP_TRY(gp_report_open(r->log, r->s->report, &r->report));
@@ -132,16 +187,29 @@ gp_status gp_pipeline_run(const struct gp_log *log,
                           struct gp_progress *progress)
 {
     gp_status st;
-    struct gp_run r = {.log = log, .s = s, .jobs = jobs};
+    struct errors errors;
+    const struct gp_log errors_log = log_of_errors(log, &errors);
+    struct gp_settings own = *s;
+    own.write.no_clobber = false; // a set that is not whole is made anew
+    struct gp_run r = {.log = &errors_log, .s = &own, .jobs = jobs};
+    struct gp_tally tally = {0};
     struct plan plan;
     GP_TRY(make_plan(&r, &plan));
     GP_TRY(begin_run(&r));
-    for (int i = 0; i < jobs->n; i++)
-        GP_TRY(make_frame(&r, &plan, i, progress));
+    GP_TRY(gp_tally_make(log, jobs, &tally));
+    for (int i = 0; i < jobs->n; i++) {
+        if (gp_job_made(&s->write, jobs, &jobs->job[i]))
+            tally.kept++;
+        else
+            GP_TRY(make_frame(&r, &plan, i, progress, &tally));
+    }
+    GP_TRY(gp_tally_end(log, &tally));
 out:;
     gp_status closed = gp_report_close(st ? NULL : log, &r.report);
+    gp_tally_free(&tally);
     gp_glare_close(&r.engines);
     gp_suns_close(&r.suns);
+    gp_ocio_close(&r.ocio);
     gp_kernel_free(&r.kernel);
     gp_free(r.names);
     free(r.wisdom);

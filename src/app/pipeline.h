@@ -13,12 +13,16 @@
 #include "app/settings.h"
 #include "core/status.h"
 
-/* Makes all frames of `jobs`; ends at the first that fails. Files that were
- * written before stay.
+/* Makes all frames of `jobs` but those that gp_job_made() says are there; ends
+ * at the first that fails. With --skip-bad-frames it goes on behind a frame
+ * that has bad data or cannot be read or written, has a line in the report for
+ * it, and says at the end how many and which. Files that were written before
+ * stay.
  *
  *   log       gets the errors, and with --verbose a line for each frame
  *   progress  open
- * Errors: those of the stages, with their line printed.
+ * Errors: those of the stages, with their line printed; GP_ERR_FRAMES some
+ * frames were skipped as bad.
  */
 GP_MUST_CHECK gp_status gp_pipeline_run(const struct gp_log *log,
                                         const struct gp_settings *s,

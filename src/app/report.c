@@ -195,6 +195,22 @@ static void add_lights(struct object *o, const struct gp_facts *f)
         put(o, "sun_method", text(f->sun_way));
 }
 
+static void add_ocio(struct object *o, const struct gp_ocio_names *n)
+{
+    if (!n)
+        return;
+    const char *const field[][2] = {
+        {"config", n->config}, {"input", n->input}, {"display", n->display},
+        {"view", n->view}, {"look", n->look}, {"output", n->output},
+    };
+    struct object inner = {.json = json_object()};
+    for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
+        if (field[i][1])
+            put(&inner, field[i][0], text(field[i][1]));
+    }
+    put_inner(o, "ocio", &inner);
+}
+
 static void add_checks(struct object *o, const struct gp_facts *f)
 {
     if (f->verified) {
@@ -341,20 +357,14 @@ static bool start_file(const struct gp_report *r)
     return ftruncate(fd, 0) == 0;
 }
 
-gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
-                          const struct gp_facts *facts)
+/* Takes the object and writes its line. */
+static gp_status write_object(const struct gp_log *log, struct gp_report *r,
+                              struct object *o)
 {
-    struct object o = {.json = json_object()};
-    add_names(&o, facts);
-    add_engine(&o, &facts->glare);
-    add_work(&o, facts);
-    add_checks(&o, facts);
-    add_lights(&o, facts);
-    add_costs(&o, facts);
-    char *line = o.full ? NULL
-                        : json_dumps(o.json, JSON_COMPACT |
-                                                 JSON_REAL_PRECISION(10));
-    json_decref(o.json);
+    char *line = o->full ? NULL
+                         : json_dumps(o->json, JSON_COMPACT |
+                                                   JSON_REAL_PRECISION(10));
+    json_decref(o->json);
     if (!line)
         return gp_fail(log, GP_ERR_BUG, "%s: out of memory", r->path);
     bool fine = (r->lines > 0 || start_file(r)) &&
@@ -364,6 +374,31 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
         return write_failed(log, r);
     r->lines++;
     return GP_OK;
+}
+
+gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
+                           const struct gp_facts *facts, const char *error)
+{
+    struct object o = {.json = json_object()};
+    if (facts->numbered)
+        put(&o, "frame", json_integer(facts->frame));
+    put(&o, "input", text(facts->input));
+    put(&o, "error", text(error));
+    return write_object(log, r, &o);
+}
+
+gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
+                          const struct gp_facts *facts)
+{
+    struct object o = {.json = json_object()};
+    add_names(&o, facts);
+    add_engine(&o, &facts->glare);
+    add_work(&o, facts);
+    add_checks(&o, facts);
+    add_lights(&o, facts);
+    add_ocio(&o, facts->ocio);
+    add_costs(&o, facts);
+    return write_object(log, r, &o);
 }
 
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)

@@ -7,6 +7,7 @@
 #include "glare/engine.h"
 #include "sun/light.h"
 #include "sun/occluder.h"
+#include "tone/ocio.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -48,6 +49,7 @@ struct gp_facts {
     const char *sun_gl;          // context of the lights, or NULL
     const char *depth;           // channel, or NULL
     enum gp_pixel_type depth_type;
+    const struct gp_ocio_names *ocio; // NULL: tone mapped
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;
 };
@@ -72,6 +74,13 @@ GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
                                         struct gp_report *r,
                                         const struct gp_facts *facts);
+
+/* The line of a frame that could not be made: frame (when numbered), input and
+ * error, the message that was printed for it. Same errors. */
+GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
+                                         struct gp_report *r,
+                                         const struct gp_facts *facts,
+                                         const char *error);
 
 /* Closes it; a file without a line that this run made is removed. A closed or
  * zeroed report is fine. Errors: GP_ERR_IO. */

@@ -14,8 +14,10 @@
 #include "sun/camera.h"
 #include "sun/light.h"
 #include "sun/occluder.h"
+#include "tone/ocio.h"
 #include "tone/tone.h"
 
+#include <math.h>
 #include <stdbool.h>
 
 /* Values of --progress. AUTO draws on a terminal only. */
@@ -39,6 +41,16 @@ enum gp_debug_kind {
 enum gp_command {
     GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
     GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
+    GP_COMMAND_COMPARE = 1 << 2, // "compare": error between two images
+    GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
+};
+
+/* Shells that completions are made for. */
+enum gp_shell {
+    GP_SHELL_NONE,
+    GP_SHELL_BASH,
+    GP_SHELL_ZSH,
+    GP_SHELL_FISH,
 };
 
 /* Words from the command line, in its order. */
@@ -79,6 +91,21 @@ struct gp_bench_settings {
 };
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
+/* What `glarepp compare` allows, as in idiff, and makes. Values over an
+ * absolute and the relative limit count; errors are of stored values. */
+struct gp_compare_settings {
+    float fail, warn;                   // absolute
+    float fail_relative, warn_relative; // of the mean of both magnitudes
+    float fail_percent, warn_percent;   // of pixels that may be over it
+    float hard_fail, hard_warn;         // that no pixel may exceed
+    struct gp_numbers flip_exposures;   // start, stop, count; n 0: automatic
+    bool no_flip;
+    const char *heatmap;                // NULL: not wanted
+};
+#define GP_COMPARE_DEFAULTS                                                   \
+    { .fail = 1e-6f, .warn = 1e-6f, .hard_fail = INFINITY,                    \
+      .hard_warn = INFINITY }
+
 /* Strings are borrowed from argv or are constants. */
 struct gp_settings {
     enum gp_command command;
@@ -88,11 +115,14 @@ struct gp_settings {
     struct gp_glare_params glare;      // gain is compose's
     struct gp_compose_params compose;
     struct gp_tone_params tone;
+    struct gp_ocio_params ocio;        // config NULL: tone maps
     struct gp_write_params write;
-    struct gp_bench_settings bench;
+    struct gp_bench_settings bench;    // json: of compare too
+    struct gp_compare_settings compare;
     struct gp_sun_settings sun;
 
     struct gp_texts inputs, outputs;   // outputs: -o
+    struct gp_texts ocio_context;      // ocio.context once checked
     const char *hdr, *layer;           // NULL: not wanted
     const char *debug[GP_DEBUG_KINDS]; // files
     const char *report;
@@ -100,10 +130,14 @@ struct gp_settings {
     const char *depth;                 // channel
     int threads;                       // 0: all processors
     bool verify;
+    bool skip_bad_frames;              // goes on behind a frame that fails
     bool clustered;                    // --cluster was given
+    bool toned;                        // --tonemap was given
+    bool stdout_given, raw_given;      // --stdout-format, --raw were given
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;
+    enum gp_shell completion;          // help --completion
 };
 
 /* The values that hold where the command line says nothing. */

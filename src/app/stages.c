@@ -28,12 +28,17 @@ static gp_status find_depth(struct gp_run *r)
 
 static gp_status run_read(struct gp_run *r)
 {
-    gp_status st = gp_read_frame(r->log, &r->s->read, r->job->input,
-                                 &r->frame);
+    const struct gp_members *const m = &r->jobs->members;
+    const int i = (int) (r->job - r->jobs->job);
+    gp_status st = m->n ? gp_members_frame(r->log, &r->s->read, r->job->input,
+                                           m, i, &r->frame)
+                        : gp_read_frame(r->log, &r->s->read, r->job->input,
+                                        &r->frame);
     if (st)
         return st;
     r->facts.width = gp_frame_w(&r->frame);
     r->facts.height = gp_frame_h(&r->frame);
+    r->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
     return gp_suns_wanted(&r->s->sun) ? GP_OK : find_depth(r);
 }
 
@@ -182,7 +187,7 @@ static gp_status make_dark_layer(struct gp_run *r);
 /* Lens flare, and the glare of lights that the engines were not given. */
 static gp_status run_flare(struct gp_run *r)
 {
-    if (!gp_suns_glare(&r->suns)) // no flux: only their shares are asked for
+    if (!gp_suns_add_light(r->s, &r->suns)) // shares alone
         return gp_suns_draw(r->log, r->s, &r->suns, &r->kernel, &r->frame);
     gp_status st = r->frame.layer.c[0] ? GP_OK : make_dark_layer(r);
     return st ? st : gp_suns_draw(r->log, r->s, &r->suns, &r->kernel,
@@ -198,7 +203,8 @@ static gp_status run_compose(struct gp_run *r)
 
 static gp_status run_tonemap(struct gp_run *r)
 {
-    return gp_tone_map(r->log, &r->s->tone, &r->frame, NULL);
+    return r->ocio ? gp_ocio_show(r->log, r->ocio, &r->s->tone, &r->frame)
+                   : gp_tone_map(r->log, &r->s->tone, &r->frame, NULL);
 }
 
 // -- write -------------------------------------------------------------------
@@ -247,9 +253,11 @@ static gp_status write_shown(struct gp_run *r, const char *name,
                              const struct gp_planes *planes,
                              struct gp_write_stats *stats)
 {
+    const enum gp_picture_kind kind = r->ocio        ? GP_PICTURE_ENCODED
+                                      : untoned(r->s) ? GP_PICTURE_SCENE
+                                                      : GP_PICTURE_SHOWN;
     return gp_write_picture(r->log, &r->s->write, name, &r->frame, planes,
-                            untoned(r->s) ? GP_PICTURE_SCENE
-                                          : GP_PICTURE_SHOWN, stats);
+                            kind, stats);
 }
 
 static gp_status write_polygons(struct gp_run *r, const char *name,
@@ -288,14 +296,27 @@ static gp_status write_map(struct gp_run *r, bool intensity, const char *name,
     return st;
 }
 
+static gp_status write_hdr(struct gp_run *r, const char *name,
+                           struct gp_write_stats *stats)
+{
+    struct gp_planes p = {0};
+    gp_status st = GP_OK;
+    if (r->s->ocio.output)
+        st = gp_ocio_convert(r->log, r->ocio, &r->frame, &p);
+    if (!st)
+        st = gp_write_hdr(r->log, &r->s->write, name, &r->frame,
+                          p.c[0] ? &p : &r->frame.lit, stats);
+    gp_planes_free(&p);
+    return st;
+}
+
 static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
                               const char *name, struct gp_write_stats *stats)
 {
-    const struct gp_write_params *p = &r->s->write;
     const struct gp_frame *f = &r->frame;
     switch (kind) {
     case GP_TARGET_HDR:
-        return gp_write_hdr(r->log, p, name, f, &f->lit, stats);
+        return write_hdr(r, name, stats);
     case GP_TARGET_LAYER:
         return write_layer(r, name, stats);
     case GP_TARGET_PICTURE:
@@ -314,7 +335,7 @@ static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
 
 static gp_status run_write(struct gp_run *r)
 {
-    struct gp_write_stats stats = {0};
+    struct gp_write_stats stats = {.raw = r->raw};
     for (int i = 0; i < r->jobs->targets; i++) {
         const struct gp_output *t = &r->jobs->target[i];
         r->names[i] = gp_job_name(r->job, t);
@@ -327,6 +348,7 @@ static gp_status run_write(struct gp_run *r)
         r->facts.n_outputs++;
     }
     r->facts.clamped_out = stats.clamped;
+    r->raw = stats.raw;
     return GP_OK;
 }
 

@@ -38,7 +38,9 @@ struct gp_run {
     bool has_kernel;
     struct gp_glare engines;
     struct gp_suns suns;
+    struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
+    struct gp_raw_size raw;        // of the frames that went to stdout raw
 
     const struct gp_job *job;
     struct gp_frame frame;

@@ -147,6 +147,24 @@ static gp_status read_beside(const struct gp_log *log,
     return st;
 }
 
+/* A plane of another file that leaves out a part of the frame may be the wrong
+ * file; what it does not have counts as empty. */
+static void warn_of_window(const struct gp_log *log, const char *path,
+                           const struct gp_plane *p, const struct gp_frame *f,
+                           struct gp_suns *suns)
+{
+    const struct gp_rect common = gp_rect_meet(p->window, f->data);
+    if (!path || !p->v || suns->told_window ||
+        memcmp(&common, &f->data, sizeof common) == 0)
+        return;
+    suns->told_window = true;
+    gp_say(log, GP_LEVEL_WARN,
+           "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
+           "%dx%d at %d,%d); the rest counts as empty", path, f->path,
+           gp_rect_w(p->window), gp_rect_h(p->window), p->window.x0,
+           p->window.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
+}
+
 static gp_status read_planes(const struct gp_log *log,
                              const struct gp_settings *s,
                              const struct gp_job *job,
@@ -159,11 +177,13 @@ static gp_status read_planes(const struct gp_log *log,
                            &suns->depth));
     else
         GP_TRY(gp_read_depth(log, &s->read, f, s->depth, &suns->depth));
+    warn_of_window(log, sun->depth_file, &suns->depth, f, suns);
     if (sun->mask_file)
         GP_TRY(read_beside(log, s, job, sun->mask_file, sun->mask, false,
                            &suns->mask));
     else if (sun->mask)
         GP_TRY(gp_read_coverage(log, &s->read, f, sun->mask, &suns->mask));
+    warn_of_window(log, sun->mask_file, &suns->mask, f, suns);
     if (!suns->depth.v && !suns->mask.v && !suns->told_clear) {
         suns->told_clear = true;
         gp_say(log, GP_LEVEL_WARN,
@@ -224,7 +244,7 @@ static gp_status find_entry(const struct gp_log *log, const char *path,
 /* The sun that --camera tells, where the command line names none. */
 static gp_status camera_sun(const struct gp_log *log,
                             const struct gp_settings *s,
-                            const struct gp_camera_frame *entry,
+                            const struct gp_camera_frame *entry, double scale,
                             struct gp_light_spec *spec)
 {
     if (!entry->has_sun)
@@ -234,7 +254,9 @@ static gp_status camera_sun(const struct gp_log *log,
     *spec = sun_spec(&s->sun);
     memcpy(spec->at, entry->sun_dir, sizeof spec->at);
     spec->place = GP_PLACE_DIRECTION;
-    spec->radius = entry->sun_radius > 0.0 ? entry->sun_radius : -1.0;
+    spec->radius = -1.0;
+    if (entry->sun_radius > 0.0 && s->sun.size == gp_defaults.sun.size)
+        spec->radius = entry->sun_radius * scale;
     return GP_OK;
 }
 
@@ -272,7 +294,10 @@ static gp_status place_lights(const struct gp_log *log,
     suns->light = v;
     if (told) {
         struct gp_light_spec spec;
-        GP_TRY(camera_sun(log, s, entry, &spec));
+        const double scale =
+            suns->cameras.width > 0.0
+                ? gp_rect_w(f->display) / suns->cameras.width : 1.0;
+        GP_TRY(camera_sun(log, s, entry, scale, &spec));
         GP_TRY(gp_light_place_in(log, f->path, &spec, &camera,
                                  sun->depth_type, f->display,
                                  &suns->light[suns->n]));

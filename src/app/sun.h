@@ -36,6 +36,7 @@ struct gp_suns {
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
     bool told_clear;            // that nothing says what hides the lights
+    bool told_window;           // that a plane does not cover the frame
     // on GL, kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
@@ -79,9 +80,14 @@ GP_MUST_CHECK gp_status gp_suns_see(const struct gp_log *log,
 /* Whether any light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 
+/* Whether gp_suns_draw() may have light to add: lights with flux that are not
+ * known to be hidden. */
+bool gp_suns_add_light(const struct gp_settings *s,
+                       const struct gp_suns *suns);
+
 /* The sources and the visible light of those lights that go through the
  * engines: none with the mask, whose share is not known yet, and none that
- * shows beyond the frame. *joined says whether *out was made. */
+ * reaches beyond the frame. *joined says whether *out was made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
                                      const struct gp_settings *s,
                                      const struct gp_suns *suns,

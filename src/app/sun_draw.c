@@ -17,15 +17,13 @@ bool gp_suns_glare(const struct gp_suns *suns)
     return false;
 }
 
-/* A light of which a part that counts as visible is beyond the pixels: engines
- * know no sources there. */
-static bool shows_beyond(const struct gp_settings *s,
-                         const struct gp_light *l, struct gp_rect data)
+/* A light of which a part is beyond the pixels: engines know no sources there,
+ * and its light would be cut. */
+static bool reaches_beyond(const struct gp_light *l, struct gp_rect data)
 {
     const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
-    return s->sun.params.outside == GP_OUTSIDE_VISIBLE &&
-           (l->x - r < data.x0 || l->y - r < data.y0 || l->x + r > data.x1 ||
-            l->y + r > data.y1);
+    return l->x - r < data.x0 || l->y - r < data.y0 || l->x + r > data.x1 ||
+           l->y + r > data.y1;
 }
 
 /* Whether the shares are on GL still: what hangs on them is drawn there. On
@@ -40,7 +38,7 @@ static bool is_sprite(const struct gp_settings *s, const struct gp_suns *suns,
                       const struct gp_light *l, struct gp_rect data)
 {
     return gp_light_has_flux(l) && !s->sun.in_frame &&
-           (on_gl(s, suns) || (l->visibility > 0.0 && shows_beyond(s, l, data)));
+           (on_gl(s, suns) || (l->visibility > 0.0 && reaches_beyond(l, data)));
 }
 
 gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
@@ -128,6 +126,8 @@ out:
     return st;
 }
 
+enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
+
 static void drop_sprites(struct gp_suns *suns)
 {
     for (int i = 0; i < suns->sprites; i++) {
@@ -145,6 +145,11 @@ static gp_status find_sprite(const struct gp_log *log,
                              struct gp_suns *suns, struct gp_sun_sprite **out)
 {
     struct gp_disc_pixels d;
+    if (radius > SPRITE_RADIUS)
+        return gp_fail(log, GP_ERR_DATA,
+                       "a light of radius %g: too large for glare of its own "
+                       "at the frame's edge (%d pixels at most); give it no "
+                       "flux, or --sun-in-frame", radius, SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
     if (suns->sprite_kernel != k->serial || suns->sprites == GP_SUN_SPRITES)
         drop_sprites(suns);
@@ -174,6 +179,18 @@ static gp_status find_sprite(const struct gp_log *log,
 }
 
 // -- drawing ------------------------------------------------------------------
+
+bool gp_suns_add_light(const struct gp_settings *s, const struct gp_suns *suns)
+{
+    if (on_gl(s, suns))
+        return gp_suns_glare(suns);
+    for (int i = 0; i < suns->n; i++) {
+        if (gp_light_has_flux(&suns->light[i]) &&
+            suns->light[i].visibility > 0.0)
+            return true;
+    }
+    return false;
+}
 
 /* All of a flare's elements, on the CPU or on GL. */
 static gp_status draw(const struct gp_log *log, const struct gp_settings *s,
@@ -307,7 +324,7 @@ gp_status gp_suns_draw(const struct gp_log *log, const struct gp_settings *s,
         return GP_OK;
     if (on_gl(s, suns))
         GP_TRY(gp_gl_use(log, suns->gl));
-    if (gp_suns_glare(suns))
+    if (gp_suns_add_light(s, suns))
         GP_TRY(draw_all(log, s, suns, kernel, f));
     if (on_gl(s, suns))
         GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light,

@@ -10,6 +10,6 @@ void gp_version(FILE *f)
     gp_io_versions(io, sizeof io);
     fprintf(f, "glarepp " GP_VERSION "\n"
                "with %s, jansson %s\n"
-               "opened when needed: FFTW 3, OpenImageIO, OSMesa, EGL\n"
+               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
 }

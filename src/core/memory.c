@@ -52,11 +52,13 @@ void gp_free(void *p)
 void gp_keep_memory(void)
 {
     static const int huge = 32 << 20; // the most that glibc takes
+    static const int kept = 1 << 30;  // at the heap's end, from frame to frame
 #ifdef __GLIBC__
     mallopt(M_MMAP_THRESHOLD, huge);
-    mallopt(M_TRIM_THRESHOLD, huge);
+    mallopt(M_TRIM_THRESHOLD, kept);
 #else
     (void) huge;
+    (void) kept;
 #endif
 }
 

@@ -20,7 +20,8 @@ gp_status gp_write_hdr(const struct gp_log *log,
         return st;
     const struct gp_exr_job job = {
         .p = p, .path = path, .f = f, .source = s.source,
-        .sources = s.sources, .kept = GP_EXR_KEEP_ALL,
+        .sources = s.sources,
+        .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
     st = gp_exr_write_file(log, &job, stats);
     gp_exr_sources_free(&s);

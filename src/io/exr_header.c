@@ -150,6 +150,12 @@ static bool listed(const char *name, const char *const *list)
     return false;
 }
 
+/* True when the pixels still are in the input's primaries. */
+static bool in_own_light(enum gp_exr_kept kept)
+{
+    return kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_SCENE;
+}
+
 static bool is_kept(const char *name, enum gp_exr_kept kept)
 {
     static const char *const own[] = {
@@ -166,9 +172,10 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
     };
     if (listed(name, own))
         return false;
-    if (kept != GP_EXR_KEEP_ALL && listed(name, scene))
+    if (kept != GP_EXR_KEEP_ALL && listed(name, scene) &&
+        !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
         return false;
-    return kept != GP_EXR_KEEP_SHOWN || !listed(name, shown);
+    return in_own_light(kept) || !listed(name, shown);
 }
 
 static void put_carried(struct gp_exr_header *h,
@@ -238,10 +245,9 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
         gp_exr_header_put(h, "version", "int", &version, 4);
     put_carried(h, raw, kept);
     put_foreign(h, raw ? NULL : gp_origin_of(f), kept);
-    const bool carried = raw && kept != GP_EXR_KEEP_SHOWN &&
-                         gp_exr_raw_find(raw, "chromaticities",
-                                         "chromaticities");
-    if (kept != GP_EXR_KEEP_SHOWN && !carried &&
+    const bool carried = raw && gp_exr_raw_find(raw, "chromaticities",
+                                                "chromaticities");
+    if (in_own_light(kept) && !carried &&
         memcmp(f->chromaticities, gp_rec709_chromaticities,
                sizeof f->chromaticities) != 0)
         gp_exr_header_put(h, "chromaticities", "chromaticities",

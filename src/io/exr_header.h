@@ -19,9 +19,10 @@ struct gp_exr_header {
 
 /* Which attributes of the input a part gets. */
 enum gp_exr_kept {
-    GP_EXR_KEEP_ALL,    // --hdr: the frame as it was, with glare
-    GP_EXR_KEEP_SCENE,  // another picture in the frame's own light
-    GP_EXR_KEEP_SHOWN,  // a display-referred one, BT.709
+    GP_EXR_KEEP_ALL,        // --hdr: the frame as it was, with glare
+    GP_EXR_KEEP_CONVERTED,  // the same in another colour space
+    GP_EXR_KEEP_SCENE,      // another picture in the frame's own light
+    GP_EXR_KEEP_SHOWN,      // a display-referred one
 };
 
 /* Room for magic number and version; the version is set by done(). */

@@ -60,6 +60,12 @@ static bool is_deep(const struct gp_origin *o, int part)
            (s == EXR_STORAGE_DEEP_SCANLINE || s == EXR_STORAGE_DEEP_TILED);
 }
 
+/* True when the input's other parts go along. */
+static bool keeps_parts(const struct gp_exr_job *job)
+{
+    return job->kept == GP_EXR_KEEP_ALL || job->kept == GP_EXR_KEEP_CONVERTED;
+}
+
 static gp_status count_chunks(const struct gp_log *log, struct writing *w,
                               const struct gp_origin *o)
 {
@@ -87,7 +93,7 @@ static gp_status make_header(const struct gp_log *log, struct writing *w,
         flags |= w->raw.version & GP_EXR_LONG_NAMES;
     for (int i = 0; multi && i < w->parts; i++)
         flags |= i != w->part && is_deep(o, i) ? GP_EXR_DEEP : 0;
-    const bool named = w->own && w->job->kept == GP_EXR_KEEP_ALL;
+    const bool named = w->own && keeps_parts(w->job);
     const struct gp_exr_attr *name =
         named ? gp_exr_raw_find(w->own, "name", "string") : NULL;
     char text[256] = "";
@@ -138,7 +144,7 @@ gp_status gp_exr_write_file(const struct gp_log *log,
     if (o && o->exr) {
         GP_TRY(gp_exr_raw_read(log, job->f->path, o, &w.raw));
         w.own = &w.raw.part[o->part];
-        if (job->kept == GP_EXR_KEEP_ALL) {
+        if (keeps_parts(job)) {
             w.parts = o->parts;
             w.part = o->part;
         }
@@ -177,8 +183,8 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     const struct gp_exr_job job = {
         .p = p, .path = path, .f = f, .source = s.source,
         .sources = s.sources,
-        .kept = kind == GP_PICTURE_SHOWN ? GP_EXR_KEEP_SHOWN
-                                         : GP_EXR_KEEP_SCENE,
+        .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
+                                         : GP_EXR_KEEP_SHOWN,
     };
     st = gp_exr_write_file(log, &job, stats);
     gp_exr_sources_free(&s);

@@ -1,69 +1,20 @@
-/* Finding and opening the bridge. */
+/* Opening the bridge. */
 #include "io/oiio.h"
 
+#include "core/bridge.h"
+
 #include <dlfcn.h>
-#include <limits.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 static const char bridge[] = "glarepp-oiio.so";
-
-/* The folder of the running program, "" when the system does not say. */
-static void program_folder(char *to, size_t size)
-{
-    ssize_t n = readlink("/proc/self/exe", to, size - 1);
-    to[n > 0 ? n : 0] = '\0';
-    char *slash = strrchr(to, '/');
-    if (slash)
-        *slash = '\0';
-    else
-        to[0] = '\0';
-}
-
-/* Opens FOLDER/SUB/bridge when it is there; `why` says what went wrong with
- * one that is. */
-static void *try_folder(const char *folder, const char *sub, char *why,
-                        size_t why_size)
-{
-    char path[PATH_MAX];
-    if (!folder || !folder[0])
-        return NULL;
-    int n = snprintf(path, sizeof path, "%s%s/%s", folder, sub, bridge);
-    if (n < 0 || n >= (int) sizeof path || access(path, F_OK) != 0)
-        return NULL;
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!library)
-        snprintf(why, why_size, "%s", dlerror());
-    return library;
-}
-
-static void *open_bridge(char *why, size_t why_size)
-{
-    char program[PATH_MAX];
-    program_folder(program, sizeof program);
-    const char *const place[][2] = {
-        {getenv("GLAREPP_BRIDGES"), ""},
-        {program, ""},
-        {program, "/../lib/glarepp"},
-        {GP_BRIDGE_DIR, ""},
-    };
-    snprintf(why, why_size, "%s is not there", bridge);
-    for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
-        void *library = try_folder(place[i][0], place[i][1], why, why_size);
-        if (library)
-            return library;
-    }
-    return NULL;
-}
 
 const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size)
 {
     static const struct gp_oiio_api *opened; // stays open until the end
     if (opened)
         return opened;
-    void *library = open_bridge(why, why_size);
+    void *library = gp_bridge_open(bridge, why, why_size);
     if (!library)
         return NULL;
     void *symbol = dlsym(library, "gp_oiio_api");

@@ -184,7 +184,8 @@ static gp_status write_bridge(const struct gp_log *log,
         .w = pic->width, .h = pic->height, .full_w = pic->width,
         .full_h = pic->height, .channels = pic->channels,
         .channel_name = names, .pixels = pixels,
-        .colour_space = integer ? "sRGB" : "Linear",
+        .colour_space = kind == GP_PICTURE_ENCODED ? ""
+                        : integer                  ? "sRGB" : "Linear",
     };
     const char *type = p->type == GP_OUT_HALF ? "half" : "float";
     if (integer)
@@ -210,7 +211,7 @@ static bool is_integer(const struct format *t, const struct gp_write_params *p,
 {
     if (!is_tiff(t))
         return !t->floats;
-    return p->type == GP_OUT_AUTO && kind == GP_PICTURE_SHOWN;
+    return p->type == GP_OUT_AUTO && kind != GP_PICTURE_SCENE;
 }
 
 gp_status gp_other_write(const struct gp_log *log,
@@ -229,7 +230,7 @@ gp_status gp_other_write(const struct gp_log *log,
     if (!t.alpha)
         own.alpha = GP_ALPHA_BLACK;
     GP_TRY(gp_other_check(log, p, path, ending));
-    GP_TRY(gp_picture_make(log, &own, path, f, planes, integer, &pic));
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
     GP_TRY(gather(log, &pic, integer, &pixels));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
     if (strcmp(ending, "pfm") == 0)

@@ -13,7 +13,8 @@ static const int64_t pixels_max = 1LL << 28;
 gp_status gp_picture_make(const struct gp_log *log,
                           const struct gp_write_params *p, const char *path,
                           const struct gp_frame *f,
-                          const struct gp_planes *planes, bool codes,
+                          const struct gp_planes *planes,
+                          enum gp_picture_kind kind, bool codes,
                           struct gp_picture *out)
 {
     gp_status st;
@@ -23,7 +24,8 @@ gp_status gp_picture_make(const struct gp_log *log,
     const int channel = p->alpha == GP_ALPHA_KEEP ? gp_find_alpha(f) : -1;
     *out = (struct gp_picture) {
         .channels = channel >= 0 ? 4 : 3, .bits = p->depth_bits,
-        .dither = p->dither, .f = f, .planes = planes,
+        .dither = p->dither, .encoded = kind == GP_PICTURE_ENCODED, .f = f,
+        .planes = planes,
     };
     if (w < 1 || h < 1 || w > pixels_max / h)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
@@ -148,6 +150,20 @@ static void take_apart(const struct gp_picture *pic, struct span s,
     }
 }
 
+static void make_codes(const struct gp_picture *pic, const float *from,
+                       struct span s, int y, uint16_t *to)
+{
+    const struct gp_quantizer *const q = pic->quantizer;
+    if (pic->encoded && pic->dither)
+        gp_quantize_linear_dither(q, from, (int) s.x, y, to, s.n);
+    else if (pic->encoded)
+        gp_quantize_linear(q, from, to, s.n);
+    else if (pic->dither)
+        gp_quantize_dither(q, from, (int) s.x, y, to, s.n);
+    else
+        gp_quantize(q, from, to, s.n);
+}
+
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row)
 {
@@ -158,10 +174,7 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
         const float *from = pic->alpha ? row->linear[c]
                                        : pic->planes->c[c] + s.at;
         uint16_t *to = row->code[c] + s.x;
-        if (pic->dither)
-            gp_quantize_dither(pic->quantizer, from, (int) s.x, y, to, s.n);
-        else
-            gp_quantize(pic->quantizer, from, to, s.n);
+        make_codes(pic, from, s, y, to);
     }
     for (int c = 0; c < pic->channels; c++)
         clear_around(row->code[c], sizeof(uint16_t), s, (size_t) pic->width);

@@ -20,6 +20,7 @@ struct gp_picture {
     int channels;       // 3, or 4 with alpha
     int bits;           // of a code, 8 or 16
     bool dither;
+    bool encoded;       // codes are the planes' values, without a curve
     const struct gp_frame *f;
     const struct gp_planes *planes;
     float *alpha;       // of the data window, or NULL
@@ -30,6 +31,7 @@ struct gp_picture {
  *
  *   p      depth_bits, dither and alpha are used. With GP_ALPHA_KEEP and an
  *          alpha channel beside the colour the picture has four channels
+ *   kind   GP_PICTURE_ENCODED planes become codes without a curve
  *   codes  false when only gp_picture_floats() will be called
  *   out    empty on failure; free with gp_picture_free()
  *
@@ -41,7 +43,8 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
                                         const char *path,
                                         const struct gp_frame *f,
                                         const struct gp_planes *planes,
-                                        bool codes, struct gp_picture *out);
+                                        enum gp_picture_kind kind, bool codes,
+                                        struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
 /* Scratch for gp_threads() threads into *rows; free with
@@ -51,7 +54,8 @@ GP_MUST_CHECK gp_status gp_picture_rows_make(const struct gp_log *log,
                                              struct gp_picture_row **rows);
 void gp_picture_rows_free(struct gp_picture_row **rows);
 
-/* Row y of the display window, 0 at its top, as sRGB codes in row->code.
+/* Row y of the display window, 0 at its top, as codes in row->code: sRGB, or
+ * what an encoded picture has.
  * Pixels outside the data window are 0 in all channels.
  *
  * With alpha the colours are not associated, as PNG wants them. A pixel may

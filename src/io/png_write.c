@@ -162,11 +162,19 @@ static bool is_rec709(const float *chromaticities)
                   sizeof gp_rec709_chromaticities) == 0;
 }
 
+static bool is_srgb(const struct gp_frame *f, enum gp_picture_kind kind)
+{
+    return kind == GP_PICTURE_SHOWN ||
+           (kind == GP_PICTURE_SCENE && is_rec709(f->chromaticities));
+}
+
 static void set_colour(png_structp png, png_infop info,
                        const struct gp_frame *f, enum gp_picture_kind kind)
 {
     const float *c = f->chromaticities;
-    if (kind == GP_PICTURE_SHOWN || is_rec709(c)) {
+    if (kind == GP_PICTURE_ENCODED)
+        return;
+    if (is_srgb(f, kind)) {
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
         return;
     }
@@ -221,7 +229,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     set_colour(png, info, f, kind);
     set_aspect(png, info, f);
     png_write_info(png, info);
-    if (kind == GP_PICTURE_SHOWN || is_rec709(f->chromaticities))
+    if (is_srgb(f, kind))
         png_write_chunk(png, (png_const_bytep) "cICP", cicp, sizeof cicp);
     for (size_t at = 0; at < size; at += IDAT_BYTES)
         png_write_chunk(png, (png_const_bytep) "IDAT",
@@ -243,7 +251,7 @@ gp_status gp_png_write(const struct gp_log *log,
     void *data = NULL;
     size_t size = 0;
     struct target t = {.log = log};
-    GP_TRY(gp_picture_make(log, p, path, f, planes, true, &pic));
+    GP_TRY(gp_picture_make(log, p, path, f, planes, kind, true, &pic));
     GP_TRY(compress_picture(log, &pic, &data, &size));
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
     GP_TRY(write_chunks(&t, &pic, f, kind, data, size));

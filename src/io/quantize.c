@@ -216,12 +216,10 @@ static const uint32_t noise_x = 288237660u;   // 0.06711056 * 2^32
 static const uint32_t noise_y = 25070368u;    // 0.00583715 * 2^32
 static const uint32_t noise_scale = 3472289u; // 52.9829189 * 2^16
 
-static INLINE void dither_block(const struct gp_quantizer *q,
-                                const float *linear, uint32_t inner,
+/* v is in codes. */
+static INLINE void dither_block(const float *v, uint32_t inner,
                                 uint16_t *code, size_t n)
 {
-    float x[BLOCK], v[BLOCK];
-    encode_block(linear, (float) q->max, x, v, n);
     for (size_t i = 0; i < n; i++) {
         const uint32_t at = inner + (uint32_t) i * noise_x;
         const uint32_t d = (uint32_t) (((uint64_t) at * noise_scale) >> 16);
@@ -237,9 +235,26 @@ GP_CLONES void gp_quantize_dither(const struct gp_quantizer *q,
                                   uint16_t *code, size_t n)
 {
     uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
-    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x)
-        dither_block(q, linear + i, inner, code + i,
-                     n - i < BLOCK ? n - i : BLOCK);
+    float scratch[BLOCK], v[BLOCK];
+    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
+        const size_t m = n - i < BLOCK ? n - i : BLOCK;
+        encode_block(linear + i, (float) q->max, scratch, v, m);
+        dither_block(v, inner, code + i, m);
+    }
+}
+
+GP_CLONES void gp_quantize_linear_dither(const struct gp_quantizer *q,
+                                         const float *value, int x, int y,
+                                         uint16_t *code, size_t n)
+{
+    uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
+    float v[BLOCK];
+    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
+        const size_t m = n - i < BLOCK ? n - i : BLOCK;
+        for (size_t k = 0; k < m; k++)
+            v[k] = clamp01(value[i + k]) * (float) q->max;
+        dither_block(v, inner, code + i, m);
+    }
 }
 
 GP_CLONES void gp_quantize_linear(const struct gp_quantizer *q,

@@ -44,9 +44,14 @@ void gp_quantize(const struct gp_quantizer *q, const float *linear,
 void gp_quantize_dither(const struct gp_quantizer *q, const float *linear,
                         int x, int y, uint16_t *code, size_t n);
 
-/* n linear values to codes with no curve, for alpha: the nearest code of the
- * value clamped to [0, 1]; NaN becomes 0. */
+/* n values to codes with no curve, for alpha and what is encoded already: the
+ * nearest code of the value clamped to [0, 1]; NaN becomes 0. */
 void gp_quantize_linear(const struct gp_quantizer *q, const float *value,
                         uint16_t *code, size_t n);
+
+/* The same with the dither of gp_quantize_dither(). */
+void gp_quantize_linear_dither(const struct gp_quantizer *q,
+                               const float *value, int x, int y,
+                               uint16_t *code, size_t n);
 
 #endif

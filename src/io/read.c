@@ -62,14 +62,12 @@ static uint64_t pipe_limit(const struct gp_read_params *p)
     return (pixels < most ? pixels : most) * 16 + (1 << 26);
 }
 
-gp_status gp_read_open(const struct gp_log *log,
-                       const struct gp_read_params *p, const char *path,
-                       struct gp_stream *stream, bool *exr)
+/* Looks at the first bytes of an open stream, and closes it on failure. */
+static gp_status look(const struct gp_log *log, const char *path,
+                      struct gp_stream *stream, bool *exr)
 {
+    gp_status st = GP_OK;
     uint8_t first[MAGIC_BYTES] = {0};
-    gp_status st = gp_stream_open(log, path, pipe_limit(p), stream);
-    if (st)
-        return st;
     if (gp_stream_read(stream, first, sizeof first, 0) < 0)
         st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                      path);
@@ -81,18 +79,34 @@ gp_status gp_read_open(const struct gp_log *log,
     return st;
 }
 
+gp_status gp_read_open(const struct gp_log *log,
+                       const struct gp_read_params *p, const char *path,
+                       struct gp_stream *stream, bool *exr)
+{
+    gp_status st = gp_stream_open(log, path, pipe_limit(p), stream);
+    return st ? st : look(log, path, stream, exr);
+}
+
+gp_status gp_read_stream(const struct gp_log *log,
+                         const struct gp_read_params *p, const char *path,
+                         struct gp_stream *stream, struct gp_frame *out)
+{
+    bool exr;
+    gp_status st = look(log, path, stream, &exr);
+    if (st)
+        return st;
+    if (exr)
+        return gp_read_exr(log, p, path, stream, out);
+    st = gp_read_other(log, p, path, stream, out);
+    gp_stream_close(stream);
+    return st;
+}
+
 gp_status gp_read_frame(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
                         struct gp_frame *out)
 {
     struct gp_stream stream;
-    bool exr;
-    gp_status st = gp_read_open(log, p, path, &stream, &exr);
-    if (st)
-        return st;
-    if (exr)
-        return gp_read_exr(log, p, path, &stream, out);
-    st = gp_read_other(log, p, path, &stream, out);
-    gp_stream_close(&stream);
-    return st;
+    gp_status st = gp_stream_open(log, path, pipe_limit(p), &stream);
+    return st ? st : gp_read_stream(log, p, path, &stream, out);
 }

@@ -20,4 +20,12 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
                                      const char *path,
                                      struct gp_stream *stream, bool *exr);
 
+/* gp_read_frame() for an open stream, from its first bytes on; takes the
+ * stream over: it is closed, or lives on in the frame. */
+GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
+                                       const struct gp_read_params *p,
+                                       const char *path,
+                                       struct gp_stream *stream,
+                                       struct gp_frame *out);
+
 #endif

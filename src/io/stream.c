@@ -53,8 +53,9 @@ static gp_status read_pipe(const struct gp_log *log, const char *path, int fd,
         s->size += (uint64_t) got;
         if (s->size > limit)
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: more than a frame can be (over %llu bytes); "
-                           "give a file", path, (unsigned long long) limit);
+                           "%s: more than --max-pixels allows (over %llu "
+                           "bytes); raise it, or give files", path,
+                           (unsigned long long) limit);
     }
 }
 
@@ -131,6 +132,7 @@ void gp_stream_close(struct gp_stream *s)
 {
     if (s->fd >= 0)
         close(s->fd);
-    gp_free(s->data);
+    if (!s->borrowed)
+        gp_free(s->data);
     *s = (struct gp_stream) GP_STREAM_EMPTY;
 }

@@ -4,6 +4,7 @@
 
 #include "core/status.h"
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -11,6 +12,7 @@ struct gp_stream {
     int fd;         // a regular file, or -1
     uint8_t *data;  // all bytes, or NULL when fd is used
     uint64_t size;
+    bool borrowed;  // data belongs to another, who outlives this
 };
 #define GP_STREAM_EMPTY { .fd = -1 }
 

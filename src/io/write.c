@@ -6,24 +6,44 @@
 #include "io/file_name.h"
 #include "io/other_write.h"
 #include "io/png_write.h"
+#include "io/raw_write.h"
 
 #include <string.h>
 
 enum { ENDING_BYTES = 16 };
 
-/* The ending that decides; stdout, pipes and devices without one are EXR. */
-static void format_of(const char *path, char ending[ENDING_BYTES])
+/* The ending that decides; true when it is not the path's own, but that of
+ * stdout, pipes and devices without one. */
+static bool format_of(const struct gp_write_params *p, const char *path,
+                      char ending[ENDING_BYTES])
 {
+    static const char *const formats[] = {
+        [GP_STDOUT_EXR] = "exr", [GP_STDOUT_PNG] = "png",
+        [GP_STDOUT_PFM] = "pfm", [GP_STDOUT_RAW] = "raw",
+    };
     gp_file_ending(path, ending, ENDING_BYTES);
-    if (ending[0] == '\0' && gp_file_is_straight(path))
-        strcpy(ending, "exr");
+    if (ending[0] || !gp_file_is_straight(path))
+        return false;
+    strcpy(ending, formats[p->stdout_format]);
+    return true;
+}
+
+/* Raw frames have no files of their own: .raw is what cameras write. */
+static bool is_raw(bool straight, const char *ending)
+{
+    return straight && strcmp(ending, "raw") == 0;
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,
                              const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    format_of(path, ending);
+    const bool straight = format_of(p, path, ending);
+    if (straight && strcmp(ending, "exr") != 0)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: --hdr keeps all channels, which EXR alone can "
+                       "(found --stdout-format %s); give --hdr a file", path,
+                       ending);
     if (strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: --hdr keeps all channels, which EXR alone can "
@@ -41,7 +61,8 @@ gp_status gp_write_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    format_of(path, ending);
+    if (is_raw(format_of(p, path, ending), ending))
+        return gp_file_check(log, path, p->create_dir);
     if (strcmp(ending, "exr") != 0 && strcmp(ending, "png") != 0) {
         gp_status st = gp_other_check(log, p, path, ending);
         if (st)
@@ -63,12 +84,14 @@ gp_status gp_write_picture(const struct gp_log *log,
                            struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
-    format_of(path, ending);
+    const bool straight = format_of(p, path, ending);
     if (gp_write_would_clobber(p, path))
         return GP_OK;
     if (strcmp(ending, "exr") == 0)
         return gp_exr_write_picture(log, p, path, f, planes, kind, stats);
     if (strcmp(ending, "png") == 0)
         return gp_png_write(log, p, path, f, planes, kind);
+    if (is_raw(straight, ending))
+        return gp_raw_write(log, p, path, f, planes, kind, stats);
     return gp_other_write(log, p, path, ending, f, planes, kind);
 }

@@ -26,6 +26,22 @@ enum gp_compression {
     GP_COMPRESSION_DWAB,
 };
 
+/* Values of --stdout-format: what an output without an ending becomes. */
+enum gp_stdout_format {
+    GP_STDOUT_EXR,
+    GP_STDOUT_PNG,
+    GP_STDOUT_PFM,
+    GP_STDOUT_RAW,
+};
+
+/* Values of --raw, ffmpeg's names of these pixel formats. */
+enum gp_raw_format {
+    GP_RAW_RGB24,
+    GP_RAW_RGB48LE,
+    GP_RAW_RGB48BE,
+    GP_RAW_RGBF32LE,
+};
+
 enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP };
 
 struct gp_write_params {
@@ -34,34 +50,46 @@ struct gp_write_params {
     int depth_bits;             // PNG and other integer formats: 8 or 16
     bool dither;                // before rounding to integers
     enum gp_alpha alpha;        // pictures: over black, or keep A
+    enum gp_stdout_format stdout_format;
+    enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
+    bool converted;             // --hdr: not in the input's primaries any more
 };
 #define GP_WRITE_DEFAULTS                                                     \
     { .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO,                \
       .depth_bits = 8 }
 
-/* How many values did not fit the file's type, added up for the report. */
+/* Pixels of a raw frame. */
+struct gp_raw_size {
+    int w, h;
+};
+
+/* What writing makes known. */
 struct gp_write_stats {
-    long long clamped;
+    long long clamped; // values that did not fit the file's type, added up
+    struct gp_raw_size raw; // of all raw frames so far; keep from frame to frame
 };
 
 /* What the planes of a picture are. */
 enum gp_picture_kind {
-    GP_PICTURE_SCENE,  // scene-linear, in the frame's own primaries
-    GP_PICTURE_SHOWN,  // display-linear BT.709; the file says so
+    GP_PICTURE_SCENE,    // scene-linear, in the frame's own primaries
+    GP_PICTURE_SHOWN,    // display-linear BT.709; the file says so
+    GP_PICTURE_ENCODED,  // as some display takes it; no file says which
 };
 
 /* Writes `planes` (w * h of f's data window) with the frame's windows,
  * chromaticities and attributes, as a three-channel picture. The ending of
  * `path` picks the format: .exr here, .png by libpng, all else by the
  * OpenImageIO bridge; "-" (stdout), pipes and devices without an ending get
- * EXR.
+ * what p->stdout_format says. Stdout may be given many frames, one behind the
+ * other.
  *
  * EXR and other float formats store the values as they are; integer formats
  * clamp them to [0,1] and encode them with the sRGB curve, with the colour
- * chunks that say so. All but EXR show the display window: pixels outside the
- * data window are black. TIFF is float for scene-linear pictures and where
- * p->type says so. p->compression is for EXR and TIFF.
+ * chunks that say so; values of GP_PICTURE_ENCODED are the codes' fractions
+ * already, and no chunk says of what. All but EXR show the display window:
+ * pixels outside the data window are black. TIFF is float for scene-linear
+ * pictures and where p->type says so. p->compression is for EXR and TIFF.
  *
  * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
  * nothing stands under either name, and a file that was there stays whole.
@@ -80,7 +108,8 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
  * channel, attribute and part of the input passes through: channels of the
  * same part sample by sample, other parts chunk by chunk as they are.
  * Luminance-chroma and grey inputs: grey stays one channel when the planes
- * are equal, else R,G,B take its place.
+ * are equal, else R,G,B take its place. With p->converted the attributes that
+ * tell the input's primaries and how to show them stay behind.
  */
 GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
                                      const struct gp_write_params *p,

@@ -65,7 +65,8 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
  * test frames:
  *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
  *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
- *     "sun_radius_px": r}]}              or that array alone
+ *     "sun_radius_px": r}], "width": w}      or that array alone
+ * where w, if it is there, is the width of the picture that r is for.
  * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
  * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
  * vectors and GP_NDC_SPEC, may stand in its place. All other keys are left
@@ -80,6 +81,7 @@ struct gp_camera_frame {
 struct gp_camera_file {
     struct gp_camera_frame *at; // owned
     int n;
+    double width;        // of the pictures that radii are for; 0: not told
 };
 
 /* Files over 8 MiB (some 5000 frames) are refused.

@@ -144,6 +144,10 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
                           &f.at[i]));
     }
     GP_TRY(sort_frames(&place, &f));
+    place.index = 0;
+    if (json_is_object(root))
+        GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width,
+                              NULL));
     *out = f;
     f = (struct gp_camera_file) {0}; // the caller's
 out:

@@ -14,14 +14,16 @@ struct gp_surfaces gp_surfaces_of(enum gp_depth_type type, bool reversed)
 {
     const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
     const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
-    const struct gp_surfaces inverse = {least, INFINITY, NAN, true};
+    const struct gp_surfaces inverse = {nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f),
+                                        INFINITY, NAN, true};
+    const struct gp_surfaces turned = {least, INFINITY, NAN, true};
     const struct gp_surfaces share = {-INFINITY, nextafterf(1.0f, 0.0f), NAN,
                                       false};
     switch (type) {
     case GP_DEPTH_INVERSE:
         return inverse;
     case GP_DEPTH_NORMALIZED:
-        return reversed ? inverse : share;
+        return reversed ? turned : share;
     case GP_DEPTH_Z:
     case GP_DEPTH_RAY:
         break;

@@ -14,7 +14,7 @@
  *               half). Where no surface is over 0 and some would be with the
  *               other sign, the file counts backwards along the axis: its
  *               sign is turned.
- *   inverse     1 / z: <= 0, NaN; +Inf is a surface at the camera
+ *   inverse     1 / z: <= 1e-9, NaN; +Inf is a surface at the camera
  *   normalized  0 near to 1 far: >= 1, NaN. Where no sample is >= 1 and some
  *               are 0, 0 is the background and near is 1 (reversed).
  * Pixels outside a plane's window have no sample: depth is empty, m is 0.

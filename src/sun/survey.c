@@ -14,6 +14,7 @@ struct tally {
     long long zero, nan, inf, huge, half_max, negative, one;
     long long fore, back; // surfaces as they are, and turned
     long long over;       // 1 and more, +Inf too
+    long long tiny;       // over 0, and too little for a surface
     int32_t lo, hi;       // of the huge, in gp_float_order()
 };
 
@@ -64,7 +65,7 @@ GP_CLONES static void count_row(const struct survey *s, const float *v, int n,
     const int32_t endless = gp_float_order(INFINITY);
     const int32_t unit = gp_float_order(1.0f);
     int zero = 0, nan = 0, inf = 0, beyond = 0, halves = 0, negative = 0;
-    int one = 0, over = 0, fore = 0, back = 0;
+    int one = 0, over = 0, fore = 0, back = 0, tiny = 0;
     for (int i = 0; i < n; i++) {
         const int32_t k = gp_float_order(v[i]), size = k < 0 ? -k : k;
         zero += k == 0;
@@ -75,6 +76,7 @@ GP_CLONES static void count_row(const struct survey *s, const float *v, int n,
         negative += (k < 0) & (size < far) & (size != half);
         one += k == unit;
         over += (k >= unit) & (k <= endless);
+        tiny += (k > 0) & (k < f.lo);
         fore += (k >= f.lo) & (k <= f.hi) & (k != f.hole);
         back += (k >= b.lo) & (k <= b.hi) & (k != b.hole);
     }
@@ -86,6 +88,7 @@ GP_CLONES static void count_row(const struct survey *s, const float *v, int n,
     t->negative += negative;
     t->one += one;
     t->over += over;
+    t->tiny += tiny;
     t->fore += fore;
     t->back += back;
     if (beyond > nan + inf)
@@ -116,6 +119,7 @@ static struct tally total_of(const struct survey *s)
         t.negative += p->negative;
         t.one += p->one;
         t.over += p->over;
+        t.tiny += p->tiny;
         t.fore += p->fore;
         t.back += p->back;
         t.lo = p->lo < t.lo ? p->lo : t.lo;
@@ -151,6 +155,7 @@ static void name_empty(enum gp_depth_type type, const struct tally *t,
         const char *text;
     } kind[] = {
         {first && t->zero > 0, "0"},
+        {t->tiny > 0, "under 1e-09"},
         {first && t->negative > 0 && !(axis && f->reversed), "negative"},
         {share && t->one > 0, "1"},
         {share && t->over > t->one, "over 1"},

@@ -227,8 +227,7 @@ static float find_white(struct mapping *m)
     return peak > 0.0f ? peak : 1.0f;
 }
 
-static float find_scale(const struct gp_tone_params *p,
-                        const struct gp_frame *f)
+float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
 {
     double scale = exp2((double) p->exposure);
     if (p->auto_exposure) {
@@ -289,7 +288,7 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
     }
     if (m.curve->map) {
         double matrix[9];
-        m.scale = find_scale(p, f);
+        m.scale = gp_tone_scale(p, f);
         m.mixed = to_bt709(f->chromaticities, matrix);
         for (int i = 0; m.mixed && i < 9; i++)
             m.matrix[i] = (float) matrix[i];

@@ -6,6 +6,7 @@ need_python
 # Z is 1e10 in rows 0 to 11, a surface below; A is 0, 1/4 ... 1 by columns
 frame in.exr channels=R,G,B,A,Z:float kind=dark
 frame matte.exr channels=R,G,B,A kind=dark
+frame crop2.exr channels=R,G,B kind=dark size=99x99
 frame kernel.exr kind=kernel size=17x17 type=float
 gl=yes
 "$glarepp" --sun 30,12 --sun-method mask --report r.json in.exr 2>/dev/null ||
@@ -54,6 +55,8 @@ printf '[{"pixel": [30, 30], "radius": 3, "depth": 5}]' >near.json
 sees 1 0 'exact: a lamp before all surfaces' --lights near.json in.exr
 printf '[{"pixel": [30, 30], "radius": 3, "depth": 500}]' >far.json
 sees 0 0 'exact: a lamp behind them' --lights far.json in.exr
+run --sun 30,12,5 --depth-file in.exr --report r.json crop2.exr
+like "$(cat err)" '*does not cover*' 'depth of another window is said'
 frame moved.exr channels=R,G,B,A,Z:float kind=dark origin=-100,2000
 sees 0.5 1e-6 'a data window elsewhere' --sun -70,2012,5 moved.exr
 frame crop.exr channels=R,G,B,Z:float kind=dark origin=10,10 \
@@ -136,12 +139,20 @@ if [ -n "$oiio" ]; then
         0.5 '--sun-adapt dims by the visible share'
     run --sun 30,30,4 --sun-adapt 0.5 --hdr dim.exr --type float in.exr
     is "$(total dim.exr)" "$(total full.exr)" '--sun-adapt: hidden, no change'
+    for how in ignore hidden; do
+        run --sun 0,24,9 --sun-outside $how --sun-color 1000 -k kernel.exr \
+            --layer $how.exr matte.exr
+    done
+    is "$("$python" -c "print(round($(total hidden.exr) / $(total ignore.exr), 4))")" \
+        0.5 'half outside and hidden: half the glare of half outside and ignored'
+    run --sun 0,24,9000 --sun-color 1000 --layer x.exr in.exr
+    fails_with 4 'too large' 'a sun far larger than the frame, with glare'
     run --sun -3,24,2 --sun-outside visible --sun-color 1000 -k kernel.exr \
         --layer beyond.exr matte.exr
     is "$("$python" -c "print($(total beyond.exr) > 0)")" True \
         'a sun beyond the edge glares into the frame'
 else
-    skip 8 'no numpy or no OpenImageIO'
+    skip 11 'no numpy or no OpenImageIO'
 fi
 if [ -n "$gl" ] && [ -n "$oiio" ]; then
     for engine in direct fft; do
@@ -160,6 +171,11 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
         like "$(field r.json 'o["sun_method"].lower()')" "mask, drawn on*$place" \
             "--sun-draw $place: the report names it"
     done
+    for place in gl cpu; do
+        run -k kernel.exr --sun=-1,6,5 --sun-color 900,500,200 \
+            --flare flare.json --sun-method mask --sun-draw $place \
+            --layer edge_$place.exr in.exr
+    done
     run -k kernel.exr --lights many.json --flare flare.json --layer many.exr \
         in.exr
     run -k kernel.exr --lights many.json --flare flare.json --sun-method mask \
@@ -169,12 +185,13 @@ if [ -n "$gl" ] && [ -n "$oiio" ]; then
         echo 'mask.exr direct.exr 1e-5 mask lays the same'
         echo 'gl.exr direct.exr 1e-5 sprites on GL, the same'
         echo 'cpu.exr direct.exr 1e-5 engines and CPU, the same'
+        echo 'edge_gl.exr edge_cpu.exr 1e-5 partly outside, the same'
         echo 'manygl.exr many.exr 1e-5 five lights of three sizes, the same'
         echo 'readback.exr direct.exr 1e-5 readback, the same'
     } | "$python" "$cli/compare.py" >verdicts
     verdicts verdicts
 else
-    skip 10 'no GL, or nothing to compare with'
+    skip 11 'no GL, or nothing to compare with'
 fi
 
 # -- the same bytes ------------------------------------------------------------

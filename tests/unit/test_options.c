@@ -135,6 +135,13 @@ static void every_option_is_stored(void **state)
     assert_int_equal(parse("-o a i --dither --alpha keep --create-dir "
                            "--verify --progress never -q -v", &s), GP_OK);
     assert_true(s.write.dither && s.write.create_dir && s.verify);
+    assert_false(s.write.no_clobber || s.skip_bad_frames);
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a --dither --alpha keep --no-clobber "
+                           "--skip-bad-frames --progress never -q -v i", &s),
+                     GP_OK);
+    assert_true(s.write.no_clobber && s.skip_bad_frames);
     assert_int_equal(s.write.alpha, GP_ALPHA_KEEP);
     assert_int_equal(s.progress, GP_PROGRESS_NEVER);
     assert_int_equal(s.level, GP_LEVEL_INFO);
@@ -228,6 +235,26 @@ static void bench_is_a_command(void **state)
     gp_settings_free(&s);
     assert_int_equal(parse("bench -- bench", &s), GP_OK);
     assert_string_equal(s.inputs.at[0], "bench");
+    gp_settings_free(&s);
+}
+
+static void compare_is_a_command(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("compare a.exr b.exr --fail .5 --warnpercent 2 "
+                           "--hardfail=3 --flip-exposures -1,2,4 --heatmap h "
+                           "--json j -f 1-9", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_int_equal(s.command, GP_COMMAND_COMPARE);
+    assert_int_equal(s.inputs.n, 2);
+    assert_true(s.compare.fail == 0.5f && s.compare.warn == 1e-6f);
+    assert_true(s.compare.warn_percent == 2.0f && s.compare.hard_fail == 3.0f);
+    assert_true(isinf(s.compare.hard_warn));
+    assert_true(s.compare.flip_exposures.n == 3 &&
+                s.compare.flip_exposures.v[2] == 4.0);
+    assert_string_equal(s.compare.heatmap, "h");
+    assert_string_equal(s.bench.json, "j");
     gp_settings_free(&s);
 }
 
@@ -390,6 +417,9 @@ static void warnings(void **state)
     assert_int_equal(parse("-o a i --sun 1,2 --sun-sum 8bit", &s), GP_OK);
     assert_non_null(strstr(said, "--sun-sum: does nothing"));
     gp_settings_free(&s);
+    assert_int_equal(parse("--report r --no-clobber i", &s), GP_OK);
+    assert_non_null(strstr(said, "--no-clobber: does nothing"));
+    gp_settings_free(&s);
     assert_int_equal(parse("-o a i --sun 1,2 --sun-map 8 --debug sunmap=m",
                            &s), GP_OK);
     assert_int_equal(lines, 0); // the picture has that size
@@ -407,7 +437,9 @@ static void named_values_parse(void **state)
     (void) state;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *name, *text;
-        for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+        const bool pictures = o->commands & GP_COMMAND_MAIN;
+        for (int i = 0;
+             pictures && (name = gp_option_value(o, i, &text)); i++) {
             struct gp_settings s;
             char line[256];
             snprintf(line, sizeof line, "-o a i --sun 1,2 --%s %s%s",
@@ -427,6 +459,7 @@ int main(void)
         cmocka_unit_test(words_that_look_like_options),
         cmocka_unit_test(clusters_follow_groups),
         cmocka_unit_test(bench_is_a_command),
+        cmocka_unit_test(compare_is_a_command),
         cmocka_unit_test(errors_say_what_is_wrong),
         cmocka_unit_test(warnings),
         cmocka_unit_test(named_values_parse),

@@ -1,0 +1,13 @@
+#!/bin/sh
+# Usage: parallel.sh [GLAREPP [FOLDER [PATTERN RANGE...]]]
+# A sequence by ranges of frames under GNU parallel: a job for each processor,
+# each on one thread. The first job that fails ends the others; --no-clobber
+# lets the same command go on where it was stopped. One engine for all: auto
+# looks at the frame before, which another job may have made.
+set -eu
+glarepp=${1:-glarepp} folder=${2:-lit}
+frames=${3:-$(dirname "$0")/foliage.####.exr}
+if [ $# -gt 3 ]; then shift 3; else set -- 1004 1007; fi
+parallel -q --will-cite --halt now,fail=1 "$glarepp" --threads 1 --engine fft \
+    -t 4 --knee 0.5 --no-clobber --create-dir -f {} \
+    --hdr "$folder/lit.####.exr" -o "$folder/lit.####.png" "$frames" ::: "$@"

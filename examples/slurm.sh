@@ -1,0 +1,32 @@
+#!/bin/sh
+# A sequence on a Slurm cluster: each task of the array makes a range of frames.
+#
+# Usage: sbatch --array=0-9 [SBATCH OPTIONS] slurm.sh FIRST LAST N INPUT OUTPUT
+#               [GLAREPP OPTIONS]
+#
+# FIRST to LAST are the frames, N is how many a task makes; the array counts
+# tasks from 0, so that 100 frames by 10 are --array=0-9. INPUT and OUTPUT are
+# patterns on a folder that all nodes see:
+#
+#   sbatch --array=0-9 --cpus-per-task=4 slurm.sh 1001 1100 10 \
+#       /show/shot.####.exr /show/lit.####.exr --engine fft
+#
+# A task that is killed and queued again goes on behind the last frame that it
+# finished: frames that are there are left alone, and a frame is renamed to its
+# name when it is whole. Exit status 6 (with --skip-bad-frames) is a failed
+# task, whose log ends with the frames to make again. GLAREPP names the program
+# where it is not in the PATH.
+#
+#SBATCH --job-name=glarepp
+#SBATCH --requeue
+#SBATCH --open-mode=append
+#SBATCH --ntasks=1
+set -eu
+first=$1 last=$2 n=$3 input=$4 output=$5
+shift 5
+from=$((first + SLURM_ARRAY_TASK_ID * n))
+to=$((from + n - 1))
+[ "$to" -le "$last" ] || to=$last
+[ "$from" -le "$to" ] || exit 0 # more tasks than frames
+exec "${GLAREPP:-glarepp}" --frames "$from-$to" --no-clobber \
+    --threads "${SLURM_CPUS_PER_TASK:-1}" --hdr "$output" "$@" "$input"

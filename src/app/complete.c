@@ -1,0 +1,319 @@
+/* Completions for shells, made from the option table. */
+#include "app/help.h"
+
+#include "app/manual.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+/* What stands behind an option. */
+static bool takes_file(const struct gp_option *o)
+{
+    return o->arg && (strstr(o->arg, "FILE") || strstr(o->arg, "CONFIG"));
+}
+
+static bool is_shown(const struct gp_option *o, unsigned commands)
+{
+    return !o->hidden && (o->commands & commands);
+}
+
+static const char *command_name(int i, enum gp_command *command)
+{
+    const char *word = gp_command_at(i, command);
+    return word && !*word ? "main" : word;
+}
+
+/* A text inside single quotes: ' becomes '\'', and each of `escaped` gets a
+ * backslash. */
+static void quoted(FILE *f, const char *text, const char *escaped)
+{
+    for (; *text; text++) {
+        if (*text == '\'')
+            fputs("'\\'", f);
+        else if (strchr(escaped, *text))
+            putc('\\', f);
+        putc(*text, f);
+    }
+}
+
+/* The values of an option, a blank before each but the first. */
+static void values(FILE *f, const struct gp_option *o, const char *escaped)
+{
+    const char *name, *text;
+    for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+        if (i)
+            putc(' ', f);
+        quoted(f, name, escaped);
+        if (o->kind == GP_KIND_NAMED && !strchr(escaped, '='))
+            putc('=', f);
+    }
+}
+
+static bool has_values(const struct gp_option *o)
+{
+    const char *text;
+    return gp_option_value(o, 0, &text) != NULL;
+}
+
+/* Commands, words of groups and subjects; options complete by themselves. */
+static void topics(FILE *f)
+{
+    enum gp_command command;
+    struct gp_section section;
+    const char *word;
+    for (int i = 1; (word = gp_command_at(i, &command)); i++)
+        fprintf(f, "%s ", word);
+    for (int g = 0; g < GP_GROUPS; g++)
+        fprintf(f, "%s ", gp_option_groups[g].word);
+    for (const char *at = gp_manual_text; gp_section_next(at, &section);
+         at = section.text) {
+        char name[32];
+        gp_section_word(&section, name, sizeof name);
+        fprintf(f, "%s ", name);
+    }
+}
+
+static void command_words(FILE *f)
+{
+    enum gp_command command;
+    const char *word;
+    for (int i = 1; (word = gp_command_at(i, &command)); i++)
+        fprintf(f, "%s%s", i > 1 ? " " : "", word);
+}
+
+// -- bash --------------------------------------------------------------------
+
+/* The part of a function's head that does not come from the table. Readline
+ * splits words at = and :, so they are put together first, and what stands
+ * before the last such sign is taken off the answers. */
+static const char bash_head[] =
+    "# bash completion of glarepp; made by: glarepp help --completion bash\n"
+    "_glarepp()\n"
+    "{\n"
+    "    local n=$COMP_CWORD word=${COMP_WORDS[COMP_CWORD]} option= kind=\n"
+    "    local command=main value words= i\n"
+    "    while ((n > 1)) && [[ $word == [=:]* ||\n"
+    "                          ${COMP_WORDS[n - 1]} == [=:] ]]; do\n"
+    "        n=$((n - 1)) word=${COMP_WORDS[n]}$word\n"
+    "    done\n"
+    "    value=$word\n";
+
+static const char bash_tail[] =
+    "    COMPREPLY=()\n"
+    "    while IFS= read -r i; do\n"
+    "        COMPREPLY+=(\"$i\")\n"
+    "    done < <([[ -z $words ]] || compgen -W \"$words\" -- \"$value\"\n"
+    "             [[ $kind != file ]] || compgen -f -- \"$value\")\n"
+    "    [[ $kind != file ]] || compopt -o filenames 2>/dev/null\n"
+    "    [[ ${COMPREPLY[*]} != *= ]] || compopt -o nospace 2>/dev/null\n"
+    "    value=${value%\"${value##*[=:]}\"}\n"
+    "    for i in \"${!COMPREPLY[@]}\"; do\n"
+    "        COMPREPLY[i]=${COMPREPLY[i]#\"$value\"}\n"
+    "    done\n"
+    "}\n"
+    "complete -F _glarepp glarepp\n";
+
+/* One `case` of the option whose value is completed. */
+static void bash_option(FILE *f, const struct gp_option *o)
+{
+    fprintf(f, "    --%s", o->name);
+    if (o->letter)
+        fprintf(f, " | -%c", o->letter);
+    fprintf(f, ")\n        words='");
+    values(f, o, "");
+    fprintf(f, "' kind=%s\n", takes_file(o) ? "file" : "value");
+    if (o->kind == GP_KIND_NAMED)
+        fprintf(f, "        if [[ $value == *=* ]]; then\n"
+                   "            value=${value#*=} words=\n"
+                   "        else\n"
+                   "            kind=value\n"
+                   "        fi\n");
+    fprintf(f, "        ;;\n");
+}
+
+static void bash(FILE *f)
+{
+    enum gp_command command;
+    const char *name;
+    fprintf(f, "%s    case ${COMP_WORDS[1]} in\n    ", bash_head);
+    for (int i = 1; (name = command_name(i, &command)); i++)
+        fprintf(f, "%s%s", i > 1 ? " | " : "", name);
+    fprintf(f, ") ((n < 2)) || command=${COMP_WORDS[1]} ;;\n    esac\n"
+               "    if [[ $word == --*=* ]]; then\n"
+               "        option=${word%%%%=*} value=${word#*=}\n"
+               "    elif ((n > 1)); then\n"
+               "        option=${COMP_WORDS[n - 1]}\n"
+               "    fi\n"
+               "    case $option in\n");
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (is_shown(o, ~0u) && o->arg)
+            bash_option(f, o);
+    }
+    fprintf(f, "    esac\n"
+               "    case $kind:$command:$word in\n");
+    for (int i = 0; (name = command_name(i, &command)); i++) {
+        fprintf(f, "    :%s:-*) kind=word words='", name);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if (is_shown(o, command))
+                fprintf(f, "--%s ", o->name);
+        }
+        fprintf(f, "' ;;\n");
+    }
+    fprintf(f, "    :help:*) kind=word words='");
+    topics(f);
+    fprintf(f, "' ;;\n    :*)\n        kind=file\n"
+               "        ((n > 1)) || words='");
+    command_words(f);
+    fprintf(f, "' ;;\n    esac\n%s", bash_tail);
+}
+
+// -- zsh ---------------------------------------------------------------------
+
+static void zsh_action(FILE *f, const struct gp_option *o)
+{
+    fputs(":", f);
+    quoted(f, o->arg, ":");
+    if (o->kind == GP_KIND_NAMED) {
+        fprintf(f, ":{if compset -P \"*=\"; then _files; else compadd -S = -- ");
+        values(f, o, ":=");
+        fprintf(f, "; fi}");
+    } else if (has_values(o) && o->open) {
+        fprintf(f, ":{compadd -- ");
+        values(f, o, ":");
+        fprintf(f, "; _files}");
+    } else if (has_values(o)) {
+        fprintf(f, ":(");
+        values(f, o, ":");
+        fprintf(f, ")");
+    } else {
+        fprintf(f, "%s", takes_file(o) ? ":_files" : ": ");
+    }
+}
+
+static void zsh_option(FILE *f, const struct gp_option *o)
+{
+    const bool many = o->kind == GP_KIND_TEXTS || o->kind == GP_KIND_NAMED;
+    for (int letter = 0; letter < (o->letter ? 2 : 1); letter++) {
+        fprintf(f, "        '%s", many ? "*" : "");
+        if (!many && o->letter)
+            fprintf(f, "(-%c --%s)", o->letter, o->name);
+        if (letter)
+            fprintf(f, "-%c%s[", o->letter, o->arg ? "+" : "");
+        else
+            fprintf(f, "--%s%s[", o->name, o->arg ? "=" : "");
+        quoted(f, o->help, "[]:\\");
+        putc(']', f);
+        if (o->arg)
+            zsh_action(f, o);
+        fprintf(f, "'\n");
+    }
+}
+
+static void zsh(FILE *f)
+{
+    enum gp_command command;
+    const char *name;
+    fprintf(f, "#compdef glarepp\n"
+               "# zsh completion of glarepp; made by: "
+               "glarepp help --completion zsh\n"
+               "_glarepp()\n{\n    local command=main\n"
+               "    local -a options\n"
+               "    case $words[2] in\n    ");
+    for (int i = 1; (name = command_name(i, &command)); i++)
+        fprintf(f, "%s%s", i > 1 ? " | " : "", name);
+    fprintf(f, ")\n        if (( CURRENT > 2 )); then\n"
+               "            command=$words[2]\n"
+               "            shift words\n"
+               "            (( CURRENT-- ))\n"
+               "        fi ;;\n    esac\n"
+               "    (( CURRENT > 2 )) || [[ $command != main ]] ||\n"
+               "        compadd -- ");
+    command_words(f);
+    fprintf(f, "\n    case $command in\n");
+    for (int i = 0; (name = command_name(i, &command)); i++) {
+        fprintf(f, "    %s) options=(\n", name);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if (is_shown(o, command))
+                zsh_option(f, o);
+        }
+        if (command == GP_COMMAND_HELP) {
+            fprintf(f, "        ':topic:(");
+            topics(f);
+            fprintf(f, ")'\n");
+        } else {
+            fprintf(f, "        '*:input:_files'\n");
+        }
+        fprintf(f, "    ) ;;\n");
+    }
+    fprintf(f, "    esac\n    _arguments -s -S $options\n}\n"
+               "_glarepp \"$@\"\n");
+}
+
+// -- fish --------------------------------------------------------------------
+
+static void fish_option(FILE *f, const struct gp_option *o)
+{
+    enum gp_command command;
+    const char *name;
+    fprintf(f, "complete -c glarepp -n '__glarepp_in");
+    for (int i = 0; (name = command_name(i, &command)); i++) {
+        if (o->commands & command)
+            fprintf(f, " %s", name);
+    }
+    fprintf(f, "' -l %s", o->name);
+    if (o->letter)
+        fprintf(f, " -s %c", o->letter);
+    if (o->arg)
+        fprintf(f, takes_file(o) ? " -r -F" : " -x");
+    if (has_values(o)) {
+        fprintf(f, " -a '");
+        values(f, o, "");
+        fprintf(f, "'");
+    }
+    fprintf(f, " -d '");
+    // fish knows \' inside single quotes, and no other way out of them
+    for (const char *c = o->help; *c; c++)
+        fprintf(f, *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c);
+    fprintf(f, "'\n");
+}
+
+static void fish(FILE *f)
+{
+    fprintf(f, "# fish completion of glarepp; made by: "
+               "glarepp help --completion fish\n"
+               "function __glarepp_in\n"
+               "    set -l words (commandline -opc)\n"
+               "    set -l command main\n"
+               "    if set -q words[2]; and contains -- $words[2] ");
+    command_words(f);
+    fprintf(f, "\n        set command $words[2]\n    end\n"
+               "    contains -- $command $argv\nend\n"
+               "function __glarepp_first\n"
+               "    test (count (commandline -opc)) -eq 1\nend\n"
+               "complete -c glarepp -n __glarepp_first -a '");
+    command_words(f);
+    fprintf(f, "'\ncomplete -c glarepp -n '__glarepp_in help' -f -a '");
+    topics(f);
+    fprintf(f, "'\n");
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (is_shown(o, ~0u))
+            fish_option(f, o);
+    }
+}
+
+void gp_complete(FILE *f, enum gp_shell shell)
+{
+    switch (shell) {
+    case GP_SHELL_BASH:
+        bash(f);
+        break;
+    case GP_SHELL_ZSH:
+        zsh(f);
+        break;
+    case GP_SHELL_FISH:
+        fish(f);
+        break;
+    case GP_SHELL_NONE:
+        break;
+    }
+}

@@ -1,0 +1,265 @@
+#include "io/raw_read.h"
+
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "io/channels.h"
+#include "io/colour.h"
+#include "io/exr_decode.h"
+#include "io/oiio_frame.h"
+#include "io/read_open.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static gp_status make_list(const struct gp_log *log, int n,
+                           struct gp_raw_image *out)
+{
+    void *list;
+    gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
+                                 sizeof *out->channel, &list);
+    out->channel = list;
+    out->channels = st ? 0 : n;
+    return st;
+}
+
+static gp_status make_channel(const struct gp_log *log, const char *name,
+                              size_t samples, struct gp_raw_channel *c)
+{
+    c->name = gp_strdup(name);
+    if (!c->name)
+        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                       "programs", name);
+    return gp_alloc(log, name, samples, sizeof(float), &c->v);
+}
+
+/* The colour among the names of the list. */
+static gp_status find_light(const struct gp_log *log, bool lone,
+                            struct gp_raw_image *out)
+{
+    void *block;
+    struct gp_colour_choice colour;
+    gp_status st = gp_alloc(log, "channel names", (size_t) out->channels,
+                            sizeof(char *), &block);
+    if (st)
+        return st;
+    const char **const name = block;
+    for (int i = 0; i < out->channels; i++)
+        name[i] = out->channel[i].name;
+    const bool found = gp_find_colour(name, out->channels, lone, &colour);
+    gp_free(block);
+    for (int k = 0; k < 3 && found; k++) {
+        const int i = colour.model == GP_COLOUR_GREY ? colour.index[0]
+                      : colour.model == GP_COLOUR_YC ? colour.index[1]
+                                                     : colour.index[k];
+        if (i >= 0 && !out->channel[i].whole)
+            out->light[k] = out->channel[i].v;
+    }
+    if (!out->light[0] || !out->light[1] || !out->light[2])
+        memset(out->light, 0, sizeof out->light);
+    return GP_OK;
+}
+
+/* -- EXR ------------------------------------------------------------------- */
+
+static void read_header(const struct gp_exr_layout *l,
+                        struct gp_raw_image *out)
+{
+    exr_attr_box2i_t box;
+    exr_attr_chromaticities_t c;
+    out->data = (struct gp_rect) {l->x0, l->y0, l->x0 + l->w, l->y0 + l->h};
+    out->display = out->data;
+    if (!exr_get_display_window(l->origin->exr, l->part, &box))
+        out->display = (struct gp_rect) {box.min.x, box.min.y, box.max.x + 1,
+                                         box.max.y + 1};
+    memcpy(out->chromaticities, gp_rec709_chromaticities,
+           sizeof out->chromaticities);
+    if (!exr_attr_get_chromaticities(l->origin->exr, l->part,
+                                     "chromaticities", &c)) {
+        const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
+                                c.blue_x, c.blue_y, c.white_x, c.white_y};
+        memcpy(out->chromaticities, given, sizeof given);
+    }
+    gp_luminance_weights(out->chromaticities, out->luminance);
+}
+
+static bool is_deep(const struct gp_origin *o, int part)
+{
+    exr_storage_t storage;
+    return !exr_get_storage(o->exr, part, &storage) &&
+           (storage == EXR_STORAGE_DEEP_SCANLINE ||
+            storage == EXR_STORAGE_DEEP_TILED);
+}
+
+/* A subsampled channel at full resolution in place of its samples. */
+static gp_status widen(const struct gp_log *log, struct gp_rect window,
+                       const exr_attr_chlist_entry_t *e,
+                       struct gp_raw_channel *c)
+{
+    struct gp_channel small = {
+        .type = c->whole ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
+        .ys = e->y_sampling, .w = gp_rect_w(window) / e->x_sampling,
+        .h = gp_rect_h(window) / e->y_sampling, .colour = -1, .data = c->v,
+    };
+    const struct gp_frame one = {
+        .data = window, .channel = &small, .channels = 1,
+    };
+    void *wide;
+    gp_status st = gp_alloc_zero(log, c->name, gp_frame_pixels(&one),
+                                 sizeof(float), &wide);
+    if (st)
+        return st;
+    gp_channel_floats(&one, 0, wide);
+    gp_free(c->v);
+    c->v = wide;
+    c->whole = false;
+    return GP_OK;
+}
+
+static gp_status read_channels(const struct gp_log *log,
+                               const struct gp_exr_layout *l,
+                               struct gp_raw_image *out)
+{
+    const int n = l->channel->num_channels;
+    const exr_attr_chlist_entry_t *const entry = l->channel->entries;
+    gp_status st;
+    void *block = NULL;
+    GP_TRY(make_list(log, n, out));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n,
+                         sizeof(struct gp_exr_sink), &block));
+    struct gp_exr_sink *const sink = block;
+    for (int i = 0; i < n; i++) {
+        struct gp_raw_channel *const c = &out->channel[i];
+        c->whole = entry[i].pixel_type == EXR_PIXEL_UINT;
+        GP_TRY(make_channel(log, entry[i].name.str,
+                            (size_t) l->w * (size_t) l->h, c));
+        sink[i] = (struct gp_exr_sink) {c->v, !c->whole};
+    }
+    GP_TRY(gp_exr_can_decode(l) ? gp_exr_decode(log, l, sink)
+                                : gp_exr_decode_by_bridge(log, l, sink));
+    for (int i = 0; i < n; i++) {
+        if (entry[i].x_sampling != 1 || entry[i].y_sampling != 1)
+            GP_TRY(widen(log, out->data, &entry[i], &out->channel[i]));
+    }
+out:
+    gp_free(block);
+    return st;
+}
+
+static gp_status read_exr(const struct gp_log *log,
+                          const struct gp_read_params *p,
+                          const struct gp_raw_file *f, int part,
+                          struct gp_raw_image *out)
+{
+    struct gp_exr_layout l;
+    out->deep = is_deep(f->origin, part);
+    if (out->deep)
+        return GP_OK;
+    gp_status st = gp_exr_layout_make(log, f->path, f->origin, part,
+                                      p->max_pixels, &l);
+    if (!st) {
+        read_header(&l, out);
+        st = read_channels(log, &l, out);
+    }
+    if (!st)
+        st = find_light(log, f->parts == 1, out);
+    gp_exr_layout_free(&l);
+    return st;
+}
+
+/* -- other formats --------------------------------------------------------- */
+
+static gp_status split(const struct gp_log *log,
+                       const struct gp_oiio_image *image,
+                       struct gp_raw_image *out)
+{
+    const size_t pixels = (size_t) image->w * (size_t) image->h;
+    const size_t n = (size_t) image->channels;
+    gp_status st = make_list(log, image->channels, out);
+    for (size_t c = 0; c < n && !st; c++) {
+        st = make_channel(log, image->channel_name[c], pixels,
+                          &out->channel[c]);
+        float *const to = out->channel[c].v;
+        for (size_t i = 0; i < pixels && !st; i++)
+            to[i] = image->pixels[i * n + c];
+    }
+    return st;
+}
+
+static gp_status read_other(const struct gp_log *log,
+                            const struct gp_read_params *p,
+                            const struct gp_raw_file *f,
+                            struct gp_raw_image *out)
+{
+    gp_status st;
+    struct gp_oiio_image image = {0};
+    struct gp_frame frame = {0};
+    GP_TRY(gp_read_image(log, p, f->path, &f->stream, &image));
+    GP_TRY(gp_frame_of_image(log, f->path, &image, &frame));
+    out->data = frame.data;
+    out->display = frame.display;
+    out->integers = image.bits > 0;
+    memcpy(out->chromaticities, frame.chromaticities,
+           sizeof out->chromaticities);
+    memcpy(out->luminance, frame.luminance, sizeof out->luminance);
+    out->own = frame.rgb;
+    frame.rgb = (struct gp_planes) {0};
+    for (int c = 0; c < 3; c++)
+        out->light[c] = out->own.c[c];
+    GP_TRY(split(log, &image, out));
+out:
+    gp_frame_free(&frame);
+    gp_image_free(&image);
+    return st;
+}
+
+/* -- both ------------------------------------------------------------------ */
+
+gp_status gp_raw_open(const struct gp_log *log,
+                      const struct gp_read_params *p, const char *path,
+                      struct gp_raw_file *f)
+{
+    bool exr;
+    *f = (struct gp_raw_file) {
+        .path = path, .stream = GP_STREAM_EMPTY, .parts = 1,
+    };
+    gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
+    if (st || !exr)
+        return st;
+    st = gp_origin_open_exr(log, path, &f->stream, &f->origin);
+    if (!st)
+        f->parts = f->origin->parts;
+    return st;
+}
+
+void gp_raw_close(struct gp_raw_file *f)
+{
+    gp_origin_free(f->origin);
+    gp_stream_close(&f->stream);
+    f->origin = NULL;
+}
+
+gp_status gp_raw_read(const struct gp_log *log,
+                      const struct gp_read_params *p,
+                      const struct gp_raw_file *f, int part,
+                      struct gp_raw_image *out)
+{
+    struct gp_raw_image made = {0};
+    gp_status st = f->origin ? read_exr(log, p, f, part, &made)
+                             : read_other(log, p, f, &made);
+    if (st)
+        gp_raw_image_free(&made);
+    else
+        *out = made;
+    return st;
+}
+
+void gp_raw_image_free(struct gp_raw_image *image)
+{
+    for (int i = 0; i < image->channels; i++) {
+        free(image->channel[i].name);
+        gp_free(image->channel[i].v);
+    }
+    gp_free(image->channel);
+    gp_planes_free(&image->own);
+    *image = (struct gp_raw_image) {0};
+}

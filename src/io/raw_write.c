@@ -1,0 +1,118 @@
+#include "io/raw_write.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/file.h"
+#include "io/picture.h"
+
+#include <string.h>
+
+/* Bytes of one sample. */
+static size_t sample_bytes(enum gp_raw_format raw)
+{
+    return raw == GP_RAW_RGB24 ? 1 : raw == GP_RAW_RGBF32LE ? 4 : 2;
+}
+
+struct gathering {
+    const struct gp_picture *pic;
+    struct gp_picture_row *rows;
+    enum gp_raw_format raw;
+    uint8_t *to;
+};
+
+static void store_float(float v, uint8_t *to)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t) (bits >> 8 * i);
+}
+
+static void store_code(uint16_t code, enum gp_raw_format raw, uint8_t *to)
+{
+    const int high = raw == GP_RAW_RGB48BE ? 0 : 1;
+    if (raw == GP_RAW_RGB24) {
+        to[0] = (uint8_t) code;
+        return;
+    }
+    to[high] = (uint8_t) (code >> 8);
+    to[1 - high] = (uint8_t) code;
+}
+
+static void gather_row(void *ctx, int y, int thread)
+{
+    const struct gathering *g = ctx;
+    const size_t w = (size_t) g->pic->width, bytes = sample_bytes(g->raw);
+    struct gp_picture_row *row = &g->rows[thread];
+    uint8_t *to = g->to + (size_t) y * w * 3 * bytes;
+    const bool floats = g->raw == GP_RAW_RGBF32LE;
+    if (floats)
+        gp_picture_floats(g->pic, y, row);
+    else
+        gp_picture_codes(g->pic, y, row);
+    for (size_t x = 0; x < w; x++) {
+        for (size_t c = 0; c < 3; c++, to += bytes) {
+            if (floats)
+                store_float(row->linear[c][x], to);
+            else
+                store_code(row->code[c][x], g->raw, to);
+        }
+    }
+}
+
+static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
+                        enum gp_raw_format raw, size_t bytes, void **out)
+{
+    struct gathering g = {.pic = pic, .raw = raw};
+    gp_status st = gp_alloc(log, "raw frame", bytes, 1, out);
+    if (st)
+        return st;
+    g.to = *out;
+    st = gp_picture_rows_make(log, pic, &g.rows);
+    if (!st)
+        gp_parallel_do(pic->height, gather_row, &g);
+    if (g.rows)
+        gp_picture_rows_free(&g.rows);
+    return st;
+}
+
+static gp_status check_size(const struct gp_log *log, const char *frame,
+                            const struct gp_picture *pic,
+                            struct gp_raw_size *before)
+{
+    if (before->w && (before->w != pic->width || before->h != pic->height))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: another size than the raw frames before it (found "
+                       "%d x %d behind %d x %d); make it in a run of its own",
+                       frame, pic->width, pic->height, before->w, before->h);
+    *before = (struct gp_raw_size) {pic->width, pic->height};
+    return GP_OK;
+}
+
+gp_status gp_raw_write(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_frame *f, const struct gp_planes *planes,
+                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+{
+    gp_status st;
+    struct gp_write_params own = *p;
+    struct gp_picture pic;
+    struct gp_file *file = NULL;
+    void *bytes = NULL;
+    own.depth_bits = p->raw == GP_RAW_RGB24 ? 8 : 16;
+    own.alpha = GP_ALPHA_BLACK;
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind,
+                           p->raw != GP_RAW_RGBF32LE, &pic));
+    const size_t size = (size_t) pic.width * (size_t) pic.height * 3 *
+                        sample_bytes(p->raw);
+    GP_TRY(check_size(log, f->path ? f->path : path, &pic, &stats->raw));
+    GP_TRY(gather(log, &pic, p->raw, size, &bytes));
+    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    GP_TRY(gp_file_write(file, bytes, size));
+    GP_TRY(gp_file_commit(&file));
+out:
+    gp_file_discard(&file);
+    gp_free(bytes);
+    gp_picture_free(&pic);
+    return st;
+}

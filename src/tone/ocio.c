@@ -1,0 +1,156 @@
+#include "tone/ocio.h"
+
+#include "core/bridge.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <dlfcn.h>
+#include <float.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { BLOCK = 4096 }; // pixels at a time: 96 KiB in and out
+
+struct gp_ocio {
+    const struct gp_ocio_api *api;
+    struct gp_ocio_made made;
+};
+
+// -- the bridge ---------------------------------------------------------------
+
+static const struct gp_ocio_api *load(char *why, size_t why_size)
+{
+    static const char bridge[] = "glarepp-ocio.so";
+    static const struct gp_ocio_api *opened; // stays open until the end
+    if (opened)
+        return opened;
+    void *library = gp_bridge_open(bridge, why, why_size);
+    if (!library)
+        return NULL;
+    void *symbol = dlsym(library, "gp_ocio_api");
+    const struct gp_ocio_api *(*entry)(void) = NULL;
+    // ISO C has no cast from an object to a function pointer
+    memcpy(&entry, &symbol, sizeof entry);
+    const struct gp_ocio_api *api = entry ? entry() : NULL;
+    if (!api || api->version != GP_OCIO_API_VERSION) {
+        snprintf(why, why_size, "%s is of another version", bridge);
+        dlclose(library);
+        return NULL;
+    }
+    opened = api;
+    return opened;
+}
+
+gp_status gp_ocio_open(const struct gp_log *log,
+                       const struct gp_ocio_params *p, struct gp_ocio **out)
+{
+    char why[2048];
+    void *mem;
+    *out = NULL;
+    const struct gp_ocio_api *api = load(why, sizeof why);
+    if (!api)
+        return gp_fail(log, GP_ERR_IO,
+                       "--ocio: the OpenColorIO bridge cannot be opened (%s); "
+                       "put it beside the program", why);
+    gp_status st = gp_alloc_zero(log, "OCIO", 1, sizeof **out, &mem);
+    if (st)
+        return st;
+    struct gp_ocio *o = mem;
+    o->api = api;
+    st = (gp_status) api->open(p, &o->made, why, sizeof why);
+    if (st) {
+        gp_free(o);
+        return gp_fail(log, st, "%s", why);
+    }
+    *out = o;
+    return GP_OK;
+}
+
+void gp_ocio_close(struct gp_ocio **ocio)
+{
+    if (*ocio)
+        (*ocio)->api->close(&(*ocio)->made);
+    GP_FREE(*ocio);
+}
+
+const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
+{
+    return &ocio->made.names;
+}
+
+// -- pixels -------------------------------------------------------------------
+
+struct pass {
+    const struct gp_ocio_api *api;
+    const void *processor;
+    const struct gp_planes *in, *out;
+    float scale;
+    size_t pixels;
+};
+
+static void scale_block(const float *in, float scale, size_t n, float *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        float v = in[i] * scale;
+        v = v > FLT_MAX ? FLT_MAX : v;
+        out[i] = v < -FLT_MAX ? -FLT_MAX : v;
+    }
+}
+
+static gp_status pass_block(void *ctx, int block, int thread)
+{
+    const struct pass *p = ctx;
+    const size_t at = (size_t) block * BLOCK, left = p->pixels - at;
+    const size_t n = left < BLOCK ? left : BLOCK;
+    (void) thread;
+    for (int c = 0; c < 3; c++)
+        scale_block(p->in->c[c] + at, p->scale, n, p->out->c[c] + at);
+    return p->api->apply(p->processor, p->out->c[0] + at, p->out->c[1] + at,
+                         p->out->c[2] + at, n) ? GP_ERR_BUG : GP_OK;
+}
+
+static gp_status run_pass(const struct gp_log *log, struct pass *p)
+{
+    if (!p->processor)
+        return gp_fail(log, GP_ERR_BUG,
+                       "OCIO: this transform was never asked for");
+    const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
+    gp_status st = gp_parallel(blocks, pass_block, p, NULL);
+    if (st)
+        return gp_fail(log, st, "OCIO: OpenColorIO failed on the pixels; free "
+                       "some memory");
+    return GP_OK;
+}
+
+gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
+                       const struct gp_tone_params *p, struct gp_frame *f)
+{
+    struct pass pass = {
+        .api = ocio->api, .processor = ocio->made.view, .in = &f->lit,
+        .out = &f->shown, .scale = gp_tone_scale(p, f),
+        .pixels = gp_frame_pixels(f),
+    };
+    if (!f->shown.c[0]) {
+        gp_status st = gp_planes_make(log, "shown frame", pass.pixels,
+                                      &f->shown);
+        if (st)
+            return st;
+    }
+    return run_pass(log, &pass);
+}
+
+gp_status gp_ocio_convert(const struct gp_log *log,
+                          const struct gp_ocio *ocio,
+                          const struct gp_frame *f, struct gp_planes *out)
+{
+    struct pass pass = {
+        .api = ocio->api, .processor = ocio->made.output, .in = &f->lit,
+        .out = out, .scale = 1.0f, .pixels = gp_frame_pixels(f),
+    };
+    gp_status st = gp_planes_make(log, "converted frame", pass.pixels, out);
+    if (!st)
+        st = run_pass(log, &pass);
+    if (st)
+        gp_planes_free(out);
+    return st;
+}

@@ -1,0 +1,53 @@
+/* OpenColorIO: a config's view in the place of a tone curve, and the frame in
+ * another scene-linear space. */
+#ifndef GP_TONE_OCIO_H
+#define GP_TONE_OCIO_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "tone/ocio_bridge.h"
+#include "tone/tone.h"
+
+struct gp_ocio;
+
+/* Reads the config and makes its processors, once for all frames.
+ *
+ *   p     p->config is not NULL; borrowed until the call returns
+ *   out   NULL on failure; close with gp_ocio_close()
+ *
+ * Errors, each with one line: GP_ERR_USAGE a name that the config does not
+ * have (the line lists those it has), $OCIO unset, ocio:// with a library
+ * before 2.2; GP_ERR_IO the config cannot be read, or the bridge is missing;
+ * GP_ERR_DATA OpenColorIO refuses the config or a LUT of it; GP_ERR_BUG no
+ * memory.
+ */
+GP_MUST_CHECK gp_status gp_ocio_open(const struct gp_log *log,
+                                     const struct gp_ocio_params *p,
+                                     struct gp_ocio **out);
+void gp_ocio_close(struct gp_ocio **ocio);
+
+/* The names that it works with; lives as long as `ocio`. */
+const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
+
+/* Makes f->shown from f->lit: exposure (and auto-exposure) of `p` as a scale,
+ * then the view; p->curve and p->white do not count. f->shown is
+ * display-encoded then, in whatever range the display's space has. Scaled
+ * light is kept finite; NaN stays with its own pixel. f->shown is made when it
+ * is empty, else it has the frame's size and is written over.
+ *   ocio  was asked for a view (gp_ocio_params.shows)
+ * Errors: GP_ERR_BUG no memory, or no view.
+ */
+GP_MUST_CHECK gp_status gp_ocio_show(const struct gp_log *log,
+                                     const struct gp_ocio *ocio,
+                                     const struct gp_tone_params *p,
+                                     struct gp_frame *f);
+
+/* Makes *out from f->lit: the same light in the space that
+ * gp_ocio_params.output names; no exposure. *out is empty before and owned by
+ * the caller. Errors: GP_ERR_BUG no memory, or no such space was asked for. */
+GP_MUST_CHECK gp_status gp_ocio_convert(const struct gp_log *log,
+                                        const struct gp_ocio *ocio,
+                                        const struct gp_frame *f,
+                                        struct gp_planes *out);
+
+#endif

@@ -1,0 +1,404 @@
+// OpenColorIO behind extern "C". See tone/ocio_bridge.h.
+#include "tone/ocio_bridge.h"
+
+#include "core/status.h"
+
+#include <OpenColorIO/OpenColorIO.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <strings.h>
+#include <sys/stat.h>
+
+namespace OCIO = OCIO_NAMESPACE;
+
+namespace {
+
+using Names = std::vector<std::string>;
+
+// An error line and its status.
+struct Refusal {
+    int status;
+    std::string line;
+};
+
+// What lives as long as the processors.
+struct Owned {
+    OCIO::ConstCPUProcessorRcPtr view, output;
+    std::string config, input, display, viewed, look, wanted;
+};
+
+// A config and what it was asked for.
+struct Asked {
+    const gp_ocio_params *p;
+    OCIO::ConstConfigRcPtr config;
+    OCIO::ConstContextRcPtr context;
+    Owned *own;
+};
+
+// OpenColorIO writes paragraphs, with a dot at their end.
+std::string one_line(const std::string &text)
+{
+    std::string line;
+    for (const char c : text) {
+        const bool space = static_cast<unsigned char>(c) <= ' ';
+        if (!space)
+            line += c;
+        else if (!line.empty() && line.back() != ' ')
+            line += ' ';
+    }
+    while (!line.empty() && (line.back() == ' ' || line.back() == '.'))
+        line.pop_back();
+    const std::size_t most = 400;
+    return line.size() > most ? line.substr(0, most) + "..." : line;
+}
+
+// "A, B, C and 12 more"
+std::string list_names(const Names &names)
+{
+    const std::size_t most = 400;
+    std::string line;
+    std::size_t i = 0;
+    for (; i < names.size() && (i == 0 || line.size() < most); i++)
+        line += (i ? ", " : "") + one_line(names[i]);
+    if (i < names.size())
+        line += " and " + std::to_string(names.size() - i) + " more";
+    return line;
+}
+
+[[noreturn]] void refuse_name(const char *option, const Asked &a,
+                              const std::string &what,
+                              const std::string &found, const Names &names)
+{
+    const std::string line = std::string(option) + ": " + a.own->config +
+                             " has no such " + what + " (found \"" + found +
+                             "\"); ";
+    throw Refusal{GP_ERR_USAGE,
+                  line + (names.empty() ? "it has none, leave the option out"
+                                        : "give one of " + list_names(names))};
+}
+
+// -- the config ---------------------------------------------------------------
+
+// A YAML parser that is handed a device never ends; one of many megabytes is
+// no config, and takes many times its size. (Archives hold LUTs too.)
+void check_file(const std::string &path)
+{
+    const long long most = 16LL << 20;
+    const bool archive = path.size() > 6 &&
+                         path.compare(path.size() - 6, 6, ".ocioz") == 0;
+    struct stat s;
+    if (stat(path.c_str(), &s) != 0)
+        throw Refusal{GP_ERR_IO, path + ": cannot read the OCIO config (" +
+                                     std::strerror(errno) +
+                                     "); check the name"};
+    if (!S_ISREG(s.st_mode))
+        throw Refusal{GP_ERR_IO, path + ": an OCIO config is a file (found "
+                                     "something else); name config.ocio"};
+    if (s.st_size > most && !archive)
+        throw Refusal{GP_ERR_DATA,
+                      path + ": too large for an OCIO config (" +
+                          std::to_string(s.st_size) +
+                          " bytes); check the name"};
+}
+
+std::string config_name(const char *asked)
+{
+    if (asked[0] != '\0' && std::strcmp(asked, "env") != 0)
+        return asked;
+    const char *const name = std::getenv("OCIO");
+    if (!name || !name[0])
+        throw Refusal{GP_ERR_USAGE, "--ocio: $OCIO is not set; set it, or "
+                                    "give a config file"};
+    return name;
+}
+
+// Without the file's name, which the line has already.
+std::string reason(const std::exception &e, const std::string &name)
+{
+    const std::string head =
+        "Error: Loading the OCIO profile '" + name + "' failed. ";
+    const std::string text = e.what();
+    return text.compare(0, head.size(), head) == 0 ? text.substr(head.size())
+                                                   : text;
+}
+
+OCIO::ConstConfigRcPtr read_config(const std::string &name)
+{
+    const bool builtin = name.compare(0, 7, "ocio://") == 0;
+    if (builtin && OCIO::GetVersionHex() < 0x02020000)
+        throw Refusal{GP_ERR_USAGE,
+                      name + ": OpenColorIO " + OCIO::GetVersion() +
+                          " has no built-in configs (2.2 was the first); "
+                          "give a config file"};
+    if (!builtin)
+        check_file(name);
+    try {
+        return OCIO::Config::CreateFromFile(name.c_str());
+    } catch (const OCIO::Exception &e) {
+        throw Refusal{GP_ERR_DATA, name + ": OpenColorIO " +
+                                       OCIO::GetVersion() + " refuses it (" +
+                                       one_line(reason(e, name)) +
+                                       "); use a config that it can read"};
+    }
+}
+
+OCIO::ConstContextRcPtr make_context(const Asked &a)
+{
+    const OCIO::ContextRcPtr c =
+        a.config->getCurrentContext()->createEditableCopy();
+    for (int i = 0; i < a.p->contexts; i++) {
+        const std::string text = a.p->context[i];
+        const std::size_t is = text.find('=');
+        if (is == 0 || is == std::string::npos)
+            throw Refusal{GP_ERR_USAGE, "--ocio-context: no setting (found "
+                                        "\"" + text +
+                                        "\"); write NAME=VALUE"};
+        c->setStringVar(text.substr(0, is).c_str(),
+                        text.substr(is + 1).c_str());
+    }
+    return c;
+}
+
+// -- names --------------------------------------------------------------------
+
+Names all(int n, const std::function<const char *(int)> &name)
+{
+    Names names;
+    for (int i = 0; i < n; i++)
+        names.push_back(name(i));
+    return names;
+}
+
+// As the config spells it; roles, aliases and inactive ones count.
+std::string find_space(const Asked &a, const char *option, const char *name)
+{
+    const OCIO::ConstColorSpaceRcPtr space = a.config->getColorSpace(name);
+    if (space)
+        return space->getName();
+    const OCIO::ConstConfigRcPtr &c = a.config;
+    Names names = all(c->getNumColorSpaces(), [&](int i) {
+        return c->getColorSpaceNameByIndex(i);
+    });
+    for (int i = 0; i < c->getNumRoles(); i++)
+        names.push_back(std::string(c->getRoleName(i)) + " (role)");
+    refuse_name(option, a, "colour space", name, names);
+}
+
+std::string find_input(const Asked &a)
+{
+    if (a.p->input)
+        return find_space(a, "--input-space", a.p->input);
+    for (const char *const role : {"scene_linear", "reference", "default"}) {
+        if (a.config->hasRole(role))
+            return find_space(a, "--input-space", role);
+    }
+    return find_space(a, "--input-space", "scene_linear"); // lists all
+}
+
+std::string find_display(const Asked &a)
+{
+    const OCIO::ConstConfigRcPtr &c = a.config;
+    const std::string name =
+        a.p->display ? a.p->display : c->getDefaultDisplay();
+    // those that the config has made inactive may be asked for
+    const Names known = all(c->getNumDisplaysAll(),
+                            [&](int i) { return c->getDisplayAll(i); });
+    for (const std::string &k : known) {
+        if (strcasecmp(k.c_str(), name.c_str()) == 0)
+            return k;
+    }
+    refuse_name("--display", a, "display", name,
+                all(c->getNumDisplays(), [&](int i) {
+                    return c->getDisplay(i);
+                }));
+}
+
+std::string find_view(const Asked &a, const std::string &display)
+{
+    const OCIO::ConstConfigRcPtr &c = a.config;
+    const char *const d = display.c_str();
+    if (!a.p->view) { // the rules of views may have none for this space
+        const std::string name = c->getDefaultView(d, a.own->input.c_str());
+        return name.empty() ? c->getDefaultView(d) : name;
+    }
+    for (const OCIO::ViewType type :
+         {OCIO::VIEW_DISPLAY_DEFINED, OCIO::VIEW_SHARED}) {
+        for (int i = 0; i < c->getNumViews(type, d); i++) {
+            const std::string name = c->getView(type, d, i);
+            if (strcasecmp(name.c_str(), a.p->view) == 0)
+                return name;
+        }
+    }
+    refuse_name("--view", a, "view of display " + display, a.p->view,
+                all(c->getNumViews(d), [&](int i) {
+                    return c->getView(d, i);
+                }));
+}
+
+// Looks stand between , : and | with + or - before them.
+void check_looks(const Asked &a)
+{
+    const std::string text = a.p->look;
+    std::size_t at = 0;
+    while (at < text.size()) {
+        const std::size_t end =
+            std::min(text.find_first_of(",:|", at), text.size());
+        const std::size_t first = text.find_first_not_of(" +-", at);
+        if (first < end) {
+            std::string name = text.substr(first, end - first);
+            name.erase(name.find_last_not_of(' ') + 1);
+            if (!a.config->getLook(name.c_str()))
+                refuse_name("--look", a, "look", name,
+                            all(a.config->getNumLooks(), [&](int i) {
+                                return a.config->getLookNameByIndex(i);
+                            }));
+        }
+        at = end + 1;
+    }
+}
+
+// -- processors ---------------------------------------------------------------
+
+[[noreturn]] void refuse_transform(const Asked &a, const std::string &what,
+                                   const std::exception &e)
+{
+    throw Refusal{GP_ERR_DATA,
+                  a.own->config + ": OpenColorIO " + OCIO::GetVersion() +
+                      " cannot make " + what + " (" + one_line(e.what()) +
+                      "); check the config, its files and --ocio-context"};
+}
+
+void make_view(const Asked &a)
+{
+    Owned *const own = a.own;
+    own->display = find_display(a);
+    own->viewed = find_view(a, own->display);
+    if (a.p->look) {
+        check_looks(a);
+        own->look = a.p->look;
+    }
+    try {
+        const auto view = OCIO::DisplayViewTransform::Create();
+        view->setSrc(own->input.c_str());
+        view->setDisplay(own->display.c_str());
+        view->setView(own->viewed.c_str());
+        const auto pipeline = OCIO::LegacyViewingPipeline::Create();
+        pipeline->setDisplayViewTransform(view);
+        if (a.p->look) {
+            pipeline->setLooksOverride(a.p->look);
+            pipeline->setLooksOverrideEnabled(true);
+        }
+        own->view = pipeline->getProcessor(a.config, a.context)
+                        ->getDefaultCPUProcessor();
+    } catch (const OCIO::Exception &e) {
+        refuse_transform(a, "view " + own->viewed + " of display " +
+                                own->display, e);
+    }
+}
+
+void make_output(const Asked &a)
+{
+    Owned *const own = a.own;
+    own->wanted = find_space(a, "--output-space", a.p->output);
+    try {
+        own->output = a.config->getProcessor(a.context, own->input.c_str(),
+                                             own->wanted.c_str())
+                          ->getDefaultCPUProcessor();
+    } catch (const OCIO::Exception &e) {
+        refuse_transform(a, own->wanted + " from " + own->input, e);
+    }
+}
+
+void make_all(const gp_ocio_params *p, Owned *own)
+{
+    // errors are told by exceptions; nobody asked for the rest on stderr
+    OCIO::SetLoggingFunction([](const char *) {});
+    own->config = config_name(p->config);
+    Asked a{p, read_config(own->config), nullptr, own};
+    a.context = make_context(a);
+    own->input = find_input(a);
+    if (p->shows)
+        make_view(a);
+    if (p->output)
+        make_output(a);
+}
+
+const char *text_or_null(const std::string &s)
+{
+    return s.empty() ? nullptr : s.c_str();
+}
+
+void publish(std::unique_ptr<Owned> own, gp_ocio_made *out)
+{
+    out->names.config = own->config.c_str();
+    out->names.input = own->input.c_str();
+    out->names.display = text_or_null(own->display);
+    out->names.view = text_or_null(own->viewed);
+    out->names.look = text_or_null(own->look);
+    out->names.output = text_or_null(own->wanted);
+    out->view = own->view.get();
+    out->output = own->output.get();
+    out->own = own.release();
+}
+
+int put_line(int status, const std::string &line, char *why,
+             std::size_t why_size)
+{
+    const std::string text = line.substr(0, why_size - 1);
+    std::memcpy(why, text.c_str(), text.size() + 1);
+    return status;
+}
+
+int open_config(const gp_ocio_params *p, gp_ocio_made *out, char *why,
+                std::size_t why_size)
+try {
+    *out = {};
+    auto own = std::make_unique<Owned>();
+    make_all(p, own.get());
+    publish(std::move(own), out);
+    return GP_OK;
+} catch (const Refusal &r) {
+    return put_line(r.status, r.line, why, why_size);
+} catch (const std::exception &e) {
+    return put_line(GP_ERR_BUG, std::string("--ocio: OpenColorIO failed (") +
+                                    one_line(e.what()) +
+                                    "); use another config", why, why_size);
+} catch (...) {
+    return put_line(GP_ERR_BUG, "--ocio: OpenColorIO failed; use another "
+                                "config", why, why_size);
+}
+
+void close_made(gp_ocio_made *made)
+{
+    delete static_cast<Owned *>(made->own);
+    *made = {};
+}
+
+int apply(const void *processor, float *r, float *g, float *b, std::size_t n)
+try {
+    OCIO::PlanarImageDesc pixels(r, g, b, nullptr, static_cast<long>(n), 1);
+    static_cast<const OCIO::CPUProcessor *>(processor)->apply(pixels);
+    return 0;
+} catch (...) {
+    return -1;
+}
+
+const struct gp_ocio_api api = {GP_OCIO_API_VERSION, open_config, close_made,
+                                apply};
+
+} // namespace
+
+extern "C" __attribute__((visibility("default"))) const struct gp_ocio_api *
+gp_ocio_api(void)
+{
+    return &api;
+}

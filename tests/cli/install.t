@@ -1,0 +1,256 @@
+#!/bin/sh
+# What make install, make uninstall and make deb put in place and take away;
+# shells complete with what is installed; glarepp help.
+. "$(dirname "$0")/lib.sh"
+
+build=$(dirname "$glarepp")
+version=$("$glarepp" --version | sed -n '1s/^glarepp //p')
+unset MAKEFLAGS MFLAGS MAKELEVEL GLAREPP_BRIDGES
+
+# mk TARGET VARIABLE...: in the repository, with the build that is tested
+mk()
+{
+    (cd "$root" && make --no-print-directory B="$build" "$@") >mk.log 2>&1
+    result $? "make $1" || note "$(tail -n 12 mk.log)"
+}
+
+# files FOLDER: those in it, one a line
+files()
+{
+    (cd "$1" && find . ! -type d | LC_ALL=C sort | sed 's|^\./||')
+}
+
+# -- install and uninstall -----------------------------------------------------
+
+prefix=/opt/a\ place
+mk install DESTDIR="$tmp/root" PREFIX="$prefix"
+at=$tmp/root$prefix
+is "$(files "$at")" 'bin/glarepp
+lib/glarepp/glarepp-ocio.so
+lib/glarepp/glarepp-oiio.so
+share/bash-completion/completions/glarepp
+share/fish/vendor_completions.d/glarepp.fish
+share/man/man1/glarepp.1
+share/zsh/site-functions/_glarepp' 'what make install puts in place'
+is "$(files "$tmp/root" | grep -vc '^opt/a place/')" 0 'and nothing elsewhere'
+is "$(find "$at" -type f -perm /022)" '' 'no file that others can write to'
+is "$("$at/bin/glarepp" --version | head -n 1)" "glarepp $version" \
+    'the installed program runs'
+same "$at/share/man/man1/glarepp.1" "$root/man/glarepp.1" 'the man page'
+for shell in bash zsh fish; do
+    "$glarepp" help --completion $shell >completion.$shell
+done
+same "$at/share/bash-completion/completions/glarepp" completion.bash \
+    'completions of bash'
+same "$at/share/zsh/site-functions/_glarepp" completion.zsh \
+    'completions of zsh'
+same "$at/share/fish/vendor_completions.d/glarepp.fish" completion.fish \
+    'completions of fish'
+
+# A TIFF needs the bridge, which is found from where the program lies
+if [ -n "$python" ]; then
+    frame f.exr size=8x8
+    ok 'the installed program finds its bridge' \
+        "$at/bin/glarepp" -o f.tif f.exr
+    rm f.tif "$at/lib/glarepp/glarepp-oiio.so"
+    if [ -e /usr/local/lib/glarepp/glarepp-oiio.so ]; then
+        skip 1 'another glarepp is installed'
+    else
+        no 'which it takes from nowhere else' "$at/bin/glarepp" -o f.tif f.exr
+    fi
+else
+    skip 2 'no python3 to make frames'
+fi
+
+echo mine >"$at/bin/other"
+mk uninstall DESTDIR="$tmp/root" PREFIX="$prefix"
+is "$(files "$tmp/root")" 'opt/a place/bin/other' \
+    'make uninstall leaves what is not its own'
+no 'and takes its own folder away' test -e "$at/lib/glarepp"
+mk uninstall DESTDIR="$tmp/root" PREFIX="$prefix"
+
+# -- the Debian package --------------------------------------------------------
+
+package()
+{
+    mk deb
+    deb=$build/glarepp_${version}_$(dpkg --print-architecture).deb
+    cp "$deb" first.deb || return
+    mk deb
+    same first.deb "$deb" 'the package has the same bytes again'
+
+    dpkg-deb -x first.deb tree
+    is "$(files tree)" 'usr/bin/glarepp
+usr/lib/glarepp/glarepp-ocio.so
+usr/lib/glarepp/glarepp-oiio.so
+usr/share/bash-completion/completions/glarepp
+usr/share/doc/glarepp/changelog.gz
+usr/share/doc/glarepp/copyright
+usr/share/fish/vendor_completions.d/glarepp.fish
+usr/share/man/man1/glarepp.1.gz
+usr/share/zsh/vendor-completions/_glarepp' 'what the package holds'
+    is "$(dpkg-deb -f first.deb Version)" "$version" 'its version'
+    depends=$(dpkg-deb -f first.deb Depends)
+    for library in libc6 libopenexr libpng16 libopenimageio libopencolorio \
+        libjansson4 libfftw3-single3; do
+        like "$depends" "*$library*" "it depends on $library"
+    done
+    is "$(gzip -dc tree/usr/share/man/man1/glarepp.1.gz | cmp - \
+        "$root/man/glarepp.1" 2>&1)" '' 'its man page'
+    like "$(gzip -dc tree/usr/share/doc/glarepp/changelog.gz)" \
+        "glarepp ($version) *" 'its changelog'
+    like "$(cat tree/usr/share/doc/glarepp/copyright)" '*GPL-3+*' 'its licence'
+    is "$(dpkg-deb -c first.deb | awk '$2 != "root/root"')" '' \
+        'all of it is root'\''s'
+    like "$(tree/usr/bin/glarepp --version)" "glarepp $version*" \
+        'the unpacked program runs'
+    [ ! -f f.exr ] || ok 'and finds its bridge' \
+        tree/usr/bin/glarepp -o deb.tif f.exr
+}
+
+# dpkg itself, into a root where nothing else is
+dpkg_into_root()
+{
+    mkdir -p fresh/var/lib/dpkg/info fresh/var/lib/dpkg/updates
+    : >fresh/var/lib/dpkg/status
+    ok 'dpkg installs it into a fresh root' dpkg --root="$tmp/fresh" \
+        --force-depends --force-script-chrootless --log=/dev/null \
+        -i first.deb
+    like "$(dpkg-query --root="$tmp/fresh" -W -f '${Status}' glarepp 2>&1)" \
+        'install ok installed' 'it counts as installed'
+    is "$(cd fresh && md5sum -c var/lib/dpkg/info/glarepp.md5sums 2>&1 |
+        grep -vc ': OK$')" 0 'its sums hold'
+    like "$(fresh/usr/bin/glarepp help report)" 'THE REPORT*' \
+        'the program runs from there'
+    ok 'dpkg removes it' dpkg --root="$tmp/fresh" --log=/dev/null \
+        --force-script-chrootless -P glarepp
+    no 'and nothing stays' test -e fresh/usr/lib/glarepp -o \
+        -e fresh/usr/bin/glarepp -o -e fresh/usr/share/doc/glarepp
+}
+
+if [ -n "$quick" ]; then
+    skip 1 'no package of a build for tests'
+elif ! command -v dpkg-deb >/dev/null || ! command -v dpkg-shlibdeps >/dev/null
+then
+    skip 1 'no dpkg-deb and dpkg-shlibdeps'
+else
+    package
+    if [ "$(id -u)" = 0 ]; then
+        dpkg_into_root
+    else
+        skip 1 'dpkg installs for root only'
+    fi
+fi
+
+# -- completion ----------------------------------------------------------------
+
+touch 'a file.exr'
+cat >.ask.bash <<'EOF'
+. ./completion.bash
+while read -r line; do
+    read -ra COMP_WORDS <<<"$line"
+    [[ $line != *' _' ]] || COMP_WORDS[-1]=
+    COMP_CWORD=$((${#COMP_WORDS[@]} - 1)) COMPREPLY=()
+    "$(complete -p glarepp | sed 's/.*-F \([^ ]*\) .*/\1/')" 2>/dev/null
+    printf '%s|' "${COMPREPLY[@]}"
+    echo
+done
+EOF
+
+# bash_says "WORDS" "ANSWERS|": readline's words, _ is an empty one
+bash_says()
+{
+    is "$(echo "$1" | bash .ask.bash)" "$2" "bash: $1"
+}
+
+if command -v bash >/dev/null; then
+    ok 'bash reads its completions' bash -n completion.bash
+    bash_says 'glarepp --eng' '--engine|'
+    bash_says 'glarepp --engine _' 'auto|direct|fft|splat|'
+    bash_says 'glarepp --engine = s' 'splat|'
+    bash_says 'glarepp -e f' 'fft|'
+    bash_says 'glarepp -k builtin : e' 'eye|'
+    bash_says 'glarepp --kernel = builtin : ey' 'eye|'
+    bash_says 'glarepp -k a' 'a file.exr|'
+    bash_says 'glarepp --debug pol' 'polygons=|'
+    bash_says 'glarepp --debug polygons = a' 'a file.exr|'
+    bash_says 'glarepp --gain _' '|'
+    bash_says 'glarepp ben' 'bench|'
+    bash_says 'glarepp bench --js' '--json|'
+    bash_says 'glarepp bench --hd' '|'
+    bash_says 'glarepp --js' '|'
+    bash_says 'glarepp help sequ' 'sequences|'
+    bash_says 'glarepp -o x.png a' 'a file.exr|'
+else
+    skip 1 'no bash'
+fi
+
+if command -v fish >/dev/null; then
+    export HOME="$tmp" XDG_CONFIG_HOME="$tmp" XDG_DATA_HOME="$tmp"
+    fish_says()
+    {
+        is "$(fish -c "source completion.fish; complete -C'$1'" 2>&1 |
+            cut -f1 | tr '\n' '|')" "$2" "fish: $1"
+    }
+    ok 'fish reads its completions' fish --no-execute completion.fish
+    fish_says 'glarepp --eng' '--engine|'
+    fish_says 'glarepp --engine ' 'auto|direct|fft|splat|'
+    fish_says 'glarepp -k builtin:e' 'builtin:eye|'
+    fish_says 'glarepp --gain ' ''
+    fish_says 'glarepp bench --js' '--json|'
+    fish_says 'glarepp --js' ''
+    fish_says 'glarepp help sequ' 'sequences|'
+else
+    skip 1 'no fish'
+fi
+
+# zsh completes at a terminal only: one of its own
+cat >ask.zsh <<'EOF'
+zmodload zsh/zpty
+zpty shell zsh -f -i
+zpty -w shell "fpath=($PWD \$fpath); autoload -U compinit; compinit -u -D"
+zpty -w shell "print READ''Y"
+zpty -r -m shell out "*READY*" # waits for it
+zpty -w -n shell "$1"$'\t'
+zpty -r -m shell out "*$2*"
+zpty -d shell
+EOF
+if command -v zsh >/dev/null && zsh -fc 'zmodload zsh/zpty' 2>/dev/null; then
+    cp completion.zsh _glarepp
+    ok 'zsh reads its completions' zsh -n completion.zsh
+    for row in '--engine=sp splat' '-k builtin:ey builtin:eye' \
+        'bench --js --json' 'help sequ sequences'; do
+        ok "zsh: glarepp ${row% *}" timeout 10 zsh -f ask.zsh \
+            "glarepp ${row% *}" "${row##* }"
+    done
+else
+    skip 1 'no zsh'
+fi
+
+# -- help ----------------------------------------------------------------------
+
+run help
+quiet_success 'help lists its topics'
+like "$(cat out)" '*kernels*sequences*' 'kernels and sequences are topics'
+run help --gain
+quiet_success 'help --gain is about the option'
+like "$(cat out)" '*-g, --gain G*' 'it names it'
+run help sequences
+quiet_success 'help sequences'
+run help kernsl
+fails_with 2 kernel 'a topic that is none'
+run bnech f.exr
+fails_with 2 'glarepp bench' 'a command that is none'
+is "$(cat out)" '' 'nothing on stdout'
+echo text >bnech
+run -o x.png bnech
+run bnech -o x.png
+like "$(cat err)" 'glarepp: bnech: *' 'a file of such a name is a file'
+no 'and no slip' grep -q 'did you mean' err
+if [ -c /dev/full ]; then
+    "$glarepp" help kernels >/dev/full 2>err
+    status=$?
+    fails_with 3 stdout 'help into a full device'
+fi
+
+done_testing
