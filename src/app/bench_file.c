@@ -1,6 +1,7 @@
 /* The table as CSV and as JSON. */
 #include "app/bench_table.h"
 
+#include "app/json_name.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -159,23 +160,10 @@ gp_status gp_bench_csv(const struct gp_log *log, const struct gp_bench_table *t,
 
 // -- JSON -------------------------------------------------------------------------
 
-/* Text of any bytes: those that are not UTF-8 make all beyond ASCII "?". */
-static json_t *json_words(const char *s)
-{
-    json_t *value = json_string(s);
-    char *plain = value ? NULL : gp_strdup(s);
-    for (char *p = plain; p && *p; p++)
-        *p = (unsigned char) *p < 0x80 ? *p : '?';
-    if (plain)
-        value = json_string(plain);
-    free(plain);
-    return value;
-}
-
 static json_t *json_cell(const struct cell *c)
 {
     if (c->text)
-        return json_words(c->text);
+        return gp_json_name(c->text);
     if (c->truth)
         return json_boolean(c->number > 0.0);
     if (c->whole)
@@ -194,18 +182,18 @@ static json_t *json_row(const struct gp_bench_frame *f,
             json_object_set_new(row, c[i].name, json_cell(&c[i]));
     }
     if (!r->why[0] && strcmp(r->name, "auto") == 0)
-        json_object_set_new(row, "engine_why", json_words(r->stats.why));
+        json_object_set_new(row, "engine_why", gp_json_name(r->stats.why));
     return row;
 }
 
 static json_t *json_frame(const struct gp_bench_frame *f)
 {
     json_t *o = json_object(), *rows = json_array();
-    json_object_set_new(o, "input", json_words(f->input));
+    json_object_set_new(o, "input", gp_json_name(f->input));
     json_object_set_new(o, "width", json_integer(f->width));
     json_object_set_new(o, "height", json_integer(f->height));
     json_object_set_new(o, "sources", json_integer(f->sources));
-    json_object_set_new(o, "kernel", json_words(f->kernel));
+    json_object_set_new(o, "kernel", gp_json_name(f->kernel));
     json_object_set_new(o, "kernel_size",
                         json_pack("[ii]", f->kernel_w, f->kernel_h));
     if (f->paper)

@@ -1,6 +1,7 @@
 #include "app/bench_sun.h"
 
 #include "app/bench_table.h"
+#include "app/json_name.h"
 #include "app/sun.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -243,8 +244,8 @@ static gp_status write_csv(const struct bench *b, const char *path)
 static json_t *row_json(const struct row *r)
 {
     return r->why[0]
-               ? json_pack("{ss ss%}", "method", r->name, "why", r->why,
-                           strlen(r->why))
+               ? json_pack("{ss so}", "method", r->name, "why",
+                           gp_json_name(r->why))
                : json_pack("{ss sf sf sf sf sf sf sf sf}", "method", r->name,
                            "ms", r->ms, "ms_min", r->least, "ms_max", r->most,
                            "ms_first", r->first, "ms_in_flight", r->flight,
@@ -258,7 +259,8 @@ static gp_status write_json(const struct bench *b, const char *path)
     for (int i = 0; i < b->rows; i++)
         json_array_append_new(rows, row_json(&b->row[i]));
     json_t *const all =
-        json_pack("{ss si si si so}", "input", b->frame.path, "lights",
+        json_pack("{so si si si so}", "input",
+                  gp_json_name(b->frame.path), "lights",
                   b->suns.n, "runs", b->s->bench.runs, "threads",
                   gp_threads(), "rows", rows);
     char *text = all ? json_dumps(all, JSON_INDENT(1) |
@@ -266,8 +268,7 @@ static gp_status write_json(const struct bench *b, const char *path)
                      : NULL;
     json_decref(all);
     if (!text)
-        return gp_fail(b->log, GP_ERR_BUG, "%s: no JSON (out of memory, or a "
-                       "name that is not UTF-8)", path);
+        return gp_fail(b->log, GP_ERR_BUG, "%s: out of memory", path);
     return write_text(b, path, text, strlen(text));
 }
 

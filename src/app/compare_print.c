@@ -1,5 +1,6 @@
 #include "app/compare_print.h"
 
+#include "app/json_name.h"
 #include "core/memory.h"
 
 #include <jansson.h>
@@ -115,19 +116,6 @@ void gp_compare_print_line(const struct gp_compare_row *r, FILE *to)
 
 // -- JSON --------------------------------------------------------------------
 
-/* Text of any bytes: those that are not UTF-8 make all beyond ASCII "?". */
-static json_t *words(const char *s)
-{
-    json_t *value = json_string(s);
-    char *plain = value ? NULL : gp_strdup(s);
-    for (char *p = plain; p && *p; p++)
-        *p = (unsigned char) *p < 0x80 ? *p : '?';
-    if (plain)
-        value = json_string(plain);
-    free(plain);
-    return value;
-}
-
 static void put(json_t *o, const char *key, double v)
 {
     json_object_set_new(o, key, isfinite(v) ? json_real(v) : json_null());
@@ -145,7 +133,7 @@ static json_t *worst(const struct gp_compare_row *r)
     put_count(o, "x", f->x);
     put_count(o, "y", f->y);
     json_object_set_new(o, "channel",
-                        words(gp_compare_name(r->match, f->channel)));
+                        gp_json_name(gp_compare_name(r->match, f->channel)));
     put(o, "a", f->worst_a);
     put(o, "b", f->worst_b);
     return o;
@@ -183,8 +171,8 @@ static void put_figures(json_t *o, const struct gp_compare_row *r)
 void gp_compare_json(const struct gp_compare_row *r, FILE *to)
 {
     json_t *const o = json_object();
-    json_object_set_new(o, "a", words(r->a));
-    json_object_set_new(o, "b", words(r->b));
+    json_object_set_new(o, "a", gp_json_name(r->a));
+    json_object_set_new(o, "b", gp_json_name(r->b));
     if (r->numbered)
         put_count(o, "frame", r->frame);
     if (r->parts > 1)
@@ -192,7 +180,7 @@ void gp_compare_json(const struct gp_compare_row *r, FILE *to)
     json_object_set_new(o, "result", json_string(gp_compare_word(r->result)));
     put_count(o, "status", r->result);
     if (r->why)
-        json_object_set_new(o, "why", words(r->why));
+        json_object_set_new(o, "why", gp_json_name(r->why));
     else
         put_figures(o, r);
     json_dumpf(o, to, JSON_COMPACT | JSON_REAL_PRECISION(9));

@@ -1,5 +1,6 @@
 #include "app/report.h"
 
+#include "app/json_name.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -42,44 +43,6 @@ static json_t *numbers(const double v[3])
     return list;
 }
 
-/* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
-static size_t utf8_length(const unsigned char *s)
-{
-    if (s[0] < 0x80)
-        return 1;
-    size_t n = s[0] >= 0xc2 && s[0] <= 0xdf   ? 2
-               : s[0] >= 0xe0 && s[0] <= 0xef ? 3
-               : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
-    unsigned char least = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
-    unsigned char most = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
-    for (size_t i = 1; i < n; i++) {
-        if (s[i] < least || s[i] > most)
-            return 0;
-        least = 0x80;
-        most = 0xbf;
-    }
-    return n;
-}
-
-/* A file name; Linux takes any bytes, JSON only UTF-8. */
-static json_t *text(const char *s)
-{
-    static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
-    char *clean = malloc(3 * strlen(s) + 1), *to = clean;
-    if (!clean)
-        return NULL;
-    while (*s) {
-        size_t n = utf8_length((const unsigned char *) s);
-        memcpy(to, n ? s : replacement, n ? n : 3);
-        to += n ? n : 3;
-        s += n ? n : 1;
-    }
-    *to = '\0';
-    json_t *value = json_string(clean);
-    free(clean);
-    return value;
-}
-
 // -- one frame ---------------------------------------------------------------
 
 struct object {
@@ -111,10 +74,10 @@ static void add_names(struct object *o, const struct gp_facts *f)
 {
     if (f->numbered)
         put(o, "frame", json_integer(f->frame));
-    put(o, "input", text(f->input));
+    put(o, "input", gp_json_name(f->input));
     json_t *outputs = json_array();
     for (int i = 0; i < f->n_outputs; i++)
-        json_array_append_new(outputs, text(f->outputs[i]));
+        json_array_append_new(outputs, gp_json_name(f->outputs[i]));
     put(o, "outputs", outputs);
     put(o, "width", json_integer(f->width));
     put(o, "height", json_integer(f->height));
@@ -124,8 +87,8 @@ static void add_engine(struct object *o, const struct gp_glare_stats *g)
 {
     if (!g->engine)
         return;
-    put(o, "engine", text(g->engine));
-    put(o, "engine_why", text(g->why));
+    put(o, "engine", gp_json_name(g->engine));
+    put(o, "engine_why", gp_json_name(g->why));
 }
 
 static void add_work(struct object *o, const struct gp_facts *f)
@@ -139,7 +102,7 @@ static void add_work(struct object *o, const struct gp_facts *f)
     if (g->polygons)
         put(o, "polygon_pixels", number(g->polygon_pixels, 0.0));
     if (g->form)
-        put(o, "form", text(g->form));
+        put(o, "form", gp_json_name(g->form));
     if (g->fft_w)
         put(o, "fft_size", json_pack("[ii]", g->fft_w, g->fft_h));
     put(o, "flux_in", numbers(f->flux_in));
@@ -155,20 +118,20 @@ static void add_depth(struct object *o, const struct gp_facts *f)
     const struct gp_occluders *const c = f->occluders;
     struct object d = {.json = json_object()};
     if (c && c->depth) {
-        put(&d, "channel", text(c->depth->name));
-        put(&d, "empty", text(c->facts.empty));
+        put(&d, "channel", gp_json_name(c->depth->name));
+        put(&d, "empty", gp_json_name(c->facts.empty));
         if (c->facts.reversed)
             put(&d, "reversed", json_true());
     } else if (f->depth) {
-        put(&d, "channel", text(f->depth));
-        put(&d, "type", text(type_names[f->depth_type]));
+        put(&d, "channel", gp_json_name(f->depth));
+        put(&d, "type", gp_json_name(type_names[f->depth_type]));
     }
     if (json_object_size(d.json))
         put_inner(o, "depth", &d);
     else
         json_decref(d.json);
     if (c && c->mask)
-        put(o, "mask", text(c->mask->name));
+        put(o, "mask", gp_json_name(c->mask->name));
 }
 
 static void add_lights(struct object *o, const struct gp_facts *f)
@@ -192,7 +155,7 @@ static void add_lights(struct object *o, const struct gp_facts *f)
     }
     put(o, "lights", list);
     if (f->sun_way)
-        put(o, "sun_method", text(f->sun_way));
+        put(o, "sun_method", gp_json_name(f->sun_way));
 }
 
 static void add_ocio(struct object *o, const struct gp_ocio_names *n)
@@ -206,7 +169,7 @@ static void add_ocio(struct object *o, const struct gp_ocio_names *n)
     struct object inner = {.json = json_object()};
     for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
         if (field[i][1])
-            put(&inner, field[i][0], text(field[i][1]));
+            put(&inner, field[i][0], gp_json_name(field[i][1]));
     }
     put_inner(o, "ocio", &inner);
 }
@@ -240,8 +203,8 @@ static void add_costs(struct object *o, const struct gp_facts *f)
     put(o, "peak_rss_mib", number(gp_peak_rss_mib(), 0.1));
     put(o, "threads", json_integer(gp_threads()));
     if (f->glare.gl || f->sun_gl)
-        put(o, "gl", text(f->glare.gl ? f->glare.gl : f->sun_gl));
-    put(o, "version", text(GP_VERSION));
+        put(o, "gl", gp_json_name(f->glare.gl ? f->glare.gl : f->sun_gl));
+    put(o, "version", gp_json_name(GP_VERSION));
 }
 
 double gp_peak_rss_mib(void)
@@ -382,8 +345,8 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
     struct object o = {.json = json_object()};
     if (facts->numbered)
         put(&o, "frame", json_integer(facts->frame));
-    put(&o, "input", text(facts->input));
-    put(&o, "error", text(error));
+    put(&o, "input", gp_json_name(facts->input));
+    put(&o, "error", gp_json_name(error));
     return write_object(log, r, &o);
 }
 

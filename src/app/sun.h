@@ -137,7 +137,8 @@ GP_MUST_CHECK gp_status gp_disc_pixels_make(const struct gp_log *log,
 /* The pixels of `frame` that a light's disc falls on, each with its share of
  * flux * visibility: the weights above, moved to the light's place by bilinear
  * shares, which keep flux and centroid. Appends to list[*n], which has room
- * for (2m+2)^2 more. */
+ * for gp_disc_room() more. */
+size_t gp_disc_room(double radius); // pixels of a disc, at most
 void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
                    struct gp_rect frame, struct gp_extra *list, size_t *n);
 

@@ -41,39 +41,43 @@ static bool is_sprite(const struct gp_settings *s, const struct gp_suns *suns,
            (on_gl(s, suns) || (l->visibility > 0.0 && reaches_beyond(l, data)));
 }
 
+/* Whether light l goes through the engines. */
+static bool is_source(const struct gp_settings *s, const struct gp_suns *suns,
+                      const struct gp_light *l, struct gp_rect data)
+{
+    return gp_light_has_flux(l) && !s->sun.in_frame && l->visibility > 0.0 &&
+           !is_sprite(s, suns, l, data);
+}
+
 gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
                        const struct gp_suns *suns, const struct gp_frame *f,
                        const struct gp_sources *src, struct gp_sources *out,
                        bool *joined)
 {
-    gp_status st = GP_OK;
+    gp_status st;
     struct gp_extra *list = NULL;
-    size_t n = 0;
+    size_t n = 0, room = 0;
+    void *v;
     *joined = false;
     for (int i = 0; i < suns->n; i++) {
+        if (is_source(s, suns, &suns->light[i], f->data))
+            room += gp_disc_room(suns->light[i].radius);
+    }
+    if (!room)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &v));
+    list = v;
+    for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
-        if (!gp_light_has_flux(l) || s->sun.in_frame ||
-            is_sprite(s, suns, l, f->data) || !(l->visibility > 0.0))
-            continue;
         struct gp_disc_pixels d;
-        void *v;
+        if (!is_source(s, suns, l, f->data))
+            continue;
         GP_TRY(gp_disc_pixels_make(log, l->radius, &d));
-        const size_t side = 2 * (size_t) d.m + 2;
-        st = gp_alloc(log, "light", n + side * side, sizeof *list, &v);
-        if (!st) {
-            if (n)
-                memcpy(v, list, n * sizeof *list);
-            gp_free(list);
-            list = v;
-            gp_disc_light(&d, l, f->data, list, &n);
-        }
+        gp_disc_light(&d, l, f->data, list, &n);
         gp_free(d.weight);
-        GP_TRY(st);
     }
-    if (n) {
-        GP_TRY(gp_sources_with(log, src, list, n, out));
-        *joined = true;
-    }
+    GP_TRY(gp_sources_with(log, src, list, n, out));
+    *joined = true;
 out:
     gp_free(list);
     return st;
@@ -94,7 +98,6 @@ static gp_status spread(const struct gp_log *log, const struct gp_kernel *k,
         .x = k->cx + m + 0.5, .y = k->cy + m + 0.5,
         .flux = {1.0f, 1.0f, 1.0f}, .visibility = 1.0,
     };
-    const size_t side = 2 * (size_t) m + 2;
     struct gp_frame f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
     struct gp_sources none = {.w = w, .h = h, .luminance = {0.3f, 0.6f, 0.1f}};
     struct gp_sources src = {0};
@@ -107,7 +110,7 @@ static gp_status spread(const struct gp_log *log, const struct gp_kernel *k,
     p.engine = m > 3 ? "fft" : "direct";
     GP_TRY(gp_alloc_zero(log, "light", (size_t) h + 1, sizeof *none.row, &v));
     none.row = v;
-    GP_TRY(gp_alloc(log, "light", side * side, sizeof *list, &v));
+    GP_TRY(gp_alloc(log, "light", gp_disc_room(m), sizeof *list, &v));
     list = v;
     gp_disc_light(d, &middle, f.data, list, &n);
     GP_TRY(gp_sources_with(log, &none, list, n, &src));

@@ -5,10 +5,22 @@
 
 #include <math.h>
 
+/* Pixels from a disc's centre pixel to its last one. */
+static int reach(double radius)
+{
+    return radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
+}
+
+size_t gp_disc_room(double radius)
+{
+    const size_t side = 2 * (size_t) reach(radius) + 2; // bilinear: one more
+    return side * side;
+}
+
 gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
                               struct gp_disc_pixels *out)
 {
-    const int m = radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
+    const int m = reach(radius);
     const size_t side = 2 * (size_t) m + 1;
     void *v;
     gp_status st = gp_alloc(log, "disc of a light", side * side,

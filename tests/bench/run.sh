@@ -78,5 +78,41 @@ for frame in w1 w2 w3; do
             m * 1048576 / 3840 / 2160 }' "$tmp/r.json"
 done
 
+echo "# sun and flare at 1920x1080: times_ms.sun, median beyond the first frame"
+examples=$here/../../examples
+for i in 1 2 3 4 5 6; do
+    oiiotool "$examples/foliage.1004.exr" --resize:filter=box 1920x1080 \
+        -o "$tmp/sun.$i.exr"
+done
+# lamps N FLUX: a lights file
+lamps()
+{
+    awk -v n="$1" -v flux="$2" 'BEGIN { for (i = 0; i < n; i++)
+        printf "%s{\"pixel\": [%d, %d], \"radius\": %.1f, \"flux\": %d}%s",
+            i ? "," : "[", 50 + i * 677 % 1820, 50 + i * 389 % 980,
+            2 + i % 7, flux, i < n - 1 ? "" : "]\n" }' >"$tmp/lamps.$1.$2"
+}
+lamps 1 0; lamps 64 0; lamps 1 1000; lamps 64 1000
+# sun_ms NAME OPTIONS...
+sun_ms()
+{
+    name=$1
+    shift
+    "$glarepp" "$@" --report "$tmp/r.json" --layer "$tmp/l.#.exr" "$tmp/sun.#.exr"
+    sed -n '2,$s/.*"sun":\([0-9.]*\).*/\1/p' "$tmp/r.json" | sort -n |
+        awk -v name="$name" '{ v[NR] = $1 }
+            END { printf "%-42s %6.1f ms\n", name, v[int((NR + 1) / 2)] }'
+}
+sun="--sun 849.7,387.2,7.44 --sun-color 1e6,9e5,7e5 --flare $examples/flare.json"
+for way in exact readback mask 'mask --sun-draw gl'; do
+    sun_ms "one sun, eight elements, $way" $sun --sun-method $way
+done
+for n in 1 64; do
+    sun_ms "shares of $n lamps, exact" --lights "$tmp/lamps.$n.0"
+    sun_ms "shares of $n lamps, mask" --lights "$tmp/lamps.$n.0" \
+        --sun-method mask
+    sun_ms "glare of $n lamps, exact" --lights "$tmp/lamps.$n.1000"
+done
+
 echo "# what things cost here, for the next build's predictions"
 "$build/bench/costs" "$here/../../src/glare/costs.h"
