@@ -39,7 +39,7 @@ static gp_status add_job(const struct gp_log *log, struct gp_jobs *j,
         return gp_fail(log, GP_ERR_BUG, "frame list: out of memory");
     }
     j->job = grown;
-    j->job[j->n++] = (struct gp_job) {input, numbered, frame};
+    j->job[j->n++] = (struct gp_job) {input, numbered, frame, NULL};
     return GP_OK;
 }
 
@@ -321,7 +321,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
     gp_status st;
-    struct gp_jobs j = {.members.stream = GP_STREAM_EMPTY};
+    struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
     GP_TRY(add_targets(log, s, &j));
     GP_TRY(add_inputs(log, s, &j, &patterns));

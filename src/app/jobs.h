@@ -25,6 +25,7 @@ enum gp_target_kind {
 struct gp_output {
     enum gp_target_kind kind;
     struct gp_pattern name;
+    bool whole; // one file for all views of an input: --hdr
 };
 
 /* One frame to make. */
@@ -32,6 +33,7 @@ struct gp_job {
     char *input;    // owned
     bool numbered;  // by a pattern, for an output that is one, or in stdin
     int frame;      // when numbered
+    const char *view; // NULL without --views; borrowed
 };
 
 struct gp_jobs {
@@ -39,6 +41,8 @@ struct gp_jobs {
     int n;
     struct gp_output *target;  // owned; in the order they are written
     int targets;
+    int views;                 // jobs, one behind the other, of one input: 1,
+                               // or the views that each input holds
     struct gp_members members; // frames of stdin, one a job; n is 0 without
 };
 

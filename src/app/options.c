@@ -1,5 +1,6 @@
 #include "app/options.h"
 
+#include "app/flight.h"
 #include "app/option_values.h"
 
 #include <float.h>
@@ -253,6 +254,11 @@ const struct gp_option gp_options[] = {
            .choices = gp_plans, .help = "How the FFT chooses its plans"),
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .help = "Threads, 0 for all processors; no output depends on it"),
+    OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
+        .hi = GP_FLIGHT_MOST,
+        .help = "Frames in flight at once, 1 for one after the other, 0 for 3 "
+                "or as many as fit into half of the memory; no output depends "
+                "on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .given = offsetof(struct gp_settings, toned),

@@ -1,15 +1,19 @@
 #include "app/pipeline.h"
 
 #include "app/cache.h"
+#include "app/flight.h"
+#include "app/said.h"
 #include "app/stages.h"
 #include "app/tally.h"
+#include "app/work.h"
 #include "core/clock.h"
 #include "core/memory.h"
+#include "core/parallel.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Which stages run, and what nobody needs after each. */
 struct plan {
@@ -17,14 +21,41 @@ struct plan {
     unsigned dead[GP_STAGES];
 };
 
+/* An input file in flight: one frame, or the views that it holds. */
+struct unit {
+    struct gp_said said;
+    struct gp_work *work; // jobs->views of them, owned
+    int begun;            // of these
+    bool kept;            // its outputs are there: nothing to do
+};
+
+struct pipeline {
+    const struct gp_log *log;
+    const struct gp_settings *asked; // as the command line says
+    struct gp_settings s;            // of the stages
+    const struct gp_jobs *jobs;
+    struct gp_progress *progress;
+    struct plan plan;
+    struct gp_run run;
+    struct gp_tally tally;
+    struct gp_flight flight;
+    struct unit *unit;               // one a slot, owned
+    int slots;
+    atomic_int kept;                 // frames, for the progress
+    atomic_size_t largest;           // frame so far, pixels
+};
+
 /* From the files that are wanted back to what they need. */
-static gp_status make_plan(const struct gp_run *r, struct plan *p)
+static gp_status make_plan(const struct gp_log *log, const struct gp_run *r,
+                           struct plan *p)
 {
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
+    const bool told = r->s->report || r->s->level >= GP_LEVEL_INFO;
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
                       (r->s->report ? GP_HAS_FLUX : 0u) |
+                      (told ? GP_HAS_SHARES : 0u) |
                       (r->s->verify ? GP_HAS_MEASURED : 0u);
     unsigned needs[GP_STAGES], have = 0;
     for (int i = GP_STAGES - 1; i >= 0; i--) {
@@ -37,7 +68,7 @@ static gp_status make_plan(const struct gp_run *r, struct plan *p)
     }
     for (int i = 0; i < GP_STAGES; i++) {
         if (p->on[i] && (needs[i] & ~have))
-            return gp_fail(r->log, GP_ERR_BUG,
+            return gp_fail(log, GP_ERR_BUG,
                            "%s: runs before its input exists (bits %#x)",
                            gp_stages[i].name, needs[i] & ~have);
         const bool there = p->on[i] || (gp_stages[i].asked &&
@@ -47,138 +78,252 @@ static gp_status make_plan(const struct gp_run *r, struct plan *p)
     return GP_OK;
 }
 
-// -- one frame ---------------------------------------------------------------
+// -- steps of a unit ------------------------------------------------------------
 
-static void begin_frame(struct gp_run *r, const struct gp_job *job)
+static const struct gp_job *job_of(const struct pipeline *p, int unit, int view)
 {
-    r->job = job;
-    r->facts = (struct gp_facts) {
-        .numbered = job->numbered, .frame = job->frame, .input = job->input,
-        .outputs = r->names,
-    };
-    for (int i = 0; i < GP_TIMES; i++)
-        r->facts.ms[i] = -1.0;
-}
-
-static void end_frame(struct gp_run *r)
-{
-    gp_run_release(r, ~0u);
-    gp_suns_end_frame(&r->suns);
-    gp_frame_free(&r->frame);
-    for (int i = 0; i < r->jobs->targets; i++)
-        GP_FREE(r->names[i]);
-}
-
-/* Tells the report and the log. */
-static gp_status tell(struct gp_run *r)
-{
-    if (r->log->level >= GP_LEVEL_INFO) {
-        char line[1024];
-        gp_facts_text(&r->facts, line, sizeof line);
-        gp_say(r->log, GP_LEVEL_INFO, "%s", line);
-    }
-    return r->s->report ? gp_report_frame(r->log, &r->report, &r->facts)
-                        : GP_OK;
+    return &p->jobs->job[unit * p->jobs->views + view];
 }
 
 /* Frames that were left alone count as if they had not been asked for. */
-static gp_status run_stages(struct gp_run *r, const struct plan *plan,
-                            int index, int kept, struct gp_progress *progress)
+static void show_progress(struct pipeline *p, const struct gp_work *w,
+                          const char *stage)
+{
+    const int kept = atomic_load(&p->kept), views = p->jobs->views;
+    gp_progress_update(p->progress, gp_flight_head(&p->flight) * views - kept,
+                       p->jobs->n - kept, w->job->input, stage);
+}
+
+static gp_status run_stages(struct pipeline *p, struct gp_work *w,
+                            enum gp_phase phase)
 {
     for (int i = 0; i < GP_STAGES; i++) {
-        const struct gp_stage *stage = &gp_stages[i];
-        if (!plan->on[i])
+        const struct gp_stage *const stage = &gp_stages[i];
+        if (!p->plan.on[i] || stage->phase != phase)
             continue;
-        gp_progress_update(progress, index - kept, r->jobs->n - kept,
-                           r->job->input, stage->name);
-        double start = gp_now_ms();
-        gp_status st = stage->run(r);
+        show_progress(p, w, stage->name);
+        const double start = gp_now_ms();
+        const gp_status st = stage->run(&p->run, w);
         if (st)
             return st;
         if (stage->time >= 0) {
             const double ms = gp_now_ms() - start;
-            r->facts.ms[stage->time] = fmax(r->facts.ms[stage->time], 0) + ms;
-            r->facts.total_ms += ms;
+            w->facts.ms[stage->time] = fmax(w->facts.ms[stage->time], 0) + ms;
+            w->facts.total_ms += ms;
         }
-        gp_run_release(r, plan->dead[i]);
+        gp_work_release(w, p->plan.dead[i]);
     }
     return GP_OK;
 }
 
-// -- frames that fail --------------------------------------------------------
-
-/* Hands every message on, and keeps the last error for the report. */
-struct errors {
-    const struct gp_log *to;
-    char last[4096];
-};
-
-static void keep_error(void *user, enum gp_level level, const char *line)
+/* True when all that the unit would write is there. */
+static bool is_made(const struct pipeline *p, int unit)
 {
-    struct errors *const e = user;
-    if (level == GP_LEVEL_ERROR)
-        snprintf(e->last, sizeof e->last, "%s", line);
-    if (e->to && e->to->sink)
-        e->to->sink(e->to->user, level, line);
+    for (int v = 0; v < p->jobs->views; v++) {
+        if (!gp_job_made(&p->asked->write, p->jobs, job_of(p, unit, v)))
+            return false;
+    }
+    return true;
 }
 
-static struct gp_log log_of_errors(const struct gp_log *to, struct errors *e)
+static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
 {
-    *e = (struct errors) {.to = to};
-    return (struct gp_log) {keep_error, e, to ? to->level : GP_LEVEL_ERROR};
+    gp_said_begin(&u->said, p->log, &p->flight, unit);
+    u->kept = is_made(p, unit);
+    if (u->kept)
+        atomic_fetch_add(&p->kept, p->jobs->views);
+    for (u->begun = 0; u->begun < p->jobs->views && !u->kept; u->begun++) {
+        gp_status st = gp_work_begin(&u->said.log, p->jobs,
+                                     job_of(p, unit, u->begun),
+                                     &u->work[u->begun]);
+        if (st)
+            return st;
+    }
+    return GP_OK;
+}
+
+static void note_size(struct pipeline *p, const struct gp_frame *f)
+{
+    size_t largest = atomic_load(&p->largest);
+    while (gp_frame_pixels(f) > largest &&
+           !atomic_compare_exchange_weak(&p->largest, &largest,
+                                         gp_frame_pixels(f)))
+        ;
+}
+
+static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
+{
+    struct pipeline *const p = user;
+    struct unit *const u = &p->unit[slot];
+    gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
+    for (int v = 0; v < u->begun && !st; v++) {
+        st = run_stages(p, &u->work[v], phase);
+        if (phase == GP_PHASE_READ)
+            note_size(p, &u->work[v].frame);
+        if (phase == GP_PHASE_COMPUTE)
+            gp_suns_end_frame(&p->run.suns);
+    }
+    return st;
+}
+
+// -- the end of a unit ------------------------------------------------------------
+
+static void free_unit(struct unit *u)
+{
+    while (u->begun > 0)
+        gp_work_end(&u->work[--u->begun]);
+    gp_said_end(&u->said);
+    u->kept = false;
 }
 
 /* True for what may be wrong with one frame alone; a lost context, a full
  * memory or a closed stdout would fail the others too. */
-static bool can_skip(const struct gp_run *r, gp_status st)
+static bool can_skip(void *user, int slot, gp_status st)
 {
-    const char *const writing = r->names[r->facts.n_outputs];
-    if (st == GP_ERR_IO && writing && strcmp(writing, "-") == 0)
-        return false;
-    return r->s->skip_bad_frames && (st == GP_ERR_IO || st == GP_ERR_DATA ||
-                                     st == GP_ERR_USAGE);
+    const struct pipeline *const p = user;
+    const struct unit *const u = &p->unit[slot];
+    for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
+        const struct gp_work *const w = &u->work[v];
+        const char *const writing = w->names[w->facts.n_outputs];
+        if (writing && strcmp(writing, "-") == 0)
+            return false;
+    }
+    return p->asked->skip_bad_frames &&
+           (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-static gp_status make_frame(struct gp_run *r, const struct plan *plan,
-                            int index, struct gp_progress *progress,
-                            struct gp_tally *tally)
+/* Tells the report and the log. */
+static gp_status tell(struct pipeline *p, const struct gp_facts *facts)
 {
-    begin_frame(r, &r->jobs->job[index]);
-    gp_status st = run_stages(r, plan, index, tally->kept, progress);
-    if (!st) {
-        st = tell(r);
-    } else if (can_skip(r, st)) {
-        const struct errors *const e = r->log->user;
-        gp_tally_fail(tally, index);
-        st = r->s->report ? gp_report_failed(r->log, &r->report, &r->facts,
-                                             e->last) : GP_OK;
+    if (p->log->level >= GP_LEVEL_INFO) {
+        char line[1024];
+        gp_facts_text(facts, line, sizeof line);
+        gp_say(p->log, GP_LEVEL_INFO, "%s", line);
     }
-    end_frame(r);
+    return p->s.report ? gp_report_frame(p->log, &p->run.report, facts)
+                       : GP_OK;
+}
+
+static gp_status end_view(struct pipeline *p, struct unit *u, int unit, int v,
+                          gp_status st)
+{
+    const struct gp_facts *const facts = &u->work[v].facts;
+    if (!st)
+        return tell(p, facts);
+    gp_tally_fail(&p->tally, unit * p->jobs->views + v);
+    return p->s.report ? gp_report_failed(p->log, &p->run.report, facts,
+                                          u->said.last)
+                       : GP_OK;
+}
+
+static gp_status end_unit(void *user, int slot, int unit, gp_status st)
+{
+    struct pipeline *const p = user;
+    struct unit *const u = &p->unit[slot];
+    const bool skipped = st && can_skip(p, slot, st);
+    gp_status told = GP_OK;
+    gp_said_flush(&u->said);
+    if (u->kept)
+        p->tally.kept += p->jobs->views;
+    for (int v = 0; v < u->begun && !told && (!st || skipped); v++)
+        told = end_view(p, u, unit, v, st);
+    free_unit(u);
+    return st && !skipped ? st : told;
+}
+
+// -- how many in flight -------------------------------------------------------------
+
+enum {
+    FLIGHT = 3,        // one is read, one computed, one written
+    PIXEL_BYTES = 64,  // most that a frame of three channels takes, a pixel
+};
+
+/* Left to itself, it takes no more than half of the machine's memory. */
+static bool has_room(void *user, int in_flight)
+{
+    const struct pipeline *const p = user;
+    const size_t frame = atomic_load(&p->largest) * PIXEL_BYTES *
+                         (size_t) p->jobs->views;
+    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
+    if (p->asked->frame_jobs || pages <= 0 || page <= 0)
+        return true;
+    return frame < (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
+}
+
+static int count_slots(const struct pipeline *p)
+{
+    const int units = p->jobs->n / p->jobs->views;
+    const int most = p->asked->frame_jobs ? p->asked->frame_jobs
+                     : gp_threads() > 1   ? FLIGHT : 1;
+    return most < units ? most : units > 0 ? units : 1;
+}
+
+static gp_status make_slots(struct pipeline *p)
+{
+    void *block;
+    p->slots = count_slots(p);
+    gp_status st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->slots,
+                                 sizeof *p->unit, &block);
+    p->unit = block;
+    for (int i = 0; i < p->slots && !st; i++) {
+        st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->jobs->views,
+                           sizeof *p->unit[i].work, &block);
+        p->unit[i].work = block;
+    }
     return st;
 }
 
-// -- all frames --------------------------------------------------------------
+// -- all frames ---------------------------------------------------------------------
+
+/* Frames of one stream stand in it one behind the other. */
+static bool has_stream(const struct gp_jobs *jobs)
+{
+    for (int i = 0; i < jobs->targets; i++) {
+        if (strcmp(jobs->target[i].name.path, "-") == 0)
+            return true;
+    }
+    return false;
+}
 
 /* What is made once; everything that can fail without a frame fails here. */
-static gp_status begin_run(struct gp_run *r)
+static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     gp_status st;
-    void *block;
-    GP_TRY(gp_alloc_zero(r->log, "output list", (size_t) r->jobs->targets + 1,
-                         sizeof *r->names, &block));
-    r->names = block;
+    r->ordered = has_stream(r->jobs);
     r->glare = r->s->glare;
     if (r->glare.fft_plan == GP_FFT_PLAN_MEASURE)
         r->wisdom = gp_cache_file("fft-wisdom");
     r->glare.wisdom = r->wisdom;
-    GP_TRY(gp_run_read_kernel(r));
+    GP_TRY(gp_run_read_kernel(log, r));
     if (r->s->ocio.config)
-        GP_TRY(gp_ocio_open(r->log, &r->s->ocio, &r->ocio));
-    GP_TRY(gp_suns_begin(r->log, r->s, &r->suns));
+        GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
+    GP_TRY(gp_suns_begin(log, r->s, &r->suns));
     if (r->s->report)
-        GP_TRY(gp_report_open(r->log, r->s->report, &r->report));
+        GP_TRY(gp_report_open(log, r->s->report, &r->report));
 out:
     return st;
+}
+
+static void close_run(struct gp_run *r)
+{
+    gp_glare_close(&r->engines);
+    gp_suns_close(&r->suns);
+    gp_ocio_close(&r->ocio);
+    gp_kernel_free(&r->kernel);
+    free(r->wisdom);
+}
+
+static gp_status fly(struct pipeline *p)
+{
+    const struct gp_flight_params params = {
+        .units = p->jobs->n / p->jobs->views, .slots = p->slots,
+        .ordered = p->run.ordered,
+    };
+    const struct gp_flight_work work = {
+        .user = p, .step = step, .goes_on = can_skip, .has_room = has_room,
+        .end = end_unit,
+    };
+    return gp_flight_run(&params, &work, &p->flight);
 }
 
 gp_status gp_pipeline_run(const struct gp_log *log,
@@ -187,31 +332,25 @@ gp_status gp_pipeline_run(const struct gp_log *log,
                           struct gp_progress *progress)
 {
     gp_status st;
-    struct errors errors;
-    const struct gp_log errors_log = log_of_errors(log, &errors);
-    struct gp_settings own = *s;
-    own.write.no_clobber = false; // a set that is not whole is made anew
-    struct gp_run r = {.log = &errors_log, .s = &own, .jobs = jobs};
-    struct gp_tally tally = {0};
-    struct plan plan;
-    GP_TRY(make_plan(&r, &plan));
-    GP_TRY(begin_run(&r));
-    GP_TRY(gp_tally_make(log, jobs, &tally));
-    for (int i = 0; i < jobs->n; i++) {
-        if (gp_job_made(&s->write, jobs, &jobs->job[i]))
-            tally.kept++;
-        else
-            GP_TRY(make_frame(&r, &plan, i, progress, &tally));
-    }
-    GP_TRY(gp_tally_end(log, &tally));
+    struct pipeline p = {
+        .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
+        .run = {.s = &p.s, .jobs = jobs},
+    };
+    p.s.write.no_clobber = false; // a set that is not whole is made anew
+    GP_TRY(make_plan(log, &p.run, &p.plan));
+    GP_TRY(begin_run(log, &p.run));
+    GP_TRY(gp_tally_make(log, jobs, &p.tally));
+    GP_TRY(make_slots(&p));
+    GP_TRY(fly(&p));
+    GP_TRY(gp_tally_end(log, &p.tally));
 out:;
-    gp_status closed = gp_report_close(st ? NULL : log, &r.report);
-    gp_tally_free(&tally);
-    gp_glare_close(&r.engines);
-    gp_suns_close(&r.suns);
-    gp_ocio_close(&r.ocio);
-    gp_kernel_free(&r.kernel);
-    gp_free(r.names);
-    free(r.wisdom);
+    const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);
+    for (int i = 0; p.unit && i < p.slots; i++) {
+        free_unit(&p.unit[i]);
+        gp_free(p.unit[i].work);
+    }
+    gp_free(p.unit);
+    gp_tally_free(&p.tally);
+    close_run(&p.run);
     return st ? st : closed;
 }

@@ -1,9 +1,12 @@
-/* Frames through the stages, one after the other.
+/* Frames through the stages, several in flight at once.
  *
- *   read -> sensors -> glare -> compose -> tonemap -> write
+ *   read -> sun -> sensors -> glare -> compose -> tonemap -> write
  *
  * A stage runs only when a later one, or an output, needs what it gives.
- * Kernel, spectra, plans and GL objects are made once for all frames.
+ * Kernel, spectra, plans, OCIO processors and GL objects are made once for all
+ * frames. Reading and writing run beside the computing of other frames; what
+ * is computed, reported, printed or put into a stream comes in the order of
+ * the jobs, so that nothing depends on how many are in flight.
  */
 #ifndef GP_APP_PIPELINE_H
 #define GP_APP_PIPELINE_H

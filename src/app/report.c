@@ -115,23 +115,19 @@ static void add_work(struct object *o, const struct gp_facts *f)
 /* The depth channel, and what of it counted as no surface. */
 static void add_depth(struct object *o, const struct gp_facts *f)
 {
-    const struct gp_occluders *const c = f->occluders;
-    struct object d = {.json = json_object()};
-    if (c && c->depth) {
-        put(&d, "channel", gp_json_name(c->depth->name));
-        put(&d, "empty", gp_json_name(c->facts.empty));
-        if (c->facts.reversed)
-            put(&d, "reversed", json_true());
-    } else if (f->depth) {
+    if (f->depth) {
+        struct object d = {.json = json_object()};
         put(&d, "channel", gp_json_name(f->depth));
-        put(&d, "type", gp_json_name(type_names[f->depth_type]));
-    }
-    if (json_object_size(d.json))
+        if (f->depth_empty[0])
+            put(&d, "empty", gp_json_name(f->depth_empty));
+        else
+            put(&d, "type", gp_json_name(type_names[f->depth_type]));
+        if (f->depth_reversed)
+            put(&d, "reversed", json_true());
         put_inner(o, "depth", &d);
-    else
-        json_decref(d.json);
-    if (c && c->mask)
-        put(o, "mask", gp_json_name(c->mask->name));
+    }
+    if (f->mask)
+        put(o, "mask", gp_json_name(f->mask));
 }
 
 static void add_lights(struct object *o, const struct gp_facts *f)
@@ -259,7 +255,7 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
                f->light[i].visibility);
     if (f->lights > 8)
         append(line, size, &at, " ... of %d", f->lights);
-    if (f->depth)
+    if (f->depth && !f->depth_empty[0])
         append(line, size, &at, ", depth %s (%s)", f->depth,
                type_names[f->depth_type]);
     if (f->nonfinite || f->clamped)

@@ -6,7 +6,6 @@
 #include "core/status.h"
 #include "glare/engine.h"
 #include "sun/light.h"
-#include "sun/occluder.h"
 #include "tone/ocio.h"
 
 #include <stdbool.h>
@@ -44,11 +43,14 @@ struct gp_facts {
     struct gp_glare_error error; // when verified
     const struct gp_light *light; // `lights` of them; NULL: none asked for
     int lights;
-    const struct gp_occluders *occluders; // what hides them; with light
     const char *sun_way;         // how the lights were seen and drawn
     const char *sun_gl;          // context of the lights, or NULL
     const char *depth;           // channel, or NULL
     enum gp_pixel_type depth_type;
+    char depth_empty[64];        // values that count as no surface; "": no
+                                 // light was there to be hidden
+    bool depth_reversed;         // counts the other way round
+    const char *mask;            // coverage channel, or NULL
     const struct gp_ocio_names *ocio; // NULL: tone mapped
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;

@@ -129,6 +129,7 @@ struct gp_settings {
     const char *frames;                // list as written
     const char *depth;                 // channel
     int threads;                       // 0: all processors
+    int frame_jobs;                    // frames in flight; 0: as fits
     bool verify;
     bool skip_bad_frames;              // goes on behind a frame that fails
     bool clustered;                    // --cluster was given

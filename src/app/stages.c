@@ -2,60 +2,55 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/outline.h"
 #include "io/channels.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 // -- read to glare -----------------------------------------------------------
 
-static gp_status find_depth(struct gp_run *r)
+static gp_status find_depth(struct gp_run *r, struct gp_work *w)
 {
-    const struct gp_frame *f = &r->frame;
+    const struct gp_frame *f = &w->frame;
     int i = -1;
     // only a channel that was asked for can be missing
-    gp_status st = gp_find_depth(r->s->depth ? r->log : NULL, f, r->s->depth,
+    gp_status st = gp_find_depth(r->s->depth ? w->log : NULL, f, r->s->depth,
                                  &i);
     if (st && r->s->depth)
         return st;
     if (!st && i >= 0) {
-        r->facts.depth = f->channel[i].name;
-        r->facts.depth_type = f->channel[i].type;
+        w->facts.depth = f->channel[i].name;
+        w->facts.depth_type = f->channel[i].type;
     }
     return GP_OK;
 }
 
-static gp_status run_read(struct gp_run *r)
+static gp_status run_read(struct gp_run *r, struct gp_work *w)
 {
     const struct gp_members *const m = &r->jobs->members;
-    const int i = (int) (r->job - r->jobs->job);
-    gp_status st = m->n ? gp_members_frame(r->log, &r->s->read, r->job->input,
-                                           m, i, &r->frame)
-                        : gp_read_frame(r->log, &r->s->read, r->job->input,
-                                        &r->frame);
+    const int i = (int) (w->job - r->jobs->job);
+    gp_status st = m->n ? gp_members_frame(w->log, &r->s->read, w->job->input,
+                                           m, i, &w->frame)
+                        : gp_read_frame(w->log, &r->s->read, w->job->input,
+                                        &w->frame);
     if (st)
         return st;
-    r->facts.width = gp_frame_w(&r->frame);
-    r->facts.height = gp_frame_h(&r->frame);
-    r->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
-    return gp_suns_wanted(&r->s->sun) ? GP_OK : find_depth(r);
+    w->facts.width = gp_frame_w(&w->frame);
+    w->facts.height = gp_frame_h(&w->frame);
+    w->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
+    return gp_suns_wanted(&r->s->sun) ? GP_OK : find_depth(r, w);
 }
 
 /* Where the lights are, and how much of each shows. */
-static gp_status run_suns(struct gp_run *r)
+static gp_status run_suns(struct gp_run *r, struct gp_work *w)
 {
-    gp_status st = gp_suns_place(r->log, r->s, r->job, &r->frame, &r->suns);
+    gp_status st = gp_suns_place(w->log, r->s, w->job, &w->frame, &r->suns);
     if (!st)
-        st = gp_suns_see(r->log, r->s, &r->suns);
+        st = gp_suns_see(w->log, r->s, &r->suns);
     if (st)
         return st;
-    r->facts.light = r->suns.light;
-    r->facts.lights = r->suns.n;
-    r->facts.occluders = &r->suns.occluders;
-    r->facts.sun_way = gp_suns_way(r->s, &r->suns);
+    w->facts.sun_way = gp_suns_way(r->s, &r->suns);
     if (r->suns.gl)
-        r->facts.sun_gl = gp_gl_name(r->suns.gl);
+        w->facts.sun_gl = gp_gl_name(r->suns.gl);
     return GP_OK;
 }
 
@@ -64,61 +59,61 @@ static bool suns_asked(const struct gp_settings *s)
     return gp_suns_wanted(&s->sun);
 }
 
-static gp_status run_sensors(struct gp_run *r)
+static gp_status run_sensors(struct gp_run *r, struct gp_work *w)
 {
-    gp_status st = gp_sense(r->log, &r->s->sensor, &r->frame, &r->sources);
+    gp_status st = gp_sense(w->log, &r->s->sensor, &w->frame, &w->sources);
     if (st)
         return st;
-    r->facts.sources = (long long) r->sources.n;
-    r->facts.nonfinite = r->sources.nonfinite;
-    r->facts.clamped = r->sources.clamped;
-    memcpy(r->facts.flux_in, r->sources.flux, sizeof r->facts.flux_in);
+    w->facts.sources = (long long) w->sources.n;
+    w->facts.nonfinite = w->sources.nonfinite;
+    w->facts.clamped = w->sources.clamped;
+    memcpy(w->facts.flux_in, w->sources.flux, sizeof w->facts.flux_in);
     return GP_OK;
 }
 
-gp_status gp_run_read_kernel(struct gp_run *r)
+gp_status gp_run_read_kernel(const struct gp_log *log, struct gp_run *r)
 {
     struct gp_frame image = {0};
     if (strncmp(r->s->kernel.source, "builtin:", 8) == 0)
         return GP_OK;
-    gp_status st = gp_read_frame(r->log, &r->s->read, r->s->kernel.source,
+    gp_status st = gp_read_frame(log, &r->s->read, r->s->kernel.source,
                                  &image);
     if (!st)
-        st = gp_kernel_from_frame(r->log, &r->s->kernel, &image, &r->kernel);
+        st = gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel);
     gp_frame_free(&image);
     r->has_kernel = !st;
     return st;
 }
 
 /* Builtin kernels wait for light. */
-static gp_status run_kernel(struct gp_run *r)
+static gp_status run_kernel(struct gp_run *r, struct gp_work *w)
 {
-    if (r->has_kernel || (r->sources.n == 0 && !gp_suns_glare(&r->suns)))
+    if (r->has_kernel || (w->sources.n == 0 && !gp_suns_glare(&r->suns)))
         return GP_OK;
-    gp_status st = gp_kernel_builtin(r->log, &r->s->kernel, &r->kernel);
+    gp_status st = gp_kernel_builtin(w->log, &r->s->kernel, &r->kernel);
     r->has_kernel = !st;
     return st;
 }
 
 /* What the engines get: bright pixels, and lights whose share is known. */
-static const struct gp_sources *all_light(const struct gp_run *r)
+static const struct gp_sources *all_light(const struct gp_work *w)
 {
-    return r->joined.n ? &r->joined : &r->sources;
+    return w->joined.n ? &w->joined : &w->sources;
 }
 
-static gp_status run_glare(struct gp_run *r)
+static gp_status run_glare(struct gp_run *r, struct gp_work *w)
 {
     bool joined;
-    gp_status st = gp_suns_join(r->log, r->s, &r->suns, &r->frame,
-                                &r->sources, &r->joined, &joined);
+    gp_status st = gp_suns_join(w->log, r->s, &r->suns, &w->frame,
+                                &w->sources, &w->joined, &joined);
     if (st)
         return st;
-    r->facts.sources = (long long) all_light(r)->n;
-    memcpy(r->facts.flux_in, all_light(r)->flux, sizeof r->facts.flux_in);
-    if (all_light(r)->n > 0)
-        return gp_glare_run(r->log, &r->glare, &r->engines, all_light(r),
-                            &r->kernel, &r->frame, &r->facts.glare);
-    r->facts.glare = (struct gp_glare_stats) {
+    w->facts.sources = (long long) all_light(w)->n;
+    memcpy(w->facts.flux_in, all_light(w)->flux, sizeof w->facts.flux_in);
+    if (all_light(w)->n > 0)
+        return gp_glare_run(w->log, &r->glare, &r->engines, all_light(w),
+                            &r->kernel, &w->frame, &w->facts.glare);
+    w->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
     };
     return GP_OK;
@@ -142,214 +137,113 @@ static void sum_row(void *ctx, int y, int thread)
     s->sum[y] = sum;
 }
 
-static gp_status run_flux(struct gp_run *r)
+static gp_status run_flux(struct gp_run *r, struct gp_work *w)
 {
-    int h = gp_frame_h(&r->frame);
+    (void) r;
+    int h = gp_frame_h(&w->frame);
     void *sums;
-    r->facts.has_flux_out = true;
-    if (!r->frame.layer.c[0])
+    w->facts.has_flux_out = true;
+    if (!w->frame.layer.c[0])
         return GP_OK;
-    gp_status st = gp_alloc(r->log, "flux", (size_t) h, sizeof(double), &sums);
+    gp_status st = gp_alloc(w->log, "flux", (size_t) h, sizeof(double), &sums);
     if (st)
         return st;
     for (int c = 0; c < 3; c++) {
-        struct row_sums s = {r->frame.layer.c[c], gp_frame_w(&r->frame), sums};
+        struct row_sums s = {w->frame.layer.c[c], gp_frame_w(&w->frame), sums};
         gp_parallel_do(h, sum_row, &s);
         for (int y = 0; y < h; y++)
-            r->facts.flux_out[c] += s.sum[y];
+            w->facts.flux_out[c] += s.sum[y];
     }
     gp_free(sums);
     return GP_OK;
 }
 
-static gp_status run_verify(struct gp_run *r)
+static gp_status run_verify(struct gp_run *r, struct gp_work *w)
 {
     void *exact;
-    if (all_light(r)->n == 0)
+    if (all_light(w)->n == 0)
         return GP_OK;
-    gp_status st = gp_alloc(r->log, "exact layer",
-                            3 * gp_frame_pixels(&r->frame), sizeof(double),
+    gp_status st = gp_alloc(w->log, "exact layer",
+                            3 * gp_frame_pixels(&w->frame), sizeof(double),
                             &exact);
     if (st)
         return st;
-    st = gp_glare_reference(r->log, all_light(r), &r->kernel, exact);
+    st = gp_glare_reference(w->log, all_light(w), &r->kernel, exact);
     if (!st) {
-        gp_glare_measure(&r->frame, &r->frame.layer, exact,
-                         r->s->compose.gain, &r->facts.error);
-        r->facts.verified = true;
+        gp_glare_measure(&w->frame, &w->frame.layer, exact,
+                         r->s->compose.gain, &w->facts.error);
+        w->facts.verified = true;
     }
     gp_free(exact);
     return st;
 }
 
-static gp_status make_dark_layer(struct gp_run *r);
-
 /* Lens flare, and the glare of lights that the engines were not given. */
-static gp_status run_flare(struct gp_run *r)
+static gp_status run_flare(struct gp_run *r, struct gp_work *w)
 {
     if (!gp_suns_add_light(r->s, &r->suns)) // shares alone
-        return gp_suns_draw(r->log, r->s, &r->suns, &r->kernel, &r->frame);
-    gp_status st = r->frame.layer.c[0] ? GP_OK : make_dark_layer(r);
-    return st ? st : gp_suns_draw(r->log, r->s, &r->suns, &r->kernel,
-                                  &r->frame);
+        return gp_suns_draw(w->log, r->s, &r->suns, &r->kernel, &w->frame);
+    gp_status st = w->frame.layer.c[0] ? GP_OK : gp_work_dark_layer(w);
+    return st ? st : gp_suns_draw(w->log, r->s, &r->suns, &r->kernel,
+                                  &w->frame);
 }
 
-static gp_status run_compose(struct gp_run *r)
+/* Copies what is known of the lights, which are the next frame's soon. */
+static gp_status keep_lights(const struct gp_suns *suns, struct gp_work *w)
+{
+    const struct gp_occluders *const o = &suns->occluders;
+    void *list;
+    gp_status st = gp_alloc(w->log, "lights", (size_t) suns->n,
+                            sizeof *w->light, &list);
+    if (st)
+        return st;
+    w->light = list;
+    if (suns->n)
+        memcpy(w->light, suns->light, (size_t) suns->n * sizeof *w->light);
+    w->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
+    w->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
+    if ((o->depth && !w->depth) || (o->mask && !w->mask))
+        return gp_fail(w->log, GP_ERR_BUG, "lights: out of memory");
+    w->facts.light = w->light;
+    w->facts.lights = suns->n;
+    w->facts.depth = w->depth;
+    w->facts.mask = w->mask;
+    if (o->depth) {
+        memcpy(w->facts.depth_empty, o->facts.empty, sizeof o->facts.empty);
+        w->facts.depth_reversed = o->facts.reversed;
+    }
+    return GP_OK;
+}
+
+static gp_status keep_map(struct gp_run *r, struct gp_work *w, bool intensity,
+                          struct gp_map_picture *out)
+{
+    return gp_suns_picture(w->log, r->s, &r->suns, intensity, &out->w, &out->h,
+                           &out->planes);
+}
+
+/* The end of what the lights do. */
+static gp_status run_keep(struct gp_run *r, struct gp_work *w)
+{
+    gp_status st = keep_lights(&r->suns, w);
+    if (!st && r->s->debug[GP_DEBUG_SUNMAP])
+        st = keep_map(r, w, false, &w->sunmap);
+    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
+        st = keep_map(r, w, true, &w->intensity);
+    return st;
+}
+
+static gp_status run_compose(struct gp_run *r, struct gp_work *w)
 {
     struct gp_compose_params p = r->s->compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
-    return gp_compose(r->log, &p, &r->sources, &r->frame);
+    return gp_compose(w->log, &p, &w->sources, &w->frame);
 }
 
-static gp_status run_tonemap(struct gp_run *r)
+static gp_status run_tonemap(struct gp_run *r, struct gp_work *w)
 {
-    return r->ocio ? gp_ocio_show(r->log, r->ocio, &r->s->tone, &r->frame)
-                   : gp_tone_map(r->log, &r->s->tone, &r->frame, NULL);
-}
-
-// -- write -------------------------------------------------------------------
-
-/* True when -o gets the light itself. */
-static bool untoned(const struct gp_settings *s)
-{
-    return strcmp(s->tone.curve, "none") == 0;
-}
-
-/* A dark frame's layer, for those who want it written. */
-static gp_status make_dark_layer(struct gp_run *r)
-{
-    struct gp_planes *p = &r->frame.layer;
-    size_t n = gp_frame_pixels(&r->frame);
-    gp_status st = gp_planes_make(r->log, "layer", n, p);
-    for (int c = 0; c < 3 && !st; c++)
-        memset(p->c[c], 0, n * sizeof(float));
-    return st;
-}
-
-static gp_status write_layer(struct gp_run *r, const char *name,
-                             struct gp_write_stats *stats)
-{
-    gp_status st = r->frame.layer.c[0] ? GP_OK : make_dark_layer(r);
-    if (st)
-        return st;
-    return gp_write_picture(r->log, &r->s->write, name, &r->frame,
-                            &r->frame.layer, GP_PICTURE_SCENE, stats);
-}
-
-static gp_status write_sensors(struct gp_run *r, const char *name,
-                               struct gp_write_stats *stats)
-{
-    struct gp_planes p = {0};
-    gp_status st = gp_sources_planes(r->log, &r->sources, &p);
-    if (!st)
-        st = gp_write_picture(r->log, &r->s->write, name, &r->frame, &p,
-                              GP_PICTURE_SCENE, stats);
-    gp_planes_free(&p);
-    return st;
-}
-
-/* What -o shows. */
-static gp_status write_shown(struct gp_run *r, const char *name,
-                             const struct gp_planes *planes,
-                             struct gp_write_stats *stats)
-{
-    const enum gp_picture_kind kind = r->ocio        ? GP_PICTURE_ENCODED
-                                      : untoned(r->s) ? GP_PICTURE_SCENE
-                                                      : GP_PICTURE_SHOWN;
-    return gp_write_picture(r->log, &r->s->write, name, &r->frame, planes,
-                            kind, stats);
-}
-
-static gp_status write_polygons(struct gp_run *r, const char *name,
-                                struct gp_write_stats *stats)
-{
-    const struct gp_planes *const shown =
-        untoned(r->s) ? &r->frame.lit : &r->frame.shown;
-    const size_t n = gp_frame_pixels(&r->frame);
-    struct gp_planes p = {0};
-    gp_status st = gp_planes_make(r->log, "polygons", n, &p);
-    for (int c = 0; c < 3 && !st; c++)
-        memcpy(p.c[c], shown->c[c], n * sizeof(float));
-    if (!st && r->sources.n > 0)
-        st = gp_outline(r->log, &r->sources, &r->kernel, &r->glare.splat, &p);
-    if (!st)
-        st = write_shown(r, name, &p, stats);
-    gp_planes_free(&p);
-    return st;
-}
-
-/* Sun maps and intensity map are pictures of their own size. */
-static gp_status write_map(struct gp_run *r, bool intensity, const char *name,
-                           struct gp_write_stats *stats)
-{
-    struct gp_frame f = r->frame;
-    struct gp_planes p = {0};
-    int w, h;
-    gp_status st = gp_suns_picture(r->log, r->s, &r->suns, intensity, &w, &h,
-                                   &p);
-    if (!st) {
-        f.data = f.display = (struct gp_rect) {0, 0, w, h};
-        st = gp_write_picture(r->log, &r->s->write, name, &f, &p,
-                              GP_PICTURE_SHOWN, stats);
-    }
-    gp_planes_free(&p);
-    return st;
-}
-
-static gp_status write_hdr(struct gp_run *r, const char *name,
-                           struct gp_write_stats *stats)
-{
-    struct gp_planes p = {0};
-    gp_status st = GP_OK;
-    if (r->s->ocio.output)
-        st = gp_ocio_convert(r->log, r->ocio, &r->frame, &p);
-    if (!st)
-        st = gp_write_hdr(r->log, &r->s->write, name, &r->frame,
-                          p.c[0] ? &p : &r->frame.lit, stats);
-    gp_planes_free(&p);
-    return st;
-}
-
-static gp_status write_target(struct gp_run *r, enum gp_target_kind kind,
-                              const char *name, struct gp_write_stats *stats)
-{
-    const struct gp_frame *f = &r->frame;
-    switch (kind) {
-    case GP_TARGET_HDR:
-        return write_hdr(r, name, stats);
-    case GP_TARGET_LAYER:
-        return write_layer(r, name, stats);
-    case GP_TARGET_PICTURE:
-        return write_shown(r, name, untoned(r->s) ? &f->lit : &f->shown,
-                           stats);
-    case GP_TARGET_SENSORS:
-        return write_sensors(r, name, stats);
-    case GP_TARGET_POLYGONS:
-        return write_polygons(r, name, stats);
-    case GP_TARGET_SUNMAP:
-    case GP_TARGET_INTENSITY:
-        return write_map(r, kind == GP_TARGET_INTENSITY, name, stats);
-    }
-    return GP_ERR_BUG;
-}
-
-static gp_status run_write(struct gp_run *r)
-{
-    struct gp_write_stats stats = {.raw = r->raw};
-    for (int i = 0; i < r->jobs->targets; i++) {
-        const struct gp_output *t = &r->jobs->target[i];
-        r->names[i] = gp_job_name(r->job, t);
-        if (!r->names[i])
-            return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory",
-                           t->name.path);
-        gp_status st = write_target(r, t->kind, r->names[i], &stats);
-        if (st)
-            return st;
-        r->facts.n_outputs++;
-    }
-    r->facts.clamped_out = stats.clamped;
-    r->raw = stats.raw;
-    return GP_OK;
+    return r->ocio ? gp_ocio_show(w->log, r->ocio, &r->s->tone, &w->frame)
+                   : gp_tone_map(w->log, &r->s->tone, &w->frame, NULL);
 }
 
 // -- all of them -------------------------------------------------------------
@@ -357,59 +251,26 @@ static gp_status run_write(struct gp_run *r)
 enum {
     RGB = GP_HAS_RGB, SOURCES = GP_HAS_SOURCES, KERNEL = GP_HAS_KERNEL,
     LAYER = GP_HAS_LAYER, LIT = GP_HAS_LIT, SUNS = GP_HAS_SUNS,
-    FLARE = GP_HAS_FLARE,
+    FLARE = GP_HAS_FLARE, SHARES = GP_HAS_SHARES,
 };
 const struct gp_stage gp_stages[GP_STAGES] = {
-    {"read", GP_TIME_READ, 0, RGB, run_read, NULL},
-    {"sun", GP_TIME_SUN, RGB, SUNS, run_suns, suns_asked},
-    {"sensors", GP_TIME_SENSORS, RGB, SOURCES, run_sensors, NULL},
-    {"kernel", -1, SOURCES | SUNS, KERNEL, run_kernel, NULL},
-    {"glare", GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER, run_glare, NULL},
-    {"verify", -1, RGB | SOURCES | KERNEL | LAYER, GP_HAS_MEASURED,
-     run_verify, NULL},
-    {"flare", GP_TIME_SUN, LAYER | KERNEL | SUNS, FLARE, run_flare,
-     suns_asked},
-    {"flux", -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
-    {"compose", GP_TIME_COMPOSE, RGB | SOURCES | LAYER | FLARE, LIT,
-     run_compose, NULL},
-    {"tonemap", GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN, run_tonemap, NULL},
-    {"write", GP_TIME_WRITE, 0, GP_HAS_FILES, run_write, NULL},
+    {"read", GP_PHASE_READ, GP_TIME_READ, 0, RGB, run_read, NULL},
+    {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SUNS, run_suns, suns_asked},
+    {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB, SOURCES, run_sensors,
+     NULL},
+    {"kernel", GP_PHASE_COMPUTE, -1, SOURCES | SUNS, KERNEL, run_kernel, NULL},
+    {"glare", GP_PHASE_COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,
+     run_glare, NULL},
+    {"verify", GP_PHASE_COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER,
+     GP_HAS_MEASURED, run_verify, NULL},
+    {"flare", GP_PHASE_COMPUTE, GP_TIME_SUN, LAYER | KERNEL | SUNS, FLARE,
+     run_flare, suns_asked},
+    {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
+    {"compose", GP_PHASE_COMPUTE, GP_TIME_COMPOSE,
+     RGB | SOURCES | LAYER | FLARE, LIT, run_compose, NULL},
+    {"tonemap", GP_PHASE_COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN,
+     run_tonemap, NULL},
+    {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_keep, suns_asked},
+    {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES, GP_HAS_FILES,
+     gp_stage_write, NULL},
 };
-
-unsigned gp_target_needs(const struct gp_settings *s,
-                         enum gp_target_kind kind)
-{
-    switch (kind) {
-    case GP_TARGET_HDR:
-        return GP_HAS_LIT;
-    case GP_TARGET_LAYER:
-        return GP_HAS_LAYER | GP_HAS_FLARE;
-    case GP_TARGET_PICTURE:
-        return untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
-    case GP_TARGET_SENSORS:
-        return GP_HAS_SOURCES;
-    case GP_TARGET_POLYGONS:
-        return GP_HAS_SOURCES | GP_HAS_KERNEL |
-               (untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN);
-    case GP_TARGET_SUNMAP:
-    case GP_TARGET_INTENSITY:
-        return GP_HAS_FLARE;
-    }
-    return 0;
-}
-
-void gp_run_release(struct gp_run *r, unsigned dead)
-{
-    if (dead & GP_HAS_RGB)
-        gp_planes_free(&r->frame.rgb);
-    if (dead & GP_HAS_SOURCES) {
-        gp_sources_free(&r->sources);
-        gp_sources_free(&r->joined);
-    }
-    if (dead & GP_HAS_LAYER)
-        gp_planes_free(&r->frame.layer);
-    if (dead & GP_HAS_LIT)
-        gp_planes_free(&r->frame.lit);
-    if (dead & GP_HAS_SHOWN)
-        gp_planes_free(&r->frame.shown);
-}

@@ -2,33 +2,20 @@
 #ifndef GP_APP_STAGES_H
 #define GP_APP_STAGES_H
 
+#include "app/flight.h"
 #include "app/jobs.h"
 #include "app/report.h"
 #include "app/settings.h"
 #include "app/sun.h"
+#include "app/work.h"
 #include "core/frame.h"
 #include "core/status.h"
 
 #include <stdbool.h>
 
-/* What stages need and give, as bits. */
-enum {
-    GP_HAS_RGB = 1 << 0,       // frame.rgb
-    GP_HAS_SOURCES = 1 << 1,   // sources
-    GP_HAS_KERNEL = 1 << 2,    // kernel; stays for the next frame
-    GP_HAS_LAYER = 1 << 3,     // frame.layer; empty when there is no source
-    GP_HAS_FLUX = 1 << 4,      // facts.flux_out
-    GP_HAS_MEASURED = 1 << 5,  // facts.error
-    GP_HAS_LIT = 1 << 6,       // frame.lit
-    GP_HAS_SHOWN = 1 << 7,     // frame.shown
-    GP_HAS_FILES = 1 << 8,     // all that is written
-    GP_HAS_SUNS = 1 << 9,      // suns placed, and seen or being seen
-    GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
-};
-
-/* A run, and the frame it is at. */
+/* What is made once for all frames. Stages of the COMPUTE phase alone change
+ * it, which run on one thread, frame after frame. */
 struct gp_run {
-    const struct gp_log *log;
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
@@ -40,14 +27,9 @@ struct gp_run {
     struct gp_suns suns;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
+    bool ordered;                  // frames are written one after the other,
+                                   // as a stream of them must be
     struct gp_raw_size raw;        // of the frames that went to stdout raw
-
-    const struct gp_job *job;
-    struct gp_frame frame;
-    struct gp_sources sources;
-    struct gp_sources joined;      // sources and lights; empty: no lights
-    char **names;                  // one a target: files written, owned
-    struct gp_facts facts;
 };
 
 /* A step of a frame. `time` is an enum gp_time, -1 for steps that are no part
@@ -56,23 +38,26 @@ struct gp_run {
  * gives the step anything to do; what it gives counts as there without it. */
 struct gp_stage {
     const char *name;
+    enum gp_phase phase;
     int time;
     unsigned needs, gives;
-    gp_status (*run)(struct gp_run *r);
+    gp_status (*run)(struct gp_run *r, struct gp_work *w);
     bool (*asked)(const struct gp_settings *s);
 };
-enum { GP_STAGES = 11 };
+enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
+
+/* Writes the targets of a frame, and the facts about them; in
+ * stages_write.c. */
+GP_MUST_CHECK gp_status gp_stage_write(struct gp_run *r, struct gp_work *w);
 
 /* What must exist for a target to be written. */
 unsigned gp_target_needs(const struct gp_settings *s,
                          enum gp_target_kind kind);
 
-/* Frees what the frame no longer needs; bits as above. */
-void gp_run_release(struct gp_run *r, unsigned dead);
-
 /* Reads the kernel when it is a file, before the first frame, so that a bad
  * one is an error whatever the frames hold; checks nothing else. */
-GP_MUST_CHECK gp_status gp_run_read_kernel(struct gp_run *r);
+GP_MUST_CHECK gp_status gp_run_read_kernel(const struct gp_log *log,
+                                           struct gp_run *r);
 
 #endif

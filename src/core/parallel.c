@@ -12,27 +12,37 @@
  * other core from whoever shares the machine. These sleep. */
 enum { MOST_THREADS = 256 };
 
-static struct pool {
-    pthread_mutex_t lock;
-    pthread_cond_t wake, rest;
-    int workers;         // threads there are besides the caller's
-    int team;            // threads of the loop under way, the caller's too;
-                         // 0 when it is over: who wakes late sleeps on
-    int busy;            // workers that are in it
-    unsigned long loop;  // its number
+/* A loop under way, on its caller's stack. */
+struct loop {
     gp_body body;
     void *ctx;
     int n;
-    atomic_int next;     // i to run next
-    atomic_int first;    // lowest i that failed
-    gp_status result;    // of `first`
+    atomic_int next;          // i to run next
+    atomic_int first;         // lowest i that failed
+    gp_status result;         // of `first`
+    int team;                 // most threads in it, the caller's too
+    int busy;                 // workers in it
+    bool taken[MOST_THREADS]; // numbers of these, from 1
+    struct loop *younger;     // next open one
+};
+
+static struct pool {
+    pthread_mutex_t lock;
+    pthread_cond_t wake, rest, turn;
+    int workers;         // threads there are besides the callers'
+    int active;          // threads at work: callers and workers
+    atomic_int waiting;  // threads in gp_parallel_enter()
+    struct loop *open;   // loops that may have something left, oldest first
 } pool = {
     .lock = PTHREAD_MUTEX_INITIALIZER,
     .wake = PTHREAD_COND_INITIALIZER,
     .rest = PTHREAD_COND_INITIALIZER,
+    .turn = PTHREAD_COND_INITIALIZER,
+    .active = 1,
 };
 
 static int threads_wanted;
+static atomic_int processors; // that the process may use; 0 not asked yet
 static _Thread_local bool inside; // this thread runs a body
 
 void gp_set_threads(int threads)
@@ -40,56 +50,104 @@ void gp_set_threads(int threads)
     threads_wanted = threads;
 }
 
+static int count_processors(void)
+{
+    cpu_set_t set;
+    int n = atomic_load(&processors);
+    if (n == 0) {
+        n = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+        atomic_store(&processors, n);
+    }
+    return n;
+}
+
 int gp_threads(void)
 {
-    int n = threads_wanted;
-    if (n <= 0) {
-        cpu_set_t set;
-        n = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-    }
+    const int n = threads_wanted > 0 ? threads_wanted : count_processors();
     return n < 1 ? 1 : n > MOST_THREADS ? MOST_THREADS : n;
 }
 
-/* Takes one i after another until none is left. */
-static void work(int thread)
+/* Takes one i after another until none is left, or, as a helper, until some
+ * thread waits for its place. */
+static void work(struct loop *l, int thread)
 {
     inside = true;
-    for (;;) {
-        const int i = atomic_fetch_add(&pool.next, 1);
-        if (i >= pool.n)
+    while (!thread || !atomic_load(&pool.waiting)) {
+        const int i = atomic_fetch_add(&l->next, 1);
+        if (i >= l->n)
             break;
-        if (i > atomic_load(&pool.first))
+        if (i > atomic_load(&l->first))
             continue; // only what lies below can still change the answer
-        const gp_status st = pool.body(pool.ctx, i, thread);
+        const gp_status st = l->body(l->ctx, i, thread);
         if (!st)
             continue;
         pthread_mutex_lock(&pool.lock);
-        if (i < atomic_load(&pool.first)) {
-            atomic_store(&pool.first, i);
-            pool.result = st;
+        if (i < atomic_load(&l->first)) {
+            atomic_store(&l->first, i);
+            l->result = st;
         }
         pthread_mutex_unlock(&pool.lock);
     }
     inside = false;
 }
 
-static void *worker(void *arg)
+/* The oldest loop that one more thread can help, or NULL. Locked. */
+static struct loop *find_loop(void)
 {
-    const int thread = (int) (long) arg;
-    unsigned long seen = 0;
-    pthread_mutex_lock(&pool.lock);
-    for (;;) {
-        while (pool.loop == seen || thread >= pool.team)
-            pthread_cond_wait(&pool.wake, &pool.lock);
-        seen = pool.loop;
-        pool.busy++;
-        pthread_mutex_unlock(&pool.lock);
-        work(thread);
-        pthread_mutex_lock(&pool.lock);
-        if (--pool.busy == 0)
-            pthread_cond_signal(&pool.rest);
+    if (pool.active >= gp_threads() || atomic_load(&pool.waiting))
+        return NULL;
+    for (struct loop *l = pool.open; l; l = l->younger) {
+        if (l->busy + 1 < l->team && atomic_load(&l->next) < l->n)
+            return l;
     }
     return NULL;
+}
+
+/* One thread less at work. Locked. */
+static void retire(void)
+{
+    pool.active--;
+    if (atomic_load(&pool.waiting))
+        pthread_cond_signal(&pool.turn);
+}
+
+/* Wakes a worker when there is something for it; it wakes the next. Locked. */
+static void call_help(void)
+{
+    if (find_loop())
+        pthread_cond_signal(&pool.wake);
+}
+
+/* Works for a loop as its next free number. Locked. */
+static void help(struct loop *l)
+{
+    int thread = 1;
+    while (l->taken[thread])
+        thread++;
+    l->taken[thread] = true;
+    l->busy++;
+    pool.active++;
+    call_help();
+    pthread_mutex_unlock(&pool.lock);
+    work(l, thread);
+    pthread_mutex_lock(&pool.lock);
+    l->taken[thread] = false;
+    if (--l->busy == 0)
+        pthread_cond_broadcast(&pool.rest);
+    retire();
+}
+
+static void *worker(void *arg)
+{
+    pthread_mutex_lock(&pool.lock);
+    for (;;) {
+        struct loop *const l = find_loop();
+        if (l)
+            help(l);
+        else
+            pthread_cond_wait(&pool.wake, &pool.lock);
+    }
+    return arg;
 }
 
 /* The threads stay with the parent. */
@@ -98,30 +156,54 @@ static void after_fork(void)
     pthread_mutex_init(&pool.lock, NULL);
     pthread_cond_init(&pool.wake, NULL);
     pthread_cond_init(&pool.rest, NULL);
-    pool.workers = pool.busy = pool.team = 0;
-    pool.loop = 0;
+    pthread_cond_init(&pool.turn, NULL);
+    pool.workers = 0;
+    pool.active = 1;
+    atomic_store(&pool.waiting, 0);
+    pool.open = NULL;
 }
 
-/* Starts what is missing of `team` threads; fewer are no error. Locked.
- * Signals are for the caller's thread, which knows what it is at: a handler
- * on another could miss a file that is being opened. */
+/* Starts what is missing of a team; fewer are no error. Locked.
+ * Signals are for the first thread, which knows what it is at. */
 static void start_workers(int team)
 {
     static bool registered;
     sigset_t all, before;
+    if (pool.workers >= team - 1)
+        return;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
     if (!registered)
         registered = pthread_atfork(NULL, NULL, after_fork) == 0;
     while (pool.workers < team - 1) {
         pthread_t id;
-        if (pthread_create(&id, NULL, worker,
-                           (void *) (long) (pool.workers + 1)) != 0)
+        if (pthread_create(&id, NULL, worker, NULL) != 0)
             break;
         pthread_detach(id);
         pool.workers++;
     }
     pthread_sigmask(SIG_SETMASK, &before, NULL);
+}
+
+/* Opens a loop to helpers. Locked. */
+static void open_loop(struct loop *l)
+{
+    struct loop **end = &pool.open;
+    while (*end)
+        end = &(*end)->younger;
+    *end = l;
+    call_help();
+}
+
+/* Shuts it and waits for its helpers. Locked. */
+static void close_loop(struct loop *l)
+{
+    struct loop **at = &pool.open;
+    while (*at != l)
+        at = &(*at)->younger;
+    *at = l->younger;
+    while (l->busy > 0)
+        pthread_cond_wait(&pool.rest, &pool.lock);
 }
 
 static gp_status run_alone(int n, gp_body body, void *ctx, int *failed)
@@ -139,31 +221,43 @@ static gp_status run_alone(int n, gp_body body, void *ctx, int *failed)
 
 gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
 {
-    int team = gp_threads() < n ? gp_threads() : n;
+    const int team = gp_threads() < n ? gp_threads() : n;
     if (team < 2 || inside)
         return run_alone(n, body, ctx, failed);
+    struct loop l = {.body = body, .ctx = ctx, .n = n, .team = team};
+    atomic_init(&l.next, 0);
+    atomic_init(&l.first, INT_MAX);
     pthread_mutex_lock(&pool.lock);
     start_workers(team);
-    team = team < pool.workers + 1 ? team : pool.workers + 1;
-    pool.body = body;
-    pool.ctx = ctx;
-    pool.n = n;
-    pool.result = GP_OK;
-    atomic_store(&pool.next, 0);
-    atomic_store(&pool.first, INT_MAX);
-    pool.team = team;
-    pool.loop++;
-    pthread_cond_broadcast(&pool.wake);
+    open_loop(&l);
     pthread_mutex_unlock(&pool.lock);
-    work(0);
+    work(&l, 0);
     pthread_mutex_lock(&pool.lock);
-    pool.team = 0;
-    while (pool.busy > 0)
-        pthread_cond_wait(&pool.rest, &pool.lock);
+    close_loop(&l);
     pthread_mutex_unlock(&pool.lock);
-    if (pool.result && failed)
-        *failed = atomic_load(&pool.first);
-    return pool.result;
+    if (l.result && failed)
+        *failed = atomic_load(&l.first);
+    return l.result;
+}
+
+void gp_parallel_enter(void)
+{
+    pthread_mutex_lock(&pool.lock);
+    atomic_fetch_add(&pool.waiting, 1);
+    while (pool.active >= gp_threads())
+        pthread_cond_wait(&pool.turn, &pool.lock);
+    atomic_fetch_sub(&pool.waiting, 1);
+    pool.active++;
+    call_help();
+    pthread_mutex_unlock(&pool.lock);
+}
+
+void gp_parallel_leave(void)
+{
+    pthread_mutex_lock(&pool.lock);
+    retire();
+    call_help();
+    pthread_mutex_unlock(&pool.lock);
 }
 
 /* A task as a body. */

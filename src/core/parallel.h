@@ -1,7 +1,8 @@
 /* Parallel loops whose result does not depend on the number of threads.
  *
- * One loop at a time, from one thread; a loop inside a body runs there, alone.
- * After fork() the child starts threads of its own. */
+ * Any number of threads may run loops at once; they share one pool, and never
+ * do more than gp_threads() threads work at a time. A loop inside a body runs
+ * there, alone. After fork() the child starts threads of its own. */
 #ifndef GP_CORE_PARALLEL_H
 #define GP_CORE_PARALLEL_H
 
@@ -29,5 +30,12 @@ GP_MUST_CHECK gp_status gp_parallel(int n, gp_body body, void *ctx,
 /* The same for bodies that cannot fail. */
 typedef void (*gp_task)(void *ctx, int i, int thread);
 void gp_parallel_do(int n, gp_task task, void *ctx);
+
+/* Threads of the program's own besides the first: enter() before work, waiting
+ * for a place among the gp_threads(), leave() before waiting for anything and
+ * at the end. Helpers of loops make room for who waits. The first thread has
+ * entered when the program starts. */
+void gp_parallel_enter(void);
+void gp_parallel_leave(void);
 
 #endif

@@ -5,6 +5,7 @@
 #include "io/exr_unzip.h"
 #include "io/half.h"
 
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -186,8 +187,19 @@ static bool is_zip(exr_compression_t c)
     return c == EXR_COMPRESSION_ZIP || c == EXR_COMPRESSION_ZIPS;
 }
 
-/* Called by one thread: the library chooses its routines on first use
- * without a lock. */
+/* The library chooses its routines on first use without a lock; frames may be
+ * read by several threads at once. */
+static exr_result_t choose_routines(const struct gp_exr_layout *l,
+                                    exr_decode_pipeline_t *pipe)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&lock);
+    const exr_result_t r =
+        exr_decoding_choose_default_routines(l->origin->exr, l->part, pipe);
+    pthread_mutex_unlock(&lock);
+    return r;
+}
+
 static gp_status open_worker(const struct gp_log *log,
                              const struct gp_exr_layout *l,
                              const struct gp_exr_sink *sink, struct worker *w)
@@ -198,7 +210,7 @@ static gp_status open_worker(const struct gp_log *log,
         exr_decoding_initialize(exr, l->part, &l->chunk[0], &w->pipe);
     w->ready = true;
     if (!r)
-        r = exr_decoding_choose_default_routines(exr, l->part, &w->pipe);
+        r = choose_routines(l, &w->pipe);
     if (r)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR library cannot decode it (%s); write the "

@@ -7,16 +7,19 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
 enum {
     BUFFER_BYTES = 1 << 20, // chunk leaders of 8 bytes do not become writes
     LIVE_MAX = 64,          // temporary files that a signal can remove
     LIVE_NAME_MAX = 4096,
+    PATIENCE_MS = 1000,
 };
 
 struct gp_file {
@@ -41,6 +44,37 @@ static struct {
     char name[LIVE_NAME_MAX];
 } live_temps[LIVE_MAX];
 static pthread_mutex_t live_lock = PTHREAD_MUTEX_INITIALIZER;
+
+/* A signal's handler may run while other threads open files. It waits for
+ * those that are opening, and whoever comes later waits for the end. */
+static atomic_int opening;
+static atomic_bool ending;
+
+static void wait_for_the_end(void)
+{
+    while (atomic_load(&ending))
+        pause();
+}
+
+/* Between these two no signal is handled on this thread, and none ends the
+ * process while a name may be made that the handler has not seen. */
+static void begin_opening(sigset_t *before)
+{
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, before);
+    atomic_fetch_add(&opening, 1);
+    if (atomic_load(&ending)) {
+        atomic_fetch_sub(&opening, 1);
+        wait_for_the_end();
+    }
+}
+
+static void end_opening(const sigset_t *before)
+{
+    atomic_fetch_sub(&opening, 1);
+    pthread_sigmask(SIG_SETMASK, before, NULL);
+}
 
 static int live_add(const char *name)
 {
@@ -70,6 +104,11 @@ static void live_drop(int slot)
 
 static void remove_live(int sig)
 {
+    const struct timespec moment = {.tv_nsec = 1000000};
+    atomic_store(&ending, true);
+    // a file system that hangs must not keep the process
+    for (int i = 0; i < PATIENCE_MS && atomic_load(&opening) > 0; i++)
+        nanosleep(&moment, NULL);
     for (int i = 0; i < LIVE_MAX; i++) {
         if (live_temps[i].live)
             unlink(live_temps[i].name);
@@ -116,6 +155,7 @@ static const char *hint(int error)
 static gp_status cannot_write(const struct gp_log *log, const char *path,
                               int error)
 {
+    wait_for_the_end(); // the handler has removed what this is about
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));
 }
@@ -157,6 +197,22 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     return st;
 }
 
+/* Makes the temporary file; -1 with errno when it cannot. */
+static int make_temp(struct gp_file *f)
+{
+    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+    sigset_t before;
+    begin_opening(&before);
+    f->live = live_add(f->temp);
+    int fd = open(f->temp, flags, 0666);
+    if (fd < 0 && errno == EEXIST && !unlink(f->temp))
+        fd = open(f->temp, flags, 0666); // left by a killed namesake
+    const int error = errno;
+    end_opening(&before);
+    errno = error;
+    return fd;
+}
+
 /* Opens the temporary file with the permissions of the one it replaces. */
 static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
@@ -167,11 +223,7 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
         return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
     if (create_dir && gp_file_make_folders(f->target))
         return cannot_write(f->log, f->path, errno);
-    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
-    f->live = live_add(f->temp); // first: no moment where a signal misses it
-    f->fd = open(f->temp, flags, 0666);
-    if (f->fd < 0 && errno == EEXIST && !unlink(f->temp))
-        f->fd = open(f->temp, flags, 0666); // left by a killed namesake
+    f->fd = make_temp(f);
     if (f->fd < 0)
         return cannot_write(f->log, f->path, errno);
     f->own_fd = true;

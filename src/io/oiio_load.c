@@ -4,16 +4,14 @@
 #include "core/bridge.h"
 
 #include <dlfcn.h>
+#include <pthread.h>
 #include <stdio.h>
 #include <string.h>
 
 static const char bridge[] = "glarepp-oiio.so";
 
-const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size)
+static const struct gp_oiio_api *load(char *why, size_t why_size)
 {
-    static const struct gp_oiio_api *opened; // stays open until the end
-    if (opened)
-        return opened;
     void *library = gp_bridge_open(bridge, why, why_size);
     if (!library)
         return NULL;
@@ -27,6 +25,17 @@ const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size)
         dlclose(library);
         return NULL;
     }
-    opened = api;
-    return opened;
+    return api;
+}
+
+const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    static const struct gp_oiio_api *opened; // stays open until the end
+    pthread_mutex_lock(&lock);
+    if (!opened)
+        opened = load(why, why_size);
+    const struct gp_oiio_api *const api = opened;
+    pthread_mutex_unlock(&lock);
+    return api;
 }

@@ -1,0 +1,211 @@
+#include "app/flight.h"
+
+#include "core/parallel.h"
+
+#include <limits.h>
+#include <pthread.h>
+#include <signal.h>
+
+enum state {
+    FREE,
+    BUSY,      // a step runs
+    HAS_READ,  // waits to be computed
+    COMPUTED,  // waits to be written
+    DONE,      // or failed; waits to be ended
+};
+
+struct slot {
+    enum state state;
+    gp_status st;
+};
+
+/* All under the lock, but for f->head, which others read. */
+struct sky {
+    const struct gp_flight_params *p;
+    const struct gp_flight_work *work;
+    struct gp_flight *f;
+    pthread_mutex_t lock;
+    pthread_cond_t changed;
+    struct slot slot[GP_FLIGHT_MOST]; // unit u has slot u % slots
+    int head;          // ended next
+    int next_compute;
+    int next_read;
+    int limit;         // units from here on are not carried on
+    gp_status result;  // of the end that ended all
+};
+
+static struct slot *slot_of(struct sky *s, int unit)
+{
+    return &s->slot[unit % s->p->slots];
+}
+
+// -- what to do next, under the lock --------------------------------------------
+
+static bool can_compute(struct sky *s, int *unit)
+{
+    // those that failed before need none
+    while (s->next_compute < s->head ||
+           (s->next_compute < s->next_read &&
+            slot_of(s, s->next_compute)->state == DONE))
+        s->next_compute++;
+    *unit = s->next_compute;
+    return *unit < s->next_read && *unit < s->limit &&
+           slot_of(s, *unit)->state == HAS_READ;
+}
+
+static bool can_write(struct sky *s, int *unit)
+{
+    const int end = s->p->ordered ? s->head + 1 : s->next_compute;
+    for (int u = s->head; u < end && u < s->next_compute; u++) {
+        if (u < s->limit && slot_of(s, u)->state == COMPUTED) {
+            *unit = u;
+            return true;
+        }
+    }
+    return false;
+}
+
+static bool can_read(struct sky *s, int *unit)
+{
+    const int u = s->next_read, in_flight = u - s->head;
+    *unit = u;
+    return u < s->p->units && u < s->limit && in_flight < s->p->slots &&
+           (in_flight == 0 || s->work->has_room(s->work->user, in_flight));
+}
+
+/* Writing comes before reading: it frees what the unit holds. */
+static bool pick(struct sky *s, bool first_thread, int *unit,
+                 enum gp_phase *phase)
+{
+    if (first_thread && can_compute(s, unit)) {
+        *phase = GP_PHASE_COMPUTE;
+        s->next_compute = *unit + 1;
+        return true;
+    }
+    if (can_write(s, unit)) {
+        *phase = GP_PHASE_WRITE;
+        return true;
+    }
+    if (!can_read(s, unit))
+        return false;
+    *phase = GP_PHASE_READ;
+    s->next_read = *unit + 1;
+    return true;
+}
+
+static bool is_over(const struct sky *s)
+{
+    return s->result || s->head >= s->p->units;
+}
+
+/* Ends what is done, in order. */
+static void end_units(struct sky *s)
+{
+    while (!is_over(s) && s->head < s->next_read &&
+           slot_of(s, s->head)->state == DONE) {
+        struct slot *const slot = slot_of(s, s->head);
+        s->result = s->work->end(s->work->user, s->head % s->p->slots, s->head,
+                                 slot->st);
+        *slot = (struct slot) {FREE, GP_OK};
+        if (s->result) // and nothing is heard of the units behind
+            break;
+        s->head++;
+        atomic_store(&s->f->head, s->head);
+    }
+}
+
+// -- threads ----------------------------------------------------------------------
+
+/* Runs one step; the lock is held before and after. */
+static void run_step(struct sky *s, int unit, enum gp_phase phase)
+{
+    static const enum state next[] = {
+        [GP_PHASE_READ] = HAS_READ, [GP_PHASE_COMPUTE] = COMPUTED,
+        [GP_PHASE_WRITE] = DONE,
+    };
+    const int at = unit % s->p->slots;
+    s->slot[at].state = BUSY;
+    pthread_mutex_unlock(&s->lock);
+    const gp_status st = s->work->step(s->work->user, at, unit, phase);
+    const bool go = !st || s->work->goes_on(s->work->user, at, st);
+    pthread_mutex_lock(&s->lock);
+    s->slot[at] = (struct slot) {st ? DONE : next[phase], st};
+    if (!go && unit < s->limit)
+        s->limit = unit;
+    end_units(s);
+    pthread_cond_broadcast(&s->changed);
+}
+
+/* Another thread may work while this one waits. */
+static void wait_for_change(struct sky *s)
+{
+    gp_parallel_leave();
+    pthread_cond_wait(&s->changed, &s->lock);
+    pthread_mutex_unlock(&s->lock);
+    gp_parallel_enter();
+    pthread_mutex_lock(&s->lock);
+}
+
+static void fly(struct sky *s, bool first_thread)
+{
+    int unit;
+    enum gp_phase phase;
+    pthread_mutex_lock(&s->lock);
+    while (!is_over(s)) {
+        if (pick(s, first_thread, &unit, &phase))
+            run_step(s, unit, phase);
+        else
+            wait_for_change(s);
+    }
+    pthread_mutex_unlock(&s->lock);
+}
+
+static void *lane(void *arg)
+{
+    gp_parallel_enter();
+    fly(arg, false);
+    gp_parallel_leave();
+    return NULL;
+}
+
+/* Signals are for the first thread. Returns how many threads it made. */
+static int start_lanes(struct sky *s, int n, pthread_t *id)
+{
+    sigset_t all, before;
+    int made = 0;
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (made < n && pthread_create(&id[made], NULL, lane, s) == 0)
+        made++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
+    return made;
+}
+
+gp_status gp_flight_run(const struct gp_flight_params *p,
+                        const struct gp_flight_work *work,
+                        struct gp_flight *f)
+{
+    pthread_t id[GP_FLIGHT_MOST];
+    struct sky s = {
+        .p = p, .work = work, .f = f, .limit = INT_MAX,
+        .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
+    };
+    int lanes = p->slots < p->units ? p->slots : p->units;
+    if (lanes > gp_threads())
+        lanes = gp_threads();
+    atomic_store(&f->head, 0);
+    const int made = start_lanes(&s, lanes - 1, id);
+    fly(&s, true);
+    gp_parallel_leave(); // lanes that are at a step may need the place
+    for (int i = 0; i < made; i++)
+        pthread_join(id[i], NULL);
+    gp_parallel_enter();
+    pthread_cond_destroy(&s.changed);
+    pthread_mutex_destroy(&s.lock);
+    return s.result;
+}
+
+int gp_flight_head(const struct gp_flight *f)
+{
+    return atomic_load(&f->head);
+}

@@ -1,0 +1,62 @@
+/* Several units of work in flight: while one is computed, others are read and
+ * written, so that no core waits for a file.
+ *
+ * Each unit passes READ, COMPUTE, WRITE (stages.h) and is then ended. COMPUTE
+ * runs on the caller's thread alone, and units are computed and ended in their
+ * order, whatever the number in flight: what they share may depend on the
+ * units before, and never on threads. */
+#ifndef GP_APP_FLIGHT_H
+#define GP_APP_FLIGHT_H
+
+#include "core/status.h"
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+/* Where a step of a unit runs: COMPUTE on one thread, unit after unit; the
+ * others on any thread, units in any order. */
+enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
+
+enum { GP_FLIGHT_MOST = 64 }; // units in flight
+
+struct gp_flight_params {
+    int units;    // >= 0
+    int slots;    // units in flight, 1 to GP_FLIGHT_MOST
+    bool ordered; // a unit is written only when those before are
+};
+
+/* What is done with a unit. A slot, [0, slots), is one unit's from its READ
+ * to its end; no two steps of a slot run at once. */
+struct gp_flight_work {
+    void *user;
+    /* Runs a step. What fails is not carried on. */
+    gp_status (*step)(void *user, int slot, int unit, enum gp_phase phase);
+    /* Whether units behind one that failed with `st` are carried on. */
+    bool (*goes_on)(void *user, int slot, gp_status st);
+    /* Whether one more may start while others are in flight. */
+    bool (*has_room)(void *user, int in_flight);
+    /* In the order of units, one at a time: `st` is that of its steps. What it
+     * returns, unless GP_OK, ends the flight. */
+    gp_status (*end)(void *user, int slot, int unit, gp_status st);
+};
+
+/* A flight; its members are its own. */
+struct gp_flight {
+    atomic_int head;
+};
+
+/* Flies all units, on this thread and, for more than one slot, on up to
+ * gp_threads() - 1 others beside; fewer threads are no error.
+ *
+ *   f  written by it; gp_flight_head() may be asked from steps
+ *
+ * Returns the first status other than GP_OK of work->end; units behind that
+ * one may have run steps, and are not ended. */
+GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
+                                      const struct gp_flight_work *work,
+                                      struct gp_flight *f);
+
+/* The unit that is ended next. */
+int gp_flight_head(const struct gp_flight *f);
+
+#endif
