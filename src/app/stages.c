@@ -29,7 +29,7 @@ static gp_status find_depth(struct gp_run *r)
 static gp_status run_read(struct gp_run *r)
 {
     const struct gp_members *const m = &r->jobs->members;
-    const int i = (int) (r->job - r->jobs->job);
+    const int i = (int) (r->job - r->jobs->job) / r->jobs->views;
     gp_status st = m->n ? gp_members_frame(r->log, &r->s->read, r->job->input,
                                            m, i, &r->frame)
                         : gp_read_frame(r->log, &r->s->read, r->job->input,
