@@ -95,7 +95,7 @@ char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
                  const struct gp_job *job);
 
-// -- parts of gp_jobs_make() ---------------------------------------------------
+// -- parts of gp_jobs_make() -------------------------------------------------
 
 /* In jobs_check.c: which outputs go with these frames and views.
  *

@@ -28,8 +28,9 @@ void gp_tally_fail(struct gp_tally *t, int index);
 
 /* The failed frames in the order of the jobs: a list that --frames takes back
  * (2-4,9,20-40x10) when all have numbers, else the names of the inputs that
- * failed with ", " between. What does not fit into `size` (at least 64) bytes is counted:
- * "and 17 more". Returns true when the text is a whole list of numbers. */
+ * failed with ", " between. What does not fit into `size` (at least 64) bytes
+ * is counted: "and 17 more". Returns true when the text is a whole list of
+ * numbers. */
 bool gp_tally_list(const struct gp_tally *t, char *text, size_t size);
 
 /* Says how many frames were left alone (a warning), and how many failed and

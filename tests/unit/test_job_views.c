@@ -6,7 +6,8 @@ static const struct job_row view_rows[] = {
     {"-o o.%V.#.png v.%V.####.exr", GP_OK,
      "v.left.0001.exr#left>o.left.1.png v.right.0001.exr#right>o.right.1.png "
      "v.left.0002.exr#left>o.left.2.png v.right.0002.exr#right>o.right.2.png"},
-    {"-o o.%v.png w.%v.exr", GP_OK, "w.l.exr:left>o.l.png w.r.exr:right>o.r.png"},
+    {"-o o.%v.png w.%v.exr", GP_OK,
+     "w.l.exr:left>o.l.png w.r.exr:right>o.r.png"},
     {"--views right,left -o o.%V.png w.%v.exr", GP_OK,
      "w.r.exr:right>o.right.png w.l.exr:left>o.left.png"},
     {"--views left -o o.png w.%v.exr", GP_OK, "w.l.exr:left>o.png"},
@@ -52,7 +53,8 @@ static const struct job_row view_rows[] = {
      "there are none"},
     {"--hdr o.%v.#.exr -f 1-2 s.####.exr", GP_ERR_USAGE,
      "o.%v.#.exr: %V and %v"},
-    {"-o o.%V.png lit.%V.exr", GP_ERR_USAGE, "(no %V in lit.%V.exr, no --views"},
+    {"-o o.%V.png lit.%V.exr", GP_ERR_USAGE,
+     "(no %V in lit.%V.exr, no --views"},
     {"--views left,lefty -o o.%V.png w.%v.exr", GP_ERR_USAGE,
      "w.%v.exr: %v is the same letter for two views (found left and lefty)"},
     {"--views left,lefty -o o.%v.png v.%V.0001.exr", GP_ERR_USAGE,
@@ -193,7 +195,7 @@ static void too_many_jobs(void **state)
     gp_settings_free(&s);
 }
 
-// -- what is made already ------------------------------------------------------
+// -- what is made already ----------------------------------------------------
 
 static const struct made_row made_rows[] = {
     {"--no-clobber -o m.%V.#.png v.%V.0001.exr", true},

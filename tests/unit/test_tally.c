@@ -53,7 +53,8 @@ static struct gp_tally failed_frames(const struct gp_frames *f,
     j->n = 2 * f->n;
     assert_non_null(j->job);
     for (int i = 0; i < f->n; i++)
-        j->job[2 * i] = (struct gp_job) {strdup("in.exr"), true, f->number[i], NULL};
+        j->job[2 * i] = (struct gp_job) {strdup("in.exr"), true,
+                                          f->number[i], NULL};
     for (int i = 0; i < f->n; i++)
         j->job[2 * i + 1] = (struct gp_job) {strdup("x.exr"), false, 0, NULL};
     assert_int_equal(gp_tally_make(NULL, j, &t), GP_OK);
