@@ -82,7 +82,7 @@ static gp_status draw(struct run *r, const struct gp_compare_match *m,
 {
     if (!r->s->compare.heatmap || r->drawn || !flip->known)
         return GP_OK;
-    char *const name = gp_pattern_name(&r->heatmap, r->row.frame);
+    char *const name = gp_pattern_name(&r->heatmap, r->row.frame, NULL);
     if (!name)
         return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory",
                        r->heatmap.path);
@@ -205,8 +205,8 @@ static gp_status compare_files(struct run *r)
 
 static gp_status compare_frame(struct run *r, int frame)
 {
-    char *const a = gp_pattern_name(&r->in[0], frame);
-    char *const b = gp_pattern_name(&r->in[1], frame);
+    char *const a = gp_pattern_name(&r->in[0], frame, NULL);
+    char *const b = gp_pattern_name(&r->in[1], frame, NULL);
     gp_status st;
     r->row = (struct gp_compare_row) {
         .a = a, .b = b, .numbered = r->frames.n > 0, .frame = frame,
@@ -220,33 +220,13 @@ static gp_status compare_frame(struct run *r, int frame)
 
 // -- which frames ------------------------------------------------------------
 
-static int ascending(const void *a, const void *b)
-{
-    const int x = *(const int *) a, y = *(const int *) b;
-    return (x > y) - (x < y);
-}
-
 /* Adds the frames on disk of a pattern to those that are there. */
 static gp_status add_frames(struct run *r, const struct gp_pattern *p)
 {
-    struct gp_frames more = {0}, *const all = &r->frames;
-    gp_status st = gp_frames_on_disk(r->log, p, &more);
-    int *const grown = st ? NULL
-        : realloc(all->number, (size_t) (all->n + more.n) * sizeof *grown);
-    if (!st && !grown)
+    struct gp_frames more = {0};
+    gp_status st = gp_frames_on_disk(r->log, p, NULL, &more);
+    if (!st && !gp_frames_join(&r->frames, &more))
         st = gp_fail(r->log, GP_ERR_BUG, "frame list: out of memory");
-    if (!st) {
-        memcpy(grown + all->n, more.number, (size_t) more.n * sizeof *grown);
-        all->number = grown;
-        all->n += more.n;
-        qsort(grown, (size_t) all->n, sizeof *grown, ascending);
-        int n = 0;
-        for (int i = 0; i < all->n; i++) {
-            if (i == 0 || grown[i] != grown[n - 1])
-                grown[n++] = grown[i];
-        }
-        all->n = n;
-    }
     gp_frames_free(&more);
     return st;
 }

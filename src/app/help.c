@@ -154,7 +154,7 @@ static void help_head(FILE *f, enum gp_command command)
                "(see glarepp compare --help)\n"
                "  glarepp help [TOPIC]\n\n"
                "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or "
-               "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr.\n");
+               "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; %%V in them is a view.\n");
 }
 
 /* An example stands where its own command is explained. */

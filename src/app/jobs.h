@@ -21,44 +21,53 @@ enum gp_target_kind {
     GP_TARGET_INTENSITY,
 };
 
-/* A file, or one a frame when its name is a pattern. */
+/* A file, or one a frame or view when its name is a pattern. */
 struct gp_output {
     enum gp_target_kind kind;
     struct gp_pattern name;
-    bool whole; // one file for all views of an input: --hdr
+    bool whole;  // holds all views of a frame: one for gp_jobs.views jobs
 };
 
-/* One frame to make. */
+/* One frame to make, or one view of it. */
 struct gp_job {
-    char *input;    // owned
-    bool numbered;  // by a pattern, for an output that is one, or in stdin
-    int frame;      // when numbered
-    const char *view; // NULL without --views; borrowed
+    char *input;       // owned
+    bool numbered;     // by a pattern, for an output that is one, or in stdin
+    int frame;         // when numbered
+    const char *view;  // of gp_jobs.view; NULL without views
 };
 
+/* The views of a frame stand together, in the order of the list. */
 struct gp_jobs {
     struct gp_job *job;        // owned; at least one
     int n;
     struct gp_output *target;  // owned; in the order they are written
     int targets;
-    int views;                 // jobs, one behind the other, of one input: 1,
-                               // or the views that each input holds
-    struct gp_members members; // frames of stdin, one a job; n is 0 without
+    struct gp_views view;      // owned; n is 0 without views
+    int views;                 // consecutive jobs that share one input, >= 1
+    struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
+                               // without
 };
 
 /* Expands the inputs and checks every name that the command line gives:
  *
  *   - a pattern stands for the frames of --frames, or those on disk; a file
  *     that really has the pattern's name is that file
+ *   - %V and %v in inputs stand for the views of --views, or left,right: a
+ *     file for each, and `views` is 1. Without them, --views are parts or
+ *     channels of each file: `views` jobs for it. Not both in one run
+ *   - several views need %V or %v in all outputs but `-`, and but --hdr where
+ *     a file has them all: that one is `whole`
  *   - several frames need patterns or `-` for all their outputs, and for
  *     patterns a number each, no two the same: the pattern's, or the last one
  *     in a plain file's name
  *   - when all else is right, stdin is read to its end: each image in it is a
  *     frame, numbered by --frames or from 1
- *   - no name twice, `-` at most once among outputs and never a terminal
+ *   - no name twice among all files that are written, and no input's; `-` at
+ *     most once among outputs and never a terminal
  *   - gp_write_check() holds for the first frame's outputs
- *   - every frame of --frames is there, unless --skip-bad-frames says that it
- *     need not be, or gp_job_made() that it is not needed
+ *   - every frame of --frames is there, and every view of a frame, unless
+ *     --skip-bad-frames says that it need not be, or gp_job_made() that it is
+ *     not needed
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
@@ -70,17 +79,53 @@ GP_MUST_CHECK gp_status gp_jobs_make(const struct gp_log *log,
                                      struct gp_jobs *out);
 void gp_jobs_free(struct gp_jobs *j);
 
+/* Jobs of one frame: one a view, 1 without views. */
+int gp_jobs_of_frame(const struct gp_jobs *j);
+
 /* The name of one target for one job; the caller owns it (free()). NULL when
  * memory is full. */
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 
 /* True when p->no_clobber is set, there are outputs and all of the job's stand
- * on disk: nothing is left to make. */
+ * on disk: nothing is left to make. A file that holds all views is made from
+ * all of them: with one, those of every view of the frame must be there.
+ *
+ *   job  one of j->job
+ */
 bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
                  const struct gp_job *job);
 
-/* Part of gp_jobs_make(), in jobs_stdin.c: reads stdin into j->members and
- * makes one job for each image in it, in place of the one job that j holds.
+// -- parts of gp_jobs_make() -------------------------------------------------
+
+/* In jobs_check.c: which outputs go with these frames and views.
+ *
+ *   patterns  some input has a place for a frame number
+ *
+ * Errors: GP_ERR_USAGE */
+GP_MUST_CHECK gp_status gp_jobs_check_patterns(const struct gp_log *log,
+                                               const struct gp_jobs *j,
+                                               bool patterns);
+
+/* In jobs_check.c: all that the outputs must meet before stdin is read.
+ * Errors: GP_ERR_USAGE; as gp_write_check(). */
+GP_MUST_CHECK gp_status gp_jobs_check_targets(const struct gp_log *log,
+                                              const struct gp_settings *s,
+                                              const struct gp_jobs *j,
+                                              bool patterns);
+
+/* In jobs_check.c: inputs that are not there and are needed.
+ * Errors: GP_ERR_IO names the first and says how many. */
+GP_MUST_CHECK gp_status gp_jobs_check_missing(const struct gp_log *log,
+                                              const struct gp_settings *s,
+                                              const struct gp_jobs *j);
+
+/* In jobs_names.c: every name that is written is written once, and is no
+ * input. Errors: GP_ERR_USAGE */
+GP_MUST_CHECK gp_status gp_jobs_check_names(const struct gp_log *log,
+                                            const struct gp_jobs *j);
+
+/* In jobs_stdin.c: reads stdin into j->members and makes the jobs of each
+ * image in it, in place of those that j holds for stdin.
  * Errors: those of gp_members_read(); GP_ERR_USAGE --frames lists another
  * number of frames. */
 GP_MUST_CHECK gp_status gp_jobs_read_stdin(const struct gp_log *log,

@@ -128,6 +128,9 @@ const struct gp_option gp_options[] = {
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .help = "Frames of a pattern: 1-100, 1-100x2, 3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
+    OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
+        .help = "Views, as left,right: what %V and %v (first letter) in names "
+                "stand for; without them in the inputs, those in each file"),
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
         .help = "Goes on when a frame cannot be read or written; says which "
                 "at the end, with exit status 6"),

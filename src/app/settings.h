@@ -127,6 +127,7 @@ struct gp_settings {
     const char *debug[GP_DEBUG_KINDS]; // files
     const char *report;
     const char *frames;                // list as written
+    const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel
     int threads;                       // 0: all processors
     int frame_jobs;                    // frames in flight; 0: as fits

@@ -27,7 +27,7 @@ static gp_status find_depth(struct gp_run *r, struct gp_work *w)
 static gp_status run_read(struct gp_run *r, struct gp_work *w)
 {
     const struct gp_members *const m = &r->jobs->members;
-    const int i = (int) (w->job - r->jobs->job);
+    const int i = (int) (w->job - r->jobs->job) / r->jobs->views;
     gp_status st = m->n ? gp_members_frame(w->log, &r->s->read, w->job->input,
                                            m, i, &w->frame)
                         : gp_read_frame(w->log, &r->s->read, w->job->input,

@@ -7,6 +7,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 bool gp_suns_wanted(const struct gp_sun_settings *s)
 {
@@ -130,16 +131,21 @@ static gp_status read_beside(const struct gp_log *log,
                              const char *channel, bool depth,
                              struct gp_plane *out)
 {
-    struct gp_pattern pattern;
+    struct gp_pattern pattern = {.path = path};
     int number = 0;
-    gp_status st = gp_pattern_find(log, path, &pattern);
+    gp_status st = access(path, F_OK) == 0
+                       ? GP_OK : gp_pattern_find(log, path, &pattern);
     if (st)
         return st;
+    if (pattern.views && !job->view)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: %%V and %%v are views, and %s has none; name the "
+                       "file, or give --views", path, job->input);
     if (pattern.len && !number_of(job, &number))
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: a pattern, and %s has no frame number; name the "
                        "file", path, job->input);
-    char *const name = gp_pattern_name(&pattern, number);
+    char *const name = gp_pattern_name(&pattern, number, job->view);
     if (!name)
         return gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
     st = gp_read_plane_file(log, &s->read, name, channel, depth, out);

@@ -23,43 +23,56 @@ void gp_tally_free(struct gp_tally *t)
     *t = (struct gp_tally) {0};
 }
 
+/* True when one of `n` jobs from `i` on has failed. */
+static bool any_failed(const struct gp_tally *t, int i, int n)
+{
+    bool failed = false;
+    for (int k = i; k < i + n; k++)
+        failed = failed || t->failed[k];
+    return failed;
+}
+
 void gp_tally_fail(struct gp_tally *t, int index)
 {
-    t->bad += !t->failed[index];
+    const int n = gp_jobs_of_frame(t->jobs);
+    t->bad += !any_failed(t, index - index % n, n);
     t->failed[index] = true;
 }
 
 // -- the list ----------------------------------------------------------------
 
-/* The first failed job from `i` on, jobs->n when there is none. */
-static int next_failed(const struct gp_tally *t, int i)
+/* The first of `n` jobs of which one failed, from `i` on, a multiple of n;
+ * jobs->n when there is none. */
+static int next_failed(const struct gp_tally *t, int i, int n)
 {
-    while (i < t->jobs->n && !t->failed[i])
-        i++;
+    while (i < t->jobs->n && !any_failed(t, i, n))
+        i += n;
     return i;
 }
 
 static bool all_numbered(const struct gp_tally *t)
 {
-    for (int i = next_failed(t, 0); i < t->jobs->n; i = next_failed(t, i + 1)) {
-        if (!t->jobs->job[i].numbered)
+    for (int i = 0; i < t->jobs->n; i++) {
+        if (t->failed[i] && !t->jobs->job[i].numbered)
             return false;
     }
     return true;
 }
 
-/* Writes the item that starts at the failed job *at, a frame or an evenly
- * spaced run, moves *at behind it and returns how many frames it holds. */
+/* Writes the item that starts at the failed frame whose first job is *at, a
+ * frame or an evenly spaced run, moves *at behind it and returns how many
+ * frames it holds. */
 static int item(const struct gp_tally *t, int *at, char *text, size_t size)
 {
     const struct gp_job *const job = t->jobs->job;
-    const int first = *at, second = next_failed(t, first + 1);
+    const int views = gp_jobs_of_frame(t->jobs);
+    const int first = *at, second = next_failed(t, first + views, views);
     int last = first, next = second, n = 1;
     const int step = second < t->jobs->n ? job[second].frame - job[first].frame
                                          : 0;
     while (next < t->jobs->n && job[next].frame - job[last].frame == step) {
         last = next;
-        next = next_failed(t, next + 1);
+        next = next_failed(t, next + views, views);
         n++;
     }
     const bool apart = abs(step) != 1;
@@ -77,14 +90,31 @@ static int item(const struct gp_tally *t, int *at, char *text, size_t size)
     return n;
 }
 
+/* Jobs that one item stands for: a frame's, or in a list of names those of an
+ * input. */
+static int jobs_of_item(const struct gp_tally *t, bool numbers)
+{
+    return numbers            ? gp_jobs_of_frame(t->jobs)
+           : t->jobs->views > 1 ? t->jobs->views : 1;
+}
+
+static int count_items(const struct gp_tally *t, int step)
+{
+    int n = 0;
+    for (int i = 0; (i = next_failed(t, i, step)) < t->jobs->n; i += step)
+        n++;
+    return n;
+}
+
 bool gp_tally_list(const struct gp_tally *t, char *text, size_t size)
 {
     enum { MORE = 32 }; // bytes of ", and N more"
     const bool numbers = all_numbered(t);
+    const int step = jobs_of_item(t, numbers);
     size_t used = 0;
-    int left = t->bad;
+    int left = count_items(t, step);
     text[0] = '\0';
-    for (int i = next_failed(t, 0); i < t->jobs->n;) {
+    for (int i = next_failed(t, 0, step); i < t->jobs->n;) {
         char number[64];
         const char *word = number;
         int n = 1;
@@ -92,7 +122,7 @@ bool gp_tally_list(const struct gp_tally *t, char *text, size_t size)
             n = item(t, &i, number, sizeof number);
         } else {
             word = t->jobs->job[i].input;
-            i = next_failed(t, i + 1);
+            i = next_failed(t, i + step, step);
         }
         const char *const between = !used ? "" : numbers ? "," : ", ";
         if (used + strlen(between) + strlen(word) + MORE >= size) {
@@ -112,17 +142,19 @@ bool gp_tally_list(const struct gp_tally *t, char *text, size_t size)
 gp_status gp_tally_end(const struct gp_log *log, const struct gp_tally *t)
 {
     char list[1200];
+    const int views = gp_jobs_of_frame(t->jobs), frames = t->jobs->n / views;
     if (t->kept)
         gp_say(log, GP_LEVEL_WARN,
-               "--no-clobber: left %d of %d frame%s alone (all outputs are "
+               "--no-clobber: left %d of %d %s%s alone (all outputs are "
                "there); remove the files to make them anew", t->kept,
-               t->jobs->n, t->jobs->n == 1 ? "" : "s");
+               t->jobs->n, views > 1 ? "view" : "frame",
+               t->jobs->n == 1 ? "" : "s");
     if (!t->bad)
         return GP_OK;
     const bool numbers = gp_tally_list(t, list, sizeof list);
     return gp_fail(log, GP_ERR_FRAMES,
                    "--skip-bad-frames: %d of %d frame%s failed (%s); mend "
                    "what the lines above say and make them again%s%s",
-                   t->bad, t->jobs->n, t->jobs->n == 1 ? "" : "s", list,
+                   t->bad, frames, frames == 1 ? "" : "s", list,
                    numbers ? " with --frames " : "", numbers ? list : "");
 }

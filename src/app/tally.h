@@ -12,8 +12,8 @@
 struct gp_tally {
     const struct gp_jobs *jobs;  // borrowed
     bool *failed;                // one a job, owned
-    int bad;                     // how many of these are true
-    int kept;                    // left alone, by --no-clobber
+    int bad;                     // frames with a job that failed
+    int kept;                    // jobs left alone, by --no-clobber
 };
 
 /* Starts with no frame failed. Free with gp_tally_free().
@@ -23,13 +23,14 @@ GP_MUST_CHECK gp_status gp_tally_make(const struct gp_log *log,
                                       struct gp_tally *out);
 void gp_tally_free(struct gp_tally *t);
 
-/* Counts jobs->job[index] as failed; once each. */
+/* Counts jobs->job[index] as failed; a frame once, whatever its views. */
 void gp_tally_fail(struct gp_tally *t, int index);
 
 /* The failed frames in the order of the jobs: a list that --frames takes back
- * (2-4,9,20-40x10) when all have numbers, else the names of their inputs with
- * ", " between. What does not fit into `size` (at least 64) bytes is counted:
- * "and 17 more". Returns true when the text is a whole list of numbers. */
+ * (2-4,9,20-40x10) when all have numbers, else the names of the inputs that
+ * failed with ", " between. What does not fit into `size` (at least 64) bytes
+ * is counted: "and 17 more". Returns true when the text is a whole list of
+ * numbers. */
 bool gp_tally_list(const struct gp_tally *t, char *text, size_t size);
 
 /* Says how many frames were left alone (a warning), and how many failed and

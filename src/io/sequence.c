@@ -4,7 +4,6 @@
 
 #include <dirent.h>
 #include <errno.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,6 +18,58 @@ static size_t name_at(const char *path)
 {
     const char *slash = strrchr(path, '/');
     return slash ? (size_t) (slash - path) + 1 : 0;
+}
+
+// -- views -------------------------------------------------------------------
+
+/* Length of a %V or %v at `s`, 0 when there is none. */
+static size_t view_token(const char *s)
+{
+    return s[0] == '%' && (s[1] == 'V' || s[1] == 'v') ? 2 : 0;
+}
+
+static int count_views(const char *path)
+{
+    int n = 0;
+    for (; *path; path++)
+        n += view_token(path) > 0;
+    return n;
+}
+
+size_t gp_view_letter(const char *view)
+{
+    size_t n = *view ? 1 : 0;
+    while (n && ((unsigned char) view[n] & 0xc0) == 0x80)
+        n++;
+    return n;
+}
+
+/* `p` with its places for views filled; NULL for `view` leaves them. The new
+ * path is the caller's (free()); NULL when memory is full. */
+static char *fill_views(const struct gp_pattern *p, const char *view,
+                        struct gp_pattern *out)
+{
+    const size_t places = view ? (size_t) p->views : 0;
+    char *const path = malloc(strlen(p->path) + places *
+                              (view ? strlen(view) : 0) + 1);
+    size_t to = 0, from = 0;
+    if (!path)
+        return NULL;
+    *out = *p;
+    out->path = path;
+    out->views = 0;
+    while (p->path[from]) {
+        const size_t n = places ? view_token(p->path + from) : 0;
+        const size_t bytes = !n ? 1 : p->path[from + 1] == 'V'
+                                ? strlen(view) : gp_view_letter(view);
+        if (p->len && from == p->at)
+            out->at = to;
+        memcpy(path + to, n ? view : p->path + from, bytes);
+        to += bytes;
+        from += n ? n : 1;
+    }
+    path[to] = '\0';
+    return path;
 }
 
 // -- patterns ----------------------------------------------------------------
@@ -83,48 +134,31 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: frame numbers this long do not exist (%d digits); "
                        "use at most %d", path, p.digits, GP_FRAME_DIGITS);
+    p.views = count_views(path);
     *out = p;
     return GP_OK;
 }
 
-char *gp_pattern_name(const struct gp_pattern *p, int frame)
+char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view)
 {
-    if (!p->len)
-        return gp_strdup(p->path);
+    struct gp_pattern filled;
     char number[24];
-    int n = snprintf(number, sizeof number, "%0*d", p->digits, frame);
-    size_t tail = strlen(p->path + p->at + p->len) + 1;
-    char *name = malloc(p->at + (size_t) n + tail);
-    if (!name)
-        return NULL;
-    memcpy(name, p->path, p->at);
-    memcpy(name + p->at, number, (size_t) n);
-    memcpy(name + p->at + n, p->path + p->at + p->len, tail);
+    char *const path = fill_views(p, view, &filled);
+    if (!path || !filled.len)
+        return path;
+    const int n = snprintf(number, sizeof number, "%0*d", p->digits, frame);
+    const size_t tail = strlen(path + filled.at + filled.len) + 1;
+    char *const name = malloc(filled.at + (size_t) n + tail);
+    if (name) {
+        memcpy(name, path, filled.at);
+        memcpy(name + filled.at, number, (size_t) n);
+        memcpy(name + filled.at + n, path + filled.at + filled.len, tail);
+    }
+    free(path);
     return name;
 }
 
-// -- lists of frames ---------------------------------------------------------
-
-void gp_frames_free(struct gp_frames *f)
-{
-    free(f->number);
-    *f = (struct gp_frames) {0};
-}
-
-/* Appends one number; `room` is the capacity. False when memory is full. */
-static bool append(struct gp_frames *f, int *room, int number)
-{
-    if (f->n == *room) {
-        int more = *room ? 2 * *room : 64;
-        int *grown = realloc(f->number, (size_t) more * sizeof *grown);
-        if (!grown)
-            return false;
-        f->number = grown;
-        *room = more;
-    }
-    f->number[f->n++] = number;
-    return true;
-}
+// -- what is on disk ---------------------------------------------------------
 
 static int ascending(const void *a, const void *b)
 {
@@ -132,166 +166,33 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-struct place {
-    int number, at;
-};
-
-static int by_number_then_place(const void *a, const void *b)
-{
-    const struct place *x = a, *y = b;
-    int order = ascending(&x->number, &y->number);
-    return order ? order : ascending(&x->at, &y->at);
-}
-
-static int by_place(const void *a, const void *b)
-{
-    const struct place *x = a, *y = b;
-    return ascending(&x->at, &y->at);
-}
-
-/* Keeps the first of equal numbers, in the order they came. */
-static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
-{
-    void *block;
-    gp_status st = gp_alloc(log, "frame list", (size_t) f->n,
-                            sizeof(struct place), &block);
-    if (st)
-        return st;
-    struct place *place = block;
-    for (int i = 0; i < f->n; i++)
-        place[i] = (struct place) {f->number[i], i};
-    qsort(place, (size_t) f->n, sizeof *place, by_number_then_place);
-    int kept = 0;
-    for (int i = 0; i < f->n; i++) {
-        if (i == 0 || place[i].number != place[kept - 1].number)
-            place[kept++] = place[i];
-    }
-    qsort(place, (size_t) kept, sizeof *place, by_place);
-    for (int i = 0; i < kept; i++)
-        f->number[i] = place[i].number;
-    f->n = kept;
-    gp_free(block);
-    return GP_OK;
-}
-
-/* Reads [-]digits at *s and moves *s behind it. */
-static bool read_number(const char **s, int *out)
-{
-    const char *c = *s;
-    bool minus = *c == '-';
-    c += minus;
-    int value = 0, digits = 0;
-    for (; is_digit(*c) && digits <= GP_FRAME_DIGITS; c++, digits++)
-        value = digits < GP_FRAME_DIGITS ? 10 * value + (*c - '0') : value;
-    if (digits == 0 || digits > GP_FRAME_DIGITS)
-        return false;
-    *out = minus ? -value : value;
-    *s = c;
-    return true;
-}
-
-struct range {
-    int from, to, step;  // step >= 1, whatever the direction
-};
-
-/* Reads one item at *s, up to its comma or the end. */
-static bool read_range(const char **s, struct range *r)
-{
-    r->step = 1;
-    if (!read_number(s, &r->from))
-        return false;
-    r->to = r->from;
-    if (**s == '-') {
-        ++*s;
-        if (!read_number(s, &r->to))
-            return false;
-        if (**s == 'x') {
-            ++*s;
-            if (!read_number(s, &r->step) || r->step < 1)
-                return false;
-        }
-    }
-    return **s == ',' || **s == '\0';
-}
-
-/* False when the list gets too long or memory is full. */
-static bool append_range(struct gp_frames *f, int *room, struct range r)
-{
-    int way = r.to < r.from ? -1 : 1;
-    int64_t frames = ((int64_t) r.to - r.from) * way / r.step + 1;
-    if (frames > GP_FRAME_LIST_MAX - f->n)
-        return false;
-    for (int64_t i = 0; i < frames; i++) {
-        if (!append(f, room, (int) (r.from + way * i * r.step)))
-            return false;
-    }
-    return true;
-}
-
-gp_status gp_frames_parse(const struct gp_log *log, const char *text,
-                          struct gp_frames *out)
-{
-    gp_status st;
-    struct gp_frames f = {0};
-    int room = 0;
-    for (const char *s = text;; s++) {
-        struct range r;
-        const char *item = s;
-        if (!read_range(&s, &r)) {
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "--frames: not a list of frames (found %.*s in %s); "
-                         "write 7, 1-100, 1-100x2 or 3,4,10-20x2",
-                         (int) strcspn(item, ","), item, text);
-            goto out;
-        }
-        if (!append_range(&f, &room, r)) {
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "--frames: too many frames (over %d in %s); make "
-                         "them in several runs", GP_FRAME_LIST_MAX, text);
-            goto out;
-        }
-        if (!*s)
-            break;
-    }
-    GP_TRY(drop_repeats(log, &f));
-    *out = f;
-    return GP_OK;
-out:
-    gp_frames_free(&f);
-    return st;
-}
-
-// -- what is on disk ---------------------------------------------------------
-
 /* The number of `name` when it is a frame of the pattern whose component
  * starts at `start`; -1 else. */
 static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
 {
-    size_t head = p->at - start;
-    const char *tail = p->path + p->at + p->len;
-    if (strncmp(name, p->path + start, head) != 0 || !is_digit(name[head]))
+    const size_t head = p->at - start;
+    if (strncmp(name, p->path + start, head) != 0)
         return -1;
-    const char *s = name + head;
-    int number;
-    if (!read_number(&s, &number) || strcmp(s, tail) != 0)
+    const char *const digits = name + head;
+    int n = 0, number = 0;
+    for (; is_digit(digits[n]) && n < GP_FRAME_DIGITS; n++)
+        number = 10 * number + (digits[n] - '0');
+    if (n == 0 || strcmp(digits + n, p->path + p->at + p->len) != 0)
         return -1;
     char again[24]; // only the padding that would be written is a match
-    int n = snprintf(again, sizeof again, "%0*d", p->digits, number);
-    bool same = s - (name + head) == n &&
-                strncmp(again, name + head, (size_t) n) == 0;
-    return same ? number : -1;
+    const int bytes = snprintf(again, sizeof again, "%0*d", p->digits, number);
+    return bytes == n && strncmp(again, digits, (size_t) n) == 0 ? number : -1;
 }
 
 static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
                       DIR *folder, struct gp_frames *f)
 {
-    int room = 0;
-    size_t start = name_at(p->path);
+    const size_t start = name_at(p->path);
     for (const struct dirent *e; (e = readdir(folder));) {
         int number = frame_of(p, start, e->d_name);
         if (number < 0)
             continue;
-        if (f->n == GP_FRAME_LIST_MAX || !append(f, &room, number))
+        if (f->n == GP_FRAME_LIST_MAX || !gp_frames_add(f, number))
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: too many frames (over %d); choose some with "
                            "--frames", p->path, f->n);
@@ -304,8 +205,9 @@ static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
     return GP_OK;
 }
 
-gp_status gp_frames_on_disk(const struct gp_log *log,
-                            const struct gp_pattern *p, struct gp_frames *out)
+/* The frames of a pattern whose views are filled. */
+static gp_status list_folder(const struct gp_log *log,
+                             const struct gp_pattern *p, struct gp_frames *out)
 {
     size_t start = name_at(p->path);
     char *path = start ? strndup(p->path, start) : gp_strdup(".");
@@ -325,6 +227,19 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
         gp_frames_free(&f);
     else
         *out = f;
+    return st;
+}
+
+gp_status gp_frames_on_disk(const struct gp_log *log,
+                            const struct gp_pattern *p, const char *view,
+                            struct gp_frames *out)
+{
+    struct gp_pattern filled;
+    char *const path = fill_views(p, view, &filled);
+    if (!path)
+        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", p->path);
+    gp_status st = list_folder(log, &filled, out);
+    free(path);
     return st;
 }
 

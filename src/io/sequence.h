@@ -1,12 +1,15 @@
-/* Frame sequences: file names with a frame number in them, and lists of
- * frames.
+/* Frame sequences: file names with a frame number or a view in them, and lists
+ * of frames and views.
  *
  * A name is a pattern when its last component holds one of
  *   %d, %04d   printf's decimal, zero-padded to the width
  *   ####       zero-padded to as many digits as there are signs
  *   @@@@       the same
  * looked for in this order; only the first kind that is there counts, so
- * render@2x.####.png has its number at ####. Folders are taken as they are.
+ * render@2x.####.png has its number at ####. Folders have no number.
+ *
+ * As in OpenImageIO's tools, %V anywhere in a path is the name of a view
+ * ("left"), %v its first letter ("l"), both any number of times.
  */
 #ifndef GP_IO_SEQUENCE_H
 #define GP_IO_SEQUENCE_H
@@ -19,6 +22,7 @@
 enum {
     GP_FRAME_DIGITS = 9,            // of a frame number; all fit an int
     GP_FRAME_LIST_MAX = 1000000,    // frames of one list
+    GP_VIEWS_MAX = 64,              // views of one list
 };
 
 /* Where the number stands in a name. `len` is 0 when it has no place. */
@@ -26,6 +30,7 @@ struct gp_pattern {
     const char *path;  // borrowed
     size_t at, len;    // the signs that the number replaces
     int digits;        // least number of digits, 1..GP_FRAME_DIGITS
+    int views;         // places of %V and %v
 };
 
 /* Frame numbers in the order in which they are made; none twice. */
@@ -34,8 +39,15 @@ struct gp_frames {
     int n;
 };
 
-/* Finds the number's place in `path`. A path without one is no error:
- * out->len is 0.
+/* Names of views, in the order of the list. All zero is empty. */
+struct gp_views {
+    char *text;         // owned: the names' bytes
+    const char **name;  // owned array, of `n`
+    int n;
+};
+
+/* Finds the places of number and views in `path`. A path without any is no
+ * error: out->len and out->views are 0.
  * Errors: GP_ERR_USAGE two places of one kind, or more than GP_FRAME_DIGITS
  * digits.
  */
@@ -44,16 +56,20 @@ GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
                                         struct gp_pattern *out);
 
 /* The name of one frame, owned by the caller (free()); a pattern without a
- * place gives its path. NULL when memory is full. */
-char *gp_pattern_name(const struct gp_pattern *p, int frame);
+ * place gives its path. NULL when memory is full.
+ *
+ *   view  of one view; NULL leaves %V and %v as they are
+ */
+char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view);
 
 /* The frames of `p` that exist on disk, ascending. A file counts when it is
  * exactly what gp_pattern_name() gives for some number >= 0: shot.7.exr is no
- * frame of shot.####.exr. `p` has a place.
+ * frame of shot.####.exr. `p` has a place for it; `view` as there.
  * Errors: GP_ERR_IO the folder cannot be read, or holds no such frame.
  */
 GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
                                           const struct gp_pattern *p,
+                                          const char *view,
                                           struct gp_frames *out);
 
 /* Reads a list: items with commas between, an item is N, A-B or A-BxSTEP.
@@ -65,6 +81,31 @@ GP_MUST_CHECK gp_status gp_frames_parse(const struct gp_log *log,
                                         const char *text,
                                         struct gp_frames *out);
 void gp_frames_free(struct gp_frames *f);
+
+/* Appends a number that is not there yet. False when memory is full. */
+bool gp_frames_add(struct gp_frames *f, int number);
+
+/* Adds those of `more` that are not there yet; *all comes out ascending.
+ * False when memory is full. */
+bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
+
+/* Reads a list of views, names with commas between, taken as they stand.
+ *   out  written only on GP_OK; free with gp_views_free()
+ * Errors: GP_ERR_USAGE a name that is empty, comes twice or has a slash; more
+ * than GP_VIEWS_MAX. GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_views_parse(const struct gp_log *log,
+                                       const char *text,
+                                       struct gp_views *out);
+void gp_views_free(struct gp_views *v);
+
+/* Holds a pattern against the views that it is for.
+ * Errors: GP_ERR_USAGE it has %v and no %V, and two views the same letter. */
+GP_MUST_CHECK gp_status gp_views_check(const struct gp_log *log,
+                                       const struct gp_pattern *p,
+                                       const struct gp_views *v);
+
+/* Bytes of a view's first letter, which in UTF-8 may be several. */
+size_t gp_view_letter(const char *view);
 
 /* The frame number in a file's own name: the last run of up to
  * GP_FRAME_DIGITS digits before the ending, 1001 in shot_v2.1001.exr. False

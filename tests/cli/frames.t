@@ -171,6 +171,47 @@ status_is 0 'both together: the second run mends the first'
 like "$(cat err)" '*left 3 of 6 frames alone*' 'both together: makes what is not there'
 as_whole 'both together: the same bytes'
 
+# -- two eyes -------------------------------------------------------------------
+
+# the right eye of 2 is broken, both of 4 are; the left one of 3 is not there
+mkdir eyes
+for n in 1 2 3 4 5; do
+    for eye in left right; do
+        cp in/s.000$n.exr eyes/$eye.$n.exr
+        [ $eye = left ] || cp in/s.0006.exr eyes/$eye.$n.exr
+    done
+done
+"$glarepp" -e direct -o 'whole/o.%V.#.png' 'eyes/%V.#.exr' || exit 1
+cp -r eyes blind
+head -c 600 in/s.0002.exr >blind/right.2.exr
+echo 'no picture' >blind/left.4.exr
+echo 'no picture' >blind/right.4.exr
+rm blind/left.3.exr
+afresh
+run -e direct --skip-bad-frames -o 'made/o.%V.#.png' 'blind/%V.#.exr'
+status_is 6 'bad eyes: status 6'
+is "$(cd made && ls | xargs)" 'o.left.1.png o.left.2.png o.left.5.png o.right.1.png o.right.3.png o.right.5.png' \
+    'bad eyes: the others are made'
+as_whole 'bad eyes: the others have the bytes they always have'
+is "$(wc -l <err)" 5 'bad eyes: a line for each and one at the end'
+like "$(tail -n 1 err)" '*3 of 5 frames failed (2-4);*--frames 2-4' \
+    'bad eyes: a frame counts once'
+run -e direct --no-clobber --skip-bad-frames -f 2-4 -o 'made/o.%V.#.png' \
+    'eyes/%V.#.exr'
+status_is 0 'mended eyes: status 0'
+like "$(cat err)" '*left 2 of 6 views alone*' 'mended eyes: only what is not there'
+is "$(ls made | wc -l)" 10 'mended eyes: all are there'
+as_whole 'mended eyes: the bytes of a run without faults'
+afresh
+run -e direct -f 1,3 -o 'made/o.%V.#.png' 'blind/%V.#.exr'
+fails_with 3 blind/left.3.exr 'an eye that is missing'
+empty_folder made 'an eye that is missing: known before the first is made'
+cp whole/o.left.3.png made
+run -q -e direct --no-clobber -f 1,3 -o 'made/o.%V.#.png' 'blind/%V.#.exr'
+quiet_success 'an eye that is missing and made: is not needed'
+is "$(ls made | wc -l)" 4 'an eye that is missing and made: the others are made'
+as_whole 'an eye that is missing and made: the same bytes'
+
 # -- sizes that change ----------------------------------------------------------
 
 # larger, smaller, dark, odd, one pixel, windows elsewhere; 5 is no picture

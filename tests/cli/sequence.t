@@ -123,4 +123,129 @@ cp in/shot.0007.exr 'in/odd.####.exr'
 makes '' 'a file of a pattern'"'"'s own name' -e fft --hdr odd.exr 'in/odd.####.exr'
 same odd.exr alone/h.0007.exr 'a file of a pattern'"'"'s own name: is read'
 
+# -- views ---------------------------------------------------------------------
+
+# two eyes of frames 1 and 2, by long and short names, and in folders
+mkdir eyes eyes/left eyes/right
+for n in 1 2; do
+    frame eyes/s.left.000$n.exr size=48x32 seed=2$n
+    frame eyes/s.right.000$n.exr size=48x32 seed=3$n
+    for eye in left right; do
+        cp eyes/s.$eye.000$n.exr eyes/$eye/s.$n.exr
+        cp eyes/s.$eye.000$n.exr "eyes/s_$(printf %.1s $eye).$n.exr"
+        "$glarepp" -e fft --hdr alone/h.$eye.$n.exr -o alone/o.$eye.$n.png \
+            eyes/s.$eye.000$n.exr || exit 1
+    done
+done
+
+# sees DESCRIPTION ARGUMENT...: both eyes of both frames, made/o.EYE.N.png
+sees()
+{
+    about=$1
+    shift
+    rm -rf made && mkdir made made/left made/right
+    run -e fft "$@"
+    quiet_success "$about"
+    differ=
+    for eye in left right; do
+        for n in 1 2; do
+            cmp -s "alone/o.$eye.$n.png" "made/o.$eye.$n.png" ||
+                differ="$differ $eye $n"
+        done
+    done
+    is "$differ" '' "$about: each eye as made alone"
+}
+sees '%V without --views' -o 'made/o.%V.#.png' 'eyes/s.%V.####.exr'
+is "$(ls made | xargs)" 'left o.left.1.png o.left.2.png o.right.1.png o.right.2.png right' \
+    '%V without --views: left and right, no more'
+sees '%v in, %V out' -o 'made/o.%V.#.png' 'eyes/s_%v.#.exr'
+sees '--views right,left' --views right,left --report r.json \
+    -o 'made/o.%V.#.png' 'eyes/%V/s.#.exr'
+is "$(sed 's/.*"input":"\([^"]*\)".*/\1/' r.json | xargs)" \
+    'eyes/right/s.1.exr eyes/left/s.1.exr eyes/right/s.2.exr eyes/left/s.2.exr' \
+    '--views right,left: frame by frame, in this order'
+sees '%V in folders, with --create-dir' -f 2,1 --create-dir \
+    --hdr 'made/more/%V/%v.%02d.exr' -o 'made/o.%V.#.png' 'eyes/%V/s.#.exr'
+is "$(cd made/more && ls */* | xargs)" \
+    'left/l.01.exr left/l.02.exr right/r.01.exr right/r.02.exr' \
+    '%V in folders, with --create-dir: names'
+same made/more/right/r.02.exr alone/h.right.2.exr '%V in folders: the bytes'
+for eye in left right; do
+    rm -rf made && mkdir made
+    run -e fft --views $eye -o made/o.#.png 'eyes/s.%V.####.exr'
+    quiet_success "--views $eye: a sequence of its own"
+    same made/o.2.png alone/o.$eye.2.png "--views $eye: the bytes"
+done
+for n in 1 2; do
+    rm -rf made && mkdir made
+    run -e fft -o 'made/o.%V.png' "eyes/s.%V.000$n.exr"
+    quiet_success "one frame, $n"
+    same made/o.right.png alone/o.right.$n.png "one frame, $n: the right eye"
+done
+run -e fft --stdout-format png -o - 'eyes/s.%V.####.exr'
+quiet_success 'both eyes to stdout'
+cat alone/o.left.1.png alone/o.right.1.png alone/o.left.2.png \
+    alone/o.right.2.png >pngs
+same out pngs 'both eyes to stdout: frame by frame, left first'
+cp eyes/s.left.0001.exr 'eyes/odd.%V.exr'
+run -e fft -o odd.png 'eyes/odd.%V.exr'
+quiet_success 'a file that is called %V'
+same odd.png alone/o.left.1.png 'a file that is called %V: is read'
+
+# aside planes follow the eye: without one, nothing hides the sun
+frame eyes/m.left.exr channels=R,G,B,A size=48x32 kind=dark
+frame eyes/m.right.exr channels=R,G,B,A size=48x32 kind=dark
+run -e fft --sun 24,16,4 --sun-color 40 --mask A --mask-file 'eyes/m.%V.exr' \
+    --hdr 'made/s.%V.exr' 'eyes/s.%V.0001.exr'
+quiet_success '--mask-file with %V'
+"$glarepp" -q -e fft --sun 24,16,4 --sun-color 40 --mask A \
+    --mask-file eyes/m.right.exr --hdr s.exr eyes/s.right.0001.exr
+same made/s.right.exr s.exr '--mask-file with %V: that of the eye'
+run -e fft --sun 24,16,4 --sun-color 40 --mask A --mask-file 'eyes/m.%V.exr' \
+    --hdr made/t.exr eyes/s.left.0001.exr
+fails_with 2 'eyes/m.%V.exr' '--mask-file with %V and no views'
+
+# wrong STATUS NAME DESCRIPTION ARGUMENT...: one line, and nothing is made
+wrong()
+{
+    wanted=$1 name=$2 about=$3
+    shift 3
+    rm -rf made && mkdir made
+    run "$@"
+    fails_with "$wanted" "$name" "$about"
+    empty_folder made "$about: makes nothing"
+}
+wrong 2 'made/o.#.png' 'one name for two eyes' -o 'made/o.#.png' 'eyes/s.%V.####.exr'
+wrong 2 'made/o.%V.png' '%V out and no views' -o 'made/o.%V.png' in/shot.0007.exr
+wrong 2 'eyes/s_%v.#.exr' 'one letter for two views' --views left,lefty \
+    -o 'made/o.%V.#.png' 'eyes/s_%v.#.exr'
+wrong 2 made/o.l.png 'two names that are one' --views l,r -o 'made/o.%V.png' \
+    --layer 'made/o.%v.png' 'eyes/s_%v.1.exr'
+wrong 2 eyes/s.left.0001.exr 'over its own input' --hdr 'eyes/s.%V.%04d.exr' \
+    'eyes/s.%V.####.exr'
+wrong 2 made/o.png 'views in the file, one name' --views left,right -o made/o.png \
+    in/shot.0007.exr
+for list in , left, left,left a/b ,left; do
+    wrong 2 --views "--views '$list'" --views "$list" -o 'made/o.%V.png' \
+        'eyes/s_%v.1.exr'
+done
+same eyes/s.left.0001.exr eyes/left/s.1.exr 'over its own input: it is whole'
+rm eyes/s.right.0002.exr
+wrong 3 eyes/s.right.0002.exr 'an eye that is missing' -o 'made/o.%V.#.png' \
+    'eyes/s.%V.####.exr'
+wrong 3 eyes/s.right.0002.exr 'an eye that is missing, --frames' -f 1,2 \
+    -o 'made/o.%V.#.png' 'eyes/s.%V.####.exr'
+
+# -- the words -----------------------------------------------------------------
+
+run --help
+like "$(cat out)" '*--views LIST*' '--views is in --help'
+like "$("$glarepp" help --completion bash)" '*--views*' '--views is completed'
+grep -qF -- '\-views' "$root/man/glarepp.1"
+result $? '--views is in the man page'
+for command in bench compare; do
+    run $command --views left,right in.exr in.exr
+    status_is 2 "--views is not for $command"
+done
+
 done_testing

@@ -64,9 +64,145 @@ static void names_of_frames(void **state)
             continue;
         }
         assert_int_equal(st, GP_OK);
-        char *name = gp_pattern_name(&p, r->frame);
+        char *name = gp_pattern_name(&p, r->frame, NULL);
         assert_string_equal(name, r->name);
         free(name);
+    }
+}
+
+struct view_row {
+    const char *path, *view;
+    int places;
+    const char *name;  // of frame 7
+};
+
+static const struct view_row view_names[] = {
+    {"shot.%V.####.exr", "left", 1, "shot.left.0007.exr"},
+    {"shot.%v.####.exr", "left", 1, "shot.l.0007.exr"},
+    {"%V/shot.####.exr", "right", 1, "right/shot.0007.exr"},
+    {"%V/%v/%V_%v.%04d.exr", "right", 4, "right/r/right_r.0007.exr"},
+    {"%V/x%V#%v.exr", "a#@%d", 3, "a#@%d/xa#@%d7a.exr"},
+    {"%V.exr", "%V", 1, "%V.exr"},
+    {"%V.exr", "\xc3\xa9t\xc3\xa9", 1, "\xc3\xa9t\xc3\xa9.exr"},
+    {"%v.exr", "\xc3\xa9t\xc3\xa9", 1, "\xc3\xa9.exr"},
+    {"%v.exr", "l", 1, "l.exr"},
+    {"%%V.exr", "left", 1, "%left.exr"},
+    {"%V", "left", 1, "left"},
+    {"%", "left", 0, "%"},
+    {"100%", "left", 0, "100%"},
+    {"%W%w.exr", "left", 0, "%W%w.exr"},
+    {"V/v.#.exr", "left", 0, "V/v.7.exr"},
+    {"%V.####.exr", NULL, 1, "%V.0007.exr"},
+    {"%v/plain.exr", NULL, 1, "%v/plain.exr"},
+};
+
+static void names_of_views(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof view_names / sizeof view_names[0]; i++) {
+        const struct view_row *r = &view_names[i];
+        struct gp_pattern p;
+        assert_int_equal(gp_pattern_find(NULL, r->path, &p), GP_OK);
+        assert_int_equal(p.views, r->places);
+        char *name = gp_pattern_name(&p, 7, r->view);
+        assert_string_equal(name, r->name);
+        free(name);
+    }
+    // a file that has the very name is found by no search, and stays as it is
+    const struct gp_pattern literal = {.path = "%V.exr"};
+    char *name = gp_pattern_name(&literal, 7, "left");
+    assert_string_equal(name, "%V.exr");
+    free(name);
+}
+
+struct view_list_row {
+    const char *text, *names;  // NULL: a usage error
+};
+
+static const struct view_list_row view_lists[] = {
+    {"left,right", "left|right"},
+    {"left", "left"},
+    {"right,left,mono", "right|left|mono"},
+    {" left , right", " left | right"},
+    {"left,Left", "left|Left"},
+    {"a%V,.,-", "a%V|.|-"},
+    {"", NULL},
+    {",", NULL},
+    {"left,", NULL},
+    {",left", NULL},
+    {"left,,right", NULL},
+    {"left,right,left", NULL},
+    {"left,a/b", NULL},
+    {"/", NULL},
+};
+
+static void lists_of_views(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof view_lists / sizeof view_lists[0]; i++) {
+        const struct view_list_row *r = &view_lists[i];
+        struct gp_views v = {0};
+        gp_status st = gp_views_parse(NULL, r->text, &v);
+        if (!r->names) {
+            if (st != GP_ERR_USAGE || v.name || v.text)
+                fail_msg("\"%s\": status %d", r->text, st);
+            continue;
+        }
+        assert_int_equal(st, GP_OK);
+        char got[256] = "";
+        for (int k = 0; k < v.n; k++)
+            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%s",
+                     k ? "|" : "", v.name[k]);
+        assert_string_equal(got, r->names);
+        gp_views_free(&v);
+        gp_views_free(&v);
+    }
+}
+
+/* As many views as there may be, and one more. */
+static void longest_view_list(void **state)
+{
+    (void) state;
+    char text[GP_VIEWS_MAX * 8 + 16] = "v0";
+    struct gp_views v = {0};
+    for (int i = 1; i < GP_VIEWS_MAX; i++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), ",v%d", i);
+    assert_int_equal(gp_views_parse(NULL, text, &v), GP_OK);
+    assert_int_equal(v.n, GP_VIEWS_MAX);
+    assert_string_equal(v.name[GP_VIEWS_MAX - 1], "v63");
+    gp_views_free(&v);
+    strcat(text, ",more");
+    assert_int_equal(gp_views_parse(NULL, text, &v), GP_ERR_USAGE);
+    assert_null(v.name);
+}
+
+static const struct alike_row {
+    const char *path, *views;
+    bool fine;
+} alike[] = {
+    {"%v.exr", "left,right", true},
+    {"%v.exr", "left,lefty", false},
+    {"%v/%v.exr", "a,b,c,ab", false},
+    {"%v/%V.exr", "left,lefty", true},
+    {"%V.exr", "left,lefty", true},
+    {"plain.exr", "left,lefty", true},
+    {"%v.exr", "left", true},
+    {"%v.exr", "\xc3\xa9,\xc3\xa8", true},  // one first byte, two letters
+    {"%v.exr", "\xc3\xa9,\xc3\xa9t", false},
+};
+
+static void views_of_one_letter(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof alike / sizeof alike[0]; i++) {
+        struct gp_pattern p;
+        struct gp_views v;
+        assert_int_equal(gp_pattern_find(NULL, alike[i].path, &p), GP_OK);
+        assert_int_equal(gp_views_parse(NULL, alike[i].views, &v), GP_OK);
+        if (gp_views_check(NULL, &p, &v) !=
+            (alike[i].fine ? GP_OK : GP_ERR_USAGE))
+            fail_msg("%s for %s", alike[i].path, alike[i].views);
+        gp_views_free(&v);
     }
 }
 
@@ -151,27 +287,68 @@ static void longest_list(void **state)
     gp_frames_free(&f);
 }
 
+static const struct join_row {
+    const char *a, *b, *all;
+} joins[] = {
+    {"1-3", "2-5", "1 2 3 4 5"}, {"9,1", "5", "1 5 9"},
+    {"7", "7", "7"},             {"-1", "-3-1", "-3 -2 -1 0 1"},
+};
+
+static void frames_together(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof joins / sizeof joins[0]; i++) {
+        struct gp_frames a, b, none = {0};
+        char got[256] = "";
+        assert_int_equal(gp_frames_parse(NULL, joins[i].a, &a), GP_OK);
+        assert_int_equal(gp_frames_parse(NULL, joins[i].b, &b), GP_OK);
+        assert_true(gp_frames_join(&a, &b));
+        assert_true(gp_frames_join(&a, &none));
+        assert_true(gp_frames_join(&none, &a));
+        assert_int_equal(none.n, a.n);
+        for (int k = 0; k < a.n; k++)
+            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
+                     k ? " " : "", none.number[k]);
+        assert_string_equal(got, joins[i].all);
+        gp_frames_free(&a);
+        gp_frames_free(&b);
+        gp_frames_free(&none);
+    }
+    struct gp_frames a = {0}, none = {0};
+    assert_true(gp_frames_join(&a, &none));
+    assert_int_equal(a.n, 0);
+    gp_frames_free(&a);
+}
+
 // -- disk --------------------------------------------------------------------
 
 static const char *const files[] = {
     "s.0001.exr", "s.0010.exr", "s.0002.exr", "s.12345.exr", "s.7.exr",
     "s.007.exr", "s.0003.exr.bak", "s.0004.png", "s.-005.exr", "s.00a1.exr",
-    "xs.0006.exr", "s..exr", "s.0000000000008.exr", "t9",
+    "xs.0006.exr", "s..exr", "s.0000000000008.exr", "t9", "s.left.0004.exr",
+    "s.left.0006.exr", "s.r.0004.exr", "s.%V.0005.exr",
 };
 
 struct disk_row {
     const char *pattern, *frames;  // NULL: GP_ERR_IO
+    const char *view;
 };
 
 static const struct disk_row on_disk[] = {
-    {"s.####.exr", "1 2 10 12345"},
-    {"s.%04d.exr", "1 2 10 12345"},
-    {"s.@.exr", "7 12345"},
-    {"s.###.exr", "7 12345"},
-    {"t#", "9"},
-    {"s.####.tif", NULL},
-    {"none/s.####.exr", NULL},
-    {"t9/s.####.exr", NULL},
+    {"s.####.exr", "1 2 10 12345", NULL},
+    {"s.####.exr", "1 2 10 12345", "left"},
+    {"s.%V.####.exr", "4 6", "left"},
+    {"s.%v.####.exr", "4", "right"},
+    {"s.%V.####.exr", NULL, "mono"},
+    {"s.%V.####.exr", "5", NULL},
+    {"../%V/s.%v.####.exr", NULL, "right"},
+    {"s.%04d.exr", "1 2 10 12345", NULL},
+    {"s.@.exr", "7 12345", NULL},
+    {"s.###.exr", "7 12345", NULL},
+    {"t#", "9", NULL},
+    {"s.####.tif", NULL, NULL},
+    {"none/s.####.exr", NULL, NULL},
+    {"t9/s.####.exr", NULL, NULL},
 };
 
 static void frames_that_exist(void **state)
@@ -192,7 +369,7 @@ static void frames_that_exist(void **state)
         char got[256] = "";
         snprintf(path, sizeof path, "%s/%s", folder, r->pattern);
         assert_int_equal(gp_pattern_find(NULL, path, &p), GP_OK);
-        gp_status st = gp_frames_on_disk(NULL, &p, &f);
+        gp_status st = gp_frames_on_disk(NULL, &p, r->view, &f);
         assert_int_equal(st, r->frames ? GP_OK : GP_ERR_IO);
         for (int k = 0; k < f.n; k++)
             snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
@@ -200,6 +377,14 @@ static void frames_that_exist(void **state)
         assert_string_equal(got, r->frames ? r->frames : "");
         gp_frames_free(&f);
     }
+    // the view is the folder
+    struct gp_pattern p;
+    struct gp_frames f = {0};
+    assert_int_equal(gp_pattern_find(NULL, "/tmp/%V/s.####.exr", &p), GP_OK);
+    assert_int_equal(gp_frames_on_disk(NULL, &p, folder + 5, &f), GP_OK);
+    assert_int_equal(f.n, 4);
+    assert_int_equal(f.number[3], 12345);
+    gp_frames_free(&f);
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
         snprintf(path, sizeof path, "%s/%s", folder, files[i]);
         unlink(path);
@@ -240,8 +425,13 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(names_of_frames),
+        cmocka_unit_test(names_of_views),
+        cmocka_unit_test(lists_of_views),
+        cmocka_unit_test(longest_view_list),
+        cmocka_unit_test(views_of_one_letter),
         cmocka_unit_test(lists_of_frames),
         cmocka_unit_test(longest_list),
+        cmocka_unit_test(frames_together),
         cmocka_unit_test(frames_that_exist),
         cmocka_unit_test(numbers_in_names),
     };
