@@ -303,9 +303,11 @@ static gp_status write_hdr(struct gp_run *r, const char *name,
     gp_status st = GP_OK;
     if (r->s->ocio.output)
         st = gp_ocio_convert(r->log, r->ocio, &r->frame, &p);
+    const struct gp_hdr_colour colour = {
+        &r->frame, p.c[0] ? &p : &r->frame.lit,
+    };
     if (!st)
-        st = gp_write_hdr(r->log, &r->s->write, name, &r->frame,
-                          p.c[0] ? &p : &r->frame.lit, stats);
+        st = gp_write_hdr(r->log, &r->s->write, name, &colour, 1, stats);
     gp_planes_free(&p);
     return st;
 }

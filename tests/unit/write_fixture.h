@@ -222,6 +222,16 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
     return f;
 }
 
+/* gp_write_hdr() of the frame's own colour. */
+static inline gp_status wf_write_hdr(const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     struct gp_write_stats *stats)
+{
+    const struct gp_hdr_colour colour = {f, &f->rgb};
+    return gp_write_hdr(&wf_log, p, path, &colour, 1, stats);
+}
+
 static const struct wf_channel wf_rgb[] = {
     {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0}, {"R", GP_HALF, 0, 0, 0},
     {NULL, 0, 0, 0, 0},
