@@ -55,14 +55,39 @@ static const struct gp_frame *whole_frame(const struct gp_hdr_colour *set,
     return whole;
 }
 
+/* The names of all colour channels of the frames: a file may have very many
+ * other channels, and each is looked up once. */
+struct colours {
+    const char **name;  // room for three a frame
+    int n;
+};
+
+static gp_status list_colours(const struct gp_log *log,
+                              const struct gp_hdr_colour *set, int n,
+                              struct colours *out)
+{
+    void *name;
+    gp_status st = gp_alloc(log, "colours", 3 * (size_t) n, sizeof(char *),
+                            &name);
+    *out = (struct colours) {.name = name};
+    for (int i = 0; !st && i < n; i++) {
+        const struct gp_frame *f = set[i].f;
+        for (int k = 0, had = 0; k < f->channels && had < 3; k++) {
+            if (f->channel[k].colour < 0)
+                continue;
+            out->name[out->n++] = f->channel[k].name;
+            had++;
+        }
+    }
+    return st;
+}
+
 /* How many of the frames have that channel as colour. */
-static int owners(const struct gp_hdr_colour *set, int n, const char *name)
+static int owners(const struct colours *colours, const char *name)
 {
     int found = 0;
-    for (int i = 0; i < n; i++) {
-        const struct gp_channel *c = gp_frame_channel(set[i].f, name);
-        found += c && c->colour >= 0;
-    }
+    for (int i = 0; i < colours->n; i++)
+        found += strcmp(colours->name[i], name) == 0;
     return found;
 }
 
@@ -185,13 +210,13 @@ static gp_status check_names(const struct gp_log *log,
 
 /* What no frame has as colour. */
 static gp_status add_carried(const struct gp_log *log,
-                             const struct gp_hdr_colour *set, int n,
+                             const struct gp_frame *whole,
+                             const struct colours *all,
                              struct gp_exr_sources *out)
 {
-    const struct gp_frame *whole = whole_frame(set, n);
     for (int i = 0; i < whole->channels; i++) {
         const struct gp_channel *c = &whole->channel[i];
-        const int colours = owners(set, n, c->name);
+        const int colours = owners(all, c->name);
         if (colours > 1)
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: channel %s is the colour of %d layers; name "
@@ -249,18 +274,22 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
 {
     gp_status st;
     void *made = NULL;
-    GP_TRY(make_room(log, whole_frame(set, n)->channels + 3 * n, out));
+    struct colours colours = {0};
+    const struct gp_frame *whole = whole_frame(set, n);
+    GP_TRY(make_room(log, whole->channels + 3 * n, out));
+    GP_TRY(list_colours(log, set, n, &colours));
     GP_TRY(gp_alloc_zero(log, "channels", 3 * (size_t) n, sizeof *out->made,
                          &made));
     out->made = made;
-    GP_TRY(add_carried(log, set, n, out));
+    GP_TRY(add_carried(log, whole, &colours, out));
     for (int i = 0; i < n; i++)
         GP_TRY(add_set(log, p, set, n, i, out));
     gp_exr_sort(out->source, out->sources);
     GP_TRY(check_names(log, set[0].f, out));
-    return GP_OK;
 out:
-    gp_exr_sources_free(out);
+    gp_free(colours.name);
+    if (st)
+        gp_exr_sources_free(out);
     return st;
 }
 

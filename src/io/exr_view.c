@@ -52,7 +52,9 @@ static const exr_attr_string_vector_t *view_list(const struct gp_origin *o,
 int gp_exr_views(const struct gp_origin *o, int part)
 {
     const exr_attr_string_vector_t *v = view_list(o, part);
-    return v ? v->n_strings : 0;
+    if (!v)
+        return 0;
+    return v->n_strings < GP_EXR_VIEWS ? v->n_strings : GP_EXR_VIEWS;
 }
 
 const char *gp_exr_view_name(const struct gp_origin *o, int part, int i)

@@ -29,8 +29,10 @@ const char *gp_exr_part_view(const struct gp_origin *o, int part);
 size_t gp_exr_part_layer(const struct gp_origin *o, int part,
                          const char **name);
 
-/* The views of a part with several: how many, and each one's name. 0 for
- * other parts. */
+/* The views of a part with several: how many, and each one's name; 0 for
+ * other parts. The first GP_EXR_VIEWS count: no file of use has more, and a
+ * hostile one would cost that many comparisons for each channel. */
+enum { GP_EXR_VIEWS = 64 };
 int gp_exr_views(const struct gp_origin *o, int part);
 const char *gp_exr_view_name(const struct gp_origin *o, int part, int i);
 
