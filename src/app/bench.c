@@ -53,12 +53,13 @@ static gp_status make_kernel(const struct gp_log *log,
     // its address, so that asking for the default by name still counts
     const bool asked = s->kernel.source != gp_defaults.kernel.source;
     const bool own = s->bench.paper && !asked;
+    const struct gp_read_params limits = gp_read_limits(&s->read);
     struct gp_frame image = {0};
     *name = own ? "streaks" : s->kernel.source;
     if (!own && strncmp(s->kernel.source, "builtin:", 8) == 0)
         return gp_kernel_builtin(log, &s->kernel, kernel);
     gp_status st = own ? gp_paper_kernel(log, GP_PAPER_KERNEL, &image)
-                       : gp_read_frame(log, &s->read, s->kernel.source, &image);
+                       : gp_read_frame(log, &limits, s->kernel.source, &image);
     if (!st)
         st = gp_kernel_from_frame(log, &s->kernel, &image, kernel);
     gp_frame_free(&image);

@@ -108,11 +108,13 @@ const struct gp_option_choice gp_compressions[] = {
     {"zips", GP_COMPRESSION_ZIPS, NULL},
     {"zip", GP_COMPRESSION_ZIP, NULL},
     {"piz", GP_COMPRESSION_PIZ, NULL},
-    {"pxr24", GP_COMPRESSION_PXR24, NULL},
-    {"b44", GP_COMPRESSION_B44, NULL},
-    {"b44a", GP_COMPRESSION_B44A, NULL},
-    {"dwaa", GP_COMPRESSION_DWAA, NULL},
-    {"dwab", GP_COMPRESSION_DWAB, NULL},
+    {"pxr24", GP_COMPRESSION_PXR24, "32-bit floats lose 8 bits, depth too; half "
+     "keeps all"},
+    {"b44", GP_COMPRESSION_B44, "half loses, of alpha too; float keeps all"},
+    {"b44a", GP_COMPRESSION_B44A, "the same"},
+    {"dwaa", GP_COMPRESSION_DWAA, "R, G, B and Y of every layer lose; depth and alpha "
+     "keep all"},
+    {"dwab", GP_COMPRESSION_DWAB, "the same"},
     {0},
 };
 const struct gp_option_choice gp_bits[] = {

@@ -134,6 +134,13 @@ const struct gp_option gp_options[] = {
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
         .help = "Goes on when a frame cannot be read or written; says which "
                 "at the end, with exit status 6"),
+    OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
+        .help = "Layer whose colour is the frame: NAME.R,G,B, a part of that "
+                "name, or right.NAME of one view; without it, the first "
+                "colour"),
+    OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
+        .help = "Part of a multi-part file in which the colour is looked for, "
+                "by name or number from 0"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
         .help = "Refuses files that claim to have more pixels"),

@@ -72,12 +72,13 @@ static void clean(struct gp_planes *p, size_t n)
 static gp_status read_images(const struct gp_log *log,
                              const struct gp_settings *s, struct gp_flare *f)
 {
+    const struct gp_read_params limits = gp_read_limits(&s->read);
     for (int i = 0; i < f->n; i++) {
         struct gp_flare_element *const e = &f->element[i];
         struct gp_frame image = {0};
         if (!e->path)
             continue;
-        gp_status st = gp_read_frame(log, &s->read, e->path, &image);
+        gp_status st = gp_read_frame(log, &limits, e->path, &image);
         if (st)
             return st;
         const int w = gp_frame_w(&image), h = gp_frame_h(&image);

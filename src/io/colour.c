@@ -1,15 +1,21 @@
 #include "io/colour.h"
 
+#include "io/crypto.h"
+
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
 static const char *const letters[3] = {"R", "G", "B"};
 static const char *const words[3] = {"red", "green", "blue"};
 
-static int find(const char *const *name, int n, const char *wanted)
+/* The channel that is called `last` behind the first `len` bytes of `layer`. */
+static int find(const char *const *name, int n, const char *layer, size_t len,
+                const char *last)
 {
     for (int i = 0; i < n; i++) {
-        if (strcmp(name[i], wanted) == 0)
+        if (strncmp(name[i], layer, len) == 0 &&
+            strcmp(name[i] + len, last) == 0)
             return i;
     }
     return -1;
@@ -63,7 +69,7 @@ static bool find_layer(const char *const *name, int n, int index[3])
     bool found = false;
     for (int i = 0; i < n; i++) {
         const char *dot = strrchr(name[i], '.');
-        if (!dot)
+        if (!dot || gp_crypto_like(name[i]))
             continue;
         size_t len = (size_t) (dot - name[i]) + 1;
         bool picture = is_picture(name[i], len);
@@ -92,7 +98,8 @@ static int find_lone(const char *const *name, int n)
 {
     int lone = -1;
     for (int i = 0; i < n; i++) {
-        if (n > 1 && is_alpha(name[i]))
+        if ((n > 1 && is_alpha(name[i])) || !name[i][0] ||
+            gp_crypto_like(name[i]))
             continue;
         if (lone >= 0)
             return -1;
@@ -107,14 +114,16 @@ static bool grey(int channel, struct gp_colour_choice *out)
     return channel >= 0;
 }
 
-bool gp_find_colour(const char *const *name, int n, bool lone,
-                    struct gp_colour_choice *out)
+/* A set in one layer, or the channels without one where `len` is 0. */
+static bool find_set(const char *const *name, int n, const char *layer,
+                     size_t len, struct gp_colour_choice *out)
 {
     struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
-    int y = find(name, n, "Y");
-    int ry = find(name, n, "RY"), by = find(name, n, "BY");
-    if (find_three(name, n, "", 0, letters, rgb.index) ||
-        find_three(name, n, "", 0, words, rgb.index)) {
+    int y = find(name, n, layer, len, "Y");
+    int ry = find(name, n, layer, len, "RY");
+    int by = find(name, n, layer, len, "BY");
+    if (find_three(name, n, layer, len, letters, rgb.index) ||
+        find_three(name, n, layer, len, words, rgb.index)) {
         *out = rgb;
         return true;
     }
@@ -122,11 +131,32 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         *out = (struct gp_colour_choice) {GP_COLOUR_YC, {ry, y, by}};
         return true;
     }
-    if (y >= 0)
-        return grey(y, out);
+    return grey(y, out);
+}
+
+bool gp_find_colour(const char *const *name, int n, bool lone,
+                    struct gp_colour_choice *out)
+{
+    struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
+    if (find_set(name, n, "", 0, out))
+        return true;
     if (find_layer(name, n, rgb.index)) {
         *out = rgb;
         return true;
     }
     return lone && grey(find_lone(name, n), out);
+}
+
+bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
+                          bool lone, struct gp_colour_choice *out)
+{
+    char start[GP_CHANNEL_NAME + 2] = "";
+    const size_t len = strlen(layer);
+    if (len > GP_CHANNEL_NAME)
+        return false;
+    if (lone)
+        return len > 0 && grey(find(name, n, "", 0, layer), out);
+    if (len > 0)
+        snprintf(start, sizeof start, "%s.", layer);
+    return find_set(name, n, start, strlen(start), out);
 }

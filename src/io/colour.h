@@ -13,6 +13,8 @@ struct gp_colour_choice {
     int index[3];
 };
 
+enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
+
 /* Finds the colour among n channel names, in the order that read.h gives;
  * false when there is none.
  *
@@ -21,8 +23,19 @@ struct gp_colour_choice {
  *
  * Of several layers one that is called Combined, beauty or rgba comes before
  * the first: Blender's ambient occlusion pass stands before its picture.
+ * Cryptomatte's ids are never colour (crypto.h), nor is an empty name, which
+ * stands for a channel that is not to be taken.
  */
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out);
+
+/* Finds the colour of one layer: LAYER.R,G,B, LAYER.red,green,blue of any
+ * case, LAYER.Y with LAYER.RY or BY, LAYER.Y. Of "" the channels without a
+ * layer.
+ *
+ *   lone  only the channel that is called `layer` itself, as grey
+ */
+bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
+                          bool lone, struct gp_colour_choice *out);
 
 #endif

@@ -2,7 +2,6 @@
 
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "io/colour.h"
 #include "io/exr_decode.h"
 #include "io/exr_origin.h"
 #include "io/luma_chroma.h"
@@ -19,70 +18,6 @@ struct reading {
     struct gp_exr_sink *sink;  // one a channel
     float *yc[3];              // RY, Y, BY before they are RGB
 };
-
-/* -- which part ----------------------------------------------------------- */
-
-static bool is_deep(const struct gp_origin *o, int part)
-{
-    exr_storage_t storage;
-    return exr_get_storage(o->exr, part, &storage) ||
-           storage == EXR_STORAGE_DEEP_SCANLINE ||
-           storage == EXR_STORAGE_DEEP_TILED;
-}
-
-static gp_status part_colour(const struct reading *r,
-                             const struct gp_origin *o, int part, bool lone,
-                             struct gp_colour_choice *out, bool *found)
-{
-    const exr_attr_chlist_t *list;
-    void *names;
-    *found = false;
-    if (exr_get_channels(o->exr, part, &list))
-        return GP_OK;
-    gp_status st = gp_alloc_zero(r->log, "channel names",
-                                 (size_t) list->num_channels, sizeof(char *),
-                                 &names);
-    if (st)
-        return st;
-    const char **name = names;
-    for (int i = 0; i < list->num_channels; i++)
-        name[i] = list->entries[i].name.str;
-    *found = gp_find_colour(name, list->num_channels, lone, out);
-    gp_free(names);
-    return GP_OK;
-}
-
-/* The first flat part with colour; failing that, the first deep one, whose
- * layout then says what is wrong with it; failing that, a lone channel. */
-static gp_status choose_part(struct reading *r, struct gp_origin *o)
-{
-    int deep = -1;
-    for (int lone = 0; lone < 2; lone++) {
-        for (int part = 0; part < o->parts; part++) {
-            bool found;
-            if (is_deep(o, part)) {
-                deep = deep < 0 ? part : deep;
-                continue;
-            }
-            gp_status st =
-                part_colour(r, o, part, lone, &r->colour, &found);
-            if (st)
-                return st;
-            if (found) {
-                o->part = part;
-                return GP_OK;
-            }
-        }
-        if (deep >= 0) {
-            o->part = deep;
-            return GP_OK;
-        }
-    }
-    return gp_fail(r->log, GP_ERR_DATA,
-                   "%s: no colour channels (looked for R,G,B, Y and "
-                   "LAYER.R,G,B in %d part%s); rename or add them", r->path,
-                   o->parts, o->parts == 1 ? "" : "s");
-}
 
 /* -- the frame around the pixels ------------------------------------------ */
 
@@ -291,19 +226,18 @@ out:
     return st;
 }
 
-gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
-                      const char *path, struct gp_stream *stream,
-                      struct gp_frame *out)
+gp_status gp_exr_read_choice(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             const struct gp_origin *o,
+                             const struct gp_exr_choice *choice,
+                             struct gp_frame *out)
 {
     gp_status st;
-    struct gp_origin *o = NULL;
     struct gp_frame f = {0};
-    struct reading r = {.log = log, .path = path, .f = &f};
-    GP_TRY(gp_origin_open_exr(log, path, stream, &o));
-    f.origin = o;
-    f.origin_free = gp_origin_free;
-    GP_TRY(choose_part(&r, o));
-    GP_TRY(gp_exr_layout_make(log, path, o, o->part, p->max_pixels,
+    struct reading r = {
+        .log = log, .path = path, .f = &f, .colour = choice->colour,
+    };
+    GP_TRY(gp_exr_layout_make(log, path, o, choice->part, p->max_pixels,
                               &r.layout));
     GP_TRY(read_part(&r));
     f.path = gp_strdup(path);
@@ -320,4 +254,26 @@ out:
     else
         *out = f;
     return st;
+}
+
+gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
+                      const char *path, struct gp_stream *stream,
+                      struct gp_frame *out)
+{
+    struct gp_origin *o = NULL;
+    struct gp_exr_choice choice;
+    gp_status st = gp_origin_open_exr(log, path, stream, &o);
+    if (!st)
+        st = gp_exr_choose(log, p, path, o, 0, &choice);
+    if (!st) {
+        o->part = choice.part;
+        st = gp_exr_read_choice(log, p, path, o, &choice, out);
+    }
+    if (st) {
+        gp_origin_free(o);
+        return st;
+    }
+    out->origin = o;
+    out->origin_free = gp_origin_free;
+    return GP_OK;
 }

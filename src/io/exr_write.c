@@ -4,6 +4,7 @@
 #include "io/exr_out.h"
 #include "io/exr_raw.h"
 #include "io/exr_sources.h"
+#include "io/exr_view.h"
 #include "io/file.h"
 
 #include <string.h>
@@ -16,9 +17,8 @@ enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
     return p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
 }
 
-/* AUTO is the input's own compression when it loses nothing, else zip. */
-static enum gp_compression resolve(const struct gp_write_params *p,
-                                   const struct gp_exr_raw_part *raw)
+enum gp_compression gp_exr_compression(const struct gp_write_params *p,
+                                       const struct gp_exr_raw_part *raw)
 {
     if (p->compression != GP_COMPRESSION_AUTO)
         return p->compression;
@@ -40,30 +40,63 @@ static float dwa_quality(const struct gp_exr_raw_part *raw)
     return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
 }
 
+/* A part on its way. */
+struct made {
+    const struct gp_exr_part *from;
+    struct gp_exr_image img;
+    const struct gp_exr_raw_part *own;  // of the input, or NULL
+};
+
 /* A file on its way: what is open at once, so that one place closes it. */
 struct writing {
     const struct gp_exr_job *job;
-    struct gp_exr_image img;
     struct gp_exr_raw raw;
-    const struct gp_exr_raw_part *own;  // the input's colour part, or NULL
+    struct made *made;  // one for each part of the file; `from` is NULL for
+                        // those that are carried
     struct gp_exr_header header;
     struct gp_exr_out out;
     struct gp_file *file;
-    int *chunks;  // of each part written
-    int parts, part;  // how many are written, and which is the colour
+    int *chunks;  // of each part
+    int parts;
 };
-
-static bool is_deep(const struct gp_origin *o, int part)
-{
-    exr_storage_t s;
-    return exr_get_storage(o->exr, part, &s) == EXR_ERR_SUCCESS &&
-           (s == EXR_STORAGE_DEEP_SCANLINE || s == EXR_STORAGE_DEEP_TILED);
-}
 
 /* True when the input's other parts go along. */
 static bool keeps_parts(const struct gp_exr_job *job)
 {
     return job->kept == GP_EXR_KEEP_ALL || job->kept == GP_EXR_KEEP_CONVERTED;
+}
+
+static gp_status plan(const struct gp_log *log, struct writing *w,
+                      const struct gp_origin *o)
+{
+    const struct gp_exr_job *job = w->job;
+    const bool exr = o && o->exr, all = exr && keeps_parts(job);
+    void *made;
+    gp_status st = GP_OK;
+    w->parts = all ? o->parts : 1;
+    if (exr)
+        st = gp_exr_raw_read(log, job->part[0].f->path, o, &w->raw);
+    if (st)
+        return st;
+    st = gp_alloc_zero(log, "parts", (size_t) w->parts, sizeof *w->made,
+                       &made);
+    w->made = made;
+    for (int i = 0; !st && i < job->parts; i++) {
+        const struct gp_exr_part *part = &job->part[i];
+        const int number = all ? part->f->part : 0;
+        if (number < 0 || number >= w->parts || w->made[number].from)
+            return gp_fail(log, GP_ERR_BUG, "%s: part %d is not one of its own",
+                           part->f->path, number);
+        struct made *m = &w->made[number];
+        m->from = part;
+        m->own = exr ? &w->raw.part[part->f->part] : NULL;
+        m->img = (struct gp_exr_image) {
+            .data = part->f->data, .source = part->source,
+            .sources = part->sources,
+            .compression = gp_exr_compression(job->p, m->own),
+        };
+    }
+    return st;
 }
 
 static gp_status count_chunks(const struct gp_log *log, struct writing *w,
@@ -74,14 +107,31 @@ static gp_status count_chunks(const struct gp_log *log, struct writing *w,
                             &mem);
     w->chunks = mem;
     for (int i = 0; !st && i < w->parts; i++) {
-        int32_t n = gp_exr_chunk_count(&w->img);
-        if (i != w->part && (exr_get_chunk_count(o->exr, i, &n) || n < 1))
+        int32_t n;
+        if (w->made[i].from)
+            n = gp_exr_chunk_count(&w->made[i].img);
+        else if (exr_get_chunk_count(o->exr, i, &n) || n < 1)
             st = gp_fail(log, GP_ERR_DATA,
                          "%s: part %d has no chunks (damaged header); copy or "
-                         "render the file again", w->job->f->path, i);
-        w->chunks[i] = n;
+                         "render the file again", w->job->part[0].f->path, i);
+        w->chunks[i] = st ? 0 : n;
     }
     return st;
+}
+
+static void put_made(struct writing *w, int i)
+{
+    const struct made *m = &w->made[i];
+    const bool multi = w->parts > 1;
+    const struct gp_exr_attr *name =
+        m->own && keeps_parts(w->job)
+            ? gp_exr_raw_find(m->own, "name", "string") : NULL;
+    char text[256] = "";
+    if (name) // the attribute has no null byte
+        memcpy(text, name->data,
+               name->size < sizeof text ? name->size : sizeof text - 1);
+    gp_exr_header_part(&w->header, m->from->f, &m->img, m->own, w->job->kept,
+                       name || multi ? text : NULL, multi ? w->chunks[i] : 0);
 }
 
 static gp_status make_header(const struct gp_log *log, struct writing *w,
@@ -92,21 +142,11 @@ static gp_status make_header(const struct gp_log *log, struct writing *w,
     if (multi)
         flags |= w->raw.version & GP_EXR_LONG_NAMES;
     for (int i = 0; multi && i < w->parts; i++)
-        flags |= i != w->part && is_deep(o, i) ? GP_EXR_DEEP : 0;
-    const bool named = w->own && keeps_parts(w->job);
-    const struct gp_exr_attr *name =
-        named ? gp_exr_raw_find(w->own, "name", "string") : NULL;
-    char text[256] = "";
-    if (name) // the attribute has no null byte
-        memcpy(text, name->data,
-               name->size < sizeof text ? name->size : sizeof text - 1);
-
+        flags |= !w->made[i].from && gp_exr_is_deep(o, i) ? GP_EXR_DEEP : 0;
     gp_exr_header_start(&w->header, flags);
     for (int i = 0; i < w->parts; i++) {
-        if (i == w->part)
-            gp_exr_header_part(&w->header, w->job->f, &w->img, w->own,
-                               w->job->kept, name || multi ? text : NULL,
-                               multi ? w->chunks[i] : 0);
+        if (w->made[i].from)
+            put_made(w, i);
         else
             gp_exr_header_raw(&w->header, w->raw.part[i].bytes,
                               w->raw.part[i].size);
@@ -124,11 +164,13 @@ static gp_status write_parts(const struct gp_log *log, struct writing *w,
                                     w->header.size, w->chunks, w->parts,
                                     &w->out);
     for (int i = 0; !st && i < w->parts; i++) {
-        if (i == w->part)
-            st = gp_exr_encode(&w->out, i, &w->img, dwa_quality(w->own),
+        const struct made *m = &w->made[i];
+        if (m->from)
+            st = gp_exr_encode(&w->out, i, &m->img, dwa_quality(m->own),
                                stats);
         else
-            st = gp_exr_out_copy(&w->out, i, w->job->f->path, o, &w->raw);
+            st = gp_exr_out_copy(&w->out, i, w->job->part[0].f->path, o,
+                                 &w->raw);
     }
     return st ? st : gp_exr_out_end(&w->out);
 }
@@ -138,21 +180,10 @@ gp_status gp_exr_write_file(const struct gp_log *log,
                             struct gp_write_stats *stats)
 {
     gp_status st;
-    const struct gp_origin *o = gp_origin_of(job->f);
-    struct writing w = {.job = job, .parts = 1};
+    const struct gp_origin *o = gp_origin_of(job->part[0].f);
+    struct writing w = {.job = job};
     struct gp_write_stats now = {0};
-    if (o && o->exr) {
-        GP_TRY(gp_exr_raw_read(log, job->f->path, o, &w.raw));
-        w.own = &w.raw.part[o->part];
-        if (keeps_parts(job)) {
-            w.parts = o->parts;
-            w.part = o->part;
-        }
-    }
-    w.img = (struct gp_exr_image) {.data = job->f->data,
-                                   .compression = resolve(job->p, w.own),
-                                   .source = job->source,
-                                   .sources = job->sources};
+    GP_TRY(plan(log, &w, o));
     GP_TRY(count_chunks(log, &w, o));
     GP_TRY(make_header(log, &w, o));
     GP_TRY(gp_file_open(log, job->path, job->p->create_dir, &w.file));
@@ -164,6 +195,7 @@ out:
     gp_exr_out_free(&w.out);
     gp_exr_header_free(&w.header);
     gp_exr_raw_free(&w.raw);
+    gp_free(w.made);
     gp_free(w.chunks);
     return st;
 }
@@ -180,9 +212,9 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
                                           gp_exr_colour_type(p, f), &s);
     if (st)
         return st;
+    const struct gp_exr_part part = {f, s.source, s.sources};
     const struct gp_exr_job job = {
-        .p = p, .path = path, .f = f, .source = s.source,
-        .sources = s.sources,
+        .p = p, .path = path, .part = &part, .parts = 1,
         .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
                                          : GP_EXR_KEEP_SHOWN,
     };

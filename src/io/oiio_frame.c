@@ -4,11 +4,13 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "core/srgb.h"
+#include "io/channels.h"
 #include "io/colour.h"
 #include "io/exr_origin.h"
 #include "io/half.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -164,6 +166,28 @@ out:
 
 /* -- the frame ------------------------------------------------------------ */
 
+/* The colour of a layer by its name. */
+static gp_status choose_layer(const struct gp_log *log, const char *path,
+                              const char *layer,
+                              const struct gp_oiio_image *image,
+                              struct gp_colour_choice *out)
+{
+    const char *const *name = image->channel_name;
+    char list[GP_CHANNEL_LIST] = "";
+    for (int lone = 0; lone < 2; lone++) {
+        if (gp_find_layer_colour(name, image->channels, layer, lone, out) &&
+            out->model != GP_COLOUR_YC)
+            return GP_OK;
+    }
+    for (int i = 0; i < image->channels; i++) {
+        if (!gp_channel_list_add(list, NULL, name[i]))
+            break;
+    }
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%s: has no layer %.200s (channels: %s); give one of its "
+                   "layers", path, layer, list);
+}
+
 /* Names decide; without a name that means colour, the first three channels
  * are RGB, or the first one is grey. */
 static struct gp_colour_choice choose(const struct gp_oiio_image *image)
@@ -234,13 +258,21 @@ static void fill_header(const struct gp_oiio_image *image, struct gp_frame *f)
 }
 
 gp_status gp_frame_of_image(const struct gp_log *log, const char *path,
+                            const char *layer,
                             const struct gp_oiio_image *image,
                             struct gp_frame *out)
 {
     gp_status st;
-    struct gp_frame f = {.path = gp_strdup(path)};
+    struct gp_colour_choice colour;
     struct gp_origin *origin;
-    const struct gp_colour_choice colour = choose(image);
+    if (layer) {
+        st = choose_layer(log, path, layer, image, &colour);
+        if (st)
+            return st;
+    } else {
+        colour = choose(image);
+    }
+    struct gp_frame f = {.path = gp_strdup(path)};
     if (!f.path)
         return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
                        "programs", path);
@@ -266,23 +298,34 @@ out:
     return st;
 }
 
-gp_status gp_read_image(const struct gp_log *log,
-                        const struct gp_read_params *p, const char *path,
-                        const struct gp_stream *stream,
-                        struct gp_oiio_image *out)
+static gp_status read_subimage(const struct gp_log *log,
+                               const struct gp_read_params *p,
+                               const char *path,
+                               const struct gp_stream *stream, int part,
+                               struct gp_oiio_image *out)
 {
-    char why[512];
+    char why[512], which[40] = "";
     const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "%s: formats other than EXR need the OpenImageIO "
                        "bridge (%s); install it, or give an EXR", path, why);
-    if (api->read(path, stream->data, stream->size, 0, p->max_pixels, out,
+    if (part > 0)
+        snprintf(which, sizeof which, " and part %d of it", part);
+    if (api->read(path, stream->data, stream->size, part, p->max_pixels, out,
                   why, sizeof why))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: no image format that can be read (%s); give an "
-                       "EXR or convert it", path, why);
+                       "%s: no image format%s that can be read (%s); give an "
+                       "EXR or convert it", path, which, why);
     return GP_OK;
+}
+
+gp_status gp_read_image(const struct gp_log *log,
+                        const struct gp_read_params *p, const char *path,
+                        const struct gp_stream *stream,
+                        struct gp_oiio_image *out)
+{
+    return read_subimage(log, p, path, stream, 0, out);
 }
 
 void gp_image_free(struct gp_oiio_image *image)
@@ -293,15 +336,39 @@ void gp_image_free(struct gp_oiio_image *image)
         api->image_free(image);
 }
 
+/* What these formats have of parts and views. */
+static gp_status choose_part(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             int *part)
+{
+    *part = 0;
+    if (p->view)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: has no view %.200s: only EXR has views; give the "
+                       "file of that view", path, p->view);
+    for (const char *c = p->part; c && (*c || c == p->part); c++) {
+        if (*c < '0' || *c > '9' || *part > 99999)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: has no part %.200s: parts of formats other "
+                           "than EXR have numbers alone; give one from 0",
+                           path, p->part);
+        *part = 10 * *part + (*c - '0');
+    }
+    return GP_OK;
+}
+
 gp_status gp_read_other(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
                         const struct gp_stream *stream, struct gp_frame *out)
 {
     struct gp_oiio_image image;
-    gp_status st = gp_read_image(log, p, path, stream, &image);
+    int part;
+    gp_status st = choose_part(log, p, path, &part);
+    if (!st)
+        st = read_subimage(log, p, path, stream, part, &image);
     if (st)
         return st;
-    st = gp_frame_of_image(log, path, &image, out);
+    st = gp_frame_of_image(log, path, p->layer, &image, out);
     gp_image_free(&image);
     return st;
 }

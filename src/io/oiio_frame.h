@@ -27,9 +27,9 @@ GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
 void gp_image_free(struct gp_oiio_image *image);
 
 /* gp_read_other() from an image that is already there; it stays the
- * caller's. */
+ * caller's. `layer` as in gp_read_params. */
 GP_MUST_CHECK gp_status gp_frame_of_image(const struct gp_log *log,
-                                          const char *path,
+                                          const char *path, const char *layer,
                                           const struct gp_oiio_image *image,
                                           struct gp_frame *out);
 

@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "io/channels.h"
+#include "io/exr_view.h"
 
 #include <string.h>
 
@@ -45,30 +46,6 @@ gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-static const char *view_of(const struct gp_origin *o, int part)
-{
-    int32_t length;
-    const char *view;
-    return exr_attr_get_string(o->exr, part, "view", &length, &view) ? NULL
-                                                                     : view;
-}
-
-static const char *name_of(const struct gp_origin *o, int part)
-{
-    const char *name = NULL;
-    if (exr_get_name(o->exr, part, &name) || !name || !name[0])
-        return NULL;
-    return name;
-}
-
-static bool is_deep(const struct gp_origin *o, int part)
-{
-    exr_storage_t storage;
-    return exr_get_storage(o->exr, part, &storage) ||
-           storage == EXR_STORAGE_DEEP_SCANLINE ||
-           storage == EXR_STORAGE_DEEP_TILED;
-}
-
 static int count_channels(const struct gp_origin *o, int part)
 {
     const exr_attr_chlist_t *list;
@@ -86,11 +63,11 @@ enum { ORDERS = 8 }; // values of order_of()
 static int order_of(const struct gp_origin *o, int part, bool colour,
                     bool depth)
 {
-    const char *name = name_of(o, part);
-    const bool far =
-        colour && other_view(view_of(o, part), view_of(o, o->part));
+    const char *name = gp_exr_part_name(o, part);
+    const bool far = colour && other_view(gp_exr_part_view(o, part),
+                                          gp_exr_part_view(o, o->part));
     const bool plain = depth && !(name && strcasestr(name, "depth"));
-    return 4 * is_deep(o, part) + 2 * far + plain;
+    return 4 * gp_exr_is_deep(o, part) + 2 * far + plain;
 }
 
 static void add_part(const struct gp_origin *o, int part, bool colour,
@@ -99,8 +76,9 @@ static void add_part(const struct gp_origin *o, int part, bool colour,
     const exr_attr_chlist_t *from;
     struct gp_plane_part *to = &list->part[list->parts++];
     *to = (struct gp_plane_part) {
-        .part = part, .name = name_of(o, part), .view = view_of(o, part),
-        .colour = colour, .deep = is_deep(o, part),
+        .part = part, .name = gp_exr_part_name(o, part),
+        .view = gp_exr_part_view(o, part),
+        .colour = colour, .deep = gp_exr_is_deep(o, part),
         .channel = list->channel + list->channels,
         .channels = count_channels(o, part),
     };

@@ -194,7 +194,7 @@ static gp_status read_other(const struct gp_log *log,
     struct gp_oiio_image image = {0};
     struct gp_frame frame = {0};
     GP_TRY(gp_read_image(log, p, f->path, &f->stream, &image));
-    GP_TRY(gp_frame_of_image(log, f->path, &image, &frame));
+    GP_TRY(gp_frame_of_image(log, f->path, NULL, &image, &frame));
     out->data = frame.data;
     out->display = frame.display;
     out->integers = image.bits > 0;

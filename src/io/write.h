@@ -104,18 +104,31 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
                                          enum gp_picture_kind kind,
                                          struct gp_write_stats *stats);
 
-/* Writes an EXR in which the colour channels hold `planes` and every other
- * channel, attribute and part of the input passes through: channels of the
- * same part sample by sample, other parts chunk by chunk as they are.
- * Luminance-chroma and grey inputs: grey stays one channel when the planes
- * are equal, else R,G,B take its place. With p->converted the attributes that
- * tell the input's primaries and how to show them stay behind.
+/* A frame, and what its colour channels become (w * h of its data window). */
+struct gp_hdr_colour {
+    const struct gp_frame *f;
+    const struct gp_planes *planes;
+};
+
+/* Writes an EXR in which the colour channels of each frame hold its planes and
+ * every other channel, attribute and part of the input passes through:
+ * channels of the same parts sample by sample, other parts chunk by chunk as
+ * they are. Luminance-chroma and grey inputs: grey stays one channel when the
+ * planes are equal, else R,G,B take its place. With p->converted the
+ * attributes that tell the input's primaries and how to show them stay behind.
+ *
+ *   set  n >= 1 frames of one file, from gp_read_frame() or gp_read_layer();
+ *        set[0].f's path and origin are the input. Several may lie in one
+ *        part, of which one then was read whole, as gp_read_frame() does
+ *
+ * Errors: those of gp_write_picture(); GP_ERR_USAGE a channel is the colour of
+ * two frames, or p->compression would change Cryptomatte's ids (exr_lossy.h);
+ * GP_ERR_DATA an added colour channel's name is taken.
  */
 GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
                                      const struct gp_write_params *p,
                                      const char *path,
-                                     const struct gp_frame *f,
-                                     const struct gp_planes *planes,
+                                     const struct gp_hdr_colour *set, int n,
                                      struct gp_write_stats *stats);
 
 /* gp_write_check() for gp_write_hdr(), which is EXR alone. */

@@ -17,7 +17,7 @@
 
 #include <cmocka.h>
 
-enum { FIXTURE_CHANNELS = 8, FIXTURE_PARTS = 3 };
+enum { FIXTURE_CHANNELS = 12, FIXTURE_PARTS = 3 };
 
 struct fixture_channel {
     const char *name;

@@ -192,14 +192,12 @@ static void other_parts(void **state)
     struct gp_frame a = read_back(wf_path("in.exr"));
     assert_int_equal(a.part, 1);
     assert_int_equal(a.parts, 4);
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("out.exr"), &a, &a.rgb,
-                                  &stats), GP_OK);
+    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
     // nothing in it may differ but what libdeflate's level says
     wf_assert_same(wf_path("in.exr"), wf_path("out.exr"));
     p.type = GP_OUT_FLOAT;
     p.compression = GP_COMPRESSION_PIZ;
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("out.exr"), &a, &a.rgb,
-                                  &stats), GP_OK);
+    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
     struct gp_frame b = read_back(wf_path("out.exr"));
     struct gp_exr_raw ra = raw_of(&a), rb = raw_of(&b);
     assert_int_equal(rb.version, ra.version);
@@ -237,8 +235,8 @@ static void damaged_part(void **state)
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_parts(wf_path("in.exr"), &made, true);
     struct gp_frame a = read_back(wf_path("in.exr"));
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("out.exr"), &a, &a.rgb,
-                                  &stats), GP_ERR_DATA);
+    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats),
+                     GP_ERR_DATA);
     wf_assert_said("part 3");
     assert_int_equal(wf_names(), 1); // in.exr
     // a picture does not need that part
@@ -323,7 +321,7 @@ static void attributes(void **state)
     for (int i = 0; i < 3; i++) {
         const char *out = wf_path("out.exr");
         gp_status st =
-            i == 0 ? gp_write_hdr(&wf_log, &p, out, &a, &a.rgb, &stats)
+            i == 0 ? wf_write_hdr(&p, out, &a, &stats)
                    : gp_write_picture(&wf_log, &p, out, &a, &a.rgb,
                                       i == 1 ? GP_PICTURE_SCENE
                                              : GP_PICTURE_SHOWN, &stats);

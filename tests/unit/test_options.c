@@ -116,6 +116,15 @@ static void every_option_is_stored(void **state)
     assert_int_equal(s.write.depth_bits, 16);
     gp_settings_free(&s);
 
+    assert_null(gp_defaults.read.layer);
+    assert_null(gp_defaults.read.part);
+    assert_null(gp_defaults.read.view);
+    assert_int_equal(parse("-o a i --layer-in key.fill --part 2", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_string_equal(s.read.layer, "key.fill");
+    assert_string_equal(s.read.part, "2");
+    gp_settings_free(&s);
+
     assert_int_equal(parse("-o a i --tolerance 1e-4 --group 2 --cluster=16 "
                            "--cluster-fill 0.5 --shrink 0 --group-method "
                            "moments --primitive tile --rotate -22.5 "

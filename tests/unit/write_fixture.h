@@ -222,6 +222,36 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
     return f;
 }
 
+/* Samples of random bits: NaN with payloads among them. `finite` clears the
+ * highest bit of the exponent. */
+static inline void wf_fill_bits(const struct gp_frame *f, bool finite)
+{
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *c = &f->channel[i];
+        for (int k = 0; c->data && k < c->w * c->h; k++) {
+            uint32_t u = wf_hash((uint32_t) i, (uint32_t) k, 7);
+            if (!finite && k % 5 == 0 && c->type != GP_UINT)
+                u |= c->type == GP_HALF ? 0x7c00u : 0x7f800000u;
+            if (finite && c->type != GP_UINT)
+                u &= c->type == GP_HALF ? 0xbfffu : 0xbfffffffu;
+            if (c->type == GP_HALF)
+                ((uint16_t *) c->data)[k] = (uint16_t) u;
+            else
+                ((uint32_t *) c->data)[k] = u;
+        }
+    }
+}
+
+/* gp_write_hdr() of the frame's own colour. */
+static inline gp_status wf_write_hdr(const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     struct gp_write_stats *stats)
+{
+    const struct gp_hdr_colour colour = {f, &f->rgb};
+    return gp_write_hdr(&wf_log, p, path, &colour, 1, stats);
+}
+
 static const struct wf_channel wf_rgb[] = {
     {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0}, {"R", GP_HALF, 0, 0, 0},
     {NULL, 0, 0, 0, 0},
