@@ -183,6 +183,7 @@ static gp_status find_views(const struct gp_log *log,
     for (int i = 0; i < s->inputs.n && !st; i++)
         st = gp_views_check(log, &in[i], &j->view);
     j->views = in_names ? 1 : gp_jobs_of_frame(j);
+    j->views_inside = !in_names && j->view.n > 0;
     for (int i = 0; i < j->targets; i++)
         j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
                              j->views > 1 && !j->target[i].name.views;

@@ -44,6 +44,7 @@ struct gp_jobs {
     int targets;
     struct gp_views view;      // owned; n is 0 without views
     int views;                 // consecutive jobs that share one input, >= 1
+    bool views_inside;         // the views are parts or channels of the inputs
     struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
                                // without
 };

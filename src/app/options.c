@@ -141,6 +141,9 @@ const struct gp_option gp_options[] = {
     OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Part of a multi-part file in which the colour is looked for, "
                 "by name or number from 0"),
+    OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
+        .help = "Layer whose light glares, in place of the frame's own; may be "
+                "given more than once, and --hdr gives each its glare too"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
         .help = "Refuses files that claim to have more pixels"),

@@ -397,7 +397,8 @@ static gp_status read_option(const struct gp_log *log, int argc,
 static gp_status make_lists(const struct gp_log *log, int argc,
                             struct gp_settings *s)
 {
-    struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context};
+    struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context,
+                                &s->light_groups};
     for (int i = 0; i < 3; i++) {
         void *block;
         gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,

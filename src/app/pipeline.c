@@ -134,7 +134,7 @@ static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
         atomic_fetch_add(&p->kept, p->jobs->views);
     for (u->begun = 0; u->begun < p->jobs->views && !u->kept; u->begun++) {
         gp_status st = gp_work_begin(&u->said.log, p->jobs,
-                                     job_of(p, unit, u->begun),
+                                     unit * p->jobs->views + u->begun,
                                      &u->work[u->begun]);
         if (st)
             return st;
@@ -307,6 +307,7 @@ out:
 static void close_run(struct gp_run *r)
 {
     gp_glare_close(&r->engines);
+    gp_glare_close(&r->group_engines);
     gp_suns_close(&r->suns);
     gp_ocio_close(&r->ocio);
     gp_kernel_free(&r->kernel);

@@ -74,6 +74,8 @@ static void add_names(struct object *o, const struct gp_facts *f)
 {
     if (f->numbered)
         put(o, "frame", json_integer(f->frame));
+    if (f->view)
+        put(o, "view", gp_json_name(f->view));
     put(o, "input", gp_json_name(f->input));
     json_t *outputs = json_array();
     for (int i = 0; i < f->n_outputs; i++)
@@ -81,6 +83,12 @@ static void add_names(struct object *o, const struct gp_facts *f)
     put(o, "outputs", outputs);
     put(o, "width", json_integer(f->width));
     put(o, "height", json_integer(f->height));
+    if (!f->light_groups)
+        return;
+    json_t *groups = json_array();
+    for (int i = 0; i < f->light_groups; i++)
+        json_array_append_new(groups, gp_json_name(f->light_group[i]));
+    put(o, "light_groups", groups);
 }
 
 static void add_engine(struct object *o, const struct gp_glare_stats *g)
@@ -243,8 +251,9 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 {
     const struct gp_glare_stats *g = &f->glare;
     size_t at = 0;
-    append(line, size, &at, "%s: %dx%d, %lld sources", f->input, f->width,
-           f->height, f->sources);
+    append(line, size, &at, "%s%s%s%s: %dx%d, %lld sources", f->input,
+           f->view ? " (" : "", f->view ? f->view : "", f->view ? ")" : "",
+           f->width, f->height, f->sources);
     if (g->engine)
         append(line, size, &at, ", %s (%s)", g->engine, g->why);
     append_polygons(line, size, &at, g);
@@ -341,6 +350,8 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
     struct object o = {.json = json_object()};
     if (facts->numbered)
         put(&o, "frame", json_integer(facts->frame));
+    if (facts->view)
+        put(&o, "view", gp_json_name(facts->view));
     put(&o, "input", gp_json_name(facts->input));
     put(&o, "error", gp_json_name(error));
     return write_object(log, r, &o);

@@ -27,6 +27,9 @@ enum gp_time {
 struct gp_facts {
     bool numbered;
     int frame;                   // when numbered
+    const char *view;            // of stereo, or NULL
+    const char *const *light_group; // layers whose light it is
+    int light_groups;            // of these; 0: the frame's own
     const char *input;
     char **outputs;              // `n_outputs` names
     int n_outputs;

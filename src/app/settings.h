@@ -123,6 +123,7 @@ struct gp_settings {
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts ocio_context;      // ocio.context once checked
+    struct gp_texts light_groups;      // layers whose light glares
     const char *hdr, *layer;           // NULL: not wanted
     const char *debug[GP_DEBUG_KINDS]; // files
     const char *report;

@@ -24,14 +24,36 @@ static gp_status find_depth(struct gp_run *r, struct gp_work *w)
     return GP_OK;
 }
 
+/* How the frame of a job is read: a view inside the file is asked for. */
+static struct gp_read_params read_params(const struct gp_run *r,
+                                         const struct gp_work *w)
+{
+    struct gp_read_params p = r->s->read;
+    if (r->jobs->views_inside)
+        p.view = w->job->view;
+    return p;
+}
+
+static gp_status read_groups(struct gp_run *r, struct gp_work *w)
+{
+    const struct gp_read_params p = read_params(r, w);
+    const struct gp_texts *const names = &r->s->light_groups;
+    w->facts.light_group = names->at;
+    w->facts.light_groups = names->n;
+    return gp_light_groups_read(w->log, &p, &w->frame, names->at, names->n,
+                                &w->groups);
+}
+
 static gp_status run_read(struct gp_run *r, struct gp_work *w)
 {
     const struct gp_members *const m = &r->jobs->members;
     const int i = (int) (w->job - r->jobs->job) / r->jobs->views;
-    gp_status st = m->n ? gp_members_frame(w->log, &r->s->read, w->job->input,
-                                           m, i, &w->frame)
-                        : gp_read_frame(w->log, &r->s->read, w->job->input,
-                                        &w->frame);
+    const struct gp_read_params p = read_params(r, w);
+    gp_status st = m->n ? gp_members_frame(w->log, &p, w->job->input, m, i,
+                                           &w->frame)
+                        : gp_read_frame(w->log, &p, w->job->input, &w->frame);
+    if (!st && r->s->light_groups.n)
+        st = read_groups(r, w);
     if (st)
         return st;
     w->facts.width = gp_frame_w(&w->frame);
@@ -62,6 +84,9 @@ static bool suns_asked(const struct gp_settings *s)
 static gp_status run_sensors(struct gp_run *r, struct gp_work *w)
 {
     gp_status st = gp_sense(w->log, &r->s->sensor, &w->frame, &w->sources);
+    if (!st && w->groups.n)
+        st = gp_light_groups_sense(w->log, &r->s->sensor, &w->groups,
+                                   &w->sources);
     if (st)
         return st;
     w->facts.sources = (long long) w->sources.n;
@@ -76,8 +101,8 @@ gp_status gp_run_read_kernel(const struct gp_log *log, struct gp_run *r)
     struct gp_frame image = {0};
     if (strncmp(r->s->kernel.source, "builtin:", 8) == 0)
         return GP_OK;
-    gp_status st = gp_read_frame(log, &r->s->read, r->s->kernel.source,
-                                 &image);
+    const struct gp_read_params limits = gp_read_limits(&r->s->read);
+    gp_status st = gp_read_frame(log, &limits, r->s->kernel.source, &image);
     if (!st)
         st = gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel);
     gp_frame_free(&image);
@@ -237,7 +262,11 @@ static gp_status run_compose(struct gp_run *r, struct gp_work *w)
 {
     struct gp_compose_params p = r->s->compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
-    return gp_compose(w->log, &p, &w->sources, &w->frame);
+    gp_status st = gp_compose(w->log, &p, &w->sources, &w->frame);
+    if (!st && r->s->hdr && w->groups.n) // which alone shows them
+        st = gp_light_groups_light(w->log, &r->glare, &p, &r->kernel,
+                                   &r->group_engines, &w->groups);
+    return st;
 }
 
 static gp_status run_tonemap(struct gp_run *r, struct gp_work *w)
@@ -267,7 +296,7 @@ const struct gp_stage gp_stages[GP_STAGES] = {
      run_flare, suns_asked},
     {"flux", GP_PHASE_COMPUTE, -1, LAYER | FLARE, GP_HAS_FLUX, run_flux, NULL},
     {"compose", GP_PHASE_COMPUTE, GP_TIME_COMPOSE,
-     RGB | SOURCES | LAYER | FLARE, LIT, run_compose, NULL},
+     RGB | SOURCES | KERNEL | LAYER | FLARE, LIT, run_compose, NULL},
     {"tonemap", GP_PHASE_COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN,
      run_tonemap, NULL},
     {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_keep, suns_asked},

@@ -23,7 +23,7 @@ struct gp_run {
     char *wisdom;                  // owned
     struct gp_kernel kernel;
     bool has_kernel;
-    struct gp_glare engines;
+    struct gp_glare engines, group_engines;
     struct gp_suns suns;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;

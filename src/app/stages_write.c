@@ -48,7 +48,7 @@ static gp_status write_layer(struct gp_run *r, struct gp_work *w,
 }
 
 static gp_status write_sensors(struct gp_run *r, struct gp_work *w,
-                             const char *name,
+                               const char *name,
                                struct gp_write_stats *stats)
 {
     struct gp_planes p = {0};
@@ -62,8 +62,7 @@ static gp_status write_sensors(struct gp_run *r, struct gp_work *w,
 
 /* What -o shows. */
 static gp_status write_shown(struct gp_run *r, struct gp_work *w,
-                             const char *name,
-                             const struct gp_planes *planes,
+                             const char *name, const struct gp_planes *planes,
                              struct gp_write_stats *stats)
 {
     const enum gp_picture_kind kind = r->ocio        ? GP_PICTURE_ENCODED
@@ -74,7 +73,7 @@ static gp_status write_shown(struct gp_run *r, struct gp_work *w,
 }
 
 static gp_status write_polygons(struct gp_run *r, struct gp_work *w,
-                             const char *name,
+                                const char *name,
                                 struct gp_write_stats *stats)
 {
     const struct gp_planes *const shown =
@@ -103,29 +102,71 @@ static gp_status write_map(struct gp_run *r, struct gp_work *w,
                             GP_PICTURE_SHOWN, stats);
 }
 
-static gp_status write_hdr(struct gp_run *r, struct gp_work *w,
-                             const char *name,
+/* Colours of a --hdr file: frames, then their light groups, and planes that
+ * were made of theirs. */
+struct colours {
+    struct gp_hdr_colour *set;   // owned, with room for all
+    struct gp_planes *converted; // the same
+    int n;
+};
+
+static gp_status add_colour(struct gp_run *r, const struct gp_log *log,
+                            const struct gp_frame *f, struct colours *c)
+{
+    struct gp_planes *const made = &c->converted[c->n];
+    gp_status st = r->s->ocio.output ? gp_ocio_convert(log, r->ocio, f, made)
+                                     : GP_OK;
+    c->set[c->n++] = (struct gp_hdr_colour) {
+        f, made->c[0] ? made : &f->lit,
+    };
+    return st;
+}
+
+static gp_status add_colours(struct gp_run *r, const struct gp_work *w,
+                             int works, struct colours *c)
+{
+    gp_status st = GP_OK;
+    for (int i = 0; i < works && !st; i++)
+        st = add_colour(r, w->log, &w[i].frame, c);
+    for (int i = 0; i < works; i++) {
+        for (int g = 0; g < w[i].groups.n && !st; g++)
+            st = add_colour(r, w->log, &w[i].groups.at[g].frame, c);
+    }
+    return st;
+}
+
+/* `works` views of one input, and the light groups of each, in one file. */
+static gp_status write_hdr(struct gp_run *r, const struct gp_work *w,
+                           int works, const char *name,
                            struct gp_write_stats *stats)
 {
-    struct gp_planes p = {0};
-    gp_status st = GP_OK;
-    if (r->s->ocio.output)
-        st = gp_ocio_convert(w->log, r->ocio, &w->frame, &p);
-    if (!st)
-        st = gp_write_hdr(w->log, &r->s->write, name, &w->frame,
-                          p.c[0] ? &p : &w->frame.lit, stats);
-    gp_planes_free(&p);
+    gp_status st;
+    struct colours c = {0};
+    const size_t most = (size_t) works * (1 + (size_t) r->s->light_groups.n);
+    void *set, *converted = NULL;
+    GP_TRY(gp_alloc_zero(w->log, "colours", most, sizeof *c.set, &set));
+    c.set = set;
+    GP_TRY(gp_alloc_zero(w->log, "colours", most, sizeof *c.converted,
+                         &converted));
+    c.converted = converted;
+    GP_TRY(add_colours(r, w, works, &c));
+    GP_TRY(gp_write_hdr(w->log, &r->s->write, name, c.set, c.n, stats));
+out:
+    for (int i = 0; i < c.n; i++)
+        gp_planes_free(&c.converted[i]);
+    gp_free(c.converted);
+    gp_free(c.set);
     return st;
 }
 
 static gp_status write_target(struct gp_run *r, struct gp_work *w,
-                              enum gp_target_kind kind,
-                              const char *name, struct gp_write_stats *stats)
+                              const struct gp_output *t, const char *name,
+                              struct gp_write_stats *stats)
 {
     const struct gp_frame *f = &w->frame;
-    switch (kind) {
+    switch (t->kind) {
     case GP_TARGET_HDR:
-        return write_hdr(r, w, name, stats);
+        return write_hdr(r, w, t->whole ? r->jobs->views : 1, name, stats);
     case GP_TARGET_LAYER:
         return write_layer(r, w, name, stats);
     case GP_TARGET_PICTURE:
@@ -149,12 +190,15 @@ gp_status gp_stage_write(struct gp_run *r, struct gp_work *w)
     if (r->ordered) // else no two frames share a stream
         stats.raw = r->raw;
     for (int i = 0; i < r->jobs->targets; i++) {
-        const struct gp_output *t = &r->jobs->target[i];
-        w->names[i] = gp_job_name(w->job, t);
-        if (!w->names[i])
+        const struct gp_output *const t = &r->jobs->target[i];
+        if (t->whole && w->view > 0)
+            continue; // stands in the first view's file
+        char *const name = gp_job_name(w->job, t);
+        if (!name)
             return gp_fail(w->log, GP_ERR_BUG, "%s: out of memory",
                            t->name.path);
-        gp_status st = write_target(r, w, t->kind, w->names[i], &stats);
+        w->names[w->facts.n_outputs] = name;
+        gp_status st = write_target(r, w, t, name, &stats);
         if (st)
             return st;
         w->facts.n_outputs++;

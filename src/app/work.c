@@ -6,17 +6,21 @@
 #include <string.h>
 
 gp_status gp_work_begin(const struct gp_log *log, const struct gp_jobs *jobs,
-                        const struct gp_job *job, struct gp_work *out)
+                        int index, struct gp_work *out)
 {
+    const struct gp_job *const job = &jobs->job[index];
     void *names;
-    *out = (struct gp_work) {.log = log, .job = job, .targets = jobs->targets};
+    *out = (struct gp_work) {
+        .log = log, .job = job, .view = index % jobs->views,
+        .targets = jobs->targets,
+    };
     gp_status st = gp_alloc_zero(log, "output list",
                                  (size_t) jobs->targets + 1, sizeof *out->names,
                                  &names);
     out->names = names;
     out->facts = (struct gp_facts) {
-        .numbered = job->numbered, .frame = job->frame, .input = job->input,
-        .outputs = out->names,
+        .numbered = job->numbered, .frame = job->frame, .view = job->view,
+        .input = job->input, .outputs = out->names,
     };
     for (int i = 0; i < GP_TIMES; i++)
         out->facts.ms[i] = -1.0;
@@ -52,6 +56,7 @@ void gp_work_release(struct gp_work *w, unsigned dead)
 void gp_work_end(struct gp_work *w)
 {
     gp_work_release(w, ~0u);
+    gp_light_groups_free(&w->groups);
     gp_frame_free(&w->frame);
     gp_planes_free(&w->sunmap.planes);
     gp_planes_free(&w->intensity.planes);

@@ -3,6 +3,7 @@
 #define GP_APP_WORK_H
 
 #include "app/jobs.h"
+#include "app/light_group.h"
 #include "app/report.h"
 #include "core/frame.h"
 #include "core/status.h"
@@ -35,22 +36,25 @@ struct gp_map_picture {
 struct gp_work {
     const struct gp_log *log;      // for messages about this frame; borrowed
     const struct gp_job *job;      // borrowed
+    int view;                      // its place among the views of its input,
+                                   // which stand one behind the other
     struct gp_frame frame;
-    struct gp_sources sources;
+    struct gp_light_groups groups;
+    struct gp_sources sources;     // of the frame, or of the groups together
     struct gp_sources joined;      // sources and lights; empty: no lights
     struct gp_map_picture sunmap, intensity;
-    char **names;                  // one a target: files written
+    char **names;                  // files written: facts.n_outputs, then
+                                   // the one under way, then NULL
     int targets;
     struct gp_light *light;        // what facts.light points to
     char *depth, *mask;            // ... and facts.depth, facts.mask
     struct gp_facts facts;
 };
 
-/* Starts with the facts that the job gives. End with gp_work_end(), also after
+/* Starts with the facts that jobs->job[index] gives. End with gp_work_end(), also after
  * a failure. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_work_begin(const struct gp_log *log,
-                                      const struct gp_jobs *jobs,
-                                      const struct gp_job *job,
+                                      const struct gp_jobs *jobs, int index,
                                       struct gp_work *out);
 void gp_work_end(struct gp_work *w);
 
