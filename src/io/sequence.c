@@ -149,10 +149,24 @@ static int by_place(const void *a, const void *b)
     return ascending(&x->at, &y->at);
 }
 
+/* Whether all numbers go one way, as those of a single range do. */
+static bool goes_one_way(const struct gp_frames *f)
+{
+    const bool down = f->n > 1 && f->number[1] < f->number[0];
+    for (int i = 1; i < f->n; i++) {
+        if (down ? f->number[i] >= f->number[i - 1]
+                 : f->number[i] <= f->number[i - 1])
+            return false;
+    }
+    return true;
+}
+
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
     void *block;
+    if (goes_one_way(f)) // sorting a million frames takes a while
+        return GP_OK;
     gp_status st = gp_alloc(log, "frame list", (size_t) f->n,
                             sizeof(struct place), &block);
     if (st)
