@@ -75,10 +75,13 @@ static gp_status count_chunks(const struct gp_log *log, struct writing *w,
     w->chunks = mem;
     for (int i = 0; !st && i < w->parts; i++) {
         int32_t n = gp_exr_chunk_count(&w->img);
-        if (i != w->part && (exr_get_chunk_count(o->exr, i, &n) || n < 1))
+        // the offset table has 8 bytes for each chunk: the file bounds them
+        if (i != w->part && (exr_get_chunk_count(o->exr, i, &n) || n < 1 ||
+                             (uint64_t) n > o->stream.size / 8))
             st = gp_fail(log, GP_ERR_DATA,
-                         "%s: part %d has no chunks (damaged header); copy or "
-                         "render the file again", w->job->f->path, i);
+                         "%s: part %d has a wrong number of chunks (damaged "
+                         "header); copy or render the file again",
+                         w->job->f->path, i);
         w->chunks[i] = n;
     }
     return st;
