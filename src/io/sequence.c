@@ -136,17 +136,28 @@ struct place {
     int number, at;
 };
 
-static int by_number_then_place(const void *a, const void *b)
+/* Sorts by number, byte by byte from the lowest; equal ones stay in order.
+ * (Comparing took a second for the longest lists.) `spare` has as much room. */
+static void sort_by_number(struct place *place, struct place *spare, int n)
 {
-    const struct place *x = a, *y = b;
-    int order = ascending(&x->number, &y->number);
-    return order ? order : ascending(&x->at, &y->at);
-}
-
-static int by_place(const void *a, const void *b)
-{
-    const struct place *x = a, *y = b;
-    return ascending(&x->at, &y->at);
+    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
+        int start[257] = {0};
+        struct place *const from = shift / 8 % 2 ? spare : place;
+        struct place *const to = shift / 8 % 2 ? place : spare;
+        for (int pass = 0; pass < 2; pass++) {
+            for (int i = 0; i < n; i++) {
+                // the sign's bit turned: negative numbers come first
+                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
+                const uint32_t byte = key >> shift & 0xff;
+                if (pass)
+                    to[start[byte]++] = from[i];
+                else
+                    start[byte + 1]++;
+            }
+            for (int k = 0; !pass && k < 256; k++)
+                start[k + 1] += start[k];
+        }
+    }
 }
 
 /* Whether all numbers go one way, as those of a single range do. */
@@ -167,23 +178,23 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
     void *block;
     if (goes_one_way(f)) // sorting a million frames takes a while
         return GP_OK;
-    gp_status st = gp_alloc(log, "frame list", (size_t) f->n,
+    const int n = f->n;
+    gp_status st = gp_alloc(log, "frame list", 2 * (size_t) n,
                             sizeof(struct place), &block);
     if (st)
         return st;
-    struct place *place = block;
-    for (int i = 0; i < f->n; i++)
+    struct place *const place = block;
+    for (int i = 0; i < n; i++)
         place[i] = (struct place) {f->number[i], i};
-    qsort(place, (size_t) f->n, sizeof *place, by_number_then_place);
-    int kept = 0;
-    for (int i = 0; i < f->n; i++) {
-        if (i == 0 || place[i].number != place[kept - 1].number)
-            place[kept++] = place[i];
+    sort_by_number(place, place + n, n);
+    bool *const again = (bool *) (place + n); // of the frame at that place
+    for (int i = 0; i < n; i++)
+        again[place[i].at] = i > 0 && place[i].number == place[i - 1].number;
+    f->n = 0;
+    for (int i = 0; i < n; i++) {
+        if (!again[i])
+            f->number[f->n++] = f->number[i];
     }
-    qsort(place, (size_t) kept, sizeof *place, by_place);
-    for (int i = 0; i < kept; i++)
-        f->number[i] = place[i].number;
-    f->n = kept;
     gp_free(block);
     return GP_OK;
 }

@@ -3,13 +3,19 @@
 #include "core/parallel.h"
 
 #include <fcntl.h>
-#include <sanitizer/allocator_interface.h>
 #include <sanitizer/asan_interface.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <time.h>
 #include <unistd.h>
+
+/* Of sanitizer/allocator_interface.h, which gcc leaves out of its headers. */
+int __sanitizer_install_malloc_and_free_hooks(
+    void (*on_malloc)(const volatile void *, size_t),
+    void (*on_free)(const volatile void *));
+size_t __sanitizer_get_allocated_size(const volatile void *p);
 
 /* -- what is said ----------------------------------------------------------- */
 
@@ -72,6 +78,16 @@ static void on_free(const volatile void *p)
             __ATOMIC_RELAXED);
 }
 
+/* Seconds of the processor: a busy machine makes no input slow. */
+static double cpu_seconds(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double) t.tv_sec + 1e-9 * (double) t.tv_nsec;
+}
+
+static double began;
+
 void fuzz_begin(void)
 {
     static bool started;
@@ -84,10 +100,14 @@ void fuzz_begin(void)
     errors = 0;
     last[0] = '\0';
     now = peak = 0;
+    began = cpu_seconds();
 }
 
 void fuzz_end(uint64_t allowed)
 {
+    const double took = cpu_seconds() - began;
+    if (took > FUZZ_SECONDS)
+        broken("an input takes 2 s at most", (long long) took);
     if (peak > 0 && (uint64_t) peak > allowed)
         broken("memory is bounded by what the header claims", peak);
 }

@@ -16,6 +16,7 @@
 enum {
     FUZZ_PIXELS = 1 << 16,  // --max-pixels of the targets: quick inputs
     FUZZ_FIXED = 64 << 20,  // bytes of heap that any input may take
+    FUZZ_SECONDS = 2,       // of CPU time, under the sanitizers
 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
@@ -26,7 +27,8 @@ extern const struct gp_log fuzz_log;
 /* Starts an input: no lines yet, the meter at zero, loops on one thread. */
 void fuzz_begin(void);
 
-/* Ends it. `allowed`: the most bytes that were on the heap at one time. */
+/* Ends it. `allowed`: the most bytes that may have been on the heap at one
+ * time. Checks FUZZ_SECONDS too. */
 void fuzz_end(uint64_t allowed);
 
 /* Checks what a call said: an error has one line, "what is wrong; what to do",
