@@ -103,6 +103,8 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h)
 
 -include $(OBJ:.o=.d)
 
+include tests/fuzz/fuzz.mk
+
 # -- the man page ---------------------------------------------------------------
 
 $(B)/glarepp.1: man/glarepp.1.in man/splice.awk $(B)/glarepp
@@ -148,7 +150,7 @@ check: ## installs what is missing, builds, runs every test
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory check-all
 
-check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN)
+check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) fuzz-build
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
 
 # The same tests in builds that look for errors of memory and of arithmetic
@@ -250,7 +252,7 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           dpkg-dev gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
 # What only a few tests use, which are skipped without it
-EXTRA := zsh fish parallel slurm-wlm munge python3-yaml
+EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \
 	    echo "deps: this is no Debian; install what these Debian packages hold:"; \

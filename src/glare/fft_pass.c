@@ -18,8 +18,6 @@ enum {
 typedef float vf __attribute__((vector_size(32)));
 typedef double vd __attribute__((vector_size(32)));
 typedef vf vf_loose __attribute__((aligned(8), may_alias));
-typedef int vi __attribute__((vector_size(32)));
-typedef long long vl __attribute__((vector_size(32)));
 
 #define INLINE static inline __attribute__((always_inline))
 #define CONJ ((vf) {1, -1, 1, -1, 1, -1, 1, -1})
@@ -37,27 +35,27 @@ INLINE void store4(float *p, vf v)
 /* The four numbers in reverse order. */
 INLINE vf reverse(vf v)
 {
-    return (vf) __builtin_shuffle((vd) v, (vl) {3, 2, 1, 0});
+    return (vf) __builtin_shufflevector((vd) v, (vd) v, 3, 2, 1, 0);
 }
 
 /* re and im of each number exchanged. */
 INLINE vf swap(vf v)
 {
-    return __builtin_shuffle(v, (vi) {1, 0, 3, 2, 5, 4, 7, 6});
+    return __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6);
 }
 
 /* Rows of four to columns of four. */
 INLINE void transpose(const vf in[4], vf out[4])
 {
     const vd a = (vd) in[0], b = (vd) in[1], c = (vd) in[2], d = (vd) in[3];
-    const vd ab0 = __builtin_shuffle(a, b, (vl) {0, 4, 2, 6});
-    const vd ab1 = __builtin_shuffle(a, b, (vl) {1, 5, 3, 7});
-    const vd cd0 = __builtin_shuffle(c, d, (vl) {0, 4, 2, 6});
-    const vd cd1 = __builtin_shuffle(c, d, (vl) {1, 5, 3, 7});
-    out[0] = (vf) __builtin_shuffle(ab0, cd0, (vl) {0, 1, 4, 5});
-    out[1] = (vf) __builtin_shuffle(ab1, cd1, (vl) {0, 1, 4, 5});
-    out[2] = (vf) __builtin_shuffle(ab0, cd0, (vl) {2, 3, 6, 7});
-    out[3] = (vf) __builtin_shuffle(ab1, cd1, (vl) {2, 3, 6, 7});
+    const vd ab0 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const vd ab1 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const vd cd0 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const vd cd1 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    out[0] = (vf) __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    out[1] = (vf) __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    out[2] = (vf) __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    out[3] = (vf) __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
 }
 
 /* Spectra Z of four pairs of rows, each nx + 4 numbers with Z[nx] = Z[0], to
@@ -123,8 +121,8 @@ GP_CLONES static void multiply(float *restrict z, const float *restrict k,
 {
     for (int i = 0; i < n; i += 4) {
         const vf a = load4(z + 2 * i), b = load4(k + 2 * i);
-        const vf re = __builtin_shuffle(b, (vi) {0, 0, 2, 2, 4, 4, 6, 6});
-        const vf im = __builtin_shuffle(b, (vi) {1, 1, 3, 3, 5, 5, 7, 7});
+        const vf re = __builtin_shufflevector(b, b, 0, 0, 2, 2, 4, 4, 6, 6);
+        const vf im = __builtin_shufflevector(b, b, 1, 1, 3, 3, 5, 5, 7, 7);
         store4(z + 2 * i, a * re - swap(a) * im * CONJ);
     }
 }

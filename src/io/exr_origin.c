@@ -13,7 +13,41 @@ static int64_t read_bytes(exr_const_context_t ctxt, void *user, void *to,
     (void) ctxt;
     (void) error; // a short read is an error to the library already
     const struct gp_origin *o = user;
-    return gp_stream_read(&o->stream, to, n, offset);
+    const int64_t got = gp_stream_read(&o->stream, to, n, offset);
+    if (got > 0 && o->hidden && o->hidden >= offset &&
+        o->hidden - offset < (uint64_t) got)
+        ((char *) to)[o->hidden - offset] = '-'; // "-ype", a name of no use
+    return got;
+}
+
+/* Where the attribute "type" of a file with one flat part begins; 0 when it
+ * has none. Some files of one part carry that of another file along.
+ * OpenEXR's own readers go by the flags of the version there; OpenEXRCore
+ * 3.1.5 believes the attribute, and finds the header damaged. */
+static uint64_t find_type(const struct gp_stream *s)
+{
+    enum { ATTRIBUTES = 4096, DEEP_OR_PARTS = 0x18 };
+    uint8_t b[2 * 256 + 4]; // a name, its type, its size
+    uint64_t at = 8;
+    if (gp_stream_read(s, b, 8, 0) < 8 || (b[5] & DEEP_OR_PARTS))
+        return 0;
+    for (int i = 0; i < ATTRIBUTES; i++) {
+        const int64_t n = gp_stream_read(s, b, sizeof b, at);
+        if (n < 1)
+            return 0;
+        const uint8_t *const end = b + n;
+        const uint8_t *const type = memchr(b, 0, (size_t) n);
+        const uint8_t *const size =
+            type ? memchr(type + 1, 0, (size_t) (end - type) - 1) : NULL;
+        if (type == b || !size || end - size < 5)
+            return 0; // the header's end, or its damage
+        if (strcmp((const char *) b, "type") == 0)
+            return at;
+        at += (uint64_t) (size + 5 - b) + size[1] +
+              ((uint64_t) size[2] << 8) + ((uint64_t) size[3] << 16) +
+              ((uint64_t) size[4] << 24);
+    }
+    return 0;
 }
 
 static int64_t query_size(exr_const_context_t ctxt, void *user)
@@ -58,6 +92,7 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     }
     o->stream = *stream;
     *stream = (struct gp_stream) GP_STREAM_EMPTY;
+    o->hidden = find_type(&o->stream);
 
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = keep_reason;

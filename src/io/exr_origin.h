@@ -22,6 +22,7 @@ struct gp_origin {
      * values only; nothing is printed. */
     exr_context_t exr;
     struct gp_stream stream;  // the bytes behind exr
+    uint64_t hidden;          // byte that the library gets another for; 0 none
     int part, parts;          // colour part and number of parts; exr only
 
     /* Attributes of an input that is not EXR, as the bridge named them; 0 and

@@ -108,12 +108,15 @@ static gp_status count_chunks(const struct gp_log *log, struct writing *w,
     w->chunks = mem;
     for (int i = 0; !st && i < w->parts; i++) {
         int32_t n;
+        // the offset table has 8 bytes for each chunk: the file bounds them
         if (w->made[i].from)
             n = gp_exr_chunk_count(&w->made[i].img);
-        else if (exr_get_chunk_count(o->exr, i, &n) || n < 1)
+        else if (exr_get_chunk_count(o->exr, i, &n) || n < 1 ||
+                 (uint64_t) n > o->stream.size / 8)
             st = gp_fail(log, GP_ERR_DATA,
-                         "%s: part %d has no chunks (damaged header); copy or "
-                         "render the file again", w->job->part[0].f->path, i);
+                         "%s: part %d has a wrong number of chunks (damaged "
+                         "header); copy or render the file again",
+                         w->job->part[0].f->path, i);
         w->chunks[i] = st ? 0 : n;
     }
     return st;

@@ -41,40 +41,65 @@ struct place {
     int number, at;
 };
 
-static int by_number_then_place(const void *a, const void *b)
+/* Sorts by number, byte by byte from the lowest; equal ones stay in order.
+ * (Comparing took a second for the longest lists.) `spare` has as much room. */
+static void sort_by_number(struct place *place, struct place *spare, int n)
 {
-    const struct place *x = a, *y = b;
-    int order = ascending(&x->number, &y->number);
-    return order ? order : ascending(&x->at, &y->at);
+    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
+        int start[257] = {0};
+        struct place *const from = shift / 8 % 2 ? spare : place;
+        struct place *const to = shift / 8 % 2 ? place : spare;
+        for (int pass = 0; pass < 2; pass++) {
+            for (int i = 0; i < n; i++) {
+                // the sign's bit turned: negative numbers come first
+                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
+                const uint32_t byte = key >> shift & 0xff;
+                if (pass)
+                    to[start[byte]++] = from[i];
+                else
+                    start[byte + 1]++;
+            }
+            for (int k = 0; !pass && k < 256; k++)
+                start[k + 1] += start[k];
+        }
+    }
 }
 
-static int by_place(const void *a, const void *b)
+/* Whether all numbers go one way, as those of a single range do. */
+static bool goes_one_way(const struct gp_frames *f)
 {
-    const struct place *x = a, *y = b;
-    return ascending(&x->at, &y->at);
+    const bool down = f->n > 1 && f->number[1] < f->number[0];
+    for (int i = 1; i < f->n; i++) {
+        if (down ? f->number[i] >= f->number[i - 1]
+                 : f->number[i] <= f->number[i - 1])
+            return false;
+    }
+    return true;
 }
 
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
     void *block;
-    gp_status st = gp_alloc(log, "frame list", (size_t) f->n,
+    if (goes_one_way(f)) // sorting a million frames takes a while
+        return GP_OK;
+    const int n = f->n;
+    gp_status st = gp_alloc(log, "frame list", 2 * (size_t) n,
                             sizeof(struct place), &block);
     if (st)
         return st;
-    struct place *place = block;
-    for (int i = 0; i < f->n; i++)
+    struct place *const place = block;
+    for (int i = 0; i < n; i++)
         place[i] = (struct place) {f->number[i], i};
-    qsort(place, (size_t) f->n, sizeof *place, by_number_then_place);
-    int kept = 0;
-    for (int i = 0; i < f->n; i++) {
-        if (i == 0 || place[i].number != place[kept - 1].number)
-            place[kept++] = place[i];
+    sort_by_number(place, place + n, n);
+    bool *const again = (bool *) (place + n); // of the frame at that place
+    for (int i = 0; i < n; i++)
+        again[place[i].at] = i > 0 && place[i].number == place[i - 1].number;
+    f->n = 0;
+    for (int i = 0; i < n; i++) {
+        if (!again[i])
+            f->number[f->n++] = f->number[i];
     }
-    qsort(place, (size_t) kept, sizeof *place, by_place);
-    for (int i = 0; i < kept; i++)
-        f->number[i] = place[i].number;
-    f->n = kept;
     gp_free(block);
     return GP_OK;
 }
@@ -119,18 +144,21 @@ static bool read_range(const char **s, struct range *r)
     return **s == ',' || **s == '\0';
 }
 
-/* False when the list gets too long or memory is full. */
-static bool append_range(struct gp_frames *f, struct range r)
+static gp_status append_range(const struct gp_log *log, const char *text,
+                              struct range r, struct gp_frames *f)
 {
     int way = r.to < r.from ? -1 : 1;
     int64_t frames = ((int64_t) r.to - r.from) * way / r.step + 1;
     if (frames > GP_FRAME_LIST_MAX - f->n)
-        return false;
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--frames: too many frames (over %d in %s); make "
+                       "them in several runs", GP_FRAME_LIST_MAX, text);
     for (int64_t i = 0; i < frames; i++) {
         if (!gp_frames_add(f, (int) (r.from + way * i * r.step)))
-            return false;
+            return gp_fail(log, GP_ERR_BUG, "--frames: out of memory; close "
+                           "other programs");
     }
-    return true;
+    return GP_OK;
 }
 
 gp_status gp_frames_parse(const struct gp_log *log, const char *text,
@@ -148,12 +176,7 @@ gp_status gp_frames_parse(const struct gp_log *log, const char *text,
                          (int) strcspn(item, ","), item, text);
             goto out;
         }
-        if (!append_range(&f, r)) {
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "--frames: too many frames (over %d in %s); make "
-                         "them in several runs", GP_FRAME_LIST_MAX, text);
-            goto out;
-        }
+        GP_TRY(append_range(log, text, r, &f));
         if (!*s)
             break;
     }

@@ -15,13 +15,41 @@ enum { SMALL_FILE = 1 << 20 };
 
 // -- reading -----------------------------------------------------------------
 
-/* Fills `buffer` from the file as far as it goes; *got bytes. */
-static gp_status read_all(const struct gp_log *log, const char *path, int fd,
-                          char *buffer, size_t room, size_t *got)
+/* Bytes of a file, with room for one more. */
+struct text {
+    char *at;  // owned
+    size_t n, room;
+};
+
+/* Twice the room, at most `most` + 2: one byte over the limit tells that the
+ * file is too large, for pipes too, and one more ends the text. */
+static gp_status widen(const struct gp_log *log, const char *path, size_t most,
+                       struct text *t)
 {
-    *got = 0;
-    while (*got < room) {
-        ssize_t n = read(fd, buffer + *got, room - *got);
+    const size_t room = 2 * t->room < most + 2 ? 2 * t->room : most + 2;
+    void *wider;
+    const gp_status st = gp_alloc(log, path, room, 1, &wider);
+    if (st)
+        return st;
+    memcpy(wider, t->at, t->n);
+    gp_free(t->at);
+    t->at = wider;
+    t->room = room;
+    return GP_OK;
+}
+
+/* Reads to the end of the file, or one byte over `most`. */
+static gp_status read_all(const struct gp_log *log, const char *path, int fd,
+                          size_t most, struct text *t)
+{
+    enum { FIRST = 16 << 10 }; // most files
+    gp_status st;
+    GP_TRY(gp_alloc(log, path, FIRST, 1, (void **) &t->at));
+    t->room = FIRST;
+    while (t->n <= most) {
+        if (t->n + 1 == t->room)
+            GP_TRY(widen(log, path, most, t));
+        const ssize_t n = read(fd, t->at + t->n, t->room - 1 - t->n);
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
@@ -30,9 +58,11 @@ static gp_status read_all(const struct gp_log *log, const char *path, int fd,
                            strerror(errno));
         if (n == 0)
             break;
-        *got += (size_t) n;
+        t->n += (size_t) n;
     }
-    return GP_OK;
+    t->at[t->n] = '\0';
+out:
+    return st;
 }
 
 /* Text of a file or a library as it may stand in a message: one short line
@@ -87,8 +117,7 @@ gp_status gp_json_read_most(const struct gp_log *log, const char *path,
                             size_t most, json_t **out)
 {
     gp_status st;
-    char *buffer = NULL;
-    size_t got;
+    struct text text = {0};
     struct stat about;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
@@ -99,19 +128,16 @@ gp_status gp_json_read_most(const struct gp_log *log, const char *path,
                      "%s: cannot read (it is a folder); name a file", path);
         goto out;
     }
-    // one byte over the limit tells, for pipes too; one more ends the text
-    GP_TRY(gp_alloc(log, path, most + 2, 1, (void **) &buffer));
-    GP_TRY(read_all(log, path, fd, buffer, most + 1, &got));
-    if (got > most) {
+    GP_TRY(read_all(log, path, fd, most, &text));
+    if (text.n > most) {
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: too large (over %zu KiB); split it", path,
                      most >> 10);
         goto out;
     }
-    buffer[got] = '\0';
-    st = parse(log, path, buffer, got, out);
+    st = parse(log, path, text.at, text.n, out);
 out:
-    gp_free(buffer);
+    gp_free(text.at);
     close(fd);
     return st;
 }

@@ -50,4 +50,12 @@ while read -r f; do
         note "status $status, made $(ls -A made | xargs): $(head -c 500 err)"
 done <damaged
 
+if [ -n "$oiio" ]; then
+    "$python" "$cli/damaged.py" "$glarepp" "$data/damaged" >same 2>/dev/null ||
+        echo 'not ok damaged.py ends well' >>same
+    verdicts same
+else
+    skip 3 'no OpenImageIO for python'
+fi
+
 done_testing

@@ -243,4 +243,23 @@ fi
 
 "$python" "$cli/compare.py" <list >verdicts
 verdicts verdicts
+# -- headers that lie ------------------------------------------------------------
+
+# A stray "type" of another file, which OpenEXR's own readers pass over
+for kind in deepscanline tiledimage nonsense; do
+    frame typed.exr size=8x6 attr=type:string:$kind
+    frame plain.exr size=8x6
+    run --hdr typed.h.exr typed.exr
+    quiet_success "a stray type $kind is read"
+    run --hdr plain.h.exr plain.exr
+    same typed.h.exr plain.h.exr "a stray type $kind changes nothing"
+done
+
+# 1672 bytes that claim a thousand million chunks in their third part
+found=$root/tests/fuzz/corpus/frame/found-chunks-of-another-part
+rm -f h.exr
+run --hdr h.exr "$found"
+fails_with 4 found-chunks 'chunks that the file has no room for'
+ok 'and nothing is written' [ ! -e h.exr ]
+
 done_testing

@@ -1,0 +1,70 @@
+/* A frame from memory: read, look for its depth and coverage, find its light,
+ * write it again. */
+#include "core/plane.h"
+#include "glare/sensors.h"
+#include "harness.h"
+#include "io/plane.h"
+#include "io/read_open.h"
+#include "io/write.h"
+
+static void touch_frame(const struct gp_frame *f)
+{
+    const size_t pixels = gp_frame_pixels(f);
+    for (int c = 0; c < 3; c++)
+        fuzz_touch(f->rgb.c[c], pixels * sizeof(float));
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const c = &f->channel[i];
+        if (c->data)
+            fuzz_touch(c->data, (size_t) c->w * (size_t) c->h *
+                                    gp_type_size(c->type));
+    }
+}
+
+static void touch_plane(struct gp_plane *p)
+{
+    if (p->v)
+        fuzz_touch(p->v, (size_t) gp_rect_w(p->window) *
+                             (size_t) gp_rect_h(p->window) * sizeof(float));
+    gp_plane_free(p);
+}
+
+static void look(const struct gp_read_params *p, const struct gp_frame *f)
+{
+    struct gp_plane plane = {0};
+    double m[16];
+    if (!fuzz_said(gp_read_depth(&fuzz_log, p, f, NULL, &plane)))
+        touch_plane(&plane);
+    if (!fuzz_said(gp_read_coverage(&fuzz_log, p, f, "A", &plane)))
+        touch_plane(&plane);
+    gp_frame_matrix(f, "worldToCamera", m);
+    gp_frame_matrix(f, "worldToNDC", m);
+}
+
+static void write_again(struct gp_frame *f)
+{
+    const struct gp_write_params w = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_sources sources;
+    const struct gp_sensor_params s = GP_SENSOR_DEFAULTS;
+    if (fuzz_said(gp_sense(&fuzz_log, &s, f, &sources)))
+        return;
+    gp_sources_free(&sources);
+    fuzz_said(gp_write_hdr(&fuzz_log, &w, "/dev/null", f, &f->rgb, &stats));
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
+    struct gp_stream s = {.fd = -1, .borrowed = true, .size = size,
+                          .data = (uint8_t *) (uintptr_t) data};
+    struct gp_frame f = {0};
+    fuzz_begin();
+    if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
+        touch_frame(&f);
+        look(&p, &f);
+        write_again(&f);
+        gp_frame_free(&f);
+    }
+    fuzz_end(fuzz_allowed(data, size));
+    return 0;
+}

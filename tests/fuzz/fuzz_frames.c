@@ -1,0 +1,61 @@
+/* Lists of frames and patterns of names: the first line is a list, the others
+ * are names. */
+#include "harness.h"
+#include "io/sequence.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void check_list(const char *text)
+{
+    struct gp_frames f = {0};
+    if (fuzz_said(gp_frames_parse(&fuzz_log, text, &f)))
+        return;
+    if (f.n < 1 || f.n > GP_FRAME_LIST_MAX)
+        abort();
+    fuzz_touch(f.number, (size_t) f.n * sizeof *f.number);
+    gp_frames_free(&f);
+}
+
+/* A frame's name is the pattern with the number in its place. */
+static void check_name(const char *text)
+{
+    static const int number[] = {0, 7, 1001, 999999999, -1, -999999999};
+    struct gp_pattern p;
+    int back;
+    gp_frame_number(text, &back);
+    if (fuzz_said(gp_pattern_find(&fuzz_log, text, &p)))
+        return;
+    for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
+        char *const name = gp_pattern_name(&p, number[i]);
+        if (!name || memcmp(name, text, p.at) != 0)
+            abort();
+        char *end = name + p.at;
+        const long n = p.len ? strtol(end, &end, 10) : number[i];
+        const char *const tail = text + p.at + p.len;
+        if (strcmp(end, tail) != 0 && !isdigit((unsigned char) *tail))
+            abort();
+        if (n != number[i] && !isdigit((unsigned char) *tail))
+            abort();
+        gp_frame_number(name, &back);
+        free(name);
+    }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    char *const text = malloc(size + 1);
+    if (!text)
+        return 0;
+    memcpy(text, data, size);
+    text[size] = '\0';
+    char *rest = text;
+    fuzz_begin();
+    check_list(strsep(&rest, "\n"));
+    while (rest)
+        check_name(strsep(&rest, "\n"));
+    fuzz_end(FUZZ_FIXED);
+    free(text);
+    return 0;
+}

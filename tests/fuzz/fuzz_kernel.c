@@ -1,0 +1,36 @@
+/* A kernel's file. The last byte chooses centre, turn and normalising. */
+#include "glare/kernel.h"
+#include "harness.h"
+#include "io/read_open.h"
+
+static void make_kernel(const struct gp_frame *f, uint8_t choice)
+{
+    struct gp_kernel k;
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    p.source = "input";
+    p.centered = choice & 1;
+    p.center[0] = f->data.x0 + (choice >> 4) - 2.0;
+    p.center[1] = f->data.y1 - 0.5;
+    p.normalize = choice & 2 ? GP_NORMALIZE_NONE : p.normalize;
+    p.rotate = choice & 4 ? 30.0f : choice & 8 ? -90.0f : 0.0f;
+    if (fuzz_said(gp_kernel_from_frame(&fuzz_log, &p, f, &k)))
+        return;
+    for (int c = 0; c < 3; c++)
+        fuzz_touch(k.k.c[c], (size_t) k.w * (size_t) k.h * sizeof(float));
+    gp_kernel_free(&k);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
+    struct gp_stream s = {.fd = -1, .borrowed = true, .size = size,
+                          .data = (uint8_t *) (uintptr_t) data};
+    struct gp_frame f = {0};
+    fuzz_begin();
+    if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
+        make_kernel(&f, data[size - 1]);
+        gp_frame_free(&f);
+    }
+    fuzz_end(fuzz_allowed(data, size));
+    return 0;
+}

@@ -1,0 +1,61 @@
+/* Every part of a file as `compare` reads it, and each compared with the part
+ * before and with itself. */
+#include "app/compare_figures.h"
+#include "harness.h"
+#include "io/raw_read.h"
+
+#include <stdlib.h>
+
+static bool fits(struct gp_rect r)
+{
+    const int64_t w = (int64_t) r.x1 - r.x0, h = (int64_t) r.y1 - r.y0;
+    return w <= FUZZ_PIXELS && h <= FUZZ_PIXELS / w;
+}
+
+static void compare(const struct gp_raw_image *a, const struct gp_raw_image *b)
+{
+    const struct gp_compare_settings limits = GP_COMPARE_DEFAULTS;
+    struct gp_compare_match m;
+    struct gp_compare_figures f;
+    if (a->deep || b->deep)
+        return;
+    // rows of compare's loops count in int, as its own check of the union
+    if (!fuzz_said(gp_compare_match_make(&fuzz_log, a, b, &m)) &&
+        fits(m.window) && m.shared &&
+        !fuzz_said(gp_compare_measure(&fuzz_log, &limits, &m, &f)) &&
+        a == b && f.result != GP_COMPARE_MATCH)
+        abort();
+    gp_compare_match_free(&m);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+    enum { MOST = 4 }; // parts of one input
+    const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
+    struct gp_raw_file f;
+    struct gp_raw_image image[2] = {0};
+    const char *const path = size ? fuzz_file(data, size) : NULL;
+    fuzz_begin();
+    if (path && !fuzz_said(gp_raw_open(&fuzz_log, &p, path, &f))) {
+        bool before = false;
+        for (int i = 0; i < f.parts && i < MOST; i++) {
+            struct gp_raw_image *const a = &image[i & 1];
+            gp_raw_image_free(a);
+            if (fuzz_said(gp_raw_read(&fuzz_log, &p, &f, i, a))) {
+                before = false;
+                continue;
+            }
+            compare(a, a);
+            if (before)
+                compare(&image[!(i & 1)], a);
+            before = true;
+        }
+        gp_raw_image_free(&image[0]);
+        gp_raw_image_free(&image[1]);
+    }
+    if (path)
+        gp_raw_close(&f);
+    fuzz_end(fuzz_allowed(data, size) * 3 - 2 * (uint64_t) FUZZ_FIXED);
+    fuzz_file_close();
+    return 0;
+}

@@ -1,0 +1,58 @@
+/* What the fuzz targets share: a log that checks its lines, a meter of the
+ * heap, and the input as a file or a pipe.
+ *
+ * A target stands between fuzz_begin() and fuzz_end(). Every broken promise
+ * ends in abort(), which the fuzzer keeps as a crash with its input.
+ */
+#ifndef FUZZ_HARNESS_H
+#define FUZZ_HARNESS_H
+
+#include "core/status.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum {
+    FUZZ_PIXELS = 1 << 16,  // --max-pixels of the targets: quick inputs
+    FUZZ_FIXED = 64 << 20,  // bytes of heap that any input may take
+    FUZZ_SECONDS = 2,       // of CPU time, under the sanitizers
+};
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
+
+/* Formats every line, and counts the error lines. */
+extern const struct gp_log fuzz_log;
+
+/* Starts an input: no lines yet, the meter at zero, loops on one thread. */
+void fuzz_begin(void);
+
+/* Ends it. `allowed`: the most bytes that may have been on the heap at one
+ * time. Checks FUZZ_SECONDS too. */
+void fuzz_end(uint64_t allowed);
+
+/* Checks what a call said: an error has one line, "what is wrong; what to do",
+ * success has none, and no file makes GP_ERR_BUG. Returns `st`, and forgets the lines. */
+gp_status fuzz_said(gp_status st);
+
+/* Bytes of heap that an EXR of `size` bytes may take when its reader accepts
+ * FUZZ_PIXELS: FUZZ_FIXED, and for each pixel of the largest window that the
+ * bytes claim 32 floats and 8 bytes a channel. A window that is larger than
+ * FUZZ_PIXELS gives nothing. Found by searching the bytes for the attributes,
+ * so that a fault of the header's reader does not move its own bar. */
+uint64_t fuzz_allowed(const uint8_t *data, size_t size);
+
+/* The input as a file that can be opened by the name returned, until
+ * fuzz_file_close(); NULL when the system gives none. */
+const char *fuzz_file(const uint8_t *data, size_t size);
+void fuzz_file_close(void);
+
+/* The same as a pipe, which can be read once; NULL also when the input does
+ * not fit into a pipe's buffer. */
+const char *fuzz_pipe(const uint8_t *data, size_t size);
+void fuzz_pipe_close(void);
+
+/* Checks that every byte may be read, as AddressSanitizer sees it. */
+void fuzz_touch(const void *p, size_t bytes);
+
+#endif

@@ -1,0 +1,79 @@
+#!/bin/sh
+# Usage: seeds.sh GLAREPP FOLDER
+# Makes the first inputs of each target, FOLDER/NAME/*: small frames that
+# the program wrote, and texts that its readers know. What fuzzers grow from
+# them is kept in tests/fuzz/corpus (tests/fuzz/grow.sh).
+set -eu
+cd "$(dirname "$0")/../.."
+case $1 in /*) glarepp=$1 ;; *) glarepp=$PWD/$1 ;; esac
+exr=$PWD/tests/cli/exr.py
+mkdir -p "$2"
+cd "$2"
+mkdir -p frame plane kernel members raw options frames json scratch
+
+# frame NAME [key=value...]: what exr.py makes, written again by the program
+frame()
+{
+    name=$1 compression=$2 type=$3
+    shift 3
+    /usr/bin/python3 "$exr" scratch/in.exr "$@"
+    "$glarepp" -q --engine direct -k scratch/kernel.exr --type "$type" \
+        --compression "$compression" --hdr "frame/$name.exr" scratch/in.exr
+}
+
+/usr/bin/python3 "$exr" scratch/kernel.exr kind=kernel size=5x5 type=float
+for c in none rle zips zip piz pxr24 b44 b44a; do
+    frame "$c" $c half size=19x35 lights=3
+    frame "$c-float" $c float size=5x3 lights=1 channels=R,G,B,A,Z:float,id:uint
+done
+frame pixel none float size=1x1 hot=9
+frame grey zip half size=7x5 channels=Y
+frame far zip half size=6x6 origin=-40,70 display=0,0,9,9
+frame layers zip half size=6x4 channels=beauty.R,beauty.G,beauty.B,depth.Z
+frame part zips float size=5x4 part=depth:Z:float part=more:mask:half
+frame attributes none half size=2x2 attr=note:string:text attr=fps:float:24 \
+    attr=worldToNDC:m44f:1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,0
+
+cp frame/*.exr plane
+cp frame/*.exr raw
+for k in zip none-float pxr24-float grey pixel; do
+    cp frame/$k.exr kernel
+done
+cp scratch/kernel.exr kernel
+
+for f in png pfm; do
+    "$glarepp" -q --engine direct -k scratch/kernel.exr -o scratch/a.$f \
+        frame/pixel.exr 2>/dev/null || continue
+    cat frame/pixel.exr scratch/a.$f frame/grey.exr >members/mixed.$f
+    cat scratch/a.$f scratch/a.$f >members/two.$f
+done
+cat frame/grey.exr frame/far.exr frame/zips.exr >members/three
+
+# every option once, with a value of each shape
+"$glarepp" --help | sed -n 's/^.*--\([a-z][-a-z]*\).*$/\1/p' | sort -u |
+    while read -r option; do
+        for value in 1 0,1,2 0.5 a=b.exr name; do
+            printf -- '--%s\n%s\n-o\nout.png\nin.exr' "$option" "$value" \
+                >"options/$option-$(echo $value | tr -c 'a-z0-9\n' _)"
+        done
+    done
+printf 'bench\nin.exr\n--runs\n3' >options/bench
+printf 'compare\na.exr\nb.exr\n--fail\n0.1' >options/compare
+printf 'help\nengines' >options/help
+printf -- '-qt2\n-f1-9x2\n-o@.png\n--\n-\n@.exr' >options/letters
+
+printf '1-100x7,5,-3--9\nshot.####.exr\na/@@@.png\nv%%04d.exr' >frames/list
+printf '5-1\nrender@2x.####.png\n%%d\n%%%%d.exr' >frames/down
+
+printf '{"lights":[{"pixel":[1,2],"radius":3,"flux":[1,2,3],"name":"a"},
+{"world":[1,2,3],"depth":4,"bias":0.1},{"direction":[0,1,2],"degrees":1}]}' \
+    >json/lights
+printf '[{"shape":"ring","width":0.1,"position":2,"color":[1,2,3]},
+{"shape":"polygon","sides":5,"rotation":9,"scale":[1,2,3]},
+{"shape":"streak"},{"shape":"disc","size":1},{"shape":"image","image":"a"}]' \
+    >json/flare
+printf '{"width":8,"frames":[{"frame":1,"worldToNDC_rowmajor":
+[1,0,0,0,0,1,0,0,0,0,1,1,0,0,0,0],"sun_dir_world":[0,0,1],"sun_radius_px":2},
+{"frame":2,"worldToCamera_rowmajor":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],
+"worldToNDC_blender_colvec":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,1,0]}]}' >json/camera
+rm -r scratch
