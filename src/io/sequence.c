@@ -214,18 +214,21 @@ static bool read_range(const char **s, struct range *r)
     return **s == ',' || **s == '\0';
 }
 
-/* False when the list gets too long or memory is full. */
-static bool append_range(struct gp_frames *f, int *room, struct range r)
+static gp_status append_range(const struct gp_log *log, const char *text,
+                              struct range r, struct gp_frames *f, int *room)
 {
     int way = r.to < r.from ? -1 : 1;
     int64_t frames = ((int64_t) r.to - r.from) * way / r.step + 1;
     if (frames > GP_FRAME_LIST_MAX - f->n)
-        return false;
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--frames: too many frames (over %d in %s); make "
+                       "them in several runs", GP_FRAME_LIST_MAX, text);
     for (int64_t i = 0; i < frames; i++) {
         if (!append(f, room, (int) (r.from + way * i * r.step)))
-            return false;
+            return gp_fail(log, GP_ERR_BUG, "--frames: out of memory; close "
+                           "other programs");
     }
-    return true;
+    return GP_OK;
 }
 
 gp_status gp_frames_parse(const struct gp_log *log, const char *text,
@@ -244,12 +247,7 @@ gp_status gp_frames_parse(const struct gp_log *log, const char *text,
                          (int) strcspn(item, ","), item, text);
             goto out;
         }
-        if (!append_range(&f, &room, r)) {
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "--frames: too many frames (over %d in %s); make "
-                         "them in several runs", GP_FRAME_LIST_MAX, text);
-            goto out;
-        }
+        GP_TRY(append_range(log, text, r, &f, &room));
         if (!*s)
             break;
     }
@@ -291,10 +289,13 @@ static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
         int number = frame_of(p, start, e->d_name);
         if (number < 0)
             continue;
-        if (f->n == GP_FRAME_LIST_MAX || !append(f, &room, number))
+        if (f->n == GP_FRAME_LIST_MAX)
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: too many frames (over %d); choose some with "
                            "--frames", p->path, f->n);
+        if (!append(f, &room, number))
+            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                           "programs", p->path);
     }
     if (f->n == 0)
         return gp_fail(log, GP_ERR_IO,
