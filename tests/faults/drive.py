@@ -46,8 +46,8 @@ CONFIGURATIONS = {
     "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 40),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 --sun-method readback "
                  f"--flare flare.json {ONE}", (3, 5), 0),
-    "ocio": (f"-e direct --ocio c.ocio {ONE}", (3,), 10),
-    "bridge": ("-e direct --threads 1 --layer o/l.tif in.exr", (3,), 10),
+    "ocio": ("-e direct --ocio c.ocio -o o/a.png in.exr", (3,), 40),
+    "bridge": ("-e direct --threads 1 --layer o/l.tif in.exr", (3,), 40),
 }
 # (fault, statuses that are right); N is put in
 KINDS = (

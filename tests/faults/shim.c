@@ -13,8 +13,8 @@
  *
  * Only calls from main on count, and only those of the program, its bridges
  * and the C libraries it links with. Those made inside Mesa, LLVM, FFTW,
- * OpenImageIO and OpenColorIO are not: there a full memory ends the process
- * by the library's own hand.
+ * OpenImageIO, OpenColorIO and the dynamic linker are not: there a full
+ * memory ends the process by the library's own hand.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -69,8 +69,8 @@ static enum module module_of(const void *address)
 {
     static const char *const ours[] = {"/glarepp-", "/libOpenEXRCore", "/libpng",
                                        "/libz.", "/libdeflate", "/libjansson"};
-    static const char *const passing[] = {"/libc.so", "/ld-linux", "/libstdc++",
-                                          "/libgcc_s", "/shim.so"};
+    static const char *const passing[] = {"/libc.so", "/libstdc++", "/libgcc_s",
+                                          "/shim.so"};
     struct dl_find_object found;
     if (_dl_find_object((void *) address, &found))
         return FOREIGN;
