@@ -11,10 +11,11 @@
  * read, and grow: is made longer; write: N counts bytes, what is before them
  * is written and every later write fails (ENOSPC).
  *
- * Only calls from main on count, and only those of the program, its bridges
- * and the C libraries it links with. Those made inside Mesa, LLVM, FFTW,
- * OpenImageIO, OpenColorIO and the dynamic linker are not: there a full
- * memory ends the process by the library's own hand.
+ * Only calls of a program named .../glarepp count, from its main on, and only
+ * those of the program itself, its bridges and the C libraries it links with.
+ * Those made inside Mesa, LLVM, FFTW, OpenImageIO, OpenColorIO and the dynamic
+ * linker are not: there a full memory ends the process by the library's own
+ * hand.
  */
 #include <dlfcn.h>
 #include <errno.h>
@@ -196,6 +197,11 @@ int __libc_start_main(int (*m)(int, char **, char **), int argc, char **argv,
                       void (*rtld_fini)(void), void *stack_end)
 {
     const char *fault = getenv("FAULT"), *log = getenv("FAULT_LOG");
+    const char *slash = argv[0] ? strrchr(argv[0], '/') : NULL;
+    // a shell on the way to the program starts as ever
+    if (!slash || strcmp(slash + 1, "glarepp") != 0)
+        return ((start) real("__libc_start_main"))(m, argc, argv, init, fini,
+                                                   rtld_fini, stack_end);
     if (fault)
         parse(fault);
     if (log && strlen(log) < sizeof log_path)
