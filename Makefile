@@ -40,6 +40,7 @@ LIB_OBJ := $(filter-out $(B)/app/main.o,$(OBJ))
 OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%)
+FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
@@ -101,6 +102,12 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h)
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
 
+# What tests preload to make calls fail, and a GL library that breaks
+$(B)/tests/%.so: tests/faults/%.c
+	@mkdir -p $(@D)
+	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -fPIC -shared -o $@ $< \
+	    -ldl
+
 -include $(OBJ:.o=.d)
 
 include tests/fuzz/fuzz.mk
@@ -150,7 +157,7 @@ check: ## installs what is missing, builds, runs every test
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory check-all
 
-check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) fuzz-build
+check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
 
 # The same tests in builds that look for errors of memory and of arithmetic
@@ -165,7 +172,7 @@ check-asan: ## the tests under AddressSanitizer
 check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined) check-san
 
-check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN)
+check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" ""
 
 # OpenImageIO's thread pools die with a forked child and count as lost

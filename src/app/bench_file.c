@@ -2,6 +2,7 @@
 #include "app/bench_table.h"
 
 #include "app/json_name.h"
+#include "core/json_memory.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -210,6 +211,7 @@ static json_t *json_frame(const struct gp_bench_frame *f)
 gp_status gp_bench_json(const struct gp_log *log,
                         const struct gp_bench_table *t, const char *path)
 {
+    gp_json_memory_watch();
     json_t *o = json_object(), *frames = json_array();
     for (int i = 0; i < t->frames; i++)
         json_array_append_new(frames, json_frame(&t->frame[i]));
@@ -217,8 +219,7 @@ gp_status gp_bench_json(const struct gp_log *log,
     json_object_set_new(o, "runs", json_integer(t->runs));
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     json_object_set_new(o, "version", json_string(GP_VERSION));
-    char *text = json_dumps(o, JSON_INDENT(1) | JSON_REAL_PRECISION(10));
-    json_decref(o);
+    char *text = gp_json_print(o, JSON_INDENT(1) | JSON_REAL_PRECISION(10));
     if (!text)
         return gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
     const size_t size = strlen(text);

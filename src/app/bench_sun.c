@@ -4,6 +4,7 @@
 #include "app/json_name.h"
 #include "app/sun.h"
 #include "core/clock.h"
+#include "core/json_memory.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -255,6 +256,7 @@ static json_t *row_json(const struct row *r)
 
 static gp_status write_json(const struct bench *b, const char *path)
 {
+    gp_json_memory_watch();
     json_t *const rows = json_array();
     for (int i = 0; i < b->rows; i++)
         json_array_append_new(rows, row_json(&b->row[i]));
@@ -263,10 +265,7 @@ static gp_status write_json(const struct bench *b, const char *path)
                   gp_json_name(b->frame.path), "lights",
                   b->suns.n, "runs", b->s->bench.runs, "threads",
                   gp_threads(), "rows", rows);
-    char *text = all ? json_dumps(all, JSON_INDENT(1) |
-                                           JSON_REAL_PRECISION(10))
-                     : NULL;
-    json_decref(all);
+    char *text = gp_json_print(all, JSON_INDENT(1) | JSON_REAL_PRECISION(10));
     if (!text)
         return gp_fail(b->log, GP_ERR_BUG, "%s: out of memory", path);
     return write_text(b, path, text, strlen(text));

@@ -24,6 +24,7 @@ struct run {
     struct gp_pattern heatmap;
     struct gp_frames frames;       // n 0: one pair of plain files
     FILE *json;                    // NULL: not wanted
+    bool full;                     // a line of it was lost
     enum gp_compare_result worst;
     int count[GP_COMPARE_FILE + 1];
 
@@ -45,8 +46,8 @@ static void tell(struct run *r)
     r->count[r->row.result]++;
     if (r->row.result > r->worst)
         r->worst = r->row.result;
-    if (r->json)
-        gp_compare_json(&r->row, r->json);
+    if (r->json && !gp_compare_json(&r->row, r->json))
+        r->full = true;
     if (s->level == GP_LEVEL_ERROR || on_stdout(s->bench.json))
         return;
     if (r->frames.n && s->level < GP_LEVEL_INFO)
@@ -295,12 +296,11 @@ static gp_status compare_all(struct run *r)
 static gp_status finish(struct run *r, char **text, size_t *size)
 {
     const char *const path = r->s->bench.json;
-    bool full = false;
     if (r->json) {
-        full = ferror(r->json);
-        full = fclose(r->json) != 0 || full;
+        r->full = ferror(r->json) || r->full;
+        r->full = fclose(r->json) != 0 || r->full;
     }
-    if (full)
+    if (r->full)
         return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory", path);
     if (fflush(stdout) != 0 || ferror(stdout))
         return gp_fail(r->log, GP_ERR_IO,

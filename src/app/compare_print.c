@@ -1,6 +1,7 @@
 #include "app/compare_print.h"
 
 #include "app/json_name.h"
+#include "core/json_memory.h"
 #include "core/memory.h"
 
 #include <jansson.h>
@@ -168,8 +169,9 @@ static void put_figures(json_t *o, const struct gp_compare_row *r)
     put_count(o, "pixels", f->pixels);
 }
 
-void gp_compare_json(const struct gp_compare_row *r, FILE *to)
+bool gp_compare_json(const struct gp_compare_row *r, FILE *to)
 {
+    gp_json_memory_watch();
     json_t *const o = json_object();
     json_object_set_new(o, "a", gp_json_name(r->a));
     json_object_set_new(o, "b", gp_json_name(r->b));
@@ -183,7 +185,8 @@ void gp_compare_json(const struct gp_compare_row *r, FILE *to)
         json_object_set_new(o, "why", gp_json_name(r->why));
     else
         put_figures(o, r);
-    json_dumpf(o, to, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    fputc('\n', to);
-    json_decref(o);
+    char *const text = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    const bool whole = text && fprintf(to, "%s\n", text) > 0;
+    free(text);
+    return whole;
 }

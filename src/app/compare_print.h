@@ -30,7 +30,8 @@ const char *gp_compare_word(enum gp_compare_result r);
 void gp_compare_print(const struct gp_compare_row *r, FILE *to);
 void gp_compare_print_line(const struct gp_compare_row *r, FILE *to);
 
-/* One object on a line. Numbers that are not finite are null. */
-void gp_compare_json(const struct gp_compare_row *r, FILE *to);
+/* One object on a line. Numbers that are not finite are null. False when
+ * memory is full, or `to`. */
+bool gp_compare_json(const struct gp_compare_row *r, FILE *to);
 
 #endif

@@ -1,5 +1,7 @@
 #include "app/json_name.h"
 
+#include "core/json_memory.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -25,7 +27,7 @@ static size_t utf8_length(const unsigned char *s)
 json_t *gp_json_name(const char *s)
 {
     static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
-    char *clean = malloc(3 * strlen(s) + 1), *to = clean;
+    char *clean = gp_json_allocate(3 * strlen(s) + 1), *to = clean;
     if (!clean)
         return NULL;
     while (*s) {
@@ -38,4 +40,15 @@ json_t *gp_json_name(const char *s)
     json_t *value = json_string(clean);
     free(clean);
     return value;
+}
+
+char *gp_json_print(json_t *o, size_t flags)
+{
+    char *text = o ? json_dumps(o, flags) : NULL;
+    json_decref(o);
+    if (gp_json_memory_full()) {
+        free(text);
+        return NULL;
+    }
+    return text;
 }

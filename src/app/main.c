@@ -91,6 +91,7 @@ int main(int argc, char *argv[])
     gp_file_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
     if (!st && (s.help || s.help_man || s.version ||

@@ -1,6 +1,7 @@
 #include "app/report.h"
 
 #include "app/json_name.h"
+#include "core/json_memory.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -9,6 +10,7 @@
 #include <jansson.h>
 #include <math.h>
 #include <stdarg.h>
+#include <stdio_ext.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -290,6 +292,7 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
                          struct gp_report *out)
 {
     struct gp_report r = {.path = path};
+    bool no_memory = false;
     if (strcmp(path, "-") == 0) {
         r.file = stdout;
     } else {
@@ -298,7 +301,15 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         if (!r.made && errno == EEXIST)
             fd = open(path, O_WRONLY | O_CLOEXEC);
         r.file = fd >= 0 ? fdopen(fd, "w") : NULL;
+        no_memory = fd >= 0 && !r.file;
+        if (no_memory)
+            close(fd);
+        if (no_memory && r.made)
+            unlink(path);
     }
+    if (no_memory)
+        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                       "programs", path);
     if (!r.file)
         return gp_fail(log, GP_ERR_IO,
                        "%s: cannot write the report (%s); check the folder",
@@ -325,21 +336,38 @@ static bool start_file(const struct gp_report *r)
     return ftruncate(fd, 0) == 0;
 }
 
+/* A line that did not fit on the disk must not stay half. */
+static void take_back(const struct gp_report *r, long before)
+{
+    struct stat s;
+    const int fd = fileno(r->file);
+    if (r->file == stdout || before < 0 || fstat(fd, &s) != 0 ||
+        !S_ISREG(s.st_mode))
+        return;
+    __fpurge(r->file); // or closing it would try again
+    (void) !ftruncate(fd, before);
+}
+
 /* Takes the object and writes its line. */
 static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                               struct object *o)
 {
-    char *line = o->full ? NULL
-                         : json_dumps(o->json, JSON_COMPACT |
-                                                   JSON_REAL_PRECISION(10));
-    json_decref(o->json);
-    if (!line)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", r->path);
+    char *line = gp_json_print(o->json,
+                              JSON_COMPACT | JSON_REAL_PRECISION(10));
+    if (!line || o->full) {
+        free(line);
+        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                       "programs", r->path);
+    }
+    const long before = ftell(r->file);
     bool fine = (r->lines > 0 || start_file(r)) &&
                 fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
     free(line);
-    if (!fine)
-        return write_failed(log, r);
+    if (!fine) {
+        const gp_status st = write_failed(log, r);
+        take_back(r, before);
+        return st;
+    }
     r->lines++;
     return GP_OK;
 }
@@ -347,6 +375,7 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
                            const struct gp_facts *facts, const char *error)
 {
+    gp_json_memory_watch();
     struct object o = {.json = json_object()};
     if (facts->numbered)
         put(&o, "frame", json_integer(facts->frame));
@@ -360,6 +389,7 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
+    gp_json_memory_watch();
     struct object o = {.json = json_object()};
     add_names(&o, facts);
     add_engine(&o, &facts->glare);

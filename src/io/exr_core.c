@@ -1,6 +1,7 @@
 #include "io/exr_core.h"
 
 #include "core/memory.h"
+#include "io/exr_fault.h"
 
 #include <string.h>
 
@@ -61,14 +62,15 @@ static exr_result_t describe(exr_context_t ctxt, const struct gp_exr_image *img)
 
 struct gp_exr_core *gp_exr_core_new(const struct gp_exr_image *img)
 {
-    void *mem;
-    if (gp_alloc_zero(NULL, "EXR compressor", 1, sizeof(struct gp_exr_core),
-                      &mem))
+    // the library's way, so that a full memory is known as one
+    struct gp_exr_core *core = gp_exr_allocate(sizeof *core);
+    if (!core)
         return NULL;
-    struct gp_exr_core *core = mem;
+    *core = (struct gp_exr_core) {0};
     core->img = img;
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = say_nothing;
+    init.alloc_fn = gp_exr_allocate;
     init.write_fn = write_nowhere;
     if (exr_start_write(&core->ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY,
                         &init) ||
@@ -139,8 +141,9 @@ gp_status gp_exr_core_run(struct gp_exr_core *core, int y0, int y1,
     core->y0 = y0;
     core->y1 = y1;
     core->clamped = clamped;
+    gp_exr_fault_clear();
     if (prepare(core) || exr_encoding_run(core->ctxt, 0, &core->pipe))
-        return GP_ERR_USAGE;
+        return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
     const exr_encode_pipeline_t *pipe = &core->pipe;
     // a chunk that did not shrink is stored as it is, and readers know such
     // a chunk by its size alone; 3.1.5 forgets that for the equal size

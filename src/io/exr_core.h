@@ -14,7 +14,8 @@
 struct gp_exr_core;
 
 /* Makes a compressor for one thread; `img` is borrowed until it is freed.
- * NULL when the library refuses these channels or memory is full. */
+ * NULL when the library refuses these channels or memory is full, which
+ * gp_exr_fault() then says. */
 struct gp_exr_core *gp_exr_core_new(const struct gp_exr_image *img);
 void gp_exr_core_free(struct gp_exr_core *core);
 
@@ -24,8 +25,8 @@ void gp_exr_core_free(struct gp_exr_core *core);
  *              until its next call
  *   clamped    as in gp_exr_pack()
  *
- * Returns GP_OK or GP_ERR_USAGE: the library's count of samples is not that
- * of the file layout (3.1.5 and odd subsampling).
+ * Returns GP_OK; GP_ERR_BUG memory is full; GP_ERR_USAGE the library's count
+ * of samples is not that of the file layout (3.1.5 and odd subsampling).
  */
 GP_MUST_CHECK gp_status gp_exr_core_run(struct gp_exr_core *core, int y0,
                                         int y1, const void **out,

@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "io/exr_fault.h"
 #include "io/exr_unzip.h"
 #include "io/half.h"
 
@@ -206,11 +207,15 @@ static gp_status open_worker(const struct gp_log *log,
 {
     const exr_context_t exr = l->origin->exr;
     *w = (struct worker) {.layout = l, .sink = sink};
+    gp_exr_fault_clear();
     exr_result_t r =
         exr_decoding_initialize(exr, l->part, &l->chunk[0], &w->pipe);
     w->ready = true;
     if (!r)
         r = choose_routines(l, &w->pipe);
+    const gp_status fault = gp_exr_fault();
+    if (fault)
+        return gp_exr_fault_tell(log, l->path, fault);
     if (r)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR library cannot decode it (%s); write the "
@@ -238,16 +243,39 @@ static gp_status open_worker(const struct gp_log *log,
 static gp_status decode_body(void *ctx, int index, int thread)
 {
     const struct job *job = ctx;
-    return run_chunk(&job->worker[thread], index) ? GP_ERR_DATA : GP_OK;
+    gp_exr_fault_clear();
+    const exr_result_t r = run_chunk(&job->worker[thread], index);
+    const gp_status fault = gp_exr_fault();
+    return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
 }
 
-/* Decodes the chunk that failed once more to learn why. */
+/* zlib takes its memory behind the library's back, and the library says the
+ * same of a full one and of blocks that end early. */
+static bool is_memory_full(const struct gp_exr_layout *l)
+{
+    enum { ZLIB_BYTES = 1 << 16 };
+    void *p;
+    const bool full = gp_alloc(NULL, l->path, ZLIB_BYTES, 1, &p);
+    gp_free(p);
+    return full;
+}
+
+/* Decodes the chunk that failed once more to learn why; it fails again when
+ * the file is to blame. */
 static gp_status report(const struct gp_log *log, const struct job *job,
-                        int index)
+                        int index, gp_status st)
 {
     const struct gp_exr_layout *l = job->layout;
     const exr_chunk_info_t *c = &l->chunk[index];
+    if (st != GP_ERR_DATA)
+        return gp_exr_fault_tell(log, l->path, st);
+    gp_exr_fault_clear();
     exr_result_t r = run_chunk(&job->worker[0], index);
+    if (gp_exr_fault())
+        return gp_exr_fault_tell(log, l->path, gp_exr_fault());
+    const bool cut = gp_exr_fault_short();
+    if ((!r && !cut) || (r == EXR_ERR_OUT_OF_MEMORY && is_memory_full(l)))
+        return gp_exr_fault_tell(log, l->path, GP_ERR_BUG);
     char place[64];
     if (l->tile_w)
         snprintf(place, sizeof place, "tile %d,%d", c->start_x, c->start_y);
@@ -259,6 +287,7 @@ static gp_status report(const struct gp_log *log, const struct job *job,
                    // which the library also says of blocks that end early
                    r == EXR_ERR_OUT_OF_MEMORY
                        ? "a block does not fit its pixels"
+                   : cut ? "the file ends before them"
                        : exr_get_default_error_message(r));
 }
 
@@ -277,7 +306,7 @@ gp_status gp_exr_decode(const struct gp_log *log,
         GP_TRY(open_worker(log, l, sink, &job.worker[i]));
     st = gp_parallel(l->chunks, decode_body, &job, &failed);
     if (st)
-        st = report(log, &job, failed);
+        st = report(log, &job, failed, st);
 out:
     for (int i = 0; i < team; i++)
         close_worker(&job.worker[i]);

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/exr_core.h"
+#include "io/exr_fault.h"
 #include "io/exr_out.h"
 #include "io/exr_zip.h"
 #include "io/half.h"
@@ -160,8 +161,12 @@ static gp_status alloc_bytes(const struct gp_log *log, size_t n, uint8_t **out)
     return st;
 }
 
-static gp_status refused(const struct gp_log *log, const char *path)
+/* `st` is that of a compressor; what is no full memory is a refusal. */
+static gp_status refused(const struct gp_log *log, const char *path,
+                         gp_status st)
 {
+    if (st == GP_ERR_BUG)
+        return gp_exr_fault_tell(log, path, st);
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: OpenEXR cannot put these channels into this "
                    "compression (names or subsampling); use --compression "
@@ -175,8 +180,9 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
     if (c == GP_COMPRESSION_NONE)
         return GP_OK;
     if (c != GP_COMPRESSION_ZIP && c != GP_COMPRESSION_ZIPS) {
+        gp_exr_fault_clear();
         w->core = gp_exr_core_new(b->img);
-        return w->core ? GP_OK : refused(log, path);
+        return w->core ? GP_OK : refused(log, path, gp_exr_fault());
     }
     gp_status st = alloc_bytes(log, b->chunk_bytes, &w->raw);
     if (!st)
@@ -274,8 +280,9 @@ gp_status gp_exr_encode(struct gp_exr_out *out, int part,
     for (; b.first < chunks; b.first += b.slots) {
         const int left = chunks - b.first;
         const int n = left < b.slots ? left : b.slots;
-        if (gp_parallel(n, encode_chunk, &b, NULL))
-            GP_TRY(refused(out->log, path));
+        st = gp_parallel(n, encode_chunk, &b, NULL);
+        if (st)
+            GP_TRY(refused(out->log, path, st));
         GP_TRY(write_batch(out, part, &b, n, stats));
     }
 out:

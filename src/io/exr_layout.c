@@ -1,6 +1,7 @@
 #include "io/exr_decode.h"
 
 #include "core/memory.h"
+#include "io/exr_fault.h"
 
 #include <limits.h>
 
@@ -37,6 +38,9 @@ static gp_status bad_chunk(const struct gp_log *log,
                            const struct gp_exr_layout *l, int index,
                            const char *what)
 {
+    const gp_status fault = gp_exr_fault();
+    if (fault)
+        return gp_exr_fault_tell(log, l->path, fault);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: cut off or damaged (chunk %d of %d: %s); copy or "
                    "render the file again", l->path, index + 1, l->chunks,
@@ -103,6 +107,7 @@ static gp_status read_chunks(const struct gp_log *log,
                              struct gp_exr_layout *l)
 {
     int64_t pixels = 0;
+    gp_exr_fault_clear();
     for (int i = 0; i < l->chunks; i++) {
         exr_chunk_info_t *c = &l->chunk[i];
         exr_result_t r = gp_origin_chunk(l->origin, l->part, i, c);

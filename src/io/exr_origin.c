@@ -1,6 +1,7 @@
 #include "io/exr_origin.h"
 
 #include "core/memory.h"
+#include "io/exr_fault.h"
 
 #include <limits.h>
 #include <stdio.h>
@@ -11,9 +12,9 @@ static int64_t read_bytes(exr_const_context_t ctxt, void *user, void *to,
                           exr_stream_error_func_ptr_t error)
 {
     (void) ctxt;
-    (void) error; // a short read is an error to the library already
+    (void) error; // what went wrong is kept there
     const struct gp_origin *o = user;
-    const int64_t got = gp_stream_read(&o->stream, to, n, offset);
+    const int64_t got = gp_exr_read_bytes(&o->stream, to, n, offset);
     if (got > 0 && o->hidden && o->hidden >= offset &&
         o->hidden - offset < (uint64_t) got)
         ((char *) to)[o->hidden - offset] = '-'; // "-ype", a name of no use
@@ -97,20 +98,27 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = keep_reason;
     init.user_data = o;
+    init.alloc_fn = gp_exr_allocate;
     init.read_fn = read_bytes;
     init.size_fn = query_size;
     // a table that points outside the file means lost pixels: say so instead
     // of guessing where they are
     init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    gp_exr_fault_clear();
     exr_result_t r = exr_start_read(&o->exr, path, &init);
     if (!r)
         r = exr_get_count(o->exr, &o->parts);
-    if (r || o->parts < 1) {
+    const gp_status fault = gp_exr_fault();
+    if (fault) {
+        st = gp_exr_fault_tell(log, path, fault);
+    } else if (r || o->parts < 1) {
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: the EXR header is damaged or cut off (%s); copy or "
                      "render the file again", path,
                      o->reason[0] ? o->reason
                                   : exr_get_default_error_message(r));
+    }
+    if (st) {
         gp_origin_free(o);
         return st;
     }

@@ -48,7 +48,8 @@ static inline const struct gp_origin *gp_origin_of(const struct gp_frame *f)
  *           gp_origin_free() as gp_frame.origin_free
  *
  * `part` of the result is 0 until the reader has chosen.
- * Errors: GP_ERR_DATA the header is damaged; GP_ERR_BUG out of memory.
+ * Errors: GP_ERR_DATA the header is damaged; GP_ERR_IO a read failed;
+ * GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_origin_open_exr(const struct gp_log *log,
                                            const char *path,

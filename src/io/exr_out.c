@@ -1,6 +1,7 @@
 #include "io/exr_out.h"
 
 #include "core/memory.h"
+#include "io/exr_fault.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -106,7 +107,8 @@ static gp_status read_places(const struct gp_exr_out *out, int part,
         else
             at += (uint64_t) before * sizeof(uint64_t);
     }
-    if (!st && gp_stream_read(&o->stream, offset, bytes, at) != (int64_t) bytes)
+    if (!st && gp_exr_read_bytes(&o->stream, offset, bytes, at) !=
+                   (int64_t) bytes)
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
         place[i] = (struct place) {((uint64_t *) offset)[i], i};
@@ -131,7 +133,7 @@ static uint64_t chunk_size(const struct gp_origin *o, int part, uint64_t offset,
     uint8_t leader[44];
     int32_t number, flat;
     uint64_t deep_size[2], size;
-    if (gp_stream_read(&o->stream, leader, lead, offset) != (int64_t) lead)
+    if (gp_exr_read_bytes(&o->stream, leader, lead, offset) != (int64_t) lead)
         return 0;
     memcpy(&number, leader, 4);
     memcpy(&flat, leader + head, 4);
@@ -154,7 +156,7 @@ static gp_status copy_bytes(const struct gp_exr_out *out,
 {
     while (size > 0) {
         const size_t n = size < room ? (size_t) size : room;
-        if (gp_stream_read(&o->stream, block, n, at) != (int64_t) n)
+        if (gp_exr_read_bytes(&o->stream, block, n, at) != (int64_t) n)
             return GP_ERR_DATA;
         gp_status st = gp_file_write(out->file, block, n);
         if (st)
@@ -180,6 +182,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
     GP_TRY(gp_alloc(out->log, path, (size_t) t->chunks, sizeof(struct place),
                     &mem));
     const struct place *place = mem;
+    gp_exr_fault_clear();
     st = read_places(out, part, o, raw, mem);
     for (int i = 0; !st && i < t->chunks; i++) {
         const uint64_t size = chunk_size(o, part, place[i].offset, storage);
@@ -188,7 +191,9 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
                                BLOCK_BYTES)
                   : GP_ERR_DATA;
     }
-    if (st == GP_ERR_DATA)
+    if (st == GP_ERR_DATA && gp_exr_fault())
+        st = gp_exr_fault_tell(out->log, path, gp_exr_fault());
+    else if (st == GP_ERR_DATA)
         (void) gp_fail(out->log, st,
                        "%s: part %d is cut off or damaged; copy or render the "
                        "file again, or give --hdr a file without it", path,

@@ -1,6 +1,7 @@
 #include "io/exr_raw.h"
 
 #include "core/memory.h"
+#include "io/exr_fault.h"
 
 #include <limits.h>
 #include <string.h>
@@ -111,9 +112,11 @@ static gp_status load(const struct gp_log *log, const char *path,
     gp_free(raw->bytes);
     raw->bytes = bytes;
     raw->size = size;
-    if (gp_stream_read(&o->stream, bytes, size, 0) != (int64_t) size)
-        return damaged(log, path);
-    return GP_OK;
+    gp_exr_fault_clear();
+    if (gp_exr_read_bytes(&o->stream, bytes, size, 0) == (int64_t) size)
+        return GP_OK;
+    return gp_exr_fault() ? gp_exr_fault_tell(log, path, gp_exr_fault())
+                          : damaged(log, path);
 }
 
 gp_status gp_exr_raw_read(const struct gp_log *log, const char *path,

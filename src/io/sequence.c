@@ -192,10 +192,13 @@ static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
         int number = frame_of(p, start, e->d_name);
         if (number < 0)
             continue;
-        if (f->n == GP_FRAME_LIST_MAX || !gp_frames_add(f, number))
+        if (f->n == GP_FRAME_LIST_MAX)
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: too many frames (over %d); choose some with "
                            "--frames", p->path, f->n);
+        if (!gp_frames_add(f, number))
+            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                           "programs", p->path);
     }
     if (f->n == 0)
         return gp_fail(log, GP_ERR_IO,

@@ -1,0 +1,173 @@
+#!/bin/sh
+# Calls that fail, one after another, in small runs of every kind: the status
+# is a documented one, an error is one line, each output is whole or is not
+# there, and no temporary file is left. tests/faults/drive.py does the work.
+#
+# GLAREPP_TEST_LONG tries every point of every run; GLAREPP_TEST_QUICK some.
+. "$(dirname "$0")/lib.sh"
+need_python
+built=$(dirname "$glarepp")/tests
+shim=$built/shim.so
+[ -f "$shim" ] || skip_all "no $shim"
+# the sanitizers' own allocator would not hear of it
+if LC_ALL=C grep -qa __asan_init "$glarepp"; then
+    skip_all 'AddressSanitizer has an allocator of its own'
+fi
+[ "$(LD_PRELOAD=$shim FAULT_LOG=$tmp/log "$glarepp" --version >out 2>&1
+    grep -c '^malloc' log)" = 1 ] || skip_all 'nothing can be preloaded'
+
+frame in.exr size=32x24 channels=R,G,B,A,Z:float type=half lights=20
+for n in 1 2 3; do
+    frame s.000$n.exr size=20x15 seed=$n lights=9
+done
+echo '[{"pixel": [20, 10], "radius": 2, "flux": [5, 5, 5]}]' >lights.json
+cp "$root/examples/flare.json" .
+cat >c.ocio <<'OCIO'
+ocio_profile_version: 2
+roles: {scene_linear: lin, default: lin}
+displays:
+  Screen:
+    - !<View> {name: Power, colorspace: power}
+colorspaces:
+  - !<ColorSpace> {name: lin}
+  - !<ColorSpace>
+    name: power
+    from_scene_reference: !<ExponentTransform> {value: [0.45, 0.45, 0.45, 1]}
+OCIO
+
+"$python" "$root/tests/faults/drive.py" "$glarepp" "$shim" all >drive.log 2>&1
+is $? 0 'the faults were tried'
+verdicts drive.log
+
+# -- what a failing call leaks ----------------------------------------------------
+
+if command -v valgrind >valgrind.path && [ -z "$quick" ]; then
+    cat >checked <<'RUN'
+#!/bin/sh
+# the shim is for the program alone; of its free()s valgrind hears all
+LD_PRELOAD=$FAULT_SHIM exec valgrind -q --error-exitcode=99 --leak-check=full \
+    --errors-for-leak-kinds=definite --soname-synonyms=somalloc=nouserintercepts \
+    --suppressions="$SUPPRESSIONS" "$@"
+RUN
+    chmod +x checked
+    SUPPRESSIONS=$root/tests/valgrind.supp FAULT_RUN=$tmp/checked \
+        FAULT_ONLY=malloc:N \
+        "$python" "$root/tests/faults/drive.py" "$glarepp" "$shim" \
+        direct >leaks.log 2>&1
+    is $? 0 'leaks were looked for'
+    sed 's/ok \([a-z]*\),/ok no leak, \1,/' leaks.log >leaks
+    verdicts leaks
+else
+    skip 1 'no valgrind'
+fi
+
+# -- GL that breaks ---------------------------------------------------------------
+
+broken=$built/broken_gl.so
+# breaks KIND ARGUMENT...: status 5, one line, no file; twice as --gl osmesa
+breaks()
+{
+    kind=$1
+    shift
+    rm -rf made && mkdir made
+    BROKEN_GL=$kind GLAREPP_OSMESA=$broken "$glarepp" --gl osmesa "$@" \
+        -o made/a.png --hdr made/h.exr --report made/r.json in.exr >out 2>err
+    status=$?
+    fails_with 5 OSMesa "GL, $kind, $*"
+    empty_folder made "GL, $kind, $*: nothing is left"
+}
+if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
+    in.exr >out 2>err; then
+    "$glarepp" -e splat --gl osmesa --layer plain.exr in.exr
+    same gl.exr plain.exr 'GL that does not break'
+    for kind in context current old missing compile link framebuffer memory \
+        lost; do
+        breaks $kind -e splat
+        breaks $kind -e direct --sun 12,8,3 --sun-color 9,8,7 \
+            --sun-method readback
+    done
+    for n in 1 2; do
+        export BROKEN_GL_AFTER=$n
+        breaks lost -e splat --primitive quad
+    done
+    unset BROKEN_GL_AFTER
+    # what needs no GL runs on
+    for kind in context compile lost; do
+        BROKEN_GL=$kind GLAREPP_OSMESA=$broken "$glarepp" --gl osmesa \
+            --layer any.exr in.exr >out 2>err
+        status=$?
+        quiet_success "GL, $kind: no matter for auto"
+    done
+    # the other system steps in
+    if GLAREPP_OSMESA=/nonexistent "$glarepp" -e splat --layer egl.exr in.exr \
+        >out 2>err; then
+        BROKEN_GL=context GLAREPP_OSMESA=$broken "$glarepp" -e splat \
+            --layer other.exr in.exr >out 2>err
+        status=$?
+        quiet_success 'OSMesa breaks: EGL steps in'
+        same other.exr egl.exr 'OSMesa breaks: EGL steps in, with its bytes'
+    else
+        skip 2 'no EGL'
+    fi
+    MESA_GL_VERSION_OVERRIDE=2.1 "$glarepp" -e splat --gl osmesa --layer old.exr \
+        in.exr >out 2>err
+    status=$?
+    fails_with 5 'OpenGL 4.5 is needed' 'a Mesa of OpenGL 2.1'
+    echo 'no library' >text.so
+    GLAREPP_OSMESA=$tmp/text.so "$glarepp" -e splat --gl osmesa \
+        --layer old.exr in.exr >out 2>err
+    status=$?
+    fails_with 5 text.so 'a library that is none'
+else
+    skip 70 'no OSMesa'
+fi
+
+# -- inputs and places -------------------------------------------------------------
+
+# A file that shrinks or grows while others read it has its rows above. Here
+# the limits are those of the system.
+"$glarepp" -e direct --hdr whole.exr --compression none in.exr
+for blocks in 0 1 2 4 8 16; do
+    rm -rf made && mkdir made
+    # (no file can take its words either)
+    { (ulimit -f $blocks; "$glarepp" -e direct --hdr made/h.exr \
+        --compression none in.exr); echo $? >&3; } 2>&1 >out 3>code | cat >err
+    status=$(cat code)
+    if [ $status = 0 ]; then
+        same made/h.exr whole.exr "files of $blocks blocks at most: whole"
+    else
+        fails_with 3 made/h.exr "files of $blocks blocks at most"
+        empty_folder made "files of $blocks blocks at most: nothing is left"
+    fi
+done
+
+# Memory that ends: the line may be any of many, a signal may be none of them
+rm -rf made && mkdir made
+for kib in 4000 8000 12000 16000 20000 30000 50000 80000 120000; do
+    (ulimit -v $kib; exec "$glarepp" -e direct --threads 1 --hdr made/h.exr \
+        -o made/a.png s.0001.exr) >out 2>err
+    status=$?
+    case $status in
+    0) is "$(ls made | xargs)" 'a.png h.exr' "$kib KiB are enough" ;;
+    70 | 3) one_line_error '' "$kib KiB are not enough: one line"
+        empty_folder made "$kib KiB are not enough: nothing is left" ;;
+    127 | 126) note "$kib KiB: not even started ($(head -c 200 err))" ;;
+    *) result 1 "$kib KiB: status $status, $(head -c 200 err)" ;;
+    esac
+    rm -f made/*
+done
+
+if [ "$(id -u)" = 0 ]; then
+    skip 6 'root may write everywhere'
+else
+    mkdir locked && cp in.exr locked/old.exr && chmod 500 locked
+    run -o locked/a.png in.exr
+    fails_with 3 locked/a.png 'a folder that is read-only'
+    run --hdr locked/old.exr s.0001.exr
+    fails_with 3 locked/old.exr 'a file in a folder that is read-only'
+    cp in.exr kept.exr && chmod 400 kept.exr
+    run --hdr kept.exr s.0001.exr
+    fails_with 3 kept.exr 'a file that is read-only'
+fi
+
+done_testing

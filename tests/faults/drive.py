@@ -1,0 +1,249 @@
+#!/usr/bin/python3
+"""Fails one call after another of a small run, and looks at what is left.
+
+usage: drive.py PROGRAM SHIM all|CONFIGURATION...
+
+Prints lines "ok ..." and "not ok ..." for lib.sh's verdicts. In the working
+folder lie the inputs; each run has a folder of its own. env
+GLAREPP_TEST_QUICK takes only some of the points, GLAREPP_TEST_LONG all of all
+configurations, FAULT_ONLY one row of KINDS, and FAULT_RUN is put before the
+program (valgrind); with status 99 it says that it found something.
+"""
+import concurrent.futures
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+QUICK = bool(os.environ.get("GLAREPP_TEST_QUICK"))
+LONG = bool(os.environ.get("GLAREPP_TEST_LONG"))
+RUNNER = os.environ.get("FAULT_RUN", "").split()
+SECONDS = 120 if RUNNER else 30  # a run that takes longer hangs
+STOP = 99   # of FAULT_RUN
+AT_ONCE = 2
+INPUTS = ("in.exr", "lights.json", "flare.json", "c.ocio", "s.0001.exr",
+          "s.0002.exr", "s.0003.exr")
+
+FILES = "-o o/a.png --hdr o/h.exr --report o/r.json --debug sensors=o/s.exr"
+ONE = f"--threads 1 {FILES} in.exr"
+# (arguments, more statuses that a full memory may end with: a library that
+# cannot be loaded is 3, a GL context that cannot be made 5; share of points
+# that an ordinary run takes: 0 none, 3 each third)
+CONFIGURATIONS = {
+    "direct": (f"-e direct {ONE}", (), 1),
+    "fft": (f"-e fft --layer o/l.exr {ONE}", (3,), 4),
+    "auto": (f"{ONE}", (3,), 8),
+    "sun": (f"-e direct --sun 12,8,3 --sun-color 9,8,7 --flare flare.json "
+            f"--lights lights.json --debug sunmap=o/m.exr {ONE}", (), 4),
+    "kernel": (f"-e direct -k in.exr --rotate 10 --verify {ONE}", (), 8),
+    "threads": (f"-e fft --threads 3 {FILES} in.exr", (3,), 8),
+    "old": (f"-e direct {ONE}", (), 6),
+    "pipe": ("-e direct --threads 1 --hdr - --stdout-format exr -", (), 4),
+    "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 6),
+    "sequence": ("-e direct --threads 1 --skip-bad-frames -o o/a.#.png "
+                 "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 6),
+    "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 80),
+    "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
+                 f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
+    "ocio": ("-e direct --ocio c.ocio -o o/a.png in.exr", (3,), 60),
+    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 60),
+}
+# (fault, statuses that are right); N is put in
+KINDS = (
+    ("malloc:N", (0, 70)),
+    ("malloc:N+", (0, 70)),
+    ("open:N", (0, 3)),
+    ("open:N:EMFILE", (0, 3)),
+    ("close:N", (0, 3)),
+    ("rename:N", (3,)),
+    ("unlink:N", (0, 3)),
+    ("fchmod:N", (0, 3)),
+    ("ftruncate:N", (0, 3)),
+    ("fdopen:N", (3, 70)),
+    ("read:N", (0, 3)),
+    ("read:N:EINTR", (0,)),
+    ("short:N", (0,)),
+    ("truncate:N", (0, 3, 4)),
+    ("grow:N", (0, 3, 4)),
+    ("write:N", (3,)),
+    ("write:N:EDQUOT", (3,)),
+    ("thread:N", (0,)),
+    ("thread:N+", (0,)),
+)
+
+
+class Run:
+    """What one run left."""
+
+    def __init__(self, name, folder, program, shim, fault):
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder + "/o")
+        for file in INPUTS:
+            shutil.copy(file, folder)
+        if name == "old":
+            for file in ("a.png", "h.exr", "s.exr"):
+                with open(f"{folder}/o/{file}", "w") as f:
+                    f.write("old")
+        env = dict(os.environ, FAULT=fault, LD_PRELOAD=shim,
+                   FAULT_LOG=os.path.abspath(folder) + "/log")
+        if RUNNER:
+            del env["LD_PRELOAD"]
+            env["FAULT_SHIM"] = shim
+        arguments = CONFIGURATIONS[name][0].split()
+        with open(folder + "/in.exr", "rb") as stdin:
+            try:
+                p = subprocess.run([*RUNNER, program, *arguments], cwd=folder,
+                                   env=env, stdin=stdin, capture_output=True,
+                                   timeout=SECONDS)
+                self.status, self.out, self.err = p.returncode, p.stdout, p.stderr
+            except subprocess.TimeoutExpired:
+                self.status, self.out, self.err = "hang", b"", b""
+        try:
+            log = open(folder + "/log").read().split("\n")
+        except OSError:
+            log = []
+        self.fired = "fired" in log
+        self.counts = dict(line.split() for line in log if " " in line)
+        self.files = {}
+        for file in sorted(os.listdir(folder + "/o")):
+            data = open(f"{folder}/o/{file}", "rb").read()
+            self.files[file] = facts(data) if file == "r.json" else data
+
+
+def facts(data):
+    """The report's lines without what differs from run to run."""
+    lines = []
+    for line in data.split(b"\n")[:-1]:
+        try:
+            o = json.loads(line)
+        except ValueError:
+            return "not JSON: " + repr(line[:80])
+        for key in ("times_ms", "peak_rss_mib", "gl"):
+            o.pop(key, None)
+        lines.append(o)
+    if not data.endswith(b"\n"):
+        return "cut: " + repr(data[-40:])
+    return lines
+
+
+def faults_of_stderr(run):
+    lines = run.err.decode("utf-8", "replace").split("\n")
+    if lines.pop() != "":
+        yield "stderr does not end its line"
+    wrong = [l for l in lines if not l.startswith("glarepp: ")]
+    said = [l for l in lines if not l.startswith("glarepp: warning: ")]
+    if wrong:
+        yield "stderr has " + repr(wrong[0][:200])
+    if run.status == 0 and said:
+        yield "an error without its status: " + repr(said[0][:200])
+    if run.status not in (0, 6) and len(said) != 1:
+        yield f"{len(said)} lines of error: " + repr(said[:3])
+
+
+def faults_of_files(name, run, good):
+    for file, data in run.files.items():
+        if file not in good.files:
+            yield f"a file is left: {file}"
+        elif file == "r.json":
+            # a frame that was left out has its own line
+            lines = [o for o in data if "error" not in o] if \
+                isinstance(data, list) else [data]
+            if any(o not in good.files[file] for o in lines):
+                yield f"{file} differs: {str(lines)[:300]}"
+        elif data != good.files[file] and not (
+                name == "old" and data == b"old" and run.status != 0):
+            yield f"{file} is not whole: {len(data)} bytes"
+    if run.status == 0 and set(run.files) != set(good.files):
+        yield f"status 0 with {sorted(run.files)} alone"
+    if run.out != (good.out if run.status == 0
+                   else good.out[:len(run.out)]):
+        yield f"stdout differs ({len(run.out)} of {len(good.out)} bytes)"
+
+
+def judge(name, run, good, statuses):
+    if run.status == "hang":
+        return [f"hangs over {SECONDS} s"]
+    if RUNNER and run.status == STOP:
+        return ["found by " + RUNNER[0] + ": " + run.err.decode()[:1500]]
+    found = []
+    if run.status not in statuses:
+        found.append(f"status {run.status}: {run.err.decode()[:200]!r}")
+    return found + list(faults_of_stderr(run)) + \
+        list(faults_of_files(name, run, good))
+
+
+def points(kind, good, share):
+    """The N to try; those past the end are found as they come."""
+    count = int(good.counts.get(kind, 0))
+    if kind == "write":
+        # as many bytes as there are cannot all be tried but with time
+        stride = 1 if LONG and not RUNNER else max(1, count // 97 * share)
+        return sorted({*range(1, count + 1, stride), count} - {0})
+    # more calls than counted where threads share them
+    stride = (7 if QUICK else 1) * (1 if LONG else share)
+    if RUNNER:
+        stride *= 10 if LONG else 25
+    if kind not in ("malloc", "read", "short", "truncate", "grow"):
+        stride = 1
+    return range(1, count + count // 4 + 2, stride)
+
+
+def put(fault, n):
+    return fault.replace(":N", f":{n}")
+
+
+def try_kind(pool, name, program, shim, fault, statuses, good):
+    kind = fault.split(":")[0]
+    jobs = {}
+    tried = survived = 0
+    notes = []
+
+    def one(n):
+        slot = slots.pop()
+        try:
+            run = Run(name, slot, program, shim, put(fault, n))
+        finally:
+            slots.append(slot)
+        return n, run
+
+    slots = [f"slot{i}" for i in range(AT_ONCE)]
+    for n, run in pool.map(one, points(kind, good, max(1, CONFIGURATIONS[name][2]))):
+        if not run.fired and run.status == 0:
+            continue
+        tried += 1
+        found = judge(name, run, good, statuses)
+        survived += not found
+        notes += [f"{fault.replace('N', str(n))}: {f}" for f in found]
+    if not tried:
+        return
+    print(f"{'' if tried == survived else 'not '}ok {name}, {fault}: "
+          f"fault points survived: {survived} of {tried}")
+    for note in notes[:int(os.environ.get('FAULT_NOTES', 12))]:
+        print("# " + " ".join(note.split("\n")))
+    sys.stdout.flush()
+
+
+def main():
+    program, shim, *names = sys.argv[1:]
+    only = os.environ.get("FAULT_ONLY")
+    with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
+        for name in CONFIGURATIONS if names == ["all"] else names:
+            arguments, more, share = CONFIGURATIONS[name]
+            if names == ["all"] and not share and not LONG:
+                continue
+            good = Run(name, "good", program, shim, "")
+            if good.status or not good.counts:
+                print(f"not ok {name}: without a fault: status {good.status} "
+                      f"{good.err.decode()[:300]}")
+                continue
+            for fault, statuses in KINDS:
+                if only and fault != only:
+                    continue
+                if fault[:4] in ("mall", "open") or 6 in more:
+                    statuses = statuses + more
+                try_kind(pool, name, program, shim, fault, statuses, good)
+
+
+if __name__ == "__main__":
+    main()
