@@ -306,7 +306,47 @@ static void run_case(const struct hard_case *h, double error[WAYS])
     free_sky(&s);
 }
 
-// -- the table ----------------------------------------------------------------
+static double exact_share(const struct hard_case *h, const struct sky *s,
+                          int threads)
+{
+    struct gp_light l = light_of(h);
+    struct gp_occluders o = {
+        .depth = &s->plane[0], .mask = &s->plane[1], .type = s->type,
+        .frame = frame_of(h, s->data),
+    };
+    gp_set_threads(threads);
+    must(gp_occluders_survey(&scene_log, &o), h->name);
+    must(gp_sun_exact(&scene_log, &o, GP_OUTSIDE_HIDDEN, &l, 1), h->name);
+    gp_set_threads(0);
+    return l.visibility;
+}
+
+// -- tables -------------------------------------------------------------------
+
+/* GL has its own threads; those of the exact sums are ours. */
+static void print_same_bits(void)
+{
+    static const struct hard_column same[] = {{"exact", 0}, {NULL, 0}};
+    hard_table("Suns, the same bits", "shares that differ from those of one "
+                                      "thread", same);
+    for (int t = 0; t < HARD_THREADS; t++) {
+        char name[32];
+        int differ = 0;
+        for (int row = 0; row < HARD_CASES; row++) {
+            const struct hard_case *const h = &hard_cases[row];
+            if (!hard_is_run(h))
+                continue;
+            struct sky s = make_sky(h);
+            differ += exact_share(h, &s, 1) !=
+                      exact_share(h, &s, hard_threads[t]);
+            free_sky(&s);
+        }
+        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
+        hard_row(name);
+        hard_cell(differ, 0.0);
+    }
+    hard_table_end();
+}
 
 static void open_gl(void)
 {
@@ -336,6 +376,7 @@ void hard_sun(void)
         }
     }
     hard_table_end();
+    print_same_bits();
     if (machine.gl)
         gp_sun_map_close(machine.gl, &machine.map);
     gp_gl_close(&machine.gl);
