@@ -39,13 +39,14 @@ OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o $(B)/app/manual_text.o
 LIB_OBJ := $(filter-out $(B)/app/main.o,$(OBJ))
 OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
-UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%)
+HARD := $(wildcard tests/hard/*.c)
+UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        $(CHECKS) bench man install uninstall deb deps clean
+        $(CHECKS) hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -97,7 +98,7 @@ $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	    -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
-$(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h)
+$(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cases.h)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
@@ -107,6 +108,12 @@ $(B)/tests/%.so: tests/faults/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -fPIC -shared -o $@ $< \
 	    -ldl
+
+# The hard cases: what runs them, a file a family
+$(B)/tests/hardcases: $(HARD) $(wildcard tests/hard/*.h tests/unit/*.h) $(LIB_OBJ)
+	@mkdir -p $(@D)
+	$(CC) $(ALL_CFLAGS) -Itests/unit $(LINK) -o $@ $(filter %.c,$^) \
+	    $(LIB_OBJ) $(LIBS)
 
 -include $(OBJ:.o=.d)
 
@@ -160,6 +167,9 @@ check: ## installs what is missing, builds, runs every test
 check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
 
+hardcases: $(B)/tests/hardcases $(BRIDGES) ## the hard cases: the largest error of each cell, as tables
+	@$(B)/tests/hardcases
+
 # The same tests in builds that look for errors of memory and of arithmetic
 SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
            SAN="-fsanitize=$(2) -fno-omit-frame-pointer -fno-sanitize-recover=all"
@@ -175,12 +185,13 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" ""
 
-# OpenImageIO's thread pools die with a forked child and count as lost
+# OpenImageIO's thread pools die with a forked child and count as lost. The
+# hard cases write TIFFs by it, and would take many minutes
 check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) ## the unit tests under valgrind
 	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="valgrind -q --error-exitcode=99 \
 	    --leak-check=full --errors-for-leak-kinds=definite \
 	    --suppressions=$(CURDIR)/tests/valgrind.supp" tests/run.sh $(B) \
-	    "$(filter-out %/test_data %/test_oiio_read,$(UNIT_BIN))" "" no-cli
+	    "$(filter-out %/test_data %/test_oiio_read %/hardcases,$(UNIT_BIN))" "" no-cli
 
 # -- rules of the house -------------------------------------------------------
 
@@ -211,7 +222,7 @@ endef
 compile_commands.json: Makefile $(SRC) $(UNIT)
 	$(file >$@,[)
 	$(foreach f,$(SRC),$(file >>$@,$(call json_entry,$(f),$(COMMAND))))
-	$(foreach f,$(UNIT),$(file >>$@,$(call json_entry,$(f),$(COMMAND) -Itests/unit)))
+	$(foreach f,$(UNIT) $(HARD),$(file >>$@,$(call json_entry,$(f),$(COMMAND) -Itests/unit)))
 	$(foreach f,$(BRIDGE_SRC) $(OCIO_SRC),$(file >>$@,$(call json_entry,$(f),$(CXX_COMMAND))))
 	@sed -i '$$s/,$$/\n]/' $@
 

@@ -31,6 +31,23 @@ gp_status gp_bridge_can_write(const struct gp_log *log, const char *path,
     return st;
 }
 
+/* OpenImageIO leaves the name field of an SGI header as its memory was: other
+ * bytes in each run, and addresses for whoever reads the file. "The SGI Image
+ * File Format", 1.00: magic 474, 80 bytes of name from byte 24. */
+static gp_status clear_sgi_name(const struct gp_log *log, const char *path,
+                                int fd)
+{
+    static const char none[80] = {0};
+    unsigned char magic[2];
+    if (pread(fd, magic, sizeof magic, 0) != (ssize_t) sizeof magic ||
+        magic[0] != 0x01 || magic[1] != 0xda)
+        return GP_OK;
+    if (pwrite(fd, none, sizeof none, 24) != (ssize_t) sizeof none)
+        return gp_fail(log, GP_ERR_IO, "%s: lost in memory (%s)", path,
+                       strerror(errno));
+    return GP_OK;
+}
+
 gp_status gp_bridge_write(const struct gp_log *log, const char *path,
                           const char *format, const struct gp_oiio_image *img,
                           const char *type, const char *compression,
@@ -54,6 +71,7 @@ gp_status gp_bridge_write(const struct gp_log *log, const char *path,
     if (fstat(out->fd, &s) || s.st_size <= 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote nothing; write "
                        "another format", path));
+    GP_TRY(clear_sgi_name(log, path, out->fd));
     out->size = (uint64_t) s.st_size;
     return GP_OK;
 out:

@@ -72,7 +72,11 @@ try {
     std::unique_ptr<ImageOutput> out = ImageOutput::create(format);
     if (!out)
         return gp_oiio_why(why, why_size, OIIO::geterror());
-    const ImageSpec spec = make_spec(img, type, compression);
+    ImageSpec spec = make_spec(img, type, compression);
+    // TIFF's writer puts the time of writing where there is no date, and other
+    // bytes into the file each second; a date that is no string is not stored
+    if (std::string(out->format_name()) == "tiff")
+        spec.attribute("DateTime", 0);
     if (!out->open(path, spec))
         return gp_oiio_why(why, why_size, out->geterror());
     // TypeUnknown: each channel in its own type, as spec.channelformats says

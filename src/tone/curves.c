@@ -6,6 +6,7 @@
 #include "core/cpu.h"
 #include "tone/agx.h"
 
+#include <float.h>
 #include <string.h>
 
 /* Without this GCC keeps a branch wherever an unused division might raise an
@@ -80,22 +81,25 @@ GP_CLONES static void reinhard(float *restrict r, float *restrict g,
 
 /* Eq. 4: L_d = L (1 + L / L_white^2) / (1 + L), which is 1 at L_white;
  * 1 - L_d = (1 - (L / L_white)^2) / (1 + L). From L_white on this is held at
- * 0, and fit() gives white. */
+ * 0, and fit() gives white. shrink() may make 14 of an error in 1 - L / L_white
+ * (1 / 0.0722), which therefore comes from the difference, exact near white.
+ * c / L_white is bounded beside it, as its product with L / L_white must be a
+ * number however small L_white is. */
 GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
                                         float *restrict b, size_t n,
                                         float white)
 {
-    white = most(white, 1.0f / LIGHT_MAX);
+    white = most(white, FLT_MIN);
     const float per_white = 1.0f / white;
     for (size_t i = 0; i < n; i++) {
         float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
         float y = luminance(r0, g0, b0), part = least(y * per_white, 1.0f);
         float open = 1.0f / (1.0f + y);
-        float rest = (1.0f - part) * (1.0f + part) * open;
-        float scale = (1.0f + part * per_white) * open;
-        r0 *= scale;
-        g0 *= scale;
-        b0 *= scale;
+        float under = most((white - y) * per_white, 0.0f); // 1 - part
+        float rest = under * (1.0f + part) * open;
+        r0 = (r0 + part * least(r0 * per_white, LIGHT_MAX)) * open;
+        g0 = (g0 + part * least(g0 * per_white, LIGHT_MAX)) * open;
+        b0 = (b0 + part * least(b0 * per_white, LIGHT_MAX)) * open;
         float top = most(r0, most(g0, b0));
         float by = shrink(r0, g0, b0, top, rest);
         r[i] = fit(r0, top, by);

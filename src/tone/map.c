@@ -200,21 +200,22 @@ static void measure_peak(void *ctx, int part, int thread)
     struct mapping *m = ctx;
     const size_t pixels = gp_frame_pixels(m->f);
     const size_t end = part_start(pixels, part + 1);
-    float scratch[3][SCRATCH], peak = 0.0f;
+    float scratch[3][SCRATCH];
+    double peak = 0.0; // shown as white exactly, so not to be off by a rounding
     float *const out[3] = {scratch[0], scratch[1], scratch[2]};
     (void) thread;
     for (size_t at = part_start(pixels, part); at < end; at += SCRATCH) {
         const size_t n = end - at < SCRATCH ? end - at : SCRATCH;
         make_light(m, at, n, out);
         for (size_t i = 0; i < n; i++) {
-            float y = 0.0f; // negative channels are no light, as in the curves
+            double y = 0.0; // negative channels are no light, as in the curves
             for (int c = 0; c < 3; c++)
-                y += gp_rec709_luminance[c] *
-                     (out[c][i] > 0.0f ? out[c][i] : 0.0f);
+                y += (double) gp_rec709_luminance[c] *
+                     (double) (out[c][i] > 0.0f ? out[c][i] : 0.0f);
             peak = y > peak ? y : peak;
         }
     }
-    m->peak[part] = peak < LIGHT_MAX ? peak : LIGHT_MAX;
+    m->peak[part] = peak < (double) LIGHT_MAX ? (float) peak : LIGHT_MAX;
 }
 
 /* The largest luminance that the operator will see; 1 for a black frame. */

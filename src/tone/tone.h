@@ -18,7 +18,8 @@ struct gp_tone_params {
     bool auto_exposure;  // scales so that the log-average maps to `key`
     float key;           // Reinhard's a, (0,1]
     float white;         // reinhard-extended: smallest luminance that burns
-                         // out, in scaled units; 0 takes the frame's maximum
+                         // out, in scaled units; 0 takes the frame's maximum;
+                         // FLT_MIN where it is under that
 };
 #define GP_TONE_DEFAULTS { .curve = "reinhard", .key = 0.18f }
 

@@ -28,6 +28,10 @@ enum light {
     RAMP,     // luminance from 0 to 2, every pixel another
     COLOURED, // FEW, each source in one channel
     BLOCK,    // 33 x 33 bright pixels in the middle, no other
+    CANCEL,   // every other pixel as negative as its neighbour is bright
+    FLAT,     // 2 everywhere
+    OVER,     // around and far over what a half can hold
+    ENDS,     // around the ends of half's range and those of its denormals
 };
 
 enum shape {
@@ -37,6 +41,7 @@ enum shape {
     RING,   // dark within 4/5 of its radius
     LOBES,  // negative ones
     BORDER, // PEAK with zeros around it, more on the left and the top
+    DIPOLE, // 1 in its left half and -1 in its right one, not normalised
 };
 
 struct scene {
@@ -72,6 +77,16 @@ static inline float scene_bad_value(int i)
     return bad[i % (int) (sizeof bad / sizeof *bad)];
 }
 
+static inline float scene_end_value(int i)
+{
+    const float end[] = {
+        65504.0f, 65519.99f, 65520.0f, 65536.0f, -65520.0f, 0x1p-14f,
+        0x1.ffcp-15f, 0x1p-24f, 0x1p-25f, 0x1.000002p-25f, -0x1p-24f, 0.0f,
+        2049.0f, 2051.0f, 0x1.002p0f, 0x1.006p0f, FLT_MIN, 1e6f,
+    };
+    return end[i % (int) (sizeof end / sizeof *end)];
+}
+
 static inline int scene_is_lit(enum light light, int x, int y, int w, int h)
 {
     const int i = y * w + x;
@@ -99,6 +114,14 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
         return 1e-39f * u;
     case BLOCK:
         return abs(x - w / 2) <= 16 && abs(y - h / 2) <= 16 ? 1.1f + u : dim;
+    case CANCEL:
+        return i % 2 ? 3.0f : -3.0f;
+    case FLAT:
+        return 2.0f;
+    case OVER:
+        return u < 0.5f ? 60000.0f + 20000.0f * u : 1e6f * u;
+    case ENDS:
+        return scene_end_value(i + c);
     case EDGE:
         return i % 3 == 0 ? 1.0f : nextafterf(1.0f, i % 3 == 1 ? 2.0f : 0.0f);
     case RAMP:
@@ -125,7 +148,10 @@ static inline struct gp_frame scene_frame(int w, int h, int x0, int y0,
     struct gp_frame f = {
         .data = {x0, y0, x0 + w, y0 + h}, .display = {0, 0, w, h},
     };
+    f.pixel_aspect = 1.0f;
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    memcpy(f.chromaticities, gp_rec709_chromaticities,
+           sizeof f.chromaticities);
     if (gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb))
         abort();
     for (int y = 0; y < h; y++) {
@@ -156,6 +182,8 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
         return cos(0.7 * dx + 0.2 * c) * cos(0.4 * dy) * peak;
     case BORDER:
         return x < w / 4 || y < h / 3 || x >= w - 2 || y >= h - 1 ? 0.0 : peak;
+    case DIPOLE:
+        return x < w / 2 ? 1.0 : -1.0;
     default:
         return peak;
     }
@@ -163,13 +191,14 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
 
 enum { MID = INT_MIN }; // the centre that design.md gives a kernel
 
-/* Normalised so that the luminance sums to 1, LOBES included. */
+/* Normalised so that the luminance sums to 1, LOBES included, DIPOLE not. */
 static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
                                             enum shape shape)
 {
     struct gp_frame image = {.data = {0, 0, w, h}};
     struct gp_kernel k;
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    p.normalize = shape == DIPOLE ? GP_NORMALIZE_NONE : GP_NORMALIZE_LUMINANCE;
     p.centered = cx != MID;
     p.center[0] = cx + 0.5;
     p.center[1] = cy + 0.5;

@@ -374,6 +374,41 @@ static void other_formats(void **state)
     gp_frame_free(&f);
 }
 
+static void write_small(const char *name)
+{
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    const struct gp_rect r = {0, 0, 5, 3};
+    struct gp_write_stats stats = {0};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (gp_write_picture(&wf_log, &p, wf_path(name), &f, &f.rgb,
+                         GP_PICTURE_SHOWN, &stats))
+        fail_msg("%s", wf_line);
+    gp_frame_free(&f);
+}
+
+/* What OpenImageIO would put in: the time into TIFF, its stack into SGI. */
+static void bytes_hold_no_time_and_no_memory(void **state)
+{
+    (void) state;
+    static const uint8_t none[80] = {0};
+    char why[512];
+    size_t size;
+    if (!gp_oiio_open(why, sizeof why))
+        skip();
+    write_small("a.tif");
+    write_small("a.sgi");
+    usleep(1100000); // TIFF counts seconds
+    write_small("b.tif");
+    wf_assert_same(wf_path("a.tif"), wf_path("b.tif"));
+    uint8_t *const sgi = wf_read(wf_path("a.sgi"), &size);
+    assert_true(size >= 512);
+    assert_memory_equal(sgi + 24, none, sizeof none);
+    free(sgi);
+    remove(wf_path("a.tif"));
+    remove(wf_path("b.tif"));
+    remove(wf_path("a.sgi"));
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
@@ -381,6 +416,7 @@ int main(void)
         TEST(pixels_and_windows), TEST(nonfinite), TEST(alpha_keeps_light),
         TEST(colour_chunks), TEST(odd_primaries), TEST(threads_and_places),
         TEST(hostile_windows_and_full_disk), TEST(other_formats),
+        TEST(bytes_hold_no_time_and_no_memory),
     };
     return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }

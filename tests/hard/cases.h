@@ -1,0 +1,236 @@
+/* The hard cases, one table: every engine, tone curve, sun method and output
+ * format runs through all of them against a plain form in double (hardcases.h),
+ * the engines once more in the unit tests. A field that a row does not give has
+ * its usual value. */
+#ifndef GP_TESTS_HARD_CASES_TABLE_H
+#define GP_TESTS_HARD_CASES_TABLE_H
+
+#include "glare_scene.h"
+#include "sun/occluder.h"
+
+/* What the depth plane holds. Background and surfaces lie in blocks. */
+enum hard_depth {
+    DEPTH_MIXED,    // near and far, 1e10, Inf, NaN, 0 beside each other
+    DEPTH_ZERO,     // background 0
+    DEPTH_INF,
+    DEPTH_NAN,
+    DEPTH_1E10,
+    DEPTH_HALF_MAX, // 65504
+    DEPTH_NEGATIVE, // counts backwards along the axis
+    DEPTH_INVERSE,  // 1 / z, background 0
+    DEPTH_RAY,
+    DEPTH_0_TO_1,   // normalised, background 1
+    DEPTH_1_TO_0,   // normalised, reversed: background 0
+    DEPTH_ALL_NEAR, // nothing but surfaces
+};
+
+/* Bars of one case, a cell for each engine. A bar is of rel_l2; where the
+ * exact layer is 0, max_abs must be 0 whatever it says. */
+struct hard_bars {
+    double direct, fft, splat;
+};
+#define BARS .bar = {1e-6, 1e-6, 2e-6}
+
+struct hard_case {
+    const char *name;
+    int w, h;
+    enum light light;
+    int kw, kh, cx, cy; // cx MID: the middle
+    enum shape shape;
+    struct hard_bars bar;
+    float knee, max_value; // max_value 0: the default
+    bool all_light; // threshold 0, else 1
+    int x0, y0;     // corner of the data window
+    double own;     // bar of fft's error of a pixel over its own value; 0 none
+    double abs;     // bar of max_abs in place of rel_l2; 0 none
+    size_t sources; // that there must be; 0 is not checked
+    struct gp_rect display; // 0: from the origin, as large as the data window
+    enum hard_depth depth;
+    double sun[3];  // x, y from the data window's corner, radius; 0: in the
+                    // middle, of a third of the shorter side
+};
+
+/* GL may take denormals for 0, so light under FLT_MIN may be lost. */
+static const struct hard_case hard_cases[] = {
+    // sizes
+    {"1x1", 1, 1, ALL, 9, 7, MID, 0, PEAK, BARS, .sources = 1},
+    {"1x1, kernel 1x1", 1, 1, ALL, 1, 1, MID, 0, PEAK, BARS},
+    {"1xN", 1, 97, FEW, 33, 33, MID, 0, PEAK, BARS},
+    {"Nx1", 97, 1, FEW, 33, 33, MID, 0, TINTED, BARS},
+    {"2x2", 2, 2, CORNERS, 3, 3, MID, 0, PEAK, BARS, .sources = 4},
+    {"primes", 61, 67, FEW, 31, 29, MID, 0, PEAK, BARS},
+    {"larger primes", 211, 151, FEW, 41, 43, MID, 0, TINTED, BARS},
+    {"16384 wide", 16384, 3, FEW, 65, 5, MID, 0, PEAK, BARS},
+    {"16384 wide, its ends", 16384, 2, CORNERS, 65, 5, MID, 0, PEAK, BARS,
+     .sources = 4},
+    {"16384 high", 3, 16384, CORNERS, 5, 65, MID, 0, PEAK, BARS},
+
+    // kernels
+    {"kernel 1x1", 64, 48, FEW, 1, 1, MID, 0, BOX, BARS},
+    {"even kernel", 64, 48, FEW, 16, 10, MID, 0, PEAK, BARS},
+    {"kernel 1x31", 64, 48, FEW, 1, 31, MID, 0, PEAK, BARS},
+    {"kernel over the frame", 40, 30, CORNERS, 200, 151, MID, 0, PEAK, BARS,
+     .sources = 4},
+    {"kernel over the frame, all lit", 40, 30, ALL, 200, 151, MID, 0, TINTED,
+     BARS, .sources = 1200},
+    {"zero borders", 64, 48, FEW, 33, 31, MID, 0, BORDER, BARS},
+    {"negative lobes", 64, 48, FEW, 31, 31, MID, 0, LOBES, BARS},
+    {"negative lobes, all lit", 50, 41, ALL, 31, 31, MID, 0, LOBES, BARS},
+    {"coloured light, grey kernel", 64, 48, COLOURED, 21, 21, MID, 0, PEAK,
+     BARS},
+    {"coloured light and kernel", 64, 48, COLOURED, 21, 21, MID, 0, TINTED,
+     BARS},
+    {"ring", 64, 48, FEW, 41, 41, MID, 0, RING, BARS},
+    {"ring that the frame cuts off", 9, 9, HOT, 20, 20, MID, 0, RING, BARS,
+     .all_light = true, .max_value = 1e10f},
+
+    // centres
+    {"centre in a corner", 64, 48, FEW, 13, 11, 0, 10, PEAK, BARS},
+    {"centre left of the kernel", 64, 48, FEW, 13, 11, -20, 5, PEAK, BARS},
+    {"centre right below the kernel", 64, 48, FEW, 13, 11, 30, 25, TINTED,
+     BARS},
+    {"centre far left, one source", 97, 1, CORNERS, 3, 1, -50, 0, PEAK, BARS},
+    {"centre far above, one source", 1, 97, CORNERS, 1, 3, 0, 60, PEAK, BARS},
+    {"centre far right, a block", 251, 83, BLOCK, 61, 61, 111, 30, TINTED,
+     BARS, .sources = 33 * 33},
+    {"centre far left and below, a block", 167, 151, BLOCK, 61, 61, -60, 80,
+     PEAK, BARS, .sources = 33 * 33},
+    {"centre out of reach", 64, 48, FEW, 13, 11, 2000, 5, PEAK, BARS},
+    {"centre as far as it goes", 64, 48, ALL, 13, 11, 1048575, -1048576, PEAK,
+     BARS},
+
+    // light
+    {"none bright", 64, 48, DARK, 31, 31, MID, 0, PEAK, BARS},
+    {"all bright", 131, 67, ALL, 31, 30, MID, 0, PEAK, BARS,
+     .sources = 131 * 67},
+    {"all bright, large kernel", 97, 83, ALL, 51, 51, MID, 0, TINTED, BARS,
+     .sources = 97 * 83},
+    {"1e9 in 1e-3", 128, 96, HOT, 63, 63, MID, 0, PEAK, BARS,
+     .max_value = 1e10f, .own = 1e-5, .sources = 1},
+    {"1e9 in 1e-3, all lit", 96, 64, HOT, 47, 47, MID, 0, PEAK, BARS,
+     .all_light = true, .max_value = 1e10f, .own = 1e-5, .sources = 96 * 64},
+    {"1e9 in 1e-3, kernel over the frame", 48, 40, HOT, 129, 129, MID, 0,
+     TINTED, BARS, .all_light = true, .max_value = 1e10f, .own = 1e-5,
+     .sources = 48 * 40},
+    {"NaN, Inf, denormals, negative", 89, 53, BAD, 21, 21, MID, 0, PEAK, BARS},
+    {"the same, threshold 0", 89, 53, BAD, 21, 21, MID, 0, TINTED, BARS,
+     .all_light = true},
+    {"the same, 1e30 allowed", 89, 53, BAD, 21, 21, MID, 0, PEAK, BARS,
+     .max_value = 1e30f},
+    {"denormals alone", 31, 29, DENORMAL, 9, 9, MID, 0, PEAK, BARS,
+     .all_light = true, .abs = (double) FLT_MIN},
+    // a third of the pixels is over the threshold, by one step
+    {"at the threshold", 63, 47, EDGE, 15, 15, MID, 0, PEAK, BARS,
+     .sources = 63 * 47 / 3},
+    {"knee", 61, 47, RAMP, 21, 21, MID, 0, PEAK, BARS, .knee = 0.5f},
+    {"knee 1", 61, 47, RAMP, 21, 21, MID, 0, PEAK, BARS, .knee = 1.0f},
+
+    // windows
+    {"negative window", 64, 48, FEW, 21, 21, MID, 0, PEAK, BARS, .x0 = -1000,
+     .y0 = -77},
+    {"window beside the display", 64, 48, FEW, 21, 21, MID, 0, PEAK, BARS,
+     .x0 = 100000, .y0 = 70000},
+    {"window larger than the display", 80, 60, FEW, 21, 21, MID, 0, PEAK, BARS,
+     .x0 = -20, .y0 = -10, .display = {0, 0, 32, 24}},
+    {"window smaller than the display", 40, 22, FEW, 21, 21, MID, 0, PEAK,
+     BARS, .x0 = 10, .y0 = 8, .display = {0, 0, 64, 48}},
+    {"window over the display's corner", 64, 48, FEW, 21, 21, MID, 0, TINTED,
+     BARS, .x0 = -30, .y0 = -20, .display = {0, 0, 64, 48}},
+    {"negative display, disjoint", 64, 48, FEW, 21, 21, MID, 0, PEAK, BARS,
+     .display = {-500, -400, -436, -352}},
+
+    // light that cancels, light that does not fit
+    {"light beside as much negative light", 64, 48, CANCEL, 21, 21, MID, 0,
+     PEAK, BARS, .all_light = true, .sources = 64 * 48 / 2},
+    {"kernel of sum 0 over even light", 64, 48, FLAT, 2, 1, MID, 0, DIPOLE,
+     BARS, .sources = 64 * 48},
+    {"groups that cancel, kernel of sum 0", 64, 48, BLOCK, 8, 8, MID, 0,
+     DIPOLE, BARS, .sources = 33 * 33},
+    {"over half's 65504", 61, 47, OVER, 21, 21, MID, 0, TINTED, BARS,
+     .max_value = 1e7f},
+    {"at the ends of half and float", 61, 47, ENDS, 3, 3, MID, 0, PEAK, BARS,
+     .max_value = 1e7f},
+
+    // depth
+    {"depth 0", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS, .depth = DEPTH_ZERO},
+    {"depth Inf", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS, .depth = DEPTH_INF},
+    {"depth NaN", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS, .depth = DEPTH_NAN},
+    {"depth 1e10", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS, .depth = DEPTH_1E10},
+    {"depth 65504", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_HALF_MAX},
+    {"depth counted backwards", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_NEGATIVE},
+    {"depth as 1/z", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_INVERSE},
+    {"depth along the ray", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_RAY},
+    {"depth normalised", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_0_TO_1},
+    {"depth normalised, reversed", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_1_TO_0},
+    {"depth all near", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .depth = DEPTH_ALL_NEAR},
+
+    // suns
+    {"sun partly outside", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {2.3, 20.7, 9.0}},
+    {"sun over a corner", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {64.0, 48.0, 12.0}},
+    {"sun wholly outside", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {-30.0, 20.0, 9.0}},
+    {"sun far outside", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {1e12, -1e12, 9.0}},
+    {"sun smaller than a pixel", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {31.9, 24.4, 0.2}},
+    {"sun on a pixel's corner", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {32.0, 24.0, 0.25}},
+    {"sun of 1e-6 pixels", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {20.5, 30.5, 1e-6}},
+    {"sun larger than the frame", 64, 48, FEW, 5, 5, MID, 0, PEAK, BARS,
+     .sun = {30.0, 25.0, 400.0}},
+};
+enum { HARD_CASES = sizeof hard_cases / sizeof *hard_cases };
+
+static inline struct gp_frame hard_frame(const struct hard_case *h)
+{
+    struct gp_frame f = scene_frame(h->w, h->h, h->x0, h->y0, h->light, 20071u);
+    if (!gp_rect_empty(h->display))
+        f.display = h->display;
+    return f;
+}
+
+/* The case without its exact layer. */
+static inline struct scene hard_sense(const struct hard_case *h)
+{
+    struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    p.threshold = h->all_light ? 0.0f : 1.0f;
+    p.knee = h->knee;
+    if (h->max_value > 0.0f)
+        p.max_value = h->max_value;
+    return scene_sense(hard_frame(h),
+                       scene_kernel(h->kw, h->kh, h->cx, h->cy, h->shape), &p);
+}
+
+static inline struct scene hard_scene(const struct hard_case *h)
+{
+    struct scene s = hard_sense(h);
+    scene_find_exact(&s);
+    return s;
+}
+
+/* The bar of an engine; an engine that has none fails its test. */
+static inline double hard_bar(const struct hard_case *h, const char *engine)
+{
+    return strcmp(engine, "direct") == 0  ? h->bar.direct
+           : strcmp(engine, "fft") == 0   ? h->bar.fft
+           : strcmp(engine, "splat") == 0 ? h->bar.splat
+                                          : -1.0;
+}
+
+/* Small enough for valgrind. */
+static inline int hard_is_quick(const struct hard_case *h)
+{
+    return h->w * h->h <= 4096 && h->kw * h->kh <= 1024;
+}
+
+#endif

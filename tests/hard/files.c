@@ -1,0 +1,280 @@
+/* Every output format over the hard cases: what is read back against what was
+ * to be stored, windows and the rules for NaN, Inf and overflow included. EXR
+ * is read by io's reader, the others by the plain readers of files_read.c, TIFF
+ * through OpenImageIO. */
+#include "files_read.h"
+#include "hardcases.h"
+
+#include "core/parallel.h"
+#include "io/raw_write.h"
+#include "io/read.h"
+
+#include <unistd.h>
+
+/* How a format holds a sample, and so what its error is counted in. */
+enum store { HALF_ULP, SAME_FLOAT, CODE };
+
+static const struct format {
+    const char *ending;
+    int column;
+    struct gp_write_params p;
+    enum store store;
+    void (*read)(const char *path, struct hard_picture *out); // NULL: EXR
+} formats[] = {
+#define EXR(col, kind, how)                                                   \
+    {".exr", col, {.type = kind, .compression = GP_COMPRESSION_##how,         \
+                   .depth_bits = 8},                                          \
+     col == 0 ? HALF_ULP : SAME_FLOAT, NULL}
+    EXR(0, GP_OUT_HALF, NONE), EXR(0, GP_OUT_HALF, RLE),
+    EXR(0, GP_OUT_HALF, ZIPS), EXR(0, GP_OUT_HALF, ZIP),
+    EXR(0, GP_OUT_HALF, PIZ), EXR(0, GP_OUT_HALF, PXR24),
+    EXR(1, GP_OUT_FLOAT, NONE), EXR(1, GP_OUT_FLOAT, RLE),
+    EXR(1, GP_OUT_FLOAT, ZIPS), EXR(1, GP_OUT_FLOAT, ZIP),
+    EXR(1, GP_OUT_FLOAT, PIZ),
+#undef EXR
+#define OTHER(end, col, bits, how, by, ...)                                   \
+    {end, col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,       \
+                __VA_ARGS__}, how, by}
+    OTHER(".png", 2, 8, CODE, hard_read_png, .type = GP_OUT_AUTO),
+    OTHER(".png", 3, 16, CODE, hard_read_png, .type = GP_OUT_AUTO),
+    OTHER(".tif", 4, 16, CODE, hard_read_other, .type = GP_OUT_AUTO),
+    OTHER(".tif", 5, 16, SAME_FLOAT, hard_read_other, .type = GP_OUT_FLOAT),
+    OTHER(".pfm", 6, 8, SAME_FLOAT, hard_read_pfm, .type = GP_OUT_AUTO),
+#undef OTHER
+#define RAW(col, bits, how, kind, by)                                         \
+    {"", col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,        \
+               .stdout_format = GP_STDOUT_RAW, .raw = GP_RAW_##kind}, how, by}
+    RAW(7, 8, CODE, RGB24, hard_read_rgb24),
+    RAW(8, 16, CODE, RGB48LE, hard_read_rgb48le),
+    RAW(8, 16, CODE, RGB48BE, hard_read_rgb48be),
+    RAW(9, 8, SAME_FLOAT, RGBF32LE, hard_read_rgbf32le),
+#undef RAW
+};
+enum { FORMATS = sizeof formats / sizeof *formats, COLUMNS = 10 };
+
+/* Half is rounded to the nearest; codes are found in float arithmetic. */
+static const struct hard_column columns[COLUMNS + 1] = {
+    {"EXR half, ulp", 0.5}, {"EXR float, differing", 0},
+    {"PNG 8, codes", 0.501}, {"PNG 16, codes", 0.51},
+    {"TIFF 16, codes", 0.51}, {"TIFF float, differing", 0},
+    {"PFM, differing", 0}, {"raw 8, codes", 0.501}, {"raw 16, codes", 0.51},
+    {"raw float, differing", 0}, {NULL, 0},
+};
+
+// -- plain forms of what is stored --------------------------------------------
+
+/* IEC 61966-2-1, in double. */
+static double srgb(double v)
+{
+    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
+}
+
+/* Error in steps of a half there; finite values end at 65504. */
+static double half_error(float got, float from)
+{
+    if (isnan(from) || isinf(from))
+        return (isnan(from) ? isnan(got) : got == from) ? 0.0 : HARD_NO_BAR;
+    const double v = fmax(fmin((double) from, 65504.0), -65504.0);
+    const int exponent = v != 0.0 ? ilogb(v) : -14;
+    const double ulp = ldexp(1.0, (exponent > -14 ? exponent : -14) - 10);
+    return fabs((double) got - v) / ulp;
+}
+
+static double code_error(double got, float from, int bits)
+{
+    const double max = (1 << bits) - 1;
+    const double v = fmin(fmax((double) from, 0.0), 1.0); // NaN: 0
+    return fabs(got - srgb(v) * max);
+}
+
+/* NaN must stay one, all else every bit; -0 counts as 0. */
+static double float_error(float got, float from)
+{
+    return isnan(from) ? !isnan(got) : got != from;
+}
+
+static double sample_error(const struct format *t, float got, float from)
+{
+    const int bits = t->p.raw == GP_RAW_RGB24 && !t->ending[0]
+                         ? 8 : t->p.depth_bits;
+    switch (t->store) {
+    case HALF_ULP:
+        return half_error(got, from);
+    case CODE:
+        return code_error((double) got, from, bits);
+    case SAME_FLOAT:
+        break;
+    }
+    return float_error(got, from);
+}
+
+// -- what was read back -------------------------------------------------------
+
+/* The sample of f.lit at a place, 0 outside the data window. */
+static float lit_at(const struct gp_frame *f, int c, int x, int y)
+{
+    const struct gp_rect d = f->data;
+    if (x < d.x0 || x >= d.x1 || y < d.y0 || y >= d.y1)
+        return 0.0f;
+    return f->lit.c[c][(size_t) (y - d.y0) * (size_t) gp_rect_w(d) +
+                       (size_t) (x - d.x0)];
+}
+
+/* EXR keeps the data window, and both windows as they are. */
+static double exr_error(const struct format *t, const char *path,
+                        const struct gp_frame *f)
+{
+    const struct gp_read_params limits = GP_READ_DEFAULTS;
+    struct gp_frame got;
+    double worst = 0.0;
+    if (gp_read_frame(&scene_log, &limits, path, &got))
+        hard_die(path, scene_line);
+    if (memcmp(&got.data, &f->data, sizeof f->data) != 0 ||
+        memcmp(&got.display, &f->display, sizeof f->display) != 0 ||
+        got.colour_type != (t->store == HALF_ULP ? GP_HALF : GP_FLOAT))
+        worst = HARD_NO_BAR;
+    const size_t n = gp_frame_pixels(f);
+    for (size_t i = 0; worst < HARD_NO_BAR && i < 3 * n; i++)
+        worst = hard_worse(worst, sample_error(t, got.rgb.c[i / n][i % n],
+                                               f->lit.c[i / n][i % n]));
+    gp_frame_free(&got);
+    return worst;
+}
+
+/* All others show the display window. */
+static double picture_error(const struct format *t, const char *path,
+                            const struct gp_frame *f)
+{
+    struct hard_picture got = {0};
+    const struct gp_rect d = f->display;
+    double worst = 0.0;
+    got.w = gp_rect_w(d); // raw frames do not say
+    got.h = gp_rect_h(d);
+    t->read(path, &got);
+    if (got.w != gp_rect_w(d) || got.h != gp_rect_h(d))
+        worst = HARD_NO_BAR;
+    for (int i = 0; worst < HARD_NO_BAR && i < got.w * got.h; i++) {
+        for (int c = 0; c < 3; c++)
+            worst = hard_worse(worst, sample_error(
+                t, got.v[3 * (size_t) i + (size_t) c],
+                lit_at(f, c, d.x0 + i % got.w, d.y0 + i / got.w)));
+    }
+    free(got.v);
+    return worst;
+}
+
+// -- files --------------------------------------------------------------------
+
+static char folder[] = "/tmp/glarepp-hard-XXXXXX";
+
+static void name_of(const struct format *t, char path[64])
+{
+    snprintf(path, 64, "%s/out%s", folder, t->ending);
+}
+
+/* Raw frames are for names without an ending, pipes: to a file only by their
+ * own writer. */
+static void write_as(const struct format *t, const char *path,
+                     const struct gp_frame *f)
+{
+    struct gp_write_stats stats = {0};
+    const gp_status st = t->ending[0]
+        ? gp_write_picture(&scene_log, &t->p, path, f, &f->lit,
+                           GP_PICTURE_SHOWN, &stats)
+        : gp_raw_write(&scene_log, &t->p, path, f, &f->lit, GP_PICTURE_SHOWN,
+                       &stats);
+    if (st)
+        hard_die(path, scene_line);
+}
+
+static uint64_t hash_file(const char *path)
+{
+    size_t size;
+    uint64_t hash = 14695981039346656037u;
+    uint8_t *const bytes = hard_read_bytes(path, &size);
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ bytes[i]) * 1099511628211u;
+    free(bytes);
+    return hash;
+}
+
+// -- tables -------------------------------------------------------------------
+
+static void print_errors(void)
+{
+    hard_table("Files", "largest error of a sample read back, over all "
+                        "lossless compressions and byte orders", columns);
+    for (int row = 0; row < HARD_CASES; row++) {
+        double error[COLUMNS] = {0};
+        if (!hard_is_run(&hard_cases[row]))
+            continue;
+        struct gp_frame f = hard_lit(&hard_cases[row]);
+        for (int i = 0; i < FORMATS; i++) {
+            const struct format *const t = &formats[i];
+            char path[64];
+            name_of(t, path);
+            write_as(t, path, &f);
+            error[t->column] = hard_worse(
+                error[t->column], t->read ? picture_error(t, path, &f)
+                                          : exr_error(t, path, &f));
+            unlink(path);
+        }
+        hard_row(hard_cases[row].name);
+        for (int i = 0; i < COLUMNS; i++)
+            hard_cell(error[i], columns[i].bar);
+        gp_frame_free(&f);
+    }
+    hard_table_end();
+}
+
+/* Files of a row that differ from those of one thread, by column. */
+static void count_differing(int row, int threads, double differ[COLUMNS])
+{
+    struct gp_frame f = hard_lit(&hard_cases[row]);
+    for (int i = 0; i < FORMATS; i++) {
+        char path[64];
+        uint64_t hash[2];
+        name_of(&formats[i], path);
+        for (int k = 0; k < 2; k++) {
+            gp_set_threads(k ? threads : 1);
+            write_as(&formats[i], path, &f);
+            hash[k] = hash_file(path);
+            unlink(path);
+        }
+        differ[formats[i].column] += hash[0] != hash[1];
+    }
+    gp_set_threads(0);
+    gp_frame_free(&f);
+}
+
+static void print_same_bytes(void)
+{
+    struct hard_column same[COLUMNS + 1] = {{NULL, 0}};
+    for (int i = 0; i < COLUMNS; i++)
+        same[i].name = columns[i].name;
+    hard_table("Files, the same bytes",
+               "files that differ from those of one thread", same);
+    for (int t = 0; t < HARD_THREADS; t++) {
+        double differ[COLUMNS] = {0};
+        char name[32];
+        for (int row = 0; row < HARD_CASES; row++) {
+            if (hard_is_threaded(row))
+                count_differing(row, hard_threads[t], differ);
+        }
+        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
+        hard_row(name);
+        for (int i = 0; i < COLUMNS; i++)
+            hard_cell(differ[i], 0.0);
+    }
+    hard_table_end();
+}
+
+void hard_files(void)
+{
+    if (!mkdtemp(folder))
+        hard_die(folder, "cannot be made");
+    print_errors();
+    print_same_bytes();
+    if (rmdir(folder))
+        hard_die(folder, "something is left in it");
+}

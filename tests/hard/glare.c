@@ -1,0 +1,343 @@
+/* Every engine over the hard cases, one after the other through one opened
+ * engine, against gp_glare_reference(). */
+#include "hardcases.h"
+
+#include "core/parallel.h"
+
+#include "motion.h"
+
+enum { DIRECT, SPLAT, GROUPED, FFT, AUTO, WAYS };
+
+static const struct way {
+    const char *name, *engine;
+    bool gl;
+    struct gp_splat_params splat;
+} ways[WAYS] = {
+    {"direct", "direct", false, GP_SPLAT_EXACT},
+    {"splat, ungrouped", "splat", true, GP_SPLAT_EXACT},
+    {"splat, grouped", "splat", true, GP_SPLAT_DEFAULTS},
+    {"fft", "fft", false, GP_SPLAT_EXACT},
+    {"auto", "auto", false, GP_SPLAT_DEFAULTS},
+};
+
+/* Of rel_l2: what an engine that is exact may round, what auto is told to
+ * keep. A grouped layer's bar is the bound that the engine states for it. */
+static const double tolerance = 1e-3;
+static const struct hard_column columns[WAYS + 1] = {
+    {"direct", 1e-6}, {"splat, ungrouped", 2e-6},
+    {"splat, grouped", HARD_NO_BAR}, {"fft", 1e-6}, {"auto", 1e-3}, {NULL, 0},
+};
+
+static int no_gl;
+
+/* False where there is no GL for it. */
+static bool run(int way, struct scene *s, struct gp_glare *g,
+                struct gp_glare_stats *stats, const char *what)
+{
+    const struct way *const w = &ways[way];
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    p.engine = w->engine;
+    p.splat = w->splat;
+    p.tolerance = (float) tolerance;
+    if (w->gl && (hard_quick || no_gl))
+        return false;
+    if (!s->f.layer.c[0] &&
+        gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
+        abort();
+    for (int c = 0; c < 3; c++) // every sample must be written
+        memset(s->f.layer.c[c], 0xff, gp_frame_pixels(&s->f) * sizeof(float));
+    const gp_status st =
+        gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f, stats);
+    if (st == GP_ERR_GL && w->gl && strstr(scene_line, "install the Debian")) {
+        no_gl = 1;
+        return false;
+    }
+    if (st)
+        hard_die(what, scene_line);
+    return true;
+}
+
+static bool run_alone(int way, struct scene *s, const char *what)
+{
+    struct gp_glare g = {0};
+    struct gp_glare_stats stats;
+    const bool yes = run(way, s, &g, &stats, what);
+    gp_glare_close(&g);
+    return yes;
+}
+
+// -- errors -------------------------------------------------------------------
+
+struct result {
+    bool ran;
+    double error, bar; // rel_l2; max_abs where nothing is lit or shows
+    double own;        // largest error of a pixel over its own value
+    bool differs;      // from a layer of an engine opened for it alone
+};
+
+static bool is_dark(const struct scene *s)
+{
+    for (size_t i = 0; i < 3 * gp_frame_pixels(&s->f); i++) {
+        if (s->exact[i] != 0.0)
+            return false;
+    }
+    return true;
+}
+
+/* The bar of a cell; a bound that does not hold takes its place. */
+static double bar_of(const struct hard_case *h, int way, double error,
+                     double bound)
+{
+    const double bar = way == AUTO      ? tolerance
+                       : way == GROUPED ? bound
+                                        : hard_bar(h, ways[way].engine);
+    return error <= bound ? bar : bound;
+}
+
+static void look(const struct hard_case *h, int way, const struct scene *s,
+                 const struct gp_glare_stats *stats, struct result *r)
+{
+    struct gp_glare_error e;
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, &e);
+    r->own = scene_own_error(s);
+    if (is_dark(s)) {
+        r->error = e.max_abs;
+        r->bar = 0.0;
+    } else if (h->abs > 0.0) {
+        r->error = e.max_abs;
+        r->bar = h->abs;
+    } else {
+        r->error = e.rel_l2;
+        r->bar = bar_of(h, way, e.rel_l2, stats->bound);
+    }
+}
+
+/* auto may take another engine after other frames. A context takes a tenth of
+ * a second, so every fifth row alone opens one of its own. */
+static bool is_compared(int row, int way)
+{
+    return way != AUTO && (!ways[way].gl || row % 5 == 0);
+}
+
+static void run_case(int row, struct gp_glare kept[WAYS],
+                     struct result result[WAYS])
+{
+    const struct hard_case *const h = &hard_cases[row];
+    struct scene s = hard_scene(h);
+    for (int i = 0; i < WAYS; i++) {
+        struct gp_glare_stats stats;
+        struct result *const r = &result[i];
+        r->ran = run(i, &s, &kept[i], &stats, h->name);
+        if (!r->ran)
+            continue;
+        look(h, i, &s, &stats, r);
+        const uint64_t hash = scene_hash(&s);
+        if (is_compared(row, i) && run_alone(i, &s, h->name))
+            r->differs = scene_hash(&s) != hash;
+    }
+    scene_free(&s);
+}
+
+// -- tables -------------------------------------------------------------------
+
+static struct result results[HARD_CASES][WAYS];
+
+/* First, last, second, last but one: sizes jump from frame to frame. */
+static void run_all(void)
+{
+    struct gp_glare kept[WAYS] = {0};
+    for (int i = 0; i < HARD_CASES; i++) {
+        const int row = i % 2 ? HARD_CASES - 1 - i / 2 : i / 2;
+        if (hard_is_run(&hard_cases[row]))
+            run_case(row, kept, results[row]);
+    }
+    for (int i = 0; i < WAYS; i++)
+        gp_glare_close(&kept[i]);
+}
+
+static void print_errors(void)
+{
+    hard_table("Engines",
+               "rel_l2 against the sum in double; where the exact layer is 0 "
+               "or of denormals alone, the largest sample",
+               columns);
+    for (int row = 0; row < HARD_CASES; row++) {
+        if (!hard_is_run(&hard_cases[row]))
+            continue;
+        hard_row(hard_cases[row].name);
+        for (int i = 0; i < WAYS; i++) {
+            const struct result *const r = &results[row][i];
+            if (r->ran)
+                hard_cell(r->error, r->bar);
+            else
+                hard_no_cell();
+        }
+    }
+    hard_table_end();
+}
+
+/* Groups promise rel_l2 alone. */
+static void print_dark_pixels(void)
+{
+    static const struct hard_column own[] = {
+        {"direct", 1e-5}, {"splat, ungrouped", 1e-5},
+        {"splat, grouped", HARD_NO_BAR}, {"fft", 1e-5}, {"auto", HARD_NO_BAR},
+        {NULL, 0},
+    };
+    hard_table("Dark pixels beside 1e9",
+               "largest error of a pixel's luminance over its own value", own);
+    for (int row = 0; row < HARD_CASES; row++) {
+        if (!hard_is_run(&hard_cases[row]) || !(hard_cases[row].own > 0.0))
+            continue;
+        hard_row(hard_cases[row].name);
+        for (int i = 0; i < WAYS; i++) {
+            if (results[row][i].ran)
+                hard_cell(results[row][i].own, own[i].bar);
+            else
+                hard_no_cell();
+        }
+    }
+    hard_table_end();
+}
+
+static void print_kept(void)
+{
+    hard_row("one opened engine through all rows");
+    for (int i = 0; i < WAYS; i++) {
+        int differ = 0, ran = 0;
+        for (int row = 0; row < HARD_CASES; row++) {
+            ran += results[row][i].ran && is_compared(row, i);
+            differ += results[row][i].differs;
+        }
+        if (ran)
+            hard_cell(differ, 0.0);
+        else
+            hard_no_cell();
+    }
+}
+
+static bool differs_by_threads(int row, int way, int threads)
+{
+    struct scene s = hard_sense(&hard_cases[row]);
+    gp_set_threads(1);
+    bool differs = false;
+    if (run_alone(way, &s, hard_cases[row].name)) {
+        const uint64_t hash = scene_hash(&s);
+        gp_set_threads(threads);
+        run_alone(way, &s, hard_cases[row].name);
+        differs = scene_hash(&s) != hash;
+    }
+    gp_set_threads(0);
+    scene_free(&s);
+    return differs;
+}
+
+static void print_same_bytes(void)
+{
+    static const struct hard_column same[WAYS + 1] = {
+        {"direct", 0}, {"splat, ungrouped", 0}, {"splat, grouped", 0},
+        {"fft", 0}, {"auto", 0}, {NULL, 0},
+    };
+    hard_table("Engines, the same bytes",
+               "layers that differ from those of an engine opened for that "
+               "frame alone, and from those of one thread", same);
+    print_kept();
+    for (int t = 0; t < HARD_THREADS; t++) {
+        char name[32];
+        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
+        hard_row(name);
+        for (int i = 0; i < WAYS; i++) {
+            int differ = 0;
+            for (int row = 0; row < HARD_CASES; row++)
+                differ += hard_is_threaded(row) &&
+                          differs_by_threads(row, i, hard_threads[t]);
+            if (ways[i].gl && (hard_quick || no_gl))
+                hard_no_cell();
+            else
+                hard_cell(differ, 0.0);
+        }
+    }
+    hard_table_end();
+}
+
+void hard_glare(void)
+{
+    run_all();
+    print_errors();
+    print_dark_pixels();
+    print_same_bytes();
+}
+
+// -- a point that slides ------------------------------------------------------
+
+static struct motion_result slide(int way, const struct gp_kernel *kernel,
+                                  enum motion_shape shape, bool *ran)
+{
+    enum { N = MOTION_SIZE * MOTION_SIZE };
+    struct motion_track track = {0};
+    struct gp_glare g = {0};
+    double *const layer = scene_alloc(N, sizeof *layer);
+    *ran = true;
+    for (int i = 0; i < MOTION_STEPS && *ran; i++) {
+        struct gp_glare_stats stats;
+        struct scene s = scene_make(motion_frame(shape, i), *kernel,
+                                    &motion_sensors);
+        *ran = run(way, &s, &g, &stats, motion_shapes[shape]);
+        for (int k = 0; k < N && *ran; k++)
+            layer[k] = (double) s.f.layer.c[1][k];
+        if (*ran)
+            motion_follow(&track, i, layer, s.exact + N);
+        s.k = (struct gp_kernel) {0}; // of all
+        scene_free(&s);
+    }
+    free(layer);
+    gp_glare_close(&g);
+    return motion_end(&track);
+}
+
+/* Of `what`: 0 flux ripple, 1 centroid. Grouping and auto may lose the light
+ * that shrinking leaves out. */
+static void print_slide(const struct motion_result r[MOTION_SHAPES][WAYS],
+                        const bool ran[WAYS], int what)
+{
+    static const double bars[2][WAYS] = {
+        {1e-5, 1e-5, 1e-3, 1e-5, 1e-3}, {1e-4, 1e-4, 1e-2, 1e-4, 1e-2},
+    };
+    struct hard_column column[WAYS + 1] = {{NULL, 0}};
+    for (int i = 0; i < WAYS; i++)
+        column[i] = (struct hard_column) {ways[i].name, bars[what][i]};
+    hard_table(what ? "Light that slides by 1/8 pixel, centroid"
+                    : "Light that slides by 1/8 pixel, flux",
+               what ? "largest distance of the layer's centroid from the "
+                      "light's, pixels"
+                    : "largest flux over smallest, less 1", column);
+    for (int shape = 0; shape < MOTION_SHAPES; shape++) {
+        hard_row(motion_shapes[shape]);
+        for (int i = 0; i < WAYS; i++) {
+            if (ran[i])
+                hard_cell(what ? r[shape][i].centroid : r[shape][i].ripple,
+                          bars[what][i]);
+            else
+                hard_no_cell();
+        }
+    }
+    hard_table_end();
+}
+
+void hard_slide(void)
+{
+    struct motion_result r[MOTION_SHAPES][WAYS];
+    bool ran[WAYS];
+    struct gp_kernel kernel = motion_kernel();
+    if (hard_quick) {
+        gp_kernel_free(&kernel);
+        return;
+    }
+    for (int shape = 0; shape < MOTION_SHAPES; shape++) {
+        for (int i = 0; i < WAYS; i++)
+            r[shape][i] = slide(i, &kernel, (enum motion_shape) shape, &ran[i]);
+    }
+    gp_kernel_free(&kernel);
+    print_slide(r, ran, 0);
+    print_slide(r, ran, 1);
+}

@@ -1,0 +1,51 @@
+/* The hard cases against plain forms in double, the largest error of each cell
+ * printed. Status 1 when a cell is over its bar.
+ *
+ *   hardcases [glare|slide|tone|sun|files]   all families, or one
+ *
+ * GLAREPP_TEST_QUICK leaves out GL and large cases. */
+#include "hardcases.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+int hard_quick;
+
+_Noreturn void hard_die(const char *what, const char *why)
+{
+    fflush(stdout);
+    fprintf(stderr, "hardcases: %s: %s\n", what, why);
+    exit(2);
+}
+
+/* The build puts this program one folder below the OpenImageIO bridge. */
+static void find_bridge(void)
+{
+    char self[4096] = "", folder[4200];
+    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
+        hard_die("/proc/self/exe", "cannot be read");
+    *strrchr(self, '/') = '\0';
+    snprintf(folder, sizeof folder, "%s/..", self);
+    if (setenv("GLAREPP_BRIDGES", folder, 0))
+        hard_die("setenv", "no memory");
+}
+
+int main(int argc, char *argv[])
+{
+    static const struct {
+        const char *name;
+        void (*run)(void);
+    } families[] = {
+        {"glare", hard_glare}, {"slide", hard_slide}, {"tone", hard_tone},
+        {"sun", hard_sun},     {"files", hard_files},
+    };
+    hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
+    find_bridge();
+    for (size_t i = 0; i < sizeof families / sizeof *families; i++) {
+        if (argc < 2 || strcmp(argv[1], families[i].name) == 0)
+            families[i].run();
+    }
+    return hard_count() ? 1 : 0;
+}

@@ -1,0 +1,58 @@
+/* The families of hard cases, a table each: all rows of cases.h through every
+ * engine, every tone curve, every sun method and every output format. */
+#ifndef GP_TESTS_HARD_HARDCASES_H
+#define GP_TESTS_HARD_HARDCASES_H
+
+#include "cases.h"
+#include "table.h"
+
+/* Rows that are run, in the table's order: all, or the quick ones. */
+extern int hard_quick;
+
+static inline int hard_is_run(const struct hard_case *h)
+{
+    return !hard_quick || hard_is_quick(h);
+}
+
+/* Numbers of threads that must give the bytes of one thread. */
+static const int hard_threads[] = {2, 3, 8};
+enum { HARD_THREADS = sizeof hard_threads / sizeof *hard_threads };
+
+/* Rows that are run again with each of them: every seventh. */
+static inline int hard_is_threaded(int i)
+{
+    return i % 7 == 3 && hard_is_run(&hard_cases[i]);
+}
+
+/* The frame as it was made, not cleaned, and in f.lit that plus its exact
+ * layer: what tone curves and files get, NaN and Inf included. The caller
+ * frees it. */
+static inline struct gp_frame hard_lit(const struct hard_case *h)
+{
+    struct scene s = hard_scene(h);
+    struct gp_frame f = hard_frame(h);
+    const size_t n = gp_frame_pixels(&f);
+    if (gp_planes_make(NULL, "lit", n, &f.lit))
+        abort();
+    for (size_t i = 0; i < 3 * n; i++)
+        f.lit.c[i / n][i % n] = f.rgb.c[i / n][i % n] + (float) s.exact[i];
+    scene_free(&s);
+    return f;
+}
+
+/* The larger; what is no number is as wrong as can be. */
+static inline double hard_worse(double a, double b)
+{
+    return b != b ? HARD_NO_BAR : fmax(a, b);
+}
+
+/* Ends the program: a case that cannot be run is no cell. */
+_Noreturn void hard_die(const char *what, const char *why);
+
+void hard_glare(void);
+void hard_slide(void);
+void hard_tone(void);
+void hard_sun(void);
+void hard_files(void);
+
+#endif

@@ -1,0 +1,222 @@
+/* Every tone curve over the hard cases, NaN and Inf among the light, against
+ * the printed equations in double (tone_forms.h). */
+#include "hardcases.h"
+
+#include "core/parallel.h"
+#include "tone/tone.h"
+
+#include "tone_forms.h"
+
+enum { CURVES = sizeof references / sizeof *references };
+
+/* gp_tone_curves in order, then what exposes. */
+enum { EV = CURVES + 1, METERED, WAYS };
+
+static const struct way {
+    const char *name, *curve;
+    float exposure;
+    bool metered;
+} ways[WAYS] = {
+    {"reinhard", "reinhard", 0.0f, false},
+    {"reinhard-extended", "reinhard-extended", 0.0f, false},
+    {"aces", "aces", 0.0f, false},
+    {"hable", "hable", 0.0f, false},
+    {"agx", "agx", 0.0f, false},
+    {"neutral", "neutral", 0.0f, false},
+    {"linear", "linear", 0.0f, false},
+    {"none", "none", 0.0f, false},
+    {"hable at -7.3 EV", "hable", -7.3f, false},
+    {"auto-exposure, reinhard", "reinhard", 0.0f, true},
+};
+
+/* Beyond, all is white; tone/map.c bounds light and factor so. */
+static const double light_max = 1e15, scale_max = 0x1p60;
+
+// -- plain forms --------------------------------------------------------------
+
+static double luminance_of(const struct gp_frame *f, size_t i)
+{
+    double y = 0.0;
+    for (int c = 0; c < 3; c++)
+        y += (double) f->luminance[c] * (double) f->lit.c[c][i];
+    return y;
+}
+
+/* Reinhard et al. 2002, eq. 1, over pixels whose luminance is a number over
+ * 0. */
+static double plain_scale(const struct way *w, const struct gp_frame *f)
+{
+    const size_t n = gp_frame_pixels(f);
+    double sum = 0.0, count = 0.0, scale = exp2((double) w->exposure);
+    for (size_t i = 0; i < n && w->metered; i++) {
+        const double y = luminance_of(f, i);
+        if (y > 0.0 && isfinite(y)) {
+            sum += log(1e-6 + y);
+            count += 1.0;
+        }
+    }
+    if (count > 0.0)
+        scale *= 0.18 / exp(sum / count);
+    return fmin(fmax(scale, 1.0 / scale_max), scale_max);
+}
+
+/* What a curve sees of a pixel: negative light is none, but for those that
+ * mix it into wider primaries first; no number is the lower end. */
+static void plain_light(const struct way *w, const struct gp_frame *f,
+                        double scale, size_t i, double out[3])
+{
+    const bool wide = strcmp(w->curve, "aces") == 0 ||
+                      strcmp(w->curve, "agx") == 0;
+    for (int c = 0; c < 3; c++) {
+        const double v = (double) f->lit.c[c][i] * scale;
+        out[c] = fmin(fmax(v, wide ? -light_max : 0.0), light_max);
+    }
+}
+
+/* A float, as the white that the option takes; no less than FLT_MIN. */
+static double plain_white(const struct way *w, const struct gp_frame *f,
+                          double scale)
+{
+    double peak = 0.0, v[3];
+    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+        plain_light(w, f, scale, i, v);
+        peak = fmax(peak, luminance(v));
+    }
+    peak = (double) (float) fmin(peak, light_max);
+    return peak > 0.0 ? fmax(peak, (double) FLT_MIN) : 1.0;
+}
+
+// -- errors -------------------------------------------------------------------
+
+static const struct tone_form *form_of(const char *curve)
+{
+    for (int i = 0; i < CURVES; i++) {
+        if (strcmp(references[i].name, curve) == 0)
+            return &references[i];
+    }
+    return NULL;
+}
+
+static double bar_of(const struct way *w)
+{
+    const struct tone_form *const form = form_of(w->curve);
+    return form ? form->tolerance : 0.0;
+}
+
+static void map(const struct way *w, struct gp_frame *f)
+{
+    struct gp_tone_params p = GP_TONE_DEFAULTS;
+    p.curve = w->curve;
+    p.exposure = w->exposure;
+    p.auto_exposure = w->metered;
+    if (gp_tone_map(&scene_log, &p, f, NULL))
+        hard_die(w->name, scene_line);
+}
+
+/* `none` must give the bytes back. */
+static double copy_error(const struct gp_frame *f)
+{
+    const size_t n = gp_frame_pixels(f);
+    double differ = 0.0;
+    for (int c = 0; c < 3; c++)
+        differ += memcmp(f->lit.c[c], f->shown.c[c], n * sizeof(float)) != 0;
+    return differ;
+}
+
+static double map_error(const struct way *w, struct gp_frame *f)
+{
+    const struct tone_form *const form = form_of(w->curve);
+    map(w, f);
+    if (!form)
+        return copy_error(f);
+    const double scale = plain_scale(w, f), white = plain_white(w, f, scale);
+    double worst = 0.0;
+    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+        double v[3], want[3];
+        plain_light(w, f, scale, i, v);
+        form->map(v, white, want);
+        for (int c = 0; c < 3; c++)
+            worst = hard_worse(worst, fabs((double) f->shown.c[c][i] -
+                                           want[c]));
+    }
+    return worst;
+}
+
+// -- tables -------------------------------------------------------------------
+
+/* All curves there are, in their order, have a column. */
+static void check_ways(void)
+{
+    int n = 0;
+    while (gp_tone_curves[n]) {
+        if (n >= EV || strcmp(gp_tone_curves[n]->name, ways[n].curve) != 0)
+            hard_die(gp_tone_curves[n]->name, "has no column in tone.c");
+        n++;
+    }
+}
+
+static void print_errors(const struct hard_column *column)
+{
+    hard_table("Tone curves", "largest error of a sample, white being 1",
+               column);
+    for (int row = 0; row < HARD_CASES; row++) {
+        const struct hard_case *const h = &hard_cases[row];
+        if (!hard_is_run(h))
+            continue;
+        struct gp_frame f = hard_lit(h);
+        hard_row(h->name);
+        for (int i = 0; i < WAYS; i++)
+            hard_cell(map_error(&ways[i], &f), column[i].bar);
+        gp_frame_free(&f);
+    }
+    hard_table_end();
+}
+
+static int differs_by_threads(const struct way *w, int row, int threads)
+{
+    const struct hard_case *const h = &hard_cases[row];
+    struct gp_frame a = hard_lit(h), b = hard_lit(h);
+    const size_t bytes = gp_frame_pixels(&a) * sizeof(float);
+    int differs = 0;
+    gp_set_threads(1);
+    map(w, &a);
+    gp_set_threads(threads);
+    map(w, &b);
+    gp_set_threads(0);
+    for (int c = 0; c < 3; c++)
+        differs |= memcmp(a.shown.c[c], b.shown.c[c], bytes) != 0;
+    gp_frame_free(&a);
+    gp_frame_free(&b);
+    return differs;
+}
+
+static void print_same_bytes(struct hard_column *column)
+{
+    for (int i = 0; i < WAYS; i++)
+        column[i].bar = 0.0;
+    hard_table("Tone curves, the same bytes",
+               "pictures that differ from those of one thread", column);
+    for (int t = 0; t < HARD_THREADS; t++) {
+        char name[32];
+        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
+        hard_row(name);
+        for (int i = 0; i < WAYS; i++) {
+            int differ = 0;
+            for (int row = 0; row < HARD_CASES; row++)
+                differ += hard_is_threaded(row) &&
+                          differs_by_threads(&ways[i], row, hard_threads[t]);
+            hard_cell(differ, 0.0);
+        }
+    }
+    hard_table_end();
+}
+
+void hard_tone(void)
+{
+    struct hard_column column[WAYS + 1] = {{NULL, 0}};
+    check_ways();
+    for (int i = 0; i < WAYS; i++)
+        column[i] = (struct hard_column) {ways[i].name, bar_of(&ways[i])};
+    print_errors(column);
+    print_same_bytes(column);
+}
