@@ -1,16 +1,25 @@
 #include "core/cpu.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <cpuid.h>
 
-/* Asked of the CPU itself: clang 14 knows no "f16c". */
+enum { UNKNOWN, MISSING, THERE };
+
+/* Asked of the CPU itself: clang 14 knows no "f16c". And only once: a virtual
+ * machine leaves to its host for each answer, which takes microseconds. */
 static bool has_f16c(void)
 {
-    unsigned a, b, c, d;
-    return __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+    static atomic_int found;
+    if (atomic_load(&found) == UNKNOWN) {
+        unsigned a, b, c, d;
+        const bool there = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+        atomic_store(&found, there ? THERE : MISSING);
+    }
+    return atomic_load(&found) == THERE;
 }
 #endif
 
