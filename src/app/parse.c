@@ -394,18 +394,26 @@ static gp_status read_option(const struct gp_log *log, int argc,
 
 // -- the whole line ----------------------------------------------------------
 
+/* The lists of words. */
+enum { LISTS = 4 };
+static struct gp_texts *list_of(struct gp_settings *s, int i)
+{
+    struct gp_texts *const list[LISTS] = {
+        &s->inputs, &s->outputs, &s->ocio_context, &s->light_groups,
+    };
+    return list[i];
+}
+
 static gp_status make_lists(const struct gp_log *log, int argc,
                             struct gp_settings *s)
 {
-    struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context,
-                                &s->light_groups};
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < LISTS; i++) {
         void *block;
         gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
                                 sizeof(char *), &block);
         if (st)
             return st;
-        lists[i]->at = block;
+        list_of(s, i)->at = block;
     }
     return GP_OK;
 }
@@ -437,8 +445,9 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
 
 void gp_settings_free(struct gp_settings *s)
 {
-    GP_FREE(s->inputs.at);
-    GP_FREE(s->outputs.at);
-    GP_FREE(s->ocio_context.at);
-    s->inputs.n = s->outputs.n = s->ocio_context.n = 0;
+    for (int i = 0; i < LISTS; i++) {
+        struct gp_texts *const list = list_of(s, i);
+        GP_FREE(list->at);
+        list->n = 0;
+    }
 }
