@@ -394,35 +394,10 @@ static gp_status read_option(const struct gp_log *log, int argc,
 
 // -- the whole line ----------------------------------------------------------
 
-/* The lists of words. */
-enum { LISTS = 4 };
-static struct gp_texts *list_of(struct gp_settings *s, int i)
-{
-    struct gp_texts *const list[LISTS] = {
-        &s->inputs, &s->outputs, &s->ocio_context, &s->light_groups,
-    };
-    return list[i];
-}
-
-static gp_status make_lists(const struct gp_log *log, int argc,
-                            struct gp_settings *s)
-{
-    for (int i = 0; i < LISTS; i++) {
-        void *block;
-        gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
-                                sizeof(char *), &block);
-        if (st)
-            return st;
-        list_of(s, i)->at = block;
-    }
-    return GP_OK;
-}
-
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
-    *out = gp_defaults;
-    gp_status st = make_lists(log, argc, out);
+    gp_status st = gp_settings_make(log, argc, out);
     bool options = true; // until "--"
     int i = 1;
     out->command = read_command(argc, argv, &i);
@@ -441,13 +416,4 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     if (st || out->help || out->help_man || out->version)
         return st;
     return gp_settings_check(log, out);
-}
-
-void gp_settings_free(struct gp_settings *s)
-{
-    for (int i = 0; i < LISTS; i++) {
-        struct gp_texts *const list = list_of(s, i);
-        GP_FREE(list->at);
-        list->n = 0;
-    }
 }
