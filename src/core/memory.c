@@ -65,7 +65,7 @@ static void *reuse(size_t bytes)
 /* False when the block is not to be kept. */
 static bool keep(void *block)
 {
-    const size_t bytes = KEPT_MOST && block ? malloc_usable_size(block) : 0;
+    const size_t bytes = KEPT_MOST > 0 && block ? malloc_usable_size(block) : 0;
     if (bytes < KEPT_LEAST)
         return false;
     pthread_mutex_lock(&kept.lock);
