@@ -106,6 +106,7 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cas
 # These count and refuse what the program's own code allocates
 STARVED := $(patsubst tests/unit/%.c,$(B)/tests/%,$(wildcard tests/unit/test_starved*.c))
 $(STARVED): LINK += -Wl,--wrap=malloc,--wrap=calloc,--wrap=posix_memalign,--wrap=free
+$(B)/tests/test_starved_core: LINK += -Wl,--wrap=pthread_create,--wrap=sched_getaffinity,--wrap=readlink
 # These open libraries that break
 $(B)/tests/test_gl_broken: | $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 

@@ -1,8 +1,10 @@
-/* glare with a memory that is full at the n-th allocation, for every n of each
- * part of the room: one line, no block lost, and what is kept from frame to
- * frame still gives the same bytes when memory is back. */
+/* glare with a memory that is full at the n-th allocation, and with a GL whose
+ * n-th answer is an error, for every n of each part of the room: one line, no
+ * block lost, and what is kept from frame to frame still gives the same bytes
+ * when all is well again. */
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "gl/context.h"
 #include "glare/bound.h"
 #include "glare/compose.h"
 #include "glare/extra.h"
@@ -293,25 +295,67 @@ static bool is_drawn(const struct starved *r)
            r->run == run_engine;
 }
 
-/* Refuses the n-th allocation; false when there were fewer. */
-static bool starve_once(long n, uint64_t want)
+/* A fault at the n-th call of a kind. */
+struct fault {
+    const char *name, *said;
+    gp_status status;
+    void (*arm)(long n); // 0: none
+    bool (*fired)(void);
+};
+
+static long answers, wrong; // of glGetError(), and which is an error
+static PFNGLGETERRORPROC real_answer;
+
+static GLenum APIENTRY answer(void)
+{
+    return ++answers == wrong ? GL_OUT_OF_MEMORY : real_answer();
+}
+
+/* The context that splat keeps, once it has drawn. */
+static void break_gl(long n)
+{
+    struct gp_splat *s = NULL;
+    for (int i = 0; gp_engines[i]; i++) {
+        if (gp_engines[i] == &gp_engine_splat)
+            s = glare.state[i];
+    }
+    assert_true(s && s->gl);
+    if (s->gl->f.GetError != answer)
+        real_answer = s->gl->f.GetError;
+    s->gl->f.GetError = n ? answer : real_answer;
+    answers = 0;
+    wrong = n;
+}
+
+static bool gl_broke(void)
+{
+    return answers >= wrong;
+}
+
+static const struct fault memory_fault = {
+    "allocations", "out of memory", GP_ERR_BUG, starve, starve_fired,
+}, gl_fault = {
+    "answers of GL", "GL_OUT_OF_MEMORY", GP_ERR_GL, break_gl, gl_broke,
+};
+
+/* Makes the n-th call fail; false when there were fewer. */
+static bool fail_once(const struct fault *f, long n, uint64_t want)
 {
     const bool engine = row->run == run_engine;
     if (engine)
         forget();
     said_nothing();
     const long blocks = atomic_load(&starve_blocks);
-    starve(n);
+    f->arm(n);
     const gp_status st = row->run();
-    const bool fired = starve_fired();
-    starve(0);
+    const bool fired = f->fired();
+    f->arm(0);
     if (!fired) {
         assert_int_equal(st, GP_OK);
         assert_true(hash == want);
         return false;
     }
-    if (st != GP_ERR_BUG || said_errors != 1 ||
-        !strstr(said_line, "out of memory"))
+    if (st != f->status || said_errors != 1 || !strstr(said_line, f->said))
         fail_msg("%s, %ld: status %d, %d lines, \"%s\"", row->name, n,
                  (int) st, said_errors, said_line);
     if (!engine) {
@@ -319,9 +363,18 @@ static bool starve_once(long n, uint64_t want)
         return true;
     }
     if (row->run() != GP_OK || hash != want)
-        fail_msg("%s, %ld: not the same bytes when memory is back", row->name,
+        fail_msg("%s, %ld: not the same bytes when all is well", row->name,
                  n);
     return true;
+}
+
+static void fail_each(const struct fault *f, uint64_t want)
+{
+    long n = 1;
+    while (fail_once(f, n, want))
+        n++;
+    print_message("%s: %ld %s\n", row->name, n - 1, f->name);
+    assert_true(n > 1);
 }
 
 static void sweep(const struct starved *r)
@@ -343,11 +396,9 @@ static void sweep(const struct starved *r)
     } else {
         assert_int_equal(st, GP_OK);
         const uint64_t want = hash;
-        long n = 1;
-        while (starve_once(n, want))
-            n++;
-        print_message("%s: %ld allocations\n", r->name, n - 1);
-        assert_true(n > 1);
+        fail_each(&memory_fault, want);
+        if (is_drawn(r))
+            fail_each(&gl_fault, want);
     }
     gp_glare_close(&glare);
     glare = (struct gp_glare) {0};
@@ -357,19 +408,18 @@ static void sweep(const struct starved *r)
     gp_kernel_free(&other);
 }
 
-static void memory_is_full(void **state)
+static void faults_leave_nothing(void **state)
 {
     (void) state;
     gp_set_threads(2);
-    const char *only = getenv("ONLY");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        if (!only || strstr(only, rows[i].name)) sweep(&rows[i]);
+        sweep(&rows[i]);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_is_full),
+        cmocka_unit_test(faults_leave_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
