@@ -107,6 +107,7 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cas
 STARVED := $(patsubst tests/unit/%.c,$(B)/tests/%,$(wildcard tests/unit/test_starved*.c))
 $(STARVED): LINK += -Wl,--wrap=malloc,--wrap=calloc,--wrap=posix_memalign,--wrap=free
 $(B)/tests/test_starved_core: LINK += -Wl,--wrap=pthread_create,--wrap=sched_getaffinity,--wrap=readlink
+$(B)/tests/test_starved_limits: LINK += -Wl,--wrap=dlopen,--wrap=dlsym
 # These open libraries that break
 $(B)/tests/test_gl_broken: | $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 
