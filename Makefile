@@ -41,7 +41,7 @@ OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
 HARD := $(wildcard tests/hard/*.c)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
-FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
+FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
@@ -103,7 +103,15 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cas
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
 
-# What tests preload to make calls fail, and a GL library that breaks
+# These count and refuse what the program's own code allocates
+STARVED := $(patsubst tests/unit/%.c,$(B)/tests/%,$(wildcard tests/unit/test_starved*.c))
+$(STARVED): LINK += -Wl,--wrap=malloc,--wrap=calloc,--wrap=posix_memalign,--wrap=free
+$(B)/tests/test_starved_core: LINK += -Wl,--wrap=pthread_create,--wrap=sched_getaffinity,--wrap=readlink
+$(B)/tests/test_starved_limits: LINK += -Wl,--wrap=dlopen,--wrap=dlsym
+# These open libraries that break
+$(B)/tests/test_gl_broken: | $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
+
+# What tests preload to make calls fail, and GL libraries that break
 $(B)/tests/%.so: tests/faults/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -fPIC -shared -o $@ $< \

@@ -64,7 +64,7 @@ static int count_processors(void)
 int gp_threads(void)
 {
     const int n = threads_wanted > 0 ? threads_wanted : count_processors();
-    return n < 1 ? 1 : n > MOST_THREADS ? MOST_THREADS : n;
+    return n > MOST_THREADS ? MOST_THREADS : n;
 }
 
 /* Takes one i after another until none is left, or, as a helper, until some
