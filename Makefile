@@ -46,7 +46,7 @@ FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        $(CHECKS) hardcases bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -184,6 +184,20 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" ""
+
+# Branches as the source has them: nothing optimised. kill.t would tear the
+# counters that it kills a run in the middle of
+COUNTED = --coverage -fprofile-update=atomic
+coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
+	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
+	    SAN="$(COUNTED)" coverage-run
+
+FLOORS := 85 core=90 glare=90 io=90
+coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
+	@find $(B) -name '*.gcda' -delete
+	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 \
+	    tests/run.sh $(B) "$(UNIT_BIN)" "" cli kill; ran=$$?; \
+	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes
