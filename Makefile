@@ -103,6 +103,11 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cas
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
 
+# What tests/unit/fault.h makes fail
+FAULT_WRAP := malloc calloc realloc posix_memalign read pread write pwrite \
+              fstat rename memfd_create close open
+$(B)/tests/test_faults: LIBS += $(FAULT_WRAP:%=-Wl,--wrap=%)
+
 # What tests preload to make calls fail, and a GL library that breaks
 $(B)/tests/%.so: tests/faults/%.c
 	@mkdir -p $(@D)
