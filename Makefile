@@ -190,9 +190,11 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" ""
 
-# Branches as the source has them: nothing optimised. kill.t would tear the
-# counters that it kills a run in the middle of
-COUNTED = --coverage -fprofile-update=atomic
+# Branches as the source has them, once: nothing optimised, built for one CPU
+# alone, not inlined here and there. kill.t would tear the counters of runs
+# that it kills
+COUNTED = --coverage -fprofile-update=atomic -DGP_NO_CLONES \
+          -Dalways_inline=unused
 coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
 	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
 	    SAN="$(COUNTED)" coverage-run

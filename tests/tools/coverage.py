@@ -9,10 +9,11 @@ when the branches taken in src/, or in ROOM, are under FLOOR percent.
 
 What counts: every branch that gcov reports for a file of src/, the C++ bridges
 too, but those that only an exception takes. -O0, so that no branch is the
-optimiser's. A function that the compiler builds several times, for CPUs
-(target_clones) or inline from a header, counts once: its branch is taken when
-it is taken in any of them. Code for other CPUs behind #if is not compiled and
-so does not count. A file that no test reached counts with nothing taken.
+optimiser's. The build makes each function once, not for several CPUs
+(target_clones) nor inlined in several places; one of a header, which is in
+several objects, counts once: its branch is taken when it is taken in any. Code
+for other CPUs behind #if is not compiled and so does not count. A file that no
+test reached counts with nothing taken.
 """
 import json
 import os
@@ -45,16 +46,13 @@ def reports(build):
 class File:
     def __init__(self):
         self.lines = {}     # line: times run
-        self.branches = {}  # (line, function, how many): times taken of each
+        self.branches = {}  # (line, how many): times taken of each
 
     def add(self, line):
-        function = line.get("function_name", "").split(".")
-        if function[-1] == "resolver":
-            return  # the compiler's own, that picks the clone
         n = line["line_number"]
         self.lines[n] = max(self.lines.get(n, 0), line["count"])
         taken = [b["count"] for b in line["branches"] if not b["throw"]]
-        key = n, function[0], len(taken)
+        key = n, len(taken)
         had = self.branches.get(key, [0] * len(taken))
         self.branches[key] = [a + b for a, b in zip(had, taken)]
 
@@ -67,7 +65,7 @@ class File:
     def not_taken(self):
         """(line, what) in order."""
         missing = {n: "not run" for n, count in self.lines.items() if not count}
-        for (n, _, _), taken in self.branches.items():
+        for (n, _), taken in self.branches.items():
             if 0 in taken and n not in missing:
                 never = [str(i) for i, t in enumerate(taken) if not t]
                 missing[n] = f"branch {','.join(never)} of {len(taken)}"
