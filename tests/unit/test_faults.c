@@ -3,6 +3,7 @@
  * time: the documented status, one line, nothing in the outputs, and no file
  * left. (The sanitizers and valgrind see what would leak.) */
 #include "core/parallel.h"
+#include "io/file.h"
 #include "io/members.h"
 #include "io/plane.h"
 #include "io/raw_read.h"
@@ -219,6 +220,36 @@ static gp_status hdr_made(const char *name)
     return ended(gp_write_hdr(&hear, &p, path, &set, 1, &stats), path);
 }
 
+/* More than the buffer, in small pieces and in one, and patches of what is
+ * out already, of what is not, and across the two. */
+static gp_status file(const char *name)
+{
+    enum { PIECE = 300000, WHOLE = 1500000 };
+    static const uint8_t zeros[WHOLE];
+    const bool straight = name[0] == '/';
+    const char *path = straight ? name : in_folder(name);
+    struct gp_file *f = NULL;
+    gp_status st = gp_file_open(&hear, path, false, &f);
+    if (st)
+        return st;
+    for (int i = 0; i < 8; i++)
+        st = gp_file_write(f, zeros, PIECE);
+    st = gp_file_write(f, zeros, WHOLE);
+    st = gp_file_write(f, "end", 3);
+    const uint64_t size = 8 * PIECE + WHOLE + 3;
+    if (!st)
+        assert_int_equal(gp_file_size(f), size);
+    st = gp_file_patch(f, 0, "start", 5);
+    st = gp_file_patch(f, size - 5, "where", 5);
+    st = st ? st : gp_file_patch(f, size - 1, "d", 1);
+    if (st) // a failure stays one
+        assert_int_equal(gp_file_write(f, "x", 1), st);
+    const gp_status ending = gp_file_commit(&f);
+    assert_null(f);
+    assert_true(ending == st || st == GP_OK);
+    return straight ? ending : ended(ending, path);
+}
+
 // -- every point ----------------------------------------------------------------
 
 struct work {
@@ -316,6 +347,8 @@ static void writing(void **state)
         {"picture", picture, "out.exr", false},
         {"picture", picture, "out.png", false},
         {"hdr", hdr, "out.exr", false},
+        {"file", file, "out.bin", false},
+        {"file", file, "/dev/null", false}, // held in memory to the end
     };
     EVERY_POINT(row);
 }
