@@ -68,7 +68,7 @@ static gp_status read_plane(const char *name)
                            depth_file ? NULL : "G", depth_file, &plane);
     if (st)
         assert_null(plane.v);
-    gp_free(plane.v);
+    gp_plane_free(&plane);
     return st;
 }
 
@@ -81,7 +81,7 @@ static gp_status read_coverage(const char *name)
         gp_read_coverage(&hear, &p, &from_parts, name, &plane);
     if (st)
         assert_null(plane.v);
-    gp_free(plane.v);
+    gp_plane_free(&plane);
     return st;
 }
 
