@@ -46,7 +46,7 @@ FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 CHECKS := check-headers check-rooms check-symbols check-size check-man
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        $(CHECKS) hardcases bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -110,6 +110,11 @@ $(B)/tests/test_starved_core: LINK += -Wl,--wrap=pthread_create,--wrap=sched_get
 $(B)/tests/test_starved_limits: LINK += -Wl,--wrap=dlopen,--wrap=dlsym
 # These open libraries that break
 $(B)/tests/test_gl_broken: | $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
+
+# What tests/unit/fault.h makes fail
+FAULT_WRAP := malloc calloc realloc posix_memalign read pread write pwrite \
+              fstat rename memfd_create close open
+$(B)/tests/test_faults: LIBS += $(FAULT_WRAP:%=-Wl,--wrap=%)
 
 # What tests preload to make calls fail, and GL libraries that break
 $(B)/tests/%.so: tests/faults/%.c
@@ -192,6 +197,22 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" ""
+
+# Branches as the source has them, once: nothing optimised, built for one CPU
+# alone, not inlined here and there. kill.t would tear the counters of runs
+# that it kills
+COUNTED = --coverage -fprofile-update=atomic -DGP_NO_CLONES \
+          -Dalways_inline=unused
+coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
+	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
+	    SAN="$(COUNTED)" coverage-run
+
+FLOORS := 85 core=90 glare=90 io=90
+coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
+	@find $(B) -name '*.gcda' -delete
+	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 \
+	    tests/run.sh $(B) "$(UNIT_BIN)" "" cli kill; ran=$$?; \
+	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes
