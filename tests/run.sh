@@ -1,7 +1,8 @@
 #!/bin/bash
 # Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli|cli [LEFT_OUT...]]
 # Runs every test but the command-line tests LEFT_OUT, prints what failed, and
-# ends with "N passed, N failed".
+# ends with "N passed, N failed". GLAREPP_TEST_JOBS at a time, else as many as
+# there are processors.
 # GLAREPP_RUN is put before each unit test (valgrind).
 build=$1 units=$2 checks=$3 cli=${4-cli} without=${*:5}
 cd "$(dirname "$0")/.." || exit 1
@@ -37,20 +38,36 @@ for check in $checks; do
     count "$check" "$log/$check.log" $status
 done
 
-for unit in $units; do
-    name=${unit##*/}
-    CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$unit" > "$log/$name.log" 2>&1
-    count "$name" "$log/$name.log" $?
-done
+# run_one KIND PATH NAME: leaves NAME.log and NAME.status
+run_one()
+{
+    case $1 in
+    unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" ;;
+    cli) GLAREPP=$PWD/$build/glarepp prove -v "$2" ;;
+    esac > "$log/$3.log" 2>&1
+    echo $? > "$log/$3.status"
+}
 
+# As many at a time as there are processors; told in the order of the list
+tasks=()
 if [ "$cli" = cli ]; then
     for test in tests/cli/*.t; do
-        name=$(basename "$test" .t)
-        case " $without " in *" $name "*) continue ;; esac
-        GLAREPP=$PWD/$build/glarepp prove -v "$test" > "$log/$name.log" 2>&1
-        count "$name.t" "$log/$name.log" $?
+        name=${test##*/}
+        case " $without " in *" ${name%.t} "*) ;; *) tasks+=("cli $test $name") ;; esac
     done
 fi
+for unit in $units; do tasks+=("unit $unit ${unit##*/}"); done
+for task in "${tasks[@]}"; do
+    while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(nproc)}" ]; do
+        wait -n
+    done
+    run_one $task &
+done
+wait
+for task in "${tasks[@]}"; do
+    name=${task##* }
+    count "$name" "$log/$name.log" "$(cat "$log/$name.status")"
+done
 
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ]
