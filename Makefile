@@ -19,7 +19,7 @@ WARN := -Wall -Wextra -Wconversion -Werror
 OPT ?= -O3
 # no name of the build's folder gets into a binary: the same source is the same
 # program anywhere
-HERE := -ffile-prefix-map=$(CURDIR)=. -ffile-prefix-map=$(B)/=build/
+HERE := -fdebug-prefix-map=$(CURDIR)=. -fdebug-prefix-map=$(B)/=build/
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g

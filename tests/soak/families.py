@@ -8,11 +8,12 @@ against this one as it is: `glarepp compare`'s rel_l2 and largest error of the
 layer, and the largest difference of the picture in code values of 8 and of
 16 bits. The settings:
 
-  base        GLAREPP_CPU=base: the program's loops without AVX2 and FMA
+  base        GLAREPP_CPU=base: reading, writing and bright pass without AVX2
   libm        GLIBC_TUNABLES: the C library's functions without AVX2 and FMA
   llvmpipe N  LP_NATIVE_VECTOR_WIDTH=N: vectors of the software GL
-  NAME        qemu-x86_64 -cpu NAME, where there is one: FFTW then takes the
-              codelets of that processor as well; EMULATOR names the program
+  NAME        qemu-x86_64 -cpu NAME, where there is one: the exact engine's
+              loops, FFTW's codelets and llvmpipe's code are then those for
+              that processor as well. EMULATOR=FILE is another such program
 """
 import json
 import os
