@@ -17,10 +17,13 @@ pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror
 OPT ?= -O3
+# no name of the build's folder gets into a binary: the same source is the same
+# program anywhere
+HERE := -fdebug-prefix-map=$(CURDIR)=. -fdebug-prefix-map=$(B)/=build/
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -pthread -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
@@ -88,13 +91,13 @@ $(B)/app/manual_text.o: $(B)/app/manual_text.c
 # C++ lives in these shared objects, opened only when something needs them
 $(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) -fPIC -shared \
 	    -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
 $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) -fPIC -shared \
 	    -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
@@ -131,6 +134,7 @@ $(B)/tests/hardcases: $(HARD) $(wildcard tests/hard/*.h tests/unit/*.h) $(LIB_OB
 -include $(OBJ:.o=.d)
 
 include tests/fuzz/fuzz.mk
+include tests/soak/soak.mk
 
 # -- the man page ---------------------------------------------------------------
 
