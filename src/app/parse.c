@@ -399,7 +399,7 @@ static gp_status make_lists(const struct gp_log *log, int argc,
 {
     struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context,
                                 &s->light_groups};
-    for (int i = 0; i < 3; i++) {
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++) {
         void *block;
         gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
                                 sizeof(char *), &block);
@@ -440,5 +440,7 @@ void gp_settings_free(struct gp_settings *s)
     GP_FREE(s->inputs.at);
     GP_FREE(s->outputs.at);
     GP_FREE(s->ocio_context.at);
-    s->inputs.n = s->outputs.n = s->ocio_context.n = 0;
+    GP_FREE(s->light_groups.at);
+    s->inputs.n = s->outputs.n = 0;
+    s->ocio_context.n = s->light_groups.n = 0;
 }
