@@ -129,7 +129,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(groups_equal_the_plain_form),
     };
-    if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
+    if (getenv("GLAREPP_TEST_QUICK")) { // Mesa's compiler crawls in valgrind
+        puts("1..0 # skipped: too long for GLAREPP_TEST_QUICK");
         return 0;
+    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
