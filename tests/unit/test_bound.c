@@ -85,7 +85,7 @@ static struct gp_frame make_frame(enum content what, int w, int h,
 /* -- kernels ----------------------------------------------------------------*/
 
 enum kind {
-    EYE, RANDOM, STREAKS, POINT, EVEN, LARGE, TINT, FLAT, HOLLOW, ASIDE, KINDS,
+    EYE, RANDOM, STREAKS, POINT, EVEN, LARGE, TINT, LEVEL, HOLLOW, ASIDE, KINDS,
 };
 static const char *const kind_text[KINDS] = {
     "eye", "random", "streaks", "1x1", "even", "over the frame", "tinted",
@@ -135,7 +135,7 @@ static struct gp_kernel make_kernel(enum kind kind, int w, int h,
         return scene_kernel(1, 1, MID, 0, BOX);
     case EVEN:
         return scene_kernel(w & ~1, h & ~1, MID, 0, PEAK);
-    case FLAT:
+    case LEVEL:
         return scene_kernel(w, h, MID, 0, BOX);
     case HOLLOW:
         return scene_kernel(w, h, MID, 0, RING);
