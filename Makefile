@@ -20,11 +20,32 @@ OPT ?= -O3
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(DEFS) -pthread -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
-LINK = -pthread -Wl,--as-needed $(SAN)
+LINK = -pthread -Wl,--as-needed $(SAN) $(HARDEN_LINK)
+
+# -- hardening ----------------------------------------------------------------
+
+# $(call takes,COMPILER,LANGUAGE,FLAGS): those that it takes, each tried alone
+takes = $(shell for f in $(3); do \
+    echo 'int main(void) { return 0; }' | $(1) -Werror $(OPT) $$f \
+        -include stdio.h -x $(2) -o /dev/null - >/dev/null 2>&1 && echo $$f; \
+    done)
+# Fortified calls are for code that is optimised, and hide from sanitizers
+# what they look for. glibc says by an error of the preprocessor whether the
+# compiler is fit for level 3
+HARDEN_FLAGS := -fstack-protector-strong -fstack-clash-protection \
+              -fcf-protection -mbranch-protection=standard
+FORTIFY = $(if $(filter -O0,$(OPT) $(CFLAGS)),,-U_FORTIFY_SOURCE \
+    $(lastword -D_FORTIFY_SOURCE=2 $(call takes,$(1),$(2),-D_FORTIFY_SOURCE=3)))
+harden = $(if $(SAN),,$(call takes,$(1),$(2),$(HARDEN_FLAGS)) $(FORTIFY))
+# (asked once, by the first recipe that wants to know)
+HARDEN_CC = $(eval HARDEN_CC := $$(call harden,$$(CC),c) $(if $(SAN),,-fPIE))$(HARDEN_CC)
+HARDEN_CXX = $(eval HARDEN_CXX := $$(call harden,$$(CXX),c++))$(HARDEN_CXX)
+HARDEN_SO := $(if $(SAN),,-Wl,-z,relro,-z,now,-z,noexecstack)
+HARDEN_LINK = $(if $(SAN),,-pie $(HARDEN_SO))
 
 # -- what there is ------------------------------------------------------------
 
@@ -88,14 +109,14 @@ $(B)/app/manual_text.o: $(B)/app/manual_text.c
 # C++ lives in these shared objects, opened only when something needs them
 $(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
-	    -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HARDEN_CXX) -fPIC -shared \
+	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
 $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) -fPIC -shared \
-	    -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HARDEN_CXX) -fPIC -shared \
+	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
 $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cases.h)
