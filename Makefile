@@ -203,8 +203,18 @@ check-asan: ## the tests under AddressSanitizer
 check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined) check-san
 
+# What runs several threads: all but the hard cases, which would take hours,
+# and two tests of what OpenImageIO's threads make
+TSAN_UNIT := $(filter-out %/test_data.c %/test_oiio_read.c,$(UNIT))
+TSAN_CLI := threads sequence stream farm
+check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
+	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0" \
+	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
+	    UNIT_BIN="$(patsubst tests/unit/%.c,$(B)/tsan/tests/%,$(TSAN_UNIT))" \
+	    SAN_CLI="$(TSAN_CLI)" check-san
+
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
-	@tests/run.sh $(B) "$(UNIT_BIN)" ""
+	@tests/run.sh $(B) "$(UNIT_BIN)" "" "$(SAN_CLI)"
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes

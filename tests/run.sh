@@ -1,8 +1,8 @@
 #!/bin/bash
-# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli]
+# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | "CLI_TESTS"]
 # Runs every test, prints what failed, and ends with "N passed, N failed".
 # GLAREPP_RUN is put before each unit test (valgrind).
-build=$1 units=$2 checks=$3 cli=${4-cli}
+build=$1 units=$2 checks=$3 cli=${4-}
 cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
 mkdir -p "$log"
@@ -42,13 +42,14 @@ for unit in $units; do
     count "$name" "$log/$name.log" $?
 done
 
-if [ "$cli" = cli ]; then
-    for test in tests/cli/*.t; do
-        name=$(basename "$test" .t)
-        GLAREPP=$PWD/$build/glarepp prove -v "$test" > "$log/$name.log" 2>&1
-        count "$name.t" "$log/$name.log" $?
-    done
-fi
+[ -n "$cli" ] || cli=$(cd tests/cli && echo *.t)
+[ "$cli" != no-cli ] || cli=
+for test in $cli; do
+    name=${test%.t}
+    GLAREPP=$PWD/$build/glarepp prove -v "tests/cli/$name.t" \
+        > "$log/$name.log" 2>&1
+    count "$name.t" "$log/$name.log" $?
+done
 
 echo "$passed passed, $failed failed"
 [ "$failed" = 0 ]
