@@ -10,6 +10,8 @@
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
 
 #include <cmocka.h>
 
@@ -129,7 +131,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(groups_equal_the_plain_form),
     };
-    if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
+    if (getenv("GLAREPP_TEST_QUICK")) { // Mesa's compiler crawls in valgrind
+        puts("1..0 # SKIP quick");
         return 0;
+    }
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
