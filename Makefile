@@ -64,10 +64,11 @@ HARD := $(wildcard tests/hard/*.c)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
 
-CHECKS := check-headers check-rooms check-symbols check-size check-man
+CHECKS := check-headers check-rooms check-symbols check-size check-man \
+          check-tidy check-cppcheck
 
-.PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        $(CHECKS) hardcases bench man install uninstall deb deps clean
+.PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
+        $(CHECKS) lint hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -242,6 +243,21 @@ check-size: ## no source file over 450 lines
 	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) $(OCIO_SRC) | \
 	    awk '$$2 != "total" && $$1 > 450 { print $$2, $$1; n++ } END { exit n > 0 }'
 
+# Two readers of the source. `make lint` asks for all that they know; CI leaves
+# out clang's analyzer, which takes ten times as long as the rest
+LINT_SRC := $(SRC) $(BRIDGE_SRC) $(OCIO_SRC)
+LINT = @command -v $(1) >/dev/null || { echo "skipped: no $(1)"; exit 0; }; \
+       tests/tools/lint.sh
+lint: compile_commands.json ## clang-tidy and cppcheck find nothing in src
+	$(call LINT,clang-tidy) tidy $(SRC)
+	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
+
+check-tidy: compile_commands.json ## clang-tidy's quick checks find nothing
+	$(call LINT,clang-tidy) quick $(SRC)
+
+check-cppcheck: ## cppcheck finds nothing
+	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
+
 # -- tools and places ---------------------------------------------------------
 
 # ("command" is split as a shell splits: the quotes of -DX='"..."' stay)
@@ -301,7 +317,8 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           dpkg-dev gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
 # What only a few tests use, which are skipped without it
-EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev
+EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
+         clang-tidy cppcheck
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \
 	    echo "deps: this is no Debian; install what these Debian packages hold:"; \
