@@ -23,11 +23,32 @@ HERE := -fdebug-prefix-map=$(CURDIR)=. -fdebug-prefix-map=$(B)/=build/
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(DEFS) -pthread -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
-LINK = -pthread -Wl,--as-needed $(SAN)
+LINK = -pthread -Wl,--as-needed $(SAN) $(HARDEN_LINK)
+
+# -- hardening ----------------------------------------------------------------
+
+# $(call takes,COMPILER,LANGUAGE,FLAGS): those that it takes, each tried alone
+takes = $(shell for f in $(3); do \
+    echo 'int main(void) { return 0; }' | $(1) -Werror $(OPT) $$f \
+        -include stdio.h -x $(2) -o /dev/null - >/dev/null 2>&1 && echo $$f; \
+    done)
+# Fortified calls are for code that is optimised, and hide from sanitizers
+# what they look for. glibc says by an error of the preprocessor whether the
+# compiler is fit for level 3
+HARDEN_FLAGS := -fstack-protector-strong -fstack-clash-protection \
+              -fcf-protection -mbranch-protection=standard
+FORTIFY = $(if $(filter -O0,$(OPT) $(CFLAGS)),,-U_FORTIFY_SOURCE \
+    $(lastword -D_FORTIFY_SOURCE=2 $(call takes,$(1),$(2),-D_FORTIFY_SOURCE=3)))
+harden = $(if $(SAN),,$(call takes,$(1),$(2),$(HARDEN_FLAGS)) $(FORTIFY))
+# (asked once, by the first recipe that wants to know)
+HARDEN_CC = $(eval HARDEN_CC := $$(call harden,$$(CC),c) $(if $(SAN),,-fPIE))$(HARDEN_CC)
+HARDEN_CXX = $(eval HARDEN_CXX := $$(call harden,$$(CXX),c++))$(HARDEN_CXX)
+HARDEN_SO := $(if $(SAN),,-Wl,-z,relro,-z,now,-z,noexecstack)
+HARDEN_LINK = $(if $(SAN),,-pie $(HARDEN_SO))
 
 # -- what there is ------------------------------------------------------------
 
@@ -46,10 +67,11 @@ HARD := $(wildcard tests/hard/*.c)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 
-CHECKS := check-headers check-rooms check-symbols check-size check-man
+CHECKS := check-headers check-rooms check-symbols check-size check-man \
+          check-tidy check-cppcheck
 
-.PHONY: all help demo check check-all check-asan check-ubsan check-valgrind \
-        coverage coverage-run $(CHECKS) hardcases bench man install uninstall deb deps clean
+.PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
+        coverage coverage-run $(CHECKS) lint hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -91,14 +113,14 @@ $(B)/app/manual_text.o: $(B)/app/manual_text.c
 # C++ lives in these shared objects, opened only when something needs them
 $(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) -fPIC -shared \
-	    -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIC -shared \
+	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
 $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) -fPIC -shared \
-	    -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIC -shared \
+	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
 $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cases.h)
@@ -199,8 +221,18 @@ check-asan: ## the tests under AddressSanitizer
 check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined) check-san
 
+# What runs several threads: all but the hard cases, which would take hours,
+# and two tests of what OpenImageIO's threads make
+TSAN_UNIT := $(filter-out %/test_data.c %/test_oiio_read.c,$(UNIT))
+TSAN_CLI := threads sequence stream farm
+check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
+	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0" \
+	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
+	    UNIT_BIN="$(patsubst tests/unit/%.c,$(B)/tsan/tests/%,$(TSAN_UNIT))" \
+	    SAN_CLI="$(TSAN_CLI)" check-san
+
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
-	@tests/run.sh $(B) "$(UNIT_BIN)" ""
+	@tests/run.sh $(B) "$(UNIT_BIN)" "" "$(SAN_CLI)"
 
 # Branches as the source has them, once: nothing optimised, built for one CPU
 # alone, not inlined here and there. kill.t would tear the counters of runs
@@ -215,7 +247,7 @@ FLOORS := 85 core=90 glare=90 io=90
 coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@find $(B) -name '*.gcda' -delete
 	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 \
-	    tests/run.sh $(B) "$(UNIT_BIN)" "" cli kill; ran=$$?; \
+	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill; ran=$$?; \
 	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
@@ -243,6 +275,21 @@ check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
 check-size: ## no source file over 450 lines
 	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) $(OCIO_SRC) | \
 	    awk '$$2 != "total" && $$1 > 450 { print $$2, $$1; n++ } END { exit n > 0 }'
+
+# Two readers of the source. `make lint` asks for all that they know; CI leaves
+# out clang's analyzer, which takes ten times as long as the rest
+LINT_SRC := $(SRC) $(BRIDGE_SRC) $(OCIO_SRC)
+LINT = @command -v $(1) >/dev/null || { echo "skipped: no $(1)"; exit 0; }; \
+       tests/tools/lint.sh
+lint: compile_commands.json ## clang-tidy and cppcheck find nothing in src
+	$(call LINT,clang-tidy) tidy $(SRC)
+	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
+
+check-tidy: compile_commands.json ## clang-tidy's quick checks find nothing
+	$(call LINT,clang-tidy) quick $(SRC)
+
+check-cppcheck: ## cppcheck finds nothing
+	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 
 # -- tools and places ---------------------------------------------------------
 
@@ -303,7 +350,8 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           dpkg-dev gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
 # What only a few tests use, which are skipped without it
-EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev
+EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
+         clang-tidy cppcheck
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \
 	    echo "deps: this is no Debian; install what these Debian packages hold:"; \

@@ -1,10 +1,10 @@
 #!/bin/bash
-# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli|cli [LEFT_OUT...]]
-# Runs every test but the command-line tests LEFT_OUT, prints what failed, and
-# ends with "N passed, N failed". GLAREPP_TEST_JOBS at a time, else as many as
-# there are processors.
+# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | TEST... | -TEST...]
+# Runs every test, of the command-line ones none, those named, or all but those
+# named; prints what failed, and ends with "N passed, N failed".
+# GLAREPP_TEST_JOBS at a time, else as many as there are processors.
 # GLAREPP_RUN is put before each unit test (valgrind).
-build=$1 units=$2 checks=$3 cli=${4-cli} without=${*:5}
+build=$1 units=$2 checks=$3 cli=" ${*:4} "
 cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
 mkdir -p "$log"
@@ -48,14 +48,22 @@ run_one()
     echo $? > "$log/$3.status"
 }
 
+# chosen NAME: whether the command-line test is to run
+chosen()
+{
+    case $cli in
+    *" no-cli "* | *" -$1 "*) return 1 ;;
+    *" $1 "*) return 0 ;;
+    *' '[a-z]*) return 1 ;; # others are named
+    esac
+}
+
 # As many at a time as there are processors; told in the order of the list
 tasks=()
-if [ "$cli" = cli ]; then
-    for test in tests/cli/*.t; do
-        name=${test##*/}
-        case " $without " in *" ${name%.t} "*) ;; *) tasks+=("cli $test $name") ;; esac
-    done
-fi
+for test in tests/cli/*.t; do
+    name=${test##*/}
+    ! chosen "${name%.t}" || tasks+=("cli $test $name")
+done
 for unit in $units; do tasks+=("unit $unit ${unit##*/}"); done
 for task in "${tasks[@]}"; do
     while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(nproc)}" ]; do

@@ -153,12 +153,12 @@ static gp_status ask_bound(struct trial *t)
         .kernel = b->job->kernel, .layer = &b->f->layer, .stats = &stats,
     };
     int i = 0;
+    t->row->bound = NAN;
+    if (!t->engine || !t->engine->bound)
+        return GP_OK;
     while (gp_engines[i] != t->engine)
         i++;
-    t->row->bound = NAN;
-    return t->engine->bound ? t->engine->bound(&job, &t->glare.state[i],
-                                               &t->row->bound)
-                            : GP_OK;
+    return t->engine->bound(&job, &t->glare.state[i], &t->row->bound);
 }
 
 /* What the engine expects of itself; 0 for auto and for fft, whose work does

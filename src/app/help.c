@@ -285,7 +285,8 @@ static void man_bench(FILE *f)
             fprintf(f, ".Fl \\-%s ,\n", before);
         before = o->name;
     }
-    fprintf(f, "and\n.Fl \\-%s .\n", before);
+    if (before)
+        fprintf(f, "and\n.Fl \\-%s .\n", before);
 }
 
 void gp_help_man(FILE *f)

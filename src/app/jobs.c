@@ -29,7 +29,7 @@ static gp_status add_job(const struct gp_log *log, struct gp_jobs *j,
 {
     struct gp_job *grown = NULL;
     if (job.input) // doubles at powers of two
-        grown = j->n & (j->n - 1) ? j->job
+        grown = (j->n & (j->n - 1)) ? j->job
                 : realloc(j->job, (size_t) (j->n ? 2 * j->n : 1) *
                                       sizeof *grown);
     if (!grown) {

@@ -294,6 +294,7 @@ static bool put_block(struct page *p, const char *line, const char *end)
     return true;
 }
 
+// NOLINTNEXTLINE(misc-no-recursion): one deep, for a part has no parts
 static void put_lines(struct page *p, const char *at, const char *end,
                       const char *parts)
 {

@@ -212,13 +212,17 @@ static gp_status set_option(const struct use *u)
 {
     if (u->option->given)
         *(bool *) ((char *) u->s + u->option->given) = true;
+    if (!u->value) {
+        if (u->option->kind == GP_KIND_SET)
+            memcpy(field(u), &u->option->set, sizeof u->option->set);
+        else
+            *(bool *) field(u) = true;
+        return GP_OK;
+    }
     switch (u->option->kind) {
     case GP_KIND_FLAG:
-        *(bool *) field(u) = true;
-        return GP_OK;
     case GP_KIND_SET:
-        memcpy(field(u), &u->option->set, sizeof u->option->set);
-        return GP_OK;
+        break;
     case GP_KIND_FLOAT:
         return set_float(u);
     case GP_KIND_INT:

@@ -41,13 +41,13 @@ static struct pool {
     .active = 1,
 };
 
-static int threads_wanted;
+static atomic_int threads_wanted; // workers ask while a caller sets it
 static atomic_int processors; // that the process may use; 0 not asked yet
 static _Thread_local bool inside; // this thread runs a body
 
 void gp_set_threads(int threads)
 {
-    threads_wanted = threads;
+    atomic_store(&threads_wanted, threads);
 }
 
 static int count_processors(void)
@@ -63,7 +63,8 @@ static int count_processors(void)
 
 int gp_threads(void)
 {
-    const int n = threads_wanted > 0 ? threads_wanted : count_processors();
+    const int wanted = atomic_load(&threads_wanted);
+    const int n = wanted > 0 ? wanted : count_processors();
     return n > MOST_THREADS ? MOST_THREADS : n;
 }
 

@@ -19,8 +19,8 @@ static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
     log->sink(log->user, level, line);
 }
 
-gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
-                  ...)
+gp_status (gp_fail)(const struct gp_log *log, gp_status status,
+                    const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);

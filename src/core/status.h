@@ -16,7 +16,7 @@
     X(GP_ERR_FRAMES, 6, "some frames of a sequence failed")                   \
     X(GP_ERR_BUG, 70, "a bug, or out of memory")
 
-#define GP_STATUS_ENUM(name, code, text) name = code,
+#define GP_STATUS_ENUM(name, code, text) name = (code),
 typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 
 #define GP_MUST_CHECK __attribute__((warn_unused_result))
@@ -42,6 +42,10 @@ struct gp_log {
  */
 gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
                   ...) GP_PRINTF(3, 4);
+#ifdef __clang_analyzer__ // which cannot see that it returns what it was given
+#define gp_fail(log, status, ...)                                             \
+    ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
+#endif
 
 /* Prints a warning or a note; same form, never ends the run. */
 void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,

@@ -72,10 +72,15 @@ gp_status gp_gl_use(const struct gp_log *log, struct gp_gl *gl)
 /* 10 * major + minor of "4.5 (Core Profile) Mesa 22.3.6"; 0 when unreadable. */
 static int version_of(const char *text)
 {
-    int major = 0, minor = 0;
-    if (!text || sscanf(text, "%d.%d", &major, &minor) != 2)
+    char *dot, *end;
+    if (!text)
         return 0;
-    return major * 10 + minor;
+    const long major = strtol(text, &dot, 10);
+    if (major < 1 || major > 99 || *dot != '.')
+        return 0;
+    const long minor = strtol(dot + 1, &end, 10);
+    return end == dot + 1 || minor < 0 || minor > 9 ? 0
+                                                    : (int) (major * 10 + minor);
 }
 
 static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)

@@ -97,6 +97,7 @@ static gp_status draw_with(const struct gp_splat_work *k, const struct grid *g,
     const struct gp_kernel *const kernel = k->job->kernel;
     gp_status st = gp_splat_need_kernel(k->job->log, s, kernel, which);
     const struct gp_splat_kernel *const o = &s->kernel[which];
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): all work has its s
     if (st || !o->w)
         return st;
     const enum gp_splat_program program = program_for(k, g, which);

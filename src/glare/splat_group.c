@@ -76,6 +76,8 @@ gp_status gp_splat_upload(const struct gp_log *log, struct gp_splat *s,
                           const struct gp_sources *src, struct gp_rect rect)
 {
     const int w = gp_rect_w(rect), h = gp_rect_h(rect);
+    if (w < 1)
+        return GP_OK;
     const int rows = GP_SPLAT_BAND_TEXELS / w;
     gp_status st = gp_splat_fit_sources(log, s, w, h);
     for (int y0 = 0; !st && y0 < h; y0 += rows) {

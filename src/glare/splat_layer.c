@@ -22,6 +22,8 @@ static void read_tile(const struct gp_splat_work *k)
 {
     const struct gp_splat *const s = k->s;
     const int w = gp_rect_w(k->tile), h = gp_rect_h(k->tile);
+    if (w < 1)
+        return;
     const int rows = GP_SPLAT_BAND_TEXELS / w;
     for (int y0 = 0; y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, least(y0 + rows, h)};

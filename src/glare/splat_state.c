@@ -153,7 +153,7 @@ static void fill_band(const struct gp_planes *k, const struct gp_splat_kernel *o
                       float *band, int y0, int y1)
 {
     const int b = o->border;
-    const size_t width = (size_t) (o->w + 2 * b);
+    const size_t width = (size_t) o->w + 2 * (size_t) b;
     memset(band, 0, (size_t) (y1 - y0) * width * 4 * sizeof(float));
     for (int y = y0; y < y1; y++) {
         if (y < b || y >= o->h + b)

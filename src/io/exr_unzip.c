@@ -41,6 +41,7 @@ bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out,
     const uint8_t *const in_end = in + in_size;
     uint8_t *const out_end = out + out_size;
     while (in < in_end) {
+        // NOLINTNEXTLINE(*-signed-char-misuse,cert-str34-c): below 0 is a copy
         int code = (int8_t) *in++;
         size_t count = (size_t) (code < 0 ? -code : code + 1);
         size_t taken = code < 0 ? count : 1;

@@ -118,14 +118,14 @@ static void remove_live(int sig)
 
 void gp_file_cleanup_on_signal(void)
 {
-    static const int ending[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int deadly[] = {SIGINT, SIGTERM, SIGHUP};
     struct sigaction act = {.sa_handler = remove_live,
                             .sa_flags = (int) SA_RESETHAND};
     sigemptyset(&act.sa_mask);
-    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++) {
+    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {
         struct sigaction was;
-        if (!sigaction(ending[i], NULL, &was) && was.sa_handler != SIG_IGN)
-            sigaction(ending[i], &act, NULL);
+        if (!sigaction(deadly[i], NULL, &was) && was.sa_handler != SIG_IGN)
+            sigaction(deadly[i], &act, NULL);
     }
     signal(SIGPIPE, SIG_IGN);
 }

@@ -130,15 +130,15 @@ static void split_row(void *ctx, int y, int thread)
         const float *from = s->image->pixels + at * (size_t) n + (size_t) i;
         for (int x = 0; x < w; x++)
             row[x] = from[(size_t) x * (size_t) n];
-        if (c->colour >= 0)
+        if (c->colour >= 0) {
             linear_row(s, row, w);
-        if (c->colour >= 0)
             memcpy(s->f->rgb.c[c->colour] + at, row, (size_t) w * sizeof *row);
-        else if (c->type == GP_HALF)
+        } else if (c->type == GP_HALF) {
             (void) gp_float_to_half(row, (uint16_t *) c->data + at,
                                     (size_t) w);
-        else
+        } else {
             memcpy((float *) c->data + at, row, (size_t) w * sizeof *row);
+        }
     }
 }
 

@@ -175,7 +175,7 @@ static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
         return -1;
     const char *const digits = name + head;
     int n = 0, number = 0;
-    for (; is_digit(digits[n]) && n < GP_FRAME_DIGITS; n++)
+    for (; n < GP_FRAME_DIGITS && is_digit(digits[n]); n++)
         number = 10 * number + (digits[n] - '0');
     if (n == 0 || strcmp(digits + n, p->path + p->at + p->len) != 0)
         return -1;

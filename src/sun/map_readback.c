@@ -71,7 +71,7 @@ static struct counted count_nearest(const struct gp_sun_spot *s, int w, int h,
                                     const float outside[2], const float *rgba)
 {
     const int x = gp_sun_pixel(s->x, w), y = gp_sun_pixel(s->y, h);
-    if (x < 0 || x >= w || y < 0 || y >= h)
+    if (!rgba || x < 0 || x >= w || y < 0 || y >= h)
         return (struct counted) {(double) outside[0], (double) outside[1]};
     const size_t at = (size_t) (y - s->box.y0) * (size_t) gp_rect_w(s->box) +
                       (size_t) (x - s->box.x0);
@@ -84,7 +84,9 @@ static double count(const struct gp_sun_spot *s, const struct gp_occluders *o,
     float outside[2];
     gp_sun_outside_counts(p->outside, outside);
     const double all = centres(s, p->pattern);
-    struct counted c = count_inside(s, p->pattern, rgba);
+    struct counted c = {0};
+    if (rgba) // some of the region is in the frame
+        c = count_inside(s, p->pattern, rgba);
     const double beyond = all > c.weight ? all - c.weight : 0.0;
     c.shown += beyond * (double) outside[0];
     c.weight += beyond * (double) outside[1];

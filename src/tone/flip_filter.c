@@ -39,7 +39,7 @@ static double normalise(const double *tap, int n, float *out)
 
 static void make_colour(double ppd, struct gp_flip_filters *f)
 {
-    double tap[2 * GP_FLIP_RADIUS_MAX + 1], volume[GP_FLIP_COLOURS];
+    double tap[2 * GP_FLIP_RADIUS_MAX + 1] = {0}, volume[GP_FLIP_COLOURS];
     // of the widest, whose standard deviation is sqrt(b / (2 pi^2)) degrees
     const double widest = gaussian[GP_FLIP_BLUE_YELLOW].b;
     f->radius = radius_of(sqrt(widest / (2.0 * PI * PI)) * ppd);
@@ -71,8 +71,9 @@ static void normalise_signs(const double *tap, int n, float *out)
 
 static void make_features(double ppd, struct gp_flip_filters *f)
 {
-    double blur[2 * GP_FLIP_RADIUS_MAX + 1], edge[2 * GP_FLIP_RADIUS_MAX + 1];
-    double point[2 * GP_FLIP_RADIUS_MAX + 1];
+    double blur[2 * GP_FLIP_RADIUS_MAX + 1] = {0};
+    double edge[2 * GP_FLIP_RADIUS_MAX + 1] = {0};
+    double point[2 * GP_FLIP_RADIUS_MAX + 1] = {0};
     const double sigma = 0.5 * FEATURE_WIDTH * ppd;
     const int r = f->feature_radius = radius_of(sigma), n = 2 * r + 1;
     for (int i = -r; i <= r; i++) {

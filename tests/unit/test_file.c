@@ -241,6 +241,7 @@ static void end_child(int sig)
     if (child == 0) {
         struct gp_file *f;
         signal(SIGHUP, SIG_IGN); // as nohup does, before the program starts
+        signal(sig, SIG_DFL);    // what a shell starts behind & ignores SIGINT
         gp_file_cleanup_on_signal();
         if (gp_file_open(NULL, wf_path("killed"), false, &f) ||
             gp_file_write(f, "half", 4) || write(ready[1], "r", 1) != 1)
