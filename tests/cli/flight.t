@@ -176,37 +176,33 @@ mkdir long
 for n in $(seq -f %04.0f $count); do
     ln -s ../small.exr "long/s.$n.exr"
 done
-# The peak, which one frame alone reaches at once and several when their
-# moments meet; and what is held while it runs, last tenth against the second
+# One frame in flight: the peak at the end is that of the hundredth frame within
+# 2 %. Several: it rises until their largest moments have met, which is chance,
+# and never over what the man page says a frame takes, 60 bytes a pixel.
 cat >flat.py <<'PY'
-import json, subprocess, sys, time
-program, count, jobs = sys.argv[1], int(sys.argv[2]), sys.argv[3]
-p = subprocess.Popen([program, "--frame-jobs", jobs, "--threads", "2", "--raw",
-                      "rgb24", "-o", "-", "--report", "r.json",
-                      "long/s.####.exr"], stdout=subprocess.DEVNULL)
-held = []
-while p.poll() is None:
-    try:
-        pages = open("/proc/%d/statm" % p.pid).read().split()
-    except OSError:
-        break
-    if len(pages) > 1:
-        held.append(int(pages[1]) / 256)
-    time.sleep(0.002)
-peak = [json.loads(line)["peak_rss_mib"] for line in open("r.json")]
-tenth = max(1, len(held) // 10)
-mean = [sum(v) / len(v) for v in (held[tenth:2 * tenth], held[-tenth:]) if v]
-fine = p.wait() == 0 and len(peak) == count and mean[1] <= 1.03 * mean[0]
-if jobs == "1":
-    fine = fine and peak[-1] <= 1.02 * peak[99]
-print(f"{'' if fine else 'not '}ok {count} frames, {jobs} in flight: flat")
-print(f"# peak at frame 100: {peak[99]:.1f} MiB, at the end {peak[-1]:.1f}; "
-      f"held by then {mean[0]:.1f}, at the end {mean[1]:.1f}")
+import json, subprocess, sys
+program, count = sys.argv[1], int(sys.argv[2])
+
+def peaks(jobs):
+    subprocess.run([program, "--frame-jobs", str(jobs), "--threads", "2",
+                    "--raw", "rgb24", "-o", "-", "--report", "r.json",
+                    "long/s.####.exr"], stdout=subprocess.DEVNULL, check=True)
+    peak = [json.loads(line)["peak_rss_mib"] for line in open("r.json")]
+    assert len(peak) == count, len(peak)
+    return peak
+
+one = peaks(1)
+print(f"{'' if one[-1] <= 1.02 * one[99] else 'not '}ok {count} frames, one in "
+      f"flight: {one[99]:.1f} MiB at frame 100, {one[-1]:.1f} at the end")
+for jobs in (3, 7):
+    some = peaks(jobs)
+    most = one[-1] + (jobs - 1) * 60 * 320 * 180 / 2**20
+    print(f"{'' if some[-1] <= most else 'not '}ok {count} frames, {jobs} in "
+          f"flight: {some[99]:.1f} MiB at frame 100, {some[-1]:.1f} at the end, "
+          f"of {most:.1f} that they may take")
 PY
-for jobs in 1 3; do
-    "$python" flat.py "$glarepp" $count $jobs >verdicts 2>&1
-    is $? 0 "memory, $jobs in flight: tried"
-    verdicts verdicts
-done
+"$python" flat.py "$glarepp" $count >verdicts 2>&1
+is $? 0 'memory: tried'
+verdicts verdicts
 
 done_testing
