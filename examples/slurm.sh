@@ -22,11 +22,14 @@
 #SBATCH --open-mode=append
 #SBATCH --ntasks=1
 set -eu
-first=$1 last=$2 n=$3 input=$4 output=$5
+number() { # without the zeros that would make it octal
+    echo "$1" | sed 's/^0*\([0-9]\)/\1/'
+}
+first=$(number "$1") last=$(number "$2") n=$3 input=$4 output=$5
 shift 5
 from=$((first + SLURM_ARRAY_TASK_ID * n))
 to=$((from + n - 1))
 [ "$to" -le "$last" ] || to=$last
 [ "$from" -le "$to" ] || exit 0 # more tasks than frames
-exec "${GLAREPP:-glarepp}" --frames "$from-$to" --no-clobber \
+exec "${GLAREPP:-glarepp}" --frames "$from-$to" --no-clobber --create-dir \
     --threads "${SLURM_CPUS_PER_TASK:-1}" --hdr "$output" "$@" "$input"

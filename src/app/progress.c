@@ -33,13 +33,14 @@ void gp_progress_text(char *line, size_t size, int done, int total,
     double seconds = elapsed_ms * 1e-3;
     if (done == 0) { // no rate yet
         duration(time, sizeof time, seconds);
-        snprintf(line, size, "frame 1 of %d, %s: %s", total, time, name);
+        snprintf(line, size, "0 of %d made, %s so far: %s", total, time,
+                 name);
         return;
     }
     double rate = seconds > 0.0 ? done / seconds : 0.0;
     duration(time, sizeof time, seconds / done * (total - done));
-    snprintf(line, size, "frame %d of %d, %.*f frames/s, %s left: %s",
-             done + 1, total, rate >= 1.0 ? 1 : 3, rate, time, name);
+    snprintf(line, size, "%d of %d made, %.*f frames/s, %s left: %s",
+             done, total, rate >= 1.0 ? 1 : 3, rate, time, name);
 }
 
 // -- drawing, under the lock -------------------------------------------------

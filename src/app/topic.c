@@ -210,7 +210,11 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         try_commands(&s);
         if (!s.found && topic[0] != '-')
             try_groups(&s);
-        if (!s.found)
+        // a bare word may be a subject and an option: views
+        const bool known = s.found;
+        if (!known && topic[0] != '-')
+            try_sections(&s);
+        if (!known)
             try_options(&s);
         if (!s.found)
             try_sections(&s);

@@ -101,3 +101,17 @@ bool gp_exr_bare_name(const struct gp_origin *o, int part, const char *view,
     }
     return strcmp(gp_exr_view_name(o, part, 0), view) == 0;
 }
+
+const char *gp_exr_view_of(const struct gp_origin *o, int part,
+                           const char *name)
+{
+    char bare[GP_EXR_NAME];
+    for (int i = 1; i < gp_exr_views(o, part) && strlen(name) < sizeof bare;
+         i++) {
+        const char *const view = gp_exr_view_name(o, part, i);
+        if (gp_exr_bare_name(o, part, view, name, bare) &&
+            strlen(bare) < strlen(name))
+            return view;
+    }
+    return NULL;
+}

@@ -43,7 +43,13 @@ bool gp_exr_part_has_view(const struct gp_origin *o, int part,
 /* The channel's name without its view, into `to`, which has room for it: its
  * own name in parts of one view. False when it belongs to another view.
  * Channels of no view go with the default view. */
+enum { GP_EXR_NAME = 256 }; // room for a channel's name
 bool gp_exr_bare_name(const struct gp_origin *o, int part, const char *view,
                       const char *name, char *to);
+
+/* The view, of several in its part, that a channel belongs to; NULL for the
+ * default view and in parts of one. */
+const char *gp_exr_view_of(const struct gp_origin *o, int part,
+                           const char *name);
 
 #endif

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr_decode.h"
+#include "io/exr_view.h"
 #include "io/oiio_frame.h"
 #include "io/plane_find.h"
 #include "io/read_open.h"
@@ -116,12 +117,26 @@ out:
 
 /* -- beside a frame ------------------------------------------------------- */
 
+/* The view of the frame's colour in a part of several. */
+static const char *view_of(const struct gp_frame *f, const struct gp_origin *o)
+{
+    for (int i = 0; i < f->channels; i++) {
+        if (f->channel[i].colour >= 0)
+            return gp_exr_view_of(o, o->part, f->channel[i].name);
+    }
+    return NULL;
+}
+
 static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
                             bool depth, struct gp_plane_list *list)
 {
     const struct gp_origin *o = gp_origin_of(f);
-    if (o && o->exr)
-        return gp_plane_list_exr(log, f->path, o, true, depth, list);
+    if (o && o->exr) {
+        gp_status st = gp_plane_list_exr(log, f->path, o, true, depth, list);
+        list->origin = o;
+        list->view = view_of(f, o);
+        return st;
+    }
     gp_status st = gp_plane_list_one(log, f->path, true, f->channels, list);
     for (int i = 0; !st && i < f->channels; i++)
         list->channel[i].name = f->channel[i].name;

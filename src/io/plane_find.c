@@ -4,6 +4,7 @@
 #include "io/channels.h"
 #include "io/exr_view.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* -- the list ------------------------------------------------------------- */
@@ -130,6 +131,20 @@ static bool find_exact(const struct gp_plane_list *list, const char *name,
     return false;
 }
 
+/* The channel in the view that is looked for: left.A for A. */
+static bool find_in_view(const struct gp_plane_list *list, const char *name,
+                         struct gp_plane_place *out)
+{
+    char full[2 * GP_EXR_NAME];
+    const char *const dot = strrchr(name, '.');
+    const int layer = dot ? (int) (dot - name) + 1 : 0;
+    if (!list->view)
+        return false;
+    const int n = snprintf(full, sizeof full, "%.*s%s.%s", layer, name,
+                           list->view, name + layer);
+    return n < (int) sizeof full && find_exact(list, full, out);
+}
+
 /* PART.CHANNEL; both may hold dots. */
 static bool find_in_part(const struct gp_plane_list *list, const char *name,
                          struct gp_plane_place *out)
@@ -166,24 +181,87 @@ static void list_names(const struct gp_plane_list *list,
 
 /* -- by search ------------------------------------------------------------ */
 
+/* The names of a part's channels without the view that is looked for; those of
+ * other views are empty. Free *names and *bytes. */
+static gp_status bare_names(const struct gp_log *log,
+                            const struct gp_plane_list *list,
+                            const struct gp_plane_part *part,
+                            struct gp_channel **names, char **bytes)
+{
+    void *block;
+    const size_t n = (size_t) part->channels;
+    gp_status st = gp_alloc_zero(log, "channels", n, sizeof **names, &block);
+    *names = block;
+    if (st)
+        return st;
+    st = gp_alloc_zero(log, "channels", n, GP_EXR_NAME, &block);
+    *bytes = block;
+    for (size_t i = 0; i < n && !st; i++) {
+        char *const to = *bytes + i * GP_EXR_NAME;
+        const char *const name = part->channel[i].name;
+        if (strlen(name) >= GP_EXR_NAME ||
+            !gp_exr_bare_name(list->origin, part->part, list->view, name, to))
+            to[0] = '\0';
+        (*names)[i].name = to;
+    }
+    return st;
+}
+
+static gp_status depth_of_view(const struct gp_log *log,
+                               const struct gp_plane_list *list,
+                               const struct gp_plane_part *part, int *out)
+{
+    struct gp_channel *names = NULL;
+    char *bytes = NULL;
+    gp_status st = bare_names(log, list, part, &names, &bytes);
+    const struct gp_frame bare = {
+        .path = (char *) (uintptr_t) list->path, .channel = names,
+        .channels = part->channels,
+    };
+    if (!st)
+        st = gp_find_depth(log, &bare, NULL, out);
+    gp_free(names);
+    gp_free(bytes);
+    return st;
+}
+
+static gp_status depth_of_part(const struct gp_log *log,
+                               const struct gp_plane_list *list,
+                               const struct gp_plane_part *part, int *out)
+{
+    const struct gp_frame names = {
+        .path = (char *) (uintptr_t) list->path,
+        .channel = part->channel, .channels = part->channels,
+    };
+    return gp_find_depth(log, &names, NULL, out);
+}
+
 static gp_status search_depth(const struct gp_log *log,
                               const struct gp_plane_list *list,
                               struct gp_plane_place *out)
 {
+    const struct gp_plane_part *const first = list->part;
+    int i = -1;
+    if (list->view) {
+        gp_status st = depth_of_view(log, list, first, &i);
+        *out = (struct gp_plane_place) {i < 0 ? NULL : first, i};
+        if (st || i >= 0)
+            return st;
+    }
     for (int p = 0; p < list->parts; p++) {
-        const struct gp_plane_part *part = &list->part[p];
-        const struct gp_frame names = {
-            .path = (char *) (uintptr_t) list->path,
-            .channel = part->channel, .channels = part->channels,
-        };
-        int i;
-        gp_status st = gp_find_depth(log, &names, NULL, &i);
+        const struct gp_plane_part *const part = &list->part[p];
+        gp_status st = depth_of_part(log, list, part, &i);
         if (st)
             return st;
-        if (i >= 0) {
-            *out = (struct gp_plane_place) {part, i};
-            return GP_OK;
-        }
+        if (i < 0)
+            continue;
+        if (list->view && part == first)
+            gp_say(log, GP_LEVEL_WARN,
+                   "%s: depth %s of another view is taken for view %s, which "
+                   "has none; choose with --depth or --depth-file",
+                   list->path, part->channel[i].name, list->view);
+        *out = (struct gp_plane_place) {part, i};
+        break;
     }
     return GP_OK;
 }
@@ -249,7 +327,8 @@ gp_status gp_plane_pick(const struct gp_log *log,
     struct gp_plane_place at = {0};
     if (name) {
         char names[GP_CHANNEL_LIST];
-        if (find_exact(list, name, out) || find_in_part(list, name, out))
+        if (find_in_view(list, name, out) || find_exact(list, name, out) ||
+            find_in_part(list, name, out))
             return GP_OK;
         list_names(list, names);
         return gp_fail(log, GP_ERR_USAGE,
@@ -258,7 +337,7 @@ gp_status gp_plane_pick(const struct gp_log *log,
     }
     if (depth)
         GP_TRY(search_depth(log, list, &at));
-    else
+    else if (!find_in_view(list, "A", &at))
         find_exact(list, "A", &at);
     if (!at.part && whole)
         search_lone(list, depth, &at);

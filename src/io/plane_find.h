@@ -26,6 +26,9 @@ struct gp_plane_list {
     int parts;
     struct gp_channel *channel;  // owned; names are borrowed
     int channels;                // of all parts
+    const char *view;            // of the frame's colour, where its part has
+                                 // several and it is not the first; else NULL
+    const struct gp_origin *origin; // with a view; borrowed
 };
 
 /* What was found: a part of the list and a channel of it. Nothing when `part`

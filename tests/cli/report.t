@@ -136,7 +136,7 @@ quiet_success '-q: no warning'
 run -q -o out.png nowhere.exr
 fails_with 3 nowhere.exr '-q: errors'
 run --progress always -o 'o.####.png' 'shot.####.exr'
-ok '--progress always: says how far it is' grep -q '^glarepp: frame 1 of 2.*: shot.0001.exr' err
+ok '--progress always: says how far it is' grep -q '^glarepp: 0 of 2 made.*: shot.0001.exr' err
 run --progress never -o 'o.####.png' 'shot.####.exr'
 quiet_success '--progress never'
 run -q --progress always -o 'o.####.png' 'shot.####.exr'

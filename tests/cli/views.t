@@ -228,7 +228,7 @@ same made/o.right.3.png alone.right.3.png 'parts and multiView in one sequence'
 # -- files of others -----------------------------------------------------------
 
 if [ -z "$data" ]; then
-    skip 3 'no example files'
+    skip 7 'no example files'
 else
     ball=$data/depth/Beachball_multipart.0001.exr
     fresh
@@ -239,6 +239,14 @@ else
     run -e fft -t 0.1 --views left,right -o 'made/fog.%V.png' \
         "$data/multiview/Fog_Y_2views.exr"
     quiet_success 'Fog, two views of Y in one part'
+    # one part with both eyes: at 962 a thing stands before the right one alone,
+    # at 1217 before the left
+    for row in '962 left 1.0' '962 right 0.0' '1217 left 0.0' '1217 right 1.0'; do
+        set -- $row
+        run -e fft --sun "$1,265,2" --sun-color 1000 --views "$2" --report r.json \
+            "$data/depth/Beachball_singlepart.0001.exr"
+        like "$(cat r.json)" "*\"visibility\":$3*" "depth of the $2 eye at $1"
+    done
 fi
 
 done_testing

@@ -251,11 +251,11 @@ struct progress_row {
 };
 
 static const struct progress_row rows[] = {
-    {0, 1, 2000, "frame 1 of 1, 2 s: f"},
-    {1, 100, 250, "frame 2 of 100, 4.0 frames/s, 25 s left: f"},
-    {50, 100, 100000, "frame 51 of 100, 0.500 frames/s, 1 min 40 s left: f"},
-    {1, 101, 100000, "frame 2 of 101, 0.010 frames/s, 2 h 46 min left: f"},
-    {1, 2, 0, "frame 2 of 2, 0.000 frames/s, 0 s left: f"},
+    {0, 1, 2000, "0 of 1 made, 2 s so far: f"},
+    {1, 100, 250, "1 of 100 made, 4.0 frames/s, 25 s left: f"},
+    {50, 100, 100000, "50 of 100 made, 0.500 frames/s, 1 min 40 s left: f"},
+    {1, 101, 100000, "1 of 101 made, 0.010 frames/s, 2 h 46 min left: f"},
+    {1, 2, 0, "1 of 2 made, 0.000 frames/s, 0 s left: f"},
 };
 
 static void progress_lines(void **state)
@@ -291,8 +291,8 @@ static void progress_in_a_pipe(void **state)
         fclose(f);
         assert_int_equal(drawn, cases[i].draws);
         if (drawn)
-            assert_string_equal(line, "glarepp: frame 1 of 2, 0 s: a?[2J.exr: "
-                                      "read\n");
+            assert_string_equal(line, "glarepp: 0 of 2 made, 0 s so far: "
+                                      "a?[2J.exr: read\n");
     }
 }
 
