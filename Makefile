@@ -17,10 +17,13 @@ pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror
 OPT ?= -O3
+# no name of the build's folder gets into a binary: the same source is the same
+# program anywhere
+HERE := -fdebug-prefix-map=$(CURDIR)=. -fdebug-prefix-map=$(B)/=build/
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
         -DGP_BRIDGE_DIR='"$(PREFIX)/lib/glarepp"'
 CFLAGS ?= -g
-ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
+ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
 # OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
@@ -62,13 +65,13 @@ OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
 HARD := $(wildcard tests/hard/*.c)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
-FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so
+FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man \
           check-tidy check-cppcheck
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
-        $(CHECKS) lint hardcases bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) lint hardcases bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -110,13 +113,13 @@ $(B)/app/manual_text.o: $(B)/app/manual_text.c
 # C++ lives in these shared objects, opened only when something needs them
 $(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HARDEN_CXX) -fPIC -shared \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIC -shared \
 	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
 $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HARDEN_CXX) -fPIC -shared \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIC -shared \
 	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
@@ -125,7 +128,20 @@ $(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cas
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)
 
-# What tests preload to make calls fail, and a GL library that breaks
+# These count and refuse what the program's own code allocates
+STARVED := $(patsubst tests/unit/%.c,$(B)/tests/%,$(wildcard tests/unit/test_starved*.c))
+$(STARVED): LINK += -Wl,--wrap=malloc,--wrap=calloc,--wrap=posix_memalign,--wrap=free
+$(B)/tests/test_starved_core: LINK += -Wl,--wrap=pthread_create,--wrap=sched_getaffinity,--wrap=readlink
+$(B)/tests/test_starved_limits: LINK += -Wl,--wrap=dlopen,--wrap=dlsym
+# These open libraries that break
+$(B)/tests/test_gl_broken: | $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
+
+# What tests/unit/fault.h makes fail
+FAULT_WRAP := malloc calloc realloc posix_memalign read pread write pwrite \
+              fstat rename memfd_create close open
+$(B)/tests/test_faults: LIBS += $(FAULT_WRAP:%=-Wl,--wrap=%)
+
+# What tests preload to make calls fail, and GL libraries that break
 $(B)/tests/%.so: tests/faults/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -fPIC -shared -o $@ $< \
@@ -140,6 +156,7 @@ $(B)/tests/hardcases: $(HARD) $(wildcard tests/hard/*.h tests/unit/*.h) $(LIB_OB
 -include $(OBJ:.o=.d)
 
 include tests/fuzz/fuzz.mk
+include tests/soak/soak.mk
 
 # -- the man page ---------------------------------------------------------------
 
@@ -216,6 +233,22 @@ check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
 
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" "" "$(SAN_CLI)"
+
+# Branches as the source has them, once: nothing optimised, built for one CPU
+# alone, not inlined here and there. kill.t would tear the counters of runs
+# that it kills
+COUNTED = --coverage -fprofile-update=atomic -DGP_NO_CLONES \
+          -Dalways_inline=unused
+coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
+	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
+	    SAN="$(COUNTED)" coverage-run
+
+FLOORS := 85 core=90 glare=90 io=90
+coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
+	@find $(B) -name '*.gcda' -delete
+	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 \
+	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill; ran=$$?; \
+	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes

@@ -1,8 +1,10 @@
 #!/bin/bash
-# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | "CLI_TESTS"]
-# Runs every test, prints what failed, and ends with "N passed, N failed".
+# Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | TEST... | -TEST...]
+# Runs every test, of the command-line ones none, those named, or all but those
+# named; prints what failed, and ends with "N passed, N failed".
+# GLAREPP_TEST_JOBS at a time, else as many as there are processors.
 # GLAREPP_RUN is put before each unit test (valgrind).
-build=$1 units=$2 checks=$3 cli=${4-}
+build=$1 units=$2 checks=$3 cli=" ${*:4} "
 cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
 mkdir -p "$log"
@@ -36,19 +38,43 @@ for check in $checks; do
     count "$check" "$log/$check.log" $status
 done
 
-for unit in $units; do
-    name=${unit##*/}
-    CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$unit" > "$log/$name.log" 2>&1
-    count "$name" "$log/$name.log" $?
-done
+# run_one KIND PATH NAME: leaves NAME.log and NAME.status
+run_one()
+{
+    case $1 in
+    unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" ;;
+    cli) GLAREPP=$PWD/$build/glarepp prove -v "$2" ;;
+    esac > "$log/$3.log" 2>&1
+    echo $? > "$log/$3.status"
+}
 
-[ -n "$cli" ] || cli=$(cd tests/cli && echo *.t)
-[ "$cli" != no-cli ] || cli=
-for test in $cli; do
-    name=${test%.t}
-    GLAREPP=$PWD/$build/glarepp prove -v "tests/cli/$name.t" \
-        > "$log/$name.log" 2>&1
-    count "$name.t" "$log/$name.log" $?
+# chosen NAME: whether the command-line test is to run
+chosen()
+{
+    case $cli in
+    *" no-cli "* | *" -$1 "*) return 1 ;;
+    *" $1 "*) return 0 ;;
+    *' '[a-z]*) return 1 ;; # others are named
+    esac
+}
+
+# As many at a time as there are processors; told in the order of the list
+tasks=()
+for test in tests/cli/*.t; do
+    name=${test##*/}
+    ! chosen "${name%.t}" || tasks+=("cli $test $name")
+done
+for unit in $units; do tasks+=("unit $unit ${unit##*/}"); done
+for task in "${tasks[@]}"; do
+    while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(nproc)}" ]; do
+        wait -n
+    done
+    run_one $task &
+done
+wait
+for task in "${tasks[@]}"; do
+    name=${task##* }
+    count "$name" "$log/$name.log" "$(cat "$log/$name.status")"
 done
 
 echo "$passed passed, $failed failed"

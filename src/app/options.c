@@ -6,21 +6,6 @@
 #include <float.h>
 #include <string.h>
 
-const struct gp_settings gp_defaults = {
-    .read = GP_READ_DEFAULTS,
-    .sensor = GP_SENSOR_DEFAULTS,
-    .kernel = GP_KERNEL_DEFAULTS,
-    .glare = GP_GLARE_DEFAULTS,
-    .compose = GP_COMPOSE_DEFAULTS,
-    .tone = GP_TONE_DEFAULTS,
-    .write = GP_WRITE_DEFAULTS,
-    .bench = GP_BENCH_DEFAULTS,
-    .compare = GP_COMPARE_DEFAULTS,
-    .sun = GP_SUN_SETTINGS_DEFAULTS,
-    .command = GP_COMMAND_MAIN,
-    .level = GP_LEVEL_WARN,
-};
-
 const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
     [GP_GROUP_OUTPUT] = {"Pictures to make (at least one)", "outputs",
         "glarepp -o out.png --hdr lit.exr --layer glare.exr frame.exr"},

@@ -107,7 +107,6 @@ const char *gp_command_at(int i, enum gp_command *command);
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
                                          char *const argv[],
                                          struct gp_settings *out);
-void gp_settings_free(struct gp_settings *s);
 
 /* Checks what no single option can see, settles what follows from several,
  * and warns of settings that do nothing.

@@ -398,27 +398,10 @@ static gp_status read_option(const struct gp_log *log, int argc,
 
 // -- the whole line ----------------------------------------------------------
 
-static gp_status make_lists(const struct gp_log *log, int argc,
-                            struct gp_settings *s)
-{
-    struct gp_texts *lists[] = {&s->inputs, &s->outputs, &s->ocio_context,
-                                &s->light_groups};
-    for (int i = 0; i < 3; i++) {
-        void *block;
-        gp_status st = gp_alloc(log, "command line", (size_t) argc + 1,
-                                sizeof(char *), &block);
-        if (st)
-            return st;
-        lists[i]->at = block;
-    }
-    return GP_OK;
-}
-
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
-    *out = gp_defaults;
-    gp_status st = make_lists(log, argc, out);
+    gp_status st = gp_settings_make(log, argc, out);
     bool options = true; // until "--"
     int i = 1;
     out->command = read_command(argc, argv, &i);
@@ -437,12 +420,4 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     if (st || out->help || out->help_man || out->version)
         return st;
     return gp_settings_check(log, out);
-}
-
-void gp_settings_free(struct gp_settings *s)
-{
-    GP_FREE(s->inputs.at);
-    GP_FREE(s->outputs.at);
-    GP_FREE(s->ocio_context.at);
-    s->inputs.n = s->outputs.n = s->ocio_context.n = 0;
 }

@@ -27,8 +27,8 @@ static void *try_folder(const char *folder, const char *sub, const char *name,
     char path[PATH_MAX];
     if (!folder || !folder[0])
         return NULL;
-    int n = snprintf(path, sizeof path, "%s%s/%s", folder, sub, name);
-    if (n < 0 || n >= (int) sizeof path || access(path, F_OK) != 0)
+    const int n = snprintf(path, sizeof path, "%s%s/%s", folder, sub, name);
+    if ((size_t) n >= sizeof path || access(path, F_OK) != 0)
         return NULL;
     void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!library)

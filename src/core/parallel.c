@@ -65,7 +65,7 @@ int gp_threads(void)
 {
     const int wanted = atomic_load(&threads_wanted);
     const int n = wanted > 0 ? wanted : count_processors();
-    return n < 1 ? 1 : n > MOST_THREADS ? MOST_THREADS : n;
+    return n > MOST_THREADS ? MOST_THREADS : n;
 }
 
 /* Takes one i after another until none is left, or, as a helper, until some

@@ -105,6 +105,16 @@ static gp_status make_table(const struct gp_log *log,
     return GP_OK;
 }
 
+/* Half of them would be made once more by the next call. */
+static void drop_least(struct gp_bound_state *s)
+{
+    for (int c = 0; c < 3; c++) {
+        GP_FREE(s->square[c]);
+        GP_FREE(s->near[c]);
+        GP_FREE(s->far[c]);
+    }
+}
+
 static gp_status make_least(const struct gp_log *log,
                             const struct gp_kernel *k,
                             struct gp_bound_state *s)
@@ -124,6 +134,8 @@ static gp_status make_least(const struct gp_log *log,
     }
     s->has_least = true;
 out:
+    if (st)
+        drop_least(s);
     gp_free(sum);
     return st;
 }

@@ -43,7 +43,8 @@ static gp_status clear_sgi_name(const struct gp_log *log, const char *path,
         magic[0] != 0x01 || magic[1] != 0xda)
         return GP_OK;
     if (pwrite(fd, none, sizeof none, 24) != (ssize_t) sizeof none)
-        return gp_fail(log, GP_ERR_IO, "%s: lost in memory (%s)", path,
+        return gp_fail(log, GP_ERR_IO, "%s: the file in memory cannot be "
+                       "written (%s); write .exr or .png", path,
                        strerror(errno));
     return GP_OK;
 }

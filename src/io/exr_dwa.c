@@ -4,6 +4,7 @@
 
 #include "core/memory.h"
 #include "io/bridge_write.h"
+#include "io/exr_fault.h"
 #include "io/exr_origin.h"
 #include "io/exr_out.h"
 #include "io/half.h"
@@ -89,6 +90,9 @@ static gp_status make_pixels(const struct gp_log *log,
 
 static gp_status lost(const struct gp_exr_out *out, int chunk)
 {
+    const gp_status fault = gp_exr_fault();
+    if (fault)
+        return gp_exr_fault_tell(out->log, gp_file_path(out->file), fault);
     return gp_fail(out->log, GP_ERR_BUG, "%s: DWA chunk %d was not made",
                    gp_file_path(out->file), chunk);
 }
@@ -103,6 +107,7 @@ static gp_status take_chunks(struct gp_exr_out *out, int part,
         exr_chunk_info_t info;
         gp_free(data);
         data = NULL;
+        gp_exr_fault_clear();
         if (gp_origin_chunk(from, 0, i, &info))
             return lost(out, i);
         st = gp_alloc(out->log, "chunk", info.packed_size, 1, &data);

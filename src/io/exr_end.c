@@ -65,12 +65,14 @@ static uint64_t chunk_end(const struct gp_origin *o, bool multi,
     return end <= o->stream.size ? end : 0;
 }
 
-uint64_t gp_exr_end(const struct gp_origin *o)
+gp_status gp_exr_end(const struct gp_origin *o, uint64_t *end)
 {
     struct gp_exr_raw raw;
     struct last last = {0};
-    if (gp_exr_raw_read(NULL, "-", o, &raw))
-        return 0;
+    *end = 0;
+    const gp_status st = gp_exr_raw_read(NULL, "-", o, &raw);
+    if (st)
+        return st == GP_ERR_BUG ? st : GP_OK;
     uint64_t at = raw.size;
     const bool multi = raw.version & GP_EXR_MULTIPART;
     gp_exr_raw_free(&raw);
@@ -78,8 +80,10 @@ uint64_t gp_exr_end(const struct gp_origin *o)
         int32_t chunks;
         if (exr_get_chunk_count(o->exr, part, &chunks) || chunks < 1 ||
             !look_through(o, at, chunks, part, &last))
-            return 0;
+            return GP_OK;
         at += (uint64_t) chunks * sizeof(uint64_t);
     }
-    return last.offset >= at ? chunk_end(o, multi, &last) : 0;
+    if (last.offset >= at)
+        *end = chunk_end(o, multi, &last);
+    return GP_OK;
 }

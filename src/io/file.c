@@ -301,16 +301,23 @@ static gp_status flush(struct gp_file *f)
     return GP_OK;
 }
 
+static gp_status full(struct gp_file *f)
+{
+    f->st = gp_fail(f->log, GP_ERR_BUG, "%s: out of memory; close other "
+                    "programs", f->path);
+    return f->st;
+}
+
 static gp_status grow(struct gp_file *f, size_t size)
 {
     size_t want = f->room, need;
     if (__builtin_add_overflow(f->held, size, &need))
-        return failed(f, ENOMEM);
+        return full(f);
     while (want < need && !__builtin_mul_overflow(want, 2, &want))
         ;
     uint8_t *more = want >= need ? realloc(f->buffer, want) : NULL;
     if (!more)
-        return failed(f, ENOMEM);
+        return full(f);
     f->buffer = more;
     f->room = want;
     return GP_OK;

@@ -25,17 +25,19 @@ static bool starts(const struct rest *r, const void *magic, size_t n)
 
 // -- EXR -----------------------------------------------------------------------
 
-/* Bytes of an EXR, 0 when they cannot be told. */
-static uint64_t exr_size(const struct rest *r)
+/* Bytes of an EXR, 0 when they cannot be told. Fails, without a line, only
+ * when memory is full: that is no damage of the file. */
+static gp_status exr_size(const struct rest *r, uint64_t *size)
 {
     struct gp_stream view = {.fd = -1, .borrowed = true, .size = r->size,
                              .data = (uint8_t *) (uintptr_t) r->data};
     struct gp_origin *o;
-    if (gp_origin_open_exr(NULL, "-", &view, &o))
-        return 0;
-    const uint64_t end = gp_exr_end(o);
+    gp_status st = gp_origin_open_exr(NULL, "-", &view, &o);
+    if (st)
+        return st == GP_ERR_BUG ? st : GP_OK;
+    st = gp_exr_end(o, size);
     gp_origin_free(o);
-    return end;
+    return st;
 }
 
 // -- PNG -----------------------------------------------------------------------
@@ -103,20 +105,21 @@ static bool is_pfm(const struct rest *r)
            is_space(r->data[2]);
 }
 
-/* Whether an image begins here that may stand among others. *size is its
- * bytes, 0 when they cannot be told. */
-static bool measure(const struct rest *r, uint64_t *size)
+/* *known: whether an image begins here that may stand among others. *size is
+ * its bytes, 0 when they cannot be told. Fails as exr_size() does. */
+static gp_status measure(const struct rest *r, bool *known, uint64_t *size)
 {
     *size = 0;
+    *known = true;
     if (starts(r, exr_magic, sizeof exr_magic))
-        *size = exr_size(r);
-    else if (starts(r, png_magic, sizeof png_magic))
+        return exr_size(r, size);
+    if (starts(r, png_magic, sizeof png_magic))
         *size = png_size(r);
     else if (is_pfm(r))
         *size = pfm_size(r);
     else
-        return false;
-    return true;
+        *known = false;
+    return GP_OK;
 }
 
 static gp_status add_member(const struct gp_log *log, struct gp_members *m,
@@ -144,7 +147,11 @@ static gp_status find_members(const struct gp_log *log, const char *path,
     for (uint64_t at = 0; at < end;) {
         const struct rest r = {m->stream.data + at, end - at};
         uint64_t size;
-        if (!measure(&r, &size) && m->n > 0)
+        bool known;
+        if (measure(&r, &known, &size))
+            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                           "programs", path);
+        if (!known && m->n > 0)
             return gp_fail(log, GP_ERR_DATA,
                            "%s: what follows frame %d is no EXR, PNG or PFM "
                            "(found %02x at byte %llu); give whole files one "

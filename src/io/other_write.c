@@ -7,6 +7,7 @@
 #include "io/file.h"
 #include "io/picture.h"
 
+#include <errno.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -162,8 +163,9 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
     while (!st && at < s->size) {
         const int64_t n = gp_stream_read(s, block, BLOCK_BYTES, at);
         if (n <= 0)
-            st = gp_fail(log, GP_ERR_BUG, "%s: lost in memory",
-                         gp_file_path(file));
+            st = gp_fail(log, GP_ERR_IO, "%s: the file in memory cannot be "
+                         "read (%s); write .exr or .png", gp_file_path(file),
+                         n < 0 ? strerror(errno) : "it is short");
         else
             st = gp_file_write(file, block, (size_t) n);
         at += n > 0 ? (uint64_t) n : 0;

@@ -68,6 +68,9 @@ printf '64x64 fft '
 pair "$glarepp" -e fft -k "$tmp/k65.exr" --hdr "$tmp/a.exr" "$tmp/small.exr" \
     -- true
 
+echo "# sequences: one run, a run for each frame, and the files alone"
+/usr/bin/python3 "$here/sequence.py" "$glarepp" "$build/bench/plain" "$frames"
+
 echo "# peak memory at 3840x2160, EXR and PNG out"
 for frame in w1 w2 w3; do
     "$glarepp" -k "$frames/k512.exr" --hdr "$tmp/a.exr" -o "$tmp/a.png" \

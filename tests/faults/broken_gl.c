@@ -3,7 +3,11 @@
  *
  *   context    no context can be made
  *   current    it cannot be made current
+ *   core       no context of 4.5 core can be made, but an older one
  *   old        it is OpenGL 2.1
+ *   words      its version is no number
+ *   silent     it has no version
+ *   unnamed    its renderer has no name
  *   missing    glCreateTextures is not there
  *   compile    no shader compiles, and why is said in two lines
  *   link       no program links
@@ -11,6 +15,8 @@
  *   memory     texture storage ends in GL_OUT_OF_MEMORY
  *   lost       after BROKEN_GL_AFTER draws (0) every call of glGetError says
  *              GL_CONTEXT_LOST
+ *
+ * The function that BROKEN_GL_MISSING names is not there.
  */
 #include <dlfcn.h>
 #include <stdbool.h>
@@ -20,7 +26,7 @@
 
 typedef void (*proc)(void);
 enum {
-    COMPILE_STATUS = 0x8B81, LINK_STATUS = 0x8B82, VERSION = 0x1F02,
+    COMPILE_STATUS = 0x8B81, LINK_STATUS = 0x8B82, RENDERER = 0x1F01, VERSION = 0x1F02,
     OUT_OF_MEMORY = 0x0505, CONTEXT_LOST = 0x0507,
 };
 
@@ -79,8 +85,11 @@ static void get_program(unsigned program, unsigned what, int *out)
 
 static const unsigned char *get_string(unsigned what)
 {
-    if (what == VERSION)
-        return (const unsigned char *) "2.1 Mesa";
+    if (what == RENDERER && is("unnamed"))
+        return NULL;
+    if (what == VERSION && !is("unnamed"))
+        return is("silent") ? NULL : (const unsigned char *)
+                                         (is("old") ? "2.1 Mesa" : "no number");
     return ((const unsigned char *(*)(unsigned)) real_gl("glGetString"))(what);
 }
 
@@ -119,6 +128,9 @@ static unsigned get_error(void)
 
 static const struct { const char *broken, *name; proc to; } changed[] = {
     {"old", "glGetString", (proc) get_string},
+    {"words", "glGetString", (proc) get_string},
+    {"silent", "glGetString", (proc) get_string},
+    {"unnamed", "glGetString", (proc) get_string},
     {"missing", "glCreateTextures", NULL},
     {"compile", "glGetShaderiv", (proc) get_shader},
     {"compile", "glGetShaderInfoLog", (proc) get_log},
@@ -136,6 +148,9 @@ static const struct { const char *broken, *name; proc to; } changed[] = {
 proc OSMesaGetProcAddress(const char *name);
 proc OSMesaGetProcAddress(const char *name)
 {
+    const char *const missing = getenv("BROKEN_GL_MISSING");
+    if (missing && strcmp(missing, name) == 0)
+        return NULL;
     for (size_t i = 0; i < sizeof changed / sizeof *changed; i++) {
         if (is(changed[i].broken) && strcmp(changed[i].name, name) == 0)
             return changed[i].to;
@@ -146,7 +161,7 @@ proc OSMesaGetProcAddress(const char *name)
 void *OSMesaCreateContextAttribs(const int *attributes, void *share);
 void *OSMesaCreateContextAttribs(const int *attributes, void *share)
 {
-    if (is("context"))
+    if (is("context") || (is("core") && attributes[2] != 0))
         return NULL;
     return ((void *(*)(const int *, void *)) real(
         "OSMesaCreateContextAttribs"))(attributes, share);

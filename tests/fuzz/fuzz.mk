@@ -20,7 +20,7 @@ fuzz-build:
 	@cc="$(FUZZ_CC)"; case $${cc##*/} in \
 	clang*) cover=-fsanitize=fuzzer-no-link; main=-fsanitize=fuzzer ;; \
 	*) cover=; main=tests/fuzz/run_corpus.c ;; esac; \
-	$(MAKE) --no-print-directory B=$(B)/fuzz CC="$$cc" OPT=-O1 WARN= \
+	$(MAKE) --no-print-directory B=$(B)/fuzz CC="$$cc" OPT=-O1 WARN="-Wall -Werror" \
 	    CFLAGS=-g1 FUZZ_MAIN="$$main" \
 	    SAN="-fsanitize=address,undefined -fno-sanitize-recover=all $$cover" \
 	    fuzz-bin

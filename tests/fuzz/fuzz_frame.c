@@ -7,6 +7,9 @@
 #include "io/read_open.h"
 #include "io/write.h"
 
+#include <stdlib.h>
+#include <string.h>
+
 static void touch_frame(const struct gp_frame *f)
 {
     const size_t pixels = gp_frame_pixels(f);
@@ -40,16 +43,35 @@ static void look(const struct gp_read_params *p, const struct gp_frame *f)
     gp_frame_matrix(f, "worldToNDC", m);
 }
 
-static void write_again(struct gp_frame *f)
+static void write_again(const struct gp_hdr_colour *set, int n)
 {
     const struct gp_write_params w = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
+    fuzz_said(gp_write_hdr(&fuzz_log, &w, "/dev/null", set, n, &stats));
+}
+
+static void sense(struct gp_frame *f)
+{
     struct gp_sources sources;
     const struct gp_sensor_params s = GP_SENSOR_DEFAULTS;
-    if (fuzz_said(gp_sense(&fuzz_log, &s, f, &sources)))
-        return;
-    gp_sources_free(&sources);
-    fuzz_said(gp_write_hdr(&fuzz_log, &w, "/dev/null", f, &f->rgb, &stats));
+    if (!fuzz_said(gp_sense(&fuzz_log, &s, f, &sources)))
+        gp_sources_free(&sources);
+}
+
+/* The layer of a channel, read beside the frame and written with it. */
+static void look_at_layer(const struct gp_read_params *p,
+                          const struct gp_frame *f, const char *channel)
+{
+    const char *const dot = strrchr(channel, '.');
+    char *const layer = dot ? strndup(channel, (size_t) (dot - channel)) : NULL;
+    struct gp_frame other = {0};
+    if (layer && !fuzz_said(gp_read_layer(&fuzz_log, p, f, layer, &other))) {
+        const struct gp_hdr_colour set[] = {{f, &f->rgb}, {&other, &other.rgb}};
+        touch_frame(&other);
+        write_again(set, 2);
+        gp_frame_free(&other);
+    }
+    free(layer);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
@@ -62,7 +84,10 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {
         touch_frame(&f);
         look(&p, &f);
-        write_again(&f);
+        sense(&f);
+        write_again(&(struct gp_hdr_colour) {&f, &f.rgb}, 1);
+        for (int i = 0; i < f.channels && i < 3; i++)
+            look_at_layer(&p, &f, f.channel[i].name);
         gp_frame_free(&f);
     }
     fuzz_end(fuzz_allowed(data, size));

@@ -1,5 +1,5 @@
-/* Lists of frames and patterns of names: the first line is a list, the others
- * are names. */
+/* Lists of frames and of views, and patterns of names: the first line is a list
+ * of frames, the others are names. */
 #include "harness.h"
 #include "io/sequence.h"
 
@@ -18,26 +18,57 @@ static void check_list(const char *text)
     gp_frames_free(&f);
 }
 
+/* A list of views has names that are not empty, and no two the same. */
+static void check_views(const char *text)
+{
+    struct gp_views v = {0};
+    if (fuzz_said(gp_views_parse(&fuzz_log, text, &v)))
+        return;
+    if (v.n < 1)
+        abort();
+    for (int i = 0; i < v.n; i++) {
+        if (!v.name[i][0] || strchr(v.name[i], '/') ||
+            (i > 0 && strcmp(v.name[i], v.name[i - 1]) == 0))
+            abort();
+    }
+    gp_views_free(&v);
+}
+
 /* A frame's name is the pattern with the number in its place. */
+static void check_number(const struct gp_pattern *p, const char *text,
+                         const char *name, int number)
+{
+    if (memcmp(name, text, p->at) != 0)
+        abort();
+    char *end = (char *) name + p->at;
+    const long n = p->len ? strtol(end, &end, 10) : number;
+    const char *const tail = text + p->at + p->len;
+    if (strcmp(end, tail) != 0 && !isdigit((unsigned char) *tail))
+        abort();
+    if (n != number && !isdigit((unsigned char) *tail))
+        abort();
+}
+
 static void check_name(const char *text)
 {
     static const int number[] = {0, 7, 1001, 999999999, -1, -999999999};
     struct gp_pattern p;
     int back;
     gp_frame_number(text, &back);
+    check_views(text);
     if (fuzz_said(gp_pattern_find(&fuzz_log, text, &p)))
         return;
     for (size_t i = 0; i < sizeof number / sizeof *number; i++) {
-        char *const name = gp_pattern_name(&p, number[i]);
-        if (!name || memcmp(name, text, p.at) != 0)
+        char *const name = gp_pattern_name(&p, number[i],
+                                           p.views ? "left" : NULL);
+        if (!name)
             abort();
-        char *end = name + p.at;
-        const long n = p.len ? strtol(end, &end, 10) : number[i];
-        const char *const tail = text + p.at + p.len;
-        if (strcmp(end, tail) != 0 && !isdigit((unsigned char) *tail))
+        // with views: 2 signs become a letter or 4
+        const size_t most = strlen(text) + 2 * (size_t) p.views + 16;
+        if (p.views && strlen(name) > most)
             abort();
-        if (n != number[i] && !isdigit((unsigned char) *tail))
-            abort();
+        if (!p.views)
+            check_number(&p, text, name, number[i]);
         gp_frame_number(name, &back);
         free(name);
     }

@@ -304,7 +304,7 @@ static uint8_t *fixture_make(const struct fixture *f, size_t *size)
 }
 
 /* Writes bytes to a file. */
-static void fixture_save(const char *path, const void *bytes, size_t size)
+static inline void fixture_save(const char *path, const void *bytes, size_t size)
 {
     FILE *f = fopen(path, "wb");
     assert_non_null(f);
@@ -312,7 +312,7 @@ static void fixture_save(const char *path, const void *bytes, size_t size)
     assert_int_equal(fclose(f), 0);
 }
 
-static void fixture_write_file(const char *path, const struct fixture *f)
+static inline void fixture_write_file(const char *path, const struct fixture *f)
 {
     size_t size;
     uint8_t *bytes = fixture_make(f, &size);

@@ -1,0 +1,208 @@
+#!/bin/sh
+# Frames in flight: files, report, messages and streams are the same for any
+# number of them and of threads, whatever fails on the way.
+# shellcheck disable=SC2016
+. "$(dirname "$0")/lib.sh"
+need_python
+
+# rows HOW...: runs flight.py over the rows of stdin
+rows()
+{
+    cat >rows
+    "$python" "$cli/flight.py" "$glarepp" rows >verdicts 2>&1
+    is $? 0 "$1: tried"
+    verdicts verdicts
+}
+
+# -- a sequence ----------------------------------------------------------------
+
+# sizes that change, a dark frame, one bad frame in the middle, NaN, one pixel
+mkdir in
+frame in/s.0001.exr size=96x64 seed=1 channels=R,G,B,A,Z:float
+frame in/s.0002.exr size=161x97 seed=2 type=float channels=R,G,B,A,Z:float
+frame in/s.0003.exr size=96x64 kind=dark channels=R,G,B,A,Z:float
+frame in/s.0004.exr size=57x131 seed=4 origin=-20,9 display=0,0,95,63 \
+    channels=R,G,B,A,Z:float
+frame in/s.0005.exr size=96x64 seed=5 lights=400 channels=R,G,B,A,Z:float
+frame in/s.0007.exr size=1x1 hot=90 channels=R,G,B,A,Z:float
+frame in/s.0008.exr size=96x64 kind=nan channels=R,G,B,A,Z:float
+frame in/s.0009.exr size=96x64 seed=9 hot=1e6 type=float \
+    channels=R,G,B,A,Z:float
+for n in 10 11 12 13 14 15 16 17; do
+    frame in/s.00$n.exr size=64x48 seed=$n channels=R,G,B,A,Z:float
+done
+head -c 3000 in/s.0001.exr >in/s.0006.exr
+cat in/s.0001.exr in/s.0003.exr in/s.0002.exr in/s.0005.exr in/s.0004.exr >four
+cat in/s.0001.exr in/s.0003.exr in/s.0006.exr >cut
+
+good=1-5,7-17
+many="--hdr h.####.exr -o p.####.png -o q.####.exr --layer l.####.exr --report r.json -v"
+rows 'a sequence' <<ROWS
+all outputs | 0 | all | -f $good $many ../in/s.####.exr
+bad frames skipped | 6 | all | --skip-bad-frames $many ../in/s.####.exr
+the first bad frame ends the run | 4 | all ends=6 | $many ../in/s.####.exr
+no frame behind it is heard of | 4 | all ends=6 alone | --hdr h.####.exr ../in/s.####.exr
+EXR to stdout | 0 | all | -f $good --hdr - --report r.json ../in/s.####.exr
+PNG to stdout | 0 | few | -f $good --stdout-format png -o - -v ../in/s.####.exr
+raw to stdout | 0 | few | -f 10-17 --raw rgb48le -o - --hdr h.####.exr ../in/s.####.exr
+raw of sizes that change | 4 | few ends=2 | -f 1-2,10-17 --raw rgb24 -o - ../in/s.####.exr
+the layer alone | 0 | few | -f $good --layer l.####.exr --report r.json ../in/s.####.exr
+stdin | 0 | all stdin=four | $many -
+stdin, cut off | 4 | few stdin=cut ends=3 | $many -
+stdin to stdout | 0 | few stdin=four | --hdr - -
+sums of engines | 0 | few | -f $good --engine direct --verify $many ../in/s.####.exr
+backwards | 0 | few | -f 17-7,5-1 --engine fft $many ../in/s.####.exr
+ROWS
+
+# -- what differs by frame, and what is shared ---------------------------------
+
+cat >lights.json <<'JSON'
+[{"pixel": [30.5, 20.25], "radius": 4, "depth": 30, "flux": 5000, "name": "a"},
+ {"pixel": [60, 12], "radius": 9, "flux": [900, 100, 4000]},
+ {"pixel": [5, 44], "radius": 0.5, "depth": 60, "flux": 2000}]
+JSON
+cat >flare.json <<'JSON'
+[{"shape": "polygon", "position": 1.5, "size": 0.3},
+ {"shape": "disc", "position": 0.4, "size": 0.1, "color": [0.1, 0.02, 0.2]}]
+JSON
+cat >c.ocio <<'EOF'
+ocio_profile_version: 2
+roles: {scene_linear: lin, default: lin}
+displays:
+  Screen: [!<View> {name: Half, colorspace: half}]
+colorspaces:
+  - !<ColorSpace> {name: lin}
+  - !<ColorSpace>
+    name: half
+    from_scene_reference: !<MatrixTransform> {matrix: [0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1], offset: [0.25,0.25,0.25,0]}
+  - !<ColorSpace>
+    name: turned
+    from_scene_reference: !<MatrixTransform> {matrix: [0,0,1,0, 1,0,0,0, 0,1,0,0, 0,0,0,1]}
+EOF
+sun='--sun 40,30,6 --sun-color 3000,2500,900'
+rows 'lights and colours' <<ROWS
+a sun and lamps behind depth | 0 | all | -f $good $sun --lights ../lights.json --flare ../flare.json --sun-method exact $many ../in/s.####.exr
+a mask, bad frames skipped | 6 | few | --skip-bad-frames --mask A $sun --sun-method exact $many ../in/s.####.exr
+OCIO, one output space | 0 | all | --ocio ../c.ocio --output-space turned -f $good $many ../in/s.####.exr
+pictures by the bridge | 0 | few | -f $good -o t.####.tif -o j.####.jpg ../in/s.####.exr
+ROWS
+if "$glarepp" -q -e splat --layer gl.exr in/s.0001.exr 2>gl.log; then
+    rows 'GL on one thread' <<ROWS
+splat | 0 | few | -e splat -f $good $many ../in/s.####.exr
+splat, bad frames skipped | 6 | few | -e splat --skip-bad-frames $many ../in/s.####.exr
+lights by mask | 0 | few | -f $good $sun --lights ../lights.json --flare ../flare.json --sun-method mask --mask A --debug sunmap=m.####.png $many ../in/s.####.exr
+lights read back | 0 | few | -f $good $sun --lights ../lights.json --sun-method readback $many ../in/s.####.exr
+ROWS
+else
+    skip 5 'no GL here'
+fi
+
+# -- what cannot be written ----------------------------------------------------
+
+mkdir start start/h.0009.exr
+ln -s /dev/full start/p.0012.png
+rows 'targets that fail' <<ROWS
+a folder in the way, skipped | 6 | all | -f $good --skip-bad-frames $many ../in/s.####.exr
+a folder in the way ends it | 3 | all ends=9 alone | -f $good --hdr h.####.exr ../in/s.####.exr
+a full disk ends it | 3 | few ends=12 alone | -f $good -o p.####.png ../in/s.####.exr
+read and written ones, skipped | 6 | few | --skip-bad-frames $many ../in/s.####.exr
+ROWS
+rm -r start
+
+# -- going on ------------------------------------------------------------------
+
+mkdir start
+(cd start && "$glarepp" -f 1-4,12 --hdr h.####.exr -o p.####.png \
+    ../in/s.####.exr && rm p.0003.png && echo whole >h.0002.exr)
+rows 'resumed' <<ROWS
+--no-clobber | 0 | all | --no-clobber -f $good --hdr h.####.exr -o p.####.png --report r.json -v ../in/s.####.exr
+--no-clobber, bad frames skipped | 6 | few | --no-clobber --skip-bad-frames --hdr h.####.exr -o p.####.png --report r.json ../in/s.####.exr
+ROWS
+is "$(cat made/h.0002.exr)" whole 'what is there is left alone'
+ok 'half of a set is made anew' test -s made/p.0003.png
+rm -r start
+
+# -- interrupted ---------------------------------------------------------------
+
+cat >interrupt.py <<'PY'
+import os, random, shutil, signal, subprocess, sys, time
+program, times = sys.argv[1], int(sys.argv[2])
+rng = random.Random(7)
+words = [program, "--frame-jobs", "7", "--threads", "4", "-e", "direct", "-f",
+         "1-5,7-17", "--compression", "zip", "--hdr", "made/h.####.exr", "-o",
+         "made/p.####.png", "in/s.####.exr"]
+
+def start():
+    shutil.rmtree("made", ignore_errors=True)
+    os.mkdir("made")
+    return subprocess.Popen(words, stderr=subprocess.PIPE, preexec_fn=lambda:
+                            signal.signal(signal.SIGINT, signal.SIG_DFL))
+
+begin = time.monotonic()
+start().communicate()
+took, found, ended, tries = time.monotonic() - begin, [], 0, 0
+while ended < times and tries < 10 * times:
+    p, tries = start(), tries + 1
+    time.sleep(rng.uniform(0.1, 0.9) * took)
+    p.send_signal(signal.SIGINT)
+    try:
+        err = p.communicate(timeout=20)[1]
+    except subprocess.TimeoutExpired:
+        p.kill()
+        p.communicate()
+        found.append("does not end")
+        break
+    ended += p.returncode == -signal.SIGINT
+    if p.returncode not in (0, -signal.SIGINT) or err:
+        found.append(f"status {p.returncode}: {err[-200:]!r}")
+    found += [f for f in os.listdir("made") if f.startswith(".")]
+print(f"{'not ' if found or ended < times else ''}ok interrupted {ended} times "
+      "with seven frames in flight: no file is left, the signal ends it")
+for line in found[:5]:
+    print("# " + line)
+PY
+times=20
+[ -z "$quick" ] || times=4
+"$python" interrupt.py "$glarepp" $times >verdicts 2>&1
+is $? 0 'interrupted: tried'
+verdicts verdicts
+
+# -- memory --------------------------------------------------------------------
+
+count=1000
+[ -z "$quick" ] || count=300
+frame small.exr size=320x180 seed=3 dim=0.5
+mkdir long
+for n in $(seq -f %04.0f $count); do
+    ln -s ../small.exr "long/s.$n.exr"
+done
+# One frame in flight: the peak at the end is that of the hundredth frame within
+# 2 %. Several: it rises until their largest moments have met, which is chance,
+# and never over what the man page says a frame takes, 60 bytes a pixel.
+cat >flat.py <<'PY'
+import json, subprocess, sys
+program, count = sys.argv[1], int(sys.argv[2])
+
+def peaks(jobs):
+    subprocess.run([program, "--frame-jobs", str(jobs), "--threads", "2",
+                    "--raw", "rgb24", "-o", "-", "--report", "r.json",
+                    "long/s.####.exr"], stdout=subprocess.DEVNULL, check=True)
+    peak = [json.loads(line)["peak_rss_mib"] for line in open("r.json")]
+    assert len(peak) == count, len(peak)
+    return peak
+
+one = peaks(1)
+print(f"{'' if one[-1] <= 1.02 * one[99] else 'not '}ok {count} frames, one in "
+      f"flight: {one[99]:.1f} MiB at frame 100, {one[-1]:.1f} at the end")
+for jobs in (3, 7):
+    some = peaks(jobs)
+    most = one[-1] + (jobs - 1) * 60 * 320 * 180 / 2**20
+    print(f"{'' if some[-1] <= most else 'not '}ok {count} frames, {jobs} in "
+          f"flight: {some[99]:.1f} MiB at frame 100, {some[-1]:.1f} at the end, "
+          f"of {most:.1f} that they may take")
+PY
+"$python" flat.py "$glarepp" $count >verdicts 2>&1
+is $? 0 'memory: tried'
+verdicts verdicts
+
+done_testing

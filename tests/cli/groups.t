@@ -1,0 +1,248 @@
+#!/bin/sh
+# Light groups: --light-group takes the light from layers whose sum is the
+# frame, each held against the threshold by itself, and --hdr keeps the sum.
+# shellcheck disable=SC2016
+. "$(dirname "$0")/lib.sh"
+need_python
+[ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to compare pixels"
+
+# What the tests ask of files:
+#   make FILE HOW  beauty = key + rim + fill in floats, with A and Z; HOW is
+#                  plain, dark (rim has no light), nan (rim has one NaN), or
+#                  parts (rim and fill in parts of their own), window (rim's
+#                  part is smaller)
+#   sums SUM A...  layer SUM is that of the others within 1e-6 rel_l2
+#   grown IN OUT   what OUT has more than IN: the colour has as much more as
+#                  the layers, key and rim have some, all else has its bits
+#   same A B L..   layers L of A and B have the same bits
+#   energy IN OUT  sums of colour and layers, --mix scatter: the light inside
+#                  the frame did not become more
+cat >light.py <<'EOF'
+import sys
+import numpy
+import OpenImageIO as oiio
+
+W, H = 64, 48
+
+def lamp(seed, n, top):
+    rng = numpy.random.default_rng(seed)
+    v = rng.random((H, W, 3)) * 0.3
+    for _ in range(n):
+        y, x = rng.integers(H // 4, H - H // 4), rng.integers(W // 4, W - W // 4)
+        v[y:y + 2, x:x + 2] += rng.random(3) * top
+    return v.astype(numpy.float32)
+
+def part(planes, name):
+    names = list(planes)
+    h, w = planes[names[0]].shape
+    s = oiio.ImageSpec(w, h, len(names), "float")
+    s.channelnames = names
+    s.attribute("compression", "zip")
+    s.attribute("oiio:subimagename", name)
+    s.full_width, s.full_height = W, H
+    return s, numpy.stack(list(planes.values()), axis=2).astype(numpy.float32)
+
+def make(path, how):
+    light = {"key": lamp(1, 6, 200), "rim": lamp(2, 4, 900), "fill": lamp(3, 5, 50)}
+    if how == "dark":
+        light["rim"] = lamp(2, 0, 0)
+    beauty = sum(light.values())
+    if how == "nan":
+        light["rim"][20, 30] = numpy.nan
+    rgb = dict(zip("RGB", numpy.moveaxis(beauty, 2, 0)))
+    rgb["A"] = numpy.full((H, W), 0.5)
+    rgb["Z"] = numpy.arange(W * H).reshape(H, W) * 0.25
+    split, aside = how in ("parts", "window"), []
+    for name, v in light.items():
+        prefix = "" if split and name != "key" else name + "."
+        planes = {prefix + c: p for c, p in zip("RGB", numpy.moveaxis(v, 2, 0))}
+        if not prefix:
+            planes["mask"] = numpy.ones((H, W))
+            if how == "window" and name == "rim":
+                planes = {c: p[:, 1:] for c, p in planes.items()}
+            aside.append(part(planes, name))
+        else:
+            rgb.update(planes)
+    parts = [part(rgb, "beauty")] + aside
+    o = oiio.ImageOutput.create(path)
+    assert o.open(path, [s for s, _ in parts]), o.geterror()
+    for i, (s, v) in enumerate(parts):
+        assert i == 0 or o.open(path, s, "AppendSubimage")
+        assert o.write_image(numpy.ascontiguousarray(v)), o.geterror()
+    o.close()
+
+def load(path):
+    """Channels by layer.C, those of parts that are not the first too."""
+    i, out, n = oiio.ImageInput.open(path), {}, 0
+    assert i, path
+    while i.seek_subimage(n, 0):
+        s = i.spec()
+        v = i.read_image(n, 0, 0, s.nchannels, "float")
+        for c, name in enumerate(s.channelnames):
+            layer = s.getattribute("oiio:subimagename") if n else ""
+            out[(layer + "." if layer else "") + name] = v[:, :, c]
+        n += 1
+    return out
+
+def colour(planes, layer):
+    prefix = layer + "." if layer else ""
+    return numpy.stack([planes[prefix + c] for c in "RGB"]).astype(numpy.float64)
+
+def sums(whole, *parts):
+    a = colour(load(whole), "")
+    b = sum(colour(load(p), "") for p in parts)
+    assert numpy.linalg.norm(b) > 1
+    error = numpy.linalg.norm(a - b) / numpy.linalg.norm(b)
+    assert error < 1e-6, error
+
+def grown(before, after, *dark):
+    p, q = load(before), load(after)
+    assert sorted(p) == sorted(q)
+    more = {n: colour(q, n) - colour(p, n) for n in ("", "key", "rim", "fill")}
+    for n in ("key", "rim"):
+        assert (numpy.abs(more[n]).max() > 0.1) == (n not in dark), n
+    parts = more["key"] + more["rim"]
+    assert numpy.linalg.norm(parts) > 1
+    error = numpy.linalg.norm(more[""] - parts) / numpy.linalg.norm(parts)
+    assert error < 1e-5, error
+    for n in p:
+        if n[0] not in "RGB" and n.split(".")[0] not in ("key", "rim"):
+            assert p[n].tobytes() == q[n].tobytes(), n
+        if n.endswith(("A", "Z", "mask")):
+            assert p[n].tobytes() == q[n].tobytes(), n
+
+def same(a, b, *layers):
+    p, q = load(a), load(b)
+    for n in layers:
+        assert colour(p, n).tobytes() == colour(q, n).tobytes(), n
+
+def differ(a, b, layer):
+    assert colour(load(a), layer).tobytes() != colour(load(b), layer).tobytes()
+
+def energy(before, after, most):
+    p, q = load(before), load(after)
+    for n in ("", "key", "rim"):
+        a, b = colour(p, n).sum(), colour(q, n).sum()
+        assert 0 < 1 - b / a < float(most), (n, 1 - b / a)
+
+def clean(path):
+    assert all(numpy.isfinite(v).all() for v in load(path).values())
+
+globals()[sys.argv[1]](*sys.argv[2:])
+EOF
+light()
+{
+    "$python" light.py "$@"
+}
+for how in plain dark nan parts window; do
+    light make $how.exr $how || { echo "Bail out! no frames"; exit 1; }
+done
+both='--light-group key --light-group rim'
+
+# -- the layer -----------------------------------------------------------------
+
+for file in plain dark parts; do
+    for engine in fft direct; do
+        about="$file, $engine"
+        run -e $engine $both --type float --layer both.exr --report r.json $file.exr
+        quiet_success "$about: two groups"
+        for n in key rim; do
+            "$glarepp" -q -e $engine --layer-in $n --type float --layer $n.exr $file.exr
+        done
+        ok "$about: their layer is the sum of each one's" light sums both.exr \
+            key.exr rim.exr
+        is "$(field r.json 'o["light_groups"]')" "['key', 'rim']" "$about: the report"
+    done
+    run -e fft --light-group key --type float --layer one.exr $file.exr
+    "$glarepp" -q -e fft --layer-in key --type float --layer key.exr $file.exr
+    ok "$file: one group alone" light sums one.exr key.exr
+done
+run --light-group rim --type float --layer l.exr --report r.json dark.exr
+quiet_success 'a group without light'
+is "$(field r.json 'o["engine"]')" none 'a group without light: no glare, whatever beauty holds'
+run -e fft $both --layer l.exr --report r.json nan.exr
+status_is 0 'NaN in a group'
+is "$(field r.json 'o["nonfinite"]')" 1 'NaN in a group: counted'
+ok 'NaN in a group: none in the layer' light clean l.exr
+run -e fft --report r.json --layer l.exr plain.exr
+is "$(field r.json '"light_groups" in o')" False 'no groups: not in the report'
+
+# each against the threshold by itself: 900 is over what key has, not rim
+run -e direct -t 250 $both --type float --layer both.exr plain.exr
+"$glarepp" -q -e direct -t 250 --layer-in rim --type float --layer rim.exr plain.exr
+ok 'thresholds hold for each group by itself' light same both.exr rim.exr ''
+
+# -- the frame -----------------------------------------------------------------
+
+for file in plain dark parts; do
+    dark=
+    [ $file != dark ] || dark=rim
+    run -e fft $both --type float --hdr h.exr $file.exr
+    quiet_success "$file: --hdr"
+    ok "$file: --hdr: what the groups get is what the frame gets, no more" \
+        light grown $file.exr h.exr $dark
+    run -e fft $both --mix scatter --type float --hdr s.exr $file.exr
+    quiet_success "$file: --hdr, scatter"
+    ok "$file: --hdr, scatter: the same" light grown $file.exr s.exr $dark
+done
+# builtin:eye reaches far: a 17x17 kernel keeps all light of the middle inside
+frame k.exr kind=kernel size=17x17 type=float
+light make plain.exr plain
+run -e direct -k k.exr --mix scatter $both --type float --hdr s.exr plain.exr
+quiet_success 'scatter with a small kernel'
+ok 'scatter gains no light, and loses what leaves the frame' light energy \
+    plain.exr s.exr 0.1
+for threads in 1 2 5; do
+    for jobs in 1 3; do
+        "$glarepp" --threads $threads --frame-jobs $jobs $both --hdr "t.$threads.$jobs.exr" plain.exr
+        ok "--threads $threads --frame-jobs $jobs: the same bytes" cmp \
+            t.1.1.exr "t.$threads.$jobs.exr"
+    done
+done
+run -e fft $both --hdr h1.exr --layer l1.exr -o o1.png plain.exr
+run -e fft $both --layer l2.exr -o o2.png plain.exr
+same l1.exr l2.exr 'the layer is the same without --hdr'
+same o1.png o2.png 'so is the picture'
+run -e fft $both --hdr n.exr nan.exr
+status_is 0 'NaN in a group: --hdr'
+
+# groups of frames before do not stay
+mkdir seq
+cp plain.exr seq/f.1.exr
+cp dark.exr seq/f.2.exr
+cp parts.exr seq/f.3.exr
+run $both --hdr 'seq/h.#.exr' -o 'seq/o.#.png' 'seq/f.#.exr'
+quiet_success 'a sequence'
+for n in 1 2 3; do
+    "$glarepp" $both --hdr h.exr -o o.png seq/f.$n.exr
+    same seq/h.$n.exr h.exr "a sequence: frame $n as alone"
+done
+
+# -- what is wrong -------------------------------------------------------------
+
+# wrong STATUS NAME DESCRIPTION ARGUMENT...
+wrong()
+{
+    wanted=$1 name=$2 about=$3
+    shift 3
+    rm -rf made && mkdir made
+    run "$@" --hdr made/h.exr --layer made/l.exr
+    fails_with "$wanted" "$name" "$about"
+    empty_folder made "$about: makes nothing"
+}
+wrong 2 plain.exr 'no such layer' --light-group key --light-group nix plain.exr
+like "$(cat err)" '*nix*fill, key, rim*' 'no such layer: the line lists those there are'
+wrong 4 window.exr 'a group of another window' $both window.exr
+frame ids.exr 'channels=R,G,B,CryptoObject00.R:float,CryptoObject00.G:float,CryptoObject00.B:float,CryptoObject00.A:float'
+wrong 2 ids.exr 'ids as a group' --light-group CryptoObject00 ids.exr
+"$glarepp" -q -o in.png plain.exr
+wrong 2 in.png 'groups of a PNG' --light-group key in.png
+wrong 2 plain.exr 'a group twice' --light-group key --light-group key plain.exr
+cp ids.exr seq/f.4.exr
+rm -f seq/h.*
+run $both --skip-bad-frames --hdr 'seq/h.#.exr' 'seq/f.#.exr'
+status_is 6 'a frame without the groups, skipped'
+is "$(cd seq && ls h.* | xargs)" 'h.1.exr h.2.exr h.3.exr' \
+    'a frame without the groups: the others are made'
+
+done_testing

@@ -1,0 +1,244 @@
+#!/bin/sh
+# Files that hold several views, --views: what each eye becomes, and what --hdr
+# carries. The truth is a run on that eye alone.
+# shellcheck disable=SC2016
+. "$(dirname "$0")/lib.sh"
+need_python
+[ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to make stereo files"
+
+# What the tests ask of files:
+#   make N           s.N.exr, parts rgba.left, rgba.right and depth of both; of
+#                    the same eyes m.N.exr, one multiView part; and left.N.exr
+#                    and right.N.exr, each eye alone
+#   pixels A B       colour of A's part or view `a` and of B is the same
+#   carried A B C..  all channels of both but those named are the same bits,
+#                    and those named differ
+cat >stereo.py <<'EOF'
+import sys
+import numpy
+import OpenImageIO as oiio
+
+W, H = 48, 32
+
+def eye(seed, hot):
+    rng = numpy.random.default_rng(seed)
+    v = (rng.random((H, W, 5)) * 0.6).astype(numpy.float16)
+    for _ in range(hot):
+        y, x = rng.integers(0, H), rng.integers(0, W)
+        v[y, x, :3] = rng.random(3) * 300
+    return v.astype(numpy.float32)
+
+def spec(names, **attributes):
+    s = oiio.ImageSpec(W, H, len(names), "half")
+    s.channelnames = names
+    for k, v in attributes.items():
+        if k == "views":
+            s.attribute("multiView", oiio.TypeDesc("string[2]"), v)
+        else:
+            s.attribute(k.replace("_", ":"), v)
+    s.attribute("compression", "zip")
+    return s
+
+def save(path, parts):
+    o = oiio.ImageOutput.create(path)
+    specs = [s for s, _ in parts]
+    assert o.open(path, specs), o.geterror()
+    for i, (s, v) in enumerate(parts):
+        assert i == 0 or o.open(path, s, "AppendSubimage"), o.geterror()
+        assert o.write_image(numpy.ascontiguousarray(v)), o.geterror()
+    o.close()
+
+def make(n):
+    n = int(n)
+    left, right = eye(n, 9), eye(n + 100, 0 if n == 3 else 7)
+    colour = ["R", "G", "B", "A"]
+    save("s.%d.exr" % n, [
+        (spec(colour, oiio_subimagename="rgba.left", view="left"), left[..., :4]),
+        (spec(colour, oiio_subimagename="rgba.right", view="right"), right[..., :4]),
+        (spec(["Z"], oiio_subimagename="depth.left", view="left"), left[..., 4:]),
+        (spec(["Z"], oiio_subimagename="depth.right", view="right"), right[..., 4:])])
+    names = colour + ["right." + c for c in colour] + ["id.X"]
+    save("m.%d.exr" % n, [(spec(names, views=("left", "right")), numpy.concatenate(
+        (left[..., :4], right[..., :4], left[..., 4:]), axis=2))])
+    save("left.%d.exr" % n, [(spec(colour), left[..., :4])])
+    save("right.%d.exr" % n, [(spec(colour), right[..., :4])])
+
+def load(path):
+    i = oiio.ImageInput.open(path)
+    out, part = {}, 0
+    while i.seek_subimage(part, 0):
+        s = i.spec()
+        at = s.getattribute("oiio:subimagename") or ""
+        for c, name in enumerate(s.channelnames):
+            kind = str(s.channelformat(c))
+            v = i.read_image(part, 0, c, c + 1, kind)
+            out[at + "/" + name] = kind, numpy.ascontiguousarray(v).tobytes()
+        part += 1
+    return out
+
+def pixels(a, prefix, b):
+    p, q = load(a), load(b)
+    for c in "RGB":
+        assert p[prefix + c] == q["/" + c], c + " of " + prefix
+
+def carried(a, b, *but):
+    p, q = load(a), load(b)
+    assert sorted(p) == sorted(q), (sorted(p), sorted(q))
+    for name in p:
+        if name.startswith(but):
+            assert p[name] != q[name] or name.endswith("A"), name
+            assert not name.endswith("A") or p[name] == q[name], name
+        else:
+            assert p[name] == q[name], name + " is not what it was"
+
+globals()[sys.argv[1]](*sys.argv[2:])
+EOF
+stereo()
+{
+    "$python" stereo.py "$@"
+}
+
+for n in 1 2 3; do
+    stereo make $n || { echo "Bail out! no stereo files"; exit 1; }
+    for eye in left right; do
+        "$glarepp" -q -e fft --hdr alone.$eye.$n.exr --layer layer.$eye.$n.exr \
+            -o alone.$eye.$n.png $eye.$n.exr || exit 1
+    done
+done
+
+# -- one file ------------------------------------------------------------------
+
+# fresh: an empty folder `made`
+fresh()
+{
+    rm -rf made && mkdir made
+}
+
+for kind in s m; do
+    case $kind in
+    s) about='parts' left=rgba.left/ right=rgba.right/ ;;
+    m) about='multiView' left=/ right=/right. ;;
+    esac
+    fresh
+    run -e fft --views left,right --hdr made/h.exr -o 'made/%V.png' \
+        --layer 'made/l.%v.exr' --report r.json $kind.1.exr
+    quiet_success "$about: both eyes"
+    is "$(ls made | xargs)" 'h.exr l.l.exr l.r.exr left.png right.png' \
+        "$about: the files"
+    for eye in left right; do
+        same made/$eye.png alone.$eye.1.png "$about: the $eye picture is that of the eye alone"
+        ok "$about: so is the $eye layer" "$glarepp" compare --fail 0 --warn 0 \
+            "made/l.$(printf %.1s $eye).exr" layer.$eye.1.exr
+    done
+    ok "$about: --hdr, the left eye" stereo pixels made/h.exr $left alone.left.1.exr
+    ok "$about: --hdr, the right eye" stereo pixels made/h.exr $right alone.right.1.exr
+    ok "$about: --hdr carries the rest" stereo carried $kind.1.exr made/h.exr \
+        ${left}R ${left}G ${left}B ${right}R ${right}G ${right}B
+    is "$(sed 's/.*"view":"\([a-z]*\)".*/\1/' r.json | xargs)" 'left right' \
+        "$about: a line of the report for each"
+    is "$(field r.json 'o["outputs"]')" \
+        "['made/h.exr', 'made/l.l.exr', 'made/left.png']" \
+        "$about: the first has the file of both"
+
+    run -e fft --views left,right --hdr 'made/h.%V.exr' $kind.1.exr
+    quiet_success "$about: --hdr with %V"
+    ok "$about: --hdr with %V, left" stereo pixels made/h.left.exr $left alone.left.1.exr
+    ok "$about: --hdr with %V, left: right stays" stereo carried $kind.1.exr \
+        made/h.left.exr ${left}R ${left}G ${left}B
+    ok "$about: --hdr with %V, right" stereo pixels made/h.right.exr $right alone.right.1.exr
+    ok "$about: --hdr with %V, right: left stays" stereo carried $kind.1.exr \
+        made/h.right.exr ${right}R ${right}G ${right}B
+
+    fresh
+    run -e fft --views right -o 'made/o.%V.png' $kind.1.exr
+    quiet_success "$about: one eye"
+    same made/o.right.png alone.right.1.png "$about: one eye: its bytes"
+    run -e fft --layer-in right -o made/in.png $kind.1.exr
+    same made/in.png alone.right.1.png "$about: --layer-in right is that eye"
+
+    # -- sequences -------------------------------------------------------------
+
+    fresh
+    run -e fft --views right,left --hdr 'made/h.#.exr' -o 'made/o.%V.#.png' \
+        --report r.json "$kind.#.exr"
+    quiet_success "$about: a sequence"
+    is "$(sed 's/.*"frame":\([0-9]*\),"view":"\(.\).*/\1\2/' r.json | xargs)" \
+        '1r 1l 2r 2l 3r 3l' "$about: a sequence: frame by frame, in the list's order"
+    differ=
+    for n in 1 2 3; do
+        for eye in left right; do
+            cmp -s made/o.$eye.$n.png alone.$eye.$n.png || differ="$differ $eye.$n"
+        done
+    done
+    is "$differ" '' "$about: a sequence: each eye as alone"
+    mkdir again
+    for row in '1 1' '3 2' '7 3' '64 8'; do
+        rm -rf again && mkdir again
+        set -- $row
+        "$glarepp" -e fft --frame-jobs "$1" --threads "$2" --views right,left \
+            --hdr 'again/h.#.exr' -o 'again/o.%V.#.png' "$kind.#.exr"
+        ok "$about: --frame-jobs $1 --threads $2: the same bytes" \
+            diff -r made again
+    done
+    rm -rf again
+
+    # -- going on, and streams -------------------------------------------------
+
+    rm made/o.left.2.png
+    echo whole >made/o.left.1.png
+    run -e fft --no-clobber --views right,left --hdr 'made/h.#.exr' \
+        -o 'made/o.%V.#.png' "$kind.#.exr"
+    status_is 0 "$about: --no-clobber"
+    same made/o.left.2.png alone.left.2.png "$about: --no-clobber makes what is missing"
+    is "$(cat made/o.left.1.png)" whole "$about: --no-clobber leaves what is there"
+    cat $kind.1.exr $kind.2.exr | "$glarepp" -e fft --views left,right \
+        --stdout-format png -o - - >pngs
+    cat alone.left.1.png alone.right.1.png alone.left.2.png alone.right.2.png >want
+    same pngs want "$about: frames of a pipe, eye by eye"
+    "$glarepp" -e fft --views left,right --hdr - $kind.1.exr >stream.exr
+    "$glarepp" -e fft --views left,right --hdr file.exr $kind.1.exr
+    same stream.exr file.exr "$about: --hdr to stdout holds both"
+done
+
+# -- what is wrong -------------------------------------------------------------
+
+fresh
+run --views left,right -o 'made/o.%V.png' --hdr made/h.exr left.1.exr
+fails_with 2 left.1.exr 'a file without views'
+empty_folder made 'a file without views: makes nothing'
+run --views left,middle -o 'made/o.%V.png' --hdr made/h.exr s.1.exr
+fails_with 2 s.1.exr 'a view that is not there'
+like "$(cat err)" '*left*right*' 'a view that is not there: the line lists those that are'
+empty_folder made 'a view that is not there: makes nothing'
+mkdir mixed
+cp s.1.exr mixed/f.1.exr
+cp left.2.exr mixed/f.2.exr
+cp m.3.exr mixed/f.3.exr
+run -e fft --views left,right --skip-bad-frames --hdr 'made/h.#.exr' \
+    -o 'made/o.%V.#.png' --report r.json 'mixed/f.#.exr'
+status_is 6 'one file of a sequence lacks them'
+is "$(ls made | xargs)" \
+    'h.1.exr h.3.exr o.left.1.png o.left.3.png o.right.1.png o.right.3.png' \
+    'one file of a sequence lacks them: the others are made'
+is "$(grep -c '"error"' r.json)" 2 'one file of a sequence lacks them: a line an eye'
+like "$(tail -n 1 err)" '*1 of 3 frames failed (2)*' \
+    'one file of a sequence lacks them: it counts as one frame'
+same made/o.right.3.png alone.right.3.png 'parts and multiView in one sequence'
+
+# -- files of others -----------------------------------------------------------
+
+if [ -z "$data" ]; then
+    skip 3 'no example files'
+else
+    ball=$data/depth/Beachball_multipart.0001.exr
+    fresh
+    run -e fft -t 0.4 --views left,right --hdr made/h.exr -o 'made/%V.png' "$ball"
+    quiet_success 'Beachball, ten parts'
+    "$glarepp" -e fft -t 0.4 --part rgba_right -o part.png "$ball"
+    same made/right.png part.png 'Beachball: the right eye is that part'
+    run -e fft -t 0.1 --views left,right -o 'made/fog.%V.png' \
+        "$data/multiview/Fog_Y_2views.exr"
+    quiet_success 'Fog, two views of Y in one part'
+fi
+
+done_testing

@@ -1,0 +1,20 @@
+#!/bin/sh
+# usage: twin.sh BUILD
+# Builds the same source in another folder, and says whether the program and
+# its bridges are the same bytes as those in BUILD.
+set -eu
+twin=$1/twin
+rm -rf "$twin"
+mkdir -p "$twin/a/tests/fuzz" "$twin/a/tests/soak"
+cp -r Makefile src man "$twin/a"
+cp tests/fuzz/fuzz.mk "$twin/a/tests/fuzz"
+cp tests/soak/soak.mk "$twin/a/tests/soak"
+(cd "$twin/a" && make -s B=elsewhere elsewhere/glarepp \
+    elsewhere/glarepp-oiio.so elsewhere/glarepp-ocio.so) >"$twin/log" 2>&1
+for f in glarepp glarepp-oiio.so glarepp-ocio.so; do
+    if cmp -s "$1/$f" "$twin/a/elsewhere/$f"; then
+        echo "$f: the same bytes from another build folder"
+    else
+        echo "$f: other bytes from another build folder"
+    fi
+done
