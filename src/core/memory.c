@@ -125,16 +125,16 @@ void gp_free(void *p)
 void gp_keep_memory(void)
 {
     static const int huge = 32 << 20; // the most that glibc takes
-    static const int kept = 1 << 30;  // at the heap's end, from frame to frame
+    static const int ends = 1 << 30;  // at the heap's end, from frame to frame
     static const int heaps = 1; // a heap for each thread grows, frame by frame,
                                 // by what another thread took and gives back
 #ifdef __GLIBC__
     mallopt(M_MMAP_THRESHOLD, huge);
-    mallopt(M_TRIM_THRESHOLD, kept);
+    mallopt(M_TRIM_THRESHOLD, ends);
     mallopt(M_ARENA_MAX, heaps);
 #else
     (void) huge;
-    (void) kept;
+    (void) ends;
     (void) heaps;
 #endif
 }
