@@ -14,12 +14,6 @@
 
 enum { MIB = 1 << 20 };
 
-/* Bytes that the C library has mapped for large blocks. */
-static size_t mapped(void)
-{
-    return mallinfo2().hblkhd;
-}
-
 static void *get(size_t bytes)
 {
     void *p;
@@ -77,6 +71,12 @@ static void zero_of_a_used_block(void **state)
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/* Bytes that the C library has mapped for large blocks. */
+static size_t mapped(void)
+{
+    return mallinfo2().hblkhd;
+}
+
 static void same_blocks_again(void **state)
 {
     void *block[8];
