@@ -27,13 +27,13 @@ enum { KEPT_MOST = 0, KEPT_ROOM = 1 };
 #else
 enum { KEPT_MOST = 64, KEPT_ROOM = KEPT_MOST };
 #endif
-enum { KEPT_LEAST = LARGE };
 
 static struct {
     pthread_mutex_t lock;
     void *block[KEPT_ROOM]; // oldest first
     size_t bytes[KEPT_ROOM];
     int n;
+    bool on; // set before there are threads
 } kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void *take_kept(int i)
@@ -52,7 +52,7 @@ static void *take_kept(int i)
 static void *reuse(size_t bytes)
 {
     void *found = NULL;
-    if (bytes < KEPT_LEAST)
+    if (!kept.on || bytes < LARGE)
         return NULL;
     pthread_mutex_lock(&kept.lock);
     for (int i = kept.n - 1; i >= 0 && !found; i--) {
@@ -70,8 +70,8 @@ static void *reuse(size_t bytes)
 /* False when the block is not to be kept. */
 static bool keep(void *block)
 {
-    const size_t bytes = KEPT_MOST > 0 && block ? malloc_usable_size(block) : 0;
-    if (bytes < KEPT_LEAST)
+    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
+    if (bytes < LARGE)
         return false;
     pthread_mutex_lock(&kept.lock);
     if (kept.n == KEPT_MOST)
@@ -129,6 +129,7 @@ void gp_free(void *p)
 
 void gp_keep_memory(void)
 {
+    kept.on = KEPT_MOST > 0;
     static const int apart = LARGE;   // out of the heap: kept here
     static const int ends = 1 << 30;  // at the heap's end, from frame to frame
     static const int heaps = 1; // a heap for each thread grows, frame by frame,

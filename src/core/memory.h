@@ -29,7 +29,8 @@ GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
 void gp_free(void *p);
 
 /* Lets freed blocks of any size be used again without a page fault for each
- * 4 KiB: a sequence makes the same planes for every frame. Call once, first. */
+ * 4 KiB: a sequence makes the same planes for every frame. Call once, first,
+ * before there are threads. */
 void gp_keep_memory(void);
 
 /* A copy of a string, or NULL when memory is full. */

@@ -143,6 +143,7 @@ static void threads_share(void **state)
 
 int main(void)
 {
+    gp_keep_memory();
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(impossible_sizes),
         cmocka_unit_test(small_and_none),
