@@ -10,14 +10,15 @@
 
 /* Planes of this size ask for huge pages: a page fault for every 4 KiB of a
  * single frame at 1920x1080 took a fifth of the run's CPU time. */
-enum { HUGE_PAGE = 2 << 20, LARGE = 4 << 20 };
+enum { HUGE_PAGE = 2 << 20, LARGE = 4 << 20, KEPT_LEAST = 256 << 10 };
 
 // -- large blocks, from frame to frame ------------------------------------------
 
-/* The C library gives blocks of this size back to the system at once, which
- * then clears their pages anew for every frame: a sixth of the CPU time of a
+/* The C library gives large blocks back to the system at once, which then
+ * clears their pages anew for every frame: a sixth of the CPU time of a
  * sequence at 3840x2160. In its heap, frames in flight would leave holes, and
- * a thousand frames grow it by a fifth. Sanitizers are to see what is freed. */
+ * a thousand frames grow it by a fifth. So blocks from KEPT_LEAST on stay here.
+ * Sanitizers are to see what is freed. */
 #ifndef __has_feature
 #define __has_feature(x) 0 // clang's; gcc has names for them
 #endif
@@ -33,12 +34,15 @@ static struct {
     void *block[KEPT_ROOM]; // oldest first
     size_t bytes[KEPT_ROOM];
     int n;
-    bool on; // set before there are threads
+    size_t waiting;         // bytes of these
+    size_t used, most;      // bytes in use now, and at most so far
+    bool on;                // set before there are threads
 } kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
 static void *take_kept(int i)
 {
     void *const block = kept.block[i];
+    kept.waiting -= kept.bytes[i];
     kept.n--;
     for (; i < kept.n; i++) {
         kept.block[i] = kept.block[i + 1];
@@ -47,35 +51,68 @@ static void *take_kept(int i)
     return block;
 }
 
-/* A block of about that size, or NULL; then as much as it will take is given
- * back, so that what is kept never adds to the most that was in use. */
+static void count_used(size_t bytes)
+{
+    kept.used += bytes;
+    kept.most = kept.used > kept.most ? kept.used : kept.most;
+}
+
+/* The smallest block that is large enough and not much more, or -1. An aligned
+ * block may have up to a huge page behind it. */
+static int find_kept(size_t bytes)
+{
+    const size_t page = bytes < LARGE ? 0 : HUGE_PAGE;
+    const size_t most = bytes + (bytes / 8 > page ? bytes / 8 : page);
+    int best = -1;
+    for (int i = 0; i < kept.n; i++) {
+        if (kept.bytes[i] >= bytes && kept.bytes[i] <= most &&
+            (best < 0 || kept.bytes[i] <= kept.bytes[best]))
+            best = i;
+    }
+    return best;
+}
+
+/* A block of about that size, or NULL; then so much is given back that what is
+ * kept never adds to the most that was in use. */
 static void *reuse(size_t bytes)
 {
     void *found = NULL;
-    if (!kept.on || bytes < LARGE)
+    if (!kept.on || bytes < KEPT_LEAST)
         return NULL;
     pthread_mutex_lock(&kept.lock);
-    for (int i = kept.n - 1; i >= 0 && !found; i--) {
-        if (kept.bytes[i] >= bytes && kept.bytes[i] - bytes <= HUGE_PAGE)
-            found = take_kept(i);
+    const int at = find_kept(bytes);
+    if (at >= 0) {
+        count_used(kept.bytes[at]);
+        found = take_kept(at);
     }
-    for (size_t freed = 0; !found && kept.n > 0 && freed < bytes;) {
-        freed += kept.bytes[0];
+    while (!found && kept.n > 0 &&
+           kept.used + bytes + kept.waiting > kept.most)
         free(take_kept(0));
-    }
     pthread_mutex_unlock(&kept.lock);
     return found;
+}
+
+static void count_new(void *block)
+{
+    const size_t bytes = kept.on ? malloc_usable_size(block) : 0;
+    if (bytes < KEPT_LEAST)
+        return;
+    pthread_mutex_lock(&kept.lock);
+    count_used(bytes);
+    pthread_mutex_unlock(&kept.lock);
 }
 
 /* False when the block is not to be kept. */
 static bool keep(void *block)
 {
     const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
-    if (bytes < LARGE)
+    if (bytes < KEPT_LEAST)
         return false;
     pthread_mutex_lock(&kept.lock);
     if (kept.n == KEPT_MOST)
         free(take_kept(0));
+    kept.used -= bytes < kept.used ? bytes : kept.used;
+    kept.waiting += bytes;
     kept.block[kept.n] = block;
     kept.bytes[kept.n++] = bytes;
     pthread_mutex_unlock(&kept.lock);
@@ -109,6 +146,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         return gp_fail(log, GP_ERR_BUG,
                        "%s: out of memory (%zu bytes); use a smaller frame "
                        "or a machine with more memory", what, bytes);
+    count_new(*out);
     return GP_OK;
 }
 
@@ -130,8 +168,8 @@ void gp_free(void *p)
 void gp_keep_memory(void)
 {
     kept.on = KEPT_MOST > 0;
-    static const int apart = LARGE;   // out of the heap: kept here
-    static const int ends = 1 << 30;  // at the heap's end, from frame to frame
+    static const int apart = KEPT_LEAST; // out of the heap: kept here
+    static const int ends = 1 << 30; // at the heap's end, from frame to frame
     static const int heaps = 1; // a heap for each thread grows, frame by frame,
                                 // by what another thread took and gives back
 #ifdef __GLIBC__

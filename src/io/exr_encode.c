@@ -113,6 +113,7 @@ struct batch {
     struct worker *worker;
     int workers;
     struct slot *slot;
+    uint8_t *bytes;         // of all slots
     int slots;
     int first;              // chunk of slot 0
 };
@@ -204,10 +205,9 @@ static void stop(struct batch *b)
             libdeflate_free_compressor(b->worker[i].zip);
         gp_exr_core_free(b->worker[i].core);
     }
-    for (int i = 0; b->slot && i < b->slots; i++)
-        gp_free(b->slot[i].bytes);
     gp_free(b->worker);
     gp_free(b->slot);
+    gp_free(b->bytes);
 }
 
 static gp_status start(const struct gp_log *log, const char *path,
@@ -238,8 +238,9 @@ static gp_status start(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, "EXR chunks", (size_t) b->slots, sizeof *b->slot,
                          &mem));
     b->slot = mem;
+    GP_TRY(alloc_bytes(log, (size_t) b->slots * b->chunk_bytes, &b->bytes));
     for (int i = 0; i < b->slots; i++)
-        GP_TRY(alloc_bytes(log, b->chunk_bytes, &b->slot[i].bytes));
+        b->slot[i].bytes = b->bytes + (size_t) i * b->chunk_bytes;
     for (int i = 0; i < b->workers; i++)
         GP_TRY(start_worker(log, path, b, &b->worker[i]));
     return GP_OK;
