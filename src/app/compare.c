@@ -14,7 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <unistd.h>
 
 /* A run, and the pair it is at. */
 struct run {
@@ -236,12 +235,8 @@ static gp_status find_frames(struct run *r)
 {
     const struct gp_settings *const s = r->s;
     gp_status st = GP_OK;
-    for (int i = 0; i < 2; i++) {
-        const char *const path = s->inputs.at[i];
-        r->in[i] = (struct gp_pattern) {.path = path};
-        if (access(path, F_OK) != 0)
-            GP_TRY(gp_pattern_find(r->log, path, &r->in[i]));
-    }
+    for (int i = 0; i < 2; i++)
+        GP_TRY(gp_pattern_of_input(r->log, s->inputs.at[i], &r->in[i]));
     const bool sequence = r->in[0].len || r->in[1].len;
     if (s->frames && !sequence)
         return gp_fail(r->log, GP_ERR_USAGE,

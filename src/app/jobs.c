@@ -151,12 +151,10 @@ static gp_status find_inputs(const struct gp_log *log,
 {
     for (int i = 0; i < s->inputs.n; i++) {
         const char *const path = s->inputs.at[i];
-        gp_status st = GP_OK;
+        gp_status st;
         in[i] = (struct gp_pattern) {.path = path};
-        if (is_dash(path))
-            st = check_stdin(log, s);
-        else if (access(path, F_OK) != 0)
-            st = gp_pattern_find(log, path, &in[i]);
+        st = is_dash(path) ? check_stdin(log, s)
+                           : gp_pattern_of_input(log, path, &in[i]);
         if (st)
             return st;
         *patterns = *patterns || in[i].len;

@@ -7,7 +7,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 bool gp_suns_wanted(const struct gp_sun_settings *s)
 {
@@ -132,10 +131,9 @@ static gp_status read_beside(const struct gp_log *log,
                              const char *channel, bool depth,
                              struct gp_plane *out)
 {
-    struct gp_pattern pattern = {.path = path};
+    struct gp_pattern pattern;
     int number = 0;
-    gp_status st = access(path, F_OK) == 0
-                       ? GP_OK : gp_pattern_find(log, path, &pattern);
+    gp_status st = gp_pattern_of_input(log, path, &pattern);
     if (st)
         return st;
     if (pattern.views && !job->view)

@@ -1,6 +1,5 @@
 #include "io/exr_choose.h"
 
-#include "core/memory.h"
 #include "io/crypto.h"
 #include "io/exr_view.h"
 
@@ -16,50 +15,20 @@ struct search {
     int only;   // this part alone, or -1
 };
 
-/* The channels of a part as they are called within a view. */
-struct names {
-    const char **name;  // "" for those that are not to be taken
-    char *text;
-    int n;
-};
-
-static void free_names(struct names *names)
-{
-    gp_free(names->name);
-    gp_free(names->text);
-    *names = (struct names) {0};
-}
-
+/* The channels of a part that may be colour: ids have no name. */
 static gp_status make_names(const struct search *s, int part,
-                            const char *view, struct names *out)
+                            const char *view, struct gp_exr_names *out)
 {
     const exr_attr_chlist_t *list;
-    void *name = NULL, *text = NULL;
-    size_t bytes = 1;
-    *out = (struct names) {0};
-    if (exr_get_channels(s->o->exr, part, &list))
-        return GP_OK;
-    for (int i = 0; i < list->num_channels; i++)
-        bytes += strlen(list->entries[i].name.str) + 1;
-    gp_status st = gp_alloc(s->log, "channel names",
-                            (size_t) list->num_channels, sizeof(char *), &name);
-    if (!st)
-        st = gp_alloc_zero(s->log, "channel names", bytes, 1, &text);
-    *out = (struct names) {name, text, st ? 0 : list->num_channels};
-    char *to = text;
+    gp_status st = gp_exr_names_in(s->log, s->o, part, view, out);
+    if (st || exr_get_channels(s->o->exr, part, &list))
+        return st;
     for (int i = 0; i < out->n; i++) {
-        const char *own = list->entries[i].name.str;
-        const bool ids = gp_crypto_channel(&s->crypto, s->o, part, own);
-        out->name[i] = own;
-        if (ids || (view && !gp_exr_bare_name(s->o, part, view, own, to)))
+        if (gp_crypto_channel(&s->crypto, s->o, part,
+                              list->entries[i].name.str))
             out->name[i] = "";
-        else if (view)
-            out->name[i] = to;
-        to += strlen(own) + 1;
     }
-    if (st)
-        free_names(out);
-    return st;
+    return GP_OK;
 }
 
 /* The part's name, or that without its view. */
@@ -75,7 +44,7 @@ static gp_status look_in_part(const struct search *s, int part,
                               const char *layer, const char *view, bool lone,
                               struct gp_colour_choice *out, bool *found)
 {
-    struct names names;
+    struct gp_exr_names names;
     gp_status st = make_names(s, part, view, &names);
     if (st)
         return st;
@@ -86,7 +55,7 @@ static gp_status look_in_part(const struct search *s, int part,
                  (!lone && is_called(s->o, part, layer) &&
                   gp_find_layer_colour(names.name, names.n, "", false, out));
     }
-    free_names(&names);
+    gp_exr_names_free(&names);
     return GP_OK;
 }
 

@@ -1,5 +1,8 @@
 #include "io/exr_view.h"
 
+#include "core/memory.h"
+#include "io/colour.h"
+
 #include <string.h>
 
 bool gp_exr_is_deep(const struct gp_origin *o, int part)
@@ -102,10 +105,46 @@ bool gp_exr_bare_name(const struct gp_origin *o, int part, const char *view,
     return strcmp(gp_exr_view_name(o, part, 0), view) == 0;
 }
 
+void gp_exr_names_free(struct gp_exr_names *names)
+{
+    gp_free(names->name);
+    gp_free(names->text);
+    *names = (struct gp_exr_names) {0};
+}
+
+gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_origin *o,
+                          int part, const char *view, struct gp_exr_names *out)
+{
+    const exr_attr_chlist_t *list;
+    void *name = NULL, *text = NULL;
+    size_t bytes = 1;
+    *out = (struct gp_exr_names) {0};
+    if (exr_get_channels(o->exr, part, &list))
+        return GP_OK;
+    for (int i = 0; i < list->num_channels; i++)
+        bytes += strlen(list->entries[i].name.str) + 1;
+    gp_status st = gp_alloc(log, "channel names", (size_t) list->num_channels,
+                            sizeof(char *), &name);
+    if (!st)
+        st = gp_alloc(log, "channel names", bytes, 1, &text);
+    *out = (struct gp_exr_names) {name, text, st ? 0 : list->num_channels};
+    char *to = text;
+    for (int i = 0; i < out->n; i++) {
+        const char *const own = list->entries[i].name.str;
+        out->name[i] = own;
+        if (view)
+            out->name[i] = gp_exr_bare_name(o, part, view, own, to) ? to : "";
+        to += strlen(own) + 1;
+    }
+    if (st)
+        gp_exr_names_free(out);
+    return st;
+}
+
 const char *gp_exr_view_of(const struct gp_origin *o, int part,
                            const char *name)
 {
-    char bare[GP_EXR_NAME];
+    char bare[GP_CHANNEL_NAME + 1];
     for (int i = 1; i < gp_exr_views(o, part) && strlen(name) < sizeof bare;
          i++) {
         const char *const view = gp_exr_view_name(o, part, i);

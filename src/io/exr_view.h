@@ -10,6 +10,7 @@
 #ifndef GP_IO_EXR_VIEW_H
 #define GP_IO_EXR_VIEW_H
 
+#include "core/status.h"
 #include "io/exr_origin.h"
 
 #include <stdbool.h>
@@ -43,9 +44,24 @@ bool gp_exr_part_has_view(const struct gp_origin *o, int part,
 /* The channel's name without its view, into `to`, which has room for it: its
  * own name in parts of one view. False when it belongs to another view.
  * Channels of no view go with the default view. */
-enum { GP_EXR_NAME = 256 }; // room for a channel's name
 bool gp_exr_bare_name(const struct gp_origin *o, int part, const char *view,
                       const char *name, char *to);
+
+/* The channels of a part as they are called within a view. */
+struct gp_exr_names {
+    const char **name;  // "" for those of other views
+    char *text;
+    int n;
+};
+
+/* Names of all channels in the file's order; with `view` NULL their own. Lives
+ * no longer than `o`; written always; free with gp_exr_names_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
+                                        const struct gp_origin *o, int part,
+                                        const char *view,
+                                        struct gp_exr_names *out);
+void gp_exr_names_free(struct gp_exr_names *names);
 
 /* The view, of several in its part, that a channel belongs to; NULL for the
  * default view and in parts of one. */

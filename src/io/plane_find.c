@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "io/channels.h"
+#include "io/colour.h"
 #include "io/exr_view.h"
 
 #include <stdio.h>
@@ -135,7 +136,7 @@ static bool find_exact(const struct gp_plane_list *list, const char *name,
 static bool find_in_view(const struct gp_plane_list *list, const char *name,
                          struct gp_plane_place *out)
 {
-    char full[2 * GP_EXR_NAME];
+    char full[2 * (GP_CHANNEL_NAME + 1)];
     const char *const dot = strrchr(name, '.');
     const int layer = dot ? (int) (dot - name) + 1 : 0;
     if (!list->view)
@@ -181,59 +182,36 @@ static void list_names(const struct gp_plane_list *list,
 
 /* -- by search ------------------------------------------------------------ */
 
-/* The names of a part's channels without the view that is looked for; those of
- * other views are empty. Free *names and *bytes. */
-static gp_status bare_names(const struct gp_log *log,
-                            const struct gp_plane_list *list,
-                            const struct gp_plane_part *part,
-                            struct gp_channel **names, char **bytes)
+static gp_status depth_of_names(const struct gp_log *log,
+                                const struct gp_plane_list *list,
+                                struct gp_channel *channel, int n, int *out)
 {
-    void *block;
-    const size_t n = (size_t) part->channels;
-    gp_status st = gp_alloc_zero(log, "channels", n, sizeof **names, &block);
-    *names = block;
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "channels", n, GP_EXR_NAME, &block);
-    *bytes = block;
-    for (size_t i = 0; i < n && !st; i++) {
-        char *const to = *bytes + i * GP_EXR_NAME;
-        const char *const name = part->channel[i].name;
-        if (strlen(name) >= GP_EXR_NAME ||
-            !gp_exr_bare_name(list->origin, part->part, list->view, name, to))
-            to[0] = '\0';
-        (*names)[i].name = to;
-    }
-    return st;
+    const struct gp_frame names = {
+        .path = (char *) (uintptr_t) list->path,
+        .channel = channel, .channels = n,
+    };
+    return gp_find_depth(log, &names, NULL, out);
 }
 
 static gp_status depth_of_view(const struct gp_log *log,
                                const struct gp_plane_list *list,
                                const struct gp_plane_part *part, int *out)
 {
-    struct gp_channel *names = NULL;
-    char *bytes = NULL;
-    gp_status st = bare_names(log, list, part, &names, &bytes);
-    const struct gp_frame bare = {
-        .path = (char *) (uintptr_t) list->path, .channel = names,
-        .channels = part->channels,
-    };
+    struct gp_exr_names bare;
+    void *block = NULL;
+    gp_status st = gp_exr_names_in(log, list->origin, part->part, list->view,
+                                   &bare);
     if (!st)
-        st = gp_find_depth(log, &bare, NULL, out);
-    gp_free(names);
-    gp_free(bytes);
+        st = gp_alloc_zero(log, "channels", (size_t) bare.n,
+                           sizeof(struct gp_channel), &block);
+    struct gp_channel *const channel = block;
+    for (int i = 0; i < bare.n && !st; i++)
+        channel[i].name = (char *) (uintptr_t) bare.name[i];
+    if (!st)
+        st = depth_of_names(log, list, channel, bare.n, out);
+    gp_free(channel);
+    gp_exr_names_free(&bare);
     return st;
-}
-
-static gp_status depth_of_part(const struct gp_log *log,
-                               const struct gp_plane_list *list,
-                               const struct gp_plane_part *part, int *out)
-{
-    const struct gp_frame names = {
-        .path = (char *) (uintptr_t) list->path,
-        .channel = part->channel, .channels = part->channels,
-    };
-    return gp_find_depth(log, &names, NULL, out);
 }
 
 static gp_status search_depth(const struct gp_log *log,
@@ -250,7 +228,8 @@ static gp_status search_depth(const struct gp_log *log,
     }
     for (int p = 0; p < list->parts; p++) {
         const struct gp_plane_part *const part = &list->part[p];
-        gp_status st = depth_of_part(log, list, part, &i);
+        gp_status st = depth_of_names(log, list, part->channel,
+                                      part->channels, &i);
         if (st)
             return st;
         if (i < 0)

@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static bool is_digit(char c)
 {
@@ -137,6 +138,13 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
     p.views = count_views(path);
     *out = p;
     return GP_OK;
+}
+
+gp_status gp_pattern_of_input(const struct gp_log *log, const char *path,
+                              struct gp_pattern *out)
+{
+    *out = (struct gp_pattern) {.path = path};
+    return access(path, F_OK) == 0 ? GP_OK : gp_pattern_find(log, path, out);
 }
 
 char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view)

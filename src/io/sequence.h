@@ -55,6 +55,12 @@ GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
                                         const char *path,
                                         struct gp_pattern *out);
 
+/* The same for a name that is read: a file that has the very name, #, @ or %
+ * and all, is that file, and has no places. */
+GP_MUST_CHECK gp_status gp_pattern_of_input(const struct gp_log *log,
+                                            const char *path,
+                                            struct gp_pattern *out);
+
 /* The name of one frame, owned by the caller (free()); a pattern without a
  * place gives its path. NULL when memory is full.
  *

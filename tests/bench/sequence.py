@@ -34,6 +34,10 @@ def measure(commands):
                   before.ru_utime - before.ru_stime)
 
 
+def add(a, b):
+    return a[0] + b[0], a[1] + b[1]
+
+
 def make(plain, frames, folder, width, count):
     """COUNT half ZIP frames: in turn the three of that width."""
     os.makedirs(folder)
@@ -57,11 +61,14 @@ def bar(glarepp, plain, folder, count, rounds):
     peer = [[plain, "copy", f"{folder}/s.{n}.exr", f"{folder}/out/p.exr", "2"]
             for n in names]
     rate, cpu, flight = [], [], []
+    half = count // 2
     for _ in range(rounds):
+        # a shared machine's speed drifts: half before the sequence, half after
+        each, copy = measure(single[:half]), measure(peer[:half])
         seq = measure(one_run(glarepp, folder))
+        each = add(each, measure(single[half:]))
+        copy = add(copy, measure(peer[half:]))
         alone = measure(one_run(glarepp, folder, "--frame-jobs", "1"))
-        each = measure(single)
-        copy = measure(peer)
         rate.append(each[0] / seq[0])
         cpu.append(seq[1] / copy[1])
         flight.append(alone[0] / seq[0])
