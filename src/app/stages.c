@@ -2,26 +2,23 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/channels.h"
+#include "io/plane.h"
 
 #include <string.h>
 
 // -- read to glare -----------------------------------------------------------
 
-static gp_status find_depth(struct gp_run *r, struct gp_work *w)
+/* What the report says of a depth that nothing reads. */
+static gp_status name_depth(struct gp_run *r, struct gp_work *w)
 {
-    const struct gp_frame *f = &w->frame;
-    int i = -1;
     // only a channel that was asked for can be missing
-    gp_status st = gp_find_depth(r->s->depth ? w->log : NULL, f, r->s->depth,
-                                 &i);
-    if (st && r->s->depth)
-        return st;
-    if (!st && i >= 0) {
-        w->facts.depth = f->channel[i].name;
-        w->facts.depth_type = f->channel[i].type;
-    }
-    return GP_OK;
+    gp_status st = gp_name_depth(r->s->depth ? w->log : NULL, &w->frame,
+                                 r->s->depth, &w->depth,
+                                 &w->facts.depth_type);
+    w->facts.depth = w->depth;
+    if (st == GP_ERR_BUG && !r->s->depth)
+        return gp_fail(w->log, st, "%s: out of memory", w->job->input);
+    return r->s->depth ? st : GP_OK;
 }
 
 /* How the frame of a job is read: a view inside the file is asked for. */
@@ -59,7 +56,7 @@ static gp_status run_read(struct gp_run *r, struct gp_work *w)
     w->facts.width = gp_frame_w(&w->frame);
     w->facts.height = gp_frame_h(&w->frame);
     w->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
-    return gp_suns_wanted(&r->s->sun) ? GP_OK : find_depth(r, w);
+    return gp_suns_wanted(&r->s->sun) ? GP_OK : name_depth(r, w);
 }
 
 /* Where the lights are, and how much of each shows. */

@@ -126,6 +126,12 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
+enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)
+{
+    return type == EXR_PIXEL_HALF ? GP_HALF
+           : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
+}
+
 gp_status gp_origin_keep(const struct gp_log *log,
                          const struct gp_oiio_image *image,
                          struct gp_origin **out)

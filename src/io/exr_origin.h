@@ -56,6 +56,9 @@ GP_MUST_CHECK gp_status gp_origin_open_exr(const struct gp_log *log,
                                            struct gp_stream *stream,
                                            struct gp_origin **out);
 
+/* A channel's type in the file as ours. */
+enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type);
+
 /* Keeps copies of the attributes of a bridge image, for an input that is not
  * EXR. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_origin_keep(const struct gp_log *log,

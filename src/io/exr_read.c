@@ -52,19 +52,13 @@ static void read_header(struct reading *r)
     f->parts = l->origin->parts;
 }
 
-static enum gp_pixel_type type_of(exr_pixel_type_t type)
-{
-    return type == EXR_PIXEL_HALF ? GP_HALF
-           : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
-}
-
 static gp_status make_channel(const struct reading *r, int index)
 {
     const struct gp_exr_layout *l = &r->layout;
     const exr_attr_chlist_entry_t *e = &l->channel->entries[index];
     struct gp_channel *c = &r->f->channel[index];
     *c = (struct gp_channel) {
-        .type = type_of(e->pixel_type), .xs = e->x_sampling,
+        .type = gp_exr_pixel_type(e->pixel_type), .xs = e->x_sampling,
         .ys = e->y_sampling, .w = l->w / e->x_sampling,
         .h = l->h / e->y_sampling, .linear = e->p_linear, .colour = -1,
     };

@@ -193,6 +193,37 @@ gp_status gp_read_depth(const struct gp_log *log,
     return read_beside(log, p, f, name, true, out);
 }
 
+static enum gp_pixel_type type_of(const struct gp_frame *f,
+                                  const struct gp_plane_place *at)
+{
+    const struct gp_origin *o = gp_origin_of(f);
+    const exr_attr_chlist_t *list;
+    if (at->part->colour || !o || !o->exr ||
+        exr_get_channels(o->exr, at->part->part, &list))
+        return f->channel[at->channel].type;
+    return gp_exr_pixel_type(list->entries[at->channel].pixel_type);
+}
+
+gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
+                        const char *name, char **channel,
+                        enum gp_pixel_type *type)
+{
+    gp_status st;
+    struct gp_plane_list list;
+    struct gp_plane_place at;
+    struct gp_plane named = {0};
+    GP_TRY(list_frame(log, f, true, &list));
+    GP_TRY(gp_plane_pick(log, &list, name, true, false, &at));
+    if (at.part) {
+        GP_TRY(make_name(log, &list, &at, &named));
+        *type = type_of(f, &at);
+    }
+out:
+    *channel = named.name;
+    gp_plane_list_free(&list);
+    return st;
+}
+
 gp_status gp_read_coverage(const struct gp_log *log,
                            const struct gp_read_params *p,
                            const struct gp_frame *f, const char *name,

@@ -35,6 +35,19 @@ GP_MUST_CHECK gp_status gp_read_depth(const struct gp_log *log,
                                       const struct gp_frame *f,
                                       const char *name, struct gp_plane *out);
 
+/* Finds that depth and does not read it: for what is only said of it.
+ *
+ *   channel  its name in the form that `name` takes, owned by the caller
+ *            (gp_free()); NULL when searching finds none
+ *   type     its samples in the file; written with a channel
+ *
+ * Errors: as above, but for what cannot be decoded.
+ */
+GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
+                                      const struct gp_frame *f,
+                                      const char *name, char **channel,
+                                      enum gp_pixel_type *type);
+
 /* The channel `name` (never NULL) of a frame, wherever it is, as above: for
  * coverage. */
 GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,

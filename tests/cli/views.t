@@ -57,9 +57,10 @@ def make(n):
         (spec(colour, oiio_subimagename="rgba.right", view="right"), right[..., :4]),
         (spec(["Z"], oiio_subimagename="depth.left", view="left"), left[..., 4:]),
         (spec(["Z"], oiio_subimagename="depth.right", view="right"), right[..., 4:])])
-    names = colour + ["right." + c for c in colour] + ["id.X"]
+    names = colour + ["right." + c for c in colour] + ["Z", "right.Z", "id.X"]
     save("m.%d.exr" % n, [(spec(names, views=("left", "right")), numpy.concatenate(
-        (left[..., :4], right[..., :4], left[..., 4:]), axis=2))])
+        (left[..., :4], right[..., :4], left[..., 4:], right[..., 4:], left[..., 4:]),
+        axis=2))])
     save("left.%d.exr" % n, [(spec(colour), left[..., :4])])
     save("right.%d.exr" % n, [(spec(colour), right[..., :4])])
 
@@ -116,8 +117,8 @@ fresh()
 
 for kind in s m; do
     case $kind in
-    s) about='parts' left=rgba.left/ right=rgba.right/ ;;
-    m) about='multiView' left=/ right=/right. ;;
+    s) about='parts' left=rgba.left/ right=rgba.right/ depths='depth.left.Z depth.right.Z' ;;
+    m) about='multiView' left=/ right=/right. depths='Z right.Z' ;;
     esac
     fresh
     run -e fft --views left,right --hdr made/h.exr -o 'made/%V.png' \
@@ -139,6 +140,13 @@ for kind in s m; do
     is "$(field r.json 'o["outputs"]')" \
         "['made/h.exr', 'made/l.l.exr', 'made/left.png']" \
         "$about: the first has the file of both"
+    is "$(sed 's/.*"channel": *"\([A-Za-z.]*\)".*/\1/' r.json | xargs)" "$depths" \
+        "$about: each with its own depth"
+    run -e fft --views right --hdr made/d.exr --depth "${depths#* }" --report r.json \
+        $kind.1.exr
+    quiet_success "$about: a depth by name, which nothing reads"
+    is "$(field r.json 'o["depth"]["channel"], o["depth"]["type"]')" \
+        "('${depths#* }', 'half')" "$about: is told"
 
     run -e fft --views left,right --hdr 'made/h.%V.exr' $kind.1.exr
     quiet_success "$about: --hdr with %V"
