@@ -2,7 +2,6 @@
 
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "io/bridge_write.h"
 #include "io/file.h"
 #include "io/picture.h"
@@ -92,17 +91,15 @@ gp_status gp_other_check(const struct gp_log *log,
 
 struct gathering {
     const struct gp_picture *pic;
-    struct gp_picture_row *rows;
     float *to;     // interleaved
     bool integer;  // codes as fractions of the largest
 };
 
-static void gather_row(void *ctx, int y, int thread)
+static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct gathering *g = ctx;
     const size_t n = (size_t) g->pic->channels, w = (size_t) g->pic->width;
     const float max = (float) ((1 << g->pic->bits) - 1);
-    struct gp_picture_row *row = &g->rows[thread];
     float *to = g->to + (size_t) y * w * n;
     if (g->integer)
         gp_picture_codes(g->pic, y, row);
@@ -127,12 +124,7 @@ static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
     if (st)
         return st;
     g.to = *out;
-    st = gp_picture_rows_make(log, pic, &g.rows);
-    if (!st)
-        gp_parallel_do(pic->height, gather_row, &g);
-    if (g.rows)
-        gp_picture_rows_free(&g.rows);
-    return st;
+    return gp_picture_each_row(log, pic, gather_row, &g);
 }
 
 // -- files --------------------------------------------------------------------

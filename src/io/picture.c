@@ -55,42 +55,60 @@ void gp_picture_free(struct gp_picture *pic)
     *pic = (struct gp_picture) {0};
 }
 
-gp_status gp_picture_rows_make(const struct gp_log *log,
-                               const struct gp_picture *pic,
-                               struct gp_picture_row **rows)
+// -- rows ---------------------------------------------------------------------
+
+struct rows {
+    gp_picture_body body;
+    void *ctx;
+    struct scratch {
+        struct gp_picture_row row;
+        void *own;
+    } *of; // each thread; one without `own` ends them
+};
+
+static void free_rows(struct rows *r)
 {
-    void *list, *own;
-    const int n = gp_threads();
-    const size_t w = (size_t) pic->width;
-    *rows = NULL;
-    // one more of them ends the list
-    gp_status st = gp_alloc_zero(log, "picture rows", (size_t) n + 1,
-                                 sizeof **rows, &list);
+    for (struct scratch *s = r->of; s && s->own; s++)
+        gp_free(s->own);
+    GP_FREE(r->of);
+}
+
+static gp_status make_scratch(const struct gp_log *log, size_t w,
+                              struct scratch *s)
+{
+    const gp_status st = gp_alloc(log, "picture rows", w * 4,
+                                  sizeof(float) + sizeof(uint16_t), &s->own);
     if (st)
         return st;
-    *rows = list;
-    for (int i = 0; i < n; i++) {
-        struct gp_picture_row *r = &(*rows)[i];
-        st = gp_alloc(log, "picture rows", w * 4,
-                      sizeof(float) + sizeof(uint16_t), &own);
-        if (st) {
-            gp_picture_rows_free(rows);
-            return st;
-        }
-        r->own = own;
-        for (size_t c = 0; c < 4; c++) {
-            r->linear[c] = (float *) own + c * w;
-            r->code[c] = (uint16_t *) ((float *) own + 4 * w) + c * w;
-        }
+    for (size_t c = 0; c < 4; c++) {
+        s->row.linear[c] = (float *) s->own + c * w;
+        s->row.code[c] = (uint16_t *) ((float *) s->own + 4 * w) + c * w;
     }
     return GP_OK;
 }
 
-void gp_picture_rows_free(struct gp_picture_row **rows)
+static void run_row(void *ctx, int y, int thread)
 {
-    for (struct gp_picture_row *r = *rows; r && r->own; r++)
-        gp_free(r->own);
-    GP_FREE(*rows);
+    const struct rows *const r = ctx;
+    r->body(r->ctx, y, &r->of[thread].row);
+}
+
+gp_status gp_picture_each_row(const struct gp_log *log,
+                              const struct gp_picture *pic,
+                              gp_picture_body body, void *ctx)
+{
+    void *list;
+    const size_t n = (size_t) gp_threads();
+    struct rows r = {.body = body, .ctx = ctx};
+    gp_status st = gp_alloc_zero(log, "picture rows", n + 1, sizeof *r.of,
+                                 &list);
+    r.of = list;
+    for (size_t i = 0; !st && i < n; i++)
+        st = make_scratch(log, (size_t) pic->width, &r.of[i]);
+    if (!st)
+        gp_parallel_do(pic->height, run_row, &r);
+    free_rows(&r);
+    return st;
 }
 
 /* Where the data window's row lies in the picture's row y: samples [at,

@@ -8,11 +8,10 @@
 
 #include <stdint.h>
 
-/* Scratch for one row; one a thread. */
+/* Scratch for one row. */
 struct gp_picture_row {
     uint16_t *code[4];  // width codes of each channel
     float *linear[4];   // the same as values, for gp_picture_floats()
-    void *own;
 };
 
 struct gp_picture {
@@ -47,12 +46,16 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
                                         struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
-/* Scratch for gp_threads() threads into *rows; free with
- * gp_picture_rows_free(). Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_picture_rows_make(const struct gp_log *log,
-                                             const struct gp_picture *pic,
-                                             struct gp_picture_row **rows);
-void gp_picture_rows_free(struct gp_picture_row **rows);
+/* Runs body(ctx, y, row) once for each row y of the picture, in parallel and
+ * in any order. `row` is scratch that no other body has meanwhile, for
+ * gp_picture_codes() or gp_picture_floats(); what it holds is left from some
+ * other row. A body writes nothing that another y reads, and prints nothing.
+ * Errors: GP_ERR_BUG out of memory; then no body has run.
+ */
+typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
+GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
+                                            const struct gp_picture *pic,
+                                            gp_picture_body body, void *ctx);
 
 /* Row y of the display window, 0 at its top, as codes in row->code: sRGB, or
  * what an encoded picture has.

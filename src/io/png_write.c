@@ -5,7 +5,6 @@
 
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "io/file.h"
 #include "io/picture.h"
 
@@ -36,7 +35,6 @@ enum { IDAT_BYTES = 1 << 20 }; // a chunk's size is seen by readers only
 
 struct filtering {
     const struct gp_picture *pic;
-    struct gp_picture_row *rows;
     uint8_t *to;       // height rows of `stride` bytes
     size_t stride;     // filter type and samples
 };
@@ -72,10 +70,9 @@ static void sub16(const struct gp_picture *pic,
     }
 }
 
-static void filter_row(void *ctx, int y, int thread)
+static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct filtering *f = ctx;
-    struct gp_picture_row *row = &f->rows[thread];
     uint8_t *to = f->to + (size_t) y * f->stride;
     gp_picture_codes(f->pic, y, row);
     to[0] = FILTER_SUB;
@@ -99,18 +96,15 @@ static gp_status compress_picture(const struct gp_log *log,
     const size_t n = f.stride * (size_t) pic->height;
     if (!c)
         GP_TRY(gp_fail(log, GP_ERR_BUG, "PNG compressor: out of memory"));
-    GP_TRY(gp_picture_rows_make(log, pic, &f.rows));
     GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
     f.to = raw;
-    gp_parallel_do(pic->height, filter_row, &f);
+    GP_TRY(gp_picture_each_row(log, pic, filter_row, &f));
     const size_t room = libdeflate_zlib_compress_bound(c, n);
     GP_TRY(gp_alloc(log, "PNG data", room, 1, &out));
     *size = libdeflate_zlib_compress(c, raw, n, out, room);
     *data = out;
     out = NULL;
 out:
-    if (f.rows)
-        gp_picture_rows_free(&f.rows);
     libdeflate_free_compressor(c);
     gp_free(raw);
     gp_free(out);

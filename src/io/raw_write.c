@@ -1,7 +1,6 @@
 #include "io/raw_write.h"
 
 #include "core/memory.h"
-#include "core/parallel.h"
 #include "io/file.h"
 #include "io/picture.h"
 
@@ -15,7 +14,6 @@ static size_t sample_bytes(enum gp_raw_format raw)
 
 struct gathering {
     const struct gp_picture *pic;
-    struct gp_picture_row *rows;
     enum gp_raw_format raw;
     uint8_t *to;
 };
@@ -39,11 +37,10 @@ static void store_code(uint16_t code, enum gp_raw_format raw, uint8_t *to)
     to[1 - high] = (uint8_t) code;
 }
 
-static void gather_row(void *ctx, int y, int thread)
+static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct gathering *g = ctx;
     const size_t w = (size_t) g->pic->width, bytes = sample_bytes(g->raw);
-    struct gp_picture_row *row = &g->rows[thread];
     uint8_t *to = g->to + (size_t) y * w * 3 * bytes;
     const bool floats = g->raw == GP_RAW_RGBF32LE;
     if (floats)
@@ -68,12 +65,7 @@ static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
     if (st)
         return st;
     g.to = *out;
-    st = gp_picture_rows_make(log, pic, &g.rows);
-    if (!st)
-        gp_parallel_do(pic->height, gather_row, &g);
-    if (g.rows)
-        gp_picture_rows_free(&g.rows);
-    return st;
+    return gp_picture_each_row(log, pic, gather_row, &g);
 }
 
 static gp_status check_size(const struct gp_log *log, const char *frame,

@@ -11,15 +11,7 @@ done
 "$glarepp" -e direct -o in.tif in.exr 2>err &&
     "$glarepp" -e direct --hdr dwaa.exr --compression dwaa in.exr 2>err ||
     skip_all 'the bridge to OpenImageIO does not work here'
-cat >c.ocio <<'OCIO'
-ocio_profile_version: 2
-roles: {scene_linear: lin, default: lin}
-displays:
-  Screen:
-    - !<View> {name: Plain, colorspace: lin}
-colorspaces:
-  - !<ColorSpace> {name: lin}
-OCIO
+cp "$cli/c.ocio" . || exit 1
 mkdir bin && cp "$glarepp" bin/glarepp || exit 1
 glarepp=$tmp/bin/glarepp
 unset GLAREPP_BRIDGES

@@ -22,18 +22,7 @@ for n in 1 2 3; do
 done
 echo '[{"pixel": [20, 10], "radius": 2, "flux": [5, 5, 5]}]' >lights.json
 cp "$root/examples/flare.json" .
-cat >c.ocio <<'OCIO'
-ocio_profile_version: 2
-roles: {scene_linear: lin, default: lin}
-displays:
-  Screen:
-    - !<View> {name: Power, colorspace: power}
-colorspaces:
-  - !<ColorSpace> {name: lin}
-  - !<ColorSpace>
-    name: power
-    from_scene_reference: !<ExponentTransform> {value: [0.45, 0.45, 0.45, 1]}
-OCIO
+cp "$cli/c.ocio" . || exit 1
 
 "$python" "$root/tests/faults/drive.py" "$glarepp" "$shim" all >drive.log 2>&1
 is $? 0 'the faults were tried'

@@ -65,20 +65,7 @@ cat >flare.json <<'JSON'
 [{"shape": "polygon", "position": 1.5, "size": 0.3},
  {"shape": "disc", "position": 0.4, "size": 0.1, "color": [0.1, 0.02, 0.2]}]
 JSON
-cat >c.ocio <<'EOF'
-ocio_profile_version: 2
-roles: {scene_linear: lin, default: lin}
-displays:
-  Screen: [!<View> {name: Half, colorspace: half}]
-colorspaces:
-  - !<ColorSpace> {name: lin}
-  - !<ColorSpace>
-    name: half
-    from_scene_reference: !<MatrixTransform> {matrix: [0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1], offset: [0.25,0.25,0.25,0]}
-  - !<ColorSpace>
-    name: turned
-    from_scene_reference: !<MatrixTransform> {matrix: [0,0,1,0, 1,0,0,0, 0,1,0,0, 0,0,0,1]}
-EOF
+cp "$cli/c.ocio" . || exit 1
 sun='--sun 40,30,6 --sun-color 3000,2500,900'
 rows 'lights and colours' <<ROWS
 a sun and lamps behind depth | 0 | all | -f $good $sun --lights ../lights.json --flare ../flare.json --sun-method exact $many ../in/s.####.exr

@@ -5,33 +5,7 @@
 need_python
 unset OCIO
 
-cat >c.ocio <<'EOF'
-ocio_profile_version: 2
-environment: {SHOT: four}
-search_path: .
-roles: {scene_linear: lin, default: lin}
-displays:
-  Screen:
-    - !<View> {name: Half, colorspace: half}
-    - !<View> {name: Power, colorspace: power}
-    - !<View> {name: Shot, colorspace: shot}
-looks:
-  - !<Look> {name: twice, process_space: lin, transform: !<MatrixTransform> {matrix: [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}
-colorspaces:
-  - !<ColorSpace> {name: lin}
-  - !<ColorSpace>
-    name: half
-    from_scene_reference: !<MatrixTransform> {matrix: [0.5,0,0,0, 0,0.5,0,0, 0,0,0.5,0, 0,0,0,1], offset: [0.25,0.25,0.25,0]}
-  - !<ColorSpace>
-    name: power
-    from_scene_reference: !<ExponentTransform> {value: [0.45, 0.45, 0.45, 1]}
-  - !<ColorSpace>
-    name: turned
-    from_scene_reference: !<MatrixTransform> {matrix: [0,0,1,0, 1,0,0,0, 0,1,0,0, 0,0,0,1]}
-  - !<ColorSpace>
-    name: shot
-    from_scene_reference: !<FileTransform> {src: $SHOT.spimtx}
-EOF
+cp "$cli/c.ocio" . || exit 1
 printf '4 0 0 0\n0 4 0 0\n0 0 4 0\n' >four.spimtx
 printf '8 0 0 0\n0 8 0 0\n0 0 8 0\n' >eight.spimtx
 primaries=0.64,0.33,0.21,0.71,0.15,0.06,0.3127,0.329

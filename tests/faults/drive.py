@@ -46,7 +46,7 @@ CONFIGURATIONS = {
     "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 80),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
-    "ocio": ("-e direct --ocio c.ocio -o o/a.png in.exr", (3,), 60),
+    "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,), 60),
     "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 60),
 }
 # (fault, statuses that are right); N is put in

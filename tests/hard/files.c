@@ -228,7 +228,7 @@ static void print_errors(void)
 }
 
 /* Files of a row that differ from those of one thread, by column. */
-static void count_differing(int row, int threads, double differ[COLUMNS])
+static void count_differing(int row, int threads, double *differ)
 {
     struct gp_frame f = hard_lit(&hard_cases[row]);
     for (int i = 0; i < FORMATS; i++) {
@@ -254,18 +254,7 @@ static void print_same_bytes(void)
         same[i].name = columns[i].name;
     hard_table("Files, the same bytes",
                "files that differ from those of one thread", same);
-    for (int t = 0; t < HARD_THREADS; t++) {
-        double differ[COLUMNS] = {0};
-        char name[32];
-        for (int row = 0; row < HARD_CASES; row++) {
-            if (hard_is_threaded(row))
-                count_differing(row, hard_threads[t], differ);
-        }
-        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
-        hard_row(name);
-        for (int i = 0; i < COLUMNS; i++)
-            hard_cell(differ[i], 0.0);
-    }
+    hard_thread_rows(COLUMNS, hard_is_threaded, count_differing);
     hard_table_end();
 }
 

@@ -216,11 +216,12 @@ static void print_kept(void)
     }
 }
 
-static bool differs_by_threads(int row, int way, int threads)
+/* NAN where there is no GL for it. */
+static double differs_by_threads(int row, int way, int threads)
 {
     struct scene s = hard_sense(&hard_cases[row]);
     gp_set_threads(1);
-    bool differs = false;
+    double differs = NAN;
     if (run_alone(way, &s, hard_cases[row].name)) {
         const uint64_t hash = scene_hash(&s);
         gp_set_threads(threads);
@@ -230,6 +231,12 @@ static bool differs_by_threads(int row, int way, int threads)
     gp_set_threads(0);
     scene_free(&s);
     return differs;
+}
+
+static void count_differing(int row, int threads, double *differ)
+{
+    for (int i = 0; i < WAYS; i++)
+        differ[i] += differs_by_threads(row, i, threads);
 }
 
 static void print_same_bytes(void)
@@ -242,21 +249,7 @@ static void print_same_bytes(void)
                "layers that differ from those of an engine opened for that "
                "frame alone, and from those of one thread", same);
     print_kept();
-    for (int t = 0; t < HARD_THREADS; t++) {
-        char name[32];
-        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
-        hard_row(name);
-        for (int i = 0; i < WAYS; i++) {
-            int differ = 0;
-            for (int row = 0; row < HARD_CASES; row++)
-                differ += hard_is_threaded(row) &&
-                          differs_by_threads(row, i, hard_threads[t]);
-            if (ways[i].gl && (hard_quick || no_gl))
-                hard_no_cell();
-            else
-                hard_cell(differ, 0.0);
-        }
-    }
+    hard_thread_rows(WAYS, hard_is_threaded, count_differing);
     hard_table_end();
 }
 

@@ -20,6 +20,30 @@ _Noreturn void hard_die(const char *what, const char *why)
     exit(2);
 }
 
+void hard_thread_rows(int columns, hard_picked picked,
+                      hard_count_differing count)
+{
+    double differ[16];
+    if (columns > 16)
+        hard_die("a table", "has more columns than hard_thread_rows() counts");
+    for (int t = 0; t < HARD_THREADS; t++) {
+        char name[32];
+        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
+        memset(differ, 0, sizeof differ);
+        for (int row = 0; row < HARD_CASES; row++) {
+            if (picked(row))
+                count(row, hard_threads[t], differ);
+        }
+        hard_row(name);
+        for (int i = 0; i < columns; i++) {
+            if (isnan(differ[i]))
+                hard_no_cell();
+            else
+                hard_cell(differ[i], 0.0);
+        }
+    }
+}
+
 /* The build puts this program one folder below the OpenImageIO bridge. */
 static void find_bridge(void)
 {

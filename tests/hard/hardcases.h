@@ -24,6 +24,15 @@ static inline int hard_is_threaded(int i)
     return i % 7 == 3 && hard_is_run(&hard_cases[i]);
 }
 
+/* The rows "N threads" of a table of `columns` columns: for each number of
+ * threads, what count() adds up over the cases that are picked. It adds to
+ * differ[column] how many things of that case are not those of one thread, or
+ * NAN where they cannot be made here; the bar is 0. */
+typedef int (*hard_picked)(int row);
+typedef void (*hard_count_differing)(int row, int threads, double *differ);
+void hard_thread_rows(int columns, hard_picked picked,
+                      hard_count_differing count);
+
 /* The frame as it was made, not cleaned, and in f.lit that plus its exact
  * layer: what tone curves and files get, NaN and Inf included. The caller
  * frees it. */

@@ -323,28 +323,26 @@ static double exact_share(const struct hard_case *h, const struct sky *s,
 
 // -- tables -------------------------------------------------------------------
 
+static int is_run(int row)
+{
+    return hard_is_run(&hard_cases[row]);
+}
+
+static void count_differing(int row, int threads, double *differ)
+{
+    const struct hard_case *const h = &hard_cases[row];
+    struct sky s = make_sky(h);
+    *differ += exact_share(h, &s, 1) != exact_share(h, &s, threads);
+    free_sky(&s);
+}
+
 /* GL has its own threads; those of the exact sums are ours. */
 static void print_same_bits(void)
 {
     static const struct hard_column same[] = {{"exact", 0}, {NULL, 0}};
     hard_table("Suns, the same bits", "shares that differ from those of one "
                                       "thread", same);
-    for (int t = 0; t < HARD_THREADS; t++) {
-        char name[32];
-        int differ = 0;
-        for (int row = 0; row < HARD_CASES; row++) {
-            const struct hard_case *const h = &hard_cases[row];
-            if (!hard_is_run(h))
-                continue;
-            struct sky s = make_sky(h);
-            differ += exact_share(h, &s, 1) !=
-                      exact_share(h, &s, hard_threads[t]);
-            free_sky(&s);
-        }
-        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
-        hard_row(name);
-        hard_cell(differ, 0.0);
-    }
+    hard_thread_rows(1, is_run, count_differing);
     hard_table_end();
 }
 

@@ -172,12 +172,12 @@ static void print_errors(const struct hard_column *column)
     hard_table_end();
 }
 
-static int differs_by_threads(const struct way *w, int row, int threads)
+static bool differs_by_threads(const struct way *w, int row, int threads)
 {
     const struct hard_case *const h = &hard_cases[row];
     struct gp_frame a = hard_lit(h), b = hard_lit(h);
     const size_t bytes = gp_frame_pixels(&a) * sizeof(float);
-    int differs = 0;
+    bool differs = false;
     gp_set_threads(1);
     map(w, &a);
     gp_set_threads(threads);
@@ -190,24 +190,19 @@ static int differs_by_threads(const struct way *w, int row, int threads)
     return differs;
 }
 
+static void count_differing(int row, int threads, double *differ)
+{
+    for (int i = 0; i < WAYS; i++)
+        differ[i] += differs_by_threads(&ways[i], row, threads);
+}
+
 static void print_same_bytes(struct hard_column *column)
 {
     for (int i = 0; i < WAYS; i++)
         column[i].bar = 0.0;
     hard_table("Tone curves, the same bytes",
                "pictures that differ from those of one thread", column);
-    for (int t = 0; t < HARD_THREADS; t++) {
-        char name[32];
-        snprintf(name, sizeof name, "%d threads", hard_threads[t]);
-        hard_row(name);
-        for (int i = 0; i < WAYS; i++) {
-            int differ = 0;
-            for (int row = 0; row < HARD_CASES; row++)
-                differ += hard_is_threaded(row) &&
-                          differs_by_threads(&ways[i], row, hard_threads[t]);
-            hard_cell(differ, 0.0);
-        }
-    }
+    hard_thread_rows(WAYS, hard_is_threaded, count_differing);
     hard_table_end();
 }
 

@@ -211,14 +211,8 @@ static const struct made_row made_rows[] = {
     {"--no-clobber --views left,right --hdr m.#.exr -o m.%V.#.png s.0002.exr",
      false},
     {"--no-clobber --views left,right --layer m.%V.#.png s.0002.exr", true},
+    {0},
 };
-
-static void what_is_made(void **state)
-{
-    (void) state;
-    for (size_t i = 0; i < sizeof made_rows / sizeof made_rows[0]; i++)
-        check_made(&made_rows[i]);
-}
 
 int main(void)
 {
@@ -227,7 +221,7 @@ int main(void)
         cmocka_unit_test(views_in_files),
         cmocka_unit_test(views_in_stdin),
         cmocka_unit_test(too_many_jobs),
-        cmocka_unit_test(what_is_made),
+        cmocka_unit_test_prestate(what_is_made, (void *) made_rows),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

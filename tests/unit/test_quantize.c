@@ -159,6 +159,37 @@ static void dither_laws(void **state)
     gp_quantizer_free(q);
 }
 
+/* Without a curve: the codes are neighbours of the value, clipped, and their
+ * mean over a row is it; no number is 0. */
+static void linear_dither(void **state)
+{
+    (void) state;
+    for (int bits = 8; bits <= 16; bits += 8) {
+        struct gp_quantizer *q;
+        float v[4096];
+        uint16_t code[4096];
+        assert_int_equal(gp_quantizer_make(NULL, bits, &q), 0);
+        const int max = gp_quantizer_max(q);
+        for (int level = -1; level <= 5; level++) {
+            const float x = (float) level / 4.0f + (level == 2 ? 1e-3f : 0.0f);
+            const double ideal = (double) fminf(fmaxf(x, 0.0f), 1.0f) * max;
+            double sum = 0.0;
+            for (int i = 0; i < 4096; i++)
+                v[i] = x;
+            gp_quantize_linear_dither(q, v, 3, 5, code, 4096);
+            for (int i = 0; i < 4096; i++) {
+                assert_true(fabs(code[i] - ideal) < 1.0);
+                sum += code[i];
+            }
+            assert_true(fabs(sum / 4096 - ideal) < 0.02);
+        }
+        v[0] = NAN;
+        gp_quantize_linear_dither(q, v, 0, 0, code, 1);
+        assert_int_equal(code[0], 0);
+        gp_quantizer_free(q);
+    }
+}
+
 int main(void)
 {
     static int eight = 8, sixteen = 16;
@@ -169,6 +200,7 @@ int main(void)
         cmocka_unit_test_prestate(stride_of_floats, &sixteen),
         cmocka_unit_test(specials),
         cmocka_unit_test(linear_codes),
+        cmocka_unit_test(linear_dither),
         cmocka_unit_test_prestate(dither_laws, &eight),
         cmocka_unit_test_prestate(dither_laws, &sixteen),
     };

@@ -1,29 +1,12 @@
 /* Polygons gathered per tile, as groups make them: against the plain form of
  * the same polygons, and ungrouped against the exact layer. */
-#include "gl/gl.h"
+#include "gl_open.h"
 #include "glare/blur.h"
 #include "glare/group.h"
 #include "glare/splat_tile.h"
 #include "glare_scene.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
 #include <stdlib.h>
-
-#include <cmocka.h>
-
-static struct gp_gl *open_or_skip(void)
-{
-    struct gp_gl *gl = NULL;
-    if (gp_gl_open(&scene_log, GP_GL_API_AUTO, &gl) != GP_OK) {
-        print_message("no context: %s\n", scene_line);
-        skip();
-    }
-    return gl;
-}
 
 struct row {
     int w, h, x0, y0;
@@ -118,7 +101,7 @@ static void run_row(struct gp_gl *gl, const struct row *r,
 static void groups_equal_the_plain_form(void **state)
 {
     (void) state;
-    struct gp_gl *gl = open_or_skip();
+    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
     struct gp_tiles *kept = NULL;
     for (int i = 0; i < (int) (sizeof rows / sizeof rows[0]); i++)
         run_row(gl, &rows[i], &kept, i);
