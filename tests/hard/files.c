@@ -4,6 +4,7 @@
  * through OpenImageIO. */
 #include "files_read.h"
 #include "hardcases.h"
+#include "hash.h"
 
 #include "core/parallel.h"
 #include "io/raw_write.h"
@@ -190,10 +191,8 @@ static void write_as(const struct format *t, const char *path,
 static uint64_t hash_file(const char *path)
 {
     size_t size;
-    uint64_t hash = 14695981039346656037u;
     uint8_t *const bytes = hard_read_bytes(path, &size);
-    for (size_t i = 0; i < size; i++)
-        hash = (hash ^ bytes[i]) * 1099511628211u;
+    const uint64_t hash = hash_more(HASH_NONE, bytes, size);
     free(bytes);
     return hash;
 }

@@ -5,6 +5,7 @@
 
 #include "core/luminance.h"
 #include "glare/engine.h"
+#include "hash.h"
 
 #include <float.h>
 #include <limits.h>
@@ -327,14 +328,7 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
 /* FNV-1a of the layer's bytes. */
 static inline uint64_t scene_hash(const struct scene *s)
 {
-    uint64_t hash = 14695981039346656037u;
-    for (int c = 0; c < 3; c++) {
-        const unsigned char *const b =
-            (const unsigned char *) s->f.layer.c[c];
-        for (size_t i = 0; i < gp_frame_pixels(&s->f) * sizeof(float); i++)
-            hash = (hash ^ b[i]) * 1099511628211u;
-    }
-    return hash;
+    return hash_layer(&s->f.layer, gp_frame_pixels(&s->f));
 }
 
 #endif

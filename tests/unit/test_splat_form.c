@@ -5,10 +5,11 @@
  *   test_splat_form --hash   prints checksums of layers (the tests call it)
  */
 #include "splat_open.h"
+#include "driver_threads.h"
+#include "hash.h"
 
 #include <stdio.h>
 #include <stdlib.h>
-#include <sys/wait.h>
 
 /* -- the forms ------------------------------------------------------------- */
 
@@ -268,17 +269,6 @@ static void quads_turn_as_the_kernel_does(void **state)
 
 /* -- threads --------------------------------------------------------------- */
 
-static uint64_t hash_of(const struct gp_planes *layer, size_t samples)
-{
-    uint64_t hash = 14695981039346656037u; // FNV-1a
-    for (int c = 0; c < 3; c++) {
-        const unsigned char *const byte = (const unsigned char *) layer->c[c];
-        for (size_t i = 0; i < samples * sizeof(float); i++)
-            hash = (hash ^ byte[i]) * 1099511628211u;
-    }
-    return hash;
-}
-
 /* A line with the sums of layers with overlaps, chunks and several tiles: the
  * exact one and grouped ones. */
 static int print_hash(void)
@@ -294,7 +284,7 @@ static int print_hash(void)
         how.primitive = primitives[i % PRIMITIVES];
         if (splat(GP_GL_AUTO, &src, &k, &layer, &kept) != GP_OK)
             return 77;
-        printf("%016llx ", (unsigned long long) hash_of(&layer, 211 * 173));
+        printf("%016llx ", (unsigned long long) hash_layer(&layer, 211 * 173));
         gp_planes_free(&layer);
     }
     puts("");
@@ -306,32 +296,10 @@ static int print_hash(void)
 
 static const char *program;
 
-static int hash_with(const char *threads, char *line, int size)
-{
-    char command[1024];
-    snprintf(command, sizeof command, "LP_NUM_THREADS=%s '%s' --hash", threads,
-             program);
-    FILE *p = popen(command, "r");
-    assert_non_null(p);
-    bool said = fgets(line, size, p) != NULL;
-    int status = pclose(p);
-    return WIFEXITED(status) && (said || WEXITSTATUS(status))
-               ? WEXITSTATUS(status) : -1;
-}
-
 static void threads_change_no_byte(void **state)
 {
-    static const char *const threads[] = {"1", "2", "3", "4", "7"};
-    char first[256], line[256];
     (void) state;
-    int status = hash_with("0", first, sizeof first);
-    if (status == 77)
-        skip();
-    assert_int_equal(status, 0);
-    for (size_t i = 0; i < sizeof threads / sizeof threads[0]; i++) {
-        assert_int_equal(hash_with(threads[i], line, sizeof line), 0);
-        assert_string_equal(line, first);
-    }
+    threads_same_bytes(program);
 }
 
 int main(int argc, char **argv)

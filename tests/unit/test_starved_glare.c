@@ -43,15 +43,6 @@ static struct gp_kernel other;    // takes the place of what is kept
 static struct gp_glare glare;
 static uint64_t hash;             // of what was made
 
-static uint64_t hash_of(const void *data, size_t n)
-{
-    const unsigned char *const b = data;
-    uint64_t h = 14695981039346656037u;
-    for (size_t i = 0; i < n; i++)
-        h = (h ^ b[i]) * 1099511628211u;
-    return h;
-}
-
 /* -- the engines ------------------------------------------------------------ */
 
 static gp_status run_with(const struct gp_kernel *k)
@@ -101,7 +92,7 @@ static gp_status run_bound(void)
             continue;
         const gp_status st = gp_engines[i]->bound(&job, &state, &least);
         gp_engines[i]->close(&state);
-        hash = hash_of(&least, sizeof least);
+        hash = hash_more(HASH_NONE, &least, sizeof least);
         return st;
     }
     return GP_ERR_USAGE;
@@ -113,7 +104,7 @@ static gp_status hash_planes(gp_status st, struct gp_planes *p, size_t n)
 {
     hash = 0;
     for (int c = 0; !st && c < 3; c++)
-        hash = hash * 31 + hash_of(p->c[c], n * sizeof(float));
+        hash = hash * 31 + hash_more(HASH_NONE, p->c[c], n * sizeof(float));
     gp_planes_free(p);
     return st;
 }
@@ -123,7 +114,7 @@ static gp_status run_sense(void)
     const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     struct gp_sources s = {0};
     const gp_status st = gp_sense(&said_log, &p, &scene.f, &s);
-    hash = st ? 0 : hash_of(s.rgb[1], s.n * sizeof(float));
+    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[1], s.n * sizeof(float));
     gp_sources_free(&s);
     return st;
 }
@@ -150,7 +141,7 @@ static gp_status run_extra(void)
                                {5, 6, {7, 8, 9}}};
     struct gp_sources s = {0};
     const gp_status st = gp_sources_with(&said_log, &scene.src, extra, 3, &s);
-    hash = st ? 0 : hash_of(s.rgb[0], s.n * sizeof(float));
+    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[0], s.n * sizeof(float));
     gp_sources_free(&s);
     return st;
 }
@@ -161,7 +152,7 @@ static gp_status run_reference(void)
     double *const layer = scene_alloc(n, sizeof *layer);
     const gp_status st = gp_glare_reference(&said_log, &scene.src, &scene.k,
                                             layer);
-    hash = st ? 0 : hash_of(layer, n * sizeof *layer);
+    hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
     free(layer);
     return st;
 }
@@ -191,7 +182,7 @@ static gp_status run_group_reference(void)
     if (!st)
         st = gp_group_reference(&said_log, &scene.src, &scene.k, &row->splat,
                                 &polygons, &shrink, layer);
-    hash = st ? 0 : hash_of(layer, n * sizeof *layer);
+    hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
     gp_polygons_free(&polygons);
     free(layer);
     return st;
@@ -201,7 +192,7 @@ static gp_status run_group_reference(void)
 
 static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 {
-    hash = st ? 0 : hash_of(k->k.c[0], (size_t) k->w * (size_t) k->h *
+    hash = st ? 0 : hash_more(HASH_NONE, k->k.c[0], (size_t) k->w * (size_t) k->h *
                                            sizeof(float));
     if (!st)
         gp_kernel_free(k);

@@ -5,10 +5,11 @@
  *   test_tile_same --hash   prints a checksum of one layer (the tests call it)
  */
 #include "tile_scene.h"
+#include "driver_threads.h"
+#include "hash.h"
 
 #include "glare/splat_tile_list.h"
 
-#include <sys/wait.h>
 
 /* -- batches --------------------------------------------------------------- */
 
@@ -118,7 +119,7 @@ static void no_stale_kernel(void **state)
 
 /* -- threads --------------------------------------------------------------- */
 
-/* FNV-1a of the bytes of a layer with all blurs, cuts and several fields. */
+/* The hash of a layer with all blurs, cuts and several fields. */
 static int print_hash(void)
 {
     static const struct row row = {1211, 173, 300, MIXED, 10, 252, 64, 61, 32,
@@ -132,13 +133,8 @@ static int print_hash(void)
     struct scene s = make_scene(&row);
     if (draw(gl, &s, &kept, &roundings) != GP_OK)
         return 1;
-    uint64_t hash = 14695981039346656037u;
-    for (int c = 0; c < 3; c++) {
-        const unsigned char *byte = (const unsigned char *) s.layer.c[c];
-        for (size_t i = 0; i < 1211 * 173 * sizeof(float); i++)
-            hash = (hash ^ byte[i]) * 1099511628211u;
-    }
-    printf("%016llx\n", (unsigned long long) hash);
+    printf("%016llx\n",
+           (unsigned long long) hash_layer(&s.layer, 1211 * 173));
     free_scene(&s);
     gp_tiles_free(gl, &kept);
     gp_gl_close(&gl);
@@ -147,32 +143,10 @@ static int print_hash(void)
 
 static const char *program;
 
-static int hash_with(const char *threads, char *line, int size)
-{
-    char command[1024];
-    snprintf(command, sizeof command, "LP_NUM_THREADS=%s '%s' --hash", threads,
-             program);
-    FILE *p = popen(command, "r");
-    assert_non_null(p);
-    bool said = fgets(line, size, p) != NULL;
-    int status = pclose(p);
-    return WIFEXITED(status) && (said || WEXITSTATUS(status))
-               ? WEXITSTATUS(status) : -1;
-}
-
 static void threads_change_no_byte(void **state)
 {
-    static const char *const threads[] = {"1", "2", "3", "2"};
-    char first[64], line[64];
     (void) state;
-    int status = hash_with("0", first, sizeof first);
-    if (status == 77)
-        skip();
-    assert_int_equal(status, 0);
-    for (size_t i = 0; i < sizeof threads / sizeof threads[0]; i++) {
-        assert_int_equal(hash_with(threads[i], line, sizeof line), 0);
-        assert_string_equal(line, first);
-    }
+    threads_same_bytes(program);
 }
 
 int main(int argc, char **argv)
