@@ -4,7 +4,7 @@
 #define GP_TESTS_JOBS_FOLDER_H
 
 #include "app/jobs.h"
-#include "app/options.h"
+#include "option_line.h"
 
 #include <fcntl.h>
 #include <setjmp.h>
@@ -18,19 +18,6 @@
 
 #include <cmocka.h>
 
-enum { WORDS = 20 };
-
-static char said[4096];
-
-static void keep_line(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_WARN};
-
 struct job_row {
     const char *line;
     gp_status status;
@@ -40,15 +27,7 @@ struct job_row {
 static gp_status make(const char *line, struct gp_settings *s,
                       struct gp_jobs *j)
 {
-    static char copy[512];
-    char *argv[WORDS] = {"glarepp"};
-    int argc = 1;
-    snprintf(copy, sizeof copy, "%s", line);
-    for (char *w = strtok(copy, " "); w && argc < WORDS - 1;
-         w = strtok(NULL, " "))
-        argv[argc++] = w;
-    said[0] = '\0';
-    gp_status st = gp_options_parse(&keeper, argc, argv, s);
+    const gp_status st = parse(line, s);
     return st ? st : gp_jobs_make(&keeper, s, j);
 }
 
