@@ -143,6 +143,21 @@ static gp_status encode(const struct gp_log *log, const char *path,
                            stream);
 }
 
+/* The library writes another compression where it does not trust its own. */
+static gp_status check_made(const struct gp_exr_out *out,
+                            const struct gp_exr_image *img,
+                            const struct gp_origin *made)
+{
+    exr_compression_t c;
+    if (exr_get_compression(made->exr, 0, &c) ||
+        (int) c != (int) img->compression)
+        return gp_fail(out->log, GP_ERR_BUG,
+                       "%s: OpenImageIO writes these channels in another "
+                       "compression than DWA; use --compression zip",
+                       gp_file_path(out->file));
+    return GP_OK;
+}
+
 gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
                             const struct gp_exr_image *img, float quality,
                             struct gp_write_stats *stats)
@@ -166,6 +181,7 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(encode(out->log, path, img, quality, names, types, pixels,
                   &stream));
     GP_TRY(gp_origin_open_exr(out->log, path, &stream, &made));
+    GP_TRY(check_made(out, img, made));
     GP_TRY(take_chunks(out, part, made));
 out:
     gp_origin_free(made);

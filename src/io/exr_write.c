@@ -66,6 +66,21 @@ static bool keeps_parts(const struct gp_exr_job *job)
     return job->kept == GP_EXR_KEEP_ALL || job->kept == GP_EXR_KEEP_CONVERTED;
 }
 
+/* OpenImageIO writes a single channel as zip where DWA is asked for: the header
+ * has to say so too. */
+static enum gp_compression compression_of(const struct gp_log *log,
+                                          const struct writing *w,
+                                          const struct made *m)
+{
+    const enum gp_compression c = gp_exr_compression(w->job->p, m->own);
+    if (c < GP_COMPRESSION_DWAA || m->from->sources != 1)
+        return c;
+    gp_say(log, GP_LEVEL_WARN,
+           "%s: one channel alone (%s) cannot be DWA; it is written as zip",
+           w->job->path, m->from->source[0].name);
+    return GP_COMPRESSION_ZIP;
+}
+
 static gp_status plan(const struct gp_log *log, struct writing *w,
                       const struct gp_origin *o)
 {
@@ -93,7 +108,7 @@ static gp_status plan(const struct gp_log *log, struct writing *w,
         m->img = (struct gp_exr_image) {
             .data = part->f->data, .source = part->source,
             .sources = part->sources,
-            .compression = gp_exr_compression(job->p, m->own),
+            .compression = compression_of(log, w, m),
         };
     }
     return st;
