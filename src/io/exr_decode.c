@@ -314,9 +314,20 @@ out:
     return st;
 }
 
+/* The first chunk that is not stored as it is, or -1. */
+static int first_compressed(const struct gp_exr_layout *l)
+{
+    for (int i = 0; i < l->chunks; i++) {
+        if (l->chunk[i].packed_size != l->chunk[i].unpacked_size)
+            return i;
+    }
+    return -1;
+}
+
 bool gp_exr_can_decode(const struct gp_exr_layout *l)
 {
-    if (l->compression < EXR_COMPRESSION_DWAA)
+    const int chunk = first_compressed(l);
+    if (l->compression < EXR_COMPRESSION_DWAA || chunk < 0)
         return true;
     struct gp_exr_sink *nowhere;
     void *list;
@@ -327,7 +338,7 @@ bool gp_exr_can_decode(const struct gp_exr_layout *l)
     struct worker w;
     exr_result_t r = EXR_ERR_FEATURE_NOT_IMPLEMENTED;
     if (!open_worker(NULL, l, nowhere, &w))
-        r = run_chunk(&w, 0);
+        r = run_chunk(&w, chunk);
     close_worker(&w);
     gp_free(list);
     return r != EXR_ERR_FEATURE_NOT_IMPLEMENTED;
