@@ -216,6 +216,7 @@ SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
 # (AddressSanitizer must know C++ exceptions before a bridge throws one)
 check-asan: ## the tests under AddressSanitizer
 	@SAN_LIBS="-Wl,--no-as-needed -lstdc++" \
+	    ASAN_OPTIONS=allocator_may_return_null=1 \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,asan,address) check-san
 

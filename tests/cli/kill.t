@@ -83,9 +83,10 @@ for i in range(int(times)):
     found += [f"after {delay:.4f} s: {f}" for f in faults(p, err)]
 print(f"{'not ' if found else ''}ok SIG{name}, {place}, {times} times: "
       f"ended {killed}, {files} files under final names, {len(found)} faults")
-# a test that kills nobody shows nothing
-print(f"{'' if 3 * killed >= int(times) else 'not '}ok SIG{name}, {place}: "
-      "a third of the runs at least was under way")
+# a test that kills nobody shows nothing; of a few runs, chance may miss all
+if int(times) >= 10:
+    print(f"{'' if 3 * killed >= int(times) else 'not '}ok SIG{name}, {place}: "
+          "a third of the runs at least was under way")
 print(f"# seed {seed}, a run takes {took * 1000:.0f} ms")
 for line in found[:10]:
     print("# " + line)
