@@ -162,25 +162,36 @@ static gp_status from_frame(const struct gp_log *log,
     return st;
 }
 
+/* The channel of the list that is asked for, and its name; nothing when `at`
+ * has no part. Free the list in any case. */
+static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
+                             const char *name, bool depth,
+                             struct gp_plane_list *list,
+                             struct gp_plane_place *at, struct gp_plane *named)
+{
+    gp_status st = list_frame(log, f, depth, list);
+    if (!st)
+        st = gp_plane_pick(log, list, name, depth, false, at);
+    if (!st && at->part)
+        st = make_name(log, list, at, named);
+    return st;
+}
+
 static gp_status read_beside(const struct gp_log *log,
                              const struct gp_read_params *p,
                              const struct gp_frame *f, const char *name,
                              bool depth, struct gp_plane *out)
 {
-    gp_status st;
     struct gp_plane_list list;
     struct gp_plane_place at;
     struct gp_plane made = {0};
-    GP_TRY(list_frame(log, f, depth, &list));
-    GP_TRY(gp_plane_pick(log, &list, name, depth, false, &at));
-    if (at.part) {
-        GP_TRY(make_name(log, &list, &at, &made));
-        GP_TRY(from_frame(log, p, f, &at, &made));
-    }
-    *out = made;
-out:
+    gp_status st = pick_beside(log, f, name, depth, &list, &at, &made);
+    if (!st && at.part)
+        st = from_frame(log, p, f, &at, &made);
     if (st)
         gp_plane_free(&made);
+    else
+        *out = made;
     gp_plane_list_free(&list);
     return st;
 }
@@ -208,17 +219,12 @@ gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
                         const char *name, char **channel,
                         enum gp_pixel_type *type)
 {
-    gp_status st;
     struct gp_plane_list list;
     struct gp_plane_place at;
     struct gp_plane named = {0};
-    GP_TRY(list_frame(log, f, true, &list));
-    GP_TRY(gp_plane_pick(log, &list, name, true, false, &at));
-    if (at.part) {
-        GP_TRY(make_name(log, &list, &at, &named));
+    gp_status st = pick_beside(log, f, name, true, &list, &at, &named);
+    if (!st && at.part)
         *type = type_of(f, &at);
-    }
-out:
     *channel = named.name;
     gp_plane_list_free(&list);
     return st;
