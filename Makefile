@@ -69,10 +69,10 @@ UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man \
-          check-tidy check-cppcheck
+          check-readme check-tidy check-cppcheck
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
-        coverage coverage-run $(CHECKS) lint hardcases bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) lint hardcases hardcases-readme bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -210,6 +210,12 @@ check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build
 hardcases: $(B)/tests/hardcases $(BRIDGES) ## the hard cases: the largest error of each cell, as tables
 	@$(B)/tests/hardcases
 
+# What README keeps of it
+hardcases-readme: $(B)/tests/hardcases $(BRIDGES)
+	@$(B)/tests/hardcases >$(B)/hardcases.md
+	@sed -i -e '/^<!-- make hardcases -->/,/^<!-- end -->/{//!d}' \
+	    -e '/^<!-- make hardcases -->/r $(B)/hardcases.md' README.md
+
 # The same tests in builds that look for errors of memory and of arithmetic
 SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
            SAN="-fsanitize=$(2) -fno-omit-frame-pointer -fno-sanitize-recover=all"
@@ -275,6 +281,12 @@ check-rooms: ## who may include whom; which room sees which library
 check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
 	@! nm -g --defined-only $(LIB_OBJ) | \
 	    awk 'NF == 3 && $$3 !~ /^(gp_|\.)/ { print $$3; n++ } END { exit !n }'
+
+check-readme: $(B)/tests/hardcases ## README keeps every hard case
+	@$(B)/tests/hardcases names | while read -r name; do \
+	    grep -qF "| $$name |" README.md || \
+	    { echo "README.md: no '$$name'; make hardcases-readme"; exit 1; }; \
+	done
 
 check-size: ## no source file over 450 lines, nor one of the tests
 	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) $(OCIO_SRC) $(TEST_SRC) | \

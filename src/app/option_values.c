@@ -108,12 +108,13 @@ const struct gp_option_choice gp_compressions[] = {
     {"zips", GP_COMPRESSION_ZIPS, NULL},
     {"zip", GP_COMPRESSION_ZIP, NULL},
     {"piz", GP_COMPRESSION_PIZ, NULL},
-    {"pxr24", GP_COMPRESSION_PXR24, "32-bit floats lose 8 bits, depth too; half "
-     "keeps all"},
-    {"b44", GP_COMPRESSION_B44, "half loses, of alpha too; float keeps all"},
+    {"pxr24", GP_COMPRESSION_PXR24, "32-bit floats lose 8 bits, depth too; "
+     "half keeps all"},
+    {"b44", GP_COMPRESSION_B44, "half loses, of alpha too, and NaN and "
+     "Inf become 0; float keeps all"},
     {"b44a", GP_COMPRESSION_B44A, "the same"},
-    {"dwaa", GP_COMPRESSION_DWAA, "R, G, B and Y of every layer lose; depth and alpha "
-     "keep all"},
+    {"dwaa", GP_COMPRESSION_DWAA, "R, G, B and Y of every layer lose, and "
+     "NaN becomes 0; depth and alpha keep all"},
     {"dwab", GP_COMPRESSION_DWAB, "the same"},
     {0},
 };

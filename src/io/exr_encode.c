@@ -60,17 +60,36 @@ static size_t grid_row(int y, int y0, int step)
     return (size_t) ((y - first) / step);
 }
 
+/* B44 counts each 4x4 block down from its largest value in steps of up to 2048
+ * codes, to the nearest: its least one may land 1024 codes lower. From -32752
+ * on that is still a number; -65504 came back as -Inf, or NaN. */
+enum { B44_LEAST = 0xf7ff, MINUS_INF = 0xfc00 };
+
+/* A row of halfs within that range. Values beyond -65504 are counted before. */
+static void limit_b44(const float *from, uint16_t *to, size_t n,
+                      long long *clamped)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (to[i] > B44_LEAST && to[i] < MINUS_INF) {
+            *clamped += from[i] > -65520.0f;
+            to[i] = B44_LEAST;
+        }
+    }
+}
+
 /* One row of one channel; returns its bytes. */
-static size_t pack_row(const struct gp_exr_source *s, size_t row, uint8_t *to,
-                       long long *clamped)
+static size_t pack_row(const struct gp_exr_source *s, size_t row, bool b44,
+                       uint8_t *to, long long *clamped)
 {
     const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
     if (!to)
         return n * size;
-    if (s->plane && s->type == GP_HALF)
-        *clamped += (long long) gp_float_to_half(s->plane + row * n,
-                                                 (uint16_t *) to, n);
-    else if (s->plane)
+    if (s->plane && s->type == GP_HALF) {
+        const float *const from = s->plane + row * n;
+        *clamped += (long long) gp_float_to_half(from, (uint16_t *) to, n);
+        if (b44)
+            limit_b44(from, (uint16_t *) to, n, clamped);
+    } else if (s->plane)
         memcpy(to, s->plane + row * n, n * size);
     else
         memcpy(to, (const uint8_t *) s->data + row * n * size, n * size);
@@ -80,13 +99,15 @@ static size_t pack_row(const struct gp_exr_source *s, size_t row, uint8_t *to,
 size_t gp_exr_pack(const struct gp_exr_image *img, int y0, int y1, uint8_t *to,
                    long long *clamped)
 {
+    const bool b44 = img->compression == GP_COMPRESSION_B44 ||
+                     img->compression == GP_COMPRESSION_B44A;
     size_t n = 0;
     for (int y = y0; y < y1; y++) {
         for (int i = 0; i < img->sources; i++) {
             const struct gp_exr_source *s = &img->source[i];
             if (y % s->ys != 0)
                 continue;
-            n += pack_row(s, grid_row(y, img->data.y0, s->ys),
+            n += pack_row(s, grid_row(y, img->data.y0, s->ys), b44,
                           to ? to + n : NULL, clamped);
         }
     }

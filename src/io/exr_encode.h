@@ -38,7 +38,8 @@ int gp_exr_chunk_count(const struct gp_exr_image *img);
 /* Packs the rows [y0, y1) as EXR stores them before compression: row by row,
  * channel by channel, into `to`, or only counts when `to` is NULL.
  *
- *   clamped  grows by the finite values that half cannot hold
+ *   clamped  grows by the finite values that half cannot hold; B44 can hold
+ *            none below -32752
  *
  * Returns the number of bytes, always even.
  */

@@ -1,7 +1,8 @@
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *
- *   hardcases [glare|slide|tone|sun|files]   all families, or one
+ *   hardcases [glare|slide|tone|sun|files|names]   all families, one, or the
+ *                                                  names of the cases
  *
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
@@ -66,6 +67,11 @@ int main(int argc, char *argv[])
         {"sun", hard_sun},     {"files", hard_files},
     };
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
+    if (argc > 1 && strcmp(argv[1], "names") == 0) {
+        for (int i = 0; i < HARD_CASES; i++)
+            puts(hard_cases[i].name);
+        return 0;
+    }
     find_bridge();
     for (size_t i = 0; i < sizeof families / sizeof *families; i++) {
         if (argc < 2 || strcmp(argv[1], families[i].name) == 0)

@@ -10,7 +10,6 @@
 #include "io/file.h"
 #include "io/read.h"
 
-static const struct gp_read_params read_params = GP_READ_DEFAULTS;
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 
 // -- making inputs ------------------------------------------------------------
@@ -144,14 +143,6 @@ static void make_parts(const char *path, const struct gp_frame *f,
 
 // -- comparing ----------------------------------------------------------------
 
-static struct gp_frame read_back(const char *path)
-{
-    struct gp_frame f;
-    if (gp_read_frame(&wf_log, &read_params, path, &f))
-        fail_msg("%s", wf_line);
-    return f;
-}
-
 static struct gp_exr_raw raw_of(const struct gp_frame *f)
 {
     struct gp_exr_raw raw;
@@ -189,7 +180,7 @@ static void other_parts(void **state)
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_parts(wf_path("in.exr"), &made, false);
-    struct gp_frame a = read_back(wf_path("in.exr"));
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
     assert_int_equal(a.part, 1);
     assert_int_equal(a.parts, 4);
     assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
@@ -198,7 +189,7 @@ static void other_parts(void **state)
     p.type = GP_OUT_FLOAT;
     p.compression = GP_COMPRESSION_PIZ;
     assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
-    struct gp_frame b = read_back(wf_path("out.exr"));
+    struct gp_frame b = wf_read_back(wf_path("out.exr"));
     struct gp_exr_raw ra = raw_of(&a), rb = raw_of(&b);
     assert_int_equal(rb.version, ra.version);
     for (int i = 0; i < 4; i++) {
@@ -215,7 +206,7 @@ static void other_parts(void **state)
     // a picture has one part, and neither its name nor its type
     assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("pic.exr"), &a,
                                       &a.rgb, GP_PICTURE_SCENE, &stats), 0);
-    b = read_back(wf_path("pic.exr"));
+    b = wf_read_back(wf_path("pic.exr"));
     assert_int_equal(b.parts, 1);
     rb = raw_of(&b);
     assert_int_equal(rb.version, GP_EXR_VERSION);
@@ -234,7 +225,7 @@ static void damaged_part(void **state)
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_parts(wf_path("in.exr"), &made, true);
-    struct gp_frame a = read_back(wf_path("in.exr"));
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
     assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats),
                      GP_ERR_DATA);
     wf_assert_said("part 3");
@@ -316,7 +307,7 @@ static void attributes(void **state)
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_attributes(wf_path("in.exr"), &made);
-    struct gp_frame a = read_back(wf_path("in.exr"));
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
     struct gp_exr_raw ra = raw_of(&a);
     for (int i = 0; i < 3; i++) {
         const char *out = wf_path("out.exr");
@@ -326,7 +317,7 @@ static void attributes(void **state)
                                       i == 1 ? GP_PICTURE_SCENE
                                              : GP_PICTURE_SHOWN, &stats);
         assert_int_equal(st, GP_OK);
-        struct gp_frame b = read_back(out);
+        struct gp_frame b = wf_read_back(out);
         struct gp_exr_raw rb = raw_of(&b);
         assert_attributes(&ra.part[0], &rb.part[0], but[i]);
         // and none came twice, or from nowhere
@@ -358,7 +349,7 @@ static void primaries(void **state)
             f.chromaticities[0] = other ? 0.7f : 0.64f;
             assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.exr"),
                                               &f, &f.rgb, kind, &stats), 0);
-            struct gp_frame b = read_back(wf_path("a.exr"));
+            struct gp_frame b = wf_read_back(wf_path("a.exr"));
             const bool own = other && kind == GP_PICTURE_SCENE;
             assert_true(b.chromaticities[0] == (own ? 0.7f : 0.64f));
             gp_frame_free(&b);

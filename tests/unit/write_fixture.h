@@ -12,6 +12,8 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "io/half.h"
+#include "io/oiio.h"
+#include "io/read.h"
 #include "io/write.h"
 
 #include <dirent.h>
@@ -250,6 +252,23 @@ static inline gp_status wf_write_hdr(const struct gp_write_params *p,
 {
     const struct gp_hdr_colour colour = {f, &f->rgb};
     return gp_write_hdr(&wf_log, p, path, &colour, 1, stats);
+}
+
+/* The frame of a file that must be readable; the caller frees it. */
+static inline struct gp_frame wf_read_back(const char *path)
+{
+    static const struct gp_read_params params = GP_READ_DEFAULTS;
+    struct gp_frame f;
+    if (gp_read_frame(&wf_log, &params, path, &f))
+        fail_msg("%s", wf_line);
+    return f;
+}
+
+/* Whether the OpenImageIO bridge is there, for DWA. */
+static inline bool wf_bridge(void)
+{
+    char why[512];
+    return gp_oiio_open(why, sizeof why) != NULL;
 }
 
 static const struct wf_channel wf_rgb[] = {
