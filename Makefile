@@ -246,18 +246,20 @@ check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 
 # Branches as the source has them, once: nothing optimised, built for one CPU
 # alone, not inlined here and there. kill.t would tear the counters of runs
-# that it kills
+# that it kills; harden.t and determinism.t ask what only the default build has
 COUNTED = --coverage -fprofile-update=atomic -DGP_NO_CLONES \
           -Dalways_inline=unused
 coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
 	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
-	    SAN="$(COUNTED)" coverage-run
+	    SAN="$(COUNTED)" FUZZ_MAIN="-fsanitize=address tests/fuzz/run_corpus.c" \
+	    coverage-run
 
 FLOORS := 85 core=90 glare=90 io=90
-coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
+coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
+	@mkdir -p $(B)/fuzz && cp $(FUZZ_BIN) $(B)/fuzz # away from the bridges
 	@find $(B) -name '*.gcda' -delete
-	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 \
-	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill; ran=$$?; \
+	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 FAULT_MANY=1 \
+	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill -harden -determinism; ran=$$?; \
 	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The

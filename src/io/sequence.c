@@ -228,7 +228,7 @@ static gp_status list_folder(const struct gp_log *log,
     int reason = errno;
     free(path);
     if (!folder)
-        return gp_fail(log, GP_ERR_IO,
+        return gp_fail(log, reason == ENOMEM ? GP_ERR_BUG : GP_ERR_IO,
                        "%s: cannot list the folder (%s); check the path",
                        p->path, strerror(reason));
     struct gp_frames f = {0};

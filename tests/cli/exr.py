@@ -13,7 +13,8 @@ usage: exr.py FILE [key=value...]
   type=half           of channels that do not say
   origin=0,0          first pixel of the data window
   display=x0,y0,x1,y1 display window, both ends inside; else the data window
-  attr=name:string:text  and float, int, v2f, m44f (numbers with commas)
+  attr=name:string:text  and float, int, v2f, m44f (numbers with commas),
+                      stringvector (words with commas)
   part=NAME:Z:float   one more part, of one channel
   deep=1              a deep file without samples
 Keys attr and part may come more than once.
@@ -78,6 +79,9 @@ def given_attribute(text):
     name, kind, value = text.split(":", 2)
     if kind == "string":
         return attribute(name, kind, value.encode())
+    if kind == "stringvector":
+        return attribute(name, kind, b"".join(
+            struct.pack("<i", len(w)) + w.encode() for w in value.split(",")))
     v = [float(n) for n in value.split(",")]
     if kind == "int":
         return attribute(name, kind, struct.pack("<i", int(v[0])))

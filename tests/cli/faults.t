@@ -17,6 +17,9 @@ fi
     grep -c '^malloc' log)" = 1 ] || skip_all 'nothing can be preloaded'
 
 frame in.exr size=32x24 channels=R,G,B,A,Z:float type=half lights=20
+frame parts.exr size=32x24 channels=R,G,B,A part=depth:Z:float part=ids:id:uint
+frame views.exr size=24x16 attr=multiView:stringvector:left,right lights=9 \
+    channels=R,G,B,key.R,key.G,key.B,right.R,right.G,right.B,key.right.R,key.right.G,key.right.B
 for n in 1 2 3; do
     frame s.000$n.exr size=20x15 seed=$n lights=9
 done

@@ -5,9 +5,10 @@ usage: drive.py PROGRAM SHIM all|CONFIGURATION...
 
 Prints lines "ok ..." and "not ok ..." for lib.sh's verdicts. In the working
 folder lie the inputs; each run has a folder of its own. env
-GLAREPP_TEST_QUICK takes only some of the points, GLAREPP_TEST_LONG all of all
-configurations, FAULT_ONLY one row of KINDS, and FAULT_RUN is put before the
-program (valgrind); with status 99 it says that it found something.
+GLAREPP_TEST_QUICK takes only some of the points (but with FAULT_MANY),
+GLAREPP_TEST_LONG all of all configurations, FAULT_ONLY one row of KINDS, and
+FAULT_RUN is put before the program (valgrind); with status 99 it says that it
+found something.
 """
 import concurrent.futures
 import json
@@ -16,14 +17,15 @@ import shutil
 import subprocess
 import sys
 
-QUICK = bool(os.environ.get("GLAREPP_TEST_QUICK"))
+QUICK = bool(os.environ.get("GLAREPP_TEST_QUICK")) and \
+    not os.environ.get("FAULT_MANY")
 LONG = bool(os.environ.get("GLAREPP_TEST_LONG"))
 RUNNER = os.environ.get("FAULT_RUN", "").split()
 SECONDS = 120 if RUNNER else 30  # a run that takes longer hangs
 STOP = 99   # of FAULT_RUN
 AT_ONCE = 2
 INPUTS = ("in.exr", "lights.json", "flare.json", "c.ocio", "s.0001.exr",
-          "s.0002.exr", "s.0003.exr")
+          "s.0002.exr", "s.0003.exr", "parts.exr", "views.exr")
 
 FILES = "-o o/a.png --hdr o/h.exr --report o/r.json --debug sensors=o/s.exr"
 ONE = f"--threads 1 {FILES} in.exr"
@@ -47,6 +49,15 @@ CONFIGURATIONS = {
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
     "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,), 60),
+    "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
+              "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 3),
+    "views": ("-e direct --threads 1 --views left,right --hdr o/h.exr "
+              "-o o/%V.pfm --light-group key --sun 12,8,3 --sun-color 9,8,7 "
+              "--mask-file in.exr --mask A views.exr", (), 4),
+    "b44": ("-e direct --threads 2 --compression b44 --type half "
+            "--hdr o/h.exr --layer o/l.exr in.exr", (), 4),
+    "dwaa": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr in.exr",
+             (3,), 60),
     "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 60),
 }
 # (fault, statuses that are right); N is put in

@@ -303,9 +303,11 @@ static uint8_t *fixture_make(const struct fixture *f, size_t *size)
     return file.bytes;
 }
 
-/* Writes bytes to a file. */
+/* Writes bytes to a file: a new one, since file systems wait for the disk when
+ * one is cut and filled again. */
 static inline void fixture_save(const char *path, const void *bytes, size_t size)
 {
+    remove(path);
     FILE *f = fopen(path, "wb");
     assert_non_null(f);
     assert_int_equal(fwrite(bytes, 1, size, f), size);

@@ -174,11 +174,31 @@ static void one_huge_tile(void **state)
     }
 }
 
-/* A byte changed anywhere gives a frame or one error line, and the same for
- * any number of threads. */
+/* The file gives a frame or one error line, the same for any number of
+ * threads. */
+static void assert_read_or_told(const int *threads, int n)
+{
+    char first[4096] = "";
+    for (int i = 0; i < n; i++) {
+        struct gp_frame frame;
+        gp_set_threads(threads[i]);
+        gp_status st = read_file(path, &frame);
+        assert_true(st == GP_OK || st == GP_ERR_DATA);
+        assert_int_equal(heard.count, st != GP_OK);
+        if (i == 0)
+            memcpy(first, heard.line, sizeof first);
+        else
+            assert_string_equal(heard.line, first);
+        gp_frame_free(&frame);
+    }
+    gp_set_threads(0);
+}
+
+/* A byte changed anywhere. */
 static void changed_bytes(void **state)
 {
     (void) state;
+    static const int threads[] = {1, 4};
     uint32_t seed = 2024;
     snprintf(path, sizeof path, "%s/changed.exr", folder);
     for (int c = 0; c < LOSSLESS; c++) {
@@ -189,29 +209,54 @@ static void changed_bytes(void **state)
         }}};
         uint8_t *bytes = fixture_make(&f, &size);
         for (int turn = 0; turn < 60; turn++) {
-            char first[4096] = "";
             seed = seed * 1664525u + 1013904223u;
             size_t at = 4 + (seed >> 8) % (size - 4);
             uint8_t kept = bytes[at];
             bytes[at] ^= (uint8_t) (1u << (seed >> 5 & 7));
             fixture_save(path, bytes, size);
             bytes[at] = kept;
-            for (int threads = 1; threads <= 4; threads += 3) {
-                struct gp_frame frame;
-                gp_set_threads(threads);
-                gp_status st = read_file(path, &frame);
-                assert_true(st == GP_OK || st == GP_ERR_DATA);
-                assert_int_equal(heard.count, st != GP_OK);
-                if (threads == 1)
-                    memcpy(first, heard.line, sizeof first);
-                else
-                    assert_string_equal(heard.line, first);
-                gp_frame_free(&frame);
+            assert_read_or_told(threads, 2);
+        }
+        free(bytes);
+    }
+}
+
+/* Every byte of the header, of the table of chunks and of the first chunks'
+ * own words, changed in three ways. */
+static void changed_head(void **state)
+{
+    (void) state;
+    static const uint8_t turn[] = {0x01, 0x80, 0xff};
+    static const int one[] = {1};
+    static const struct fixture kinds[] = {
+        {.part = {{.channel = {RGB(EXR_PIXEL_HALF)}, .tile = 8, .mipmap = true,
+                   .data = FIXTURE_WINDOW(-3, 5, 20, 11),
+                   .compression = EXR_COMPRESSION_ZIP}}},
+        {.part = {{.channel = {{"BY", EXR_PIXEL_HALF, 2, 2},
+                               {"RY", EXR_PIXEL_HALF, 2, 2},
+                               {"Y", EXR_PIXEL_HALF, 0, 0}},
+                   .data = FIXTURE_WINDOW(0, 0, 20, 36),
+                   .compression = EXR_COMPRESSION_ZIP}}},
+        {.parts = 2,
+         .part = {{.name = "Z", .channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}},
+                   .data = FIXTURE_WINDOW(0, 0, 7, 9), .tile = 4},
+                  {.name = "rgba", .channel = {RGB(EXR_PIXEL_FLOAT)},
+                   .data = FIXTURE_WINDOW(0, 0, 7, 9)}}},
+    };
+    snprintf(path, sizeof path, "%s/head.exr", folder);
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        size_t size;
+        uint8_t *bytes = fixture_make(&kinds[k], &size);
+        for (size_t at = 4; at < size && at < 1200; at++) {
+            for (size_t i = 0; i < sizeof turn; i++) {
+                bytes[at] ^= turn[i];
+                fixture_save(path, bytes, size);
+                bytes[at] ^= turn[i];
+                assert_read_or_told(one, 1);
             }
         }
         free(bytes);
     }
-    gp_set_threads(0);
 }
 
 int main(void)
@@ -224,6 +269,7 @@ int main(void)
         cmocka_unit_test(sizes_that_lie),
         cmocka_unit_test(one_huge_tile),
         cmocka_unit_test(changed_bytes),
+        cmocka_unit_test(changed_head),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
