@@ -234,7 +234,7 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 # What runs several threads: all but the hard cases, which would take hours,
 # and two tests of what OpenImageIO's threads make
 TSAN_UNIT := $(filter-out %/test_data.c %/test_oiio_read.c,$(UNIT))
-TSAN_CLI := threads sequence stream farm
+TSAN_CLI := threads sequence stream farm flight layers views groups sun
 check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
 	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0" \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
@@ -264,11 +264,22 @@ coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
 
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes
-check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) ## the unit tests under valgrind
-	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="valgrind -q --error-exitcode=99 \
-	    --leak-check=full --errors-for-leak-kinds=definite \
-	    --suppressions=$(CURDIR)/tests/valgrind.supp" tests/run.sh $(B) \
-	    "$(filter-out %/test_data %/test_oiio_read %/hardcases,$(UNIT_BIN))" "" no-cli
+VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
+           --errors-for-leak-kinds=definite \
+           --suppressions=$(CURDIR)/tests/valgrind.supp
+VALGRIND_CLI := errors layers report stream
+check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## the tests under valgrind
+	@GLAREPP_TEST_QUICK=1 GLAREPP_RUN="$(VALGRIND)" \
+	    GLAREPP_PROGRAM=$(abspath $(B))/valgrind/glarepp tests/run.sh $(B) \
+	    "$(filter-out %/test_data %/test_oiio_read %/hardcases,$(UNIT_BIN))" \
+	    "" $(VALGRIND_CLI)
+
+# The program as the command-line tests start it
+$(B)/valgrind/glarepp: Makefile
+	@mkdir -p $(@D)
+	@printf '#!/bin/sh\nexec %s %s "$$@"\n' "$(VALGRIND)" \
+	    "$(abspath $(B))/glarepp" >$@
+	@chmod +x $@
 
 # -- rules of the house -------------------------------------------------------
 

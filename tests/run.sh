@@ -3,7 +3,8 @@
 # Runs every test, of the command-line ones none, those named, or all but those
 # named; prints what failed, and ends with "N passed, N failed".
 # GLAREPP_TEST_JOBS at a time, else as many as there are processors.
-# GLAREPP_RUN is put before each unit test (valgrind).
+# GLAREPP_RUN is put before each unit test (valgrind); GLAREPP_PROGRAM is what the
+# command-line tests run, else glarepp of BUILD.
 build=$1 units=$2 checks=$3 cli=" ${*:4} "
 cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
@@ -43,7 +44,7 @@ run_one()
 {
     case $1 in
     unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" ;;
-    cli) GLAREPP=$PWD/$build/glarepp prove -v "$2" ;;
+    cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
 }
