@@ -56,7 +56,7 @@ static gp_status print_text(const struct gp_log *log,
         gp_version(stdout);
     if (st)
         return st;
-    if (fflush(stdout) != 0)
+    if (fflush(stdout) != 0 || ferror(stdout))
         return gp_fail(log, GP_ERR_IO,
                        "-: cannot write to stdout (%s); check who reads it",
                        strerror(errno));

@@ -31,21 +31,35 @@ gp_status gp_bridge_can_write(const struct gp_log *log, const char *path,
     return st;
 }
 
-/* OpenImageIO leaves the name field of an SGI header as its memory was: other
- * bytes in each run, and addresses for whoever reads the file. "The SGI Image
- * File Format", 1.00: magic 474, 80 bytes of name from byte 24. */
-static gp_status clear_sgi_name(const struct gp_log *log, const char *path,
-                                int fd)
+/* Fields for a name that OpenImageIO fills with other bytes in each run. SGI's it
+ * leaves as its memory was, addresses and all ("The SGI Image File Format",
+ * 1.00); DPX's gets the number of a descriptor (SMPTE 268M, section 7.1). */
+static const struct name_field {
+    unsigned char magic[4];
+    size_t magics; // bytes of magic
+    off_t at;
+    size_t size;
+} name_fields[] = {
+    {{0x01, 0xda}, 2, 24, 80},
+    {"SDPX", 4, 36, 100},
+    {"XPDS", 4, 36, 100},
+};
+
+static gp_status clear_name(const struct gp_log *log, const char *path, int fd)
 {
-    static const char none[80] = {0};
-    unsigned char magic[2];
-    if (pread(fd, magic, sizeof magic, 0) != (ssize_t) sizeof magic ||
-        magic[0] != 0x01 || magic[1] != 0xda)
+    static const char none[100] = {0};
+    unsigned char magic[4] = {0};
+    if (pread(fd, magic, sizeof magic, 0) != (ssize_t) sizeof magic)
         return GP_OK;
-    if (pwrite(fd, none, sizeof none, 24) != (ssize_t) sizeof none)
-        return gp_fail(log, GP_ERR_IO, "%s: the file in memory cannot be "
-                       "written (%s); write .exr or .png", path,
-                       strerror(errno));
+    for (size_t i = 0; i < sizeof name_fields / sizeof *name_fields; i++) {
+        const struct name_field *const f = &name_fields[i];
+        if (memcmp(magic, f->magic, f->magics) != 0)
+            continue;
+        if (pwrite(fd, none, f->size, f->at) != (ssize_t) f->size)
+            return gp_fail(log, GP_ERR_IO, "%s: the file in memory cannot be "
+                           "written (%s); write .exr or .png", path,
+                           strerror(errno));
+    }
     return GP_OK;
 }
 
@@ -72,7 +86,7 @@ gp_status gp_bridge_write(const struct gp_log *log, const char *path,
     if (fstat(out->fd, &s) || s.st_size <= 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote nothing; write "
                        "another format", path));
-    GP_TRY(clear_sgi_name(log, path, out->fd));
+    GP_TRY(clear_name(log, path, out->fd));
     out->size = (uint64_t) s.st_size;
     return GP_OK;
 out:

@@ -118,7 +118,8 @@ static void remove_live(int sig)
 
 void gp_file_cleanup_on_signal(void)
 {
-    static const int deadly[] = {SIGINT, SIGTERM, SIGHUP};
+    static const int deadly[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGXCPU,
+                                 SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
     struct sigaction act = {.sa_handler = remove_live,
                             .sa_flags = (int) SA_RESETHAND};
     sigemptyset(&act.sa_mask);

@@ -65,9 +65,10 @@ GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
 /* True when a regular file stands under that name. */
 bool gp_file_exists(const char *path);
 
-/* Call once at start: SIGINT, SIGTERM and SIGHUP remove the temporary files
- * that are under way and then end the process as they would have; a signal
- * that the parent set to be ignored stays ignored. SIGPIPE is ignored from
+/* Call once at start: signals that end a process, and that may be caught (from
+ * the terminal, a batch system or a timer), remove the temporary files that are
+ * under way and then end it as they would have; a signal that the parent set to
+ * be ignored stays ignored. SIGPIPE is ignored from
  * then on, so that a closed pipe is GP_ERR_IO and not a silent end. */
 void gp_file_cleanup_on_signal(void);
 

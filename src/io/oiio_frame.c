@@ -8,6 +8,7 @@
 #include "io/colour.h"
 #include "io/exr_origin.h"
 #include "io/half.h"
+#include "io/whole.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -304,19 +305,23 @@ static gp_status read_subimage(const struct gp_log *log,
                                const struct gp_stream *stream, int part,
                                struct gp_oiio_image *out)
 {
-    char why[512], which[40] = "";
+    char why[512] = "", which[40] = "";
     const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "%s: formats other than EXR need the OpenImageIO "
                        "bridge (%s); install it, or give an EXR", path, why);
+    const gp_status st = gp_whole_check(log, path, stream);
+    if (st)
+        return st;
     if (part > 0)
         snprintf(which, sizeof which, " and part %d of it", part);
     if (api->read(path, stream->data, stream->size, part, p->max_pixels, out,
                   why, sizeof why))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: no image format%s that can be read (%s); give an "
-                       "EXR or convert it", path, which, why);
+                       "EXR or convert it", path, which,
+                       why[0] ? why : "cut off or damaged");
     return GP_OK;
 }
 

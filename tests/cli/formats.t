@@ -45,7 +45,12 @@ for ending in hdr pfm tif jpg dpx png; do
         echo "h.$ending.exr e.$ending.exr equal .$ending in: frame as from EXR" >>list
         echo "l.$ending.exr g.$ending.exr equal .$ending in: layer as from EXR" >>list
         ;;
-    jpg | png) # nothing is over this threshold: the frame passes
+    jpg | png)
+        half=$(($(wc -c <f.$ending) / 2))
+        head -c $half f.$ending >cut.$ending
+        run --hdr cut.exr cut.$ending
+        fails_with 4 cut.$ending ".$ending in: cut off"
+        # nothing is over this threshold: the frame passes
         run -t 1e9 --type float --hdr h.$ending.exr f.$ending
         echo "h.$ending.exr f.$ending srgb:2e-3 .$ending in: the sRGB curve is taken off" >>list
         ;;

@@ -264,8 +264,11 @@ static void signals(void **state)
 {
     (void) state;
     put_file(wf_path("killed"), "old");
-    static const int ending[] = {SIGINT, SIGTERM, SIGKILL};
-    for (int i = 0; i < 3; i++) {
+    static const int ending[] = {SIGINT,  SIGTERM, SIGQUIT, SIGXCPU,
+                                 SIGALRM, SIGUSR1, SIGUSR2, SIGKILL};
+    const struct rlimit no_core = {0, 0};
+    assert_int_equal(setrlimit(RLIMIT_CORE, &no_core), 0);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++) {
         end_child(ending[i]);
         assert_text(wf_path("killed"), "old");
         // nobody can clean up after SIGKILL: a temporary name may stay

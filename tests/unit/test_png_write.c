@@ -386,11 +386,12 @@ static void write_small(const char *name)
     gp_frame_free(&f);
 }
 
-/* What OpenImageIO would put in: the time into TIFF, its stack into SGI. */
+/* What OpenImageIO would put in: the time into TIFF, its stack into SGI, the
+ * number of a descriptor into DPX. */
 static void bytes_hold_no_time_and_no_memory(void **state)
 {
     (void) state;
-    static const uint8_t none[80] = {0};
+    static const uint8_t none[100] = {0};
     char why[512];
     size_t size;
     if (!gp_oiio_open(why, sizeof why))
@@ -402,8 +403,14 @@ static void bytes_hold_no_time_and_no_memory(void **state)
     wf_assert_same(wf_path("a.tif"), wf_path("b.tif"));
     uint8_t *const sgi = wf_read(wf_path("a.sgi"), &size);
     assert_true(size >= 512);
-    assert_memory_equal(sgi + 24, none, sizeof none);
+    assert_memory_equal(sgi + 24, none, 80);
     free(sgi);
+    write_small("a.dpx");
+    uint8_t *const dpx = wf_read(wf_path("a.dpx"), &size);
+    assert_true(size >= 2048);
+    assert_memory_equal(dpx + 36, none, 100);
+    free(dpx);
+    remove(wf_path("a.dpx"));
     remove(wf_path("a.tif"));
     remove(wf_path("b.tif"));
     remove(wf_path("a.sgi"));

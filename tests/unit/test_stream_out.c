@@ -341,7 +341,7 @@ static void frames_of_a_stream(void **state)
     assert_int_equal(from_stdin(path, &m), GP_OK);
     assert_int_equal(m.n, 4);
     for (int i = 3; i >= 0; i--) {
-        char name[16];
+        char name[24];
         snprintf(name, sizeof name, "frame %d", i);
         assert_int_equal(gp_members_frame(&wf_log, &p, name, &m, i, &got[i]),
                          GP_OK);

@@ -1,0 +1,167 @@
+#include "io/whole.h"
+
+#include <errno.h>
+#include <libdeflate.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+enum { BLOCK = 1 << 16 };
+
+/* A place in a stream, read a block at a time. */
+struct reader {
+    const struct gp_log *log;
+    const char *path;
+    const struct gp_stream *s;
+    uint64_t at;            // of block[0]
+    size_t next, held;      // in block
+    uint8_t block[BLOCK];
+};
+
+static gp_status cut_off(const struct reader *r, const char *where)
+{
+    return gp_fail(r->log, GP_ERR_DATA,
+                   "%s: cut off or damaged (the file ends in %s); copy or "
+                   "render the file again", r->path, where);
+}
+
+/* The bytes of the block from `next` on, at least one: *n is how many. */
+static gp_status fill(struct reader *r, const char *where, size_t *n)
+{
+    if (r->next == r->held) {
+        r->at += r->held;
+        const int64_t got = gp_stream_read(r->s, r->block, BLOCK, r->at);
+        if (got < 0)
+            return gp_fail(r->log, GP_ERR_IO,
+                           "%s: cannot be read (%s); check the disk", r->path,
+                           strerror(errno));
+        if (got == 0)
+            return cut_off(r, where);
+        r->next = 0;
+        r->held = (size_t) got;
+    }
+    *n = r->held - r->next;
+    return GP_OK;
+}
+
+/* Passes over `size` bytes, which may be more than the file has. *crc is that
+ * of PNG; `to` takes the bytes where it is not NULL. */
+static gp_status pass(struct reader *r, const char *where, uint64_t size,
+                      uint32_t *crc, uint8_t *to)
+{
+    while (size > 0) {
+        size_t n = 0;
+        const gp_status st = fill(r, where, &n);
+        if (st)
+            return st;
+        if (n > size)
+            n = (size_t) size;
+        const uint8_t *const from = r->block + r->next;
+        if (crc)
+            *crc = libdeflate_crc32(*crc, from, n);
+        if (to) {
+            memcpy(to, from, n);
+            to += n;
+        }
+        r->next += n;
+        size -= n;
+    }
+    return GP_OK;
+}
+
+static uint32_t be32(const uint8_t b[4])
+{
+    return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 |
+           (uint32_t) b[2] << 8 | b[3];
+}
+
+// -- PNG ----------------------------------------------------------------------
+
+/* One chunk; type[4] is its name, made printable. */
+static gp_status check_chunk(struct reader *r, char type[5])
+{
+    uint8_t head[8], crc[4];
+    char where[16];
+    gp_status st = pass(r, "the head of a chunk", sizeof head, NULL, head);
+    if (st)
+        return st;
+    for (int i = 0; i < 4; i++)
+        type[i] = head[4 + i] > ' ' && head[4 + i] < 127 ? (char) head[4 + i]
+                                                         : '?';
+    snprintf(where, sizeof where, "chunk %s", type);
+    uint32_t found = libdeflate_crc32(0, head + 4, 4);
+    st = pass(r, where, be32(head), &found, NULL);
+    if (!st)
+        st = pass(r, where, sizeof crc, NULL, crc);
+    if (!st && be32(crc) != found)
+        st = gp_fail(r->log, GP_ERR_DATA,
+                     "%s: damaged (the checksum of %s is wrong); copy or "
+                     "render the file again", r->path, where);
+    return st;
+}
+
+static gp_status check_png(struct reader *r)
+{
+    char type[5] = "";
+    gp_status st = pass(r, "its first bytes", 8, NULL, NULL);
+    while (!st && strcmp(type, "IEND") != 0)
+        st = check_chunk(r, type);
+    return st;
+}
+
+// -- JPEG ---------------------------------------------------------------------
+
+enum { SOI = 0xd8, EOI = 0xd9, SOS = 0xda, TEM = 0x01, RST0 = 0xd0 };
+
+/* To the code of the next marker; in a scan 0 and RST are parts of it. */
+static gp_status next_marker(struct reader *r, bool scan, uint8_t *code)
+{
+    const char *const where = scan ? "a scan" : "its headers";
+    size_t n = 0;
+    for (;;) {
+        gp_status st = fill(r, where, &n);
+        if (st)
+            return st;
+        const uint8_t *const from = r->block + r->next;
+        const uint8_t *const found = memchr(from, 0xff, n);
+        r->next += found ? (size_t) (found - from) + 1 : n;
+        if (!found)
+            continue;
+        do // any number of 0xff may fill up before the code
+            st = pass(r, where, 1, NULL, code);
+        while (!st && *code == 0xff);
+        if (st || (*code != 0 && !(scan && *code >= RST0 && *code < SOI)))
+            return st;
+    }
+}
+
+static gp_status check_jpeg(struct reader *r)
+{
+    uint8_t code = 0;
+    bool scan = false;
+    gp_status st = pass(r, "its first bytes", 2, NULL, NULL);
+    while (!st && !(st = next_marker(r, scan, &code)) && code != EOI) {
+        uint8_t size[2];
+        scan = code == SOS;
+        if (code == TEM || (code >= RST0 && code <= SOI))
+            continue; // these stand alone
+        st = pass(r, "its headers", 2, NULL, size);
+        const unsigned length = (unsigned) size[0] << 8 | size[1];
+        if (!st && length > 2)
+            st = pass(r, "its headers", length - 2, NULL, NULL);
+    }
+    return st;
+}
+
+gp_status gp_whole_check(const struct gp_log *log, const char *path,
+                         const struct gp_stream *s)
+{
+    static const uint8_t png[8] = "\x89PNG\r\n\x1a\n", jpeg[3] = "\xff\xd8\xff";
+    uint8_t magic[8] = {0};
+    if (gp_stream_read(s, magic, sizeof magic, 0) < (int64_t) sizeof jpeg)
+        return GP_OK;
+    struct reader r = {.log = log, .path = path, .s = s};
+    if (memcmp(magic, png, sizeof png) == 0)
+        return check_png(&r);
+    return memcmp(magic, jpeg, sizeof jpeg) == 0 ? check_jpeg(&r) : GP_OK;
+}
