@@ -157,11 +157,13 @@ static void set_up(struct gp_gl *gl)
 }
 
 /* The CPU rasterizer starts as many threads as the machine has processors;
- * --threads, and a process that may use only some, count here too. */
+ * --threads, and a process that may use only some, count here too. It waits
+ * for ever for one that could not start, and with 0 draws on its caller's. */
 static void limit_threads(void)
 {
     char threads[16];
-    snprintf(threads, sizeof threads, "%d", gp_threads());
+    const int n = gp_threads();
+    snprintf(threads, sizeof threads, "%d", gp_threads_spare(n) < n ? 0 : n);
     setenv("LP_NUM_THREADS", threads, 0);
 }
 

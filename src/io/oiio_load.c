@@ -2,16 +2,39 @@
 #include "io/oiio.h"
 
 #include "core/bridge.h"
+#include "core/parallel.h"
 
 #include <dlfcn.h>
 #include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
+
+enum { MOST_PROBED = 64 };
 
 static const char bridge[] = "glarepp-oiio.so";
 
+/* OpenImageIO starts a thread for each processor, OpenEXR's library below it
+ * too; they end the process when they cannot. Our own may yet come. */
+static bool has_threads(char *why, size_t why_size)
+{
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const int each = processors < 1 ? 1
+                     : processors > MOST_PROBED ? MOST_PROBED
+                                                : (int) processors;
+    const int wanted = 2 * each + gp_threads();
+    const bool has = gp_threads_spare(wanted) == wanted;
+    if (!has)
+        snprintf(why, why_size, "the system starts no more threads; raise "
+                 "ulimit -u");
+    return has;
+}
+
 static const struct gp_oiio_api *load(char *why, size_t why_size)
 {
+    if (!has_threads(why, why_size))
+        return NULL;
     void *library = gp_bridge_open(bridge, why, why_size);
     if (!library)
         return NULL;
