@@ -311,7 +311,7 @@ LINT_SRC := $(SRC) $(BRIDGE_SRC) $(OCIO_SRC)
 LINT = @command -v $(1) >/dev/null || { echo "skipped: no $(1)"; exit 0; }; \
        tests/tools/lint.sh
 lint: compile_commands.json ## clang-tidy and cppcheck find nothing in src
-	$(call LINT,clang-tidy) tidy $(SRC)
+	$(call LINT,clang-tidy) tidy $(LINT_SRC)
 	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 
 check-tidy: compile_commands.json ## clang-tidy's quick checks find nothing

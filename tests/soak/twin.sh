@@ -1,8 +1,9 @@
 #!/bin/sh
 # usage: twin.sh BUILD
 # Builds the same source in another folder, and says whether the program and
-# its bridges are the same bytes as those in BUILD.
+# its bridges are the same bytes as those in BUILD; status 1 when one is not.
 set -eu
+differ=0
 twin=$1/twin
 rm -rf "$twin"
 mkdir -p "$twin/a/tests/fuzz" "$twin/a/tests/soak"
@@ -16,5 +17,7 @@ for f in glarepp glarepp-oiio.so glarepp-ocio.so; do
         echo "$f: the same bytes from another build folder"
     else
         echo "$f: other bytes from another build folder"
+        differ=1
     fi
 done
+exit $differ
