@@ -124,7 +124,7 @@ $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(OCIO_SRC) \
 	    $(call pc,--cflags --libs,OpenColorIO)
 
-$(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/cases.h)
+$(B)/tests/%: tests/unit/%.c $(LIB_OBJ) $(wildcard tests/unit/*.h tests/hard/*.h)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(call pc,--cflags,cmocka) $(LINK) -o $@ \
 	    $< $(LIB_OBJ) $(LIBS) $(call pc,--libs,cmocka)

@@ -50,12 +50,36 @@ while read -r f; do
         note "status $status, made $(ls -A made | xargs): $(head -c 500 err)"
 done <damaged
 
-if [ -n "$oiio" ]; then
-    "$python" "$cli/damaged.py" "$glarepp" "$data/damaged" >same 2>/dev/null ||
-        echo 'not ok damaged.py ends well' >>same
-    verdicts same
+# What OpenEXR's own library reads whole is read, and read the same. Of these
+# 78 it is 2, both of a part type that is not the true one. Three more are read
+# by some ways of OpenEXR 3.1 without an exception, and are not whole:
+#
+#   memory_DOS_2.1             complete, but its one chunk holds 8 bytes of the
+#                              805306376 that a line of 100663297 RGBA halfs
+#                              takes: the others are whatever was in memory
+#   ...-5810996882702336.fuzz  incomplete; its one chunk holds 0 bytes, each of
+#                              the samples is what was in memory
+#   ...-5539187979845632       incomplete; the chunk of the first 32 of its 59
+#                              lines holds 0 bytes
+#
+# checkOpenEXRFile() looks at neither of the two.
+reference=$tmp/exr_reference
+c++ -O1 -o "$reference" "$root/tests/tools/exr_reference.cpp" \
+    $(pkg-config --cflags --libs OpenEXR) >cxx.log 2>&1 || reference=
+if [ -n "$reference" ]; then
+    whole=0
+    while read -r f; do
+        "$reference" "$f" >theirs 2>why || continue
+        whole=$((whole + 1))
+        run -q -t 1e30 --hdr h.exr "$f"
+        [ $status = 0 ] && "$reference" h.exr >ours 2>why && cmp -s theirs ours
+        result $? "the same as OpenEXR: ${f##*/}" ||
+            note "status $status: $(head -c 500 err why)"
+    done <damaged
+    is $whole 2 'OpenEXR reads two of them whole'
 else
-    skip 3 'no OpenImageIO for python'
+    note "$(head -n 3 cxx.log)"
+    skip 3 "no compiler for OpenEXR's C++ library"
 fi
 
 done_testing

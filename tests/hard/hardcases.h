@@ -3,7 +3,7 @@
 #ifndef GP_TESTS_HARD_HARDCASES_H
 #define GP_TESTS_HARD_HARDCASES_H
 
-#include "cases.h"
+#include "scenes.h"
 #include "table.h"
 
 /* Rows that are run, in the table's order: all, or the quick ones. */

@@ -1,0 +1,90 @@
+/* The hard cases as scenes. In a sunny row the light of the sun joins the
+ * sources: for engines by the share that src/sun finds in the row's depth, for
+ * the exact layer by the plain share (sky.h). */
+#ifndef GP_TESTS_HARD_SCENES_H
+#define GP_TESTS_HARD_SCENES_H
+
+#include "glare/extra.h"
+#include "sky.h"
+
+/* Summed over the sun's disc when nothing hides it; about what all other light
+ * of a sunny row adds up to. */
+static const double hard_flux[3] = {3e5, 2e5, 1e5};
+
+/* How much of the sun shows in the frame, by the row's depth. */
+static inline double hard_share(const struct hard_case *h, bool plain)
+{
+    struct hard_sky s = hard_sky_make(h);
+    struct gp_light l = hard_light_of(h);
+    struct gp_occluders o = {
+        .depth = &s.plane[0], .type = s.type, .frame = hard_frame_of(h, s.data),
+    };
+    if (plain)
+        l.visibility = hard_plain_share(&s, WITH_DEPTH, o.frame,
+                                        GP_OUTSIDE_IGNORE, &l);
+    else if (gp_occluders_survey(NULL, &o) ||
+             gp_sun_exact(NULL, &o, GP_OUTSIDE_IGNORE, &l, 1))
+        abort();
+    hard_sky_free(&s);
+    return l.visibility;
+}
+
+/* The light of `share` of the sun on each pixel under its disc joins s->src. */
+static inline void hard_add_sun(const struct hard_case *h, double share,
+                                struct scene *s)
+{
+    const struct gp_light l = hard_light_of(h);
+    const double r = fmax(l.radius, 1e-3);
+    const struct gp_rect d = s->f.data, box = hard_box_of(d, &l);
+    struct gp_extra *const list = scene_alloc(gp_frame_pixels(&s->f),
+                                              sizeof *list);
+    struct gp_sources all;
+    size_t n = 0;
+    for (int y = box.y0; y < box.y1; y++) {
+        for (int x = box.x0; x < box.x1; x++) {
+            const double part = share * gp_disc_pixel_area(l.x, l.y, r, x, y) /
+                                (M_PI * r * r);
+            struct gp_extra *const e = &list[n++];
+            *e = (struct gp_extra) {.x = x - d.x0, .y = y - d.y0};
+            for (int c = 0; c < 3; c++)
+                e->rgb[c] = (float) (part * hard_flux[c]);
+        }
+    }
+    if (gp_sources_with(NULL, &s->src, list, n, &all))
+        abort();
+    gp_sources_free(&s->src);
+    s->src = all;
+    free(list);
+}
+
+static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)
+{
+    struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    p.threshold = h->all_light ? 0.0f : 1.0f;
+    p.knee = h->knee;
+    if (h->max_value > 0.0f)
+        p.max_value = h->max_value;
+    struct scene s = scene_sense(
+        hard_frame(h), scene_kernel(h->kw, h->kh, h->cx, h->cy, h->shape), &p);
+    if (hard_is_sunny(h))
+        hard_add_sun(h, hard_share(h, plain), &s);
+    return s;
+}
+
+/* The case without its exact layer. */
+static inline struct scene hard_sense(const struct hard_case *h)
+{
+    return hard_sense_by(h, false);
+}
+
+static inline struct scene hard_scene(const struct hard_case *h)
+{
+    struct scene s = hard_sense_by(h, false), plain = hard_sense_by(h, true);
+    scene_find_exact(&plain);
+    s.exact = plain.exact;
+    plain.exact = NULL;
+    scene_free(&plain);
+    return s;
+}
+
+#endif
