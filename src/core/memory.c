@@ -150,6 +150,32 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     return GP_OK;
 }
 
+static void count_gone(void *block)
+{
+    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
+    if (bytes < KEPT_LEAST)
+        return;
+    pthread_mutex_lock(&kept.lock);
+    kept.used -= bytes < kept.used ? bytes : kept.used;
+    pthread_mutex_unlock(&kept.lock);
+}
+
+gp_status gp_resize(const struct gp_log *log, const char *what, size_t bytes,
+                    void **block)
+{
+    count_gone(*block);
+    void *const moved = realloc(*block, bytes);
+    if (moved)
+        *block = moved;
+    if (*block)
+        count_new(*block);
+    if (!moved)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory (%zu bytes); use a smaller frame or "
+                       "a machine with more memory", what, bytes);
+    return GP_OK;
+}
+
 gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
                         size_t count, size_t size, void **out)
 {

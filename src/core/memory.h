@@ -23,6 +23,14 @@ GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
                                  size_t count, size_t size, void **out);
 
+/* Gives *block, which is NULL or from here, a new size of `bytes` >= 1; what
+ * it holds stays, as far as it fits. Of a large block the system moves pages
+ * and no bytes, so that old and new never stand beside each other. It is
+ * aligned for any type, but not at GP_ALIGN. On failure *block is as it was.
+ * Errors: as gp_alloc(). */
+GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,
+                                  size_t bytes, void **block);
+
 /* Frees *p and sets it to NULL; `p` is the address of any object pointer.
  * Calling it twice is harmless. */
 #define GP_FREE(p) (gp_free(p), (void) ((p) = NULL))

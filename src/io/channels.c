@@ -69,13 +69,6 @@ static bool is_vector(const struct gp_frame *f, const char *name)
     };
     char other[256];
     const int layer = (int) (strrchr(name, '.') - name);
-    int axes = 0;
-    for (const char *axis = "XY"; *axis; axis++) {
-        int n = snprintf(other, sizeof other, "%.*s.%c", layer, name, *axis);
-        axes += n < (int) sizeof other && channel_index(f, other) >= 0;
-    }
-    if (axes == 2)
-        return true;
     int start = layer;
     while (start > 0 && name[start - 1] != '.')
         start--;
@@ -84,7 +77,12 @@ static bool is_vector(const struct gp_frame *f, const char *name)
             strncasecmp(name + start, vector[i], strlen(vector[i])) == 0)
             return true;
     }
-    return false;
+    for (const char *axis = "XY"; *axis; axis++) {
+        int n = snprintf(other, sizeof other, "%.*s.%c", layer, name, *axis);
+        if (n >= (int) sizeof other || channel_index(f, other) < 0)
+            return false;
+    }
+    return true;
 }
 
 enum { RANKS = 5 };

@@ -64,20 +64,64 @@ static bool is_picture(const char *layer, size_t len)
     return false;
 }
 
+/* Whether the names that are not empty ascend, as an EXR's own do. */
+static bool ascend(const char *const *name, int n)
+{
+    const char *last = "";
+    for (int i = 0; i < n; i++) {
+        if (!name[i][0])
+            continue;
+        if (strcmp(last, name[i]) > 0)
+            return false;
+        last = name[i];
+    }
+    return true;
+}
+
+/* All three of a layer, whose first channel is name[i]. Those of a list that
+ * ascends stand together: a file may have thousands of layers. */
+static bool find_all(const char *const *name, int n, int i, size_t len,
+                     bool ascending, int index[3])
+{
+    const char *const layer = name[i];
+    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1};
+    for (; i < n; i++) {
+        if (strncmp(name[i], layer, len) != 0) {
+            if (ascending && name[i][0])
+                break;
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            if (letter[c] < 0 && strcmp(name[i] + len, letters[c]) == 0)
+                letter[c] = i;
+            if (word[c] < 0 && strcasecmp(name[i] + len, words[c]) == 0)
+                word[c] = i;
+        }
+    }
+    const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;
+    memcpy(index, by_letter ? letter : word, sizeof letter);
+    return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
+}
+
 static bool find_layer(const char *const *name, int n, int index[3])
 {
+    const bool ascending = ascend(name, n);
+    const char *last = ""; // with the layer that was looked at last
+    size_t last_len = 0;
     bool found = false;
     for (int i = 0; i < n; i++) {
         const char *dot = strrchr(name[i], '.');
         if (!dot || gp_crypto_like(name[i]))
             continue;
         size_t len = (size_t) (dot - name[i]) + 1;
+        if (len == last_len && strncmp(name[i], last, len) == 0)
+            continue;
+        last = name[i];
+        last_len = len;
         bool picture = is_picture(name[i], len);
         int at[3];
-        if (found && !picture)
-            continue;
-        if (find_three(name, n, name[i], len, letters, at) < 3 &&
-            find_three(name, n, name[i], len, words, at) < 3)
+        if ((found && !picture) ||
+            !find_all(name, n, i, len, ascending, at))
             continue;
         memcpy(index, at, sizeof at);
         found = true;

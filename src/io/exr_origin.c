@@ -2,8 +2,8 @@
 
 #include "core/memory.h"
 #include "io/exr_fault.h"
+#include "io/exr_scan.h"
 
-#include <limits.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,36 +19,6 @@ static int64_t read_bytes(exr_const_context_t ctxt, void *user, void *to,
         o->hidden - offset < (uint64_t) got)
         ((char *) to)[o->hidden - offset] = '-'; // "-ype", a name of no use
     return got;
-}
-
-/* Where the attribute "type" of a file with one flat part begins; 0 when it
- * has none. Some files of one part carry that of another file along.
- * OpenEXR's own readers go by the flags of the version there; OpenEXRCore
- * 3.1.5 believes the attribute, and finds the header damaged. */
-static uint64_t find_type(const struct gp_stream *s)
-{
-    enum { ATTRIBUTES = 4096, DEEP_OR_PARTS = 0x18 };
-    uint8_t b[2 * 256 + 4]; // a name, its type, its size
-    uint64_t at = 8;
-    if (gp_stream_read(s, b, 8, 0) < 8 || (b[5] & DEEP_OR_PARTS))
-        return 0;
-    for (int i = 0; i < ATTRIBUTES; i++) {
-        const int64_t n = gp_stream_read(s, b, sizeof b, at);
-        if (n < 1)
-            return 0;
-        const uint8_t *const end = b + n;
-        const uint8_t *const type = memchr(b, 0, (size_t) n);
-        const uint8_t *const size =
-            type ? memchr(type + 1, 0, (size_t) (end - type) - 1) : NULL;
-        if (type == b || !size || end - size < 5)
-            return 0; // the header's end, or its damage
-        if (strcmp((const char *) b, "type") == 0)
-            return at;
-        at += (uint64_t) (size + 5 - b) + size[1] +
-              ((uint64_t) size[2] << 8) + ((uint64_t) size[3] << 16) +
-              ((uint64_t) size[4] << 24);
-    }
-    return 0;
 }
 
 static int64_t query_size(exr_const_context_t ctxt, void *user)
@@ -82,19 +52,10 @@ static gp_status new_origin(const struct gp_log *log, struct gp_origin **out)
     return GP_OK;
 }
 
-gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
-                             struct gp_stream *stream, struct gp_origin **out)
+/* The header as the library parses it. */
+static gp_status parse(const struct gp_log *log, const char *path,
+                       struct gp_origin *o)
 {
-    struct gp_origin *o;
-    gp_status st = new_origin(log, &o);
-    if (st) {
-        gp_stream_close(stream);
-        return st;
-    }
-    o->stream = *stream;
-    *stream = (struct gp_stream) GP_STREAM_EMPTY;
-    o->hidden = find_type(&o->stream);
-
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = keep_reason;
     init.user_data = o;
@@ -109,21 +70,54 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     if (!r)
         r = exr_get_count(o->exr, &o->parts);
     const gp_status fault = gp_exr_fault();
-    if (fault) {
-        st = gp_exr_fault_tell(log, path, fault);
-    } else if (r || o->parts < 1) {
-        st = gp_fail(log, GP_ERR_DATA,
-                     "%s: the EXR header is damaged or cut off (%s); copy or "
-                     "render the file again", path,
-                     o->reason[0] ? o->reason
-                                  : exr_get_default_error_message(r));
-    }
+    if (fault)
+        return gp_exr_fault_tell(log, path, fault);
+    if (r || o->parts < 1)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR header is damaged or cut off (%s); copy "
+                       "or render the file again", path,
+                       o->reason[0] ? o->reason
+                                    : exr_get_default_error_message(r));
+    return GP_OK;
+}
+
+/* What the library would not see, or take too long with. Some files of one
+ * part carry the "type" of another file along: OpenEXR's own readers go by the
+ * flags of the version there; OpenEXRCore 3.1.5 believes the attribute, and
+ * finds the header damaged. */
+static gp_status scan(const struct gp_log *log, const char *path,
+                      struct gp_origin *o)
+{
+    const struct gp_exr_scan found = gp_exr_scan_header(&o->stream);
+    o->hidden = found.type;
+    if (!found.too_long)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: the EXR header lists too many %s (%llu or more; at "
+                   "most %d, fewer in several parts); spread them over "
+                   "several files", path, found.too_long,
+                   (unsigned long long) found.count, GP_EXR_LIST_MOST);
+}
+
+gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
+                             struct gp_stream *stream, struct gp_origin **out)
+{
+    struct gp_origin *o;
+    gp_status st = new_origin(log, &o);
     if (st) {
-        gp_origin_free(o);
+        gp_stream_close(stream);
         return st;
     }
-    *out = o;
-    return GP_OK;
+    o->stream = *stream;
+    *stream = (struct gp_stream) GP_STREAM_EMPTY;
+    st = scan(log, path, o);
+    if (!st)
+        st = parse(log, path, o);
+    if (st)
+        gp_origin_free(o);
+    else
+        *out = o;
+    return st;
 }
 
 enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)

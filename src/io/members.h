@@ -37,7 +37,7 @@ struct gp_members {
  *   out   written only on GP_OK; free with gp_members_free() after the last
  *         frame read from it is freed
  *
- * Errors: those of gp_stream_open(); GP_ERR_DATA bytes behind an image that
+ * Errors: those of gp_read_open(); GP_ERR_DATA bytes behind an image that
  * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,

@@ -1,6 +1,7 @@
 #include "io/read.h"
 
 #include "io/exr_read.h"
+#include "io/format.h"
 #include "io/oiio_frame.h"
 #include "io/read_open.h"
 
@@ -8,26 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-enum { MAGIC_BYTES = 16 };
-
 static const uint8_t exr_magic[4] = {0x76, 0x2f, 0x31, 0x01};
-
-/* First bytes of what is likely to be found under a wrong name. */
-static const struct {
-    const char *name;
-    const char *bytes;
-    size_t n;
-} magic[] = {
-    {"PNG", "\x89PNG", 4},         {"JPEG", "\xff\xd8\xff", 3},
-    {"TIFF", "II*\0", 4},          {"TIFF", "MM\0*", 4},
-    {"Radiance HDR", "#?", 2},     {"DPX", "SDPX", 4},
-    {"DPX", "XPDS", 4},            {"PFM", "PF\n", 3},
-    {"PFM", "Pf\n", 3},            {"gzip", "\x1f\x8b", 2},
-    {"zip", "PK\x03\x04", 4},      {"WebP or AVI", "RIFF", 4},
-    {"GIF", "GIF8", 4},            {"BMP", "BM", 2},
-    {"a web page", "<!DOC", 5},    {"a web page", "<html", 5},
-    {"a git-lfs pointer", "version https://", 16},
-};
 
 static bool ends_with_exr(const char *path)
 {
@@ -35,22 +17,41 @@ static bool ends_with_exr(const char *path)
     return n > 4 && strcasecmp(path + n - 4, ".exr") == 0;
 }
 
-static gp_status not_exr(const struct gp_log *log, const char *path,
-                         const uint8_t first[MAGIC_BYTES])
+/* The first bytes of an input. */
+struct start {
+    uint8_t byte[GP_FORMAT_BYTES];
+    size_t n;
+};
+
+/* What begins so, for messages. */
+static void describe(const struct start *s, char to[64])
 {
-    char unknown[64];
-    snprintf(unknown, sizeof unknown, "unknown data, %02x %02x %02x %02x ...",
-             first[0], first[1], first[2], first[3]);
-    const char *found = unknown;
-    for (size_t i = 0; i < sizeof magic / sizeof *magic; i++) {
-        if (memcmp(first, magic[i].bytes, magic[i].n) == 0) {
-            found = magic[i].name;
-            break;
-        }
-    }
+    const char *const name = gp_format_name(s->byte, s->n);
+    if (name)
+        snprintf(to, 64, "%s", name);
+    else
+        snprintf(to, 64, "unknown data, %02x %02x %02x %02x ...", s->byte[0],
+                 s->byte[1], s->byte[2], s->byte[3]);
+}
+
+static gp_status not_exr(const struct gp_log *log, const char *path,
+                         const struct start *s)
+{
+    char found[64];
+    describe(s, found);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: is not an EXR (found %s); rename it to its real "
                    "ending, or give the EXR", path, found);
+}
+
+static gp_status no_image(const struct gp_log *log, const char *path,
+                          const struct start *s)
+{
+    char found[64];
+    describe(s, found);
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: no image format that can be read (found %s); give an "
+                   "EXR or convert it", path, found);
 }
 
 /* Bytes that a frame of max_pixels may have in a pipe: four float channels
@@ -62,18 +63,23 @@ static uint64_t pipe_limit(const struct gp_read_params *p)
     return (pixels < most ? pixels : most) * 16 + (1 << 26);
 }
 
-/* Looks at the first bytes of an open stream, and closes it on failure. */
+/* Looks at the first bytes of an open stream, and closes it on failure. Of a
+ * pipe that has more to give, they must be those of an image. */
 static gp_status look(const struct gp_log *log, const char *path,
                       struct gp_stream *stream, bool *exr)
 {
     gp_status st = GP_OK;
-    uint8_t first[MAGIC_BYTES] = {0};
-    if (gp_stream_read(stream, first, sizeof first, 0) < 0)
+    struct start s = {0};
+    const int64_t n = gp_stream_read(stream, s.byte, sizeof s.byte, 0);
+    s.n = n < 0 ? 0 : (size_t) n;
+    if (n < 0)
         st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                      path);
-    *exr = memcmp(first, exr_magic, sizeof exr_magic) == 0;
+    *exr = memcmp(s.byte, exr_magic, sizeof exr_magic) == 0;
     if (!st && !*exr && ends_with_exr(path))
-        st = not_exr(log, path, first);
+        st = not_exr(log, path, &s);
+    if (!st && stream->more && !gp_format_reads(s.byte, s.n))
+        st = no_image(log, path, &s);
     if (st)
         gp_stream_close(stream);
     return st;
@@ -83,8 +89,10 @@ gp_status gp_read_open(const struct gp_log *log,
                        const struct gp_read_params *p, const char *path,
                        struct gp_stream *stream, bool *exr)
 {
-    gp_status st = gp_stream_open(log, path, pipe_limit(p), stream);
-    return st ? st : look(log, path, stream, exr);
+    gp_status st = gp_stream_open(log, path, GP_FORMAT_BYTES, stream);
+    if (!st)
+        st = look(log, path, stream, exr);
+    return st ? st : gp_stream_fill(log, path, pipe_limit(p), stream);
 }
 
 gp_status gp_read_stream(const struct gp_log *log,
@@ -107,6 +115,7 @@ gp_status gp_read_frame(const struct gp_log *log,
                         struct gp_frame *out)
 {
     struct gp_stream stream;
-    gp_status st = gp_stream_open(log, path, pipe_limit(p), &stream);
+    bool exr;
+    gp_status st = gp_read_open(log, p, path, &stream, &exr);
     return st ? st : gp_read_stream(log, p, path, &stream, out);
 }

@@ -29,7 +29,8 @@ static inline struct gp_read_params gp_read_limits(
 /* Reads a frame: EXR by OpenEXRCore, any other format by the OpenImageIO
  * bridge, told apart by the first bytes, never by the name.
  *
- *   path  file, or "-" for stdin (read to its end)
+ *   path  file, or "-" for stdin (read to its end, like any pipe; refused by
+ *         its first bytes when no format begins so)
  *   out   written only on GP_OK: windows, chromaticities and luminance,
  *         rgb, channels, origin; other planes empty. Free: gp_frame_free().
  *

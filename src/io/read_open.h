@@ -7,13 +7,15 @@
 
 #include <stdbool.h>
 
-/* Opens `path` or stdin and looks at its first bytes.
+/* Opens `path` or stdin, looks at its first bytes and, when an image may begin
+ * so, reads a pipe to its end.
  *
  *   stream  empty on failure; else the caller's to close
  *   exr     written on GP_OK: it begins as an EXR
  *
- * Errors: those of gp_stream_open(); GP_ERR_DATA the name says EXR and the
- * bytes do not.
+ * Errors: those of gp_stream_open() and gp_stream_fill(), whose limit is 16
+ * bytes for each of max_pixels, and 64 MiB; GP_ERR_DATA the name says EXR and
+ * the bytes do not, or a pipe begins like no image.
  */
 GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
                                      const struct gp_read_params *p,

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { FIRST_BLOCK = 1 << 16 };
+enum { BLOCK = 1 << 16 };
 
 static gp_status cannot_read(const struct gp_log *log, const char *path)
 {
@@ -16,84 +16,97 @@ static gp_status cannot_read(const struct gp_log *log, const char *path)
                    path, strerror(errno));
 }
 
-/* Doubles the buffer; `have` bytes of it are kept. */
-static gp_status grow(const struct gp_log *log, uint64_t have, uint64_t *room,
-                      uint8_t **data)
+static void close_fd(struct gp_stream *s)
 {
-    void *wider;
-    uint64_t n = *room ? *room * 2 : FIRST_BLOCK;
-    gp_status st = gp_alloc(log, "input", n, 1, &wider);
-    if (st)
-        return st;
-    if (have)
-        memcpy(wider, *data, have);
-    gp_free(*data);
-    *data = wider;
-    *room = n;
-    return GP_OK;
+    if (s->fd >= 0 && s->fd != STDIN_FILENO)
+        close(s->fd);
+    s->fd = -1;
+    s->more = false;
 }
 
-static gp_status read_pipe(const struct gp_log *log, const char *path, int fd,
-                           uint64_t limit, struct gp_stream *s)
+/* Reads on until `size` bytes are there or the pipe ends. */
+static gp_status read_until(const struct gp_log *log, const char *path,
+                            uint64_t size, struct gp_stream *s)
 {
-    uint64_t room = 0;
-    for (;;) {
-        if (s->size == room) {
-            gp_status st = grow(log, s->size, &room, &s->data);
-            if (st)
-                return st;
-        }
-        ssize_t got = read(fd, s->data + s->size, room - s->size);
+    while (s->more && s->size < size) {
+        const ssize_t got = read(s->fd, s->data + s->size, size - s->size);
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0)
             return cannot_read(log, path);
         if (got == 0)
-            return GP_OK;
+            close_fd(s);
         s->size += (uint64_t) got;
-        if (s->size > limit)
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: more than --max-pixels allows (over %llu "
-                           "bytes); raise it, or give files", path,
-                           (unsigned long long) limit);
     }
+    return GP_OK;
 }
 
-static gp_status take(const struct gp_log *log, const char *path, int fd,
-                      uint64_t limit, struct gp_stream *s)
+static gp_status grow_to(const struct gp_log *log, uint64_t room,
+                         struct gp_stream *s)
+{
+    void *block = s->data;
+    const gp_status st = gp_resize(log, "input", room, &block);
+    s->data = block;
+    return st;
+}
+
+gp_status gp_stream_fill(const struct gp_log *log, const char *path,
+                         uint64_t limit, struct gp_stream *s)
+{
+    gp_status st = GP_OK;
+    while (s->more && s->size <= limit && !st) {
+        // a pipe says nowhere how much will come
+        uint64_t room = s->size + s->size / 4 + BLOCK;
+        if (room > limit)
+            room = limit + 1;
+        st = grow_to(log, room, s);
+        if (!st)
+            st = read_until(log, path, room, s);
+    }
+    if (!st && s->more)
+        st = gp_fail(log, GP_ERR_DATA,
+                     "%s: more than --max-pixels allows (over %llu bytes); "
+                     "raise it, or give files", path,
+                     (unsigned long long) limit);
+    if (st)
+        gp_stream_close(s);
+    return st;
+}
+
+static gp_status take(const struct gp_log *log, const char *path,
+                      uint64_t first, struct gp_stream *s)
 {
     struct stat info;
-    if (fstat(fd, &info))
+    if (fstat(s->fd, &info))
         return cannot_read(log, path);
     if (S_ISDIR(info.st_mode))
         return gp_fail(log, GP_ERR_IO,
                        "%s: is a folder; give a file or a pattern such as "
                        "frame.####.exr", path);
     // a redirected stdin is a file too, but its offset may not be 0
-    if (S_ISREG(info.st_mode) && fd != STDIN_FILENO) {
-        s->fd = fd;
+    if (S_ISREG(info.st_mode) && s->fd != STDIN_FILENO) {
         s->size = (uint64_t) info.st_size;
         return GP_OK;
     }
-    return read_pipe(log, path, fd, limit, s);
+    s->more = true;
+    const gp_status st = grow_to(log, first, s);
+    return st ? st : read_until(log, path, first, s);
 }
 
 gp_status gp_stream_open(const struct gp_log *log, const char *path,
-                         uint64_t limit, struct gp_stream *s)
+                         uint64_t first, struct gp_stream *s)
 {
     *s = (struct gp_stream) GP_STREAM_EMPTY;
-    int fd = STDIN_FILENO;
+    s->fd = STDIN_FILENO;
     if (strcmp(path, "-") != 0)
-        fd = open(path, O_RDONLY | O_CLOEXEC);
-    if (fd < 0)
+        s->fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (s->fd < 0)
         return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
                        path, strerror(errno));
-    gp_status st = take(log, path, fd, limit, s);
+    gp_status st = take(log, path, first, s);
     if (!st && s->size == 0)
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: is empty (0 bytes); write or render it again", path);
-    if (s->fd < 0 && fd != STDIN_FILENO)
-        close(fd);
     if (st)
         gp_stream_close(s);
     return st;
@@ -130,8 +143,7 @@ int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,
 
 void gp_stream_close(struct gp_stream *s)
 {
-    if (s->fd >= 0)
-        close(s->fd);
+    close_fd(s);
     if (!s->borrowed)
         gp_free(s->data);
     *s = (struct gp_stream) GP_STREAM_EMPTY;

@@ -9,24 +9,41 @@
 #include <stdint.h>
 
 struct gp_stream {
-    int fd;         // a regular file, or -1
+    int fd;         // a regular file, a pipe with more, or -1
     uint8_t *data;  // all bytes, or NULL when fd is used
     uint64_t size;
     bool borrowed;  // data belongs to another, who outlives this
+    bool more;      // a pipe of which only the start is in data; fd is its
 };
 #define GP_STREAM_EMPTY { .fd = -1 }
 
 /* Opens `path`, or stdin for "-". Regular files stay on disk and are read
  * with pread(): a file that shrinks meanwhile is a short read and never a
- * signal. Everything else (pipes, terminals) is read to its end into memory.
+ * signal. Of everything else (pipes, devices, terminals) the first bytes are
+ * read into memory, so that what is no image is refused before the rest.
  *
- *   limit  most bytes to take from a pipe, >= 1
- *   s      written always; empty on failure
+ *   first  how many, >= 1; fewer only where the pipe ends
+ *   s      written always; empty on failure; s->more: gp_stream_fill() is
+ *          still to come
  *
- * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty, or
- * a pipe that gives more than `limit`.
+ * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty;
+ * GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
+                                       const char *path, uint64_t first,
+                                       struct gp_stream *s);
+
+/* Reads a pipe to its end into memory; nothing to do for any other stream.
+ * The memory that is taken is at most a quarter (and 64 KiB) over what the
+ * pipe gave, and never over `limit` + 1 bytes.
+ *
+ *   limit  most bytes to take, >= what was read before
+ *   s      empty on failure
+ *
+ * Errors: GP_ERR_IO cannot read; GP_ERR_DATA it gives more than `limit`;
+ * GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_stream_fill(const struct gp_log *log,
                                        const char *path, uint64_t limit,
                                        struct gp_stream *s);
 

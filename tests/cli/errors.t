@@ -67,6 +67,120 @@ PY
 refuses 4 huge.exr 'a small file of 65535 x 65535 pixels' huge.exr
 refuses 4 in.exr 'more pixels than --max-pixels' --max-pixels 100 in.exr
 
+# -- inputs without an end and lists without measure ---------------------------
+
+# In 160 MB of address space and 2 s of CPU. Sanitizers reserve more and are
+# slow; then without.
+if (ulimit -v 160000 && "$glarepp" --version) >ok.log 2>&1; then
+    small_limits='ulimit -t 2; ulimit -v 160000'
+else
+    small_limits=:
+fi
+
+# bounded ARGUMENT...: as run, within these limits
+bounded()
+{
+    (eval "$small_limits"; exec "$glarepp" "$@") >out 2>err
+    status=$?
+}
+
+# endless NAME PATTERN DESCRIPTION ARGUMENT...: refused with that line
+endless()
+{
+    name=$1 pattern=$2 about=$3
+    shift 3
+    bounded --hdr there/h.exr "$@"
+    fails_with 4 "$name" "$about"
+    like "$(cat err)" "$pattern" "$about: says why"
+    empty_folder there "$about: nothing written"
+}
+
+for device in /dev/zero /dev/urandom; do
+    none='*: no image format that can be read (found *); *'
+    endless $device "$none" "$device as input" $device
+    endless - "$none" "$device as stdin" - <$device
+    endless $device "$none" "$device as kernel" -k $device in.exr
+    endless $device "$none" "$device as depth" --sun 9,9 --depth-file $device \
+        in.exr
+    bounded compare $device in.exr
+    fails_with 4 $device "$device to compare"
+    ln -s $device "${device#/dev/}.exr"
+    endless "${device#/dev/}.exr" '*: is not an EXR (found *' \
+        "$device named .exr" "${device#/dev/}.exr"
+done
+for start in 'head -c 300 in.exr' 'head -c 200 good.png' "printf 'P6 9 9 255 '"; do
+    (eval "$start" && cat /dev/zero) 2>tail.log | {
+        bounded --max-pixels 1000 --hdr there/h.exr -
+        echo $status >code
+    }
+    status=$(cat code)
+    fails_with 4 - "no end behind $start"
+    like "$(cat err)" '*: more than --max-pixels allows (over 67124864 bytes)*' \
+        "no end behind $start: the limit"
+done
+
+# files of one pixel whose headers list much
+"$python" - <<'PY'
+import struct
+def attribute(name, kind, data):
+    return (name.encode() + b"\0" + kind.encode() + b"\0" +
+            struct.pack("<i", len(data)) + data)
+def header(name, channels, attributes, parts=1):
+    channels = sorted(channels)
+    h = attribute("channels", "chlist", b"".join(
+        c.encode() + b"\0" + struct.pack("<4i", 1, 0, 1, 1)
+        for c in channels) + b"\0")
+    h += attribute("compression", "compression", b"\0")
+    for window in ("dataWindow", "displayWindow"):
+        h += attribute(window, "box2i", struct.pack("<4i", 0, 0, 0, 0))
+    h += attribute("lineOrder", "lineOrder", b"\0")
+    h += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+    h += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
+    h += attribute("screenWindowWidth", "float", struct.pack("<f", 1))
+    h += b"".join(attribute("a%07d" % i, "int", b"\0\0\0\0")
+                  for i in range(attributes, 0, -1))
+    if parts == 1:
+        whole = struct.pack("<ii", 20000630, 2) + h + b"\0"
+        whole += struct.pack("<Q", len(whole) + 8)
+        row = struct.pack("<e", 0.5) * len(channels)
+        whole += struct.pack("<ii", 0, len(row)) + row
+    else:
+        h += attribute("type", "string", b"scanlineimage")
+        h += attribute("chunkCount", "int", struct.pack("<i", 1))
+        whole = struct.pack("<ii", 20000630, 2 | 0x1000) + b"".join(
+            h + attribute("name", "string", b"p%07d" % i) + b"\0"
+            for i in range(parts)) + b"\0"
+    open(name, "wb").write(whole)
+rgb = ["R", "G", "B"]
+n = 8192
+header("plain.exr", rgb + ["c%05d" % i for i in range(n - 3)], 0)
+header("layers.exr", rgb + ["c%05d.N.Z" % i for i in range(n - 3)], 0)
+header("half.exr", ["c%05d.%s" % (i, c) for i in range(n // 2) for c in "RG"], 0)
+header("nested.exr", [c for i in range(n // 2)
+                      for c in ("a.b%05d" % i, "a.b%05d.R" % i)], 0)
+header("attributes.exr", rgb, n - 8)
+header("channels.exr", rgb + ["c%05d" % i for i in range(60000)], 0)
+header("more.exr", rgb, 60000)
+header("parts.exr", rgb, 0, 8193)
+header("both.exr", rgb + ["c%05d" % i for i in range(3000)], 0, 9)
+PY
+for many in plain layers attributes; do
+    bounded --hdr many.exr $many.exr
+    quiet_success "8192 in a list, $many: read"
+done
+run --hdr many.exr plain.exr
+is "$(strings -n 6 many.exr | grep -c '^c0[0-9]*$')" 8189 \
+    '8192 channels: all are written'
+for many in half nested; do
+    endless $many.exr '*: no colour channels*' "8192 channels, $many" $many.exr
+done
+for many in channels=channels more=attributes parts=parts both=channels; do
+    endless ${many%=*}.exr "*: the EXR header lists too many ${many#*=} (*" \
+        "too many ${many#*=} in ${many%=*}.exr" ${many%=*}.exr
+    endless - "*: the EXR header lists too many ${many#*=} (*" \
+        "too many ${many#*=} in ${many%=*}.exr, by stdin" - <${many%=*}.exr
+done
+
 # -- the command line ----------------------------------------------------------
 
 refuses 2 nope 'an unknown channel' --depth nope in.exr

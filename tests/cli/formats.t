@@ -221,6 +221,19 @@ else
     one_line_error - 'other formats by stdin are refused'
 fi
 
+# all that a stream is taken for by its first bytes; Targa and RLA have no word
+# there
+for ending in bmp dpx fits gif hdr ico iff jpg ppm rla sgi tga tif; do
+    oiiotool in.exr --resize 64x40 -d uint8 -o s.$ending >ok.log 2>&1 || {
+        skip 2 "oiiotool writes no $ending"
+        continue
+    }
+    run --layer file.exr s.$ending
+    status_is 0 "$ending from its file"
+    cat s.$ending | "$glarepp" --layer pipe.exr - 2>err
+    same pipe.exr file.exr "$ending by stdin"
+done
+
 # -- DWA and luminance-chroma in -----------------------------------------------
 
 for compression in dwaa dwab b44 b44a pxr24 piz rle zips zip; do

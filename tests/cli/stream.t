@@ -111,6 +111,16 @@ splits '1.pfm 2.pfm 3.pfm' 'PFM frames in' pfms --tonemap none -o made/#.pfm
 same made/3.pfm p.pfm 'PFM frames in: as from its file'
 cat s.0001.exr o.2.png o.3.pfm odd.0004.exr >mixed
 splits '1.png 2.png 3.png 4.png' 'formats mixed' mixed -o made/#.png
+frame tiny.exr size=5x3
+cat tiny.exr tiny.exr >tinies
+rm -rf made && mkdir made
+"$python" -c 'import os
+for byte in open("tinies", "rb").read():
+    os.write(1, bytes([byte]))' | "$glarepp" -e fft --hdr made/#.exr - >out 2>err
+status=$?
+quiet_success 'one byte at a time'
+"$glarepp" -e fft --hdr p.exr tiny.exr
+same made/2.exr p.exr 'one byte at a time: the second frame'
 frame parts.exr size=20x70 part=depth:Z:float part=more:Y:half
 frame deep.exr size=20x20 deep=1
 cat parts.exr s.0001.exr parts.exr >multi

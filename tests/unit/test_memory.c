@@ -70,6 +70,28 @@ static void zero_of_a_used_block(void **state)
     gp_free(p);
 }
 
+static void resized(void **state)
+{
+    static const size_t size[] = {
+        1, 100, 65536, 3 * MIB, 64 * MIB, 65 * MIB, 5 * MIB, 300 << 10, 10,
+    };
+    void *p = NULL, *before;
+    size_t held = 0;
+    (void) state;
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        assert_int_equal(gp_resize(NULL, "t", size[i], &p), GP_OK);
+        for (size_t k = 0; k < held && k < size[i]; k += 997)
+            assert_int_equal(((uint8_t *) p)[k], 0x5a);
+        held = size[i];
+        memset(p, 0x5a, held);
+    }
+    before = p;
+    assert_int_equal(gp_resize(NULL, "t", SIZE_MAX / 2, &p), GP_ERR_BUG);
+    assert_ptr_equal(p, before);
+    assert_int_equal(((uint8_t *) p)[9], 0x5a);
+    gp_free(p);
+}
+
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 /* Bytes that the C library has mapped for large blocks. */
 static size_t mapped(void)
@@ -148,6 +170,7 @@ int main(void)
         cmocka_unit_test(impossible_sizes),
         cmocka_unit_test(small_and_none),
         cmocka_unit_test(zero_of_a_used_block),
+        cmocka_unit_test(resized),
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
         cmocka_unit_test(same_blocks_again),
         cmocka_unit_test(never_more_than_was_in_use),
