@@ -24,6 +24,8 @@ import frames
 DWA = ["dwaa", "dwab"]
 LOSSY = ["pxr24", "b44", "b44a"] + DWA
 
+LUMINANCE = [0.2126, 0.7152, 0.0722]  # BT.709
+
 Image = collections.namedtuple("Image", "names types at shown px")
 
 
