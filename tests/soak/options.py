@@ -6,11 +6,12 @@ frames in flight, so each run of a case has its own.
 """
 import json
 
+from stored import LOSSY
+
 BUILTIN = ["eye", "streak", "star", "cross", "circle", "ring"]
 CURVES = ["reinhard", "reinhard-extended", "aces", "hable", "agx", "neutral",
           "linear", "none"]
 LOSSLESS = ["none", "rle", "zips", "zip", "piz", "auto"]
-LOSSY = ["pxr24", "b44", "b44a", "dwaa", "dwab"]
 
 
 def some(rng, share, *words):
