@@ -96,7 +96,8 @@ const struct gp_option_choice gp_plans[] = {
 };
 const struct gp_option_choice gp_types[] = {
     {"auto", GP_OUT_AUTO, "as in the input"},
-    {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504"},
+    {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504; formats "
+     "that have none take float"},
     {"float", GP_OUT_FLOAT, "32 bits"},
     {0},
 };
