@@ -236,7 +236,8 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 TSAN_UNIT := $(filter-out %/test_data.c %/test_oiio_read.c,$(UNIT))
 TSAN_CLI := threads sequence stream farm flight layers views groups sun
 check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
-	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0" \
+	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0 \
+	    allocator_may_return_null=1" \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
 	    UNIT_BIN="$(patsubst tests/unit/%.c,$(B)/tsan/tests/%,$(TSAN_UNIT))" \
 	    SAN_CLI="$(TSAN_CLI)" check-san
