@@ -48,7 +48,7 @@ static uint64_t count_channels(const struct gp_stream *s,
 {
     uint8_t b[16 * NAME];
     const uint64_t end = a->data + a->size;
-    uint64_t from = a->data, to = a->data, n = 0; // b holds [from, to)
+    uint64_t from = 0, to = a->data, n = 0; // b holds [from, to)
     for (uint64_t at = a->data; at < end && n < most; n++) {
         if (at + NAME > to && to < end) {
             const uint64_t size = end - at < sizeof b ? end - at : sizeof b;

@@ -54,10 +54,10 @@ static const struct {
 };
 enum { WORDS = sizeof word / sizeof *word };
 
-/* PBM, PGM, PPM and PFM: "P", a letter, white space. */
+/* PBM, PGM, PPM and PFM: "P", a letter, white space or a comment. */
 static const char *netpbm(const uint8_t *b, size_t n)
 {
-    if (n < 3 || b[0] != 'P' || !memchr(" \t\n\v\f\r#", b[2], 7))
+    if (n < 3 || b[0] != 'P' || !b[2] || !strchr(" \t\n\v\f\r#", b[2]))
         return NULL;
     if (b[1] == 'F' || b[1] == 'f')
         return "PFM";
