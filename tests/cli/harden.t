@@ -4,8 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 command -v readelf >/dev/null || skip_all 'no readelf'
 readelf -h "$glarepp" >elf.h 2>/dev/null || skip_all 'no ELF'
-! ldd "$glarepp" | grep -qE 'lib[a-z]*san\.' ||
-    skip_all 'a build for a sanitizer has none of it'
+! sanitized || skip_all 'a build for a sanitizer has none of it'
 
 # -- what a file says of itself --------------------------------------------------
 

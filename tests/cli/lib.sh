@@ -46,6 +46,12 @@ if [ ! -x "$glarepp" ]; then
     exit 1
 fi
 
+# sanitized: the program brings a sanitizer's run time along
+sanitized()
+{
+    ldd "$glarepp" 2>/dev/null | grep -qE 'lib[a-z]*san\.'
+}
+
 # -- results -------------------------------------------------------------------
 
 note()
