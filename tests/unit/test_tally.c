@@ -145,7 +145,7 @@ static void failed_views(void **state)
          i++) {
         const struct tally_views_row *r = &tally_views_rows[i];
         struct gp_job job[10];
-        char name[10][8];
+        char name[10][24];
         struct gp_tally t;
         for (int k = 0; k < 10; k++) {
             snprintf(name[k], sizeof name[k], "%d.%s", k / 2 + 1,
