@@ -102,6 +102,12 @@ static void count_new(void *block)
     pthread_mutex_unlock(&kept.lock);
 }
 
+/* Locked. */
+static void count_unused(size_t bytes)
+{
+    kept.used -= bytes < kept.used ? bytes : kept.used;
+}
+
 /* False when the block is not to be kept. */
 static bool keep(void *block)
 {
@@ -111,7 +117,7 @@ static bool keep(void *block)
     pthread_mutex_lock(&kept.lock);
     if (kept.n == KEPT_MOST)
         free(take_kept(0));
-    kept.used -= bytes < kept.used ? bytes : kept.used;
+    count_unused(bytes);
     kept.waiting += bytes;
     kept.block[kept.n] = block;
     kept.bytes[kept.n++] = bytes;
@@ -120,6 +126,14 @@ static bool keep(void *block)
 }
 
 // -- allocation -------------------------------------------------------------------
+
+static gp_status no_memory(const struct gp_log *log, const char *what,
+                           size_t bytes)
+{
+    return gp_fail(log, GP_ERR_BUG,
+                   "%s: out of memory (%zu bytes); use a smaller frame or a "
+                   "machine with more memory", what, bytes);
+}
 
 gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
                    size_t size, void **out)
@@ -143,9 +157,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         madvise(*out, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
     if (!*out)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%zu bytes); use a smaller frame "
-                       "or a machine with more memory", what, bytes);
+        return no_memory(log, what, bytes);
     count_new(*out);
     return GP_OK;
 }
@@ -156,7 +168,7 @@ static void count_gone(void *block)
     if (bytes < KEPT_LEAST)
         return;
     pthread_mutex_lock(&kept.lock);
-    kept.used -= bytes < kept.used ? bytes : kept.used;
+    count_unused(bytes);
     pthread_mutex_unlock(&kept.lock);
 }
 
@@ -170,9 +182,7 @@ gp_status gp_resize(const struct gp_log *log, const char *what, size_t bytes,
     if (*block)
         count_new(*block);
     if (!moved)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%zu bytes); use a smaller frame or "
-                       "a machine with more memory", what, bytes);
+        return no_memory(log, what, bytes);
     return GP_OK;
 }
 

@@ -23,35 +23,20 @@ struct start {
     size_t n;
 };
 
-/* What begins so, for messages. */
-static void describe(const struct start *s, char to[64])
+/* "PATH: is ... (found PNG); do ..." */
+static gp_status refuse(const struct gp_log *log, const char *path,
+                        const struct start *s, const char *is,
+                        const char *instead)
 {
+    char found[64];
     const char *const name = gp_format_name(s->byte, s->n);
     if (name)
-        snprintf(to, 64, "%s", name);
+        snprintf(found, sizeof found, "%s", name);
     else
-        snprintf(to, 64, "unknown data, %02x %02x %02x %02x ...", s->byte[0],
-                 s->byte[1], s->byte[2], s->byte[3]);
-}
-
-static gp_status not_exr(const struct gp_log *log, const char *path,
-                         const struct start *s)
-{
-    char found[64];
-    describe(s, found);
-    return gp_fail(log, GP_ERR_DATA,
-                   "%s: is not an EXR (found %s); rename it to its real "
-                   "ending, or give the EXR", path, found);
-}
-
-static gp_status no_image(const struct gp_log *log, const char *path,
-                          const struct start *s)
-{
-    char found[64];
-    describe(s, found);
-    return gp_fail(log, GP_ERR_DATA,
-                   "%s: no image format that can be read (found %s); give an "
-                   "EXR or convert it", path, found);
+        snprintf(found, sizeof found, "unknown data, %02x %02x %02x %02x ...",
+                 s->byte[0], s->byte[1], s->byte[2], s->byte[3]);
+    return gp_fail(log, GP_ERR_DATA, "%s: %s (found %s); %s", path, is, found,
+                   instead);
 }
 
 /* Bytes that a frame of max_pixels may have in a pipe: four float channels
@@ -77,9 +62,11 @@ static gp_status look(const struct gp_log *log, const char *path,
                      path);
     *exr = memcmp(s.byte, exr_magic, sizeof exr_magic) == 0;
     if (!st && !*exr && ends_with_exr(path))
-        st = not_exr(log, path, &s);
+        st = refuse(log, path, &s, "is not an EXR", "rename it to its real "
+                    "ending, or give the EXR");
     if (!st && stream->more && !gp_format_reads(s.byte, s.n))
-        st = no_image(log, path, &s);
+        st = refuse(log, path, &s, "no image format that can be read",
+                    "give an EXR or convert it");
     if (st)
         gp_stream_close(stream);
     return st;
