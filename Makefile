@@ -266,7 +266,7 @@ coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
 # OpenImageIO's thread pools die with a forked child and count as lost. The
 # hard cases write TIFFs by it, and would take many minutes
 VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
-           --errors-for-leak-kinds=definite \
+           --errors-for-leak-kinds=definite --show-leak-kinds=definite \
            --suppressions=$(CURDIR)/tests/valgrind.supp
 VALGRIND_CLI := errors layers report stream
 check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## the tests under valgrind

@@ -364,7 +364,7 @@ is "$(wc -c <head.out)" 100 'a reader that leaves has got its bytes'
 
 # A run of many frames is ended in its middle, at several moments
 i=0
-while [ $i -lt 40 ]; do
+while [ $i -lt 400 ]; do
     i=$((i + 1))
     ln wide.exr "many.$(printf %04d $i).exr"
 done
@@ -374,11 +374,13 @@ for signal in 'INT --compression zip' 'TERM --compression dwaa' \
     written=${signal#* } signal=${signal%% *}
     for delay in 0 0.05 0.12; do
         rm -rf seq && mkdir seq
-        # sh has background jobs ignore SIGINT; this gives it back
+        # sh has background jobs ignore SIGINT, nohup SIGHUP; this gives
+        # them back
         "$python" - "$signal" "$delay" "$glarepp" $written <<'PY' >code 2>err
 import os, signal, subprocess, sys, time
 name, delay, program, *written = sys.argv[1:]
 signal.signal(signal.SIGINT, signal.default_int_handler)
+signal.signal(signal.SIGHUP, signal.SIG_DFL)
 p = subprocess.Popen([program, "--hdr", "seq/h.####.exr", "-o", "seq/o.####.png",
                       "--type", "float", *written, "many.####.exr"])
 while not os.listdir("seq") and p.poll() is None:
@@ -386,7 +388,7 @@ while not os.listdir("seq") and p.poll() is None:
 time.sleep(float(delay))
 p.send_signal(getattr(signal, "SIG" + name))
 code = p.wait()
-print("ended" if code == -getattr(signal, "SIG" + name) or code == 0 else code)
+print("ended" if code == -getattr(signal, "SIG" + name) else code)
 PY
         is "$(cat code)" ended "SIG$signal after $delay s ends the run"
         is "$(find seq -name '.*' -type f)" '' \
