@@ -7,7 +7,7 @@
 #include "app/progress.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/file.h"
+#include "io/file_temp.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -88,7 +88,7 @@ int main(int argc, char *argv[])
     struct gp_log log = {print_line, NULL, GP_LEVEL_WARN};
     keep_streams();
     gp_keep_memory();
-    gp_file_cleanup_on_signal();
+    gp_temp_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
