@@ -219,6 +219,8 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
     struct stat old;
     f->target = gp_file_resolve(f->path);
+    if (!f->target && errno != ENOMEM)
+        return cannot_write(f->log, f->path, errno);
     f->temp = f->target ? gp_file_temp_name(f->target) : NULL;
     if (!f->temp)
         return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
