@@ -128,7 +128,7 @@ gp_status gp_jobs_check_names(const struct gp_log *log,
     if (f.there)
         GP_TRY(check_inputs(log, s, &f, j));
     for (int i = 0; also && i < also->n; i++)
-        GP_TRY(gp_files_read(&f, "named by a file", also->at[i]));
+        GP_TRY(gp_files_read(&f, "another file names", also->at[i]));
 out:
     gp_files_end(&f);
     return st;

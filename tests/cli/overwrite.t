@@ -16,8 +16,10 @@ cp w/i.exr w/j.exr
 cp "$cli/c.ocio" w/c.ocio
 echo '[{"position": [3, 3], "radius": 2, "flux": 10}]' >w/l.json
 echo '[{"shape": "image", "image": "g.exr", "size": 0.2}]' >w/f.json
+echo '[{"shape": "image", "image": "sq/s.1002.exr"}]' >w/f2.json
 cp w/k.exr w/g.exr
 echo '{"frames": [{"sun": [9, 9, 2]}]}' >w/c.json
+echo '2 0 0 0 0 2 0 0 0 0 2 0' >w/four.spimtx
 echo old >w/o.png
 cp w/o.png w/o2.png
 ln w/i.exr w/hard.exr
@@ -100,6 +102,12 @@ l.json --lights l.json --report l.json i.exr
 f.json $sun --flare f.json --report f.json i.exr
 c.json --camera c.json --report c.json i.exr
 c.ocio --ocio c.ocio --report c.ocio -o p.png i.exr
+# what these files name
+g.exr $sun --flare f.json --hdr g.exr i.exr
+./g.exr $sun --flare ../w/f.json --report ./g.exr -o p.png i.exr
+sq/s.1002.exr $sun --flare f2.json --report sq/s.1002.exr -o p.png i.exr
+four.spimtx --ocio c.ocio --view Shot --report four.spimtx -o p.png i.exr
+also/../four.spimtx --ocio $tmp/w/c.ocio --output-space shot --report also/../four.spimtx --hdr h.exr i.exr
 # the other commands
 i.exr bench --csv i.exr i.exr
 hard.exr bench --json hard.exr i.exr
