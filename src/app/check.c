@@ -288,15 +288,6 @@ static gp_status check_bench(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: one frame at a time is measured (found %d); give "
                        "one", s->inputs.at[1], s->inputs.n);
-    const char *const file[] = {s->bench.csv, s->bench.json, s->bench.plot};
-    for (int i = 1; i < 3; i++) {
-        for (int k = 0; k < i; k++) {
-            if (file[i] && file[k] && strcmp(file[i], file[k]) == 0)
-                return gp_fail(log, GP_ERR_USAGE,
-                               "%s: given for two outputs; give each a name "
-                               "of its own", file[i]);
-        }
-    }
     return GP_OK;
 }
 

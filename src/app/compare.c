@@ -4,6 +4,7 @@
 #include "app/compare_figures.h"
 #include "app/compare_flip.h"
 #include "app/compare_print.h"
+#include "app/files.h"
 #include "core/parallel.h"
 #include "io/file.h"
 #include "io/raw_read.h"
@@ -13,7 +14,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* A run, and the pair it is at. */
 struct run {
@@ -64,19 +64,6 @@ static void tell_why(struct run *r, enum gp_compare_result result,
     r->row.why = NULL;
 }
 
-/* Refuses to write over a file that is compared, by any of its names. */
-static gp_status check_output(const struct run *r, const char *name,
-                              const char *input)
-{
-    struct stat a, b;
-    if (stat(name, &a) == 0 && S_ISREG(a.st_mode) && stat(input, &b) == 0 &&
-        a.st_dev == b.st_dev && a.st_ino == b.st_ino)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "%s: is compared itself (%s); write to another name",
-                       name, input);
-    return GP_OK;
-}
-
 static gp_status draw(struct run *r, const struct gp_compare_match *m,
                       const struct gp_compare_flip *flip)
 {
@@ -86,11 +73,7 @@ static gp_status draw(struct run *r, const struct gp_compare_match *m,
     if (!name)
         return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory",
                        r->heatmap.path);
-    gp_status st = check_output(r, name, r->row.a);
-    if (!st)
-        st = check_output(r, name, r->row.b);
-    if (!st)
-        st = gp_compare_heatmap(r->log, &r->s->write, name, m, flip);
+    gp_status st = gp_compare_heatmap(r->log, &r->s->write, name, m, flip);
     free(name);
     r->drawn = !st;
     return st;
@@ -261,17 +244,68 @@ out:
     return st;
 }
 
+// -- names ------------------------------------------------------------------
+
+/* The item is a place in the list of frames. */
+static int frame_at(const struct run *r, int item)
+{
+    return r->frames.n ? r->frames.number[item] : 0;
+}
+
+static struct gp_file_owner owner(const void *user,
+                                  const struct gp_file_id *id)
+{
+    const struct run *const r = user;
+    return (struct gp_file_owner) {
+        .name = gp_pattern_name(&r->heatmap, frame_at(r, id->item), NULL),
+        .what = "--heatmap",
+        .as = r->heatmap.path,
+    };
+}
+
+/* Replaces *name by that of an item's file. */
+static gp_status make_name(const struct run *r, const struct gp_pattern *p,
+                           int item, char **name)
+{
+    free(*name);
+    *name = gp_pattern_name(p, frame_at(r, item), NULL);
+    return *name ? GP_OK
+                 : gp_fail(r->log, GP_ERR_BUG, "%s: out of memory", p->path);
+}
+
+/* Nothing is written over a file that is compared, or over another output. */
+static gp_status check_names(const struct run *r)
+{
+    gp_status st;
+    struct gp_files f;
+    char *name = NULL;
+    const int n = r->frames.n ? r->frames.n : 1;
+    GP_TRY(gp_files_begin(r->log, r->s, owner, r, &f));
+    for (int i = 0; i < n && r->s->compare.heatmap; i++) {
+        GP_TRY(make_name(r, &r->heatmap, i, &name));
+        GP_TRY(gp_files_write(&f, name, 0, i));
+    }
+    GP_TRY(gp_files_settle(&f));
+    for (int i = 0; i < 2 * n && f.there; i++) {
+        GP_TRY(make_name(r, &r->in[i % 2], i / 2, &name));
+        GP_TRY(gp_files_read(&f, "input", name));
+    }
+out:
+    free(name);
+    gp_files_end(&f);
+    return st;
+}
+
 // -- the whole run -----------------------------------------------------------
 
 static gp_status compare_all(struct run *r)
 {
     gp_status st = find_frames(r);
     const char *const json = r->s->bench.json;
-    if (!st && json && !on_stdout(json)) {
+    if (!st && json && !on_stdout(json))
         st = gp_file_check(r->log, json, false);
-        for (int i = 0; i < 2 && !st; i++)
-            st = check_output(r, json, r->s->inputs.at[i]);
-    }
+    if (!st)
+        st = check_names(r);
     if (!st && !r->frames.n)
         return compare_frame(r, 0);
     for (int i = 0; i < r->frames.n && !st; i++)
@@ -354,9 +388,5 @@ gp_status gp_compare_check(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "--heatmap: stdout is for the figures (found -); give "
                        "a file");
-    if (c->heatmap && s->bench.json && strcmp(c->heatmap, s->bench.json) == 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: given for two outputs; give each a name of its "
-                       "own", c->heatmap);
     return GP_OK;
 }

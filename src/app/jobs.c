@@ -258,7 +258,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     if (is_dash(j.job[0].input)) {
         GP_TRY(gp_jobs_read_stdin(log, s, &j));
         GP_TRY(gp_jobs_check_patterns(log, &j, patterns));
-        GP_TRY(gp_jobs_check_names(log, &j));
+        GP_TRY(gp_jobs_check_names(log, s, &j, NULL));
     }
     *out = j;
     return GP_OK;

@@ -63,7 +63,7 @@ struct gp_jobs {
  *     in a plain file's name
  *   - when all else is right, stdin is read to its end: each image in it is a
  *     frame, numbered by --frames or from 1
- *   - no name twice among all files that are written, and no input's; `-` at
+ *   - no file twice among all that are written, and none that is read; `-` at
  *     most once among outputs and never a terminal
  *   - gp_write_check() holds for the first frame's outputs
  *   - every frame of --frames is there, and every view of a frame, unless
@@ -120,10 +120,16 @@ GP_MUST_CHECK gp_status gp_jobs_check_missing(const struct gp_log *log,
                                               const struct gp_settings *s,
                                               const struct gp_jobs *j);
 
-/* In jobs_names.c: every name that is written is written once, and is no
- * input. Errors: GP_ERR_USAGE */
+/* In jobs_names.c: every file that the run writes is written once, and is none
+ * that it reads (files.h).
+ *
+ *   also  files that it reads because another names them; NULL: none yet
+ *
+ * Errors: GP_ERR_USAGE */
 GP_MUST_CHECK gp_status gp_jobs_check_names(const struct gp_log *log,
-                                            const struct gp_jobs *j);
+                                            const struct gp_settings *s,
+                                            const struct gp_jobs *j,
+                                            const struct gp_texts *also);
 
 /* In jobs_stdin.c: reads stdin into j->members and makes the jobs of each
  * image in it, in place of those that j holds for stdin.

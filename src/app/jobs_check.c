@@ -105,17 +105,6 @@ static gp_status check_numbers(const struct gp_log *log,
 
 // -- outputs -----------------------------------------------------------------
 
-static gp_status check_twice(const struct gp_log *log, const char *a,
-                             const char *b)
-{
-    if (b && strcmp(a, b) == 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: given for two outputs; %s", a,
-                       is_dash(a) ? "only one can go to stdout"
-                                  : "give each a name of its own");
-    return GP_OK;
-}
-
 /* What gp_write_check() says of each view of the first frame. */
 static gp_status check_first(const struct gp_log *log,
                              const struct gp_settings *s,
@@ -155,16 +144,13 @@ gp_status gp_jobs_check_targets(const struct gp_log *log,
         GP_TRY(check_numbers(log, j));
     for (int i = 0; i < j->targets; i++) {
         const struct gp_pattern *p = &j->target[i].name;
-        GP_TRY(check_twice(log, p->path, s->report));
-        for (int k = 0; k < i; k++)
-            GP_TRY(check_twice(log, p->path, j->target[k].name.path));
         if (is_dash(p->path) && isatty(STDOUT_FILENO))
             return gp_fail(log, GP_ERR_USAGE,
                            "-: stdout is a terminal; pipe it on, or give a "
                            "file");
         GP_TRY(check_first(log, s, j, &j->target[i]));
     }
-    GP_TRY(gp_jobs_check_names(log, j));
+    GP_TRY(gp_jobs_check_names(log, s, j, NULL));
 out:
     return st;
 }

@@ -285,6 +285,34 @@ static bool has_stream(const struct gp_jobs *jobs)
     return false;
 }
 
+/* Pictures of --flare and tables of --ocio are not written over either. */
+static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
+{
+    const struct gp_flare *const flare = &r->suns.flare;
+    const struct gp_ocio_names *const names =
+        r->ocio ? gp_ocio_names(r->ocio) : NULL;
+    const int tables = names ? names->files : 0;
+    struct gp_texts also = {0};
+    void *block;
+    if (flare->n + tables == 0)
+        return GP_OK;
+    gp_status st = gp_alloc(log, "file names", (size_t) (flare->n + tables),
+                            sizeof *also.at, &block);
+    if (st)
+        return st;
+    also.at = block;
+    for (int i = 0; i < flare->n; i++) {
+        if (flare->element[i].path)
+            also.at[also.n++] = flare->element[i].path;
+    }
+    for (int i = 0; i < tables; i++)
+        also.at[also.n++] = names->file[i];
+    if (also.n)
+        st = gp_jobs_check_names(log, r->s, r->jobs, &also);
+    gp_free(block);
+    return st;
+}
+
 /* What is made once; everything that can fail without a frame fails here. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
@@ -298,6 +326,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, r->s, &r->suns));
+    GP_TRY(check_named(log, r));
     if (r->s->report)
         GP_TRY(gp_report_open(log, r->s->report, &r->report));
 out:

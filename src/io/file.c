@@ -100,6 +100,8 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
     struct stat old;
     f->target = gp_file_resolve(f->path);
+    if (!f->target && errno != ENOMEM)
+        return cannot_write(f->log, f->path, errno);
     if (!f->target)
         return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
     if (create_dir && gp_file_make_folders(f->target))

@@ -34,6 +34,8 @@ struct Refusal {
 struct Owned {
     OCIO::ConstCPUProcessorRcPtr view, output;
     std::string config, input, display, viewed, look, wanted;
+    std::vector<std::string> files;
+    std::vector<const char *> file; // of these
 };
 
 // A config and what it was asked for.
@@ -277,6 +279,15 @@ void check_looks(const Asked &a)
                       "); check the config, its files and --ocio-context"};
 }
 
+OCIO::ConstCPUProcessorRcPtr keep(Owned *own,
+                                  const OCIO::ConstProcessorRcPtr &p)
+{
+    const auto known = p->getProcessorMetadata();
+    for (int i = 0; i < known->getNumFiles(); i++)
+        own->files.emplace_back(known->getFile(i));
+    return p->getDefaultCPUProcessor();
+}
+
 void make_view(const Asked &a)
 {
     Owned *const own = a.own;
@@ -297,8 +308,7 @@ void make_view(const Asked &a)
             pipeline->setLooksOverride(a.p->look);
             pipeline->setLooksOverrideEnabled(true);
         }
-        own->view = pipeline->getProcessor(a.config, a.context)
-                        ->getDefaultCPUProcessor();
+        own->view = keep(own, pipeline->getProcessor(a.config, a.context));
     } catch (const OCIO::Exception &e) {
         refuse_transform(a, "view " + own->viewed + " of display " +
                                 own->display, e);
@@ -310,9 +320,9 @@ void make_output(const Asked &a)
     Owned *const own = a.own;
     own->wanted = find_space(a, "--output-space", a.p->output);
     try {
-        own->output = a.config->getProcessor(a.context, own->input.c_str(),
-                                             own->wanted.c_str())
-                          ->getDefaultCPUProcessor();
+        own->output = keep(own, a.config->getProcessor(a.context,
+                                                       own->input.c_str(),
+                                                       own->wanted.c_str()));
     } catch (const OCIO::Exception &e) {
         refuse_transform(a, own->wanted + " from " + own->input, e);
     }
@@ -345,6 +355,10 @@ void publish(std::unique_ptr<Owned> own, gp_ocio_made *out)
     out->names.view = text_or_null(own->viewed);
     out->names.look = text_or_null(own->look);
     out->names.output = text_or_null(own->wanted);
+    for (const std::string &name : own->files)
+        own->file.push_back(name.c_str());
+    out->names.file = own->file.data();
+    out->names.files = static_cast<int>(own->file.size());
     out->view = own->view.get();
     out->output = own->output.get();
     out->own = own.release();

@@ -37,6 +37,8 @@ struct gp_ocio_names {
     const char *display, *view; // NULL when !shows
     const char *look;           // NULL: none was asked for
     const char *output;         // NULL: none was asked for
+    const char *const *file;    // `files` that the processors were made of,
+    int files;                  // besides the config; some may be in it
 };
 
 /* Processors; NULL for what was not asked for. Any thread may use them. */
@@ -67,7 +69,7 @@ struct gp_ocio_api {
     int (*apply)(const void *processor, float *r, float *g, float *b,
                  size_t n);
 };
-enum { GP_OCIO_API_VERSION = 1 };
+enum { GP_OCIO_API_VERSION = 2 };
 
 /* The one symbol of the bridge. */
 const struct gp_ocio_api *gp_ocio_api(void);

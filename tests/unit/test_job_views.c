@@ -72,21 +72,22 @@ static const struct job_row view_rows[] = {
     {"-o o.%V.png w.%v.exr v.%V.0001.exr", GP_ERR_USAGE, "one name for a seq"},
     // two names that come out as one
     {"--views l,r -o o.%V.png --debug sensors=o.%v.png w.%v.exr",
-     GP_ERR_USAGE, "o.l.png: would be written twice (by o.%V.png for w.l.exr, "
-     "view l and by o.%v.png"},
+     GP_ERR_USAGE, "o.l.png: given for two outputs (--output o.%V.png for w.l.exr, "
+     "view l and --debug sensors o.%v.png for w.l.exr, view l); give each"},
     {"--views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr",
-     GP_ERR_USAGE, "o.a11.png: would be written twice (by o.%V#.png for "
-     "v.a1.0001.exr, view a1 and by o.%V#.png for v.a.0011.exr, view a)"},
+     GP_ERR_USAGE, "o.a11.png: given for two outputs (--output o.%V#.png for "
+     "v.a1.0001.exr, view a1 and --output o.%V#.png for v.a.0011.exr, view a)"},
     {"--views a,a1 -f 1,11 --skip-bad-frames -o o.%V.#.png v.%V.####.exr",
      GP_OK, "v.a.0001.exr#a>o.a.1.png v.a1.0001.exr#a1>o.a1.1.png "
      "v.a.0011.exr#a>o.a.11.png v.a1.0011.exr#a1>o.a1.11.png"},
     // over an input, of whichever job
     {"--hdr v.%V.####.exr v.%V.####.exr", GP_ERR_USAGE,
-     "v.left.0001.exr: is the input"},
+     "v.left.0001.exr: --hdr would replace a file that is read (input v.le"},
     {"--views right,left --hdr w.%v.exr v.%V.0001.exr", GP_OK,
      "v.right.0001.exr:right>w.r.exr v.left.0001.exr:left>w.l.exr"},
     {"-f 2-3 --skip-bad-frames --hdr v.%V.%04d.exr ./v.%V.####.exr",
-     GP_ERR_USAGE, "v.left.0002.exr: is the input (./v.left.0002.exr)"},
+     GP_ERR_USAGE, "v.left.0002.exr: --hdr would replace a file that is read "
+     "(input ./v.left.0002.exr)"},
     {"--views - --stdout-format png -o %V w.%v.exr", GP_ERR_USAGE,
      "%V: is - for a view, which is stdout; write ./%V"},
 };
@@ -125,7 +126,7 @@ static const struct job_row part_rows[] = {
     {"--views left,right --hdr in.exr -o o.%V.png real@2x.exr real@2x.exr",
      GP_ERR_USAGE, "in.exr: one name for a sequence (found 2"},
     {"--views left,right --hdr w.l.exr -o o.%V.png ./w.l.exr", GP_ERR_USAGE,
-     "w.l.exr: is the input (./w.l.exr)"},
+     "w.l.exr: --hdr would replace a file that is read (input ./w.l.exr)"},
     {"--views left,right -o o.%V.#.png s.0001.exr x.0001.exr", GP_ERR_USAGE,
      "frame 1 comes twice"},
     {"--views left,right -o o.%V.png -", GP_ERR_DATA, "-: is empty"},
@@ -163,7 +164,7 @@ static const struct job_row stdin_rows[] = {
     {"--views a,b -o o.%V.png -", GP_ERR_USAGE,
      "o.%V.png: one name for a sequence (found 3 frames)"},
     {"--views b,b1 -f 1,11,111 -o o.%V#.png -", GP_ERR_USAGE,
-     "o.b11.png: would be written twice"},
+     "o.b11.png: given for two outputs"},
 };
 
 static void views_in_stdin(void **state)

@@ -68,11 +68,11 @@ static const struct job_row rows[] = {
     {"-o no/o.png in.exr", GP_ERR_IO, "no/o.png"},
     {"-o o in.exr", GP_ERR_USAGE, "o: unknown format"},
     {"--hdr x.%d.exr -f 1,10000 --skip-bad-frames ./x.####.exr",
-     GP_ERR_USAGE, "x.10000.exr: is the input (./x.10000.exr)"},
+     GP_ERR_USAGE, "x.10000.exr: --hdr would replace a file that is read (input ./x.1"},
     {"-o s.0010.#.png --hdr s.%04d.exr x.10000.exr", GP_OK,
      "x.10000.exr#>s.10000.exr,s.0010.10000.png"},
     {"--hdr t.%04d.exr --layer t.%d.exr -f 1,1000 --skip-bad-frames s.#.exr",
-     GP_ERR_USAGE, "t.1000.exr: would be written twice"},
+     GP_ERR_USAGE, "t.1000.exr: given for two outputs (--hdr t.%04d.exr for s.1000."},
 };
 
 static void inputs_and_outputs(void **state)

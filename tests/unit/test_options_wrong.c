@@ -113,8 +113,6 @@ static const struct error_row errors[] = {
     {"bench --outptu a", "unknown option; glarepp bench --help lists them"},
     {"bench a --runs 0", "--runs: out of range (found 0); give 1 to 1000"},
     {"bench a --runs 1001", "--runs: out of range"},
-    {"bench a --csv x --plot x", "x: given for two outputs"},
-    {"bench a --json x --plot x", "x: given for two outputs"},
     {"bench a --mix scatter -g 2", "more light would be scattered"},
 };
 
