@@ -356,7 +356,8 @@ static gp_status read_subimage(const struct gp_log *log,
         return gp_fail(log, GP_ERR_IO,
                        "%s: formats other than EXR need the OpenImageIO "
                        "bridge (%s); install it, or give an EXR", path, why);
-    const gp_status st = gp_whole_check(log, path, stream);
+    const gp_status st = gp_whole_check(log, path, stream, part,
+                                        p->max_pixels);
     if (st)
         return st;
     if (part > 0)
