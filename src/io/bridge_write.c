@@ -79,7 +79,13 @@ gp_status gp_bridge_write(const struct gp_log *log, const char *path,
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: no file in memory (%s); write "
                        ".exr or .png", path, strerror(errno)));
     snprintf(name, sizeof name, "/proc/self/fd/%d", out->fd);
-    if (api->write(name, format, img, type, compression, why, sizeof why))
+    const int got =
+        api->write(name, format, img, type, compression, why, sizeof why);
+    if (got == GP_OIIO_MEMORY)
+        GP_TRY(gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory (%s); close other programs", path,
+                       why));
+    if (got)
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: OpenImageIO cannot write it (%s); write another "
                        "format", path, why));

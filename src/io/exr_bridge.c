@@ -82,8 +82,14 @@ gp_status gp_exr_decode_by_bridge(const struct gp_log *log,
                        "%s: DWA compression needs the OpenImageIO bridge "
                        "(%s); install it, or write the file with zip",
                        l->path, why);
-    if (api->read(l->path, s->data, s->size, l->part,
-                  (long long) l->w * l->h, &image, why, sizeof why))
+    const int got = api->read(l->path, s->data, s->size, l->part,
+                              (long long) l->w * l->h, &image, why,
+                              sizeof why);
+    if (got == GP_OIIO_MEMORY)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory (%s); close other programs",
+                       l->path, why);
+    if (got)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the pixels are damaged (%s); copy or render the "
                        "file again", l->path, why);

@@ -34,7 +34,9 @@ struct gp_oiio_image {
     int bits;                                  // 0 stored as floats, else of
                                                // the integers that pixels has
                                                // scaled to [0,1]
-    float *pixels;                             // w * h * channels, interleaved
+    float *pixels;                             // w * h * channels, interleaved;
+                                               // NULL from open()
+    int block;                                 // rows of a block of rows()
     int has_chromaticities;
     float chromaticities[8];
     const char *colour_space;                  // "" unknown, "sRGB", "Linear"
@@ -48,16 +50,22 @@ struct gp_oiio_image {
     const int *channel_type;
 };
 
-/* What a bridge gives. Every function returns 0, or -1 with a one-line
- * reason in `why` (always terminated). The bridge never throws. */
+/* Of a bridge's function that failed because memory is full. */
+enum { GP_OIIO_MEMORY = -2 };
+
+/* What a bridge gives. Every function returns 0, or -1 or GP_OIIO_MEMORY with
+ * a one-line reason in `why` (always terminated). The bridge never throws. */
 struct gp_oiio_api {
     int version;  // GP_OIIO_API_VERSION
 
     /* Reads an image by path, or from memory when `data` is not NULL (the
      * path then only helps to guess the format).
      *
+     *   size        of the file too when `data` is NULL: a picture that its
+     *               bytes cannot hold is refused
      *   part        subimage, 0 the first
-     *   max_pixels  refuses more before it allocates
+     *   max_pixels  refuses more before it allocates; but in EXR each four
+     *               channels count on their own
      *
      * Values are as stored: colour_space says what they mean, and making
      * them linear is the caller's. Of EXR files, channels that are stored as
@@ -66,6 +74,19 @@ struct gp_oiio_api {
     int (*read)(const char *path, const void *data, size_t size, int part,
                 long long max_pixels, struct gp_oiio_image *out, char *why,
                 size_t why_size);
+
+    /* The same without pixels, which rows() gives; the file stays open until
+     * image_free(), and `data` must live as long. */
+    int (*open)(const char *path, const void *data, size_t size, int part,
+                long long max_pixels, struct gp_oiio_image *out, char *why,
+                size_t why_size);
+
+    /* Rows [y, y + image->block) of an image from open(), or as many as there
+     * are: w * channels floats each, from y = 0 at the top. Blocks are asked
+     * for in their order, each once; `to` has room for a whole one. */
+    int (*rows)(struct gp_oiio_image *image, int y, float *to, char *why,
+                size_t why_size);
+
     void (*image_free)(struct gp_oiio_image *image);
 
     /* Writes img->pixels to `path`, which has the final ending `format`
@@ -89,7 +110,7 @@ struct gp_oiio_api {
     int (*resize)(const struct gp_oiio_image *img, int w, int h,
                   struct gp_oiio_image *out, char *why, size_t why_size);
 };
-enum { GP_OIIO_API_VERSION = 1 };
+enum { GP_OIIO_API_VERSION = 2 };
 
 /* The one symbol of the bridge. */
 const struct gp_oiio_api *gp_oiio_api(void);

@@ -102,6 +102,8 @@ static gp_status make_table(const struct gp_log *log, enum curve curve,
 
 struct split {
     const struct gp_oiio_image *image;
+    const float *pixels; // rows from y0 on
+    int y0;
     struct gp_frame *f;
     const float *table;  // NULL when linear
     enum curve curve;
@@ -124,11 +126,13 @@ static void split_row(void *ctx, int y, int thread)
 {
     const struct split *s = ctx;
     const int w = s->image->w, n = s->image->channels;
-    const size_t at = (size_t) y * (size_t) w;
+    const size_t at = (size_t) (s->y0 + y) * (size_t) w;
+    const float *const pixels =
+        s->pixels + (size_t) y * (size_t) w * (size_t) n;
     float *row = s->row + (size_t) thread * (size_t) w;
     for (int i = 0; i < n; i++) {
         const struct gp_channel *c = &s->f->channel[i];
-        const float *from = s->image->pixels + at * (size_t) n + (size_t) i;
+        const float *from = pixels + i;
         for (int x = 0; x < w; x++)
             row[x] = from[(size_t) x * (size_t) n];
         if (c->colour >= 0) {
@@ -143,12 +147,49 @@ static void split_row(void *ctx, int y, int thread)
     }
 }
 
+static gp_status bridge_failed(const struct gp_log *log, const char *path,
+                               int result, const char *which, const char *why)
+{
+    if (result == GP_OIIO_MEMORY)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory (%s); close other programs", path,
+                       why);
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: no image format%s that can be read (%s); give an EXR "
+                   "or convert it", path, which,
+                   why[0] ? why : "cut off or damaged");
+}
+
+/* Splits an image that is still in its file, a block at a time. */
+static gp_status split_blocks(const struct gp_log *log, struct split *s)
+{
+    struct gp_oiio_image image = *s->image;
+    char why[512] = "";
+    void *block = NULL;
+    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
+    gp_status st = gp_alloc(log, "rows",
+                            (size_t) image.block * (size_t) image.w,
+                            (size_t) image.channels * sizeof(float), &block);
+    s->pixels = block;
+    for (; !st && s->y0 < image.h; s->y0 += image.block) {
+        const int left = image.h - s->y0;
+        const int got = api->rows(&image, s->y0, block, why, sizeof why);
+        if (got)
+            st = bridge_failed(log, s->f->path, got, "", why);
+        else
+            gp_parallel_do(left < image.block ? left : image.block, split_row,
+                           s);
+    }
+    gp_free(block);
+    return st;
+}
+
 static gp_status fill_planes(const struct gp_log *log,
                              const struct gp_oiio_image *image,
                              struct gp_frame *f)
 {
     gp_status st;
-    struct split s = {.image = image, .f = f};
+    struct split s = {.image = image, .f = f, .pixels = image->pixels};
     float *table = NULL;
     void *row = NULL;
     s.curve = curve_of(image, &s.gamma);
@@ -158,7 +199,10 @@ static gp_status fill_planes(const struct gp_log *log,
     GP_TRY(gp_alloc(log, "row", (size_t) gp_threads() * (size_t) image->w,
                     sizeof(float), &row));
     s.row = row;
-    gp_parallel_do(image->h, split_row, &s);
+    if (image->pixels)
+        gp_parallel_do(image->h, split_row, &s);
+    else
+        GP_TRY(split_blocks(log, &s));
 out:
     gp_free(row);
     gp_free(table);
@@ -299,11 +343,12 @@ out:
     return st;
 }
 
+/* With `pixels`, or open for their rows. */
 static gp_status read_subimage(const struct gp_log *log,
                                const struct gp_read_params *p,
                                const char *path,
                                const struct gp_stream *stream, int part,
-                               struct gp_oiio_image *out)
+                               bool pixels, struct gp_oiio_image *out)
 {
     char why[512] = "", which[40] = "";
     const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
@@ -311,18 +356,16 @@ static gp_status read_subimage(const struct gp_log *log,
         return gp_fail(log, GP_ERR_IO,
                        "%s: formats other than EXR need the OpenImageIO "
                        "bridge (%s); install it, or give an EXR", path, why);
-    const gp_status st = gp_whole_check(log, path, stream);
+    const gp_status st = gp_whole_check(log, path, stream, part,
+                                        p->max_pixels);
     if (st)
         return st;
     if (part > 0)
         snprintf(which, sizeof which, " and part %d of it", part);
-    if (api->read(path, stream->data, stream->size, part, p->max_pixels, out,
-                  why, sizeof why))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: no image format%s that can be read (%s); give an "
-                       "EXR or convert it", path, which,
-                       why[0] ? why : "cut off or damaged");
-    return GP_OK;
+    const int got = (pixels ? api->read : api->open)(
+        path, stream->data, stream->size, part, p->max_pixels, out, why,
+        sizeof why);
+    return got ? bridge_failed(log, path, got, which, why) : GP_OK;
 }
 
 gp_status gp_read_image(const struct gp_log *log,
@@ -330,7 +373,7 @@ gp_status gp_read_image(const struct gp_log *log,
                         const struct gp_stream *stream,
                         struct gp_oiio_image *out)
 {
-    return read_subimage(log, p, path, stream, 0, out);
+    return read_subimage(log, p, path, stream, 0, true, out);
 }
 
 void gp_image_free(struct gp_oiio_image *image)
@@ -370,7 +413,7 @@ gp_status gp_read_other(const struct gp_log *log,
     int part;
     gp_status st = choose_part(log, p, path, &part);
     if (!st)
-        st = read_subimage(log, p, path, stream, part, &image);
+        st = read_subimage(log, p, path, stream, part, false, &image);
     if (st)
         return st;
     st = gp_frame_of_image(log, path, p->layer, &image, out);

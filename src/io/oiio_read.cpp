@@ -7,13 +7,9 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
-#include <climits>
-#include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <exception>
 #include <memory>
-#include <new>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -26,14 +22,6 @@ namespace {
 using OIIO::ImageInput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
-
-// What a gp_oiio_image points into.
-struct Owned {
-    std::vector<float> pixels;
-    std::vector<std::string> text;
-    std::vector<const char *> names;
-    std::vector<gp_oiio_attribute> attributes;
-};
 
 // Bytes in memory as a file with a name, for formats whose reader wants one.
 class MemoryFile {
@@ -69,6 +57,17 @@ struct Source {
     std::unique_ptr<ImageInput> input;
 };
 
+// What a gp_oiio_image points into, and where its rows still come from.
+struct Owned {
+    std::vector<float> pixels;
+    std::vector<std::string> text;
+    std::vector<const char *> names;
+    std::vector<gp_oiio_attribute> attributes;
+    Source source;
+    ImageSpec spec;
+    int part = 0;
+};
+
 Source open_source(const std::string &path, const void *data,
                    std::size_t size)
 {
@@ -82,29 +81,6 @@ Source open_source(const std::string &path, const void *data,
     if (!s.input)
         throw std::runtime_error(OIIO::geterror());
     return s;
-}
-
-void check_size(const ImageSpec &spec, long long max_pixels)
-{
-    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
-        throw std::runtime_error("no pixels");
-    if (spec.depth > 1)
-        throw std::runtime_error("a volume, not a picture");
-    if (spec.deep)
-        throw std::runtime_error("deep data");
-    // so that window edges can be added up without a thought
-    const long long far = 1LL << 29;
-    for (long long v : {spec.x, spec.y, spec.width, spec.height, spec.full_x,
-                        spec.full_y, spec.full_width, spec.full_height}) {
-        if (v <= -far || v >= far)
-            throw std::runtime_error("windows out of range");
-    }
-    long long pixels = static_cast<long long>(spec.width) * spec.height;
-    if (pixels > max_pixels)
-        throw std::runtime_error(
-            "too large: " + std::to_string(spec.width) + " x " +
-            std::to_string(spec.height) + " pixels, at most " +
-            std::to_string(max_pixels));
 }
 
 // EXR's uint32 channels, whose values floats cannot hold, bit by bit.
@@ -184,27 +160,98 @@ void describe(const ImageSpec &spec, Owned &own, gp_oiio_image *out)
     out->attributes = static_cast<int>(own.attributes.size());
 }
 
+// Rows of one block: those of a row of tiles or, near 16 MiB, whole strips.
+int block_rows(const ImageSpec &spec)
+{
+    if (spec.tile_width > 0)
+        return std::min(spec.tile_height, spec.height);
+    const std::size_t row = static_cast<std::size_t>(spec.width) *
+                            static_cast<std::size_t>(spec.nchannels) *
+                            sizeof(float);
+    const int room = static_cast<int>(
+        std::max<std::size_t>(1, (std::size_t(16) << 20) / row));
+    const int strip = spec.get_int_attribute("tiff:RowsPerStrip", 1);
+    return std::min(strip > 1 && strip < room ? room - room % strip : room,
+                    spec.height);
+}
+
+std::unique_ptr<Owned> open_part(const char *path, const void *data,
+                                 std::size_t size, int part,
+                                 long long max_pixels)
+{
+    auto own = std::make_unique<Owned>();
+    own->source = open_source(path, data, size);
+    ImageInput &input = *own->source.input;
+    if (!input.seek_subimage(part, 0))
+        throw std::runtime_error("part " + std::to_string(part) +
+                                 " is not there");
+    own->spec = input.spec();
+    own->part = part;
+    gp_oiio_check_size(own->spec, input.format_name(), size, max_pixels);
+    return own;
+}
+
+void publish(std::unique_ptr<Owned> own, gp_oiio_image *out)
+{
+    *out = {};
+    describe(own->spec, *own, out);
+    out->block = block_rows(own->spec);
+    out->own = own.release();
+}
+
 int read(const char *path, const void *data, std::size_t size, int part,
          long long max_pixels, gp_oiio_image *out, char *why,
          std::size_t why_size)
 try {
-    Source s = open_source(path, data, size);
-    if (!s.input->seek_subimage(part, 0))
-        throw std::runtime_error("part " + std::to_string(part) +
-                                 " is not there");
-    const ImageSpec spec = s.input->spec();
-    check_size(spec, max_pixels);
-    auto own = std::make_unique<Owned>();
+    auto own = open_part(path, data, size, part, max_pixels);
+    ImageInput &input = *own->source.input;
+    const ImageSpec &spec = own->spec;
     own->pixels.resize(spec.image_pixels() *
                        static_cast<std::size_t>(spec.nchannels));
-    if (!s.input->read_image(part, 0, 0, spec.nchannels, TypeDesc::FLOAT,
-                             own->pixels.data()))
-        throw std::runtime_error(s.input->geterror());
-    if (std::strcmp(s.input->format_name(), "openexr") == 0)
-        read_uints(*s.input, spec, part, own->pixels);
-    *out = {};
-    describe(spec, *own, out);
-    out->own = own.release();
+    if (!input.read_image(part, 0, 0, spec.nchannels, TypeDesc::FLOAT,
+                          own->pixels.data()))
+        throw std::runtime_error(input.geterror());
+    if (std::strcmp(input.format_name(), "openexr") == 0)
+        read_uints(input, spec, part, own->pixels);
+    own->source = {};
+    publish(std::move(own), out);
+    return 0;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+}
+
+int open(const char *path, const void *data, std::size_t size, int part,
+         long long max_pixels, gp_oiio_image *out, char *why,
+         std::size_t why_size)
+try {
+    publish(open_part(path, data, size, part, max_pixels), out);
+    out->pixels = nullptr;
+    return 0;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+}
+
+int rows(gp_oiio_image *image, int y, float *to, char *why,
+         std::size_t why_size)
+try {
+    Owned &own = *static_cast<Owned *>(image->own);
+    ImageInput &input = *own.source.input;
+    const ImageSpec &spec = own.spec;
+    const int y0 = spec.y + y;
+    const int y1 = spec.y + std::min(y + image->block, spec.height);
+    const bool read =
+        spec.tile_width > 0
+            ? input.read_tiles(own.part, 0, spec.x, spec.x + spec.width, y0,
+                               y1, spec.z, spec.z + 1, 0, spec.nchannels,
+                               TypeDesc::FLOAT, to)
+            : input.read_scanlines(own.part, 0, y0, y1, spec.z, 0,
+                                   spec.nchannels, TypeDesc::FLOAT, to);
+    if (!read)
+        throw std::runtime_error(input.geterror());
     return 0;
 } catch (const std::exception &e) {
     return gp_oiio_why(why, why_size, e.what());
@@ -272,7 +319,7 @@ try {
 }
 
 const struct gp_oiio_api api = {
-    GP_OIIO_API_VERSION, read,   image_free, gp_oiio_write,
+    GP_OIIO_API_VERSION, read,   open, rows, image_free, gp_oiio_write,
     gp_oiio_can_write,   resize,
 };
 
@@ -280,14 +327,24 @@ const struct gp_oiio_api api = {
 
 int gp_oiio_why(char *why, std::size_t why_size, const std::string &text)
 {
+    // plugins catch what is thrown and keep its words alone
+    static const char *const memory[] = {
+        "bad_alloc", "bad alloc", "ut of memory", "nsufficient memory",
+        "no room for a copy in memory",
+    };
+    int status = -1;
+    for (const char *word : memory) {
+        if (text.find(word) != std::string::npos)
+            status = GP_OIIO_MEMORY;
+    }
     if (why_size == 0)
-        return -1;
+        return status;
     std::size_t n = std::min(text.size(), why_size - 1);
     std::copy_n(text.begin(), n, why);
     why[n] = '\0';
     std::replace(why, why + n, '\n', ' ');
     std::replace(why, why + n, '\r', ' ');
-    return -1;
+    return status;
 }
 
 extern "C" __attribute__((visibility("default"))) const struct gp_oiio_api *

@@ -1,5 +1,8 @@
 #include "io/whole.h"
 
+#include "io/whole_png.h"
+#include "io/whole_tiff.h"
+
 #include <errno.h>
 #include <libdeflate.h>
 #include <stdbool.h>
@@ -153,15 +156,35 @@ static gp_status check_jpeg(struct reader *r)
     return st;
 }
 
+// -- IFF ----------------------------------------------------------------------
+
+/* One chunk that says how long the rest is. */
+static gp_status check_iff(struct reader *r)
+{
+    uint8_t head[8];
+    const gp_status st = pass(r, "its first bytes", sizeof head, NULL, head);
+    return st || be32(head + 4) <= r->s->size - sizeof head
+               ? st
+               : cut_off(r, "its pixels");
+}
+
 gp_status gp_whole_check(const struct gp_log *log, const char *path,
-                         const struct gp_stream *s)
+                         const struct gp_stream *s, int part,
+                         long long max_pixels)
 {
     static const uint8_t png[8] = "\x89PNG\r\n\x1a\n", jpeg[3] = "\xff\xd8\xff";
     uint8_t magic[8] = {0};
     if (gp_stream_read(s, magic, sizeof magic, 0) < (int64_t) sizeof jpeg)
         return GP_OK;
     struct reader r = {.log = log, .path = path, .s = s};
-    if (memcmp(magic, png, sizeof png) == 0)
-        return check_png(&r);
+    if (memcmp(magic, png, sizeof png) == 0) {
+        const gp_status st = check_png(&r);
+        return st ? st : gp_whole_png(log, path, s, max_pixels);
+    }
+    if (memcmp(magic, "II*\0", 4) == 0 || memcmp(magic, "II+\0", 4) == 0 ||
+        memcmp(magic, "MM\0*", 4) == 0 || memcmp(magic, "MM\0+", 4) == 0)
+        return gp_whole_tiff(log, path, s, part);
+    if (memcmp(magic, "FOR4", 4) == 0)
+        return check_iff(&r);
     return memcmp(magic, jpeg, sizeof jpeg) == 0 ? check_jpeg(&r) : GP_OK;
 }

@@ -1,20 +1,25 @@
-/* Whether PNG and JPEG files are all there. Their decoders fill what is missing
- * with grey and say nothing, or speak to stderr themselves. */
+/* Whether PNG, JPEG, TIFF and IFF files are all there. Their decoders fill what
+ * is missing with grey or zeros and say nothing, or speak to stderr themselves.
+ */
 #ifndef GP_IO_WHOLE_H
 #define GP_IO_WHOLE_H
 
 #include "core/status.h"
 #include "io/stream.h"
 
-/* Walks a PNG's chunks to IEND, checksums included, and a JPEG's segments and
- * scans to EOI; files of other formats pass. What lies behind the end does not
- * matter. `path` is for the message.
+/* Walks a PNG's chunks to IEND, checksums included, and decodes its rows; a
+ * JPEG's segments and scans to EOI; an IFF's length; the tables of a TIFF's
+ * directory `part`. Files of other formats pass. What lies behind the end does
+ * not matter. `path` is for the message; a PNG of more than `max_pixels` is
+ * refused here.
  *
- * Errors: GP_ERR_DATA cut off, or a chunk's checksum is wrong; GP_ERR_IO.
- * Sources: W3C PNG (third edition), 5.3; ITU-T T.81, B.1.1.
+ * Errors: GP_ERR_DATA cut off, or a chunk's checksum or data are wrong;
+ * GP_ERR_IO; GP_ERR_BUG out of memory.
+ * Sources: W3C PNG (third edition), 5.3; ITU-T T.81, B.1.1; whole_tiff.h.
  */
 GP_MUST_CHECK gp_status gp_whole_check(const struct gp_log *log,
                                        const char *path,
-                                       const struct gp_stream *s);
+                                       const struct gp_stream *s, int part,
+                                       long long max_pixels);
 
 #endif

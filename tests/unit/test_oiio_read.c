@@ -196,6 +196,70 @@ static void memory_equals_file(void **state)
     assert_true(strlen(why) < 8);
 }
 
+/* A header's claim is refused by the number of bytes behind it. */
+static void bytes_cannot_hold_the_claim(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name, *bytes;
+        size_t n;
+    } row[] = {
+#define ROW(name, text) {name, text, sizeof text - 1}
+        ROW("c.ppm", "P6\n9000 9000\n255\n0123456789"),
+        ROW("c.pfm", "PF\n9000 9000\n-1.0\n0123456789"),
+        ROW("c.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\0\x40\0\x40\x18\0 0123456789"),
+        ROW("c.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9000 +X 9000\n"
+                     "\2\2\x23\x28"),
+#undef ROW
+    };
+    struct gp_frame f;
+    if (!api)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        save(row[i].name, row[i].bytes, row[i].n);
+        assert_int_equal(read_file(path, &f), GP_ERR_DATA);
+        if (!strstr(heard.line, "bytes cannot hold"))
+            fail_msg("%s", heard.line);
+    }
+}
+
+/* Blocks of rows are the rows of the whole; each four channels count. */
+static void blocks_and_channels(void **state)
+{
+    (void) state;
+    enum { BW = 700, BH = 2500 };
+    struct gp_frame f;
+    if (!api)
+        skip();
+    float *const pixels = malloc(sizeof(float) * 3 * BW * BH);
+    assert_non_null(pixels);
+    struct gp_oiio_image image = picture(pixels, 3, "Linear");
+    for (int i = 0; i < 3 * BW * BH; i++)
+        pixels[i] = (float) i;
+    image.w = image.full_w = BW;
+    image.h = image.full_h = BH;
+    snprintf(path, sizeof path, "%s/blocks.tif", folder);
+    assert_int_equal(api->write(path, "tif", &image, "float", "", why,
+                                sizeof why), 0);
+    assert_int_equal(read_file(path, &f), GP_OK);
+    for (int i = 0; i < 3 * BW * BH; i++)
+        assert_true(f.rgb.c[i % 3][i / 3] == pixels[i]);
+    gp_frame_free(&f);
+    image = (struct gp_oiio_image) {
+        .w = 10, .h = 10, .full_w = 10, .full_h = 10, .channels = 9,
+        .pixels = pixels, .colour_space = "Linear",
+    };
+    assert_int_equal(api->write(path, "tif", &image, "float", "", why,
+                                sizeof why), 0);
+    assert_int_equal(api->read(path, NULL, 1 << 20, 0, 299, &image, why,
+                               sizeof why), -1);
+    assert_non_null(strstr(why, "9 channels"));
+    assert_int_equal(api->read(path, NULL, 1 << 20, 0, 300, &image, why,
+                               sizeof why), 0);
+    api->image_free(&image);
+    free(pixels);
+}
+
 static void no_picture_is_an_error(void **state)
 {
     (void) state;
@@ -258,6 +322,8 @@ int main(void)
         cmocka_unit_test(pfm_is_linear),
         cmocka_unit_test(alpha_and_attributes),
         cmocka_unit_test(memory_equals_file),
+        cmocka_unit_test(bytes_cannot_hold_the_claim),
+        cmocka_unit_test(blocks_and_channels),
         cmocka_unit_test(no_picture_is_an_error),
         cmocka_unit_test(resizing_keeps_the_mean),
     };

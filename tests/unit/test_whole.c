@@ -1,7 +1,9 @@
-/* PNG and JPEG that are not all there, byte by byte. */
+/* PNG, JPEG and IFF that are not all there, byte by byte. */
 #include "write_fixture.h"
 
 #include "io/whole.h"
+
+#include <libdeflate.h>
 
 static gp_status check(const void *bytes, size_t size)
 {
@@ -10,7 +12,7 @@ static gp_status check(const void *bytes, size_t size)
         .borrowed = true,
     };
     wf_line[0] = '\0';
-    return gp_whole_check(&wf_log, "in", &s);
+    return gp_whole_check(&wf_log, "in", &s, 0, 1 << 20);
 }
 
 /* Any byte changed, and any end but the last, is found; what follows IEND and
@@ -47,6 +49,89 @@ static void png(void **state)
     assert_int_equal(check(more, size + 100), GP_OK);
     free(more);
     free(bytes);
+}
+
+static size_t put_chunk(uint8_t *to, const char *type, const void *data,
+                        size_t n)
+{
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t) (n >> (24 - 8 * i));
+    memcpy(to + 4, type, 4);
+    memcpy(to + 8, data, n);
+    const uint32_t crc = libdeflate_crc32(0, to + 4, n + 4);
+    for (int i = 0; i < 4; i++)
+        to[8 + n + (size_t) i] = (uint8_t) (crc >> (24 - 8 * i));
+    return n + 12;
+}
+
+/* A grey PNG of w x h whose `rows` bytes of zeros are deflated, cut to `part`
+ * percent; all checksums are right. */
+static size_t make_png(uint8_t *to, int w, int h, bool interlaced, size_t rows,
+                       size_t part)
+{
+    uint8_t *const raw = calloc(1, rows), packed[4096];
+    struct libdeflate_compressor *const c = libdeflate_alloc_compressor(9);
+    const uint8_t head[13] = {
+        0, 0, (uint8_t) (w >> 8), (uint8_t) w, 0, 0, (uint8_t) (h >> 8),
+        (uint8_t) h, 8, 0, 0, 0, interlaced,
+    };
+    assert_true(raw && c);
+    size_t n = libdeflate_zlib_compress(c, raw, rows, packed, sizeof packed);
+    assert_true(n > 0);
+    n = n * part / 100;
+    memcpy(to, "\x89PNG\r\n\x1a\n", 8);
+    size_t at = 8 + put_chunk(to + 8, "IHDR", head, sizeof head);
+    at += put_chunk(to + at, "IDAT", packed, n);
+    at += put_chunk(to + at, "IEND", "", 0);
+    libdeflate_free_compressor(c);
+    free(raw);
+    return at;
+}
+
+/* What libpng would say to stderr is said once, here. */
+static void png_rows(void **state)
+{
+    (void) state;
+    static const struct {
+        int w, h;
+        bool interlaced;
+        size_t rows, part;
+        const char *said; // NULL: whole
+    } rows[] = {
+        {7, 5, false, 5 * 8, 100, NULL},
+        {7, 5, false, 4 * 8, 100, "damaged (Not enough image data)"},
+        {7, 5, false, 5 * 8 - 1, 100, "damaged (Not enough image data)"},
+        {7, 5, false, 5 * 8, 50, "damaged ("},
+        // passes of 1x1, 1x1, 2x1, 2x2, 4x1, 3x3 and 7x2, a byte more a row
+        {7, 5, true, 2 + 2 + 3 + 6 + 10 + 12 + 16, 100, NULL},
+        {7, 5, true, 20, 100, "damaged (Not enough image data)"},
+        {16384, 16384, false, 1000, 100, "in: too large (16384 x 16384 "},
+        {1000, 1048, false, 1001 * 1048, 100, NULL},
+        {1000, 1049, false, 1001 * 1049, 100, "too large (1000 x 1049 "},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        uint8_t bytes[8192];
+        const size_t n = make_png(bytes, rows[i].w, rows[i].h,
+                                  rows[i].interlaced, rows[i].rows,
+                                  rows[i].part);
+        if (check(bytes, n) != (rows[i].said ? GP_ERR_DATA : GP_OK))
+            fail_msg("row %zu: %s", i, wf_line);
+        if (rows[i].said)
+            wf_assert_said(rows[i].said);
+    }
+}
+
+/* The length that the first chunk gives is the file's. */
+static void iff(void **state)
+{
+    (void) state;
+    static const uint8_t bytes[21] = "FOR4\0\0\0\14CIMG 8 bytes";
+    for (size_t n = 3; n < sizeof bytes; n++)
+        assert_int_equal(check(bytes, n), n < 4 || n >= 20 ? GP_OK
+                                                          : GP_ERR_DATA);
+    static const uint8_t huge[12] = "FOR4\xff\xff\xff\xff";
+    assert_int_equal(check(huge, sizeof huge), GP_ERR_DATA);
+    wf_assert_said("in: cut off or damaged (the file ends in its pixels)");
 }
 
 static void jpeg(void **state)
@@ -104,6 +189,8 @@ static void long_scans(void **state)
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {TEST(png), TEST(jpeg), TEST(long_scans)};
+    const struct CMUnitTest tests[] = {
+        TEST(png), TEST(png_rows), TEST(iff), TEST(jpeg), TEST(long_scans),
+    };
     return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }
