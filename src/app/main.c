@@ -8,7 +8,7 @@
 #include "core/bridge.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/file.h"
+#include "io/file_temp.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -123,7 +123,7 @@ int main(int argc, char *argv[])
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
     keep_streams();
     gp_keep_memory();
-    gp_file_cleanup_on_signal();
+    gp_temp_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death
     last_log = &log;
     gp_bridge_on_no_memory(end_for_memory);

@@ -5,6 +5,7 @@
 #include <dlfcn.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -124,10 +125,13 @@ int gp_fft_length(int n)
 static void save_wisdom(const struct gp_fftwf *lib, const char *wisdom)
 {
     char temporary[4096];
-    const int n = snprintf(temporary, sizeof temporary, "%s.%ld", wisdom,
-                           (long) getpid());
+    const int n = snprintf(temporary, sizeof temporary, "%s.XXXXXX", wisdom);
     if (n < 0 || (size_t) n >= sizeof temporary)
         return;
+    const int fd = mkstemp(temporary); // no other run has this name
+    if (fd < 0)
+        return;
+    close(fd);
     if (!lib->export_wisdom_to_filename(temporary) ||
         rename(temporary, wisdom) != 0)
         unlink(temporary); // a cache that cannot be kept is no error

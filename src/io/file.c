@@ -2,134 +2,31 @@
 
 #include "core/memory.h"
 #include "io/file_name.h"
+#include "io/file_temp.h"
 
 #include <errno.h>
 #include <fcntl.h>
-#include <pthread.h>
-#include <signal.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
-enum {
-    BUFFER_BYTES = 1 << 20, // chunk leaders of 8 bytes do not become writes
-    LIVE_MAX = 64,          // temporary files that a signal can remove
-    LIVE_NAME_MAX = 4096,
-    PATIENCE_MS = 1000,
-};
+enum { BUFFER_BYTES = 1 << 20 }; // chunk leaders of 8 bytes are no writes
 
 struct gp_file {
     const struct gp_log *log;
     char *path;      // as the user gave it, "stdout" for "-": for messages
     bool is_stdout;
     char *target;    // where the rename goes; NULL: straight to fd
-    char *temp;      // the name while it is written; NULL: straight to fd
+    struct gp_temp temp; // while it is written; no name: straight to fd
     int fd;          // -1 when closed
     bool own_fd;     // false for stdout
-    int live;        // slot in live_temps, or -1
     gp_status st;    // first failure; later writes repeat it silently
     uint8_t *buffer; // what is not yet in fd; for straight targets all of it
     size_t held, room;
     uint64_t flushed;
 };
-
-// -- temporary names that a signal must remove --------------------------------
-
-static struct {
-    volatile sig_atomic_t live;
-    char name[LIVE_NAME_MAX];
-} live_temps[LIVE_MAX];
-static pthread_mutex_t live_lock = PTHREAD_MUTEX_INITIALIZER;
-
-/* A signal's handler may run while other threads open files. It waits for
- * those that are opening, and whoever comes later waits for the end. */
-static atomic_int opening;
-static atomic_bool ending;
-
-static void wait_for_the_end(void)
-{
-    while (atomic_load(&ending))
-        pause();
-}
-
-/* Between these two no signal is handled on this thread, and none ends the
- * process while a name may be made that the handler has not seen. */
-static void begin_opening(sigset_t *before)
-{
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, before);
-    atomic_fetch_add(&opening, 1);
-    if (atomic_load(&ending)) {
-        atomic_fetch_sub(&opening, 1);
-        wait_for_the_end();
-    }
-}
-
-static void end_opening(const sigset_t *before)
-{
-    atomic_fetch_sub(&opening, 1);
-    pthread_sigmask(SIG_SETMASK, before, NULL);
-}
-
-static int live_add(const char *name)
-{
-    int slot = -1;
-    if (strlen(name) >= LIVE_NAME_MAX)
-        return -1;
-    pthread_mutex_lock(&live_lock);
-    for (int i = 0; i < LIVE_MAX && slot < 0; i++) {
-        if (!live_temps[i].live) {
-            strcpy(live_temps[i].name, name);
-            live_temps[i].live = 1; // last: the handler trusts the name
-            slot = i;
-        }
-    }
-    pthread_mutex_unlock(&live_lock);
-    return slot;
-}
-
-static void live_drop(int slot)
-{
-    if (slot < 0)
-        return;
-    pthread_mutex_lock(&live_lock);
-    live_temps[slot].live = 0;
-    pthread_mutex_unlock(&live_lock);
-}
-
-static void remove_live(int sig)
-{
-    const struct timespec moment = {.tv_nsec = 1000000};
-    atomic_store(&ending, true);
-    // a file system that hangs must not keep the process
-    for (int i = 0; i < PATIENCE_MS && atomic_load(&opening) > 0; i++)
-        nanosleep(&moment, NULL);
-    for (int i = 0; i < LIVE_MAX; i++) {
-        if (live_temps[i].live)
-            unlink(live_temps[i].name);
-    }
-    raise(sig); // SA_RESETHAND: the default action, once this returns
-}
-
-void gp_file_cleanup_on_signal(void)
-{
-    static const int deadly[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGXCPU,
-                                 SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
-    struct sigaction act = {.sa_handler = remove_live,
-                            .sa_flags = (int) SA_RESETHAND};
-    sigemptyset(&act.sa_mask);
-    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {
-        struct sigaction was;
-        if (!sigaction(deadly[i], NULL, &was) && was.sa_handler != SIG_IGN)
-            sigaction(deadly[i], &act, NULL);
-    }
-    signal(SIGPIPE, SIG_IGN);
-}
 
 // -- opening ------------------------------------------------------------------
 
@@ -156,7 +53,7 @@ static const char *hint(int error)
 static gp_status cannot_write(const struct gp_log *log, const char *path,
                               int error)
 {
-    wait_for_the_end(); // the handler has removed what this is about
+    gp_temp_wait(); // the handler has removed what this is about
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));
 }
@@ -198,33 +95,18 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     return st;
 }
 
-/* Makes the temporary file; -1 with errno when it cannot. */
-static int make_temp(struct gp_file *f)
-{
-    const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
-    sigset_t before;
-    begin_opening(&before);
-    f->live = live_add(f->temp);
-    int fd = open(f->temp, flags, 0666);
-    if (fd < 0 && errno == EEXIST && !unlink(f->temp))
-        fd = open(f->temp, flags, 0666); // left by a killed namesake
-    const int error = errno;
-    end_opening(&before);
-    errno = error;
-    return fd;
-}
-
 /* Opens the temporary file with the permissions of the one it replaces. */
 static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
     struct stat old;
     f->target = gp_file_resolve(f->path);
-    f->temp = f->target ? gp_file_temp_name(f->target) : NULL;
-    if (!f->temp)
+    if (!f->target)
         return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
     if (create_dir && gp_file_make_folders(f->target))
         return cannot_write(f->log, f->path, errno);
-    f->fd = make_temp(f);
+    f->fd = gp_temp_make(&f->temp, f->target);
+    if (f->fd < 0 && errno == ENOMEM)
+        return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
     if (f->fd < 0)
         return cannot_write(f->log, f->path, errno);
     f->own_fd = true;
@@ -253,7 +135,7 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_file_check(log, path, create_dir));
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &mem));
     f = mem;
-    *f = (struct gp_file) {.log = log, .fd = -1, .live = -1};
+    *f = (struct gp_file) {.log = log, .fd = -1};
     f->is_stdout = strcmp(path, "-") == 0;
     f->path = gp_strdup(f->is_stdout ? "stdout" : path);
     f->buffer = malloc(BUFFER_BYTES);
@@ -329,7 +211,7 @@ gp_status gp_file_write(struct gp_file *f, const void *data, size_t size)
     if (f->st)
         return f->st;
     if (size > f->room - f->held) {
-        gp_status st = f->temp ? flush(f) : grow(f, size);
+        gp_status st = f->temp.name ? flush(f) : grow(f, size);
         if (st)
             return st;
     }
@@ -399,10 +281,8 @@ gp_status gp_file_commit(struct gp_file **file)
     gp_status st = f->st ? f->st : flush(f);
     if (!st)
         st = close_fd(f); // network file systems tell of a full disk here
-    if (!st && f->temp && rename(f->temp, f->target))
+    if (!st && f->temp.name && gp_temp_end(&f->temp, f->target))
         st = failed(f, errno);
-    if (!st && f->temp)
-        GP_FREE(f->temp); // it has its final name: nothing to remove
     gp_file_discard(file);
     return st;
 }
@@ -414,11 +294,8 @@ void gp_file_discard(struct gp_file **file)
         return;
     if (f->fd >= 0 && f->own_fd)
         close(f->fd);
-    if (f->temp && f->own_fd)
-        unlink(f->temp);
-    live_drop(f->live);
+    gp_temp_end(&f->temp, NULL);
     free(f->buffer);
-    gp_free(f->temp);
     gp_free(f->target);
     gp_free(f->path);
     GP_FREE(*file);

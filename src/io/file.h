@@ -1,7 +1,9 @@
 /* One output file under way: whole under its final name, or not at all.
  *
  * A regular target is written as FOLDER/.NAME.PID.tmp and renamed by
- * gp_file_commit(). A target that cannot be renamed onto ("-" for stdout, a
+ * gp_file_commit(). Where that name is taken (by a run with the same number on
+ * another machine, or one that was killed) it is .NAME.PID-1.tmp, and so on: a
+ * file that another run made is never touched. A target that cannot be renamed onto ("-" for stdout, a
  * pipe, a device) is gathered in memory and written in one go, because
  * formats go back to fill in tables and a pipe cannot.
  *
@@ -64,12 +66,5 @@ GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
 
 /* True when a regular file stands under that name. */
 bool gp_file_exists(const char *path);
-
-/* Call once at start: signals that end a process, and that may be caught (from
- * the terminal, a batch system or a timer), remove the temporary files that are
- * under way and then end it as they would have; a signal that the parent set to
- * be ignored stays ignored. SIGPIPE is ignored from
- * then on, so that a closed pipe is GP_ERR_IO and not a silent end. */
-void gp_file_cleanup_on_signal(void);
 
 #endif

@@ -58,11 +58,13 @@ char *gp_file_resolve(const char *path)
     return gp_strdup(path);
 }
 
-char *gp_file_temp_name(const char *path)
+char *gp_file_temp_name(const char *path, int nth)
 {
     const char *base = base_of(path);
-    char tail[32];
-    int tail_bytes = snprintf(tail, sizeof tail, ".%ld.tmp", (long) getpid());
+    const long pid = (long) getpid();
+    char tail[48];
+    int tail_bytes = nth ? snprintf(tail, sizeof tail, ".%ld-%d.tmp", pid, nth)
+                         : snprintf(tail, sizeof tail, ".%ld.tmp", pid);
     int name_bytes = NAME_BYTES - 1 - tail_bytes;
     if (strlen(base) < (size_t) name_bytes)
         name_bytes = (int) strlen(base);

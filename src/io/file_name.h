@@ -11,11 +11,12 @@ bool gp_file_is_straight(const char *path);
 
 /* Strings from malloc, NULL when memory is full: the folder a path is in
  * ("." for a bare name), the path with links followed as far as they lead to
- * something, and FOLDER/.NAME.PID.tmp (NAME cut where the whole would be
- * longer than a file name may be). */
+ * something, and FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth
+ * choice N > 0 (NAME cut where the whole would be longer than a file name may
+ * be). */
 char *gp_file_folder(const char *path);
 char *gp_file_resolve(const char *path);
-char *gp_file_temp_name(const char *path);
+char *gp_file_temp_name(const char *path, int nth);
 
 /* Makes every missing folder above `path`; 0, or -1 with errno set. */
 int gp_file_make_folders(const char *path);

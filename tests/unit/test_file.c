@@ -3,6 +3,7 @@
 
 #include "io/file.h"
 #include "io/file_name.h"
+#include "io/file_temp.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -165,6 +166,49 @@ static void names(void **state)
     remove(wf_path(name));
 }
 
+/* Opens both targets, writes to both, and keeps or discards them in turn. */
+static void write_both(const char *one, const char *other, bool keep_other)
+{
+    struct gp_file *a, *b;
+    assert_int_equal(gp_file_open(&wf_log, one, false, &a), GP_OK);
+    assert_int_equal(gp_file_open(&wf_log, other, false, &b), GP_OK);
+    assert_int_equal(gp_file_write(a, "first", 5), GP_OK);
+    assert_int_equal(gp_file_write(b, "second, longer", 14), GP_OK);
+    if (!keep_other)
+        gp_file_discard(&b);
+    assert_int_equal(gp_file_commit(&a), GP_OK);
+    assert_text(one, "first");
+    if (keep_other)
+        assert_int_equal(gp_file_commit(&b), GP_OK);
+}
+
+/* Processes with the same number (of other containers or machines) and names
+ * that are cut to the same one: each has a temporary file of its own. */
+static void taken_names(void **state)
+{
+    (void) state;
+    char long_a[256], long_b[256];
+    snprintf(long_a, sizeof long_a, "%0254da", 0);
+    snprintf(long_b, sizeof long_b, "%0254db", 0);
+    char *a = strdup(wf_path(long_a)), *b = strdup(wf_path(long_b));
+    char *same = strdup(wf_path("same"));
+    write_both(a, b, true);
+    assert_text(b, "second, longer");
+    write_both(same, same, true);
+    assert_text(same, "second, longer");
+    write_both(same, same, false);
+    char *stranger = gp_file_temp_name(same, 0);
+    put_file(stranger, "another run's");
+    write_both(same, a, false);
+    assert_text(stranger, "another run's");
+    char *const made[] = {a, b, same, stranger};
+    for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
+        remove(made[i]);
+        free(made[i]);
+    }
+    assert_int_equal(wf_names(), 0); // nothing is left
+}
+
 /* Writes 4 MiB to `path`; the first failure. */
 static gp_status write_much(const char *path)
 {
@@ -225,7 +269,7 @@ static void pipes(void **state)
     assert_int_equal(read(ends[0], got, 3), 3);
     assert_string_equal(got, "Abc");
     close(ends[0]);
-    gp_file_cleanup_on_signal(); // ignores SIGPIPE
+    gp_temp_cleanup_on_signal(); // ignores SIGPIPE
     assert_int_equal(write_much(path), GP_ERR_IO);
     wf_assert_said(strerror(EPIPE));
     close(ends[1]);
@@ -242,7 +286,7 @@ static void end_child(int sig)
         struct gp_file *f;
         signal(SIGHUP, SIG_IGN); // as nohup does, before the program starts
         signal(sig, SIG_DFL);    // what a shell starts behind & ignores SIGINT
-        gp_file_cleanup_on_signal();
+        gp_temp_cleanup_on_signal();
         if (gp_file_open(NULL, wf_path("killed"), false, &f) ||
             gp_file_write(f, "half", 4) || write(ready[1], "r", 1) != 1)
             _exit(1);
@@ -341,6 +385,7 @@ int main(void)
                                         wf_end),
         cmocka_unit_test_setup_teardown(folders, wf_start, wf_end),
         cmocka_unit_test_setup_teardown(names, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(taken_names, wf_start, wf_end),
         cmocka_unit_test_setup_teardown(full_disk, wf_start, wf_end),
         cmocka_unit_test_setup_teardown(pipes, wf_start, wf_end),
         cmocka_unit_test_setup_teardown(signals, wf_start, wf_end),
