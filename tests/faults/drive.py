@@ -102,6 +102,7 @@ KINDS = (
 
 def names_of(arguments):
     """The files that a line may name: as given, and those of patterns."""
+    yield "stdout"
     for word in arguments.split():
         word = word.split("=")[-1]
         yield word
