@@ -182,6 +182,8 @@ def faults_of_stderr(name, run):
     if run.status not in (0, 6) and len(said) != (run.status not in BY_SIGNAL):
         yield f"{len(said)} lines of error: " + repr(said[:3])
     for line in said:
+        if "(0 bytes)" in line:
+            yield "nothing is more than there is: " + repr(line[:200])
         if line.split(": ")[1] not in NAMES[name] and \
                 not line.startswith(NO_FILE):
             yield "no file is named: " + repr(line[:200])
