@@ -37,7 +37,7 @@ struct trial {
 static void keep_line(void *user, enum gp_level level, const char *line)
 {
     struct gp_bench_row *const row = user;
-    if (level == GP_LEVEL_ERROR)
+    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
         snprintf(row->why, sizeof row->why, "%s", line);
 }
 

@@ -136,7 +136,7 @@ static gp_status run_all(struct bench *b, const struct gp_log *log,
 static void keep_line(void *user, enum gp_level level, const char *line)
 {
     struct row *const r = user;
-    if (level == GP_LEVEL_ERROR)
+    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
         snprintf(r->why, sizeof r->why, "%s", line);
 }
 

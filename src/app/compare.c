@@ -195,7 +195,8 @@ static gp_status compare_frame(struct run *r, int frame)
         .a = a, .b = b, .numbered = r->frames.n > 0, .frame = frame,
     };
     st = a && b ? compare_files(r)
-                : gp_fail(r->log, GP_ERR_BUG, "frame %d: out of memory", frame);
+                : gp_fail_bare(r->log, GP_ERR_BUG,
+                               "frame %d: out of memory", frame);
     free(a);
     free(b);
     return st;
@@ -209,7 +210,7 @@ static gp_status add_frames(struct run *r, const struct gp_pattern *p)
     struct gp_frames more = {0};
     gp_status st = gp_frames_on_disk(r->log, p, NULL, &more);
     if (!st && !gp_frames_join(&r->frames, &more))
-        st = gp_fail(r->log, GP_ERR_BUG, "frame list: out of memory");
+        st = gp_fail_bare(r->log, GP_ERR_BUG, "frame list: out of memory");
     gp_frames_free(&more);
     return st;
 }

@@ -34,7 +34,7 @@ static gp_status add_job(const struct gp_log *log, struct gp_jobs *j,
                                       sizeof *grown);
     if (!grown) {
         gp_free(job.input);
-        return gp_fail(log, GP_ERR_BUG, "frame list: out of memory");
+        return gp_fail_bare(log, GP_ERR_BUG, "frame list: out of memory");
     }
     j->job = grown;
     j->job[j->n++] = job;
@@ -71,7 +71,7 @@ static gp_status list_views(const struct gp_log *log,
         struct gp_frames more = {0};
         st = gp_frames_on_disk(NULL, p, view->name[i], &more);
         if (!st && !gp_frames_join(all, &more))
-            st = gp_fail(log, GP_ERR_BUG, "frame list: out of memory");
+            st = gp_fail_bare(log, GP_ERR_BUG, "frame list: out of memory");
         gp_frames_free(&more);
         if (st && st != GP_ERR_IO)
             return st;

@@ -44,7 +44,7 @@ gp_status gp_jobs_read_stdin(const struct gp_log *log,
     const int n = j->members.n * j->views;
     struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
     if (!grown)
-        return gp_fail(log, GP_ERR_BUG, "frame list: out of memory");
+        return gp_fail_bare(log, GP_ERR_BUG, "frame list: out of memory");
     j->job = grown;
     for (; j->n < n; j->n++) // its views are those of the first
         grown[j->n] = (struct gp_job) {.view = grown[j->n % j->views].view};
@@ -54,7 +54,7 @@ gp_status gp_jobs_read_stdin(const struct gp_log *log,
         free(j->job[i].input);
         j->job[i].input = name_of(j->job[i].frame);
         if (!j->job[i].input)
-            st = gp_fail(log, GP_ERR_BUG, "frame list: out of memory");
+            st = gp_fail_bare(log, GP_ERR_BUG, "frame list: out of memory");
     }
     return st;
 }

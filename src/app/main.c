@@ -5,6 +5,7 @@
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "core/bridge.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file_temp.h"
@@ -12,6 +13,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
 #include <unistd.h>
@@ -26,15 +28,24 @@ static void keep_streams(void)
     }
 }
 
+struct voice {
+    struct gp_progress *progress; // NULL: none is drawn
+    const char *file;  // the first input, for errors that name no file and are
+                       // about no frame; NULL before the command line is read
+};
+
 /* Every message is one line on stderr, and never in the middle of the
- * progress line; `user` is the progress, NULL before there is one. */
+ * progress line. */
 static void print_line(void *user, enum gp_level level, const char *line)
 {
-    char whole[4352];
-    snprintf(whole, sizeof whole, "glarepp: %s%s",
-             level == GP_LEVEL_WARN ? "warning: " : "", line);
-    if (user)
-        gp_progress_say(user, stderr, whole);
+    const struct voice *const voice = user;
+    const bool names = level == GP_LEVEL_BARE && voice->file;
+    char whole[2 * GP_LINE_BYTES];
+    snprintf(whole, sizeof whole, "glarepp: %s%s%s%s",
+             level == GP_LEVEL_WARN ? "warning: " : "",
+             names ? voice->file : "", names ? ": " : "", line);
+    if (voice->progress)
+        gp_progress_say(voice->progress, stderr, whole);
     else
         fprintf(stderr, "%s\n", whole);
 }
@@ -63,7 +74,30 @@ static gp_status print_text(const struct gp_log *log,
     return GP_OK;
 }
 
-static gp_status make_frames(struct gp_log *log, const struct gp_settings *s)
+static const struct gp_log *last_log; // for what has no way back to main()
+
+/* Ends as a signal would that ends the process, but for the status: whoever
+ * hears of one removes what is under way. */
+static void end_for_memory(const char *line)
+{
+    static const int deadly[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
+    struct sigaction act;
+    sigset_t all;
+    gp_status st = gp_fail(last_log, GP_ERR_BUG, "%s", line);
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, NULL); // what it raises stays unheard
+    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {
+        if (!sigaction(deadly[i], NULL, &act) && act.sa_handler != SIG_IGN &&
+            act.sa_handler != SIG_DFL) {
+            act.sa_handler(deadly[i]);
+            break;
+        }
+    }
+    _exit((int) st);
+}
+
+static gp_status make_frames(const struct gp_log *log, struct voice *voice,
+                             const struct gp_settings *s)
 {
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
@@ -72,9 +106,9 @@ static gp_status make_frames(struct gp_log *log, const struct gp_settings *s)
     if (!st) {
         gp_progress_open(&progress, stderr, s->progress,
                          s->level == GP_LEVEL_ERROR);
-        log->user = &progress;
+        voice->progress = &progress;
         st = gp_pipeline_run(log, s, &jobs, &progress);
-        log->user = NULL;
+        voice->progress = NULL;
         gp_progress_close(&progress);
     }
     gp_jobs_free(&jobs);
@@ -85,15 +119,20 @@ int main(int argc, char *argv[])
 {
     struct gp_settings s;
     int status = 0; // of what has exit statuses of its own
-    struct gp_log log = {print_line, NULL, GP_LEVEL_WARN};
+    struct voice voice = {NULL, NULL};
+    struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
     keep_streams();
     gp_keep_memory();
     gp_temp_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death
+    last_log = &log;
+    gp_bridge_on_no_memory(end_for_memory);
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
+    voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
+    gp_bridge_about(voice.file);
     if (!st && (s.help || s.help_man || s.version ||
                 s.command == GP_COMMAND_HELP))
         st = print_text(&log, &s);
@@ -102,7 +141,7 @@ int main(int argc, char *argv[])
     else if (!st && s.command == GP_COMMAND_COMPARE)
         status = gp_compare_run(&log, &s);
     else if (!st)
-        st = make_frames(&log, &s);
+        st = make_frames(&log, &voice, &s);
     gp_settings_free(&s);
     return st ? (int) st : status;
 }

@@ -6,6 +6,7 @@
 #include "app/stages.h"
 #include "app/tally.h"
 #include "app/work.h"
+#include "core/bridge.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -128,7 +129,8 @@ static bool is_made(const struct pipeline *p, int unit)
 
 static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
 {
-    gp_said_begin(&u->said, p->log, &p->flight, unit);
+    gp_said_begin(&u->said, p->log, &p->flight, unit,
+                  job_of(p, unit, 0)->input);
     u->kept = is_made(p, unit);
     if (u->kept)
         atomic_fetch_add(&p->kept, p->jobs->views);
@@ -155,6 +157,7 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
+    gp_bridge_about(job_of(p, unit, 0)->input);
     gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
     for (int v = 0; v < u->begun && !st; v++) {
         st = run_stages(p, &u->work[v], phase);
@@ -163,6 +166,7 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
         if (phase == GP_PHASE_COMPUTE)
             gp_suns_end_frame(&p->run.suns);
     }
+    gp_bridge_about(NULL);
     return st;
 }
 

@@ -32,6 +32,12 @@ static bool keep(struct gp_said *s, enum gp_level level, const char *line)
 static void take(void *user, enum gp_level level, const char *line)
 {
     struct gp_said *const s = user;
+    char named[GP_LINE_BYTES];
+    if (level == GP_LEVEL_BARE) {
+        snprintf(named, sizeof named, "%s: %s", s->name, line);
+        line = named;
+        level = GP_LEVEL_ERROR;
+    }
     if (level == GP_LEVEL_ERROR)
         snprintf(s->last, sizeof s->last, "%s", line);
     if (gp_flight_head(s->flight) != s->unit && keep(s, level, line))
@@ -41,11 +47,12 @@ static void take(void *user, enum gp_level level, const char *line)
 }
 
 void gp_said_begin(struct gp_said *s, const struct gp_log *to,
-                   const struct gp_flight *flight, int unit)
+                   const struct gp_flight *flight, int unit,
+                   const char *name)
 {
     *s = (struct gp_said) {
         .log = {take, s, to ? to->level : GP_LEVEL_ERROR},
-        .to = to, .flight = flight, .unit = unit,
+        .to = to, .flight = flight, .unit = unit, .name = name,
     };
 }
 

@@ -225,7 +225,7 @@ static gp_status keep_lights(const struct gp_suns *suns, struct gp_work *w)
     w->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
     w->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
     if ((o->depth && !w->depth) || (o->mask && !w->mask))
-        return gp_fail(w->log, GP_ERR_BUG, "lights: out of memory");
+        return gp_fail_bare(w->log, GP_ERR_BUG, "lights: out of memory");
     w->facts.light = w->light;
     w->facts.lights = suns->n;
     w->facts.depth = w->depth;

@@ -149,10 +149,11 @@ static gp_status find_sprite(const struct gp_log *log,
 {
     struct gp_disc_pixels d;
     if (radius > SPRITE_RADIUS)
-        return gp_fail(log, GP_ERR_DATA,
-                       "a light of radius %g: too large for glare of its own "
-                       "at the frame's edge (%d pixels at most); give it no "
-                       "flux, or --sun-in-frame", radius, SPRITE_RADIUS);
+        return gp_fail_bare(log, GP_ERR_DATA,
+                            "a light of radius %g: too large for glare of its "
+                            "own at the frame's edge (%d pixels at most); "
+                            "give it no flux, or --sun-in-frame", radius,
+                            SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
     if (suns->sprite_kernel != k->serial || suns->sprites == GP_SUN_SPRITES)
         drop_sprites(suns);

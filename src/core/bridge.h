@@ -11,4 +11,16 @@
  * NULL, with one line in `why`, when it or one of its libraries is missing. */
 void *gp_bridge_open(const char *name, char *why, size_t why_size);
 
+/* C++ ends the process for what is thrown where nothing can catch it, such as
+ * by a library's static constructors under dlopen(). When that is for want of
+ * memory, a bridge having been asked for, `end` is called on that thread with
+ * one line, "FILE: out of memory ..."; it says so, cleans up and does not
+ * return. For all else C++ does as ever. Call once, before there are threads.
+ */
+void gp_bridge_on_no_memory(void (*end)(const char *line));
+
+/* The file that this thread works on, for that line. Borrowed until the next
+ * call on this thread; NULL: none. */
+void gp_bridge_about(const char *file);
+
 #endif

@@ -130,9 +130,10 @@ static bool keep(void *block)
 static gp_status no_memory(const struct gp_log *log, const char *what,
                            size_t bytes)
 {
-    return gp_fail(log, GP_ERR_BUG,
-                   "%s: out of memory (%zu bytes); use a smaller frame or a "
-                   "machine with more memory", what, bytes);
+    return gp_fail_bare(log, GP_ERR_BUG,
+                        "%s: out of memory (%zu byte%s); use a smaller frame "
+                        "or a machine with more memory", what, bytes,
+                        bytes == 1 ? "" : "s");
 }
 
 gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
@@ -142,15 +143,14 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
         bytes > SIZE_MAX - HUGE_PAGE)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: more memory than there can be (%zu x %zu bytes); "
-                       "use a smaller frame", what, count, size);
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "%s: more memory than there can be (%zu x %zu "
+                            "bytes); use a smaller frame", what, count, size);
+    bytes += !bytes; // never none: NULL is for failure alone
     *out = reuse(bytes);
     if (*out)
         return GP_OK;
-    // never no bytes: NULL is for failure alone
-    if (posix_memalign(out, bytes < LARGE ? GP_ALIGN : HUGE_PAGE,
-                       bytes ? bytes : 1) != 0)
+    if (posix_memalign(out, bytes < LARGE ? GP_ALIGN : HUGE_PAGE, bytes) != 0)
         *out = NULL;
 #ifdef MADV_HUGEPAGE
     if (*out && bytes >= LARGE)

@@ -13,7 +13,8 @@ enum { GP_ALIGN = 64 };
 /* Allocates `count` * `size` zeroed bytes at GP_ALIGN into *out, which is
  * NULL on failure. A product that overflows fails like a full memory.
  * Ownership passes to the caller; free with gp_free().
- * Errors: GP_ERR_BUG, with a line that names `what` and the bytes.
+ * Errors: GP_ERR_BUG, with a line that names `what` and the bytes, and no
+ * file: gp_fail_bare().
  */
 GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
                                       const char *what, size_t count,

@@ -3,14 +3,13 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-enum { LINE_MAX_BYTES = 4096 };
-
 static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
                 va_list args)
 {
-    if (!log || !log->sink || level > log->level)
+    if (!log || !log->sink ||
+        (level > log->level && level != GP_LEVEL_BARE))
         return;
-    char line[LINE_MAX_BYTES];
+    char line[GP_LINE_BYTES];
     vsnprintf(line, sizeof line, fmt, args);
     for (char *c = line; *c; c++) { // one message is one line, whatever a
         if (*c == '\n' || *c == '\r') // file name or a library put into it
@@ -25,6 +24,16 @@ gp_status (gp_fail)(const struct gp_log *log, gp_status status,
     va_list args;
     va_start(args, fmt);
     say(log, GP_LEVEL_ERROR, fmt, args);
+    va_end(args);
+    return status;
+}
+
+gp_status (gp_fail_bare)(const struct gp_log *log, gp_status status,
+                         const char *fmt, ...)
+{
+    va_list args;
+    va_start(args, fmt);
+    say(log, GP_LEVEL_BARE, fmt, args);
     va_end(args);
     return status;
 }

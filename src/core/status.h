@@ -22,10 +22,19 @@ typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 #define GP_MUST_CHECK __attribute__((warn_unused_result))
 #define GP_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
 
-enum gp_level { GP_LEVEL_ERROR, GP_LEVEL_WARN, GP_LEVEL_INFO };
+/* BARE, for lines only, is an error whose line names no file ("sensors: out of
+ * memory"): the sink that knows which file it is about puts that name before. */
+enum gp_level {
+    GP_LEVEL_ERROR,
+    GP_LEVEL_WARN,
+    GP_LEVEL_INFO,
+    GP_LEVEL_BARE,
+};
+
+enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 
 /* Where messages go. `sink` gets one line without its newline. A NULL log
- * is silent. Messages over `level` are dropped.
+ * is silent. Messages over `level` are dropped, errors never.
  */
 struct gp_log {
     void (*sink)(void *user, enum gp_level level, const char *line);
@@ -42,9 +51,16 @@ struct gp_log {
  */
 gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
                   ...) GP_PRINTF(3, 4);
-#ifdef __clang_analyzer__ // which cannot see that it returns what it was given
+
+/* The same for a line that names no file: GP_LEVEL_BARE. */
+gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
+                       const char *fmt, ...) GP_PRINTF(3, 4);
+
+#ifdef __clang_analyzer__ // which cannot see that they return what they got
 #define gp_fail(log, status, ...)                                             \
     ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
+#define gp_fail_bare(log, status, ...)                                        \
+    ((void) (gp_fail_bare)(log, status, __VA_ARGS__), (status))
 #endif
 
 /* Prints a warning or a note; same form, never ends the run. */

@@ -6,10 +6,11 @@ gp_status gp_block_make(const struct gp_log *log, const struct gp_gl *gl,
                         const char *what, size_t bytes, struct gp_block *out)
 {
     if (bytes < 1 || bytes > (size_t) gp_gl_block_max(gl))
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: %s: %zu bytes do not go into one uniform block "
-                       "(1 to %d is the limit); use --engine fft or direct",
-                       gp_gl_name(gl), what, bytes, gp_gl_block_max(gl));
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "%s: %s: %zu bytes do not go into one uniform "
+                            "block (1 to %d is the limit); use --engine fft "
+                            "or direct", gp_gl_name(gl), what, bytes,
+                            gp_gl_block_max(gl));
     struct gp_block b = {.bytes = bytes};
     gl->f.CreateBuffers(1, &b.id);
     gl->f.NamedBufferStorage(b.id, (GLsizeiptr) bytes, NULL,

@@ -10,10 +10,11 @@ gp_status gp_list_make(const struct gp_log *log, const struct gp_gl *gl,
                        const char *what, int n, struct gp_list *out)
 {
     if (n < 1 || n > gp_gl_list_max(gl))
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: %s: %d texels do not go into one buffer texture "
-                       "(1 to %d is the limit); use --engine fft or direct",
-                       gp_gl_name(gl), what, n, gp_gl_list_max(gl));
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "%s: %s: %d texels do not go into one buffer "
+                            "texture (1 to %d is the limit); use --engine fft "
+                            "or direct", gp_gl_name(gl), what, n,
+                            gp_gl_list_max(gl));
     struct gp_list l = {.n = n};
     gl->f.CreateBuffers(1, &l.buffer);
     gl->f.NamedBufferStorage(l.buffer, (GLsizeiptr) n * TEXEL, NULL,

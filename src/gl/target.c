@@ -39,11 +39,10 @@ static gp_status make(const struct gp_log *log, const struct gp_gl *gl,
     GLenum state = gl->f.CheckNamedFramebufferStatus(t.framebuffer,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
-        st = gp_fail(log, GP_ERR_GL,
-                     "%s: %s: the driver does not draw to such "
-                     "a texture (framebuffer status 0x%04x); use --engine fft "
-                     "or direct",
-                     gp_gl_name(gl), what, state);
+        st = gp_fail_bare(log, GP_ERR_GL,
+                          "%s: %s: the driver does not draw to such a texture "
+                          "(framebuffer status 0x%04x); use --engine fft or "
+                          "direct", gp_gl_name(gl), what, state);
         goto out;
     }
     GP_TRY(gp_gl_check(log, gl, what));

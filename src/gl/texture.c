@@ -8,10 +8,11 @@ static gp_status make(const struct gp_log *log, const struct gp_gl *gl,
 {
     int limit = gp_gl_max_size(gl);
     if (w < 1 || h < 1 || w > limit || h > limit)
-        return gp_fail(log, GP_ERR_GL,
-                       "%s: %s: %dx%d texels do not go into one texture (1x1 "
-                       "to %dx%d is the limit); use --engine fft or direct",
-                       gp_gl_name(gl), what, w, h, limit, limit);
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "%s: %s: %dx%d texels do not go into one texture "
+                            "(1x1 to %dx%d is the limit); use --engine fft or "
+                            "direct", gp_gl_name(gl), what, w, h, limit,
+                            limit);
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
     gl->f.TextureStorage2D(t.id, 1, format, w, h);

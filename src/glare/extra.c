@@ -120,9 +120,10 @@ gp_status gp_sources_with(const struct gp_log *log,
     for (size_t i = 0; i < n; i++) {
         if (extra[i].x < 0 || extra[i].x >= src->w || extra[i].y < 0 ||
             extra[i].y >= src->h)
-            return gp_fail(log, GP_ERR_BUG,
-                           "light at %d,%d: outside the frame (%dx%d); report "
-                           "this", extra[i].x, extra[i].y, src->w, src->h);
+            return gp_fail_bare(log, GP_ERR_BUG,
+                                "light at %d,%d: outside the frame (%dx%d); "
+                                "report this", extra[i].x, extra[i].y,
+                                src->w, src->h);
     }
     n = tidy(extra, n);
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) src->h + 1, sizeof *o.row,

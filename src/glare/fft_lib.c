@@ -159,9 +159,9 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
         save_wisdom(lib, wisdom);
     if (!p.forward || !p.backward) {
         gp_fft_plan_free(&p);
-        st = gp_fail(log, GP_ERR_BUG,
-                     "transform: FFTW makes no plan (length %d); use --engine "
-                     "direct", n);
+        st = gp_fail_bare(log, GP_ERR_BUG,
+                          "transform: FFTW makes no plan (length %d); use "
+                          "--engine direct", n);
         goto out;
     }
     *out = p;

@@ -150,8 +150,9 @@ gp_status gp_group_reference(const struct gp_log *log,
     };
     gp_status st = make_blurs(log, &d);
     if (!st && gp_parallel(src->h, draw_row, &d, NULL))
-        st = gp_fail(log, GP_ERR_BUG, "reference: out of memory (%d bytes); "
-                     "verify a smaller frame", 8 * src->w);
+        st = gp_fail_bare(log, GP_ERR_BUG,
+                          "reference: out of memory (%d bytes); verify a "
+                          "smaller frame", 8 * src->w);
     for (int i = 0; i < GP_BLURS; i++)
         gp_blur_free(&d.blur[i]);
     return st;

@@ -154,9 +154,9 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
                                    i < 2 ? FFTW_FORWARD : FFTW_BACKWARD,
                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
         if (!plan[i])
-            GP_TRY(gp_fail(log, GP_ERR_BUG,
-                           "reference: FFTW makes no plan (length %d); verify "
-                           "a smaller frame", length));
+            GP_TRY(gp_fail_bare(log, GP_ERR_BUG,
+                                "reference: FFTW makes no plan (length %d); verify "
+                                "a smaller frame", length));
     }
     for (int c = 0; c < 3; c++) {
         fill(src, k, c, &g);

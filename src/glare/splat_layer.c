@@ -167,17 +167,18 @@ static gp_status check_limits(const struct gp_splat_work *k)
 {
     const float most = gp_gl_point_size_max(k->s->gl);
     if ((float) k->sprite > most)
-        return gp_fail(k->job->log, GP_ERR_GL,
-                       "%s: point sprites of %d pixels are needed (%.0f is "
-                       "the limit); use --primitive quad or tile, a smaller "
-                       "kernel, or more --shrink",
-                       gp_gl_name(k->s->gl), k->sprite, (double) most);
+        return gp_fail_bare(k->job->log, GP_ERR_GL,
+                            "%s: point sprites of %d pixels are needed (%.0f "
+                            "is the limit); use --primitive quad or tile, a "
+                            "smaller kernel, or more --shrink",
+                            gp_gl_name(k->s->gl), k->sprite, (double) most);
     if (k->side / k->span < 1 || k->tile_side < 1)
-        return gp_fail(k->job->log, GP_ERR_GL,
-                       "%s: polygons of %d pixels, groups of %d, do not go "
-                       "into one texture (%d pixels are the limit); use "
-                       "--engine fft or direct", gp_gl_name(k->s->gl),
-                       k->sprite, k->span, k->side);
+        return gp_fail_bare(k->job->log, GP_ERR_GL,
+                            "%s: polygons of %d pixels, groups of %d, do not "
+                            "go into one texture (%d pixels are the limit); "
+                            "use --engine fft or direct",
+                            gp_gl_name(k->s->gl), k->sprite, k->span,
+                            k->side);
     return GP_OK;
 }
 

@@ -211,8 +211,8 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
         st = alloc_bytes(log, b->chunk_bytes, &w->scratch);
     if (!st) {
         w->zip = gp_exr_zip_compressor();
-        st = w->zip ? GP_OK : gp_fail(log, GP_ERR_BUG,
-                                      "EXR compressor: out of memory");
+        st = w->zip ? GP_OK : gp_fail_bare(log, GP_ERR_BUG,
+                                           "EXR compressor: out of memory");
     }
     return st;
 }

@@ -145,8 +145,8 @@ gp_status gp_origin_keep(const struct gp_log *log,
         to->name = gp_strdup(from->name);
         to->text = from->text ? gp_strdup(from->text) : NULL;
         if (!to->name || (from->text && !to->text))
-            st = gp_fail(log, GP_ERR_BUG, "attributes: out of memory; close "
-                         "other programs");
+            st = gp_fail_bare(log, GP_ERR_BUG,
+                              "attributes: out of memory; close other programs");
     }
     if (st) {
         gp_origin_free(o);

@@ -132,7 +132,7 @@ static gp_status needs_layer(const struct gp_log *log,
     for (int c = 0; c < 3; c++) {
         char *name = name_beside(like->name, false, c);
         if (!name)
-            return gp_fail(log, GP_ERR_BUG, "channels: out of memory");
+            return gp_fail_bare(log, GP_ERR_BUG, "channels: out of memory");
         *out |= is_taken(set, n, f, name);
         free(name);
     }
@@ -152,7 +152,7 @@ static gp_status add_made(const struct gp_log *log, struct gp_exr_sources *s,
         return st;
     char *const name = name_beside(like->name, layered, c);
     if (!name)
-        return gp_fail(log, GP_ERR_BUG, "channels: out of memory");
+        return gp_fail_bare(log, GP_ERR_BUG, "channels: out of memory");
     s->made[s->mades++] = name;
     if (is_taken(set, n, f, name))
         return gp_fail(log, GP_ERR_DATA,

@@ -95,7 +95,7 @@ static gp_status compress_picture(const struct gp_log *log,
                    (size_t) (pic->bits / 8);
     const size_t n = f.stride * (size_t) pic->height;
     if (!c)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "PNG compressor: out of memory"));
+        GP_TRY(gp_fail_bare(log, GP_ERR_BUG, "PNG compressor: out of memory"));
     GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
     f.to = raw;
     GP_TRY(gp_picture_each_row(log, pic, filter_row, &f));
@@ -209,7 +209,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
         return t->st ? t->st
-                     : gp_fail(t->log, GP_ERR_BUG, "PNG: out of memory");
+                     : gp_fail_bare(t->log, GP_ERR_BUG, "PNG: out of memory");
     }
     png_set_write_fn(png, t, write_bytes, flush_nothing);
     png_set_benign_errors(png, 1); // of odd primaries: a file without them

@@ -65,7 +65,7 @@ gp_status gp_views_parse(const struct gp_log *log, const char *text,
     v.name = block;
     v.text = gp_strdup(text);
     if (!v.text)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "view list: out of memory"));
+        GP_TRY(gp_fail_bare(log, GP_ERR_BUG, "view list: out of memory"));
     GP_TRY(cut(log, text, &v));
     *out = v;
     return GP_OK;

@@ -29,11 +29,12 @@ static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
     int w = power_of_two(columns * p->map), h = power_of_two(rows * p->map);
     const int limit = gp_gl_max_size(gl);
     if (w > limit || h > limit || (long long) w * h > MOST)
-        return gp_fail(log, GP_ERR_GL,
-                       "sun map: %d maps of %dx%d texels do not go into one "
-                       "texture (%d texels wide and high, and %d in all, is "
-                       "the limit); use a smaller --sun-map or --sun-method "
-                       "exact", n, p->map, p->map, limit, MOST);
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "sun map: %d maps of %dx%d texels do not go into "
+                            "one texture (%d texels wide and high, and %d in "
+                            "all, is the limit); use a smaller --sun-map or "
+                            "--sun-method exact", n, p->map, p->map, limit,
+                            MOST);
     s->map = p->map;
     s->columns = columns;
     if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
@@ -182,9 +183,9 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
 {
     float rgba[4 * GP_LIGHTS_MAX];
     if (!s || !n || s->n != n)
-        return gp_fail(log, GP_ERR_BUG,
-                       "sun map: %d lights were drawn and %d are read; report "
-                       "it", s ? s->n : 0, n);
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "sun map: %d lights were drawn and %d are read; "
+                            "report it", s ? s->n : 0, n);
     gp_target_read(gl, &s->intensity, (struct gp_rect) {0, 0, n, 1}, rgba);
     for (int i = 0; i < n; i++) {
         const double shown = (double) rgba[4 * i];

@@ -140,10 +140,11 @@ gp_status gp_sun_pack(const struct gp_log *log, const struct gp_occluders *o,
     const bool fits = used <= most && high <= most;
     const bool frame_fits = frame_w <= most && frame_h <= most;
     if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || (!fits && !frame_fits))
-        return gp_fail(log, GP_ERR_GL,
-                       "sun map: the pixels under %d lights in a frame of "
-                       "%dx%d do not go into one texture (%dx%d texels is the "
-                       "limit); use --sun-method exact", n, w, h, most, most);
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "sun map: the pixels under %d lights in a frame "
+                            "of %dx%d do not go into one texture (%dx%d "
+                            "texels is the limit); use --sun-method exact",
+                            n, w, h, most, most);
     const bool less = (double) frame_w * frame_h < (double) used * high;
     *out = (struct gp_sun_upload) {!fits || (less && frame_fits), used, high};
     if (out->whole) {

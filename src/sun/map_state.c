@@ -69,18 +69,18 @@ static gp_status check(const struct gp_log *log, const struct gp_gl *gl,
                        const struct gp_sun_params *p, int n)
 {
     if (n < 1 || n > GP_LIGHTS_MAX)
-        return gp_fail(log, GP_ERR_BUG,
-                       "sun map: %d lights (1 to %d can be drawn); report it",
-                       n, GP_LIGHTS_MAX);
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "sun map: %d lights (1 to %d can be drawn); "
+                            "report it", n, GP_LIGHTS_MAX);
     if (p->map < 2 || p->map > 256 || p->map % 2)
-        return gp_fail(log, GP_ERR_BUG,
-                       "sun map: %d texels wide (2 to 256, even, can be "
-                       "drawn); report it", p->map);
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "sun map: %d texels wide (2 to 256, even, can be "
+                            "drawn); report it", p->map);
     if (n > gp_gl_max_size(gl))
-        return gp_fail(log, GP_ERR_GL,
-                       "sun map: %d lights do not go into a texture (%d texels "
-                       "wide is the limit); use --sun-method exact", n,
-                       gp_gl_max_size(gl));
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "sun map: %d lights do not go into a texture (%d "
+                            "texels wide is the limit); use --sun-method exact",
+                            n, gp_gl_max_size(gl));
     return GP_OK;
 }
 

@@ -112,13 +112,14 @@ static gp_status pass_block(void *ctx, int block, int thread)
 static gp_status run_pass(const struct gp_log *log, struct pass *p)
 {
     if (!p->processor)
-        return gp_fail(log, GP_ERR_BUG,
-                       "OCIO: this transform was never asked for");
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "OCIO: this transform was never asked for");
     const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
     gp_status st = gp_parallel(blocks, pass_block, p, NULL);
     if (st)
-        return gp_fail(log, st, "OCIO: OpenColorIO failed on the pixels; free "
-                       "some memory");
+        return gp_fail_bare(log, st,
+                            "OCIO: OpenColorIO failed on the pixels; free "
+                            "some memory");
     return GP_OK;
 }
 

@@ -12,6 +12,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -146,6 +147,9 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
     try {
         return OCIO::Config::CreateFromFile(name.c_str());
     } catch (const OCIO::Exception &e) {
+        if (reason(e, name) == std::bad_alloc().what()) // of what it has caught
+            throw Refusal{GP_ERR_BUG,
+                          name + ": out of memory; close other programs"};
         throw Refusal{GP_ERR_DATA, name + ": OpenColorIO " +
                                        OCIO::GetVersion() + " refuses it (" +
                                        one_line(reason(e, name)) +

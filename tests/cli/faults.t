@@ -23,6 +23,7 @@ frame views.exr size=24x16 attr=multiView:stringvector:left,right lights=9 \
 for n in 1 2 3; do
     frame s.000$n.exr size=20x15 seed=$n lights=9
 done
+frame big.exr size=400x300 lights=3
 echo '[{"pixel": [20, 10], "radius": 2, "flux": [5, 5, 5]}]' >lights.json
 cp "$root/examples/flare.json" .
 cp "$cli/c.ocio" . || exit 1

@@ -14,6 +14,7 @@ import concurrent.futures
 import json
 import os
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -48,7 +49,8 @@ CONFIGURATIONS = {
     "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 80),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
-    "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,), 60),
+    "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,),
+             12),
     "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
               "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 3),
     "views": ("-e direct --threads 1 --views left,right --hdr o/h.exr "
@@ -57,9 +59,19 @@ CONFIGURATIONS = {
     "b44": ("-e direct --threads 2 --compression b44 --type half "
             "--hdr o/h.exr --layer o/l.exr in.exr", (), 4),
     "dwaa": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr in.exr",
-             (3,), 60),
-    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 60),
+             (3,), 12),
+    "large": ("-e direct --threads 1 --compression none --type float "
+              "--hdr o/h.exr big.exr", (), 1),
+    "flight": ("-e direct --threads 3 --frame-jobs 3 -o o/a.#.png "
+               "--hdr o/h.#.exr s.####.exr", (), 1),
+    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 12),
 }
+# what a line begins with that is about no file: the command line, or all frames
+NO_FILE = ("glarepp: command line: ", "glarepp: --")
+BY_SIGNAL = (-signal.SIGTERM,)
+# for one fault each: files larger than the buffer, and several threads at them
+TERMINATED = ("direct", "sequence", "flight")
+ALONE = {"large": "interrupt:N", "flight": "term:N"}
 # OpenImageIO would end the process for want of a thread: it is not begun
 BY_BRIDGE = ("dwaa", "bridge")
 # (fault, statuses that are right); N is put in
@@ -81,9 +93,26 @@ KINDS = (
     ("grow:N", (0, 3, 4)),
     ("write:N", (3,)),
     ("write:N:EDQUOT", (3,)),
+    ("interrupt:N", (0,)),
+    ("term:N", (-signal.SIGTERM,)),
     ("thread:N", (0,)),
     ("thread:N+", (0,)),
 )
+
+
+def names_of(arguments):
+    """The files that a line may name: as given, and those of patterns."""
+    yield "stdout"
+    for word in arguments.split():
+        word = word.split("=")[-1]
+        yield word
+        for n in (1, 2, 3):
+            yield word.replace("####", f"{n:04}").replace("#", str(n))
+        for view in ("left", "right"):
+            yield word.replace("%V", view)
+
+
+NAMES = {name: set(names_of(row[0])) for name, row in CONFIGURATIONS.items()}
 
 
 class Run:
@@ -92,7 +121,7 @@ class Run:
     def __init__(self, name, folder, program, shim, fault):
         shutil.rmtree(folder, ignore_errors=True)
         os.makedirs(folder + "/o")
-        for file in INPUTS:
+        for file in INPUTS + ("big.exr",) * (name == "large"):
             shutil.copy(file, folder)
         if name == "old":
             for file in ("a.png", "h.exr", "s.exr"):
@@ -140,7 +169,7 @@ def facts(data):
     return lines
 
 
-def faults_of_stderr(run):
+def faults_of_stderr(name, run):
     lines = run.err.decode("utf-8", "replace").split("\n")
     if lines.pop() != "":
         yield "stderr does not end its line"
@@ -150,14 +179,23 @@ def faults_of_stderr(run):
         yield "stderr has " + repr(wrong[0][:200])
     if run.status == 0 and said:
         yield "an error without its status: " + repr(said[0][:200])
-    if run.status not in (0, 6) and len(said) != 1:
+    if run.status not in (0, 6) and len(said) != (run.status not in BY_SIGNAL):
         yield f"{len(said)} lines of error: " + repr(said[:3])
+    for line in said:
+        if "(0 bytes)" in line:
+            yield "nothing is more than there is: " + repr(line[:200])
+        if line.split(": ")[1] not in NAMES[name] and \
+                not line.startswith(NO_FILE):
+            yield "no file is named: " + repr(line[:200])
 
 
 def faults_of_files(name, run, good):
     for file, data in run.files.items():
         if file not in good.files:
             yield f"a file is left: {file}"
+        elif file == "r.json" and run.status in BY_SIGNAL and \
+                data == facts(b""):
+            pass  # no frame was made
         elif file == "r.json":
             # a frame that was left out has its own line
             lines = [o for o in data if "error" not in o] if \
@@ -182,7 +220,7 @@ def judge(name, run, good, statuses):
     found = []
     if run.status not in statuses:
         found.append(f"status {run.status}: {run.err.decode()[:200]!r}")
-    return found + list(faults_of_stderr(run)) + \
+    return found + list(faults_of_stderr(name, run)) + \
         list(faults_of_files(name, run, good))
 
 
@@ -251,7 +289,9 @@ def main():
                       f"{good.err.decode()[:300]}")
                 continue
             for fault, statuses in KINDS:
-                if only and fault != only:
+                if only and fault != only or \
+                        ALONE.get(name, fault) != fault or \
+                        fault == "term:N" and name not in TERMINATED:
                     continue
                 kind = fault.split(":")[0]
                 if kind in ("malloc", "open") or 6 in more or \

@@ -9,7 +9,9 @@
  * ftruncate, fdopen, read (EIO), thread; short: the N-th read gives half of
  * what it could; truncate: the file read from is cut to half before the N-th
  * read, and grow: is made longer; write: N counts bytes, what is before them
- * is written and every later write fails (ENOSPC).
+ * is written and every later write fails (ENOSPC); interrupt: the N-th write
+ * of any size gives EINTR once, and nothing is written; term: SIGTERM comes
+ * when the N-th open() has made or found its file.
  *
  * Only calls of a program named .../glarepp count, from its main on, and only
  * those of the program itself, its bridges and the C libraries it links with.
@@ -22,6 +24,7 @@
 #include <fcntl.h>
 #include <link.h>
 #include <pthread.h>
+#include <signal.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -31,6 +34,7 @@
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 #include <unwind.h>
 
@@ -38,7 +42,7 @@
     X(malloc, ENOMEM) X(open, EACCES) X(close, EIO) X(rename, EACCES)         \
     X(unlink, EACCES) X(fchmod, EPERM) X(ftruncate, EIO) X(fdopen, ENOMEM)    \
     X(read, EIO) X(thread, EAGAIN) X(write, ENOSPC)                           \
-    X(short, 0) X(truncate, 0) X(grow, 0)
+    X(short, 0) X(truncate, 0) X(grow, 0) X(interrupt, EINTR) X(term, 0)
 #define ENUM(name, error) KIND_##name,
 #define NAME(name, error) #name,
 #define ERROR(name, error) error,
@@ -312,6 +316,8 @@ static ssize_t before_write(int fd, size_t size, const void *caller)
 {
     if (fd == STDERR_FILENO || !atomic_load(&counting) || !is_ours(caller))
         return (ssize_t) size;
+    if (fails(KIND_interrupt, caller))
+        return -1;
     const long had = atomic_fetch_add(&calls[KIND_write], (long) size);
     const long left = nth - 1 - had;
     if (wanted != KIND_write || left >= (long) size)
@@ -335,6 +341,15 @@ ssize_t pwrite(int fd, const void *from, size_t size, off_t at)
     return n < 0 ? -1 : next(fd, from, (size_t) n, at);
 }
 
+/* A file was made that its maker has not heard of yet. The signal may be
+ * handled by any thread: while this one waits, unless it has died by then. */
+static void send_term(void)
+{
+    const struct timespec a_while = {.tv_nsec = 100000000};
+    kill(getpid(), SIGTERM);
+    nanosleep(&a_while, NULL);
+}
+
 int open(const char *path, int flags, ...)
 {
     KEEP(open);
@@ -342,7 +357,12 @@ int open(const char *path, int flags, ...)
     va_start(args, flags);
     const mode_t mode = flags & O_CREAT ? va_arg(args, mode_t) : 0;
     va_end(args);
-    return FAILS(open) ? -1 : next(path, flags, mode);
+    if (FAILS(open))
+        return -1;
+    const int fd = next(path, flags, mode);
+    if (fd >= 0 && FAILS(term))
+        send_term();
+    return fd;
 }
 
 int close(int fd)

@@ -25,7 +25,7 @@ static char last[4200];
 static void sink(void *user, enum gp_level level, const char *line)
 {
     (void) user;
-    if (level != GP_LEVEL_ERROR)
+    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
         return;
     errors++;
     snprintf(last, sizeof last, "%s", line);

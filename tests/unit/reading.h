@@ -29,7 +29,7 @@ static struct {
 static void listen(void *user, enum gp_level level, const char *line)
 {
     (void) user;
-    if (level != GP_LEVEL_ERROR)
+    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
         return;
     snprintf(heard.line, sizeof heard.line, "%s", line);
     heard.count++;

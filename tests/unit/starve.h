@@ -87,7 +87,7 @@ static int said_errors;
 static inline void said_keep(void *user, enum gp_level level, const char *line)
 {
     (void) user;
-    if (level != GP_LEVEL_ERROR)
+    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
         return;
     said_errors++;
     snprintf(said_line, sizeof said_line, "%s", line);

@@ -31,6 +31,7 @@ struct seen {
     bool skip, ordered, narrow;
     atomic_int writing;
     struct gp_said said[GP_FLIGHT_MOST];
+    char name[GP_FLIGHT_MOST][16];
     struct gp_log log;
     char text[16384];              // what was said, in that order
 };
@@ -77,15 +78,18 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct seen *const s = user;
     check_step(s, slot, unit, phase);
-    if (phase == GP_PHASE_READ)
-        gp_said_begin(&s->said[slot], &s->log, &s->flight, unit);
+    if (phase == GP_PHASE_READ) {
+        snprintf(s->name[slot], sizeof s->name[slot], "u%d", unit);
+        gp_said_begin(&s->said[slot], &s->log, &s->flight, unit,
+                      s->name[slot]);
+    }
     pause_a_little(unit, phase);
     gp_say(&s->said[slot].log, GP_LEVEL_WARN, "%d.%d", unit, phase);
     if (phase == GP_PHASE_WRITE && s->ordered)
         atomic_fetch_sub(&s->writing, 1);
     atomic_fetch_sub(&s->at_slot[slot], 1);
     return fails(s, unit, phase)
-               ? gp_fail(&s->said[slot].log, GP_ERR_DATA, "bad %d", unit)
+               ? gp_fail_bare(&s->said[slot].log, GP_ERR_DATA, "bad %d", unit)
                : GP_OK;
 }
 
@@ -154,7 +158,7 @@ static void assert_said(int units, int fail_every)
                      u, phase);
         if (fail_every && u % fail_every == 2) // fails when written
             snprintf(want + strlen(want), sizeof want - strlen(want),
-                     "bad %d ", u);
+                     "u%d: bad %d ", u, u);
     }
     assert_string_equal(seen.text, want);
 }
@@ -231,7 +235,7 @@ static void first_failure_ends(void **state)
             for (int u = at + row[k].slots; u < row[k].units; u++)
                 assert_int_equal(seen.steps[u][GP_PHASE_READ], 0);
             char last[32];
-            snprintf(last, sizeof last, "bad %d ", at);
+            snprintf(last, sizeof last, "u%d: bad %d ", at, at);
             assert_string_equal(seen.text + strlen(seen.text) - strlen(last),
                                 last);
         }
