@@ -68,14 +68,15 @@ ImageSpec make_spec(const gp_oiio_image *img, const std::string &type,
 // Plugins whose files hold what they were given, each a column of `make
 // hardcases`. Of 2.4's others RLA loses samples, FITS writes its rows one too
 // high, IFF 1x1 as black and what its memory held beside the picture, GIF is
-// not the same from run to run, and icons are not read back; JPEG 2000 wants a
+// not the same from run to run, HEIF's writer reads past the end of its rows,
+// and icons are not read back; JPEG 2000 wants a
 // file that is called so, which one in memory is not; Zfile holds depth alone;
 // null and term write no file.
 bool is_right(const std::string &plugin)
 {
-    static const char *const right[] = {"bmp", "dpx", "hdr", "heif",
-                                        "jpeg", "openexr", "png", "pnm",
-                                        "sgi", "targa", "tiff", "webp"};
+    static const char *const right[] = {"bmp", "dpx", "hdr",  "jpeg",
+                                        "openexr", "png", "pnm", "sgi",
+                                        "targa", "tiff", "webp"};
     return std::find(std::begin(right), std::end(right), plugin) !=
            std::end(right);
 }
@@ -120,9 +121,8 @@ try {
     if (!out)
         return 0;
     const std::string plugin = out->format_name();
-    // EXR's other endings would get codes, .avif HEVC
-    return is_right(plugin) && name != "avif" &&
-           (plugin != "openexr" || name == "exr");
+    // EXR's other endings would get codes
+    return is_right(plugin) && (plugin != "openexr" || name == "exr");
 } catch (...) {
     return 0;
 }

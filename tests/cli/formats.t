@@ -235,14 +235,16 @@ for ending in bmp dpx fits gif hdr iff jpg ppm rla sgi tga tif; do
 done
 
 # what OpenImageIO would write wrong, or to no file of ours, and read wrong
-for ending in avif fits gif ico iff jp2 j2k mxr nul null rla sxr term zfile; do
+for ending in avif fits gif heic ico iff jp2 j2k mxr nul null rla sxr term zfile; do
     run -o refused.$ending in.exr
     fails_with 2 refused.$ending "writes no .$ending"
 done
 printf '\0\0\1\0\1\0\1\1\0\0\1\0\40\0\60\0\0\0\26\0\0\0' >small.ico
-head -c 48 /dev/zero >>small.ico
+printf '\50\0\0\0\1\0\0\0\2\0\0\0\1\0\40\0' >>small.ico
+head -c 32 /dev/zero >>small.ico
 run --layer refused.exr small.ico
 fails_with 4 small.ico 'reads no icon'
+like "$(cat err)" '*an icon*' 'reads no icon: says why'
 
 # -- DWA and luminance-chroma in -----------------------------------------------
 

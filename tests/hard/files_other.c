@@ -31,8 +31,6 @@ static const struct format {
     {"HDR, of the pixel's largest", "hdr", 8, RADIANCE, hard_read_16, 0},
     {"JPEG, differing", "jpg", 8, LOSSY, hard_read_8, 0},
     {"WebP, differing", "webp", 8, LOSSY, hard_read_8, 16383},
-    // x265 alone knows; it takes 4096, and no row is between
-    {"HEIC, differing", "heic", 8, LOSSY, hard_read_8, 8192},
 };
 enum { FORMATS = sizeof formats / sizeof *formats };
 
