@@ -102,7 +102,8 @@ struct gp_oiio_api {
                  const struct gp_oiio_image *img, const char *type,
                  const char *compression, char *why, size_t why_size);
 
-    /* True when some OpenImageIO plugin writes this ending. */
+    /* True when an OpenImageIO plugin writes this ending, to a file of any
+     * name, so that it holds what it was given. Of EXR's endings .exr alone. */
     int (*can_write)(const char *format);
 
     /* Resizes img into a new image (lanczos3), each channel's mean kept:

@@ -7,6 +7,7 @@
 #include "io/picture.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -22,8 +23,7 @@ static const struct format formats[] = {
     {"hdr", 0, true, false},   {"rgbe", 0, true, false},
     {"pfm", 0, true, false},   {"tif", 16, true, true},
     {"tiff", 16, true, true},  {"dpx", 16, false, false},
-    {"sgi", 16, false, false}, {"jp2", 16, false, false},
-    {"j2k", 16, false, false}, {"tga", 8, false, true},
+    {"sgi", 16, false, false}, {"tga", 8, false, true},
     {"webp", 8, false, true},
 };
 
@@ -39,6 +39,11 @@ static struct format find_format(const char *ending)
 static bool is_tiff(const struct format *t)
 {
     return t->floats && t->bits > 0;
+}
+
+static bool is_radiance(const struct format *t)
+{
+    return t->floats && t->bits == 0 && strcmp(t->ending, "pfm") != 0;
 }
 
 /* OpenImageIO's names of the compressions that TIFF has as well; NULL for
@@ -93,7 +98,30 @@ struct gathering {
     const struct gp_picture *pic;
     float *to;     // interleaved
     bool integer;  // codes as fractions of the largest
+    bool radiance; // three floats as Radiance HDR holds them
 };
+
+/* The nearest that Radiance's pixel holds: three mantissas of 8 bits and the
+ * exponent of the largest (G. Ward, "Real Pixels", Graphics Gems II, 1991).
+ * OpenImageIO cuts mantissas off and turns negative ones into others, and
+ * takes all of a pixel under 1e-32 for 0; it leaves these values as they are.
+ * NaN and negative values become 0, those beyond the format its largest. */
+static void round_radiance(float *v)
+{
+    const float largest = 255.0f * 0x1p119f;
+    float most = 0.0f;
+    int exponent;
+    for (int c = 0; c < 3; c++) {
+        v[c] = v[c] > 0.0f ? fminf(v[c], largest) : 0.0f;
+        most = fmaxf(most, v[c]);
+    }
+    (void) frexpf(fmaxf(most, 1e-32f), &exponent);
+    float step = ldexpf(1.0f, exponent - 8);
+    if (rintf(most / step) > 255.0f)
+        step *= 2.0f;
+    for (int c = 0; c < 3; c++)
+        v[c] = rintf(v[c] / step) * step;
+}
 
 static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
@@ -110,13 +138,17 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
             to[x * n + c] = g->integer ? (float) row->code[c][x] / max
                                        : row->linear[c][x];
     }
+    for (size_t x = 0; g->radiance && x < w; x++)
+        round_radiance(to + x * n);
 }
 
-static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
-                        bool integer, float **out)
+static gp_status gather(const struct gp_log *log, const struct format *t,
+                        const struct gp_picture *pic, bool integer,
+                        float **out)
 {
     void *mem;
-    struct gathering g = {.pic = pic, .integer = integer};
+    struct gathering g = {.pic = pic, .integer = integer,
+                          .radiance = is_radiance(t)};
     gp_status st = gp_alloc(log, "picture", (size_t) pic->width *
                             (size_t) pic->height, (size_t) pic->channels *
                             sizeof(float), &mem);
@@ -225,7 +257,7 @@ gp_status gp_other_write(const struct gp_log *log,
         own.alpha = GP_ALPHA_BLACK;
     GP_TRY(gp_other_check(log, p, path, ending));
     GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
-    GP_TRY(gather(log, &pic, integer, &pixels));
+    GP_TRY(gather(log, &t, &pic, integer, &pixels));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
     if (strcmp(ending, "pfm") == 0)
         GP_TRY(write_pfm(file, &pic, pixels));

@@ -10,7 +10,9 @@
  * holds either; and integer formats, JPEG, DPX, TGA, BMP, PPM and what else
  * OpenImageIO writes. TIFF is what --type says, and without it floats for a
  * scene-linear picture and --depth-bits for one to be shown. All show the
- * display window. GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; the
+ * display window. Radiance HDR holds three mantissas and an exponent: the
+ * nearest of those are stored, NaN and negative values as 0, what lies beyond
+ * as the largest. GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; the
  * others are over black. */
 GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
                                        const struct gp_write_params *p,

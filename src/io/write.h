@@ -84,7 +84,8 @@ enum gp_picture_kind {
  * what p->stdout_format says. Stdout may be given many frames, one behind the
  * other.
  *
- * EXR and other float formats store the values as they are; integer formats
+ * EXR and other float formats store the values as they are, Radiance HDR the
+ * nearest that its pixels hold (other_write.h); integer formats
  * clamp them to [0,1] and encode them with the sRGB curve, with the colour
  * chunks that say so; values of GP_PICTURE_ENCODED are the codes' fractions
  * already, and no chunk says of what. All but EXR show the display window:

@@ -223,7 +223,7 @@ fi
 
 # all that a stream is taken for by its first bytes; Targa and RLA have no word
 # there
-for ending in bmp dpx fits gif hdr ico iff jpg ppm rla sgi tga tif; do
+for ending in bmp dpx fits gif hdr iff jpg ppm rla sgi tga tif; do
     oiiotool in.exr --resize 64x40 -d uint8 -o s.$ending >ok.log 2>&1 || {
         skip 2 "oiiotool writes no $ending"
         continue
@@ -233,6 +233,18 @@ for ending in bmp dpx fits gif hdr ico iff jpg ppm rla sgi tga tif; do
     cat s.$ending | "$glarepp" --layer pipe.exr - 2>err
     same pipe.exr file.exr "$ending by stdin"
 done
+
+# what OpenImageIO would write wrong, or to no file of ours, and read wrong
+for ending in avif fits gif heic ico iff jp2 j2k mxr nul null rla sxr term zfile; do
+    run -o refused.$ending in.exr
+    fails_with 2 refused.$ending "writes no .$ending"
+done
+printf '\0\0\1\0\1\0\1\1\0\0\1\0\40\0\60\0\0\0\26\0\0\0' >small.ico
+printf '\50\0\0\0\1\0\0\0\2\0\0\0\1\0\40\0' >>small.ico
+head -c 32 /dev/zero >>small.ico
+run --layer refused.exr small.ico
+fails_with 4 small.ico 'reads no icon'
+like "$(cat err)" '*an icon*' 'reads no icon: says why'
 
 # -- DWA and luminance-chroma in -----------------------------------------------
 

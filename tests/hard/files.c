@@ -1,11 +1,11 @@
-/* Every output format over the hard cases: what is read back against what was
+/* Every format that io writes itself, and TIFF, over the hard cases: what is read back against what was
  * to be stored, windows and the rules for NaN, Inf and overflow included. EXR
  * is read by io's reader, the others by the plain readers of files_read.c, TIFF
  * through OpenImageIO. */
 #include "files_lossy.h"
+#include "files_plain.h"
 #include "files_read.h"
 #include "hardcases.h"
-#include "hash.h"
 
 #include "core/parallel.h"
 #include "io/raw_write.h"
@@ -48,8 +48,8 @@ static const struct format {
                 __VA_ARGS__}, how, by, NULL}
     OTHER(".png", 2, 8, CODE, hard_read_png, .type = GP_OUT_AUTO),
     OTHER(".png", 3, 16, CODE, hard_read_png, .type = GP_OUT_AUTO),
-    OTHER(".tif", 4, 16, CODE, hard_read_other, .type = GP_OUT_AUTO),
-    OTHER(".tif", 5, 16, SAME_FLOAT, hard_read_other, .type = GP_OUT_FLOAT),
+    OTHER(".tif", 4, 16, CODE, hard_read_16, .type = GP_OUT_AUTO),
+    OTHER(".tif", 5, 16, SAME_FLOAT, hard_read_16, .type = GP_OUT_FLOAT),
     OTHER(".pfm", 6, 8, SAME_FLOAT, hard_read_pfm, .type = GP_OUT_AUTO),
 #undef OTHER
 #define RAW(col, bits, how, kind, by)                                         \
@@ -77,12 +77,6 @@ static const struct hard_column columns[COLUMNS + 1] = {
 
 // -- plain forms of what is stored --------------------------------------------
 
-/* IEC 61966-2-1, in double. */
-static double srgb(double v)
-{
-    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1.0 / 2.4) - 0.055;
-}
-
 /* Error in steps of a half there; finite values end at 65504. */
 static double half_error(float got, float from)
 {
@@ -92,13 +86,6 @@ static double half_error(float got, float from)
     const int exponent = v != 0.0 ? ilogb(v) : -14;
     const double ulp = ldexp(1.0, (exponent > -14 ? exponent : -14) - 10);
     return fabs((double) got - v) / ulp;
-}
-
-static double code_error(double got, float from, int bits)
-{
-    const double max = (1 << bits) - 1;
-    const double v = fmin(fmax((double) from, 0.0), 1.0); // NaN: 0
-    return fabs(got - srgb(v) * max);
 }
 
 /* NaN must stay one, all else every bit; -0 counts as 0. */
@@ -115,7 +102,7 @@ static double sample_error(const struct format *t, float got, float from)
     case HALF_ULP:
         return half_error(got, from);
     case CODE:
-        return code_error((double) got, from, bits);
+        return hard_code_error((double) got, from, bits);
     case SAME_FLOAT:
     case LOSSY: // by frame
         break;
@@ -124,16 +111,6 @@ static double sample_error(const struct format *t, float got, float from)
 }
 
 // -- what was read back -------------------------------------------------------
-
-/* The sample of f.lit at a place, 0 outside the data window. */
-static float lit_at(const struct gp_frame *f, int c, int x, int y)
-{
-    const struct gp_rect d = f->data;
-    if (x < d.x0 || x >= d.x1 || y < d.y0 || y >= d.y1)
-        return 0.0f;
-    return f->lit.c[c][(size_t) (y - d.y0) * (size_t) gp_rect_w(d) +
-                       (size_t) (x - d.x0)];
-}
 
 /* EXR keeps the data window, and both windows as they are. */
 static double exr_error(const struct format *t, const char *path,
@@ -174,7 +151,7 @@ static double picture_error(const struct format *t, const char *path,
         for (int c = 0; c < 3; c++)
             worst = hard_worse(worst, sample_error(
                 t, got.v[3 * (size_t) i + (size_t) c],
-                lit_at(f, c, d.x0 + i % got.w, d.y0 + i / got.w)));
+                hard_lit_at(f, c, d.x0 + i % got.w, d.y0 + i / got.w)));
     }
     free(got.v);
     return worst;
@@ -202,15 +179,6 @@ static void write_as(const struct format *t, const char *path,
                        &stats);
     if (st)
         hard_die(path, scene_line);
-}
-
-static uint64_t hash_file(const char *path)
-{
-    size_t size;
-    uint8_t *const bytes = hard_read_bytes(path, &size);
-    const uint64_t hash = hash_more(HASH_NONE, bytes, size);
-    free(bytes);
-    return hash;
 }
 
 // -- tables -------------------------------------------------------------------
@@ -253,7 +221,7 @@ static void count_differing(int row, int threads, double *differ)
         for (int k = 0; k < 2; k++) {
             gp_set_threads(k ? threads : 1);
             write_as(&formats[i], path, &f);
-            hash[k] = hash_file(path);
+            hash[k] = hard_hash_file(path);
             unlink(path);
         }
         differ[formats[i].column] += hash[0] != hash[1];

@@ -132,9 +132,10 @@ void hard_read_pfm(const char *path, struct hard_picture *out)
     free(all);
 }
 
-// -- TIFF ---------------------------------------------------------------------
+// -- by OpenImageIO -----------------------------------------------------------
 
-void hard_read_other(const char *path, struct hard_picture *out)
+static void read_image(const char *path, float largest,
+                       struct hard_picture *out)
 {
     const struct gp_read_params limits = GP_READ_DEFAULTS;
     struct gp_raw_file file;
@@ -142,15 +143,28 @@ void hard_read_other(const char *path, struct hard_picture *out)
     if (gp_raw_open(&scene_log, &limits, path, &file) ||
         gp_raw_read(&scene_log, &limits, &file, 0, &image))
         hard_die(path, scene_line);
-    if (image.channels != 3)
+    if (image.channels < 3 || image.channels > 4)
         hard_die(path, "is not RGB");
     out->w = gp_rect_w(image.data);
     out->h = gp_rect_h(image.data);
     make(out);
     for (size_t i = 0; i < 3 * (size_t) out->w * (size_t) out->h; i++) {
         const float v = ((const float *) image.channel[i % 3].v)[i / 3];
-        out->v[i] = image.integers ? rintf(v * 65535.0f) : v;
+        out->v[i] = image.integers ? rintf(v * largest) : v;
+        if (image.channels == 4 &&
+            ((const float *) image.channel[3].v)[i / 3] != 1.0f)
+            hard_die(path, "is not opaque");
     }
     gp_raw_image_free(&image);
     gp_raw_close(&file);
+}
+
+void hard_read_8(const char *path, struct hard_picture *out)
+{
+    read_image(path, 255.0f, out);
+}
+
+void hard_read_16(const char *path, struct hard_picture *out)
+{
+    read_image(path, 65535.0f, out);
 }

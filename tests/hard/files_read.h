@@ -23,7 +23,9 @@ void hard_read_rgb48le(const char *path, struct hard_picture *out);
 void hard_read_rgb48be(const char *path, struct hard_picture *out);
 void hard_read_rgbf32le(const char *path, struct hard_picture *out);
 
-/* By OpenImageIO. Its fractions of the largest code become codes of 16 bits. */
-void hard_read_other(const char *path, struct hard_picture *out);
+/* By OpenImageIO: its fractions of the largest code become codes of 8 or 16
+ * bits. A fourth channel must be opaque. */
+void hard_read_8(const char *path, struct hard_picture *out);
+void hard_read_16(const char *path, struct hard_picture *out);
 
 #endif

@@ -1,8 +1,8 @@
 /* The hard cases against plain forms in double, the largest error of each cell
  * printed. Status 1 when a cell is over its bar.
  *
- *   hardcases [glare|slide|tone|sun|files|names]   all families, one, or the
- *                                                  names of the cases
+ *   hardcases [FAMILY|names]   all families, one (glare, slide, tone, sun,
+ *                              files, formats), or the names of the cases
  *
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
@@ -65,6 +65,7 @@ int main(int argc, char *argv[])
     } families[] = {
         {"glare", hard_glare}, {"slide", hard_slide}, {"tone", hard_tone},
         {"sun", hard_sun},     {"files", hard_files},
+        {"formats", hard_other_files},
     };
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
     if (argc > 1 && strcmp(argv[1], "names") == 0) {

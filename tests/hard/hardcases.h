@@ -63,5 +63,6 @@ void hard_slide(void);
 void hard_tone(void);
 void hard_sun(void);
 void hard_files(void);
+void hard_other_files(void);
 
 #endif

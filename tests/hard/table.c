@@ -77,6 +77,13 @@ void hard_cell(double error, double bar)
     end_cell();
 }
 
+void hard_refused(void)
+{
+    printf(" refused |");
+    table.cells++;
+    end_cell();
+}
+
 void hard_no_cell(void)
 {
     printf(" – |");

@@ -19,6 +19,9 @@ void hard_row(const char *name);
 /* A cell, in the order of the columns: over its bar unless error <= bar. */
 void hard_cell(double error, double bar);
 
+/* A cell whose picture is refused, as it must be; it is counted. */
+void hard_refused(void);
+
 /* A cell that cannot be measured here; it is not counted. */
 void hard_no_cell(void);
 
