@@ -76,23 +76,11 @@ static gp_status print_text(const struct gp_log *log,
 
 static const struct gp_log *last_log; // for what has no way back to main()
 
-/* Ends as a signal would that ends the process, but for the status: whoever
- * hears of one removes what is under way. */
+/* The end where no error can be returned: one line, and nothing half-written. */
 static void end_for_memory(const char *line)
 {
-    static const int deadly[] = {SIGTERM, SIGINT, SIGHUP, SIGQUIT};
-    struct sigaction act;
-    sigset_t all;
     gp_status st = gp_fail(last_log, GP_ERR_BUG, "%s", line);
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, NULL); // what it raises stays unheard
-    for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {
-        if (!sigaction(deadly[i], NULL, &act) && act.sa_handler != SIG_IGN &&
-            act.sa_handler != SIG_DFL) {
-            act.sa_handler(deadly[i]);
-            break;
-        }
-    }
+    gp_temp_remove_all();
     _exit((int) st);
 }
 

@@ -87,7 +87,7 @@ static void live_drop(int slot)
     pthread_mutex_unlock(&live_lock);
 }
 
-static void remove_live(int sig)
+void gp_temp_remove_all(void)
 {
     const struct timespec moment = {.tv_nsec = 1000000};
     atomic_store(&ending, true);
@@ -98,6 +98,11 @@ static void remove_live(int sig)
         if (live_temps[i].live)
             unlink(live_temps[i].name);
     }
+}
+
+static void remove_and_end(int sig)
+{
+    gp_temp_remove_all();
     raise(sig); // SA_RESETHAND: the default action, once this returns
 }
 
@@ -105,7 +110,7 @@ void gp_temp_cleanup_on_signal(void)
 {
     static const int deadly[] = {SIGINT,  SIGTERM,   SIGHUP,  SIGQUIT, SIGXCPU,
                                  SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2};
-    struct sigaction act = {.sa_handler = remove_live,
+    struct sigaction act = {.sa_handler = remove_and_end,
                             .sa_flags = (int) SA_RESETHAND};
     sigemptyset(&act.sa_mask);
     for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) {

@@ -69,9 +69,8 @@ ImageSpec make_spec(const gp_oiio_image *img, const std::string &type,
 // hardcases`. Of 2.4's others RLA loses samples, FITS writes its rows one too
 // high, IFF 1x1 as black and what its memory held beside the picture, GIF is
 // not the same from run to run, HEIF's writer reads past the end of its rows,
-// and icons are not read back; JPEG 2000 wants a
-// file that is called so, which one in memory is not; Zfile holds depth alone;
-// null and term write no file.
+// and icons are not read back; JPEG 2000 wants a file that is called so, which
+// one in memory is not; Zfile holds depth alone; null and term write no file.
 bool is_right(const std::string &plugin)
 {
     static const char *const right[] = {"bmp", "dpx", "hdr",  "jpeg",
