@@ -296,12 +296,12 @@ static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
     const struct gp_ocio_names *const names =
         r->ocio ? gp_ocio_names(r->ocio) : NULL;
     const int tables = names ? names->files : 0;
+    const size_t most = (size_t) flare->n + (size_t) tables;
     struct gp_texts also = {0};
     void *block;
-    if (flare->n + tables == 0)
+    if (most == 0)
         return GP_OK;
-    gp_status st = gp_alloc(log, "file names", (size_t) (flare->n + tables),
-                            sizeof *also.at, &block);
+    gp_status st = gp_alloc(log, "file names", most, sizeof *also.at, &block);
     if (st)
         return st;
     also.at = block;
