@@ -32,8 +32,10 @@ public:
         const char *at = static_cast<const char *>(data);
         while (fd_ >= 0 && size > 0) {
             ssize_t n = ::write(fd_, at, size);
-            if (n <= 0)
+            if (n <= 0) {
+                ::close(fd_);
                 throw std::runtime_error("no room for a copy in memory");
+            }
             at += n;
             size -= static_cast<std::size_t>(n);
         }
