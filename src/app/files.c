@@ -3,15 +3,11 @@
 #include "core/memory.h"
 #include "io/file_name.h"
 
+#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-enum {
-    LINKS = 40,        // as many as the system follows
-    LINK_BYTES = 4096,
-};
 
 // -- files of options --------------------------------------------------------
 
@@ -152,29 +148,6 @@ static gp_status find_folder(struct gp_files *f, const char *path,
 
 // -- files -------------------------------------------------------------------
 
-/* The name that a link to nothing leads to, which a file of that name would be
- * found by; *path is from malloc and is replaced. */
-static gp_status follow(const struct gp_files *f, char **path)
-{
-    char to[LINK_BYTES];
-    for (int i = 0; i < LINKS; i++) {
-        const ssize_t n = readlink(*path, to, sizeof to);
-        if (n <= 0 || n == sizeof to)
-            return GP_OK;
-        const char *const slash = to[0] == '/' ? NULL : strrchr(*path, '/');
-        const size_t folder = slash ? (size_t) (slash + 1 - *path) : 0;
-        char *const next = malloc(folder + (size_t) n + 1);
-        if (!next)
-            return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", *path);
-        memcpy(next, *path, folder);
-        memcpy(next + folder, to, (size_t) n);
-        next[folder + (size_t) n] = '\0';
-        gp_free(*path);
-        *path = next;
-    }
-    return GP_OK;
-}
-
 /* The file that will be made under a name that is not there. */
 static gp_status find_made(struct gp_files *f, const char *path,
                            struct gp_file_id *id)
@@ -193,16 +166,15 @@ static gp_status find_made(struct gp_files *f, const char *path,
     return GP_OK;
 }
 
-/* The file that a link to nothing will make. */
+/* The file that a link to nothing will make; where the link cannot be followed
+ * there will be none, and opening it says why. */
 static gp_status find_linked(struct gp_files *f, const char *path,
                              struct gp_file_id *id)
 {
-    char *end = gp_strdup(path);
-    gp_status st = end ? follow(f, &end)
-                       : gp_fail(f->log, GP_ERR_BUG, "%s: out of memory",
-                                 path);
-    if (!st)
-        st = find_made(f, end, id);
+    char *const end = gp_file_resolve(path);
+    if (!end && errno == ENOMEM)
+        return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", path);
+    const gp_status st = find_made(f, end ? end : path, id);
     gp_free(end);
     return st;
 }
@@ -213,10 +185,6 @@ static gp_status identify(struct gp_files *f, const char *path,
 {
     struct stat info;
     *counts = true;
-    if (strcmp(path, "-") == 0) {
-        id->tail = 1; // of no folder: none has device 0 and node 0
-        return GP_OK;
-    }
     bool there = lstat(path, &info) == 0;
     const bool link = there && S_ISLNK(info.st_mode);
     if (link)
@@ -225,26 +193,21 @@ static gp_status identify(struct gp_files *f, const char *path,
         return link ? find_linked(f, path, id) : find_made(f, path, id);
     id->device = info.st_dev;
     id->node = info.st_ino;
-    *counts = S_ISREG(info.st_mode) &&
-              !(*path == '/' && gp_file_is_straight(path));
+    id->open = *path == '/' && gp_file_is_straight(path);
+    *counts = S_ISREG(info.st_mode);
     f->there = f->there || *counts;
     return GP_OK;
 }
 
 // -- the list ----------------------------------------------------------------
 
-gp_status gp_files_write(struct gp_files *f, const char *path, int role,
-                         int item)
+static gp_status add(struct gp_files *f, struct gp_file_id id)
 {
-    struct gp_file_id id = {.role = role, .item = item};
-    bool counts;
-    gp_status st = identify(f, path, &id, &counts);
-    if (st || !counts)
-        return st;
     if (f->n == f->room) {
         const size_t room = f->room ? 2 * f->room : 16;
         void *block = f->id;
-        st = gp_resize(f->log, "output list", room * sizeof id, &block);
+        gp_status st = gp_resize(f->log, "output list", room * sizeof id,
+                                 &block);
         if (st)
             return st;
         f->id = block;
@@ -252,6 +215,33 @@ gp_status gp_files_write(struct gp_files *f, const char *path, int role,
     }
     f->id[f->n++] = id;
     return GP_OK;
+}
+
+/* `-` itself, and the file that it may stand for. */
+static gp_status add_stdout(struct gp_files *f, struct gp_file_id id)
+{
+    struct stat info;
+    id.tail = 1; // of no folder: none has device 0 and node 0
+    gp_status st = add(f, id);
+    if (st || fstat(STDOUT_FILENO, &info) != 0 || !S_ISREG(info.st_mode))
+        return st;
+    id.device = info.st_dev;
+    id.node = info.st_ino;
+    id.tail = 0;
+    id.open = true;
+    f->there = true;
+    return add(f, id);
+}
+
+gp_status gp_files_write(struct gp_files *f, const char *path, int role,
+                         int item)
+{
+    struct gp_file_id id = {.role = role, .item = item};
+    bool counts;
+    if (strcmp(path, "-") == 0)
+        return add_stdout(f, id);
+    gp_status st = identify(f, path, &id, &counts);
+    return st || !counts ? st : add(f, id);
 }
 
 gp_status gp_files_begin(const struct gp_log *log,
@@ -352,7 +342,9 @@ gp_status gp_files_settle(struct gp_files *f)
         qsort(f->id, f->n, sizeof *f->id, by_id);
     for (size_t i = 1; i < f->n; i++) {
         const struct gp_file_id *const id = &f->id[i];
-        if (by_file(id - 1, id) == 0 && (!first || id->item < first->item))
+        const bool same = by_file(id - 1, id) == 0 &&
+                          !(id[-1].open && id->open);
+        if (same && (!first || id->item < first->item))
             first = id;
     }
     if (first)
@@ -372,7 +364,8 @@ gp_status gp_files_read(const struct gp_files *f, const char *what,
     if (!f->there || (strcmp(path, "-") == 0 ? fstat(STDIN_FILENO, &info)
                                              : stat(path, &info)) != 0)
         return GP_OK;
-    const struct gp_file_id key = {info.st_dev, info.st_ino, 0, 0, 0};
+    const struct gp_file_id key = {.device = info.st_dev,
+                                   .node = info.st_ino};
     const struct gp_file_id *const found =
         bsearch(&key, f->id, f->n, sizeof key, by_file);
     if (!found)

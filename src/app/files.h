@@ -5,9 +5,9 @@
  * Files are told apart as files and not by their names: those that are there
  * by device and inode, those that are not by their folder's and the name in it.
  * So links, ./ and folders with two names do not hide anything. What is no
- * regular file (pipes, devices, stdout under its names in /dev and /proc) loses
- * nothing by being written and may be given any number of times, but for `-`,
- * of which there is one.
+ * regular file (pipes, devices) loses nothing by being written and may be given
+ * any number of times. So may descriptors (stdout, /dev/fd/N), whatever they
+ * stand for, but not for a file that is read; of `-` there is one.
  *
  * All outputs come first, then gp_files_settle(), then what is read. An output
  * costs one lstat() (and its folder one stat()), an input one stat(), and none
@@ -29,6 +29,7 @@ struct gp_file_id {
     ino_t node;      // the file's, or its folder's
     uint64_t tail;   // of the name in the folder; 0: the file is there
     int role, item;  // the owner's, role >= 0; role < 0: a file of an option
+    bool open;       // by a descriptor that was given: others may have it too
 };
 
 /* Who writes, for messages. */

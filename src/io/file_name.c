@@ -9,7 +9,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { NAME_BYTES = 255 }; // of one path component, on all usual systems
+enum {
+    NAME_BYTES = 255, // of one path component, on all usual systems
+    LINK_BYTES = 4096,
+    LINKS = 40, // as many as the system follows
+};
 
 static bool starts(const char *s, const char *with)
 {
@@ -47,15 +51,40 @@ char *gp_file_folder(const char *path)
     return folder;
 }
 
+/* What the link `path` says, seen from where `path` is seen from; NULL with
+ * errno. */
+static char *follow(const char *path)
+{
+    char to[LINK_BYTES];
+    const ssize_t n = readlink(path, to, sizeof to);
+    if (n == sizeof to)
+        errno = ENAMETOOLONG;
+    if (n < 0 || n == sizeof to)
+        return NULL;
+    const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(path) - path);
+    char *next = malloc(folder + (size_t) n + 1);
+    if (next) {
+        memcpy(next, path, folder);
+        memcpy(next + folder, to, (size_t) n);
+        next[folder + (size_t) n] = '\0';
+    }
+    return next;
+}
+
 char *gp_file_resolve(const char *path)
 {
     struct stat s;
-    if (lstat(path, &s) == 0 && S_ISLNK(s.st_mode)) {
-        char *real = realpath(path, NULL);
-        if (real || errno != ENOENT)
-            return real;
+    char *at = gp_strdup(path);
+    for (int i = 0; at && lstat(at, &s) == 0 && S_ISLNK(s.st_mode); i++) {
+        char *next = realpath(at, NULL);
+        if (!next && errno == ENOENT && i < LINKS)
+            next = follow(at);
+        const int error = errno;
+        gp_free(at);
+        at = next;
+        errno = error;
     }
-    return gp_strdup(path);
+    return at;
 }
 
 char *gp_file_temp_name(const char *path, int nth)

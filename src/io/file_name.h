@@ -10,9 +10,9 @@
 bool gp_file_is_straight(const char *path);
 
 /* Strings from malloc, NULL when memory is full: the folder a path is in
- * ("." for a bare name), the path with links followed as far as they lead to
- * something (NULL with errno too where they cannot be followed: a circle, a
- * folder that may not be searched), and FOLDER/.NAME.PID.tmp, or
+ * ("." for a bare name), the path with links followed, also to a file
+ * that is still to be made (NULL with errno too where they cannot be followed:
+ * a circle, a folder that may not be searched), and FOLDER/.NAME.PID.tmp, or
  * FOLDER/.NAME.PID-N.tmp for a nth choice N > 0 (NAME cut where the whole would
  * be longer than a file name may be). */
 char *gp_file_folder(const char *path);

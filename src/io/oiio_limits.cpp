@@ -81,4 +81,10 @@ void gp_oiio_check_size(const OIIO::ImageSpec &spec, const char *format,
     if (tile > std::max(4 * pixels, 1LL << 20))
         throw std::runtime_error("tiles larger than the picture");
     check_density(spec, format, size, pixels);
+    // 2.4 leaves parts of them as its memory was
+    if (tile > 0 && spec.format == OIIO::TypeDesc::DOUBLE &&
+        std::strcmp(format, "tiff") == 0 &&
+        spec.get_string_attribute("planarconfig") != "separate")
+        throw std::runtime_error("tiles of 64-bit floats, which OpenImageIO "
+                                 "reads wrong");
 }

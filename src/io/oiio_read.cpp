@@ -165,8 +165,9 @@ void describe(const ImageSpec &spec, Owned &own, gp_oiio_image *out)
     out->attributes = static_cast<int>(own.attributes.size());
 }
 
-// Rows of one block: those of a row of tiles or, near 16 MiB, whole strips.
-int block_rows(const ImageSpec &spec)
+// Rows of one block: those of a row of tiles or, near 16 MiB, whole strips:
+// of a packed strip that is read in parts OpenImageIO loses doubles.
+int block_rows(const ImageSpec &spec, const char *format)
 {
     if (spec.tile_width > 0)
         return std::min(spec.tile_height, spec.height);
@@ -175,9 +176,12 @@ int block_rows(const ImageSpec &spec)
                             sizeof(float);
     const int room = static_cast<int>(
         std::max<std::size_t>(1, (std::size_t(16) << 20) / row));
-    const int strip = spec.get_int_attribute("tiff:RowsPerStrip", 1);
-    return std::min(strip > 1 && strip < room ? room - room % strip : room,
-                    spec.height);
+    int strip = 1;
+    if (std::strcmp(format, "tiff") == 0)
+        strip = spec.get_int_attribute("tiff:RowsPerStrip", spec.height);
+    if (strip < 1 || strip > spec.height)
+        strip = spec.height;
+    return std::min(std::max(room - room % strip, strip), spec.height);
 }
 
 std::unique_ptr<Owned> open_part(const char *path, const void *data,
@@ -200,7 +204,6 @@ void publish(std::unique_ptr<Owned> own, gp_oiio_image *out)
 {
     *out = {};
     describe(own->spec, *own, out);
-    out->block = block_rows(own->spec);
     out->own = own.release();
 }
 
@@ -231,7 +234,10 @@ int open(const char *path, const void *data, std::size_t size, int part,
          long long max_pixels, gp_oiio_image *out, char *why,
          std::size_t why_size)
 try {
-    publish(open_part(path, data, size, part, max_pixels), out);
+    auto own = open_part(path, data, size, part, max_pixels);
+    const int block = block_rows(own->spec, own->source.input->format_name());
+    publish(std::move(own), out);
+    out->block = block;
     out->pixels = nullptr;
     return 0;
 } catch (const std::exception &e) {

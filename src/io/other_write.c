@@ -87,7 +87,8 @@ gp_status gp_other_check(const struct gp_log *log,
     if (!can)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: unknown format (ending %s%s); end the name in "
-                       ".exr, .png or what OpenImageIO writes", path,
+                       ".exr, .png, .tif, .dpx, .hdr, .jpg, .bmp, .ppm, .sgi, "
+                       ".tga or .webp", path,
                        ending[0] ? "." : "is missing", ending);
     return GP_OK;
 }

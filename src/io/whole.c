@@ -168,11 +168,30 @@ static gp_status check_iff(struct reader *r)
                : cut_off(r, "its pixels");
 }
 
+// -- DPX ----------------------------------------------------------------------
+
+/* What the header says of the user's own data, which the reader takes memory
+ * for: bytes 32 to 35, all bits set when there are none. */
+static gp_status check_dpx(struct reader *r, bool big)
+{
+    uint8_t head[36];
+    const gp_status st = pass(r, "its header", sizeof head, NULL, head);
+    if (st)
+        return st;
+    const uint8_t *const b = head + 32;
+    const uint32_t user = big ? be32(b)
+                              : (uint32_t) b[3] << 24 | (uint32_t) b[2] << 16 |
+                                    (uint32_t) b[1] << 8 | b[0];
+    return user == UINT32_MAX || user <= r->s->size
+               ? GP_OK
+               : cut_off(r, "its user data");
+}
+
 gp_status gp_whole_check(const struct gp_log *log, const char *path,
                          const struct gp_stream *s, int part,
                          long long max_pixels)
 {
-    static const uint8_t png[8] = "\x89PNG\r\n\x1a\n", jpeg[3] = "\xff\xd8\xff";
+    static const uint8_t png[4] = "\x89PNG", jpeg[3] = "\xff\xd8\xff";
     uint8_t magic[8] = {0};
     if (gp_stream_read(s, magic, sizeof magic, 0) < (int64_t) sizeof jpeg)
         return GP_OK;
@@ -186,5 +205,7 @@ gp_status gp_whole_check(const struct gp_log *log, const char *path,
         return gp_whole_tiff(log, path, s, part);
     if (memcmp(magic, "FOR4", 4) == 0)
         return check_iff(&r);
+    if (memcmp(magic, "SDPX", 4) == 0 || memcmp(magic, "XPDS", 4) == 0)
+        return check_dpx(&r, magic[0] == 'S');
     return memcmp(magic, jpeg, sizeof jpeg) == 0 ? check_jpeg(&r) : GP_OK;
 }

@@ -1,6 +1,6 @@
-/* Whether PNG, JPEG, TIFF and IFF files are all there. Their decoders fill what
- * is missing with grey or zeros and say nothing, or speak to stderr themselves.
- */
+/* Whether PNG, JPEG, TIFF, IFF and DPX files are all there. Their decoders fill
+ * what is missing with grey or zeros and say nothing, take memory for what is
+ * not there, or speak to stderr themselves. */
 #ifndef GP_IO_WHOLE_H
 #define GP_IO_WHOLE_H
 
@@ -8,8 +8,8 @@
 #include "io/stream.h"
 
 /* Walks a PNG's chunks to IEND, checksums included, and decodes its rows; a
- * JPEG's segments and scans to EOI; an IFF's length; the tables of a TIFF's
- * directory `part`. Files of other formats pass. What lies behind the end does
+ * JPEG's segments and scans to EOI; an IFF's length; a DPX's user data; the
+ * tables of a TIFF's directory `part`. Files of other formats pass. What lies behind the end does
  * not matter. `path` is for the message; a PNG of more than `max_pixels` is
  * refused here.
  *
