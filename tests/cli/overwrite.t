@@ -200,6 +200,32 @@ taken --hdr sq/lit.####.exr sq/s.####.exr
 taken -q --hdr sq/lit.####.exr --no-clobber --report r.json sq/s.####.exr
 taken --create-dir --hdr n/a/x.exr --layer n/b/x.exr i.exr
 
+# -- open descriptors ----------------------------------------------------------
+
+kept() { sum >after; cmp -s before after; result $? "$1: as it was"; }
+sum >before
+(cd w && exec "$glarepp" --hdr /dev/fd/7 i.exr 7<>i.exr) >out 2>err
+status=$?
+fails_with 2 /dev/fd/7 'a descriptor of the frame'
+kept 'a descriptor of the frame'
+(cd w && exec "$glarepp" --hdr - i.exr) 1<>w/i.exr 2>err
+status=$?
+: >out
+fails_with 2 - 'the frame as stdout'
+kept 'the frame as stdout'
+(cd w && exec "$glarepp" --hdr - -) <w/i.exr 1<>w/i.exr 2>err
+status=$?
+fails_with 2 - 'stdin as stdout'
+kept 'stdin as stdout'
+(cd w && exec "$glarepp" --hdr - i.exr) >copy.exr 2>err
+status=$?
+quiet_success 'another file as stdout'
+(cd w && exec "$glarepp" --hdr /dev/fd/7 --report /dev/fd/7 i.exr \
+    7>../both) >out 2>err
+status=$?
+quiet_success 'one descriptor for two'
+kept 'the folder'
+
 run -o w/loop.png w/i.exr
 fails_with 3 w/loop.png 'a link to itself'
 done_testing

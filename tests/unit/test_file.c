@@ -103,6 +103,17 @@ static void links_and_permissions_stay(void **state)
     assert_true(S_ISLNK(s.st_mode));
     assert_int_equal(stat(wf_path("real"), &s), 0);
     assert_int_equal(s.st_mode & 0777, 0640);
+    remove(wf_path("real"));
+    // what it leads to is made, where that is not there
+    assert_int_equal(symlink("link", wf_path("chain")), 0);
+    assert_int_equal(gp_file_open(&wf_log, wf_path("chain"), false, &f),
+                     GP_OK);
+    assert_int_equal(gp_file_write(f, "made", 4), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_text(wf_path("real"), "made");
+    assert_int_equal(lstat(wf_path("chain"), &s), 0);
+    assert_true(S_ISLNK(s.st_mode));
+    remove(wf_path("chain"));
     remove(wf_path("link"));
     remove(wf_path("real"));
 }

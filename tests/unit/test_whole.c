@@ -1,4 +1,4 @@
-/* PNG, JPEG and IFF that are not all there, byte by byte. */
+/* PNG, JPEG, IFF and DPX that are not all there, byte by byte. */
 #include "write_fixture.h"
 
 #include "io/whole.h"
@@ -32,9 +32,9 @@ static void png(void **state)
     uint8_t *const bytes = wf_read(wf_path("a.png"), &size);
     assert_int_equal(check(bytes, size), GP_OK);
     for (size_t i = 0; i < size; i++) {
-        assert_int_equal(check(bytes, i), i < 8 ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(check(bytes, i), i < 4 ? GP_OK : GP_ERR_DATA);
         bytes[i] ^= 0x10;
-        assert_int_equal(check(bytes, size), i < 8 ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(check(bytes, size), i < 4 ? GP_OK : GP_ERR_DATA);
         bytes[i] ^= 0x10;
     }
     bytes[size - 20] ^= 1; // of IDAT
@@ -134,6 +134,33 @@ static void iff(void **state)
     wf_assert_said("in: cut off or damaged (the file ends in its pixels)");
 }
 
+/* User data that are there, are not, and of which there are none. */
+static void dpx(void **state)
+{
+    (void) state;
+    static const struct {
+        uint8_t user[4]; // high byte first
+        gp_status st;
+    } rows[] = {
+        {{0, 0, 0, 0}, GP_OK},
+        {{0, 0, 0, 200}, GP_OK},
+        {{0, 0, 0, 201}, GP_ERR_DATA},
+        {{0x7f, 0, 0, 0}, GP_ERR_DATA},
+        {{0xff, 0, 0, 0}, GP_ERR_DATA},
+        {{0xff, 0xff, 0xff, 0xfe}, GP_ERR_DATA},
+        {{0xff, 0xff, 0xff, 0xff}, GP_OK},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        uint8_t big[200] = "SDPX", little[200] = "XPDS";
+        memcpy(big + 32, rows[i].user, 4);
+        for (int k = 0; k < 4; k++)
+            little[32 + k] = rows[i].user[3 - k];
+        assert_int_equal(check(big, sizeof big), rows[i].st);
+        assert_int_equal(check(little, sizeof little), rows[i].st);
+        assert_int_equal(check(big, 35), GP_ERR_DATA);
+    }
+}
+
 static void jpeg(void **state)
 {
     (void) state;
@@ -190,7 +217,7 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
-        TEST(png), TEST(png_rows), TEST(iff), TEST(jpeg), TEST(long_scans),
+        TEST(png), TEST(png_rows), TEST(iff), TEST(dpx), TEST(jpeg), TEST(long_scans),
     };
     return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }
