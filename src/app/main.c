@@ -112,9 +112,9 @@ int main(int argc, char *argv[])
     keep_streams();
     gp_keep_memory();
     gp_temp_cleanup_on_signal();
-    // a reader that leaves is an error with a line, not a silent death
     last_log = &log;
     gp_bridge_on_no_memory(end_for_memory);
+    // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
     gp_status st = gp_options_parse(&log, argc, argv, &s);
