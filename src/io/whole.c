@@ -144,7 +144,7 @@ static gp_status check_jpeg(struct reader *r)
     bool scan = false;
     gp_status st = pass(r, "its first bytes", 2, NULL, NULL);
     while (!st && !(st = next_marker(r, scan, &code)) && code != EOI) {
-        uint8_t size[2];
+        uint8_t size[2] = {0, 0};
         scan = code == SOS;
         if (code == TEM || (code >= RST0 && code <= SOI))
             continue; // these stand alone
