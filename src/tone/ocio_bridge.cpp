@@ -239,7 +239,7 @@ std::string find_view(const Asked &a, const std::string &display)
     for (const OCIO::ViewType type :
          {OCIO::VIEW_DISPLAY_DEFINED, OCIO::VIEW_SHARED}) {
         for (int i = 0; i < c->getNumViews(type, d); i++) {
-            const std::string name = c->getView(type, d, i);
+            std::string name = c->getView(type, d, i);
             if (strcasecmp(name.c_str(), a.p->view) == 0)
                 return name;
         }
