@@ -112,7 +112,8 @@ $(B)/app/manual_text.o: $(B)/app/manual_text.c
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
 # C++ lives in these shared objects, opened only when something needs them
-$(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h src/io/oiio_bridge.hpp
+$(B)/glarepp-oiio.so: $(BRIDGE_SRC) src/io/oiio.h src/io/oiio_bridge.hpp \
+    src/core/status.h
 	@mkdir -p $(@D)
 	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIC -shared \
 	    $(HARDEN_SO) -Isrc -fvisibility=hidden -o $@ $(BRIDGE_SRC) \

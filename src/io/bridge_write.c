@@ -82,9 +82,7 @@ gp_status gp_bridge_write(const struct gp_log *log, const char *path,
     const int got =
         api->write(name, format, img, type, compression, why, sizeof why);
     if (got == GP_OIIO_MEMORY)
-        GP_TRY(gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%s); close other programs", path,
-                       why));
+        GP_TRY(gp_oiio_no_memory(log, path, why));
     if (got)
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: OpenImageIO cannot write it (%s); write another "

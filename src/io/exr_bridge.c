@@ -86,9 +86,7 @@ gp_status gp_exr_decode_by_bridge(const struct gp_log *log,
                               (long long) l->w * l->h, &image, why,
                               sizeof why);
     if (got == GP_OIIO_MEMORY)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%s); close other programs",
-                       l->path, why);
+        return gp_oiio_no_memory(log, l->path, why);
     if (got)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the pixels are damaged (%s); copy or render the "

@@ -8,6 +8,8 @@
 #ifndef GP_IO_OIIO_H
 #define GP_IO_OIIO_H
 
+#include "core/status.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -119,6 +121,11 @@ const struct gp_oiio_api *gp_oiio_api(void);
 /* In the program: opens the bridge at first call. NULL, with the reason in
  * `why`, when it or one of its libraries is missing. */
 const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size);
+
+/* In the program: the line and the status of GP_OIIO_MEMORY, which a function
+ * of the bridge gave for `path` with `why`. Never GP_OK. */
+gp_status gp_oiio_no_memory(const struct gp_log *log, const char *path,
+                            const char *why);
 
 #ifdef __cplusplus
 }

@@ -151,9 +151,7 @@ static gp_status bridge_failed(const struct gp_log *log, const char *path,
                                int result, const char *which, const char *why)
 {
     if (result == GP_OIIO_MEMORY)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%s); close other programs", path,
-                       why);
+        return gp_oiio_no_memory(log, path, why);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: no image format%s that can be read (%s); give an EXR "
                    "or convert it", path, which,

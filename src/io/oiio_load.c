@@ -62,3 +62,10 @@ const struct gp_oiio_api *gp_oiio_open(char *why, size_t why_size)
     pthread_mutex_unlock(&lock);
     return api;
 }
+
+gp_status gp_oiio_no_memory(const struct gp_log *log, const char *path,
+                            const char *why)
+{
+    return gp_fail(log, GP_ERR_BUG,
+                   "%s: out of memory (%s); close other programs", path, why);
+}

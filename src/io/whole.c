@@ -4,7 +4,6 @@
 #include "io/whole_tiff.h"
 
 #include <errno.h>
-#include <libdeflate.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
@@ -47,10 +46,10 @@ static gp_status fill(struct reader *r, const char *where, size_t *n)
     return GP_OK;
 }
 
-/* Passes over `size` bytes, which may be more than the file has. *crc is that
- * of PNG; `to` takes the bytes where it is not NULL. */
+/* Passes over `size` bytes, which may be more than the file has; `to` takes
+ * them where it is not NULL. */
 static gp_status pass(struct reader *r, const char *where, uint64_t size,
-                      uint32_t *crc, uint8_t *to)
+                      uint8_t *to)
 {
     while (size > 0) {
         size_t n = 0;
@@ -60,8 +59,6 @@ static gp_status pass(struct reader *r, const char *where, uint64_t size,
         if (n > size)
             n = (size_t) size;
         const uint8_t *const from = r->block + r->next;
-        if (crc)
-            *crc = libdeflate_crc32(*crc, from, n);
         if (to) {
             memcpy(to, from, n);
             to += n;
@@ -76,40 +73,6 @@ static uint32_t be32(const uint8_t b[4])
 {
     return (uint32_t) b[0] << 24 | (uint32_t) b[1] << 16 |
            (uint32_t) b[2] << 8 | b[3];
-}
-
-// -- PNG ----------------------------------------------------------------------
-
-/* One chunk; type[4] is its name, made printable. */
-static gp_status check_chunk(struct reader *r, char type[5])
-{
-    uint8_t head[8], crc[4];
-    char where[16];
-    gp_status st = pass(r, "the head of a chunk", sizeof head, NULL, head);
-    if (st)
-        return st;
-    for (int i = 0; i < 4; i++)
-        type[i] = head[4 + i] > ' ' && head[4 + i] < 127 ? (char) head[4 + i]
-                                                         : '?';
-    snprintf(where, sizeof where, "chunk %s", type);
-    uint32_t found = libdeflate_crc32(0, head + 4, 4);
-    st = pass(r, where, be32(head), &found, NULL);
-    if (!st)
-        st = pass(r, where, sizeof crc, NULL, crc);
-    if (!st && be32(crc) != found)
-        st = gp_fail(r->log, GP_ERR_DATA,
-                     "%s: damaged (the checksum of %s is wrong); copy or "
-                     "render the file again", r->path, where);
-    return st;
-}
-
-static gp_status check_png(struct reader *r)
-{
-    char type[5] = "";
-    gp_status st = pass(r, "its first bytes", 8, NULL, NULL);
-    while (!st && strcmp(type, "IEND") != 0)
-        st = check_chunk(r, type);
-    return st;
 }
 
 // -- JPEG ---------------------------------------------------------------------
@@ -131,7 +94,7 @@ static gp_status next_marker(struct reader *r, bool scan, uint8_t *code)
         if (!found)
             continue;
         do // any number of 0xff may fill up before the code
-            st = pass(r, where, 1, NULL, code);
+            st = pass(r, where, 1, code);
         while (!st && *code == 0xff);
         if (st || (*code != 0 && !(scan && *code >= RST0 && *code < SOI)))
             return st;
@@ -142,16 +105,16 @@ static gp_status check_jpeg(struct reader *r)
 {
     uint8_t code = 0;
     bool scan = false;
-    gp_status st = pass(r, "its first bytes", 2, NULL, NULL);
+    gp_status st = pass(r, "its first bytes", 2, NULL);
     while (!st && !(st = next_marker(r, scan, &code)) && code != EOI) {
         uint8_t size[2] = {0, 0};
         scan = code == SOS;
         if (code == TEM || (code >= RST0 && code <= SOI))
             continue; // these stand alone
-        st = pass(r, "its headers", 2, NULL, size);
+        st = pass(r, "its headers", 2, size);
         const unsigned length = (unsigned) size[0] << 8 | size[1];
         if (!st && length > 2)
-            st = pass(r, "its headers", length - 2, NULL, NULL);
+            st = pass(r, "its headers", length - 2, NULL);
     }
     return st;
 }
@@ -162,7 +125,7 @@ static gp_status check_jpeg(struct reader *r)
 static gp_status check_iff(struct reader *r)
 {
     uint8_t head[8];
-    const gp_status st = pass(r, "its first bytes", sizeof head, NULL, head);
+    const gp_status st = pass(r, "its first bytes", sizeof head, head);
     return st || be32(head + 4) <= r->s->size - sizeof head
                ? st
                : cut_off(r, "its pixels");
@@ -175,7 +138,7 @@ static gp_status check_iff(struct reader *r)
 static gp_status check_dpx(struct reader *r, bool big)
 {
     uint8_t head[36];
-    const gp_status st = pass(r, "its header", sizeof head, NULL, head);
+    const gp_status st = pass(r, "its header", sizeof head, head);
     if (st)
         return st;
     const uint8_t *const b = head + 32;
@@ -196,10 +159,8 @@ gp_status gp_whole_check(const struct gp_log *log, const char *path,
     if (gp_stream_read(s, magic, sizeof magic, 0) < (int64_t) sizeof jpeg)
         return GP_OK;
     struct reader r = {.log = log, .path = path, .s = s};
-    if (memcmp(magic, png, sizeof png) == 0) {
-        const gp_status st = check_png(&r);
-        return st ? st : gp_whole_png(log, path, s, max_pixels);
-    }
+    if (memcmp(magic, png, sizeof png) == 0)
+        return gp_whole_png(log, path, s, max_pixels);
     if (memcmp(magic, "II*\0", 4) == 0 || memcmp(magic, "II+\0", 4) == 0 ||
         memcmp(magic, "MM\0*", 4) == 0 || memcmp(magic, "MM\0+", 4) == 0)
         return gp_whole_tiff(log, path, s, part);

@@ -7,11 +7,11 @@
 #include "core/status.h"
 #include "io/stream.h"
 
-/* Walks a PNG's chunks to IEND, checksums included, and decodes its rows; a
- * JPEG's segments and scans to EOI; an IFF's length; a DPX's user data; the
- * tables of a TIFF's directory `part`. Files of other formats pass. What lies behind the end does
- * not matter. `path` is for the message; a PNG of more than `max_pixels` is
- * refused here.
+/* Decodes a PNG's rows and reads on to IEND, checksums included; walks a JPEG's
+ * segments and scans to EOI, an IFF's length, a DPX's user data, the tables of
+ * a TIFF's directory `part`. Files of other formats pass. What lies behind the
+ * end does not matter. `path` is for the message; a PNG of more than
+ * `max_pixels` is refused here.
  *
  * Errors: GP_ERR_DATA cut off, or a chunk's checksum or data are wrong;
  * GP_ERR_IO; GP_ERR_BUG out of memory.

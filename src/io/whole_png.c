@@ -74,11 +74,13 @@ static void give_memory(png_structp png, void *p)
     gp_free(p);
 }
 
-/* Header, then every row of every pass. May leave by longjmp(). */
+/* Header, every row of every pass, then the chunks to the last; those that
+ * are no pixels must be whole too. May leave by longjmp(). */
 static void decode(png_structp png, png_infop info, struct source *s,
                    long long max_pixels)
 {
     png_set_read_fn(png, s, read_bytes);
+    png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, info);
     const png_uint_32 w = png_get_image_width(png, info);
     const png_uint_32 h = png_get_image_height(png, info);
@@ -96,6 +98,7 @@ static void decode(png_structp png, png_infop info, struct source *s,
         for (png_uint_32 y = 0; y < h; y++)
             png_read_row(png, s->row, NULL);
     }
+    png_read_end(png, NULL);
 }
 
 /* Nothing here is changed between setjmp() and longjmp() but what the pointers
