@@ -50,7 +50,7 @@ CONFIGURATIONS = {
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
     "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,),
-             12),
+             24),
     "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
               "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 3),
     "views": ("-e direct --threads 1 --views left,right --hdr o/h.exr "
@@ -59,12 +59,12 @@ CONFIGURATIONS = {
     "b44": ("-e direct --threads 2 --compression b44 --type half "
             "--hdr o/h.exr --layer o/l.exr in.exr", (), 4),
     "dwaa": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr in.exr",
-             (3,), 12),
+             (3,), 24),
     "large": ("-e direct --threads 1 --compression none --type float "
               "--hdr o/h.exr big.exr", (), 1),
     "flight": ("-e direct --threads 3 --frame-jobs 3 -o o/a.#.png "
                "--hdr o/h.#.exr s.####.exr", (), 1),
-    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 12),
+    "bridge": ("-e direct --threads 1 -o o/a.jpg in.exr", (3,), 24),
 }
 # what a line begins with that is about no file: the command line, or all frames
 NO_FILE = ("glarepp: command line: ", "glarepp: --")
