@@ -57,9 +57,8 @@ static bool chunk_size(const struct gp_exr_layout *l,
     for (int i = 0; i < l->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
         int xs = e->x_sampling, ys = e->y_sampling;
+        // where the first block's height divides, the others' start does
         if (c->width % xs || (c->height > 1 && c->height % ys))
-            return false;
-        if (c->height > 1 && (c->start_y - l->y0) % ys)
             return false;
         bool none = c->height == 1 && (c->start_y - l->y0) % ys;
         uint64_t rows = none ? 0 : (uint64_t) (c->height + ys - 1) /
