@@ -53,8 +53,11 @@ static void deep_data(void **state)
         .compression = EXR_COMPRESSION_ZIPS,
     }}};
     snprintf(path, sizeof path, "%s/deep.exr", folder);
-    fixture_write_file(path, &f);
-    assert_refused(path, GP_ERR_DATA, "flatten");
+    for (int tile = 0; tile <= 16; tile += 16) {
+        f.part[0].tile = tile;
+        fixture_write_file(path, &f);
+        assert_refused(path, GP_ERR_DATA, "flatten");
+    }
 }
 
 /* Cut at any place, a file is refused with one line. */

@@ -66,6 +66,8 @@ static void colour_of_names(void **state)
         {{"a.G", "a.R", "b.B", "b.G", "b.R"}, false, GP_COLOUR_RGB,
          {"b.R", "b.G", "b.B"}},
         {{"a.G", "a.R"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
+        {{"a.Blue", "a.Red"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
+        {{"a.Green", "a.Red"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
         // ids are no light
         {{"CryptoObject00.B", "CryptoObject00.G", "CryptoObject00.R", "l.B",
           "l.G", "l.R"}, false, GP_COLOUR_RGB, {"l.R", "l.G", "l.B"}},

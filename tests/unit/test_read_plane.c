@@ -82,6 +82,7 @@ static void depth_of_any_part(void **state)
          3, 2, "Z", "z.Z", NULL},
         {{COLOUR("c_right"), Z_PART("depth_left", 5)},
          2, 1, "Z", "depth_left.Z", "view left"},
+        {{COLOUR("c"), Z_PART("z_right", 5)}, 2, 1, "Z", "z_right.Z", NULL},
         // deep parts are passed over, and named when there is nothing else
         {{COLOUR("c"), Z_PART("z", 6), DEEP("depth")},
          3, 1, "Z", "z.Z", NULL},
