@@ -120,6 +120,7 @@ static void attributes_of_another_exr(void **state)
         int count[4]; // for each gp_exr_kept
     } row[] = {
         {"owner", 0, {1, 1, 1, 1}},
+        {"owner", GP_EXR_DEEP, {1, 1, 1, 1}},
         {"multiView", 0, {1, 1, 0, 0}},
         {"preview", 0, {1, 0, 0, 0}},
         {"chromaticities", 0, {1, 0, 1, 0}},
