@@ -1,4 +1,6 @@
 /* io/plane: depth and coverage beside a frame, from any part; matrices. */
+#include "io/exr_origin.h"
+
 #include "plane_fixture.h"
 
 /* The last line of any level, as warnings count here too. */
@@ -248,6 +250,13 @@ static void frames_without_a_file(void **state)
     assert_int_equal(gp_read_coverage(&hear, &limits, &f, "A", &p),
                      GP_ERR_USAGE);
     assert_non_null(strstr(heard.line, "(it has R, Z)"));
+    assert_false(gp_frame_matrix(&f, "worldToCamera", m));
+    // one of another format, with an origin that is no EXR
+    struct gp_origin other = {0};
+    f.origin = &other;
+    assert_int_equal(gp_read_coverage(&hear, &limits, &f, "R", &p), GP_OK);
+    assert_memory_equal(p.v, red, sizeof red);
+    gp_plane_free(&p);
     assert_false(gp_frame_matrix(&f, "worldToCamera", m));
     assert_true(m[0] == 42.0);
 }
