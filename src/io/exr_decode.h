@@ -20,6 +20,7 @@ struct gp_exr_layout {
     exr_compression_t compression;
     exr_storage_t storage;
     int tile_w, tile_h;               // 0 for scanlines
+    int lines;                        // of a block of scanlines; 0 for tiles
     const exr_attr_chlist_t *channel; // borrowed from the context
     exr_chunk_info_t *chunk;
     int chunks;

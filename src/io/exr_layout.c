@@ -4,6 +4,7 @@
 #include "io/exr_fault.h"
 
 #include <limits.h>
+#include <string.h>
 
 /* The most bytes that one byte of a chunk can become, by compression, rounded
  * up. DEFLATE: a 2-bit code can stand for 258 bytes, and there is nothing
@@ -57,9 +58,8 @@ static bool chunk_size(const struct gp_exr_layout *l,
     for (int i = 0; i < l->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
         int xs = e->x_sampling, ys = e->y_sampling;
+        // where the first block's height divides, the others' start does
         if (c->width % xs || (c->height > 1 && c->height % ys))
-            return false;
-        if (c->height > 1 && (c->start_y - l->y0) % ys)
             return false;
         bool none = c->height == 1 && (c->start_y - l->y0) % ys;
         uint64_t rows = none ? 0 : (uint64_t) (c->height + ys - 1) /
@@ -90,23 +90,37 @@ static gp_status check_chunk(const struct gp_log *log,
     return GP_OK;
 }
 
-/* The rectangle of a chunk must be where its index says. */
+/* Pixels of block `i` of those of `size` that cover `all`. */
+static int64_t block_pixels(int all, int size, int i)
+{
+    const int64_t left = all - (int64_t) i * size;
+    return left < size ? left : size;
+}
+
+/* The rectangle of a chunk must be the one that its index says: together they
+ * cover the window, each pixel once. */
 static bool chunk_in_place(const struct gp_exr_layout *l, int index,
                            const exr_chunk_info_t *c)
 {
-    int64_t x = 0, y = (int64_t) c->start_y - l->y0;
-    if (l->tile_w) {
-        x = (int64_t) c->start_x * l->tile_w;
-        y = (int64_t) c->start_y * l->tile_h;
+    if (l->lines) {
+        const int64_t is[4] = {c->idx, c->start_y, c->width, c->height};
+        const int64_t want[4] = {index, l->y0 + (int64_t) index * l->lines,
+                                 l->w, block_pixels(l->h, l->lines, index)};
+        return memcmp(is, want, sizeof is) == 0;
     }
-    return c->width > 0 && c->height > 0 && x >= 0 && y >= 0 &&
-           x + c->width <= l->w && y + c->height <= l->h && c->idx == index;
+    const int across = (l->w - 1) / l->tile_w + 1;
+    const int column = index % across, row = index / across;
+    const int64_t is[5] = {c->idx, c->start_x, c->start_y, c->width,
+                           c->height};
+    const int64_t want[5] = {index, column, row,
+                             block_pixels(l->w, l->tile_w, column),
+                             block_pixels(l->h, l->tile_h, row)};
+    return memcmp(is, want, sizeof is) == 0;
 }
 
 static gp_status read_chunks(const struct gp_log *log,
                              struct gp_exr_layout *l)
 {
-    int64_t pixels = 0;
     gp_exr_fault_clear();
     for (int i = 0; i < l->chunks; i++) {
         exr_chunk_info_t *c = &l->chunk[i];
@@ -114,19 +128,13 @@ static gp_status read_chunks(const struct gp_log *log,
         if (r)
             return bad_chunk(log, l, i, exr_get_default_error_message(r));
         if (!chunk_in_place(l, i, c))
-            return bad_chunk(log, l, i, "it is outside the data window");
+            return bad_chunk(log, l, i, "it is not where it belongs");
         gp_status st = check_chunk(log, l, i);
         if (st)
             return st;
-        pixels += (int64_t) c->width * c->height;
         if (c->unpacked_size > l->largest)
             l->largest = c->unpacked_size;
     }
-    if (pixels != (int64_t) l->w * l->h)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: damaged (the chunks hold %lld of %lld pixels); "
-                       "copy or render the file again", l->path,
-                       (long long) pixels, (long long) l->w * l->h);
     return GP_OK;
 }
 
@@ -176,8 +184,10 @@ static gp_status count_chunks(const struct gp_log *log,
     } else {
         if (!r)
             r = exr_get_scanlines_per_chunk(exr, l->part, &lines);
-        if (!r && lines > 0)
+        if (!r && lines > 0) {
+            l->lines = lines;
             n = ((int64_t) l->h + lines - 1) / lines;
+        }
     }
     // each chunk has 8 bytes in the offset table, so the file bounds the list
     if (r || n < 1 || n > all || (uint64_t) n > l->origin->stream.size / 8)

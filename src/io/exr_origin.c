@@ -156,21 +156,10 @@ gp_status gp_origin_keep(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Tiles of one level; 0 when the library says no. */
-static int level_tiles(const struct gp_origin *o, int part, int lx, int ly,
-                       int *across, int *down)
+/* How many tiles cover so many pixels. */
+static int64_t tiles_of(int32_t pixels, uint32_t tile)
 {
-    int32_t w, h;
-    uint32_t tw, th;
-    exr_tile_level_mode_t level;
-    exr_tile_round_mode_t round;
-    if (exr_get_level_sizes(o->exr, part, lx, ly, &w, &h) ||
-        exr_get_tile_descriptor(o->exr, part, &tw, &th, &level, &round) ||
-        w < 1 || h < 1 || tw < 1 || th < 1)
-        return 0;
-    *across = (int) (((int64_t) w + tw - 1) / tw);
-    *down = (int) (((int64_t) h + th - 1) / th);
-    return 1;
+    return ((int64_t) pixels + tile - 1) / tile;
 }
 
 static exr_result_t tile_chunk(const struct gp_origin *o, int part, int index,
@@ -183,16 +172,20 @@ static exr_result_t tile_chunk(const struct gp_origin *o, int part, int index,
     exr_result_t r = exr_get_tile_levels(o->exr, part, &nx, &ny);
     if (!r)
         r = exr_get_tile_descriptor(o->exr, part, &tw, &th, &mode, &round);
+    if (!r && (tw < 1 || th < 1))
+        r = EXR_ERR_INVALID_ATTR;
     if (r)
         return r;
     int64_t left = index;
     for (int ly = 0; ly < ny; ly++) {
         bool rip = mode == EXR_TILE_RIPMAP_LEVELS;
         for (int lx = rip ? 0 : ly; lx < (rip ? nx : ly + 1); lx++) {
-            int across, down;
-            if (!level_tiles(o, part, lx, ly, &across, &down))
-                return EXR_ERR_INVALID_ATTR;
-            int64_t tiles = (int64_t) across * down;
+            int32_t w, h;
+            r = exr_get_level_sizes(o->exr, part, lx, ly, &w, &h);
+            if (r)
+                return r;
+            const int64_t across = tiles_of(w, tw);
+            const int64_t tiles = across * tiles_of(h, th);
             if (left < tiles)
                 return exr_read_tile_chunk_info(
                     o->exr, part, (int) (left % across), (int) (left / across),

@@ -105,31 +105,35 @@ char *gp_file_temp_name(const char *path, int nth)
     return name;
 }
 
-static bool is_folder(const char *path)
+/* 0 where the folder is there afterwards, else the errno of mkdir(): what
+ * stat() says of a folder that could not be made is not why. */
+static int make_folder(const char *path)
 {
     struct stat s;
-    return stat(path, &s) == 0 && S_ISDIR(s.st_mode);
+    if (mkdir(path, 0777) == 0)
+        return 0;
+    const int error = errno;
+    return stat(path, &s) == 0 && S_ISDIR(s.st_mode) ? 0 : error;
 }
 
 int gp_file_make_folders(const char *path)
 {
     char *folder = gp_file_folder(path);
-    int result = folder ? 0 : -1;
-    for (char *p = folder + 1; result == 0; p++) {
+    int error = folder ? 0 : ENOMEM;
+    for (char *p = folder + 1; error == 0; p++) {
         const char keep = *p;
         if (keep != '/' && keep != '\0')
             continue;
         *p = '\0';
-        if (mkdir(folder, 0777) && !is_folder(folder))
-            result = -1;
+        error = make_folder(folder);
         *p = keep;
         if (keep == '\0')
             break;
     }
-    int error = errno;
     gp_free(folder);
-    errno = error;
-    return result;
+    if (error)
+        errno = error;
+    return error ? -1 : 0;
 }
 
 void gp_file_ending(const char *path, char *ending, int room)

@@ -22,18 +22,17 @@ gp_status gp_picture_make(const struct gp_log *log,
     const struct gp_rect d = f->display;
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
     const int channel = p->alpha == GP_ALPHA_KEEP ? gp_find_alpha(f) : -1;
-    *out = (struct gp_picture) {
-        .channels = channel >= 0 ? 4 : 3, .bits = p->depth_bits,
-        .dither = p->dither, .encoded = kind == GP_PICTURE_ENCODED, .f = f,
-        .planes = planes,
-    };
+    *out = (struct gp_picture) {0};
     if (w < 1 || h < 1 || w > pixels_max / h)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
+        return gp_fail(log, GP_ERR_DATA,
                        "%s: no picture of this display window (%lld x %lld "
                        "pixels); write .exr", path, (long long) w,
-                       (long long) h));
-    out->width = (int) w;
-    out->height = (int) h;
+                       (long long) h);
+    *out = (struct gp_picture) {
+        .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
+        .bits = p->depth_bits, .dither = p->dither,
+        .encoded = kind == GP_PICTURE_ENCODED, .f = f, .planes = planes,
+    };
     if (channel >= 0) {
         GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof(float),
                         &alpha));

@@ -207,10 +207,9 @@ gp_status gp_read_depth(const struct gp_log *log,
 static enum gp_pixel_type type_of(const struct gp_frame *f,
                                   const struct gp_plane_place *at)
 {
-    const struct gp_origin *o = gp_origin_of(f);
     const exr_attr_chlist_t *list;
-    if (at->part->colour || !o || !o->exr ||
-        exr_get_channels(o->exr, at->part->part, &list))
+    if (at->part->colour || // as it is in files that are not EXR
+        exr_get_channels(gp_origin_of(f)->exr, at->part->part, &list))
         return f->channel[at->channel].type;
     return gp_exr_pixel_type(list->entries[at->channel].pixel_type);
 }

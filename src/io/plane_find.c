@@ -48,10 +48,13 @@ gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-static int count_channels(const struct gp_origin *o, int part)
+/* The channels of a part; none where the library has no list. */
+static const exr_attr_chlist_t *channels_of(const struct gp_origin *o,
+                                            int part)
 {
+    static const exr_attr_chlist_t none;
     const exr_attr_chlist_t *list;
-    return exr_get_channels(o->exr, part, &list) ? 0 : list->num_channels;
+    return exr_get_channels(o->exr, part, &list) ? &none : list;
 }
 
 static bool other_view(const char *a, const char *b)
@@ -75,17 +78,15 @@ static int order_of(const struct gp_origin *o, int part, bool colour,
 static void add_part(const struct gp_origin *o, int part, bool colour,
                      struct gp_plane_list *list)
 {
-    const exr_attr_chlist_t *from;
+    const exr_attr_chlist_t *const from = channels_of(o, part);
     struct gp_plane_part *to = &list->part[list->parts++];
     *to = (struct gp_plane_part) {
         .part = part, .name = gp_exr_part_name(o, part),
         .view = gp_exr_part_view(o, part),
         .colour = colour, .deep = gp_exr_is_deep(o, part),
         .channel = list->channel + list->channels,
-        .channels = count_channels(o, part),
+        .channels = from->num_channels,
     };
-    if (to->channels == 0 || exr_get_channels(o->exr, part, &from))
-        return;
     for (int i = 0; i < to->channels; i++)
         to->channel[i].name = (char *) (uintptr_t) from->entries[i].name.str;
     list->channels += to->channels;
@@ -98,7 +99,7 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
     int channels = 0;
     *list = (struct gp_plane_list) {.path = path};
     for (int part = 0; part < o->parts; part++)
-        channels += count_channels(o, part);
+        channels += channels_of(o, part)->num_channels;
     gp_status st = make_list(log, o->parts, channels, list);
     if (st)
         return st;
@@ -281,7 +282,7 @@ static gp_status not_found(const struct gp_log *log,
 static void tell(const struct gp_log *log, const struct gp_plane_list *list,
                  struct gp_plane_place *at, bool whole)
 {
-    const char *view = list->parts ? list->part[0].view : NULL;
+    const char *const view = list->part[0].view;
     if (!at->part || whole)
         return;
     if (at->part->deep) {

@@ -187,9 +187,8 @@ static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
         number = 10 * number + (digits[n] - '0');
     if (n == 0 || strcmp(digits + n, p->path + p->at + p->len) != 0)
         return -1;
-    char again[24]; // only the padding that would be written is a match
-    const int bytes = snprintf(again, sizeof again, "%0*d", p->digits, number);
-    return bytes == n && strncmp(again, digits, (size_t) n) == 0 ? number : -1;
+    // only the padding that would be written is a match
+    return snprintf(NULL, 0, "%0*d", p->digits, number) == n ? number : -1;
 }
 
 static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,

@@ -240,7 +240,8 @@ static void fixture_header(exr_context_t exr, const struct fixture *f,
     int part;
     if (display.max.x == 0 && display.max.y == 0)
         display = f->part[0].data;
-    exr_storage_t storage = p->deep ? EXR_STORAGE_DEEP_SCANLINE
+    exr_storage_t storage = p->deep ? p->tile ? EXR_STORAGE_DEEP_TILED
+                                              : EXR_STORAGE_DEEP_SCANLINE
                             : p->tile ? EXR_STORAGE_TILED
                                       : EXR_STORAGE_SCANLINE;
     assert_int_equal(exr_add_part(exr, p->name ? p->name : "part", storage,

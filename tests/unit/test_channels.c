@@ -55,6 +55,7 @@ static void depth_by_search(void **state)
          "ViewLayer.Depth.Z", NULL},
         {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z"},
         {{"left.Z", "right.Z"}, "left.Z", "right.Z"},
+        {{"a.Z", "b.Z", "c.Z"}, "a.Z", "b.Z"}, // the first two are named
         {{"a.Z", "b.Z", "Z"}, "Z", NULL},
         {{"character.Z"}, "character.Z", NULL},
         // a vector by its axes, whatever its name
@@ -62,6 +63,7 @@ static void depth_by_search(void **state)
         {{"thing.X", "thing.Z"}, "thing.Z", NULL},
         {{"X", "Y", "Z"}, NULL, NULL},
         {{"Y", "Z"}, "Z", NULL},
+        {{"X", "Z"}, "Z", NULL},
         // a vector by its name, whatever its axes
         {{"normals.Z"}, NULL, NULL},
         {{"Normal.Z"}, NULL, NULL},
@@ -92,6 +94,21 @@ static void depth_by_search(void **state)
         else
             assert_string_equal(f.channel[found].name, row[i].want);
     }
+}
+
+/* No other channel can have the name that would make this one a vector's. */
+static void names_of_any_length(void **state)
+{
+    (void) state;
+    char name[400];
+    memset(name, 'n', sizeof name);
+    strcpy(name + sizeof name - 3, ".Z");
+    struct gp_channel channel[NAMES];
+    const char *const list[NAMES] = {"X", "Y", name};
+    struct gp_frame f = frame_of(list, channel);
+    int found = -2;
+    assert_int_equal(gp_find_depth(&hear, &f, NULL, &found), GP_OK);
+    assert_int_equal(found, 2);
 }
 
 static void channels_by_name(void **state)
@@ -181,14 +198,52 @@ static void subsampled_samples_are_repeated(void **state)
     }
 }
 
+/* A window that lies between two samples: nothing is written. */
+static void channels_without_samples(void **state)
+{
+    (void) state;
+    static const int size[][2] = {{0, 1}, {1, 0}, {0, 0}};
+    static float none[1] = {7.0f};
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        struct gp_channel channel = {
+            .type = GP_FLOAT, .xs = 4, .ys = 4, .w = size[i][0],
+            .h = size[i][1], .colour = -1, .data = none,
+        };
+        struct gp_frame f = {.data = {1, 1, 3, 3}, .channel = &channel,
+                             .channels = 1};
+        float out[4] = {1, 2, 3, 4};
+        gp_channel_floats(&f, 0, out);
+        for (int k = 0; k < 4; k++)
+            assert_true(out[k] == (float) (k + 1));
+    }
+}
+
+/* The last sample stands for what is right of it and below it. */
+static void windows_past_the_last_sample(void **state)
+{
+    (void) state;
+    static float some[2] = {1, 2};
+    struct gp_channel channel = {.type = GP_FLOAT, .xs = 2, .ys = 2, .w = 2,
+                                 .h = 1, .colour = -1, .data = some};
+    struct gp_frame f = {.data = {0, 0, 5, 3}, .channel = &channel,
+                         .channels = 1};
+    float out[15];
+    gp_channel_floats(&f, 0, out);
+    for (int i = 0; i < 15; i++)
+        assert_true(out[i] == (i % 5 < 2 ? 1.0f : 2.0f));
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(depth_by_search),
+        cmocka_unit_test(names_of_any_length),
         cmocka_unit_test(channels_by_name),
         cmocka_unit_test(long_lists_are_cut),
         cmocka_unit_test(samples_of_every_type),
         cmocka_unit_test(subsampled_samples_are_repeated),
+        cmocka_unit_test(channels_without_samples),
+        cmocka_unit_test(windows_past_the_last_sample),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -88,10 +88,28 @@ static void put_rips(struct gp_exr_out *out, int part)
     assert_int_equal(index, TILES);
 }
 
+/* What is wrong with chunk 2 of a part: the bytes at `at` of it, or its place,
+ * `back` bytes before the file's end. */
+struct damage {
+    int part;
+    uint64_t at, back;
+    size_t size;
+    uint64_t bytes[2];
+};
+
+static void put_damage(struct gp_exr_out *out, const struct damage *d)
+{
+    uint64_t *const offset = &out->table[d->part].offset[2];
+    if (d->back)
+        *offset = gp_file_size(out->file) - d->back;
+    assert_int_equal(gp_file_patch(out->file, *offset + d->at, d->bytes,
+                                   d->size), 0);
+}
+
 /* Four parts: rip-mapped tiles, the colour, deep scanlines of which one has
  * no samples (stored from the bottom), and scanlines. */
 static void make_parts(const char *path, const struct gp_frame *f,
-                       bool damaged)
+                       const struct damage *damage)
 {
     enum { ROWS = 5 };
     struct gp_exr_source source[3] = {{.name = "B"}, {.name = "G"},
@@ -133,8 +151,8 @@ static void make_parts(const char *path, const struct gp_frame *f,
         put_chunk(&out, 2, y, &y, 1, true, y == 2 ? 0 : 30 + y);
     for (int32_t y = 0; y < ROWS; y++)
         put_chunk(&out, 3, y, &y, 1, false, 3);
-    if (damaged)
-        out.table[3].offset[2] = gp_file_size(file) - 2;
+    if (damage)
+        put_damage(&out, damage);
     assert_int_equal(gp_exr_out_end(&out), 0);
     assert_int_equal(gp_file_commit(&file), 0);
     gp_exr_out_free(&out);
@@ -179,7 +197,7 @@ static void other_parts(void **state)
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
-    make_parts(wf_path("in.exr"), &made, false);
+    make_parts(wf_path("in.exr"), &made, NULL);
     struct gp_frame a = wf_read_back(wf_path("in.exr"));
     assert_int_equal(a.part, 1);
     assert_int_equal(a.parts, 4);
@@ -217,22 +235,63 @@ static void other_parts(void **state)
     gp_frame_free(&made);
 }
 
-static void damaged_part(void **state)
+static void damaged_parts(void **state)
 {
     (void) state;
+    static const struct damage row[] = {
+        {.part = 3, .back = 2},                       // outside the file
+        {.part = 3, .size = 4, .bytes = {2}},         // another part's
+        {.part = 3, .at = 8, .size = 4, .bytes = {0xffffffff}}, // size < 0
+        {.part = 3, .at = 8, .size = 4, .bytes = {0x7fffffff}},
+        {.part = 0, .at = 20, .size = 4, .bytes = {1 << 20}},
+        {.part = 2, .at = 8, .size = 8, .bytes = {1 << 20}},
+        {.part = 2, .at = 8, .size = 16, .bytes = {8, 1 << 20}},
+        {.part = 2, .at = 8, .size = 16, .bytes = {UINT64_MAX, 9}}, // wraps
+    };
     const struct gp_rect r = {0, 0, 20, 20};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
-    make_parts(wf_path("in.exr"), &made, true);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char part[16];
+        make_parts(wf_path("in.exr"), &made, &row[i]);
+        struct gp_frame a = wf_read_back(wf_path("in.exr"));
+        assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats),
+                         GP_ERR_DATA);
+        snprintf(part, sizeof part, "part %d", row[i].part);
+        wf_assert_said(part);
+        assert_int_equal(wf_names(), 1); // in.exr
+        // a picture does not need that part
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("out.exr"), &a,
+                                          &a.rgb, GP_PICTURE_SCENE, &stats),
+                         0);
+        remove(wf_path("out.exr"));
+        gp_frame_free(&a);
+    }
+    gp_frame_free(&made);
+}
+
+/* Chunks of all levels by their number, the x level fastest. */
+static void rip_maps_by_number(void **state)
+{
+    (void) state;
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_frame made = wf_frame(r, r, wf_rgb);
+    make_parts(wf_path("in.exr"), &made, NULL);
     struct gp_frame a = wf_read_back(wf_path("in.exr"));
-    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats),
-                     GP_ERR_DATA);
-    wf_assert_said("part 3");
-    assert_int_equal(wf_names(), 1); // in.exr
-    // a picture does not need that part
-    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("out.exr"), &a,
-                                      &a.rgb, GP_PICTURE_SCENE, &stats), 0);
+    for (int i = 0; i <= TILES; i++) {
+        exr_chunk_info_t c;
+        const exr_result_t got = gp_origin_chunk(gp_origin_of(&a), 0, i, &c);
+        if (i == TILES) {
+            assert_int_equal(got, EXR_ERR_ARGUMENT_OUT_OF_RANGE);
+        } else if (got == EXR_ERR_SUCCESS) {
+            assert_int_equal(c.idx, i);
+            assert_int_equal(c.packed_size, 20 + i);
+        } else { // which 3.1.5 does not find
+            assert_true(i >= 4);
+            assert_int_equal(got, EXR_ERR_BAD_CHUNK_LEADER);
+        }
+    }
     gp_frame_free(&a);
     gp_frame_free(&made);
 }
@@ -362,7 +421,8 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
-        TEST(other_parts), TEST(damaged_part), TEST(attributes),
+        TEST(other_parts), TEST(damaged_parts), TEST(rip_maps_by_number),
+        TEST(attributes),
         TEST(primaries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

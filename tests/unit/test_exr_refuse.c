@@ -1,6 +1,7 @@
 /* io/read of EXR: every lie that a file can tell ends with one error line. */
 #include "core/cpu.h"
 #include "core/parallel.h"
+#include "io/members.h"
 
 #include "exr_fixture.h"
 #include "reading.h"
@@ -44,6 +45,24 @@ static void files_that_are_none(void **state)
     assert_refused(path, GP_ERR_DATA, "68 65 6c 6c");
 }
 
+/* Frames one behind the other are read from pipes alone. */
+static void members_of_a_file(void **state)
+{
+    (void) state;
+    static const struct gp_read_params p = GP_READ_DEFAULTS;
+    static const struct fixture f = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    struct gp_members m = {0};
+    snprintf(path, sizeof path, "%s/file.exr", folder);
+    fixture_write_file(path, &f);
+    heard.count = 0;
+    assert_int_equal(gp_members_read(&hear, &p, path, &m), GP_ERR_BUG);
+    assert_int_equal(heard.count, 1);
+    assert_non_null(strstr(heard.line, "is no pipe"));
+    assert_null(m.member);
+}
+
 static void deep_data(void **state)
 {
     (void) state;
@@ -53,8 +72,11 @@ static void deep_data(void **state)
         .compression = EXR_COMPRESSION_ZIPS,
     }}};
     snprintf(path, sizeof path, "%s/deep.exr", folder);
-    fixture_write_file(path, &f);
-    assert_refused(path, GP_ERR_DATA, "flatten");
+    for (int tile = 0; tile <= 16; tile += 16) {
+        f.part[0].tile = tile;
+        fixture_write_file(path, &f);
+        assert_refused(path, GP_ERR_DATA, "flatten");
+    }
 }
 
 /* Cut at any place, a file is refused with one line. */
@@ -264,6 +286,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(no_colour_is_an_error),
         cmocka_unit_test(files_that_are_none),
+        cmocka_unit_test(members_of_a_file),
         cmocka_unit_test(deep_data),
         cmocka_unit_test(cut_files),
         cmocka_unit_test(sizes_that_lie),

@@ -1,4 +1,6 @@
 /* io/plane: depth and coverage beside a frame, from any part; matrices. */
+#include "io/exr_origin.h"
+
 #include "plane_fixture.h"
 
 /* The last line of any level, as warnings count here too. */
@@ -82,6 +84,7 @@ static void depth_of_any_part(void **state)
          3, 2, "Z", "z.Z", NULL},
         {{COLOUR("c_right"), Z_PART("depth_left", 5)},
          2, 1, "Z", "depth_left.Z", "view left"},
+        {{COLOUR("c"), Z_PART("z_right", 5)}, 2, 1, "Z", "z_right.Z", NULL},
         // deep parts are passed over, and named when there is nothing else
         {{COLOUR("c"), Z_PART("z", 6), DEEP("depth")},
          3, 1, "Z", "z.Z", NULL},
@@ -247,6 +250,13 @@ static void frames_without_a_file(void **state)
     assert_int_equal(gp_read_coverage(&hear, &limits, &f, "A", &p),
                      GP_ERR_USAGE);
     assert_non_null(strstr(heard.line, "(it has R, Z)"));
+    assert_false(gp_frame_matrix(&f, "worldToCamera", m));
+    // one of another format, with an origin that is no EXR
+    struct gp_origin other = {0};
+    f.origin = &other;
+    assert_int_equal(gp_read_coverage(&hear, &limits, &f, "R", &p), GP_OK);
+    assert_memory_equal(p.v, red, sizeof red);
+    gp_plane_free(&p);
     assert_false(gp_frame_matrix(&f, "worldToCamera", m));
     assert_true(m[0] == 42.0);
 }

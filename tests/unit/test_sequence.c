@@ -87,6 +87,7 @@ static const struct view_row view_names[] = {
     {"%v.exr", "\xc3\xa9t\xc3\xa9", 1, "\xc3\xa9.exr"},
     {"%v.exr", "l", 1, "l.exr"},
     {"%%V.exr", "left", 1, "%left.exr"},
+    {"%V%v.exr", "", 2, ".exr"},
     {"%V", "left", 1, "left"},
     {"%", "left", 0, "%"},
     {"100%", "left", 0, "100%"},
