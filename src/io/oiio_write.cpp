@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <exception>
 #include <iterator>
 #include <memory>
-#include <stdexcept>
 #include <string>
 
 namespace {
@@ -104,10 +102,8 @@ try {
     if (!written || !closed)
         return gp_oiio_why(why, why_size, out->geterror());
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 int gp_oiio_can_write(const char *format)
