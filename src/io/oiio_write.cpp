@@ -9,6 +9,8 @@
 #include <memory>
 #include <string>
 
+#include <sys/resource.h>
+
 namespace {
 
 using OIIO::ImageOutput;
@@ -78,6 +80,22 @@ bool is_right(const std::string &plugin)
            std::end(right);
 }
 
+// Most writers do not look whether their last bytes got into the file. Where
+// files may not grow, one whose bytes might not fit, packed as they come out at
+// worst, is not begun. Empty when all is well.
+std::string over_limit(const ImageSpec &spec, bool native)
+{
+    const std::uint64_t most = 2 * static_cast<std::uint64_t>(
+                                       spec.image_bytes(native)) +
+                               (std::uint64_t(1) << 16);
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_FSIZE, &limit) || limit.rlim_cur == RLIM_INFINITY ||
+        most <= limit.rlim_cur)
+        return "";
+    return "up to " + std::to_string(most) + " bytes, but files may have " +
+           std::to_string(limit.rlim_cur) + ", see ulimit -f";
+}
+
 } // namespace
 
 int gp_oiio_write(const char *path, const char *format,
@@ -92,6 +110,9 @@ try {
     // bytes into the file each second; a date that is no string is not stored
     if (std::string(out->format_name()) == "tiff")
         spec.attribute("DateTime", 0);
+    const std::string over = over_limit(spec, img->native);
+    if (!over.empty())
+        return gp_oiio_why(why, why_size, over);
     if (!out->open(path, spec))
         return gp_oiio_why(why, why_size, out->geterror());
     // TypeUnknown: each channel in its own type, as spec.channelformats says
