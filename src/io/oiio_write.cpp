@@ -102,17 +102,17 @@ int gp_oiio_write(const char *path, const char *format,
                   const struct gp_oiio_image *img, const char *type,
                   const char *compression, char *why, std::size_t why_size)
 try {
+    ImageSpec spec = make_spec(img, type, compression);
+    const std::string over = over_limit(spec, img->native);
+    if (!over.empty())
+        return gp_oiio_why(why, why_size, over);
     std::unique_ptr<ImageOutput> out = ImageOutput::create(format);
     if (!out)
         return gp_oiio_why(why, why_size, OIIO::geterror());
-    ImageSpec spec = make_spec(img, type, compression);
     // TIFF's writer puts the time of writing where there is no date, and other
     // bytes into the file each second; a date that is no string is not stored
     if (std::string(out->format_name()) == "tiff")
         spec.attribute("DateTime", 0);
-    const std::string over = over_limit(spec, img->native);
-    if (!over.empty())
-        return gp_oiio_why(why, why_size, over);
     if (!out->open(path, spec))
         return gp_oiio_why(why, why_size, out->geterror());
     // TypeUnknown: each channel in its own type, as spec.channelformats says

@@ -2,6 +2,7 @@
  * that are none, memory and files that there are no more of. Skipped without
  * the bridge. */
 #include "io/oiio.h"
+#include "io/oiio_frame.h"
 
 #include "write_fixture.h"
 #include "exr_fixture.h"
@@ -260,6 +261,31 @@ static void no_copy_in_memory(void **state)
     api->image_free(&a);
 }
 
+/* The same as a frame's reader says it. */
+static void no_room_for_frames(void **state)
+{
+    (void) state;
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    const struct gp_stream s = {
+        .fd = -1, .data = (void *) ppm, .size = sizeof ppm - 1,
+        .borrowed = true,
+    };
+    struct gp_frame f = {0};
+    if (!api)
+        skip();
+    void (*const handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    const struct rlimit was = resource_limit(RLIMIT_FSIZE, 8);
+    const gp_status st = gp_read_other(&wf_log, &p, "a.ppm", &s, &f);
+    setrlimit(RLIMIT_FSIZE, &was);
+    signal(SIGXFSZ, handler);
+    assert_int_equal(st, GP_ERR_BUG);
+    wf_assert_said("a.ppm: out of memory");
+    assert_null(f.rgb.c[0]);
+    assert_int_equal(gp_read_other(&wf_log, &p, "a.ppm", &s, &f), GP_OK);
+    assert_true(f.rgb.c[0][0] == 1.0f && f.rgb.c[2][1] == 1.0f);
+    gp_frame_free(&f);
+}
+
 /* A reason fits into any room, none too. */
 static void reasons_are_cut(void **state)
 {
@@ -336,6 +362,7 @@ int main(void)
         cmocka_unit_test(no_pixels),
         cmocka_unit_test(odd_exrs),
         cmocka_unit_test(no_copy_in_memory),
+        cmocka_unit_test(no_room_for_frames),
         cmocka_unit_test(reasons_are_cut),
         cmocka_unit_test(means_that_cancel),
     };
