@@ -15,6 +15,9 @@
 // that memory is full, so that a failure is one expression.
 int gp_oiio_why(char *why, std::size_t why_size, const std::string &text);
 
+// The same of the exception that is being handled, for a `catch (...)`.
+int gp_oiio_caught(char *why, std::size_t why_size);
+
 // Throws std::runtime_error for an image of `format` in `size` bytes that is
 // not to be read: no picture, over max_pixels, or more than the bytes hold.
 // Four channels or less count as one. In oiio_limits.cpp.

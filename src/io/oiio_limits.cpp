@@ -37,8 +37,8 @@ void check_density(const OIIO::ImageSpec &spec, const char *format,
                    std::size_t size, long long pixels)
 {
     for (const auto &d : density) {
-        if (std::strcmp(d.format, format) == 0 && size < (1ULL << 48) &&
-            pixels / d.pixels > static_cast<long long>(size))
+        if (std::strcmp(d.format, format) == 0 &&
+            static_cast<std::size_t>(pixels / d.pixels) > size)
             throw std::runtime_error(std::to_string(size) +
                                      " bytes cannot hold " + size_text(spec));
     }

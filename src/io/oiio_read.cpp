@@ -224,10 +224,8 @@ try {
     own->source = {};
     publish(std::move(own), out);
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 int open(const char *path, const void *data, std::size_t size, int part,
@@ -240,10 +238,8 @@ try {
     out->block = block;
     out->pixels = nullptr;
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 int rows(gp_oiio_image *image, int y, float *to, char *why,
@@ -264,10 +260,8 @@ try {
     if (!read)
         throw std::runtime_error(input.geterror());
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 void image_free(gp_oiio_image *image)
@@ -323,10 +317,8 @@ try {
     out->own = own.release();
     keep_means(img, out);
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 const struct gp_oiio_api api = {
@@ -356,6 +348,15 @@ int gp_oiio_why(char *why, std::size_t why_size, const std::string &text)
     std::replace(why, why + n, '\n', ' ');
     std::replace(why, why + n, '\r', ' ');
     return status;
+}
+
+int gp_oiio_caught(char *why, std::size_t why_size)
+try {
+    throw;
+} catch (const std::exception &e) {
+    return gp_oiio_why(why, why_size, e.what());
+} catch (...) {
+    return gp_oiio_why(why, why_size, "OpenImageIO failed");
 }
 
 extern "C" __attribute__((visibility("default"))) const struct gp_oiio_api *

@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <exception>
 #include <iterator>
 #include <memory>
-#include <stdexcept>
 #include <string>
+
+#include <sys/resource.h>
 
 namespace {
 
@@ -80,16 +80,35 @@ bool is_right(const std::string &plugin)
            std::end(right);
 }
 
+// Most writers do not look whether their last bytes got into the file. Where
+// files may not grow, one whose bytes might not fit, packed as they come out at
+// worst, is not begun. Empty when all is well.
+std::string over_limit(const ImageSpec &spec, bool native)
+{
+    const std::uint64_t most = 2 * static_cast<std::uint64_t>(
+                                       spec.image_bytes(native)) +
+                               (std::uint64_t(1) << 16);
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_FSIZE, &limit) || limit.rlim_cur == RLIM_INFINITY ||
+        most <= limit.rlim_cur)
+        return "";
+    return "up to " + std::to_string(most) + " bytes, but files may have " +
+           std::to_string(limit.rlim_cur) + ", see ulimit -f";
+}
+
 } // namespace
 
 int gp_oiio_write(const char *path, const char *format,
                   const struct gp_oiio_image *img, const char *type,
                   const char *compression, char *why, std::size_t why_size)
 try {
+    ImageSpec spec = make_spec(img, type, compression);
+    const std::string over = over_limit(spec, img->native);
+    if (!over.empty())
+        return gp_oiio_why(why, why_size, over);
     std::unique_ptr<ImageOutput> out = ImageOutput::create(format);
     if (!out)
         return gp_oiio_why(why, why_size, OIIO::geterror());
-    ImageSpec spec = make_spec(img, type, compression);
     // TIFF's writer puts the time of writing where there is no date, and other
     // bytes into the file each second; a date that is no string is not stored
     if (std::string(out->format_name()) == "tiff")
@@ -104,10 +123,8 @@ try {
     if (!written || !closed)
         return gp_oiio_why(why, why_size, out->geterror());
     return 0;
-} catch (const std::exception &e) {
-    return gp_oiio_why(why, why_size, e.what());
 } catch (...) {
-    return gp_oiio_why(why, why_size, "OpenImageIO failed");
+    return gp_oiio_caught(why, why_size);
 }
 
 int gp_oiio_can_write(const char *format)

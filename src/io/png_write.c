@@ -123,8 +123,7 @@ struct target {
 static void write_bytes(png_structp png, png_bytep data, size_t n)
 {
     struct target *t = png_get_io_ptr(png);
-    if (!t->st)
-        t->st = gp_file_write(t->file, data, n);
+    t->st = gp_file_write(t->file, data, n);
     if (t->st)
         png_error(png, "write");
 }

@@ -255,13 +255,11 @@ static gp_status check_chunk(const struct tiff *t, const struct chunks *c,
     // libtiff trusts the size more than the count of a lone strip
     const bool lone = c->ratio == 1 && (c->number == 1 || !counted);
     const uint64_t need = c->ratio ? unpacked(c, i) : 0;
-    uint64_t most;
     if (at < 8 || (counted && !bytes && !lone))
         wrong = "has no data";
     else if (!within(t, at, lone ? need : bytes))
         wrong = "ends behind the end";
-    else if (!lone && counted &&
-             !__builtin_mul_overflow(bytes, c->ratio, &most) && need > most)
+    else if (!lone && counted && need && (need - 1) / c->ratio >= bytes)
         wrong = "is too short for its rows";
     if (!wrong)
         return GP_OK;

@@ -1,4 +1,6 @@
 /* EXR out where half or a lossy compression cannot hold what is there. */
+#include "io/plane.h"
+
 #include "write_fixture.h"
 
 #include <math.h>
@@ -67,12 +69,49 @@ static void b44_keeps_what_is_far_below_0_finite(void **state)
     gp_frame_free(&f);
 }
 
+static uint32_t id_at(const struct gp_frame *f, size_t i)
+{
+    return ((const uint32_t *) gp_frame_channel(f, "id")->data)[i];
+}
+
+/* DWA leaves whole numbers alone: all 32 bits, and their values as coverage. */
+static void dwa_keeps_ids(void **state)
+{
+    (void) state;
+    const struct gp_rect r = {-3, 5, 30, 45};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_plane ids = {0}, depth = {0};
+    if (!wf_bridge())
+        skip();
+    struct gp_frame f = wf_frame(r, r, wf_all);
+    p.compression = GP_COMPRESSION_DWAA;
+    assert_int_equal(wf_write_hdr(&p, wf_path("a.exr"), &f, &stats), GP_OK);
+    struct gp_frame b = wf_read_back(wf_path("a.exr"));
+    const struct gp_read_params limits = GP_READ_DEFAULTS;
+    assert_int_equal(gp_read_plane_file(&wf_log, &limits, wf_path("a.exr"),
+                                        "id", false, &ids), GP_OK);
+    assert_int_equal(gp_read_plane_file(&wf_log, &limits, wf_path("a.exr"),
+                                        "Z", true, &depth), GP_OK);
+    const float *const z = gp_frame_channel(&b, "Z")->data;
+    for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+        assert_int_equal(id_at(&b, i), id_at(&f, i));
+        assert_true(ids.v[i] == (float) id_at(&f, i));
+        assert_true(depth.v[i] == z[i]);
+    }
+    gp_plane_free(&ids);
+    gp_plane_free(&depth);
+    gp_frame_free(&b);
+    gp_frame_free(&f);
+}
+
 int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
         TEST(half_overflow_is_counted),
         TEST(b44_keeps_what_is_far_below_0_finite),
+        TEST(dwa_keeps_ids),
     };
     return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }

@@ -50,6 +50,8 @@ static void curves(void **state)
         {"cineon", 10, 0.2560047f, 0.0143996f, 1e-6f},
         {"Gamma2.2", 8, 0.2176376f, 0.0289912f, 1e-6f},
         {"GammaCorrected 1.75", 8, 0.2973018f, 0.0598140f, 1e-6f},
+        {"Gamma2.2:1", 8, 0.2176376f, 0.0289912f, 1e-6f},
+        {"Gamma 2.2 ", 8, 0.2176376f, 0.0289912f, 1e-6f},
         {"gamma3", 16, 0.125f, 0.008f, 1e-6f},
         {"Gamma", 8, 0.5f, 0.2f, 0.0f},
         {"Linear", 8, 0.5f, 0.2f, 0.0f},
@@ -114,6 +116,8 @@ static void names(void **state)
         {{"one", "two"}, 2, NULL, GP_COLOUR_GREY, {0, 0, 0}},
         // luminance and chroma are EXR's alone
         {{"BY", "RY", "Y"}, 3, NULL, GP_COLOUR_RGB, {0, 1, 2}},
+        {{"R", "B"}, 2, NULL, GP_COLOUR_RGB, {0, -1, 1}},
+        {{"sky.G", "Y"}, 2, "sky", GP_COLOUR_RGB, {-1, 0, -1}},
         {{"R", "sky.R", "sky.G", "sky.B"}, 4, "sky", GP_COLOUR_RGB, {1, 2, 3}},
         {{"R", "G", "B", "fog.Y"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
         {{"R", "G", "B", "fog"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
@@ -150,6 +154,12 @@ static void no_such_layer(void **state)
     assert_int_equal(heard.count, 1);
     assert_non_null(strstr(heard.line, "a.tif: has no layer sky "
                                        "(channels: R, G, B, A); "));
+    assert_null(f.rgb.c[0]);
+    // luminance and chroma are EXR's alone
+    static const char *const chroma[] = {"sky.BY", "sky.RY", "sky.Y", "A"};
+    image = row_of(chroma, 4, pixels, 1);
+    assert_int_equal(make("sky", &image, &f), GP_ERR_USAGE);
+    assert_non_null(strstr(heard.line, "(channels: sky.BY, sky.RY, sky.Y, A)"));
     assert_null(f.rgb.c[0]);
     // a list that is too long for a line is cut
     for (int i = 0; i < 200; i++) {

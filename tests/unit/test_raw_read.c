@@ -161,6 +161,10 @@ static void dwa_that_is_none(void **state)
                     .data = FIXTURE_WINDOW(0, 0, 512, 2),
                     .compression = EXR_COMPRESSION_ZIP}}},
          "is subsampled and DWA compressed"},
+        {{.part = {{.channel = {RGB(HALVES), {"low", HALVES, 0, 2}},
+                    .data = FIXTURE_WINDOW(0, 0, 512, 2),
+                    .compression = EXR_COMPRESSION_ZIP}}},
+         "channel low is subsampled and DWA compressed"},
     };
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         struct gp_frame f;

@@ -2,6 +2,7 @@
 #include "write_fixture.h"
 
 #include "io/whole.h"
+#include "io/whole_tiff.h"
 
 enum { ROOM = 1 << 16, PART_TWO = 1 };
 
@@ -237,12 +238,111 @@ static void sparse(void **state)
     }
 }
 
+/* Writes a field's one value, in a file of Intel's order and short offsets. */
+static void set_field(int tag, uint32_t v)
+{
+    const struct shape intel = {0};
+    uint32_t at;
+    memcpy(&at, bytes + 4, sizeof at);
+    const int n = bytes[at];
+    for (int i = 0; i < n; i++) {
+        const size_t e = at + 2 + 12 * (size_t) i;
+        if ((bytes[e] | bytes[e + 1] << 8) != tag)
+            continue;
+        put(&intel, e + 2, 4, 2);
+        put(&intel, e + 4, 1, 4);
+        put(&intel, e + 8, v, 4);
+        return;
+    }
+    fail_msg("no field %d", tag);
+}
+
+/* Claims out of any measure: nobody's arithmetic overflows, and what is not
+ * known is left to the reader. */
+static void hard_claims(void **state)
+{
+    (void) state;
+    enum { STRIPS = 0, ONE = 1, TILES = 3, PACKED = 8, PLANES = 9, SHORT = 13 };
+    static const uint32_t far = 1u << 31, most = (1u << 31) - 1;
+    const struct {
+        int shape;
+        uint32_t field[7][2];
+        const char *said;
+    } row[] = {
+        {STRIPS, {{256, far}}, NULL},
+        {STRIPS, {{257, far}}, NULL},
+        {STRIPS, {{256, 0}}, NULL},
+        {STRIPS, {{258, 65}}, NULL},
+        {STRIPS, {{259, 6}}, NULL},
+        {STRIPS, {{277, 65536}}, NULL},
+        {STRIPS, {{277, 0}}, NULL},
+        {STRIPS, {{278, 0}}, NULL},
+        {STRIPS, {{278, UINT32_MAX}}, NULL}, // all in the first
+        {STRIPS, {{278, 14}}, NULL},
+        {STRIPS, {{256, 30000}}, "too short for its rows"},
+        {STRIPS, {{257, 17}}, "a table of strips that is too short"},
+        {ONE, {{279, 0}}, NULL},             // its size is known
+        {ONE, {{279, 0}, {259, 5}}, "has no data"},
+        {ONE, {{273, 7}}, "has no data"},
+        {ONE, {{273, 0x7fffffff}}, "ends behind the end"},
+        {ONE, {{256, most}, {257, most}, {278, most}}, "ends behind the end"},
+        {SHORT, {{262, 6}}, NULL},           // YCbCr may have fewer samples
+        {PACKED, {{262, 6}}, NULL},
+        {PACKED, {{262, 6}, {256, 4000000}}, "too short for its rows"},
+        {TILES, {{322, far}}, NULL},
+        {TILES, {{323, far}}, "too short for its rows"},
+        {PLANES, {{322, 1}, {323, 1}, {256, most}, {257, most},
+                  {277, 65535}}, "a table of tiles that is too short"},
+        {TILES, {{322, most}, {323, most}, {258, 64}, {277, 65535},
+                 {256, 1}, {257, 1}}, "ends behind the end"},
+        {TILES, {{322, most}, {323, most}, {258, 64}, {277, 65535},
+                 {259, 32773}, {256, 1}, {257, 1}}, "too short for its rows"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        make(&shapes[row[i].shape]);
+        for (int k = 0; k < 7 && row[i].field[k][0]; k++)
+            set_field((int) row[i].field[k][0], row[i].field[k][1]);
+        if (check(size, 0) != (row[i].said ? GP_ERR_DATA : GP_OK))
+            fail_msg("row %d: %s", (int) i, wf_line);
+        if (row[i].said)
+            wf_assert_said(row[i].said);
+    }
+}
+
+/* Where a part is looked for: no link behind the last directory, one that
+ * leads nowhere, and a file that nobody reads any more. */
+static void lost_directories(void **state)
+{
+    (void) state;
+    const struct gp_stream closed = {.fd = -1, .size = 1000};
+    make(&shapes[0]);
+    assert_int_equal(check(size - 4, PART_TWO), GP_OK);
+    assert_string_equal(wf_line, "");
+    put(&shapes[0], 4, ROOM, 4);
+    assert_int_equal(check(size, PART_TWO), GP_ERR_DATA);
+    wf_assert_said("a directory at 65536");
+    assert_int_equal(gp_whole_tiff(&wf_log, "in", &closed, 0), GP_ERR_IO);
+    wf_assert_said("in: cannot be read (Bad file descriptor)");
+
+    FILE *const file = tmpfile(); // it had 1000 bytes when it was opened
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, 8, file), 8);
+    assert_int_equal(fflush(file), 0);
+    const struct gp_stream shrunk = {.fd = fileno(file), .size = 1000};
+    put(&shapes[0], 4, 100, 4);
+    assert_int_equal(pwrite(shrunk.fd, bytes, 8, 0), 8);
+    assert_int_equal(gp_whole_tiff(&wf_log, "in", &shrunk, 0), GP_ERR_DATA);
+    wf_assert_said("in: cut off or damaged (a directory at 100 of 1000");
+    fclose(file);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_shape), cmocka_unit_test(every_end),
         cmocka_unit_test(every_byte),  cmocka_unit_test(parts),
-        cmocka_unit_test(sparse),
+        cmocka_unit_test(sparse),      cmocka_unit_test(hard_claims),
+        cmocka_unit_test(lost_directories),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
