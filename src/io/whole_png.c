@@ -6,9 +6,10 @@
 #include <png.h>
 #include <string.h>
 
-/* Texts and profiles that unpack to more than this are no picture's. libpng
- * bounds each, but lets there be a thousand. */
-enum { MOST_BYTES = 256 << 20 };
+/* What libpng may take in all: three rows of its widest picture, texts and
+ * profiles, and copies of what is in the file. It bounds each chunk that it
+ * unpacks, but lets there be a thousand, and takes a length's word for it. */
+enum { MOST_BYTES = 48 << 20, COPIES = 4 };
 
 /* What libpng's callbacks see. */
 struct source {
@@ -58,10 +59,12 @@ static void *take_memory(png_structp png, png_alloc_size_t bytes)
 {
     struct source *s = png_get_mem_ptr(png);
     void *p = NULL;
-    if (!s->st && bytes > MOST_BYTES - s->taken)
+    const uint64_t most = MOST_BYTES + COPIES * s->s->size;
+    if (!s->st && bytes > most - s->taken)
         s->st = gp_fail(s->log, GP_ERR_DATA,
-                        "%s: damaged (its chunks unpack to over %d bytes); "
-                        "render the file again", s->path, MOST_BYTES);
+                        "%s: damaged (its chunks are said to be, or unpack "
+                        "to, over %llu bytes); render the file again",
+                        s->path, (unsigned long long) most);
     s->taken += s->st ? 0 : bytes;
     if (!s->st)
         s->st = gp_alloc(s->log, s->path, bytes, 1, &p);

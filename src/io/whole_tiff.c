@@ -210,7 +210,7 @@ static gp_status find_chunks(const struct tiff *t, struct chunks *c,
                         : either(&f[STRIP_OFFSETS], &f[TILE_OFFSETS]);
     c->counts = tile_w ? either(&f[TILE_COUNTS], &f[STRIP_COUNTS])
                        : either(&f[STRIP_COUNTS], &f[TILE_COUNTS]);
-    const uint64_t most = UINT64_C(1) << 31; // so that no product of two overflows
+    const uint64_t most = UINT64_C(1) << 31; // no product of two overflows
     if (!w || !c->height || w >= most || c->height >= most || !c->rows ||
         tile_w >= most || !c->offsets.count || compression == 6 || bits > 64 ||
         !samples || samples > 65535)

@@ -121,6 +121,55 @@ static void png_rows(void **state)
     }
 }
 
+/* Seven million bytes in seven thousand, `texts` times, and one pixel. */
+static size_t make_texts(uint8_t *to, size_t room, int texts)
+{
+    enum { TEXT = 7000000 };
+    uint8_t *const raw = calloc(1, TEXT), *const packed = malloc(room);
+    struct libdeflate_compressor *const c = libdeflate_alloc_compressor(9);
+    assert_true(raw && packed && c);
+    size_t at = make_png(to, 1, 1, false, 2, 100);
+    const size_t after_head = 8 + 25, rest = at - after_head;
+    uint8_t pixels[100];
+    assert_true(rest <= sizeof pixels);
+    memcpy(pixels, to + after_head, rest);
+    at = after_head;
+    memset(raw, 'a', TEXT);
+    memcpy(packed, "key\0", 5); // and the method, 0
+    const size_t n = libdeflate_zlib_compress(c, raw, TEXT, packed + 5,
+                                              room - 5);
+    assert_true(n > 0);
+    for (int i = 0; i < texts; i++)
+        at += put_chunk(to + at, "zTXt", packed, n + 5);
+    memcpy(to + at, pixels, rest);
+    libdeflate_free_compressor(c);
+    free(packed);
+    free(raw);
+    return at + rest;
+}
+
+/* A few texts are ordinary; a length that the file has no room for, or many
+ * texts, take no memory. */
+static void png_texts(void **state)
+{
+    (void) state;
+    enum { ROOM = 1 << 18 };
+    uint8_t *const bytes = malloc(ROOM);
+    assert_non_null(bytes);
+    size_t n = make_texts(bytes, 1 << 14, 3);
+    if (check(bytes, n))
+        fail_msg("%s", wf_line);
+    n = make_texts(bytes, 1 << 14, 9);
+    assert_int_equal(check(bytes, n), GP_ERR_DATA);
+    wf_assert_said("in: damaged (its chunks are said to be, or unpack ");
+    n = make_png(bytes, 1, 1, false, 2, 100);
+    memmove(bytes + 33 + 12, bytes + 33, n - 33);
+    memcpy(bytes + 33, "\4\0\0\0zTXtabcd", 12);
+    assert_int_equal(check(bytes, n + 12), GP_ERR_DATA);
+    wf_assert_said("in: damaged (its chunks are said to be, or unpack ");
+    free(bytes);
+}
+
 /* The length that the first chunk gives is the file's. */
 static void iff(void **state)
 {
@@ -217,7 +266,8 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
-        TEST(png), TEST(png_rows), TEST(iff), TEST(dpx), TEST(jpeg), TEST(long_scans),
+        TEST(png), TEST(png_rows), TEST(png_texts), TEST(iff), TEST(dpx),
+        TEST(jpeg), TEST(long_scans),
     };
     return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
 }
