@@ -332,7 +332,8 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     GP_TRY(gp_suns_begin(log, r->s, &r->suns));
     GP_TRY(check_named(log, r));
     if (r->s->report)
-        GP_TRY(gp_report_open(log, r->s->report, &r->report));
+        GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,
+                              &r->report));
 out:
     return st;
 }

@@ -4,6 +4,7 @@
 #include "core/json_memory.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "io/file_name.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -289,13 +290,13 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 // -- the file ----------------------------------------------------------------
 
 gp_status gp_report_open(const struct gp_log *log, const char *path,
-                         struct gp_report *out)
+                         bool create_dir, struct gp_report *out)
 {
     struct gp_report r = {.path = path};
     bool no_memory = false;
     if (strcmp(path, "-") == 0) {
         r.file = stdout;
-    } else {
+    } else if (!create_dir || gp_file_make_folders(path) == 0) {
         int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         r.made = fd >= 0;
         if (!r.made && errno == EEXIST)

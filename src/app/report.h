@@ -66,10 +66,11 @@ struct gp_report {
     long long lines;
 };
 
-/* Opens the file; what stood in it goes with the first line, not before.
- * Errors: GP_ERR_IO with the system's reason. */
+/* Opens the file, in folders that are made if `create_dir`; what stood in it
+ * goes with the first line, not before. Errors: GP_ERR_IO with the system's
+ * reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
-                                       const char *path,
+                                       const char *path, bool create_dir,
                                        struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;

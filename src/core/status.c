@@ -11,8 +11,9 @@ static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
         return;
     char line[GP_LINE_BYTES];
     vsnprintf(line, sizeof line, fmt, args);
-    for (char *c = line; *c; c++) { // one message is one line, whatever a
-        if (*c == '\n' || *c == '\r') // file name or a library put into it
+    for (char *c = line; *c; c++) { // one message is one line that moves no
+        const unsigned char code = (unsigned char) *c; // cursor, whatever a
+        if (code < ' ' || code == 127) // file name or a library put into it
             *c = ' ';
     }
     log->sink(log->user, level, line);

@@ -1,7 +1,5 @@
 #include "io/exr_end.h"
 
-#include "io/exr_raw.h"
-
 #include <string.h>
 
 /* The chunk that stands last, as far as was looked. */
@@ -10,7 +8,8 @@ struct last {
     int part;
 };
 
-/* Goes through the table of `chunks` offsets at `at`. */
+/* Goes through the table of `chunks` offsets at `at`, which the stream has.
+ * False when one was never written. */
 static bool look_through(const struct gp_origin *o, uint64_t at, int32_t chunks,
                          int part, struct last *last)
 {
@@ -24,7 +23,7 @@ static bool look_through(const struct gp_origin *o, uint64_t at, int32_t chunks,
             (int64_t) bytes)
             return false;
         for (int32_t k = 0; k < n; k++) {
-            if (offset[k] == 0) // never written
+            if (offset[k] == 0)
                 return false;
             if (offset[k] > last->offset)
                 *last = (struct last) {offset[k], part};
@@ -36,8 +35,7 @@ static bool look_through(const struct gp_origin *o, uint64_t at, int32_t chunks,
 /* The end of a chunk, or 0. Its leader has, all numbers little-endian: the
  * part in files of several; y, or tile x and y and level x and y; the bytes
  * that follow, in deep parts of count table, samples and unpacked samples. */
-static uint64_t chunk_end(const struct gp_origin *o, bool multi,
-                          const struct last *last)
+static uint64_t chunk_end(const struct gp_origin *o, const struct last *last)
 {
     exr_storage_t storage;
     uint8_t leader[44];
@@ -49,11 +47,11 @@ static uint64_t chunk_end(const struct gp_origin *o, bool multi,
                       storage == EXR_STORAGE_DEEP_TILED;
     const bool tiled = storage == EXR_STORAGE_TILED ||
                        storage == EXR_STORAGE_DEEP_TILED;
-    const size_t head = (multi ? 4u : 0u) + (tiled ? 16u : 4u);
+    const size_t head = (o->multi ? 4u : 0u) + (tiled ? 16u : 4u);
     const size_t lead = head + (deep ? 24u : 4u);
-    if (gp_stream_read(&o->stream, leader, lead, last->offset) !=
-        (int64_t) lead)
-        return 0;
+    const int64_t got = gp_stream_read(&o->stream, leader, lead, last->offset);
+    if (got != (int64_t) lead)
+        return got < 0 ? 0 : last->offset + lead;
     memcpy(&flat, leader + head, sizeof flat);
     end = last->offset + lead + flat;
     if (deep) {
@@ -62,28 +60,23 @@ static uint64_t chunk_end(const struct gp_origin *o, bool multi,
             __builtin_add_overflow(end, last->offset + lead, &end))
             return 0;
     }
-    return end <= o->stream.size ? end : 0;
+    return end;
 }
 
-gp_status gp_exr_end(const struct gp_origin *o, uint64_t *end)
+uint64_t gp_exr_end(const struct gp_origin *o)
 {
-    struct gp_exr_raw raw;
     struct last last = {0};
-    *end = 0;
-    const gp_status st = gp_exr_raw_read(NULL, "-", o, &raw);
-    if (st)
-        return st == GP_ERR_BUG ? st : GP_OK;
-    uint64_t at = raw.size;
-    const bool multi = raw.version & GP_EXR_MULTIPART;
-    gp_exr_raw_free(&raw);
+    uint64_t at = o->tables;
     for (int part = 0; part < o->parts; part++) {
         int32_t chunks;
-        if (exr_get_chunk_count(o->exr, part, &chunks) || chunks < 1 ||
-            !look_through(o, at, chunks, part, &last))
-            return GP_OK;
-        at += (uint64_t) chunks * sizeof(uint64_t);
+        if (exr_get_chunk_count(o->exr, part, &chunks) || chunks < 1)
+            return 0;
+        const uint64_t next = at + (uint64_t) chunks * sizeof(uint64_t);
+        if (next > o->stream.size)
+            return next;
+        if (!look_through(o, at, chunks, part, &last))
+            return 0;
+        at = next;
     }
-    if (last.offset >= at)
-        *end = chunk_end(o, multi, &last);
-    return GP_OK;
+    return last.offset >= at ? chunk_end(o, &last) : 0;
 }

@@ -1,6 +1,7 @@
 #include "io/exr_origin.h"
 
 #include "core/memory.h"
+#include "io/exr_end.h"
 #include "io/exr_fault.h"
 #include "io/exr_scan.h"
 
@@ -90,6 +91,8 @@ static gp_status scan(const struct gp_log *log, const char *path,
 {
     const struct gp_exr_scan found = gp_exr_scan_header(&o->stream);
     o->hidden = found.type;
+    o->tables = found.tables;
+    o->multi = found.multi;
     if (!found.too_long)
         return GP_OK;
     return gp_fail(log, GP_ERR_DATA,
@@ -97,6 +100,19 @@ static gp_status scan(const struct gp_log *log, const char *path,
                    "most %d, fewer in several parts); spread them over "
                    "several files", path, found.too_long,
                    (unsigned long long) found.count, GP_EXR_LIST_MOST);
+}
+
+/* Parts and levels that nobody reads are there as well. */
+static gp_status check_end(const struct gp_log *log, const char *path,
+                           const struct gp_origin *o)
+{
+    const uint64_t end = gp_exr_end(o), size = o->stream.size;
+    return end <= size
+               ? GP_OK
+               : gp_fail(log, GP_ERR_DATA,
+                         "%s: cut off or damaged (its chunks end at byte %llu "
+                         "of %llu); copy or render the file again", path,
+                         (unsigned long long) end, (unsigned long long) size);
 }
 
 gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
@@ -113,6 +129,8 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     st = scan(log, path, o);
     if (!st)
         st = parse(log, path, o);
+    if (!st)
+        st = check_end(log, path, o);
     if (st)
         gp_origin_free(o);
     else

@@ -23,6 +23,8 @@ struct gp_origin {
     exr_context_t exr;
     struct gp_stream stream;  // the bytes behind exr
     uint64_t hidden;          // byte that the library gets another for; 0 none
+    uint64_t tables;          // where the offset tables begin
+    bool multi;               // chunks begin with the number of their part
     int part, parts;          // colour part and number of parts; exr only
 
     /* Attributes of an input that is not EXR, as the bridge named them; 0 and
@@ -48,7 +50,8 @@ static inline const struct gp_origin *gp_origin_of(const struct gp_frame *f)
  *           gp_origin_free() as gp_frame.origin_free
  *
  * `part` of the result is 0 until the reader has chosen.
- * Errors: GP_ERR_DATA the header is damaged; GP_ERR_IO a read failed;
+ * Errors: GP_ERR_DATA the header is damaged, or the file is cut off before its
+ * last chunk ends, whatever part or level that is of; GP_ERR_IO a read failed;
  * GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_origin_open_exr(const struct gp_log *log,

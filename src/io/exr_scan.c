@@ -87,6 +87,7 @@ struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
     if (gp_stream_read(s, head, sizeof head, 0) < (int64_t) sizeof head)
         return scan;
     const bool flat = !(head[5] & (DEEP | PARTS));
+    scan.multi = head[5] & PARTS;
     for (;;) {
         struct attribute a;
         const enum found found = next(s, at, &a);
@@ -95,8 +96,11 @@ struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
         if (found == END_OF_PART) {
             at++;
             all_attributes += attributes * attributes;
-            if (!(head[5] & PARTS) || attributes == 0 ||
-                !allow(&scan, 0, "parts", ++parts))
+            if (!scan.multi || attributes == 0) {
+                scan.tables = at;
+                return scan;
+            }
+            if (!allow(&scan, 0, "parts", ++parts))
                 return scan;
             attributes = 0;
             continue;

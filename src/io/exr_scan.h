@@ -4,6 +4,7 @@
 
 #include "io/stream.h"
 
+#include <stdbool.h>
 #include <stdint.h>
 
 /* OpenEXRCore (3.1.5) puts every channel and attribute into its sorted list by
@@ -16,6 +17,8 @@ struct gp_exr_scan {
     /* Where the attribute "type" of a file with one flat part begins; 0 when
      * it has none. */
     uint64_t type;
+    uint64_t tables;      // where the offset tables begin; 0: header damaged
+    bool multi;           // the version says that there are several parts
     const char *too_long; // what there is too much of: "channels",
                           // "attributes", "parts"; NULL: nothing
     uint64_t count;       // how many of these were counted until then

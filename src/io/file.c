@@ -85,8 +85,10 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
         st = GP_OK; // it will be made
     else if (stat(folder, &s))
         st = gp_fail(log, GP_ERR_IO,
-                     "%s: cannot be written (folder %s: %s); make the folder "
-                     "or give --create-dir", path, folder, strerror(errno));
+                     "%s: cannot be written (folder %s: %s); %s", path,
+                     folder, strerror(errno),
+                     errno == ENOENT ? "make the folder or give --create-dir"
+                                     : hint(errno));
     else if (!S_ISDIR(s.st_mode))
         st = cannot_write(log, path, ENOTDIR);
     else if (access(folder, W_OK | X_OK))

@@ -32,12 +32,12 @@ static gp_status exr_size(const struct rest *r, uint64_t *size)
     struct gp_stream view = {.fd = -1, .borrowed = true, .size = r->size,
                              .data = (uint8_t *) (uintptr_t) r->data};
     struct gp_origin *o;
-    gp_status st = gp_origin_open_exr(NULL, "-", &view, &o);
+    const gp_status st = gp_origin_open_exr(NULL, "-", &view, &o);
     if (st)
         return st == GP_ERR_BUG ? st : GP_OK;
-    st = gp_exr_end(o, size);
+    *size = gp_exr_end(o);
     gp_origin_free(o);
-    return st;
+    return GP_OK;
 }
 
 // -- PNG -----------------------------------------------------------------------

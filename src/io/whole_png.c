@@ -11,6 +11,9 @@
  * unpacks, but lets there be a thousand, and takes a length's word for it. */
 enum { MOST_BYTES = 48 << 20, COPIES = 4 };
 
+/* Pixels a side that libpng, and OpenImageIO with it, reads by default. */
+enum { WIDEST = 1000000 };
+
 /* What libpng's callbacks see. */
 struct source {
     const struct gp_log *log;
@@ -83,6 +86,8 @@ static void decode(png_structp png, png_infop info, struct source *s,
                    long long max_pixels)
 {
     png_set_read_fn(png, s, read_bytes);
+    // (sizes over the library's usual limit are ours to speak of)
+    png_set_user_limits(png, PNG_UINT_31_MAX, PNG_UINT_31_MAX);
     png_set_crc_action(png, PNG_CRC_ERROR_QUIT, PNG_CRC_ERROR_QUIT);
     png_read_info(png, info);
     const png_uint_32 w = png_get_image_width(png, info);
@@ -92,6 +97,13 @@ static void decode(png_structp png, png_infop info, struct source *s,
                         "%s: too large (%lu x %lu pixels, at most %lld); crop "
                         "it, or raise --max-pixels", s->path,
                         (unsigned long) w, (unsigned long) h, max_pixels);
+        return;
+    }
+    if (w > WIDEST || h > WIDEST) {
+        s->st = gp_fail(s->log, GP_ERR_DATA,
+                        "%s: too large (%lu x %lu pixels; a PNG is read up to "
+                        "%d a side); cut it, or write another format",
+                        s->path, (unsigned long) w, (unsigned long) h, WIDEST);
         return;
     }
     const int passes = png_set_interlace_handling(png);

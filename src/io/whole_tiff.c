@@ -77,43 +77,41 @@ static gp_status take(const struct tiff *t, const char *what, uint64_t at,
 
 // -- directories --------------------------------------------------------------
 
-/* Bytes of a value of that type; 0 for what is no whole number. */
+/* Bytes of a value of each type; 0 for what is none. */
 static unsigned type_size(unsigned type)
 {
-    switch (type) {
-    case 1:
-        return 1;
-    case 3:
-        return 2;
-    case 4:
-    case 13:
-        return 4;
-    case 16:
-    case 18:
-        return 8;
-    default:
-        return 0;
-    }
+    static const uint8_t size[] = {
+        0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8,
+    };
+    return type < sizeof size ? size[type] : 0;
 }
 
+static bool is_whole_number(unsigned type)
+{
+    return type == 1 || type == 3 || type == 4 || type == 13 || type == 16 ||
+           type == 18;
+}
+
+/* Values of fields that nobody asks for are there too, or the file is cut. */
 static gp_status keep_field(struct tiff *t, uint64_t at, const uint8_t *b)
 {
     const unsigned tag = (unsigned) number(t, b, 2);
-    const unsigned size = type_size((unsigned) number(t, b + 2, 2));
+    const unsigned type = (unsigned) number(t, b + 2, 2);
     const unsigned wide = t->large ? 8 : 4; // of a count, and of an offset
+    struct field f = {.size = type_size(type), .count = number(t, b + 4, wide)};
+    if (!f.size)
+        return GP_OK;
+    if (f.count > t->s->size)
+        return damaged(t, "a field with more values than", f.count);
+    f.at = f.count * f.size <= wide ? at + 4 + wide
+                                    : number(t, b + 4 + wide, wide);
+    if (!within(t, f.at, f.count * f.size))
+        return damaged(t, "a field's values start at", f.at);
     int i = 0;
     while (i < FIELDS && tags[i] != tag)
         i++;
-    if (i == FIELDS || !size)
-        return GP_OK;
-    struct field f = {.size = size, .count = number(t, b + 4, wide)};
-    if (f.count > t->s->size)
-        return damaged(t, "a field with more values than", f.count);
-    f.at = f.count * size <= wide ? at + 4 + wide
-                                  : number(t, b + 4 + wide, wide);
-    if (!within(t, f.at, f.count * size))
-        return damaged(t, "a field's values start at", f.at);
-    t->field[i] = f;
+    if (i < FIELDS && is_whole_number(type))
+        t->field[i] = f;
     return GP_OK;
 }
 

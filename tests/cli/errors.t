@@ -268,6 +268,16 @@ empty_folder there 'nothing written in these places'
 run --create-dir -o made/by/x.png in.exr
 quiet_success '--create-dir'
 ok '--create-dir makes the folders' test -s made/by/x.png
+run --create-dir --report made/too/r.json -o made/by/x.png in.exr
+quiet_success '--create-dir and a report'
+ok '--create-dir makes the folders of the report' test -s made/too/r.json
+run --create-dir -o in.exr/by/x.png in.exr
+fails_with 3 in.exr/by/x.png 'a folder that is a file'
+like "$(cat err)" '*Not a directory*check the name*' 'a folder that is a file: says why'
+printf 'e\033[31m' >name
+run -o made/x.png "$(cat name).exr"
+status_is 3 'a name that colours the terminal'
+no 'no line moves the cursor' grep -q "$(printf '\033')" err
 
 # -- full disks ----------------------------------------------------------------
 

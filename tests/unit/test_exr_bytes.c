@@ -92,14 +92,21 @@ static void damaged_headers(void **state)
 
 /* -- the end -------------------------------------------------------------------*/
 
+static const uint64_t cut_off = UINT64_MAX; // or no header at all
+
 static uint64_t end_of(const uint8_t *bytes, size_t size)
 {
     struct gp_origin *o;
-    uint64_t end = 1;
     struct gp_stream s = {.fd = -1, .data = (uint8_t *) (uintptr_t) bytes,
                           .size = size, .borrowed = true};
-    assert_int_equal(gp_origin_open_exr(&hear, "a.exr", &s, &o), GP_OK);
-    assert_int_equal(gp_exr_end(o, &end), GP_OK);
+    const gp_status st = gp_origin_open_exr(&hear, "a.exr", &s, &o);
+    if (st) {
+        assert_int_equal(st, GP_ERR_DATA);
+        assert_non_null(strstr(heard.line, "a.exr: "));
+        return cut_off;
+    }
+    const uint64_t end = gp_exr_end(o);
+    assert_true(end <= size);
     gp_origin_free(o);
     return end;
 }
@@ -127,6 +134,11 @@ static void ends(void **state)
         assert_non_null(bytes);
         memset(bytes + size, 7, 100); // another file behind it
         assert_int_equal(end_of(bytes, size + 100), size);
+        // whatever part or level the last bytes are of
+        for (size_t n = 1; n < size; n++)
+            assert_int_equal(end_of(bytes, n), cut_off);
+        assert_non_null(strstr(heard.line, "cut off or damaged (its chunks end "
+                                           "at byte "));
         free(bytes);
     }
 }
@@ -162,9 +174,9 @@ static void deep_ends(void **state)
     size_t whole;
     const uint64_t end = deep_end(16, 40, true, &whole);
     assert_int_equal(end, whole);
-    // never written, past the stream, and sums that wrap around
+    // never written, behind the stream, and sums that wrap around
     assert_int_equal(deep_end(16, 40, false, &whole), 0);
-    assert_int_equal(deep_end(16, 1 << 20, true, &whole), 0);
+    assert_int_equal(deep_end(16, 1 << 20, true, &whole), cut_off);
     assert_int_equal(deep_end(UINT64_MAX, 40, true, &whole), 0);
     assert_int_equal(deep_end(UINT64_MAX - 39, 39, true, &whole), 0);
 }

@@ -10,6 +10,8 @@
 #include "io/file.h"
 #include "io/read.h"
 
+#include <sys/stat.h>
+
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 
 // -- making inputs ------------------------------------------------------------
@@ -239,7 +241,6 @@ static void damaged_parts(void **state)
 {
     (void) state;
     static const struct damage row[] = {
-        {.part = 3, .back = 2},                       // outside the file
         {.part = 3, .size = 4, .bytes = {2}},         // another part's
         {.part = 3, .at = 8, .size = 4, .bytes = {0xffffffff}}, // size < 0
         {.part = 3, .at = 8, .size = 4, .bytes = {0x7fffffff}},
@@ -267,6 +268,26 @@ static void damaged_parts(void **state)
                          0);
         remove(wf_path("out.exr"));
         gp_frame_free(&a);
+    }
+    gp_frame_free(&made);
+}
+
+/* Chunks of a part that nobody reads must be there too. */
+static void cut_parts(void **state)
+{
+    (void) state;
+    static const struct damage outside = {.part = 3, .back = 2};
+    static const struct gp_read_params params = GP_READ_DEFAULTS;
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_frame made = wf_frame(r, r, wf_rgb), a;
+    for (int cut = 0; cut < 100; cut += 33) {
+        struct stat s;
+        make_parts(wf_path("in.exr"), &made, cut ? NULL : &outside);
+        assert_int_equal(stat(wf_path("in.exr"), &s), 0);
+        assert_int_equal(truncate(wf_path("in.exr"), s.st_size - cut), 0);
+        assert_int_equal(gp_read_frame(&wf_log, &params, wf_path("in.exr"),
+                                       &a), GP_ERR_DATA);
+        wf_assert_said("cut off or damaged (its chunks end at byte ");
     }
     gp_frame_free(&made);
 }
@@ -421,8 +442,8 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
-        TEST(other_parts), TEST(damaged_parts), TEST(rip_maps_by_number),
-        TEST(attributes),
+        TEST(other_parts), TEST(damaged_parts), TEST(cut_parts),
+        TEST(rip_maps_by_number), TEST(attributes),
         TEST(primaries),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

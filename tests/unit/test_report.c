@@ -59,7 +59,7 @@ static char *reported(const struct gp_facts *facts, int n)
     assert_true(fd >= 0);
     close(fd);
     struct gp_report r;
-    assert_int_equal(gp_report_open(&keeper, path, &r), GP_OK);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
     for (int i = 0; i < n; i++)
         assert_int_equal(gp_report_frame(&keeper, &r, facts), GP_OK);
     char *text = calloc(1, 65536);
@@ -188,7 +188,7 @@ static void files_are_touched_with_the_first_line(void **state)
     snprintf(path, sizeof path, "%s/r.json", folder);
     struct gp_facts facts = full_facts();
     struct gp_report r;
-    assert_int_equal(gp_report_open(&keeper, path, &r), GP_OK);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
     assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
     assert_int_equal(size_of(path), -1);
 
@@ -196,10 +196,10 @@ static void files_are_touched_with_the_first_line(void **state)
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_int_equal(gp_report_open(&keeper, path, &r), GP_OK);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
     assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
     assert_int_equal(size_of(path), 16000);
-    assert_int_equal(gp_report_open(&keeper, path, &r), GP_OK);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
     assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_OK);
     assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
     assert_in_range(size_of(path), 100, 2000);
@@ -212,13 +212,13 @@ static void errors_of_files(void **state)
     (void) state;
     struct gp_facts facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&keeper, "/no/such/r.json", &r),
+    assert_int_equal(gp_report_open(&keeper, "/no/such/r.json", false, &r),
                      GP_ERR_IO);
     assert_non_null(strstr(said, "/no/such/r.json: cannot write the report"));
-    assert_int_equal(gp_report_open(&keeper, "/tmp", &r), GP_ERR_IO);
+    assert_int_equal(gp_report_open(&keeper, "/tmp", false, &r), GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip();
-    assert_int_equal(gp_report_open(&keeper, "/dev/full", &r), GP_OK);
+    assert_int_equal(gp_report_open(&keeper, "/dev/full", false, &r), GP_OK);
     assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_ERR_IO);
     assert_non_null(strstr(said, "No space left"));
     (void) gp_report_close(NULL, &r);

@@ -72,8 +72,9 @@ static size_t make_png(uint8_t *to, int w, int h, bool interlaced, size_t rows,
     uint8_t *const raw = calloc(1, rows), packed[4096];
     struct libdeflate_compressor *const c = libdeflate_alloc_compressor(9);
     const uint8_t head[13] = {
-        0, 0, (uint8_t) (w >> 8), (uint8_t) w, 0, 0, (uint8_t) (h >> 8),
-        (uint8_t) h, 8, 0, 0, 0, interlaced,
+        0, (uint8_t) (w >> 16), (uint8_t) (w >> 8), (uint8_t) w,
+        0, (uint8_t) (h >> 16), (uint8_t) (h >> 8), (uint8_t) h,
+        8, 0, 0, 0, interlaced,
     };
     assert_true(raw && c);
     size_t n = libdeflate_zlib_compress(c, raw, rows, packed, sizeof packed);
@@ -108,6 +109,9 @@ static void png_rows(void **state)
         {16384, 16384, false, 1000, 100, "in: too large (16384 x 16384 "},
         {1000, 1048, false, 1001 * 1048, 100, NULL},
         {1000, 1049, false, 1001 * 1049, 100, "too large (1000 x 1049 "},
+        {1000000, 1, false, 1000001, 100, NULL},
+        {1000001, 1, false, 1000002, 100, "too large (1000001 x 1 pixels; a"},
+        {1, 1000001, false, 10, 100, "too large (1 x 1000001 pixels; a"},
     };
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         uint8_t bytes[8192];

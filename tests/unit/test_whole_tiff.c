@@ -309,6 +309,31 @@ static void hard_claims(void **state)
     }
 }
 
+/* Values that nobody asks for, last in the file. Five bytes or more do not fit
+ * into the entry; what is no type has no values. */
+static void unread_values(void **state)
+{
+    (void) state;
+    static const int bytes_of[20] = {
+        0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8, 0,
+    };
+    static const struct shape plain = {.name = "a text"};
+    for (int type = 0; type < 20; type++) {
+        memset(bytes, 0, sizeof bytes);
+        memcpy(bytes, "II*\0\10", 5);
+        size = 8;
+        add(&plain, 1, 2);
+        entry(&plain, 305, type, 5, 26); // Software
+        add(&plain, 0, 4);
+        size += 5 * (size_t) bytes_of[type];
+        assert_int_equal(check(size, 0), GP_OK);
+        if (!bytes_of[type])
+            continue;
+        assert_int_equal(check(size - 1, 0), GP_ERR_DATA);
+        wf_assert_said("a field's values start at 26");
+    }
+}
+
 /* Where a part is looked for: no link behind the last directory, one that
  * leads nowhere, and a file that nobody reads any more. */
 static void lost_directories(void **state)
@@ -342,7 +367,7 @@ int main(void)
         cmocka_unit_test(every_shape), cmocka_unit_test(every_end),
         cmocka_unit_test(every_byte),  cmocka_unit_test(parts),
         cmocka_unit_test(sparse),      cmocka_unit_test(hard_claims),
-        cmocka_unit_test(lost_directories),
+        cmocka_unit_test(unread_values), cmocka_unit_test(lost_directories),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
