@@ -67,7 +67,7 @@ uint64_t gp_exr_end(const struct gp_origin *o)
 {
     struct last last = {0};
     uint64_t at = o->tables;
-    for (int part = 0; part < o->parts; part++) {
+    for (int part = 0; at && part < o->parts; part++) {
         int32_t chunks;
         if (exr_get_chunk_count(o->exr, part, &chunks) || chunks < 1)
             return 0;
@@ -78,5 +78,5 @@ uint64_t gp_exr_end(const struct gp_origin *o)
             return 0;
         at = next;
     }
-    return last.offset >= at ? chunk_end(o, &last) : 0;
+    return at && last.offset >= at ? chunk_end(o, &last) : 0;
 }

@@ -23,7 +23,7 @@ struct gp_origin {
     exr_context_t exr;
     struct gp_stream stream;  // the bytes behind exr
     uint64_t hidden;          // byte that the library gets another for; 0 none
-    uint64_t tables;          // where the offset tables begin
+    uint64_t tables;          // where the offset tables begin; 0: not found
     bool multi;               // chunks begin with the number of their part
     int part, parts;          // colour part and number of parts; exr only
 

@@ -17,7 +17,8 @@ struct gp_exr_scan {
     /* Where the attribute "type" of a file with one flat part begins; 0 when
      * it has none. */
     uint64_t type;
-    uint64_t tables;      // where the offset tables begin; 0: header damaged
+    uint64_t tables;      // where the offset tables begin; 0: the header is
+                          // damaged, or could not be read
     bool multi;           // the version says that there are several parts
     const char *too_long; // what there is too much of: "channels",
                           // "attributes", "parts"; NULL: nothing
