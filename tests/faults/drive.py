@@ -35,29 +35,29 @@ ONE = f"--threads 1 {FILES} in.exr"
 # that an ordinary run takes: 0 none, 3 each third)
 CONFIGURATIONS = {
     "direct": (f"-e direct {ONE}", (), 1),
-    "fft": (f"-e fft --layer o/l.exr {ONE}", (3,), 4),
-    "auto": (f"{ONE}", (3,), 8),
+    "fft": (f"-e fft --layer o/l.exr {ONE}", (3,), 8),
+    "auto": (f"{ONE}", (3,), 16),
     "sun": (f"-e direct --sun 12,8,3 --sun-color 9,8,7 --flare flare.json "
-            f"--lights lights.json --debug sunmap=o/m.exr {ONE}", (), 4),
-    "kernel": (f"-e direct -k in.exr --rotate 10 --verify {ONE}", (), 8),
-    "threads": (f"-e fft --threads 3 {FILES} in.exr", (3,), 8),
+            f"--lights lights.json --debug sunmap=o/m.exr {ONE}", (), 8),
+    "kernel": (f"-e direct -k in.exr --rotate 10 --verify {ONE}", (), 16),
+    "threads": (f"-e fft --threads 3 {FILES} in.exr", (3,), 16),
     "old": (f"-e direct {ONE}", (), 6),
     "pipe": ("-e direct --threads 1 --hdr - --stdout-format exr -", (), 4),
-    "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 6),
+    "raw": ("-e direct --threads 1 --raw rgb24 -o - s.####.exr", (), 12),
     "sequence": ("-e direct --threads 1 --skip-bad-frames -o o/a.#.png "
-                 "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 6),
+                 "--hdr o/h.#.exr --report o/r.json s.####.exr", (6,), 12),
     "splat": (f"-e splat --gl osmesa {ONE}", (3, 5), 80),
     "readback": (f"-e direct --gl osmesa --sun 12,8,3 --sun-color 9,8,7 "
                  f"--sun-method readback --flare flare.json {ONE}", (3, 5), 0),
     "ocio": ("-e direct --ocio c.ocio --view Power -o o/a.png in.exr", (3,),
              24),
     "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
-              "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 3),
+              "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 6),
     "views": ("-e direct --threads 1 --views left,right --hdr o/h.exr "
               "-o o/%V.pfm --light-group key --sun 12,8,3 --sun-color 9,8,7 "
-              "--mask-file in.exr --mask A views.exr", (), 4),
+              "--mask-file in.exr --mask A views.exr", (), 8),
     "b44": ("-e direct --threads 2 --compression b44 --type half "
-            "--hdr o/h.exr --layer o/l.exr in.exr", (), 4),
+            "--hdr o/h.exr --layer o/l.exr in.exr", (), 8),
     "dwaa": ("-e direct --threads 1 --compression dwaa --hdr o/h.exr in.exr",
              (3,), 24),
     "large": ("-e direct --threads 1 --compression none --type float "
