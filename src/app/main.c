@@ -8,6 +8,7 @@
 #include "core/bridge.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "gl/gl.h"
 #include "io/file_temp.h"
 
 #include <errno.h>
@@ -90,6 +91,7 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     struct gp_jobs jobs = {0};
     struct gp_progress progress;
     gp_set_threads(s->threads);
+    gp_gl_prepare(); // while there is one thread
     gp_status st = gp_jobs_make(log, s, &jobs);
     if (!st) {
         gp_progress_open(&progress, stderr, s->progress,

@@ -156,6 +156,17 @@ static void set_up(struct gp_gl *gl)
     gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
 }
 
+static bool threads_are_ours; // LP_NUM_THREADS is not the user's
+
+void gp_gl_prepare(void)
+{
+    char threads[16];
+    threads_are_ours = !getenv("LP_NUM_THREADS");
+    snprintf(threads, sizeof threads, "%d", gp_threads());
+    setenv("LP_NUM_THREADS", threads, 0);
+    setenv("EGL_LOG_LEVEL", "fatal", 0);
+}
+
 /* The CPU rasterizer starts as many threads as the machine has processors;
  * --threads, and a process that may use only some, count here too. It waits
  * for ever for one that could not start, and with 0 draws on its caller's. */
@@ -164,7 +175,7 @@ static void limit_threads(void)
     char threads[16];
     const int n = gp_threads();
     snprintf(threads, sizeof threads, "%d", gp_threads_spare(n) < n ? 0 : n);
-    setenv("LP_NUM_THREADS", threads, 0);
+    setenv("LP_NUM_THREADS", threads, threads_are_ours);
 }
 
 static gp_status open_system(const struct gp_log *log,

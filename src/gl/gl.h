@@ -32,6 +32,11 @@ struct gp_gl; // a context with its function table
  * GPU is used when it is asked for, by EGL. */
 enum gp_gl_api { GP_GL_API_AUTO, GP_GL_API_OSMESA, GP_GL_API_EGL };
 
+/* Puts what Mesa reads of the environment into it, where the user did not: once,
+ * after gp_set_threads() and before any other thread, since another that asks
+ * for a variable while one is added may read memory that is gone. */
+void gp_gl_prepare(void);
+
 /* Makes a context and makes it current on the calling thread.
  * EGL takes the device platform when a device that is no software
  * rasterizer answers, else Mesa's surfaceless platform.
