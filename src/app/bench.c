@@ -9,6 +9,7 @@
 #include "app/sun.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "gl/gl.h"
 #include "io/file.h"
 #include "io/read.h"
 
@@ -156,6 +157,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_settings *s)
                              ? gp_cache_file("fft-wisdom") : NULL;
     job.wisdom = wisdom;
     gp_set_threads(s->threads);
+    gp_gl_prepare(); // while there is one thread
     GP_TRY(check_files(log, s));
     GP_TRY(check_names(log, s));
     if (gp_suns_wanted(&s->sun)) {

@@ -161,10 +161,10 @@ static bool threads_are_ours; // LP_NUM_THREADS is not the user's
 void gp_gl_prepare(void)
 {
     char threads[16];
-    threads_are_ours = !getenv("LP_NUM_THREADS");
     snprintf(threads, sizeof threads, "%d", gp_threads());
-    setenv("LP_NUM_THREADS", threads, 0);
-    setenv("EGL_LOG_LEVEL", "fatal", 0);
+    if (!getenv("LP_NUM_THREADS"))
+        threads_are_ours = setenv("LP_NUM_THREADS", threads, 1) == 0;
+    setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's warnings go to stderr
 }
 
 /* The CPU rasterizer starts as many threads as the machine has processors;
@@ -175,7 +175,8 @@ static void limit_threads(void)
     char threads[16];
     const int n = gp_threads();
     snprintf(threads, sizeof threads, "%d", gp_threads_spare(n) < n ? 0 : n);
-    setenv("LP_NUM_THREADS", threads, threads_are_ours);
+    if (threads_are_ours)
+        setenv("LP_NUM_THREADS", threads, 1); // in its place: nothing moves
 }
 
 static gp_status open_system(const struct gp_log *log,

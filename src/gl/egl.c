@@ -53,7 +53,6 @@ static bool has(const char *list, const char *name)
 static gp_status load(const struct gp_log *log, struct egl_functions *f)
 {
     static const char *const names[] = {"libEGL.so.1", "libEGL.so", NULL};
-    setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's warnings go to stderr
     void *library = gp_gl_library(log, "GLAREPP_EGL", names,
                                   "libegl1 (and libegl-mesa0)");
     if (!library)

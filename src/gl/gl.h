@@ -17,6 +17,7 @@
  *   GLAREPP_GL_MAX_SIZE          lowers gp_gl_max_size(), for tests of tiling
  *   LP_NUM_THREADS               Mesa's own: threads of its CPU rasterizer;
  *                                gp_threads() when it is not set
+ *   EGL_LOG_LEVEL                Mesa's own: "fatal" when it is not set
  */
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
@@ -32,9 +33,10 @@ struct gp_gl; // a context with its function table
  * GPU is used when it is asked for, by EGL. */
 enum gp_gl_api { GP_GL_API_AUTO, GP_GL_API_OSMESA, GP_GL_API_EGL };
 
-/* Puts what Mesa reads of the environment into it, where the user did not: once,
- * after gp_set_threads() and before any other thread, since another that asks
- * for a variable while one is added may read memory that is gone. */
+/* Puts what Mesa reads of the environment into it, where the user did not:
+ * after gp_set_threads() and before any other thread, since one that asks for a
+ * variable while another is added may read memory that is gone. Without it
+ * Mesa takes as many threads as there are processors, and warns on stderr. */
 void gp_gl_prepare(void);
 
 /* Makes a context and makes it current on the calling thread.

@@ -115,6 +115,35 @@ else
     skip 70 'no OSMesa'
 fi
 
+# -- the environment --------------------------------------------------------------
+
+# A variable that is added moves the environment under threads that read it:
+# what GL is told by variables is put there before there are any.
+lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask --sun-draw gl'
+while read -r gl what; do
+    case $gl in
+    none) ;;
+    *) "$glarepp" -q -e splat --gl $gl --layer can.exr in.exr 2>err || {
+        skip 2 "no context by $gl"
+        continue
+    } ;;
+    esac
+    rm -rf made log && mkdir made
+    # shellcheck disable=SC2086
+    env -u LP_NUM_THREADS -u EGL_LOG_LEVEL LD_PRELOAD=$shim FAULT_LOG=$tmp/log \
+        "$glarepp" $what --threads 3 >out 2>err
+    status=$?
+    quiet_success "variables: $gl, $what"
+    ok 'variables: some are added, none beside threads' \
+        eval '! grep beside-threads log && grep -q "^setenv [1-9]" log'
+done <<END
+osmesa -e splat --gl osmesa $lights --frame-jobs 3 -o made/a.#.png s.####.exr
+egl -e splat --gl egl $lights --frame-jobs 3 -o made/a.#.png s.####.exr
+osmesa bench --gl osmesa --runs 1 --csv made/a.csv in.exr
+egl bench --gl egl --runs 1 --csv made/a.csv in.exr
+none --ocio c.ocio --view Power --frame-jobs 3 -o made/a.#.jpg s.####.exr
+END
+
 # -- inputs and places -------------------------------------------------------------
 
 # A file that shrinks or grows while others read it has its rows above. Here

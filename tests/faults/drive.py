@@ -97,6 +97,7 @@ KINDS = (
     ("term:N", (-signal.SIGTERM,)),
     ("thread:N", (0,)),
     ("thread:N+", (0,)),
+    ("setenv:N", (0,)),
 )
 
 
