@@ -7,6 +7,8 @@
  * GLAREPP_TEST_QUICK leaves out GL and large cases. */
 #include "hardcases.h"
 
+#include "gl/gl.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -67,6 +69,7 @@ int main(int argc, char *argv[])
         {"sun", hard_sun},     {"files", hard_files},
         {"formats", hard_other_files},
     };
+    gp_gl_prepare();
     hard_quick = getenv("GLAREPP_TEST_QUICK") != NULL;
     if (argc > 1 && strcmp(argv[1], "names") == 0) {
         for (int i = 0; i < HARD_CASES; i++)

@@ -52,7 +52,7 @@ static inline void put_file(const char *name, const char *text)
 
 static inline int start(void **state)
 {
-    if (wf_start(state) || wf_find_bridge(state))
+    if (wf_start(state) || find_bridges(state))
         return -1;
     put_file("c.ocio", config_text);
     put_file("four.spimtx", "4 0 0 0\n0 4 0 0\n0 0 4 0\n");

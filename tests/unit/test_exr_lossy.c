@@ -113,5 +113,5 @@ int main(void)
         TEST(b44_keeps_what_is_far_below_0_finite),
         TEST(dwa_keeps_ids),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

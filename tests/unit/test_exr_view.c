@@ -187,17 +187,6 @@ static void many_manifests(void **state)
 
 // -- planes of a view -----------------------------------------------------------
 
-static char said[4096];
-
-static void note(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log notes = {note, NULL, GP_LEVEL_WARN};
-
 #define RIGHT HALF_CH("right.B"), HALF_CH("right.G"), HALF_CH("right.R")
 
 static void planes_of_a_view(void **state)

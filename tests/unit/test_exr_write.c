@@ -367,5 +367,5 @@ int main(void)
         TEST(automatic_type_and_compression), TEST(colour_models),
         TEST(subsampled_channels), TEST(standard_output),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

@@ -372,7 +372,7 @@ static int start(void **state)
     struct gp_write_stats stats = {0};
     const struct gp_read_params limit = GP_READ_DEFAULTS;
     *state = &bridge;
-    if (wf_start(state) || wf_find_bridge(state))
+    if (wf_start(state) || find_bridges(state))
         return -1;
     *state = &bridge;
     gp_set_threads(1);

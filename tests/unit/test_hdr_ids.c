@@ -139,5 +139,5 @@ int main(void)
     const struct CMUnitTest tests[] = {
         TEST(lossy_channels), TEST(lossy_ids), TEST(crypto_names),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

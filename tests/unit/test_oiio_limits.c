@@ -1,18 +1,15 @@
 /* io: what the bridge refuses to read and to resize, and how it fails: pictures
  * that are none, memory and files that there are no more of. Skipped without
  * the bridge. */
-#include "io/oiio.h"
 #include "io/oiio_frame.h"
 
-#include "write_fixture.h"
 #include "exr_fixture.h"
+#include "oiio_here.h"
 #include "resource_limit.h"
 #include "tiff_bytes.h"
+#include "write_fixture.h"
 
 #include <signal.h>
-
-static const struct gp_oiio_api *api;
-static char why[512];
 
 static int read_bytes(const void *bytes, size_t n, long long max_pixels,
                       struct gp_oiio_image *out)
@@ -347,10 +344,7 @@ static void means_that_cancel(void **state)
 
 static int setup(void **state)
 {
-    if (wf_start(state) || wf_find_bridge(state))
-        return -1;
-    api = gp_oiio_open(why, sizeof why);
-    return 0;
+    return wf_start(state) || open_oiio(state);
 }
 
 int main(void)

@@ -2,18 +2,13 @@
 #include "core/luminance.h"
 #include "core/srgb.h"
 #include "io/exr_origin.h"
-#include "io/oiio.h"
 
+#include "oiio_here.h"
 #include "reading.h"
 
-#include <libgen.h>
-#include <limits.h>
 #include <math.h>
 
 enum { W = 16, H = 12, PIXELS = W * H };
-
-static const struct gp_oiio_api *api;
-static char why[512];
 
 /* A smooth picture in [0,1] with the ends in it. */
 static float value(int x, int y, int c)
@@ -305,14 +300,7 @@ static void resizing_keeps_the_mean(void **state)
 
 static int setup(void **state)
 {
-    char self[PATH_MAX] = "", beside[PATH_MAX];
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return -1;
-    // the build puts tests one folder below the bridge
-    snprintf(beside, sizeof beside, "%.3000s/..", dirname(self));
-    setenv("GLAREPP_BRIDGES", beside, 0);
-    api = gp_oiio_open(why, sizeof why);
-    return make_folder(state);
+    return open_oiio(state) || make_folder(state);
 }
 
 int main(void)

@@ -1,16 +1,12 @@
 /* io: writing of pictures, by the bridge and without it: endings, compressions,
  * places that cannot be written, files that may not grow, coverage, shapes of
  * pixels. What needs the bridge is skipped without it. */
-#include "io/oiio.h"
-
+#include "oiio_here.h"
 #include "resource_limit.h"
 #include "write_fixture.h"
 
 #include <math.h>
 #include <signal.h>
-
-static const struct gp_oiio_api *api;
-static char why[512];
 
 static void endings(void **state)
 {
@@ -310,10 +306,7 @@ static void shapes_of_pixels(void **state)
 
 static int setup(void **state)
 {
-    if (wf_start(state) || wf_find_bridge(state))
-        return -1;
-    api = gp_oiio_open(why, sizeof why);
-    return 0;
+    return wf_start(state) || open_oiio(state);
 }
 
 int main(void)

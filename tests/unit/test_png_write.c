@@ -425,5 +425,5 @@ int main(void)
         TEST(hostile_windows_and_full_disk), TEST(other_formats),
         TEST(bytes_hold_no_time_and_no_memory),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

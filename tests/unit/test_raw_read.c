@@ -1,6 +1,7 @@
 /* io/raw_read: every channel as stored, and which of them are light. */
 #include "io/raw_read.h"
 
+#include "bridge_here.h"
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -180,12 +181,7 @@ static void dwa_that_is_none(void **state)
 
 static int start(void **state)
 {
-    char self[4096] = "", beside[4200];
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return -1;
-    *strrchr(self, '/') = '\0'; // tests lie one folder below the bridge
-    snprintf(beside, sizeof beside, "%s/..", self);
-    return setenv("GLAREPP_BRIDGES", beside, 0) || make_folder(state);
+    return find_bridges(state) || make_folder(state);
 }
 
 int main(void)

@@ -3,18 +3,6 @@
 
 #include "plane_fixture.h"
 
-/* The last line of any level, as warnings count here too. */
-static char said[4096];
-
-static void note(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log notes = {note, NULL, GP_LEVEL_WARN};
-
 static void open_fixture(const struct fixture *f, struct gp_frame *frame)
 {
     snprintf(path, sizeof path, "%s/f.exr", folder);

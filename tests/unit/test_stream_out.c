@@ -404,5 +404,5 @@ int main(void)
         cmocka_unit_test_setup_teardown(frames_of_a_stream, wf_start, wf_end),
         cmocka_unit_test_setup_teardown(cut_streams, wf_start, wf_end),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

@@ -276,5 +276,5 @@ int main(void)
         TEST(png), TEST(png_rows), TEST(png_texts), TEST(iff), TEST(dpx),
         TEST(jpeg), TEST(long_scans),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

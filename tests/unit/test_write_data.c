@@ -119,5 +119,5 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(real_frames, wf_start, wf_end),
     };
-    return cmocka_run_group_tests(tests, wf_find_bridge, NULL);
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

@@ -16,6 +16,8 @@
 #include "io/read.h"
 #include "io/write.h"
 
+#include "bridge_here.h"
+
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -59,19 +61,6 @@ static inline int wf_end(void **state)
     if (d)
         closedir(d);
     return rmdir(wf_folder);
-}
-
-/* For cmocka_run_group_tests(): the build puts tests one folder below the
- * OpenImageIO bridge. */
-static inline int wf_find_bridge(void **state)
-{
-    (void) state;
-    char self[4096] = "", folder[4200];
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return -1;
-    *strrchr(self, '/') = '\0';
-    snprintf(folder, sizeof folder, "%s/..", self);
-    return setenv("GLAREPP_BRIDGES", folder, 0);
 }
 
 /* The path of a file in the folder, good until the fourth next call. */
