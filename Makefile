@@ -66,7 +66,7 @@ OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
 HARD := $(wildcard tests/hard/*.c)
 UNIT_BIN := $(UNIT:tests/unit/%.c=$(B)/tests/%) $(B)/tests/hardcases
-FAULTS := $(B)/tests/shim.so $(B)/tests/broken_gl.so $(B)/tests/broken_egl.so
+FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man \
           check-readme check-tidy check-cppcheck

@@ -97,7 +97,6 @@ KINDS = (
     ("term:N", (-signal.SIGTERM,)),
     ("thread:N", (0,)),
     ("thread:N+", (0,)),
-    ("setenv:N", (0,)),
 )
 
 

@@ -11,11 +11,7 @@
  * read, and grow: is made longer; write: N counts bytes, what is before them
  * is written and every later write fails (ENOSPC); interrupt: the N-th write
  * of any size gives EINTR once, and nothing is written; term: SIGTERM comes
- * when the N-th open() has made or found its file; setenv: the environment
- * does not grow.
- *
- * A variable that anybody adds while there are several threads is told by a
- * line "beside-threads NAME": the environment moves under those that read it.
+ * when the N-th open() has made or found its file.
  *
  * Only calls of a program named .../glarepp count, from its main on, and only
  * those of the program itself, its bridges and the C libraries it links with.
@@ -46,8 +42,7 @@
     X(malloc, ENOMEM) X(open, EACCES) X(close, EIO) X(rename, EACCES)         \
     X(unlink, EACCES) X(fchmod, EPERM) X(ftruncate, EIO) X(fdopen, ENOMEM)    \
     X(read, EIO) X(thread, EAGAIN) X(write, ENOSPC)                           \
-    X(short, 0) X(truncate, 0) X(grow, 0) X(interrupt, EINTR) X(term, 0)      \
-    X(setenv, ENOMEM)
+    X(short, 0) X(truncate, 0) X(grow, 0) X(interrupt, EINTR) X(term, 0)
 #define ENUM(name, error) KIND_##name,
 #define NAME(name, error) #name,
 #define ERROR(name, error) error,
@@ -422,48 +417,4 @@ int pthread_create(pthread_t *id, const pthread_attr_t *attributes,
 {
     KEEP(pthread_create);
     return FAILS(thread) ? error : next(id, attributes, body, arg);
-}
-
-// -- environment ---------------------------------------------------------------
-
-static bool several_threads(void)
-{
-    char line[256];
-    long threads = 0;
-    FILE *f = fopen("/proc/self/status", "r");
-    while (f && threads == 0 && fgets(line, sizeof line, f))
-        sscanf(line, "Threads: %ld", &threads);
-    if (f)
-        fclose(f);
-    return threads > 1;
-}
-
-static void tell_of_threads(const char *name)
-{
-    char line[256];
-    const bool was = inside;
-    inside = true;
-    if (atomic_load(&counting) && !getenv(name) && several_threads()) {
-        snprintf(line, sizeof line, "beside-threads %s\n", name);
-        tell(line);
-    }
-    inside = was;
-}
-
-int setenv(const char *name, const char *value, int overwrite)
-{
-    KEEP(setenv);
-    if (FAILS(setenv))
-        return -1;
-    tell_of_threads(name);
-    return next(name, value, overwrite);
-}
-
-int putenv(char *setting)
-{
-    KEEP(putenv);
-    char name[200];
-    snprintf(name, sizeof name, "%.*s", (int) strcspn(setting, "="), setting);
-    tell_of_threads(name);
-    return next(setting);
 }
