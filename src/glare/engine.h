@@ -91,6 +91,8 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
+    int exponent;  // the layer is 2^exponent times what it is to be (scale.h)
+    double floor;  // beside an engine's bound (gp_scale_floor)
     double enough; // predict() may stop counting at more than this, where it
                    // is over 0: another engine takes less
 };
@@ -140,6 +142,7 @@ struct gp_plan_past {
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     struct gp_plan_past past;
+    struct gp_scale *scale; // NULL at first
 };
 
 /* Computes f->layer from sources. No source: the layer is zero, no engine is

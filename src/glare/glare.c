@@ -1,6 +1,7 @@
 #include "core/parallel.h"
 #include "glare/engine.h"
 #include "glare/plan.h"
+#include "glare/scale.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -56,6 +57,32 @@ static void clear_plane(void *ctx, int c, int thread)
     memset(s->p->c[c], 0, s->n * sizeof(float));
 }
 
+/* The engine that was named, or that the plan takes. */
+static gp_status run_engine(struct gp_glare_job job, struct gp_glare *g,
+                            int named, const char *path)
+{
+    struct gp_glare_params params = *job.params;
+    struct gp_glare_stats *const stats = job.stats;
+    struct gp_candidate taken;
+    gp_status st = GP_OK;
+    if (named >= 0) {
+        snprintf(stats->why, sizeof stats->why, "asked for");
+        warn_of_patience(&job, g, named, path);
+        taken = (struct gp_candidate) {.engine = named};
+    } else {
+        st = gp_plan(&job, g, path, &taken);
+        if (st)
+            return st;
+        params.splat = taken.splat;
+        stats->bound = taken.bound;
+        job.params = &params;
+    }
+    stats->engine = gp_engines[taken.engine]->name;
+    st = gp_engines[taken.engine]->run(&job, &g->state[taken.engine]);
+    stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
+    return st;
+}
+
 gp_status gp_glare_run(const struct gp_log *log,
                        const struct gp_glare_params *p, struct gp_glare *g,
                        const struct gp_sources *src,
@@ -79,31 +106,25 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, &all);
         return GP_OK;
     }
-    struct gp_glare_params params = *p;
-    const struct gp_glare_job job = {
-        .log = log, .params = &params, .src = src, .kernel = kernel,
+    struct gp_sources light = {0};
+    struct gp_glare_job job = {
+        .log = log, .params = p, .src = src, .kernel = kernel,
         .layer = &f->layer, .stats = stats,
     };
-    const char *const path = f->path ? f->path : "frame";
-    int i = named;
-    if (named >= 0) {
-        snprintf(stats->why, sizeof stats->why, "asked for");
-        warn_of_patience(&job, g, named, path);
-    } else {
-        struct gp_candidate taken;
-        gp_status st = gp_plan(&job, g, path, &taken);
-        if (st)
-            return st;
-        i = taken.engine;
-        params.splat = taken.splat;
-        stats->bound = taken.bound;
-    }
-    stats->engine = gp_engines[i]->name;
-    return gp_engines[i]->run(&job, &g->state[i]);
+    gp_status st = gp_scale_job(&job, &g->scale, &light);
+    if (!st)
+        st = gp_scale_floor(&job, &g->scale, &job.floor);
+    if (!st)
+        st = run_engine(job, g, named, f->path ? f->path : "frame");
+    if (!st)
+        gp_scale_back(&job);
+    gp_scale_light_free(&light);
+    return st;
 }
 
 void gp_glare_close(struct gp_glare *g)
 {
     for (int i = 0; gp_engines[i]; i++)
         gp_engines[i]->close(&g->state[i]);
+    gp_scale_free(&g->scale);
 }

@@ -358,10 +358,12 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     params.splat = c->splat;
     job.params = &params;
     *bound = INFINITY;
-    return gp_engines[c->engine]->bound
-               ? gp_engines[c->engine]->bound(&job, &p->g->state[c->engine],
-                                              bound)
-               : GP_OK;
+    if (!gp_engines[c->engine]->bound)
+        return GP_OK;
+    const gp_status st = gp_engines[c->engine]->bound(
+        &job, &p->g->state[c->engine], bound);
+    *bound += job.floor;
+    return st;
 }
 
 gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,

@@ -43,6 +43,7 @@ struct hard_case {
     int x0, y0;     // corner of the data window
     double own;     // bar of fft's error of a pixel over its own value; 0 none
     double abs;     // bar of max_abs in place of rel_l2; 0 none
+    double light_gain, kernel_gain; // times what is usual; 0: 1
     size_t sources; // that there must be; 0 is not checked
     struct gp_rect display; // 0: from the origin, as large as the data window
     enum hard_depth depth;
@@ -50,7 +51,6 @@ struct hard_case {
                     // middle, of a third of the shorter side
 };
 
-/* GL may take denormals for 0, so light under FLT_MIN may be lost. */
 static const struct hard_case hard_cases[] = {
     // sizes
     {"1x1", 1, 1, ALL, 9, 7, MID, 0, PEAK, BARS, .sources = 1},
@@ -118,7 +118,15 @@ static const struct hard_case hard_cases[] = {
     {"the same, 1e30 allowed", 89, 53, BAD, 21, 21, MID, 0, PEAK, BARS,
      .max_value = 1e30f},
     {"denormals alone", 31, 29, DENORMAL, 9, 9, MID, 0, PEAK, BARS,
-     .all_light = true, .abs = (double) FLT_MIN},
+     .all_light = true, .abs = 0x1p-149},
+    {"denormals under a kernel of denormals", 29, 31, DENORMAL, 9, 9, MID, 0,
+     PEAK, BARS, .all_light = true, .abs = 0x1p-149, .kernel_gain = 1e-38},
+    {"kernel of denormals", 67, 48, FEW, 33, 33, MID, 0, TINTED, BARS,
+     .kernel_gain = 1e-38},
+    {"light of denormals, kernel of 1e30", 64, 48, FEW, 33, 33, MID, 0, PEAK,
+     BARS, .all_light = true, .light_gain = 1e-43, .kernel_gain = 1e30},
+    {"light of 1e-9, kernel of 1e-20", 64, 48, FEW, 33, 33, MID, 0, TINTED,
+     BARS, .all_light = true, .light_gain = 1e-13, .kernel_gain = 1e-20},
     // a third of the pixels is over the threshold, by one step
     {"at the threshold", 63, 47, EDGE, 15, 15, MID, 0, PEAK, BARS,
      .sources = 63 * 47 / 3},
@@ -204,6 +212,12 @@ static inline uint32_t hard_own(const struct hard_case *h)
     return (uint32_t) hash_more(HASH_NONE, h->name, strlen(h->name));
 }
 
+static inline void hard_times(float *v, size_t n, double gain)
+{
+    for (size_t i = 0; i < n; i++)
+        v[i] = (float) ((double) v[i] * gain);
+}
+
 /* Sunny rows may differ in nothing else: their suns may be hidden, outside. */
 static inline struct gp_frame hard_frame(const struct hard_case *h)
 {
@@ -211,6 +225,8 @@ static inline struct gp_frame hard_frame(const struct hard_case *h)
                                     hard_is_sunny(h) ? hard_own(h) : 20071u);
     if (!gp_rect_empty(h->display))
         f.display = h->display;
+    for (int c = 0; c < 3 && h->light_gain > 0.0; c++)
+        hard_times(f.rgb.c[c], gp_frame_pixels(&f), h->light_gain);
     return f;
 }
 
