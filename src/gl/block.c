@@ -31,7 +31,7 @@ void gp_block_write(const struct gp_gl *gl, const struct gp_block *b,
 
 void gp_block_free(const struct gp_gl *gl, struct gp_block *b)
 {
-    if (b->id)
+    if (b->id && gp_gl_reach(gl))
         gl->f.DeleteBuffers(1, &b->id);
     *b = (struct gp_block) {0};
 }

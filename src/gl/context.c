@@ -10,7 +10,7 @@
 
 enum { GL_NEED = 45 }; // OpenGL 4.5, as 10 * major + minor
 
-static _Thread_local struct gp_gl *current;
+static _Thread_local const struct gp_gl *current;
 
 /* What dlerror() says, without the name that the caller prints already. */
 static void dl_reason(const char *name, char *why, size_t size)
@@ -51,7 +51,7 @@ static void let_go(void)
     current = NULL;
 }
 
-gp_status gp_gl_use(const struct gp_log *log, struct gp_gl *gl)
+gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
 {
     if (current == gl)
         return GP_OK;
@@ -65,6 +65,11 @@ gp_status gp_gl_use(const struct gp_log *log, struct gp_gl *gl)
                        gl->system->name);
     current = gl;
     return GP_OK;
+}
+
+bool gp_gl_reach(const struct gp_gl *gl)
+{
+    return gp_gl_use(NULL, gl) == GP_OK;
 }
 
 /* -- opening --------------------------------------------------------------- */
@@ -249,7 +254,7 @@ void gp_gl_close(struct gp_gl **gl)
     if (!g)
         return;
     if (g->window) {
-        if (g->vertex_array && gp_gl_use(NULL, g) == GP_OK)
+        if (g->vertex_array && gp_gl_reach(g))
             g->f.DeleteVertexArrays(1, &g->vertex_array);
         if (current == g)
             let_go();

@@ -31,6 +31,11 @@ struct gp_gl {
     char name[160];
 };
 
+/* Makes `gl` current before its objects are deleted: their names may be those
+ * of another context's. False where the system refuses it; objects end with
+ * their context all the same. */
+bool gp_gl_reach(const struct gp_gl *gl);
+
 /* Opens `name[0]`, else `name[1]`, ... (NULL ends), or only the file that the
  * environment variable `env` names. NULL, and a GP_ERR_GL line that names
  * the library and the Debian `package`, when none opens. */

@@ -57,7 +57,8 @@ GP_MUST_CHECK gp_status gp_gl_open(const struct gp_log *log,
 void gp_gl_close(struct gp_gl **gl);
 
 /* Makes `gl` current on its thread; costs nothing when it is already. */
-GP_MUST_CHECK gp_status gp_gl_use(const struct gp_log *log, struct gp_gl *gl);
+GP_MUST_CHECK gp_status gp_gl_use(const struct gp_log *log,
+                                  const struct gp_gl *gl);
 
 /* "OSMesa: llvmpipe (LLVM 15.0.6, 256 bits)", owned by the context. */
 const char *gp_gl_name(const struct gp_gl *gl);

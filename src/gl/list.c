@@ -38,9 +38,9 @@ void gp_list_write(const struct gp_gl *gl, const struct gp_list *l, int first,
 
 void gp_list_free(const struct gp_gl *gl, struct gp_list *l)
 {
-    if (l->id)
+    if (l->id && gp_gl_reach(gl))
         gl->f.DeleteTextures(1, &l->id);
-    if (l->buffer)
+    if (l->buffer && gp_gl_reach(gl))
         gl->f.DeleteBuffers(1, &l->buffer);
     *l = (struct gp_list) {0};
 }

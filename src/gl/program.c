@@ -103,7 +103,7 @@ gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
 
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 {
-    if (p->id)
+    if (p->id && gp_gl_reach(gl))
         gl->f.DeleteProgram(p->id);
     p->id = 0;
 }

@@ -114,7 +114,7 @@ void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
 
 void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
 {
-    if (t->framebuffer)
+    if (t->framebuffer && gp_gl_reach(gl))
         gl->f.DeleteFramebuffers(1, &t->framebuffer);
     gp_texture_free(gl, &t->colour);
     for (int i = 0; i < GP_ATTACHMENTS - 1; i++)

@@ -58,7 +58,7 @@ void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
 
 void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t)
 {
-    if (t->id)
+    if (t->id && gp_gl_reach(gl))
         gl->f.DeleteTextures(1, &t->id);
     *t = (struct gp_texture) {0};
 }

@@ -17,7 +17,7 @@ static void drop_kernels(struct gp_splat *s)
 
 static void close_context(struct gp_splat *s)
 {
-    if (s->gl && gp_gl_use(NULL, s->gl) == GP_OK) {
+    if (s->gl) {
         for (int i = 0; i < GP_SPLAT_PROGRAM_COUNT; i++)
             gp_program_free(s->gl, &s->program[i]);
         struct gp_target *const targets[] = {&s->total, &s->chunk, &s->groups,

@@ -118,7 +118,8 @@ fi
 # -- the environment --------------------------------------------------------------
 
 # A variable that is added moves the environment under threads that read it:
-# what GL is told by variables is put there before there are any.
+# what GL is told by variables is put there before there are any. (MESA_DEBUG
+# has GL tell of calls without a context: two are open here, or one.)
 lights='--sun 12,8,3 --sun-color 9,8,7 --mask G --sun-method mask --sun-draw gl'
 while read -r gl what; do
     case $gl in
@@ -130,8 +131,8 @@ while read -r gl what; do
     esac
     rm -rf made log && mkdir made
     # shellcheck disable=SC2086
-    env -u LP_NUM_THREADS -u EGL_LOG_LEVEL LD_PRELOAD=$built/environ.so \
-        ENVIRON_LOG=$tmp/log "$glarepp" $what --threads 3 >out 2>err
+    env -u LP_NUM_THREADS -u EGL_LOG_LEVEL MESA_DEBUG=1 ENVIRON_LOG=$tmp/log \
+        LD_PRELOAD=$built/environ.so "$glarepp" $what --threads 3 >out 2>err
     status=$?
     quiet_success "variables: $gl, $what"
     ok 'variables: some are added, none beside threads' \
