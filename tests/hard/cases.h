@@ -212,12 +212,6 @@ static inline uint32_t hard_own(const struct hard_case *h)
     return (uint32_t) hash_more(HASH_NONE, h->name, strlen(h->name));
 }
 
-static inline void hard_times(float *v, size_t n, double gain)
-{
-    for (size_t i = 0; i < n; i++)
-        v[i] = (float) ((double) v[i] * gain);
-}
-
 /* Sunny rows may differ in nothing else: their suns may be hidden, outside. */
 static inline struct gp_frame hard_frame(const struct hard_case *h)
 {
@@ -225,8 +219,10 @@ static inline struct gp_frame hard_frame(const struct hard_case *h)
                                     hard_is_sunny(h) ? hard_own(h) : 20071u);
     if (!gp_rect_empty(h->display))
         f.display = h->display;
-    for (int c = 0; c < 3 && h->light_gain > 0.0; c++)
-        hard_times(f.rgb.c[c], gp_frame_pixels(&f), h->light_gain);
+    for (int c = 0; c < 3 && h->light_gain > 0.0; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+            f.rgb.c[c][i] = (float) ((double) f.rgb.c[c][i] * h->light_gain);
+    }
     return f;
 }
 

@@ -61,20 +61,8 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
 static inline struct gp_kernel hard_kernel(const struct hard_case *h)
 {
     struct gp_kernel k = scene_kernel(h->kw, h->kh, h->cx, h->cy, h->shape);
-    if (!(h->kernel_gain > 0.0))
-        return k;
-    struct gp_kernel_params p = {
-        .centered = true, .center = {k.cx + 0.5, k.cy + 0.5},
-        .normalize = GP_NORMALIZE_NONE,
-    };
-    struct gp_frame image = {.data = {0, 0, k.w, k.h}, .rgb = k.k};
-    for (int c = 0; c < 3; c++)
-        hard_times(k.k.c[c], gp_frame_pixels(&image), h->kernel_gain);
-    struct gp_kernel out;
-    if (gp_kernel_from_frame(NULL, &p, &image, &out))
-        abort();
-    gp_kernel_free(&k);
-    return out;
+    return h->kernel_gain > 0.0 ? scene_kernel_times(k, h->kernel_gain, 0.0f)
+                                : k;
 }
 
 static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)

@@ -216,6 +216,26 @@ static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
     return k;
 }
 
+/* Takes k; the same with samples times `gain`, turned by `rotate` degrees. */
+static inline struct gp_kernel scene_kernel_times(struct gp_kernel k,
+                                                  double gain, float rotate)
+{
+    struct gp_kernel_params p = {
+        .centered = true, .center = {k.cx + 0.5, k.cy + 0.5},
+        .normalize = GP_NORMALIZE_NONE, .rotate = rotate,
+    };
+    struct gp_frame image = {.data = {0, 0, k.w, k.h}, .rgb = k.k};
+    struct gp_kernel out;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&image); i++)
+            k.k.c[c][i] = (float) ((double) k.k.c[c][i] * gain);
+    }
+    if (gp_kernel_from_frame(NULL, &p, &image, &out))
+        abort();
+    gp_kernel_free(&k);
+    return out;
+}
+
 /* -- truth ------------------------------------------------------------------*/
 
 /* One sample of the layer, gathered: the sum over the kernel's taps of the

@@ -35,6 +35,7 @@ struct starved {
     float tolerance;
     int side, size; // of the frame and the kernel; 0: W x H, SIZE
     float rotate;   // the kernel is the eye's, turned; 0: of that shape
+    bool faint;     // the kernel is far under what it is usually
 };
 
 static const struct starved *row; // under way
@@ -243,45 +244,56 @@ static gp_status run_from_frame(void)
       .method = how, .primitive = form }
 
 static const struct starved rows[] = {
-    {"sensors", run_sense, NULL, FEW, PEAK, EXACT, 0, 0, 0, 0},
-    {"sensors, all", run_sense, NULL, ALL, PEAK, EXACT, 0, 0, 0, 0},
-    {"planes of sources", run_planes, NULL, FEW, PEAK, EXACT, 0, 0, 0, 0},
-    {"compose", run_compose, NULL, FEW, PEAK, EXACT, 0, 0, 0, 0},
-    {"extra light", run_extra, NULL, FEW, PEAK, EXACT, 0, 0, 0, 0},
-    {"reference", run_reference, NULL, ALL, TINTED, EXACT, 0, 200, 401, 0},
+    {"sensors", run_sense, NULL, FEW, PEAK, .splat = EXACT},
+    {"sensors, all", run_sense, NULL, ALL, PEAK, .splat = EXACT},
+    {"planes of sources", run_planes, NULL, FEW, PEAK, .splat = EXACT},
+    {"compose", run_compose, NULL, FEW, PEAK, .splat = EXACT},
+    {"extra light", run_extra, NULL, FEW, PEAK, .splat = EXACT},
+    {"reference", run_reference, NULL, ALL, TINTED, .splat = EXACT,
+     .side = 200, .size = 401},
     {"outline", run_outline, NULL, ALL, PEAK,
-     GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f), 0, 0, 0, 0},
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
     {"polygons, plain form", run_group_reference, NULL, FEW, TINTED,
-     GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f), 0, 0, 0, 0},
-    {"builtin kernels", run_builtins, NULL, CORNERS, PEAK, EXACT, 0, 0, 0, 0},
-    {"a kernel's frame", run_from_frame, NULL, CORNERS, PEAK, EXACT, 0, 0, 0, 0},
-    {"direct, few", run_engine, "direct", FEW, TINTED, EXACT, 0, 0, 0, 0},
-    {"direct, quads", run_engine, "direct", BLOCK, PEAK, EXACT, 0, 0, 0, 0},
-    {"direct, lobes", run_engine, "direct", FEW, LOBES, EXACT, 0, 0, 0, 0},
-    {"fft", run_engine, "fft", ALL, TINTED, EXACT, 0, 0, 0, 0},
-    {"fft, grey", run_engine, "fft", ALL, PEAK, EXACT, 0, 0, 0, 0},
-    {"fft, hot", run_engine, "fft", HOT, PEAK, EXACT, 0, 0, 0, 0},
-    {"bound of fft", run_bound, "fft", FEW, PEAK, EXACT, 0, 0, 0, 0},
-    {"bound of fft, all", run_bound, "fft", ALL, TINTED, EXACT, 0, 0, 0, 0},
-    {"bound of splat", run_bound, "splat", FEW, PEAK, EXACT, 0, 0, 0, 0},
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"builtin kernels", run_builtins, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"a kernel's frame", run_from_frame, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"direct, few", run_engine, "direct", FEW, TINTED, .splat = EXACT},
+    {"direct, quads", run_engine, "direct", BLOCK, PEAK, .splat = EXACT},
+    {"direct, lobes", run_engine, "direct", FEW, LOBES, .splat = EXACT},
+    {"fft", run_engine, "fft", ALL, TINTED, .splat = EXACT},
+    {"fft, grey", run_engine, "fft", ALL, PEAK, .splat = EXACT},
+    {"fft, hot", run_engine, "fft", HOT, PEAK, .splat = EXACT},
+    {"bound of fft", run_bound, "fft", FEW, PEAK, .splat = EXACT},
+    {"bound of fft, all", run_bound, "fft", ALL, TINTED, .splat = EXACT},
+    {"bound of splat", run_bound, "splat", FEW, PEAK, .splat = EXACT},
     {"bound of groups", run_bound, "splat", ALL, TINTED,
-     GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f), 0, 0, 0, 0},
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
     {"bound of cores", run_bound, "splat", FEW, PEAK,
-     GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f), 0, 0, 0, 0},
-    {"auto", run_engine, "auto", FEW, PEAK, GP_SPLAT_DEFAULTS, 1e-3f, 0, 0, 0},
-    {"auto, no tolerance", run_engine, "auto", ALL, PEAK, GP_SPLAT_DEFAULTS,
-     0.0f, 0, 0, 0},
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"auto", run_engine, "auto", FEW, PEAK, .splat = GP_SPLAT_DEFAULTS,
+     .tolerance = 1e-3f},
+    {"auto, no tolerance", run_engine, "auto", ALL, PEAK,
+     .splat = GP_SPLAT_DEFAULTS, .tolerance = 0.0f},
     {"tiles", run_engine, "splat", FEW, PEAK,
-     GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_TILE, 0.5f), 0, 20, 19, 0},
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .size = 19},
     {"tiles, tinted", run_engine, "splat", ALL, TINTED,
-     GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_TILE, 0.5f), 0, 20, 19, 0},
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .size = 19},
     {"quads", run_engine, "splat", FEW, PEAK,
-     GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_QUAD, 0.5f), 0, 20, 19, 0},
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_QUAD, 0.5f), .side = 20,
+     .size = 19},
     {"points", run_engine, "splat", ALL, TINTED,
-     GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_POINT, 0.5f), 0, 20, 19, 0},
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_POINT, 0.5f), .side = 20,
+     .size = 19},
     {"turned quads", run_engine, "splat", FEW, PEAK,
-     {.group = 1, .cluster_fill = 0.9f, .primitive = GP_PRIMITIVE_QUAD}, 0,
-     20, 19, 30.0f},
+     .splat = {.group = 1, .cluster_fill = 0.9f,
+               .primitive = GP_PRIMITIVE_QUAD},
+     .side = 20, .size = 19, .rotate = 30.0f},
+    {"fft, faint kernel", run_engine, "fft", ALL, TINTED, .splat = EXACT,
+     .faint = true},
+    {"direct, faint turned kernel", run_engine, "direct", FEW, PEAK,
+     .splat = EXACT, .rotate = 30.0f, .faint = true},
 };
 
 static bool is_drawn(const struct starved *r)
@@ -377,8 +389,10 @@ static struct gp_kernel kernel_of(const struct starved *r, int size)
 {
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
-    if (r->rotate == 0.0f)
-        return scene_kernel(size, size, MID, 0, r->shape);
+    if (r->rotate == 0.0f || r->faint) {
+        k = scene_kernel(size, size, MID, 0, r->shape);
+        return r->faint ? scene_kernel_times(k, 0x1p-90, r->rotate) : k;
+    }
     p.builtin_size = size;
     p.rotate = r->rotate;
     if (gp_kernel_builtin(NULL, &p, &k))
