@@ -67,6 +67,14 @@ PY
 refuses 4 huge.exr 'a small file of 65535 x 65535 pixels' huge.exr
 refuses 4 in.exr 'more pixels than --max-pixels' --max-pixels 100 in.exr
 
+# values that are none of their type: OpenEXR would refuse what they go to
+for attr in preview:1,1 deepImageState:1 chlist:1,1 keycode:1,1,1,1,1,1,1; do
+    frame value.exr "attr=shot:$attr"
+    refuses 4 value.exr "a bad ${attr%%:*}" value.exr
+    like "$(cat err)" "*attribute shot is damaged (*no ${attr%%:*}); *" \
+        "a bad ${attr%%:*}: says which"
+done
+
 # -- inputs without an end and lists without measure ---------------------------
 
 # In 160 MB of address space and 2 s of CPU; ten times as long in the builds of
