@@ -3,7 +3,6 @@
 #include "io/exr_attr.h"
 
 #include <stdbool.h>
-#include <stdio.h>
 #include <string.h>
 
 enum {
@@ -59,6 +58,15 @@ static bool allow(struct gp_exr_scan *scan, uint64_t before, const char *what,
     return !scan->too_long;
 }
 
+/* For a line of text; what damage made of a name may be any bytes. */
+static void copy_word(char to[NAME], const char *from)
+{
+    int n = 0;
+    for (; n < NAME - 1 && from[n]; n++)
+        to[n] = from[n] > ' ' && from[n] <= '~' ? from[n] : '?';
+    to[n] = '\0';
+}
+
 struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
 {
     struct gp_exr_scan scan = {0};
@@ -101,8 +109,8 @@ struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
         if (!gp_exr_value_is(&a.value, a.type)) {
             scan.damaged = true;
             scan.count = a.value.size;
-            snprintf(scan.name, sizeof scan.name, "%.255s", a.name);
-            snprintf(scan.kind, sizeof scan.kind, "%.255s", a.type);
+            copy_word(scan.name, a.name);
+            copy_word(scan.kind, a.type);
             return scan;
         }
         at = a.value.at + a.value.size;

@@ -181,6 +181,20 @@ static void assert_read_or_not(bool good, const char *type, uint32_t size)
     gp_frame_free(&frame);
 }
 
+/* The same file with another name of four bytes. */
+static void break_name(const char *name)
+{
+    char bytes[4096];
+    FILE *file = fopen(path, "rb+");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, sizeof bytes, file);
+    char *const at = memmem(bytes, n, "shot", sizeof "shot");
+    assert_non_null(at);
+    assert_int_equal(fseek(file, at - bytes, SEEK_SET), 0);
+    assert_int_equal(fwrite(name, 1, 4, file), 4);
+    assert_int_equal(fclose(file), 0);
+}
+
 static void files(void **state)
 {
     (void) state;
@@ -210,6 +224,9 @@ static void files(void **state)
     }
     write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
     assert_read_or_not(false, "preview", 8);
+    write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
+    break_name("\xff\x80 t");
+    assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
     write_with(&two, 1, "stringvector", "\5\0\0\0abc", 7);
     assert_read_or_not(false, "stringvector", 7);
     write_with(&two, 1, "mine", "\5\0\0\0abc", 7);
