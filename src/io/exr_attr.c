@@ -168,3 +168,28 @@ bool gp_exr_value_is(const struct gp_exr_value *v, const char *type)
     }
     return true;
 }
+
+const char *gp_exr_type_of(const char *name, bool multi)
+{
+    static const struct {
+        const char *name, *type;
+        bool multi; // only there
+    } known[] = {
+        {"channels", "chlist", false},
+        {"compression", "compression", false},
+        {"dataWindow", "box2i", false},
+        {"displayWindow", "box2i", false},
+        {"lineOrder", "lineOrder", false},
+        {"pixelAspectRatio", "float", false},
+        {"screenWindowCenter", "v2f", false},
+        {"screenWindowWidth", "float", false},
+        {"type", "string", false},
+        {"name", "string", true},
+        {"chunkCount", "int", true},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (strcmp(name, known[i].name) == 0 && (multi || !known[i].multi))
+            return known[i].type;
+    }
+    return NULL;
+}

@@ -23,6 +23,10 @@ struct gp_exr_value {
  * complain about: true. */
 bool gp_exr_value_is(const struct gp_exr_value *v, const char *type);
 
+/* The type that the attribute of that name must have, or NULL when it may have
+ * any. `multi`: in a file of several parts. */
+const char *gp_exr_type_of(const char *name, bool multi);
+
 /* Walks a list of channels, as far as `most` of them; returns how many there
  * are.
  *

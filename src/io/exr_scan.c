@@ -106,11 +106,13 @@ struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
                 return scan;
             all_channels += n * n;
         }
-        if (!gp_exr_value_is(&a.value, a.type)) {
+        const char *const must = gp_exr_type_of(a.name, scan.multi);
+        if ((must && strcmp(must, a.type) != 0) ||
+            !gp_exr_value_is(&a.value, a.type)) {
             scan.damaged = true;
             scan.count = a.value.size;
             copy_word(scan.name, a.name);
-            copy_word(scan.kind, a.type);
+            copy_word(scan.kind, must ? must : a.type);
             return scan;
         }
         at = a.value.at + a.value.size;

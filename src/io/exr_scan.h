@@ -25,7 +25,8 @@ struct gp_exr_scan {
                           // "attributes", "parts"; NULL: nothing
     uint64_t count;       // how many of these were counted until then, or
                           // the bytes of the attribute below
-    bool damaged;         // this attribute's value is none of its type
+    bool damaged;         // this attribute's value is none of the type
+                          // that it says or must have
     char name[GP_EXR_NAME], kind[GP_EXR_NAME];
 };
 

@@ -130,6 +130,20 @@ static void long_lists(void **state)
     assert_false(is("stringvector", strings, sizeof strings - 1));
 }
 
+/* What OpenEXR's headers have from the start has one type. */
+static void names(void **state)
+{
+    (void) state;
+    for (int multi = 0; multi < 2; multi++) {
+        assert_string_equal(gp_exr_type_of("dataWindow", multi), "box2i");
+        assert_string_equal(gp_exr_type_of("type", multi), "string");
+        assert_null(gp_exr_type_of("owner", multi));
+        assert_null(gp_exr_type_of("preview", multi));
+    }
+    assert_string_equal(gp_exr_type_of("name", true), "string");
+    assert_null(gp_exr_type_of("name", false));
+}
+
 /* -- in files -----------------------------------------------------------------*/
 
 /* Writes `f` with one more attribute at the end of a part's header. */
@@ -227,6 +241,10 @@ static void files(void **state)
     write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
     break_name("\xff\x80 t");
     assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
+    write_with(&two, 1, "v2f", bytes, 8); // beside the one that is there
+    break_name("name");
+    assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (its 8 "
+                                      "bytes are no string); ");
     write_with(&two, 1, "stringvector", "\5\0\0\0abc", 7);
     assert_read_or_not(false, "stringvector", 7);
     write_with(&two, 1, "mine", "\5\0\0\0abc", 7);
@@ -238,7 +256,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(one_size),   cmocka_unit_test(previews),
         cmocka_unit_test(keycodes),   cmocka_unit_test(lists),
-        cmocka_unit_test(long_lists), cmocka_unit_test(files),
+        cmocka_unit_test(long_lists), cmocka_unit_test(names),
+        cmocka_unit_test(files),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
