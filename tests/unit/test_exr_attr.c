@@ -144,7 +144,7 @@ static void names(void **state)
     assert_null(gp_exr_type_of("name", false));
 }
 
-/* -- in files -----------------------------------------------------------------*/
+/* -- in files ---------------------------------------------------------------*/
 
 /* Writes `f` with one more attribute at the end of a part's header. */
 static void write_with(const struct fixture *f, int part, const char *type,

@@ -118,7 +118,7 @@ static void display_window_that_lies(void **state)
         gp_frame_free(&f);
     }
     assert_non_null(strstr(heard.line, "shown.tif: the display window is too "
-                                       "large (40 x 26 pixels, at most 1000); "));
+                           "large (40 x 26 pixels, at most 1000); "));
 }
 
 /* PFM stores rows from the bottom; values are light and stay what they are,
