@@ -131,8 +131,9 @@ const struct gp_option gp_options[] = {
                 "given more than once, and --hdr gives each its glare too"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
         .lo = 1, .hi = 1LL << 40,
-        .help = "Refuses files that claim to have more pixels; in files other than "
-                "EXR each four channels count as pixels of their own"),
+        .help = "Refuses files whose data or display window claims more "
+                "pixels; in files other than EXR each four channels count as "
+                "pixels of their own"),
 
     OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T", .hi = FLT_MAX,

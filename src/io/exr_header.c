@@ -121,26 +121,6 @@ static void put_or(struct gp_exr_header *h, const struct gp_exr_raw_part *raw,
     gp_exr_header_put(h, name, type, data, size);
 }
 
-/* What the part says of itself, whatever the input said. lineOrder is that
- * of the chunks as they are written; tiled inputs are written as scanlines
- * and mip-mapped ones without their smaller levels, which would have to be
- * made anew from the picture with glare. */
-static void put_required(struct gp_exr_header *h, const struct gp_frame *f,
-                         const struct gp_exr_image *img,
-                         const struct gp_exr_raw_part *raw)
-{
-    static const float centre[2] = {0, 0}, width = 1;
-    const uint8_t compression = (uint8_t) img->compression;
-    put_channels(h, img);
-    gp_exr_header_put(h, "compression", "compression", &compression, 1);
-    put_window(h, "dataWindow", img->data);
-    put_window(h, "displayWindow", f->display);
-    gp_exr_header_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
-    gp_exr_header_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
-    put_or(h, raw, "screenWindowCenter", "v2f", centre, sizeof centre);
-    put_or(h, raw, "screenWindowWidth", "float", &width, sizeof width);
-}
-
 static bool listed(const char *name, const char *const *list)
 {
     for (; *list; list++) {
@@ -178,16 +158,45 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
     return in_own_light(kept) || !listed(name, shown);
 }
 
+/* The attributes of the input that are kept: manifests of ids, or all but
+ * those. */
 static void put_carried(struct gp_exr_header *h,
                         const struct gp_exr_raw_part *raw,
-                        enum gp_exr_kept kept)
+                        enum gp_exr_kept kept, bool manifests)
 {
     for (int i = 0; raw && i < raw->attrs; i++) {
         const struct gp_exr_attr *a = &raw->attr[i];
-        if (is_kept(a->name, kept) &&
+        if ((strcmp(a->type, "idmanifest") == 0) == manifests &&
+            is_kept(a->name, kept) &&
             !(h->flags & GP_EXR_DEEP && strcmp(a->name, "version") == 0))
             gp_exr_header_put(h, a->name, a->type, a->data, a->size);
     }
+}
+
+/* What the part says of itself, whatever the input said. lineOrder is that
+ * of the chunks as they are written; tiled inputs are written as scanlines
+ * and mip-mapped ones without their smaller levels, which would have to be
+ * made anew from the picture with glare.
+ *
+ * OpenEXR 3.1.5 takes 4 bytes too many for a manifest, and so the start of the
+ * next attribute's name. It writes lineOrder there, whose default is ours too.
+ */
+static void put_required(struct gp_exr_header *h, const struct gp_frame *f,
+                         const struct gp_exr_image *img,
+                         const struct gp_exr_raw_part *raw,
+                         enum gp_exr_kept kept)
+{
+    static const float centre[2] = {0, 0}, width = 1;
+    const uint8_t compression = (uint8_t) img->compression;
+    put_channels(h, img);
+    gp_exr_header_put(h, "compression", "compression", &compression, 1);
+    put_window(h, "dataWindow", img->data);
+    put_window(h, "displayWindow", f->display);
+    put_carried(h, raw, kept, true);
+    gp_exr_header_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
+    gp_exr_header_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
+    put_or(h, raw, "screenWindowCenter", "v2f", centre, sizeof centre);
+    put_or(h, raw, "screenWindowWidth", "float", &width, sizeof width);
 }
 
 /* Attributes that OpenImageIO makes of another format's header say how that
@@ -234,7 +243,7 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                         enum gp_exr_kept kept, const char *name, int chunks)
 {
     const int32_t count = chunks, version = 1;
-    put_required(h, f, img, raw);
+    put_required(h, f, img, raw, kept);
     if (name)
         gp_exr_header_put(h, "name", "string", name, strlen(name));
     if (chunks > 0) {
@@ -243,7 +252,7 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     }
     if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
         gp_exr_header_put(h, "version", "int", &version, 4);
-    put_carried(h, raw, kept);
+    put_carried(h, raw, kept, false);
     put_foreign(h, raw ? NULL : gp_origin_of(f), kept);
     const bool carried = raw && gp_exr_raw_find(raw, "chromaticities",
                                                 "chromaticities");

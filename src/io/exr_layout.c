@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 #include "io/exr_fault.h"
+#include "io/window.h"
 
 #include <limits.h>
 #include <string.h>
@@ -146,14 +147,12 @@ static gp_status read_window(const struct gp_log *log, long long max_pixels,
         return gp_fail(log, GP_ERR_DATA,
                        "%s: has no data window; render the file again",
                        l->path);
-    int64_t w = (int64_t) d.max.x - d.min.x + 1;
-    int64_t h = (int64_t) d.max.y - d.min.y + 1;
-    if (w < 1 || h < 1 || w > INT_MAX / 4 || h > INT_MAX / 4 ||
-        w * h > max_pixels)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the data window is too large (%lld x %lld pixels, "
-                       "at most %lld); crop it, or raise --max-pixels",
-                       l->path, (long long) w, (long long) h, max_pixels);
+    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
+    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
+    const gp_status st = gp_window_check(log, l->path, "data", w, h,
+                                         max_pixels);
+    if (st)
+        return st;
     l->x0 = d.min.x;
     l->y0 = d.min.y;
     l->w = (int) w;

@@ -93,6 +93,12 @@ static gp_status scan(const struct gp_log *log, const char *path,
     o->hidden = found.type;
     o->tables = found.tables;
     o->multi = found.multi;
+    if (found.damaged)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the attribute %s is damaged (its %llu bytes are "
+                       "no %s); copy or render the file again", path,
+                       found.name, (unsigned long long) found.count,
+                       found.kind);
     if (!found.too_long)
         return GP_OK;
     return gp_fail(log, GP_ERR_DATA,

@@ -5,6 +5,7 @@
 #include "io/exr_decode.h"
 #include "io/exr_origin.h"
 #include "io/luma_chroma.h"
+#include "io/window.h"
 
 #include <string.h>
 
@@ -208,7 +209,6 @@ static gp_status read_part(struct reading *r)
 {
     gp_status st;
     GP_TRY(check_sampling(r));
-    read_header(r);
     GP_TRY(make_channels(r));
     GP_TRY(make_planes(r));
     if (gp_exr_can_decode(&r->layout))
@@ -233,6 +233,11 @@ gp_status gp_exr_read_choice(const struct gp_log *log,
     };
     GP_TRY(gp_exr_layout_make(log, path, o, choice->part, p->max_pixels,
                               &r.layout));
+    read_header(&r);
+    GP_TRY(gp_window_check(log, path, "display",
+                           (int64_t) f.display.x1 - f.display.x0,
+                           (int64_t) f.display.y1 - f.display.y0,
+                           p->max_pixels));
     GP_TRY(read_part(&r));
     f.path = gp_strdup(path);
     if (!f.path)

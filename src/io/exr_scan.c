@@ -1,18 +1,21 @@
 #include "io/exr_scan.h"
 
+#include "io/exr_attr.h"
+
 #include <stdbool.h>
 #include <string.h>
 
 enum {
-    NAME = 256,                  // bytes of a name with its null, at most
-    CHANNEL = 16,                // behind a channel's name
+    NAME = GP_EXR_NAME,
     PARTS = 0x10,                // flags in byte 5 of the file: several parts,
     DEEP = 0x08,                 // a deep part
 };
 
 struct attribute {
-    uint64_t at, data, size; // bytes in the file
-    bool is_type, is_channels;
+    uint64_t at; // byte in the file
+    uint8_t head[2 * NAME + 4];
+    const char *name, *type; // in head
+    struct gp_exr_value value;
 };
 
 enum found { ATTRIBUTE, END_OF_PART, DAMAGED };
@@ -20,8 +23,8 @@ enum found { ATTRIBUTE, END_OF_PART, DAMAGED };
 static enum found next(const struct gp_stream *s, uint64_t at,
                        struct attribute *a)
 {
-    uint8_t b[2 * NAME + 4]; // a name, its type, its size
-    const int64_t n = gp_stream_read(s, b, sizeof b, at);
+    uint8_t *const b = a->head;
+    const int64_t n = gp_stream_read(s, b, sizeof a->head, at);
     if (n < 1)
         return DAMAGED;
     if (b[0] == 0)
@@ -32,38 +35,15 @@ static enum found next(const struct gp_stream *s, uint64_t at,
         type ? memchr(type + 1, 0, (size_t) (end - type) - 1) : NULL;
     if (!size || end - size < 5)
         return DAMAGED;
-    *a = (struct attribute) {
-        .at = at, .data = at + (uint64_t) (size + 5 - b),
+    a->at = at;
+    a->name = (const char *) b;
+    a->type = (const char *) type + 1;
+    a->value = (struct gp_exr_value) {
+        .stream = s, .at = at + (uint64_t) (size + 5 - b),
         .size = (uint64_t) size[1] | (uint64_t) size[2] << 8 |
                 (uint64_t) size[3] << 16 | (uint64_t) size[4] << 24,
-        .is_type = strcmp((const char *) b, "type") == 0,
-        .is_channels = strcmp((const char *) type + 1, "chlist") == 0,
     };
     return ATTRIBUTE;
-}
-
-/* Channels of a list, as far as `most` of them. */
-static uint64_t count_channels(const struct gp_stream *s,
-                               const struct attribute *a, uint64_t most)
-{
-    uint8_t b[16 * NAME];
-    const uint64_t end = a->data + a->size;
-    uint64_t from = 0, to = a->data, n = 0; // b holds [from, to)
-    for (uint64_t at = a->data; at < end && n < most; n++) {
-        if (at + NAME > to && to < end) {
-            const uint64_t size = end - at < sizeof b ? end - at : sizeof b;
-            const int64_t got = gp_stream_read(s, b, size, at);
-            from = at;
-            to = at + (uint64_t) (got > 0 ? got : 0);
-        }
-        const uint8_t *const name = b + (at - from);
-        const uint8_t *const null =
-            at < to ? memchr(name, 0, (size_t) (to - at)) : NULL;
-        if (!null || null == name) // the list's end, or damage
-            break;
-        at += (uint64_t) (null - name) + 1 + CHANNEL;
-    }
-    return n;
 }
 
 /* False when a list of n is too long behind lists of one kind whose squares
@@ -76,6 +56,15 @@ static bool allow(struct gp_exr_scan *scan, uint64_t before, const char *what,
     if (before + n * n > most)
         scan->too_long = what;
     return !scan->too_long;
+}
+
+/* For a line of text; what damage made of a name may be any bytes. */
+static void copy_word(char to[NAME], const char *from)
+{
+    int n = 0;
+    for (; n < NAME - 1 && from[n]; n++)
+        to[n] = from[n] > ' ' && from[n] <= '~' ? from[n] : '?';
+    to[n] = '\0';
 }
 
 struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
@@ -107,14 +96,25 @@ struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s)
         }
         if (!allow(&scan, all_attributes, "attributes", ++attributes))
             return scan;
-        if (a.is_type && flat && !scan.type)
+        if (strcmp(a.name, "type") == 0 && flat && !scan.type)
             scan.type = a.at;
-        if (a.is_channels) {
-            const uint64_t n = count_channels(s, &a, GP_EXR_LIST_MOST + 1);
+        if (strcmp(a.type, "chlist") == 0) {
+            bool whole;
+            const uint64_t n =
+                gp_exr_count_channels(&a.value, GP_EXR_LIST_MOST + 1, &whole);
             if (!allow(&scan, all_channels, "channels", n))
                 return scan;
             all_channels += n * n;
         }
-        at = a.data + a.size;
+        const char *const must = gp_exr_type_of(a.name, scan.multi);
+        if ((must && strcmp(must, a.type) != 0) ||
+            !gp_exr_value_is(&a.value, a.type)) {
+            scan.damaged = true;
+            scan.count = a.value.size;
+            copy_word(scan.name, a.name);
+            copy_word(scan.kind, must ? must : a.type);
+            return scan;
+        }
+        at = a.value.at + a.value.size;
     }
 }

@@ -2,6 +2,7 @@
 #ifndef GP_IO_EXR_SCAN_H
 #define GP_IO_EXR_SCAN_H
 
+#include "io/exr_attr.h"
 #include "io/stream.h"
 
 #include <stdbool.h>
@@ -22,11 +23,16 @@ struct gp_exr_scan {
     bool multi;           // the version says that there are several parts
     const char *too_long; // what there is too much of: "channels",
                           // "attributes", "parts"; NULL: nothing
-    uint64_t count;       // how many of these were counted until then
+    uint64_t count;       // how many of these were counted until then, or
+                          // the bytes of the attribute below
+    bool damaged;         // this attribute's value is none of the type
+                          // that it says or must have
+    char name[GP_EXR_NAME], kind[GP_EXR_NAME];
 };
 
 /* Walks the header. What is damaged ends the walk, and is the library's to
- * complain about; so does a list that is too long. */
+ * complain about but for values of attributes, which it may leave out without
+ * a word; so does a list that is too long. */
 struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s);
 
 #endif

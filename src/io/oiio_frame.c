@@ -9,6 +9,7 @@
 #include "io/exr_origin.h"
 #include "io/half.h"
 #include "io/whole.h"
+#include "io/window.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -414,7 +415,11 @@ gp_status gp_read_other(const struct gp_log *log,
         st = read_subimage(log, p, path, stream, part, false, &image);
     if (st)
         return st;
-    st = gp_frame_of_image(log, path, p->layer, &image, out);
+    if (image.full_w > 0 && image.full_h > 0) // else it is the data window
+        st = gp_window_check(log, path, "display", image.full_w, image.full_h,
+                             p->max_pixels);
+    if (!st)
+        st = gp_frame_of_image(log, path, p->layer, &image, out);
     gp_image_free(&image);
     return st;
 }

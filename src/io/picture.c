@@ -6,9 +6,11 @@
 #include "io/colour_name.h"
 #include "io/quantize.h"
 
+#include <limits.h>
 #include <string.h>
 
-static const int64_t pixels_max = 1LL << 28;
+// as --max-pixels, which bounds what files claim
+static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
 
 gp_status gp_picture_make(const struct gp_log *log,
                           const struct gp_write_params *p, const char *path,
@@ -23,7 +25,7 @@ gp_status gp_picture_make(const struct gp_log *log,
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
     const int channel = p->alpha == GP_ALPHA_KEEP ? gp_find_alpha(f) : -1;
     *out = (struct gp_picture) {0};
-    if (w < 1 || h < 1 || w > pixels_max / h)
+    if (w < 1 || h < 1 || w > edge_max || h > edge_max || w > pixels_max / h)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: no picture of this display window (%lld x %lld "
                        "pixels); write .exr", path, (long long) w,

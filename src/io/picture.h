@@ -34,8 +34,9 @@ struct gp_picture {
  *   codes  false when only gp_picture_floats() will be called
  *   out    empty on failure; free with gp_picture_free()
  *
- * Errors: GP_ERR_DATA a display window of more than 2^28 pixels (headers may
- * claim any); GP_ERR_BUG out of memory.
+ * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
+ * pixels (those of files are bounded by --max-pixels when they are read);
+ * GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
                                         const struct gp_write_params *p,

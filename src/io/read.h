@@ -10,7 +10,9 @@
 #include "core/status.h"
 
 struct gp_read_params {
-    long long max_pixels;  // a data window of more pixels is refused, >= 1
+    /* A data window of more pixels is refused, and so is a frame's display
+     * window: pictures show it. Planes and what is compared need none. >= 1 */
+    long long max_pixels;
     // what of the file is the frame, by name; NULL: the first that fits
     const char *layer;     // its colour
     const char *part;      // where it is looked for: number from 0, or name

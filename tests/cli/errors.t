@@ -66,6 +66,22 @@ open("huge.exr", "wb").write(whole[:at] + window + whole[at + 16:][:600])
 PY
 refuses 4 huge.exr 'a small file of 65535 x 65535 pixels' huge.exr
 refuses 4 in.exr 'more pixels than --max-pixels' --max-pixels 100 in.exr
+frame far.exr size=8x8 display=0,0,20000,10000
+refuses 4 far.exr 'a far display window' --max-pixels 1000 far.exr
+like "$(cat err)" '*: the display window is too large (20001 x 10001 pixels, *' \
+    'a far display window: says which'
+run -k far.exr --max-pixels 20000 --layer there/l.exr in.exr
+fails_with 4 far.exr 'a kernel with a far display window'
+run compare --max-pixels 1000 far.exr far.exr
+is $status 0 'a far display window is compared: it makes no picture'
+
+# values that are none of their type: OpenEXR would refuse what they go to
+for attr in preview:1,1 deepImageState:1 chlist:1,1 keycode:1,1,1,1,1,1,1; do
+    frame value.exr "attr=shot:$attr"
+    refuses 4 value.exr "a bad ${attr%%:*}" value.exr
+    like "$(cat err)" "*attribute shot is damaged (*no ${attr%%:*}); *" \
+        "a bad ${attr%%:*}: says which"
+done
 
 # -- inputs without an end and lists without measure ---------------------------
 

@@ -236,7 +236,7 @@ static void windows_that_are_no_picture(void **state)
     static const struct gp_rect display[] = {
         {0, 0, 0, 5}, {0, 0, 5, 0}, {3, 0, -2, 5}, {0, 9, 5, 2},
         {INT32_MIN, 0, INT32_MAX, 1}, {0, INT32_MIN, 1, INT32_MAX},
-        {0, 0, 1 << 14, (1 << 14) + 1},
+        {0, 0, 1 << 29, 1}, {0, 0, 1 << 20, (1 << 20) + 1},
     };
     const struct gp_rect r = {0, 0, 2, 2};
     struct gp_write_params p = GP_WRITE_DEFAULTS;

@@ -2,6 +2,7 @@
 #include "core/cpu.h"
 #include "core/parallel.h"
 #include "io/members.h"
+#include "io/plane.h"
 
 #include "exr_fixture.h"
 #include "reading.h"
@@ -171,6 +172,48 @@ static void sizes_that_lie(void **state)
     }
 }
 
+/* Pictures show the display window, so that of a frame counts; planes, of
+ * which no picture is made, need none. */
+static void display_windows_that_lie(void **state)
+{
+    (void) state;
+    static const struct {
+        int w, h;
+        long long most;
+        bool read;
+    } row[] = {
+        {40, 25, 1000, true},         {41, 25, 1000, false},
+        {1, 1001, 1000, false},       {16384, 16384, 1LL << 28, true},
+        {16384, 16385, 1LL << 28, false}, {16384, 16385, 1LL << 29, true},
+        {1 << 30, 1, 1LL << 40, false},
+    };
+    snprintf(path, sizeof path, "%s/shown.exr", folder);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const struct gp_read_params p = {.max_pixels = row[i].most};
+        const struct fixture f = {
+            .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
+                      .data = FIXTURE_WINDOW(0, 0, 8, 8)}},
+            .display = FIXTURE_WINDOW(-5, 7, row[i].w, row[i].h),
+        };
+        struct gp_frame frame = {0};
+        struct gp_plane plane = {0};
+        char line[100];
+        heard.count = 0;
+        fixture_write_file(path, &f);
+        assert_int_equal(gp_read_frame(&hear, &p, path, &frame),
+                         row[i].read ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(heard.count, !row[i].read);
+        snprintf(line, sizeof line, ": the display window is too large (%d x "
+                 "%d pixels, at most %lld); ", row[i].w, row[i].h, row[i].most);
+        if (!row[i].read)
+            assert_non_null(strstr(heard.line, line));
+        assert_int_equal(gp_read_plane_file(&hear, &p, path, "R", false,
+                                            &plane), GP_OK);
+        gp_plane_free(&plane);
+        gp_frame_free(&frame);
+    }
+}
+
 /* One tile that says it is the whole of a huge picture. */
 static void one_huge_tile(void **state)
 {
@@ -290,6 +333,7 @@ int main(void)
         cmocka_unit_test(deep_data),
         cmocka_unit_test(cut_files),
         cmocka_unit_test(sizes_that_lie),
+        cmocka_unit_test(display_windows_that_lie),
         cmocka_unit_test(one_huge_tile),
         cmocka_unit_test(changed_bytes),
         cmocka_unit_test(changed_head),

@@ -94,6 +94,33 @@ static void save(const char *name, const void *bytes, size_t n)
     assert_int_equal(fclose(file), 0);
 }
 
+/* As in an EXR, what a picture would show counts. */
+static void display_window_that_lies(void **state)
+{
+    (void) state;
+    const struct gp_read_params p = {.max_pixels = 1000};
+    float pixels[3 * PIXELS];
+    struct gp_oiio_image image = picture(pixels, 3, "Linear");
+    if (!api)
+        skip();
+    snprintf(path, sizeof path, "%s/shown.tif", folder);
+    for (int h = 25; h < 27; h++) {
+        struct gp_frame f = {0};
+        char why[512];
+        image.full_w = 40;
+        image.full_h = h;
+        assert_int_equal(api->write(path, "tif", &image, "half", "", why,
+                                    sizeof why), 0);
+        heard.count = 0;
+        assert_int_equal(gp_read_frame(&hear, &p, path, &f),
+                         h == 25 ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(heard.count, h - 25);
+        gp_frame_free(&f);
+    }
+    assert_non_null(strstr(heard.line, "shown.tif: the display window is too "
+                           "large (40 x 26 pixels, at most 1000); "));
+}
+
 /* PFM stores rows from the bottom; values are light and stay what they are,
  * though OpenImageIO calls the format Rec709. */
 static void pfm_is_linear(void **state)
@@ -307,6 +334,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(written_formats_come_back),
+        cmocka_unit_test(display_window_that_lies),
         cmocka_unit_test(pfm_is_linear),
         cmocka_unit_test(alpha_and_attributes),
         cmocka_unit_test(memory_equals_file),

@@ -293,7 +293,7 @@ static void hostile_windows_and_full_disk(void **state)
     (void) state;
     static const struct gp_rect windows[] = {
         {-1000000000, -1000000000, 1000000000, 1000000000},
-        {0, 0, 1 << 20, 1 << 10},
+        {0, 0, 1 << 20, 1 << 21},
         {5, 5, 5, 9},
     };
     struct gp_write_params p = GP_WRITE_DEFAULTS;
