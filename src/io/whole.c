@@ -163,7 +163,7 @@ gp_status gp_whole_check(const struct gp_log *log, const char *path,
         return gp_whole_png(log, path, s, max_pixels);
     if (memcmp(magic, "II*\0", 4) == 0 || memcmp(magic, "II+\0", 4) == 0 ||
         memcmp(magic, "MM\0*", 4) == 0 || memcmp(magic, "MM\0+", 4) == 0)
-        return gp_whole_tiff(log, path, s, part);
+        return gp_whole_tiff(log, path, s, part, max_pixels);
     if (memcmp(magic, "FOR4", 4) == 0)
         return check_iff(&r);
     if (memcmp(magic, "SDPX", 4) == 0 || memcmp(magic, "XPDS", 4) == 0)
