@@ -51,7 +51,7 @@ void gp_oiio_check_size(const OIIO::ImageSpec &spec, const char *format,
 {
     if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
         throw std::runtime_error("no pixels");
-    if (spec.depth > 1)
+    if (spec.depth > 1 || spec.tile_depth > 1)
         throw std::runtime_error("a volume, not a picture");
     if (spec.deep)
         throw std::runtime_error("deep data");

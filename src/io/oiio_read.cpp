@@ -83,9 +83,20 @@ Source open_source(const std::string &path, const void *data,
     if (!s.input)
         throw std::runtime_error(OIIO::geterror());
     // 2.4's reader writes past its memory in pictures of a few pixels
-    if (std::string(s.input->format_name()) == "ico")
+    if (std::strcmp(s.input->format_name(), "ico") == 0)
         throw std::runtime_error("an icon, which is no picture here");
+    if (s.input->supports("procedural"))
+        throw std::runtime_error(
+            std::string(s.input->format_name()) +
+            ", whose pictures OpenImageIO makes up from a name");
     return s;
+}
+
+// Readers may say what was wrong and go on, with black in its place.
+void check_read(const ImageInput &input, bool read)
+{
+    if (!read || input.has_error())
+        throw std::runtime_error(input.geterror());
 }
 
 // EXR's uint32 channels, whose values floats cannot hold, bit by bit.
@@ -97,9 +108,8 @@ void read_uints(ImageInput &input, const ImageSpec &spec, int part,
         if (spec.channelformat(c) != TypeDesc::UINT32)
             continue;
         std::vector<unsigned> bits(pixels.size() / n);
-        if (!input.read_image(part, 0, c, c + 1, TypeDesc::UINT32,
-                              bits.data()))
-            throw std::runtime_error(input.geterror());
+        check_read(input, input.read_image(part, 0, c, c + 1,
+                                           TypeDesc::UINT32, bits.data()));
         for (std::size_t i = 0; i < bits.size(); i++)
             std::memcpy(&pixels[i * n + static_cast<std::size_t>(c)],
                         &bits[i], sizeof bits[i]);
@@ -125,15 +135,18 @@ void add_attribute(const OIIO::ParamValue &p, Owned &own)
 }
 
 // Pointers into `own` are taken last, when its vectors no longer move.
-void describe(const ImageSpec &spec, Owned &own, gp_oiio_image *out)
+void describe(Owned &own, gp_oiio_image *out)
 {
+    ImageSpec &spec = own.spec;
+    const std::size_t n = static_cast<std::size_t>(spec.nchannels);
+    if (spec.channelnames.size() != n) // so in FITS: "Y" for any number
+        spec.default_channel_names();
     for (const std::string &name : spec.channelnames)
         own.text.push_back(name);
     own.text.push_back(spec.get_string_attribute("oiio:ColorSpace"));
     const std::size_t first = own.text.size();
     for (const OIIO::ParamValue &p : spec.extra_attribs)
         add_attribute(p, own);
-    const std::size_t n = static_cast<std::size_t>(spec.nchannels);
     for (std::size_t i = 0; i < n; i++)
         own.names.push_back(own.text[i].c_str());
     for (std::size_t i = 0; i < own.attributes.size(); i++) {
@@ -203,7 +216,7 @@ std::unique_ptr<Owned> open_part(const char *path, const void *data,
 void publish(std::unique_ptr<Owned> own, gp_oiio_image *out)
 {
     *out = {};
-    describe(own->spec, *own, out);
+    describe(*own, out);
     out->own = own.release();
 }
 
@@ -216,9 +229,8 @@ try {
     const ImageSpec &spec = own->spec;
     own->pixels.resize(spec.image_pixels() *
                        static_cast<std::size_t>(spec.nchannels));
-    if (!input.read_image(part, 0, 0, spec.nchannels, TypeDesc::FLOAT,
-                          own->pixels.data()))
-        throw std::runtime_error(input.geterror());
+    check_read(input, input.read_image(part, 0, 0, spec.nchannels,
+                                       TypeDesc::FLOAT, own->pixels.data()));
     if (std::strcmp(input.format_name(), "openexr") == 0)
         read_uints(input, spec, part, own->pixels);
     own->source = {};
@@ -257,8 +269,7 @@ try {
                                TypeDesc::FLOAT, to)
             : input.read_scanlines(own.part, 0, y0, y1, spec.z, 0,
                                    spec.nchannels, TypeDesc::FLOAT, to);
-    if (!read)
-        throw std::runtime_error(input.geterror());
+    check_read(input, read);
     return 0;
 } catch (...) {
     return gp_oiio_caught(why, why_size);
@@ -312,9 +323,8 @@ try {
     if (!to.get_pixels(OIIO::ROI::All(), TypeDesc::FLOAT,
                        own->pixels.data()))
         throw std::runtime_error(to.geterror());
-    *out = {};
-    describe(wanted, *own, out);
-    out->own = own.release();
+    own->spec = wanted;
+    publish(std::move(own), out);
     keep_means(img, out);
     return 0;
 } catch (...) {

@@ -1,5 +1,6 @@
 #include "io/whole.h"
 
+#include "io/whole_iff.h"
 #include "io/whole_png.h"
 #include "io/whole_tiff.h"
 
@@ -119,18 +120,6 @@ static gp_status check_jpeg(struct reader *r)
     return st;
 }
 
-// -- IFF ----------------------------------------------------------------------
-
-/* One chunk that says how long the rest is. */
-static gp_status check_iff(struct reader *r)
-{
-    uint8_t head[8];
-    const gp_status st = pass(r, "its first bytes", sizeof head, head);
-    return st || be32(head + 4) <= r->s->size - sizeof head
-               ? st
-               : cut_off(r, "its pixels");
-}
-
 // -- DPX ----------------------------------------------------------------------
 
 /* What the header says of the user's own data, which the reader takes memory
@@ -163,9 +152,9 @@ gp_status gp_whole_check(const struct gp_log *log, const char *path,
         return gp_whole_png(log, path, s, max_pixels);
     if (memcmp(magic, "II*\0", 4) == 0 || memcmp(magic, "II+\0", 4) == 0 ||
         memcmp(magic, "MM\0*", 4) == 0 || memcmp(magic, "MM\0+", 4) == 0)
-        return gp_whole_tiff(log, path, s, part);
+        return gp_whole_tiff(log, path, s, part, max_pixels);
     if (memcmp(magic, "FOR4", 4) == 0)
-        return check_iff(&r);
+        return gp_whole_iff(log, path, s, max_pixels);
     if (memcmp(magic, "SDPX", 4) == 0 || memcmp(magic, "XPDS", 4) == 0)
         return check_dpx(&r, magic[0] == 'S');
     return memcmp(magic, jpeg, sizeof jpeg) == 0 ? check_jpeg(&r) : GP_OK;

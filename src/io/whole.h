@@ -8,14 +8,15 @@
 #include "io/stream.h"
 
 /* Decodes a PNG's rows and reads on to IEND, checksums included; walks a JPEG's
- * segments and scans to EOI, an IFF's length, a DPX's user data, the tables of
- * a TIFF's directory `part`. Files of other formats pass. What lies behind the
- * end does not matter. `path` is for the message; a PNG of more than
- * `max_pixels` is refused here.
+ * segments and scans to EOI, an IFF's tiles, a DPX's user data, the tables of
+ * a TIFF's directory `part`, whose deflated rows it unpacks. Files of other
+ * formats pass. What lies behind the end does not matter. `path` is for the
+ * message; a PNG of more than `max_pixels` is refused here.
  *
  * Errors: GP_ERR_DATA cut off, or a chunk's checksum or data are wrong;
  * GP_ERR_IO; GP_ERR_BUG out of memory.
- * Sources: W3C PNG (third edition), 5.3; ITU-T T.81, B.1.1; whole_tiff.h.
+ * Sources: W3C PNG (third edition), 5.3; ITU-T T.81, B.1.1; whole_iff.h,
+ * whole_tiff.h.
  */
 GP_MUST_CHECK gp_status gp_whole_check(const struct gp_log *log,
                                        const char *path,

@@ -1,5 +1,7 @@
 #include "io/whole_tiff.h"
 
+#include "io/whole_zip.h"
+
 #include <errno.h>
 #include <inttypes.h>
 #include <stdbool.h>
@@ -13,17 +15,18 @@ struct field {
 };
 
 enum {
-    WIDTH, HEIGHT, BITS, COMPRESSION, PHOTOMETRIC, STRIP_OFFSETS, SAMPLES,
-    STRIP_ROWS, STRIP_COUNTS, PLANAR, TILE_WIDTH, TILE_HEIGHT, TILE_OFFSETS,
-    TILE_COUNTS, FIELDS
+    WIDTH, HEIGHT, BITS, COMPRESSION, PHOTOMETRIC, BIT_ORDER, STRIP_OFFSETS,
+    SAMPLES, STRIP_ROWS, STRIP_COUNTS, PLANAR, TILE_WIDTH, TILE_HEIGHT,
+    TILE_OFFSETS, TILE_COUNTS, FIELDS
 };
-static const uint16_t tags[FIELDS] = {256, 257, 258, 259, 262, 273, 277,
+static const uint16_t tags[FIELDS] = {256, 257, 258, 259, 262, 266, 273, 277,
                                       278, 279, 284, 322, 323, 324, 325};
 
 struct tiff {
     const struct gp_log *log;
     const char *path;
     const struct gp_stream *s;
+    long long max_pixels;
     bool motorola;   // high byte first
     bool large;      // offsets of 8 bytes
     struct field field[FIELDS];
@@ -37,6 +40,7 @@ struct chunks {
     uint64_t row_bytes;            // unpacked; 0 unknown
     uint64_t ratio;                // most bytes that one packed byte gives;
                                    // 1 uncompressed, 0 unknown
+    bool zip;                      // and to be unpacked here
     struct field offsets, counts;
 };
 
@@ -163,6 +167,9 @@ static gp_status value(const struct tiff *t, int field, uint64_t otherwise,
 
 // -- chunks -------------------------------------------------------------------
 
+/* TIFF's numbers of deflate, and of a photometric. */
+enum { ZIP = 8, OLD_ZIP = 32946, YCBCR = 6 };
+
 /* Most bytes that a packed byte unpacks to, by TIFF's number. */
 static uint64_t ratio_of(uint64_t compression)
 {
@@ -171,8 +178,8 @@ static uint64_t ratio_of(uint64_t compression)
         return 1;
     case 5: // LZW: strings of 4096 codes, 12 bits each
         return 4096;
-    case 8: // deflate: 258 bytes in 2 bits
-    case 32946:
+    case ZIP: // 258 bytes in 2 bits
+    case OLD_ZIP:
         return 1100;
     case 32773: // PackBits: 128 bytes in 2
         return 128;
@@ -184,6 +191,22 @@ static uint64_t ratio_of(uint64_t compression)
 static struct field either(const struct field *f, const struct field *other)
 {
     return f->count ? *f : *other; // writers, and libtiff, take one for another
+}
+
+/* Whether all of it is to be unpacked: zlib streams in the order of their bits
+ * whose rows are known, and not too many. */
+static gp_status find_zip(const struct tiff *t, struct chunks *c,
+                          uint64_t compression, uint64_t photometric)
+{
+    const uint64_t most = 32 * (uint64_t) t->max_pixels; // of four doubles
+    uint64_t order, bytes;
+    const gp_status st = value(t, BIT_ORDER, 1, &order);
+    c->zip = (compression == ZIP || compression == OLD_ZIP) && order == 1 &&
+             photometric != YCBCR && c->counts.count > 0 &&
+             !__builtin_mul_overflow(c->rows, c->row_bytes, &bytes) &&
+             !__builtin_mul_overflow(bytes, c->number, &bytes) &&
+             bytes <= most;
+    return st;
 }
 
 /* *judged is whether there is enough to go by. */
@@ -220,7 +243,7 @@ static gp_status find_chunks(const struct tiff *t, struct chunks *c,
     c->ratio = ratio_of(compression);
     c->row_bytes = ((tile_w ? tile_w : w) * bits *
                     (planar == 2 ? 1 : samples) + 7) / 8;
-    if (photometric == 6) // YCbCr has fewer samples of colour
+    if (photometric == YCBCR) // which has fewer samples of colour
         c->ratio = c->ratio == 1 ? 0 : c->ratio;
     *judged = !__builtin_mul_overflow(c->across * c->down,
                                       planar == 2 ? samples : 1, &c->number);
@@ -230,6 +253,8 @@ static gp_status find_chunks(const struct tiff *t, struct chunks *c,
                             ? "a table of tiles that is too short, in a file"
                             : "a table of strips that is too short, in a file",
                      c->offsets.count);
+    else
+        st = find_zip(t, c, compression, photometric);
 out:
     return st;
 }
@@ -243,6 +268,17 @@ static uint64_t unpacked(const struct chunks *c, uint64_t i)
         rows = c->height - top;
     return __builtin_mul_overflow(rows, c->row_bytes, &bytes) ? UINT64_MAX
                                                               : bytes;
+}
+
+static gp_status bad_chunk(const struct tiff *t, const struct chunks *c,
+                           uint64_t i, const char *wrong, uint64_t at,
+                           uint64_t bytes)
+{
+    return gp_fail(t->log, GP_ERR_DATA,
+                   "%s: cut off or damaged (%s %" PRIu64 " %s: %" PRIu64
+                   " bytes at %" PRIu64 " of %" PRIu64 "); copy or render the "
+                   "file again", t->path, c->name, i, wrong, bytes, at,
+                   t->s->size);
 }
 
 static gp_status check_chunk(const struct tiff *t, const struct chunks *c,
@@ -259,13 +295,7 @@ static gp_status check_chunk(const struct tiff *t, const struct chunks *c,
         wrong = "ends behind the end";
     else if (!lone && counted && need && (need - 1) / c->ratio >= bytes)
         wrong = "is too short for its rows";
-    if (!wrong)
-        return GP_OK;
-    return gp_fail(t->log, GP_ERR_DATA,
-                   "%s: cut off or damaged (%s %" PRIu64 " %s: %" PRIu64
-                   " bytes at %" PRIu64 " of %" PRIu64 "); copy or render the "
-                   "file again", t->path, c->name, i, wrong, bytes, at,
-                   t->s->size);
+    return wrong ? bad_chunk(t, c, i, wrong, at, bytes) : GP_OK;
 }
 
 /* Values of a table are read this many at once. */
@@ -286,6 +316,34 @@ static gp_status take_some(const struct tiff *t, const struct field *f,
     return st;
 }
 
+/* Unpacks `n` chunks from `first` on. Some writers fill up the last strip with
+ * rows that it does not have. */
+static gp_status check_zip(const struct tiff *t, const struct chunks *c,
+                           uint64_t first, uint64_t n, const uint64_t *at,
+                           const uint64_t *bytes)
+{
+    struct gp_zip zip[SOME];
+    int i = 0;
+    for (uint64_t k = 0; k < n; k++)
+        zip[k] = (struct gp_zip) {at[k], bytes[k], unpacked(c, first + k),
+                                  c->rows * c->row_bytes};
+    const gp_status st = gp_whole_zip(t->s, zip, (int) n, &i);
+    switch (st) {
+    case GP_OK:
+        return GP_OK;
+    case GP_ERR_IO:
+        return gp_fail(t->log, st, "%s: cannot be read (%s %" PRIu64 "); check "
+                       "the disk", t->path, c->name, first + (uint64_t) i);
+    case GP_ERR_DATA:
+        return bad_chunk(t, c, first + (uint64_t) i, "does not unpack to its "
+                         "rows", at[i], bytes[i]);
+    default:
+        return gp_fail(t->log, st, "%s: out of memory (%s %" PRIu64 "); close "
+                       "other programs", t->path, c->name,
+                       first + (uint64_t) i);
+    }
+}
+
 static gp_status check_chunks(const struct tiff *t, const struct chunks *c)
 {
     gp_status st = GP_OK;
@@ -298,14 +356,18 @@ static gp_status check_chunks(const struct tiff *t, const struct chunks *c)
             st = take_some(t, &c->counts, first, n, bytes);
         for (uint64_t i = 0; !st && i < n; i++)
             st = check_chunk(t, c, first + i, at[i], bytes[i]);
+        if (!st && c->zip)
+            st = check_zip(t, c, first, n, at, bytes);
     }
     return st;
 }
 
 gp_status gp_whole_tiff(const struct gp_log *log, const char *path,
-                        const struct gp_stream *s, int part)
+                        const struct gp_stream *s, int part,
+                        long long max_pixels)
 {
-    struct tiff t = {.log = log, .path = path, .s = s};
+    struct tiff t = {.log = log, .path = path, .s = s,
+                     .max_pixels = max_pixels};
     struct chunks c = {0};
     bool judged = false;
     uint8_t b[16];

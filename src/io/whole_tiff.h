@@ -9,8 +9,10 @@
 /* Checks directory `part` (from 0) of a classic or Big TIFF of either byte
  * order: its tables of strips or tiles are as long as its size demands, each
  * lies within the file, uncompressed ones hold their rows and compressed ones
- * can hold them. Takes no memory. Of the tables no more is read than the size
- * demands.
+ * can hold them. Of the tables no more is read than the size demands. Deflated
+ * ones are unpacked (whole_zip.h), but for YCbCr, bits in the order that nobody
+ * writes, and more bytes than `max_pixels` of four doubles have; nothing else
+ * takes memory.
  *
  * A strip or tile without data (offset and count 0, "sparse") is refused:
  * libtiff does not read it either. What a check cannot judge passes: files
@@ -18,11 +20,13 @@
  * that old writers left out or got wrong in files of one uncompressed strip,
  * which libtiff finds itself.
  *
- * Errors: GP_ERR_DATA cut off or damaged; GP_ERR_IO.
+ * Errors: GP_ERR_DATA cut off or damaged; GP_ERR_IO; GP_ERR_BUG out of
+ * memory.
  * Sources: Adobe, TIFF 6.0, sections 2, 3 and 15; libtiff, BigTIFF design.
  */
 GP_MUST_CHECK gp_status gp_whole_tiff(const struct gp_log *log,
                                       const char *path,
-                                      const struct gp_stream *s, int part);
+                                      const struct gp_stream *s, int part,
+                                      long long max_pixels);
 
 #endif

@@ -264,6 +264,37 @@ run --layer refused.exr small.ico
 fails_with 4 small.ico 'reads no icon'
 like "$(cat err)" '*an icon*' 'reads no icon: says why'
 
+echo hi >made.null
+run -o refused.png made.null
+fails_with 4 made.null 'reads no picture that is made up'
+like "$(cat err)" '*makes up*' 'reads no picture that is made up: says why'
+
+# zeros FILE TO: over a quarter of its bytes, from the middle on
+zeros()
+{
+    size=$(wc -c <"$1")
+    cp "$1" "$2"
+    head -c $((size / 4)) /dev/zero |
+        dd of="$2" bs=1 seek=$((size / 2)) conv=notrunc 2>dd.log
+}
+
+# what cannot be unpacked is no black
+for kind in half:zip:tif float:zip:tif uint8:zip:tif uint16:zip:tif \
+    uint8:lzw:tif uint8:packbits:tif uint8:rle:iff; do
+    ending=${kind##*:}
+    type=${kind%%:*}
+    packed=${kind#*:}
+    oiiotool --pattern noise:type=uniform:min=0:max=1:seed=3 256x256 3 \
+        -d $type --compression ${packed%:*} -o sound.$ending
+    run -t 1e9 --hdr sound.exr sound.$ending
+    quiet_success "$kind is read"
+    zeros sound.$ending broken.$ending
+    rm -f broken.exr
+    run -t 1e9 --hdr broken.exr broken.$ending
+    fails_with 4 broken.$ending "$kind with zeros in it"
+    no "$kind with zeros in it: nothing is written" [ -e broken.exr ]
+done
+
 # -- DWA and luminance-chroma in -----------------------------------------------
 
 for compression in dwaa dwab b44 b44a pxr24 piz rle zips zip; do

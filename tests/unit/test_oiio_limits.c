@@ -11,24 +11,6 @@
 
 #include <signal.h>
 
-static int read_bytes(const void *bytes, size_t n, long long max_pixels,
-                      struct gp_oiio_image *out)
-{
-    memset(why, 'x', sizeof why);
-    *out = (struct gp_oiio_image) {0};
-    return api->read("-", bytes, n, 0, max_pixels, out, why, sizeof why);
-}
-
-static void refused(const char *name, const void *bytes, size_t n,
-                    const char *said)
-{
-    struct gp_oiio_image image;
-    if (read_bytes(bytes, n, 1 << 20, &image) != -1 || image.own)
-        fail_msg("%s was read", name);
-    if (!strstr(why, said))
-        fail_msg("%s: \"%s\" is not in: %s", name, said, why);
-}
-
 // -- TIFF ---------------------------------------------------------------------
 
 #define GREY(w, h, bits)                                                      \
@@ -52,6 +34,8 @@ static void odd_tiffs(void **state)
          {GREY(4, 4, 8), TILE(8192, 8192, 4096)}},
         {"doubles", "tiles of 64-bit floats",
          {GREY(16, 16, 64), TILE(16, 16, 2048), TIFF_SHORT(339, 3)}},
+        {"deep tiles", "a volume, not a picture",
+         {GREY(16, 16, 8), TILE(16, 16, 512), TIFF_LONG(32998, 2)}},
         {"many", "too large: 1024 x 1025 pixels, at most 1048576",
          {GREY(1024, 1025, 8), STRIP(1025, 16)}},
     };

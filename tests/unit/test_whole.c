@@ -1,4 +1,4 @@
-/* PNG, JPEG, IFF and DPX that are not all there, byte by byte. */
+/* PNG, JPEG and DPX that are not all there, byte by byte. */
 #include "write_fixture.h"
 
 #include "io/whole.h"
@@ -177,19 +177,6 @@ static void png_texts(void **state)
     free(bytes);
 }
 
-/* The length that the first chunk gives is the file's. */
-static void iff(void **state)
-{
-    (void) state;
-    static const uint8_t bytes[21] = "FOR4\0\0\0\14CIMG 8 bytes";
-    for (size_t n = 3; n < sizeof bytes; n++)
-        assert_int_equal(check(bytes, n), n < 4 || n >= 20 ? GP_OK
-                                                          : GP_ERR_DATA);
-    static const uint8_t huge[12] = "FOR4\xff\xff\xff\xff";
-    assert_int_equal(check(huge, sizeof huge), GP_ERR_DATA);
-    wf_assert_said("in: cut off or damaged (the file ends in its pixels)");
-}
-
 /* User data that are there, are not, and of which there are none. */
 static void dpx(void **state)
 {
@@ -273,8 +260,8 @@ int main(void)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
     const struct CMUnitTest tests[] = {
-        TEST(png), TEST(png_rows), TEST(png_texts), TEST(iff), TEST(dpx),
-        TEST(jpeg), TEST(long_scans),
+        TEST(png), TEST(png_rows), TEST(png_texts), TEST(dpx), TEST(jpeg),
+        TEST(long_scans),
     };
     return cmocka_run_group_tests(tests, find_bridges, NULL);
 }

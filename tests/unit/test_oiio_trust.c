@@ -1,0 +1,109 @@
+/* io: what the bridge does not take OpenImageIO's word for. Skipped without the
+ * bridge. */
+#include "tiff_bytes.h"
+#include "write_fixture.h"
+
+#include "oiio_here.h"
+
+#include <math.h>
+
+/* FITS: cards of 80 letters, 36 in a block, then samples from the bottom row
+ * up, of which OpenImageIO passes over one. It names one channel of several. */
+static size_t fits(uint8_t to[TIFF_ROOM], int w, int h, int channels)
+{
+    enum { CARD = 80, BLOCK = 2880 };
+    const int value[] = {8, 3, channels, w, h};
+    static const char *const name[] = {"BITPIX", "NAXIS", "NAXIS1", "NAXIS2",
+                                       "NAXIS3"};
+    memset(to, ' ', BLOCK);
+    memcpy(to, "SIMPLE  =                    T", 30);
+    for (int i = 0; i < 5; i++) {
+        char card[CARD];
+        const int n = snprintf(card, sizeof card, "%-8s= %20d", name[i],
+                               value[i]);
+        memcpy(to + (i + 1) * CARD, card, (size_t) n);
+    }
+    memcpy(to + 6 * CARD, "END", 3);
+    const int n = w * (h + 1) * channels;
+    for (int i = 0; i < n; i++)
+        to[BLOCK + i] = (uint8_t) i;
+    return BLOCK + (size_t) n;
+}
+
+static void channels_without_names(void **state)
+{
+    (void) state;
+    static const char *const name[] = {"R", "G", "B", "A"};
+    uint8_t bytes[TIFF_ROOM];
+    if (!api)
+        skip();
+    for (int n = 2; n <= 4; n++) {
+        struct gp_oiio_image a;
+        if (read_bytes(bytes, fits(bytes, 5, 2, n), 10, &a))
+            fail_msg("%d channels: %s", n, why);
+        assert_int_equal(a.channels, n);
+        for (int c = 0; c < n; c++) {
+            assert_string_equal(a.channel_name[c], name[c]);
+            const double top = (2 * 5 * n + c) / 255.0;
+            assert_true(fabs((double) a.pixels[c] - top) < 1e-7);
+        }
+        assert_string_equal(a.colour_space, "");
+        api->image_free(&a);
+    }
+}
+
+/* OpenImageIO makes one up from the name; the file's bytes do not matter. */
+static void made_up_pictures(void **state)
+{
+    (void) state;
+    struct gp_oiio_image a;
+    if (!api)
+        skip();
+    FILE *const file = fopen(wf_path("a.null"), "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite("hi\n", 1, 3, file), 3);
+    assert_int_equal(fclose(file), 0);
+    assert_int_equal(api->read(wf_path("a.null"), NULL, 3, 0, 1 << 20, &a, why,
+                               sizeof why), -1);
+    assert_string_equal(why, "null, whose pictures OpenImageIO makes up from "
+                        "a name");
+}
+
+/* LZW that begins with a code of no string: OpenImageIO says so and reads on,
+ * as if there were rows. */
+static void rows_that_are_damaged(void **state)
+{
+    (void) state;
+    static const struct tiff_field field[TIFF_FIELDS] = {
+        TIFF_LONG(256, 4), TIFF_LONG(257, 4), TIFF_SHORT(258, 8),
+        TIFF_SHORT(259, 5), TIFF_SHORT(262, 1), TIFF_LONG(273, TIFF_PIXELS),
+        TIFF_SHORT(277, 1), TIFF_LONG(278, 4), TIFF_LONG(279, 16),
+    };
+    static const uint8_t zeros[16];
+    uint8_t bytes[TIFF_ROOM];
+    struct gp_oiio_image a;
+    float rows[16];
+    if (!api)
+        skip();
+    const size_t n = tiff_make(field, zeros, sizeof zeros, bytes);
+    refused("damaged", bytes, n, "code not yet in table");
+    assert_int_equal(api->open("-", bytes, n, 0, 16, &a, why, sizeof why), 0);
+    assert_int_equal(api->rows(&a, 0, rows, why, sizeof why), -1);
+    assert_non_null(strstr(why, "code not yet in table"));
+    api->image_free(&a);
+}
+
+static int setup(void **state)
+{
+    return wf_start(state) || open_oiio(state);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(channels_without_names),
+        cmocka_unit_test(made_up_pictures),
+        cmocka_unit_test(rows_that_are_damaged),
+    };
+    return cmocka_run_group_tests(tests, setup, wf_end);
+}
