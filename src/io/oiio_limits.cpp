@@ -24,7 +24,6 @@ const struct {
     {"iff", 256},    // 128 in 2 bytes a channel
     {"rla", 256},    // 128 in 2 bytes a channel
     {"softimage", 32768}, // 65535 in 4 bytes
-    {"fits", 256},   // raw
 };
 
 std::string size_text(const OIIO::ImageSpec &spec)

@@ -82,9 +82,12 @@ Source open_source(const std::string &path, const void *data,
     s.input = ImageInput::open(name);
     if (!s.input)
         throw std::runtime_error(OIIO::geterror());
-    // 2.4's reader writes past its memory in pictures of a few pixels
+    // 2.4's readers write past their memory in icons of a few pixels, and take
+    // each row of a FITS for the one above
     if (std::strcmp(s.input->format_name(), "ico") == 0)
         throw std::runtime_error("an icon, which is no picture here");
+    if (std::strcmp(s.input->format_name(), "fits") == 0)
+        throw std::runtime_error("a FITS, which OpenImageIO reads a row off");
     if (s.input->supports("procedural"))
         throw std::runtime_error(
             std::string(s.input->format_name()) +
@@ -139,7 +142,7 @@ void describe(Owned &own, gp_oiio_image *out)
 {
     ImageSpec &spec = own.spec;
     const std::size_t n = static_cast<std::size_t>(spec.nchannels);
-    if (spec.channelnames.size() != n) // so in FITS: "Y" for any number
+    if (spec.channelnames.size() != n) // nothing holds a reader to it
         spec.default_channel_names();
     for (const std::string &name : spec.channelnames)
         own.text.push_back(name);

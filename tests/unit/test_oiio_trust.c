@@ -5,51 +5,26 @@
 
 #include "oiio_here.h"
 
-#include <math.h>
-
 /* FITS: cards of 80 letters, 36 in a block, then samples from the bottom row
  * up, of which OpenImageIO passes over one. It names one channel of several. */
-static size_t fits(uint8_t to[TIFF_ROOM], int w, int h, int channels)
-{
-    enum { CARD = 80, BLOCK = 2880 };
-    const int value[] = {8, 3, channels, w, h};
-    static const char *const name[] = {"BITPIX", "NAXIS", "NAXIS1", "NAXIS2",
-                                       "NAXIS3"};
-    memset(to, ' ', BLOCK);
-    memcpy(to, "SIMPLE  =                    T", 30);
-    for (int i = 0; i < 5; i++) {
-        char card[CARD];
-        const int n = snprintf(card, sizeof card, "%-8s= %20d", name[i],
-                               value[i]);
-        memcpy(to + (i + 1) * CARD, card, (size_t) n);
-    }
-    memcpy(to + 6 * CARD, "END", 3);
-    const int n = w * (h + 1) * channels;
-    for (int i = 0; i < n; i++)
-        to[BLOCK + i] = (uint8_t) i;
-    return BLOCK + (size_t) n;
-}
-
-static void channels_without_names(void **state)
+static void rows_one_off(void **state)
 {
     (void) state;
-    static const char *const name[] = {"R", "G", "B", "A"};
-    uint8_t bytes[TIFF_ROOM];
+    enum { CARD = 80, BLOCK = 2880 };
+    static const char *const card[] = {
+        "SIMPLE  =                    T", "BITPIX  =                    8",
+        "NAXIS   =                    3", "NAXIS1  =                    3",
+        "NAXIS2  =                    5", "NAXIS3  =                    2",
+        "END",
+    };
+    uint8_t bytes[2 * BLOCK] = {0};
     if (!api)
         skip();
-    for (int n = 2; n <= 4; n++) {
-        struct gp_oiio_image a;
-        if (read_bytes(bytes, fits(bytes, 5, 2, n), 10, &a))
-            fail_msg("%d channels: %s", n, why);
-        assert_int_equal(a.channels, n);
-        for (int c = 0; c < n; c++) {
-            assert_string_equal(a.channel_name[c], name[c]);
-            const double top = (2 * 5 * n + c) / 255.0;
-            assert_true(fabs((double) a.pixels[c] - top) < 1e-7);
-        }
-        assert_string_equal(a.colour_space, "");
-        api->image_free(&a);
-    }
+    memset(bytes, ' ', BLOCK);
+    for (size_t i = 0; i < sizeof card / sizeof *card; i++)
+        memcpy(bytes + i * CARD, card[i], strlen(card[i]));
+    refused("FITS", bytes, sizeof bytes,
+            "a FITS, which OpenImageIO reads a row off");
 }
 
 /* OpenImageIO makes one up from the name; the file's bytes do not matter. */
@@ -101,7 +76,7 @@ static int setup(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(channels_without_names),
+        cmocka_unit_test(rows_one_off),
         cmocka_unit_test(made_up_pictures),
         cmocka_unit_test(rows_that_are_damaged),
     };
