@@ -169,8 +169,10 @@ gp_status gp_scale_job(struct gp_glare_job *job, struct gp_scale **keep,
     const int up_kernel = up_to(SMALL, of_kernel);
     const int room = LARGE - of_kernel;
     const int up_light = up_to(room < SMALL ? room : SMALL, of_light);
-    gp_status st = open_scale(job->log, keep);
-    if (!st)
+    gp_status st = GP_OK;
+    if (up_kernel)
+        st = open_scale(job->log, keep);
+    if (!st && up_kernel)
         st = keep_kernel(job->log, k, up_kernel, *keep);
     if (!st)
         st = scale_light(job->log, job->src, up_light, light);
@@ -179,7 +181,8 @@ gp_status gp_scale_job(struct gp_glare_job *job, struct gp_scale **keep,
     job->exponent = up_kernel + up_light;
     light->darkest = ldexp(light->darkest, job->exponent); // as the layer
     job->src = light;
-    job->kernel = &(*keep)->kernel;
+    if (up_kernel)
+        job->kernel = &(*keep)->kernel;
     return GP_OK;
 }
 
