@@ -3,6 +3,7 @@
 # Runs every test, of the command-line ones none, those named, or all but those
 # named; prints what failed, and ends with "N passed, N failed".
 # GLAREPP_TEST_JOBS at a time, else as many as there are processors.
+# GLAREPP_TEST_SKIP names suites that are left out, as ROOM/SUITE.
 # GLAREPP_RUN is put before each unit test (valgrind); GLAREPP_PROGRAM is what the
 # command-line tests run, else glarepp of BUILD.
 build=$1 units=$2 checks=$3 cli=" ${*:4} "
@@ -39,11 +40,11 @@ for check in $checks; do
     count "$check" "$log/$check.log" $status
 done
 
-# run_one KIND PATH NAME: leaves NAME.log and NAME.status
+# run_one KIND PATH NAME [SUITE]: leaves NAME.log and NAME.status
 run_one()
 {
     case $1 in
-    unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" ;;
+    unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" $4 ;;
     cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
@@ -65,7 +66,14 @@ for test in tests/cli/*.t; do
     name=${test##*/}
     ! chosen "${name%.t}" || tasks+=("cli $test $name")
 done
-for unit in $units; do tasks+=("unit $unit ${unit##*/}"); done
+for unit in $units; do
+    room=${unit##*/}
+    if [ "$room" = hardcases ]; then tasks+=("unit $unit hardcases"); continue; fi
+    for suite in $("$unit" --list); do
+        case " $GLAREPP_TEST_SKIP " in *" $room/$suite "*) continue ;; esac
+        tasks+=("unit $unit $room-$suite $suite")
+    done
+done
 for task in "${tasks[@]}"; do
     while [ "$(jobs -rp | wc -l)" -ge "${GLAREPP_TEST_JOBS:-$(nproc)}" ]; do
         wait -n
@@ -74,7 +82,7 @@ for task in "${tasks[@]}"; do
 done
 wait
 for task in "${tasks[@]}"; do
-    name=${task##* }
+    read -r _ _ name _ <<<"$task"
     count "$name" "$log/$name.log" "$(cat "$log/$name.status")"
 done
 

@@ -2,7 +2,7 @@
 #include "app/stages.h"
 
 #include "core/memory.h"
-#include "glare/outline.h"
+#include "glare/splat/outline.h"
 
 #include <string.h>
 

@@ -3,8 +3,8 @@
 #define GP_GLARE_COST_H
 
 #include "glare/costs.h"
-#include "glare/fft_lib.h"
-#include "glare/fft_place.h"
+#include "glare/fft/lib.h"
+#include "glare/fft/place.h"
 
 /* A cost at `size` from its values at first, 16 * first and 256 * first. */
 double gp_cost_at(const double value[3], double size, double first);

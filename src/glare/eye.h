@@ -31,7 +31,7 @@ double gp_eye_share(int x, int y);
 
 /* Makes a size x size kernel of these shares, centre at pixel (size / 2,
  * size / 2), three equal planes, not normalised: its sum is the share of the
- * light that stays inside, 0.9548 at size 511 (tests/unit/test_eye.c).
+ * light that stays inside, 0.9548 at size 511 (tests/unit/glare/eye.c).
  * Errors: GP_ERR_BUG no memory; *k is empty then. */
 GP_MUST_CHECK gp_status gp_eye_make(const struct gp_log *log, int size,
                                     struct gp_planes *k);

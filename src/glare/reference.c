@@ -1,8 +1,8 @@
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/direct.h"
+#include "glare/direct/direct.h"
 #include "glare/engine.h"
-#include "glare/fft_lib.h"
+#include "glare/fft/lib.h"
 
 #include <math.h>
 #include <string.h>

@@ -2,9 +2,9 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/bound.h"
-#include "glare/direct.h"
-#include "glare/fft_place.h"
+#include "glare/bound/bound.h"
+#include "glare/direct/direct.h"
+#include "glare/fft/place.h"
 
 #include <math.h>
 #include <string.h>

@@ -8,7 +8,7 @@
 #define GP_IO_BRIDGE_WRITE_H
 
 #include "core/status.h"
-#include "io/oiio.h"
+#include "io/oiio/oiio.h"
 #include "io/stream.h"
 
 #include <stdbool.h>

@@ -1,8 +1,8 @@
 #include "io/crypto.h"
 
 #include "io/colour_name.h"
-#include "io/exr_origin.h"
-#include "io/exr_view.h"
+#include "io/exr/origin.h"
+#include "io/exr/view.h"
 
 #include <string.h>
 #include <strings.h>

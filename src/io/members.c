@@ -1,8 +1,8 @@
 #include "io/members.h"
 
 #include "core/memory.h"
-#include "io/exr_end.h"
-#include "io/exr_origin.h"
+#include "io/exr/end.h"
+#include "io/exr/origin.h"
 #include "io/read_open.h"
 
 #include <limits.h>

@@ -2,9 +2,9 @@
 
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/exr_decode.h"
-#include "io/exr_view.h"
-#include "io/oiio_frame.h"
+#include "io/exr/decode.h"
+#include "io/exr/view.h"
+#include "io/oiio/frame.h"
 #include "io/plane_find.h"
 #include "io/read_open.h"
 

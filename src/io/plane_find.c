@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/colour.h"
-#include "io/exr_view.h"
+#include "io/exr/view.h"
 
 #include <stdio.h>
 #include <string.h>

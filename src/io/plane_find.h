@@ -4,7 +4,7 @@
 
 #include "core/frame.h"
 #include "core/status.h"
-#include "io/exr_origin.h"
+#include "io/exr/origin.h"
 
 #include <stdbool.h>
 

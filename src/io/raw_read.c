@@ -4,8 +4,8 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/colour.h"
-#include "io/exr_decode.h"
-#include "io/oiio_frame.h"
+#include "io/exr/decode.h"
+#include "io/oiio/frame.h"
 #include "io/read_open.h"
 
 #include <stdlib.h>

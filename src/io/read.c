@@ -1,8 +1,8 @@
 #include "io/read.h"
 
-#include "io/exr_read.h"
+#include "io/exr/read.h"
 #include "io/format.h"
-#include "io/oiio_frame.h"
+#include "io/oiio/frame.h"
 #include "io/read_open.h"
 
 #include <stdio.h>

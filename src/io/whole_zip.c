@@ -2,7 +2,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/exr_unzip.h"
+#include "io/exr/unzip.h"
 
 struct job {
     const struct gp_stream *s;

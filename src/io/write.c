@@ -1,7 +1,7 @@
 #include "io/write.h"
 
 #include "io/bridge_write.h"
-#include "io/exr_write.h"
+#include "io/exr/write.h"
 #include "io/file.h"
 #include "io/file_name.h"
 #include "io/other_write.h"

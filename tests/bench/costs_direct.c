@@ -1,7 +1,7 @@
 /* What direct costs. */
 #include "costs_scene.h"
 
-#include "glare/direct.h"
+#include "glare/direct/direct.h"
 
 enum { STRIP = GP_TAPS_PAD };
 

@@ -2,9 +2,9 @@
 #include "costs_scene.h"
 
 #include "core/memory.h"
-#include "glare/fft_lib.h"
-#include "glare/fft_pass.h"
-#include "glare/fft_place.h"
+#include "glare/fft/lib.h"
+#include "glare/fft/pass.h"
+#include "glare/fft/place.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -7,7 +7,7 @@
 #include "hardcases.h"
 
 #include "core/parallel.h"
-#include "io/oiio.h"
+#include "io/oiio/oiio.h"
 #include "io/write.h"
 
 #include <unistd.h>

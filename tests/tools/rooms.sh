@@ -9,7 +9,7 @@ bad=0
 refuse()
 {
     [ -d "$src/$1" ] || return 0
-    if grep -nE "^ *# *include *$2" "$src/$1"/*.*; then
+    if grep -rnE "^ *# *include *$2" "$src/$1"; then
         echo "check-rooms: $1 $3" >&2
         bad=1
     fi

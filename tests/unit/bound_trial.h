@@ -1,9 +1,9 @@
-/* Random frames, kernels and settings, and what glare/bound.h says of them;
+/* Random frames, kernels and settings, and what glare/bound/bound.h says of them;
  * everything comes from a seed. */
 #ifndef GP_TESTS_BOUND_TRIAL_H
 #define GP_TESTS_BOUND_TRIAL_H
 
-#include "glare/bound.h"
+#include "glare/bound/bound.h"
 #include "glare_scene.h"
 
 #include <setjmp.h>

@@ -3,7 +3,7 @@
 #ifndef GP_TESTS_GROUP_SCENE_H
 #define GP_TESTS_GROUP_SCENE_H
 
-#include "glare/blur.h"
+#include "glare/splat/blur.h"
 #include "glare_scene.h"
 
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 #ifndef OIIO_HERE_H
 #define OIIO_HERE_H
 
-#include "io/oiio.h"
+#include "io/oiio/oiio.h"
 
 #include "bridge_here.h"
 

@@ -12,7 +12,7 @@
 #include "core/luminance.h"
 #include "core/memory.h"
 #include "io/half.h"
-#include "io/oiio.h"
+#include "io/oiio/oiio.h"
 #include "io/read.h"
 #include "io/write.h"
 

@@ -1,0 +1,416 @@
+#include "glare/direct/direct.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/cost.h"
+#include "glare/direct/quad.h"
+#include "glare/direct/sum.h"
+#include "glare/engine.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    STRIP = GP_TAPS_PAD, // columns a task takes; 4 vectors of 8
+    LANES = GP_DIRECT_LANES,
+    GROUP = GP_DIRECT_GROUP,
+    LINE = 64 / sizeof(float), // floats of a cache line
+};
+
+/* A source as one strip sees it: taps[base + y * pitch] is the kernel's
+ * sample for the strip's first column of row y. */
+struct strip_source {
+    ptrdiff_t base;
+    float rgb[3];
+};
+
+struct direct {
+    const struct gp_sources *src;
+    const struct gp_taps *taps;
+    struct gp_planes *layer;
+    bool add;
+    struct strip_source **list; // scratch of each thread, src->n each
+    uint32_t **row;             // scratch of each thread, h + 1 each
+};
+
+gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
+                       int radius, struct gp_taps *out)
+{
+    const int r = radius < 0 ? INT_MAX / 2 : radius;
+    // the cut, in kernel pixels; the centre may lie outside the kernel
+    const struct gp_rect cut = gp_rect_meet(
+        (struct gp_rect) {0, 0, k->w, k->h},
+        (struct gp_rect) {k->cx - r, k->cy - r, k->cx + r + 1, k->cy + r + 1});
+    struct gp_taps t = {
+        .w = gp_rect_w(cut), .h = gp_rect_h(cut),
+        .cx = k->cx - cut.x0, .cy = k->cy - cut.y0,
+    };
+    t.pitch = (size_t) t.w + 2 * GP_TAPS_PAD;
+    for (int c = 0; c < 3; c++) {
+        void *v;
+        gp_status st = gp_alloc_zero(log, "kernel", t.pitch * (size_t) t.h,
+                                     sizeof(float), &v);
+        if (st) {
+            gp_taps_free(&t);
+            return st;
+        }
+        t.k[c] = v;
+        for (int y = 0; y < t.h; y++) {
+            float *const row = t.k[c] + (size_t) y * t.pitch + GP_TAPS_PAD;
+            memcpy(row,
+                   k->k.c[c] + (size_t) (y + cut.y0) * (size_t) k->w + cut.x0,
+                   (size_t) t.w * sizeof(float));
+            for (int x = 0; x < t.w; x++)
+                t.lobes |= row[x] < 0.0f;
+        }
+    }
+    *out = t;
+    return GP_OK;
+}
+
+void gp_taps_free(struct gp_taps *t)
+{
+    for (int c = 0; c < 3; c++)
+        gp_free(t->k[c]);
+    *t = (struct gp_taps) {0};
+}
+
+/* Lists the sources whose kernel reaches columns [x0, x0 + STRIP). */
+static void list_strip(const struct direct *d, int x0,
+                       struct strip_source *list, uint32_t *row)
+{
+    const struct gp_sources *const s = d->src;
+    const struct gp_taps *const t = d->taps;
+    // reached columns of a source at x: [x - cx, x - cx + w)
+    const int from = x0 + t->cx - t->w + 1, to = x0 + STRIP + t->cx;
+    uint32_t n = 0;
+    for (int y = 0; y < s->h; y++) {
+        row[y] = n;
+        uint32_t i = gp_first_from(s->x, s->row[y], s->row[y + 1], from);
+        for (; i < s->row[y + 1] && s->x[i] < to; i++) {
+            list[n++] = (struct strip_source) {
+                .base = ((ptrdiff_t) t->cy - y) * (ptrdiff_t) t->pitch +
+                        (x0 - s->x[i] + t->cx + GP_TAPS_PAD),
+                .rgb = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
+            };
+        }
+    }
+    row[s->h] = n;
+}
+
+/* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
+GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
+                               const float *k0, const float *k1,
+                               const float *k2, ptrdiff_t row_at,
+                               float sum[3][STRIP])
+{
+    gp_vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
+    while (n > 0) {
+        const uint32_t group = n < GROUP ? n : GROUP;
+        gp_vec a[3][STRIP / LANES] = {0};
+        for (uint32_t i = 0; i < group; i++) {
+            const ptrdiff_t at = s[i].base + row_at;
+            for (int v = 0; v < STRIP / LANES; v++) {
+                a[0][v] += s[i].rgb[0] *
+                           *(const gp_loose *) (k0 + at + v * LANES);
+                a[1][v] += s[i].rgb[1] *
+                           *(const gp_loose *) (k1 + at + v * LANES);
+                a[2][v] += s[i].rgb[2] *
+                           *(const gp_loose *) (k2 + at + v * LANES);
+            }
+        }
+        for (int c = 0; c < 3; c++) {
+            for (int v = 0; v < STRIP / LANES; v++)
+                GP_ADD_KEPT(total[c][v], lost[c][v], a[c][v]);
+        }
+        s += group;
+        n -= group;
+    }
+    memcpy(sum, total, sizeof total);
+}
+
+static void run_strip(void *ctx, int strip, int thread)
+{
+    const struct direct *const d = ctx;
+    const struct gp_taps *const t = d->taps;
+    const int w = d->src->w, h = d->src->h, x0 = strip * STRIP;
+    const int cols = w - x0 < STRIP ? w - x0 : STRIP;
+    struct strip_source *const list = d->list[thread];
+    uint32_t *const row = d->row[thread];
+    list_strip(d, x0, list, row);
+    for (int y = 0; y < h; y++) {
+        // source rows whose kernel reaches y: y - sy + cy in [0, t->h)
+        int from = y + t->cy - t->h + 1, to = y + t->cy + 1;
+        from = from < 0 ? 0 : from > h ? h : from;
+        to = to < from ? from : to > h ? h : to;
+        if (d->add && row[to] == row[from])
+            continue;
+        float sum[3][STRIP];
+        for (int c = 0; c < 3; c++) { // the layer comes while the sum is made
+            const float *const out = d->layer->c[c] + (size_t) y * (size_t) w;
+            __builtin_prefetch(out + x0, 1);
+            __builtin_prefetch(out + x0 + LINE, 1);
+        }
+        sum_strip(list + row[from], row[to] - row[from], t->k[0], t->k[1],
+                  t->k[2], (ptrdiff_t) y * (ptrdiff_t) t->pitch, sum);
+        for (int c = 0; c < 3; c++) {
+            float *const out = d->layer->c[c] + (size_t) y * (size_t) w + x0;
+            for (int x = 0; x < cols; x++)
+                out[x] = d->add ? out[x] + sum[c][x] : sum[c][x];
+        }
+    }
+}
+
+static gp_status sum_sources(const struct gp_log *log,
+                             const struct gp_sources *src,
+                             const struct gp_taps *taps, bool add,
+                             struct gp_planes *layer)
+{
+    gp_status st;
+    const int threads = gp_threads();
+    struct direct d = {
+        .src = src, .taps = taps, .layer = layer, .add = add,
+    };
+    void *v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list, &v));
+    d.list = v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row, &v));
+    d.row = v;
+    for (int i = 0; i < threads; i++) {
+        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &v));
+        d.list[i] = v;
+        GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
+                        &v));
+        d.row[i] = v;
+    }
+    gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
+out:
+    for (int i = 0; i < threads && d.list && d.row; i++) {
+        gp_free(d.list[i]);
+        gp_free(d.row[i]);
+    }
+    gp_free(d.list);
+    gp_free(d.row);
+    return st;
+}
+
+double gp_direct_quads(const struct gp_sources *src)
+{
+    static const size_t MOST = 1 << 20, WANTED = 1 << 13;
+    static const double FULL = 2.5; // most quads for each source
+    if (src->n >= MOST)
+        return 0.0;
+    // an odd step, as light may stand in every other row
+    const int step = 7 + 2 * (int) (src->n / WANTED);
+    const double quads = (double) gp_quads_count(src, step);
+    return quads <= FULL * (double) src->n ? quads : 0.0;
+}
+
+/* Whether quads may be used for a frame of h rows: they need the kernel's
+ * rows four times as fast, from the cache, and place them by an int. */
+static bool fits_quads(const struct gp_taps *t, int h)
+{
+    return 3 * sizeof(float) * t->pitch * (size_t) t->h <= 1 << 18 &&
+           t->pitch * ((size_t) t->h + (size_t) h) <= INT_MAX;
+}
+
+gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
+                        const struct gp_taps *taps, bool add,
+                        struct gp_planes *layer)
+{
+    if (!fits_quads(taps, src->h) || gp_direct_quads(src) <= 0.0)
+        return sum_sources(log, src, taps, add, layer);
+    struct gp_quads q;
+    gp_status st = gp_quads_make(log, src, &q);
+    if (st)
+        return st;
+    st = gp_quads_sum(log, &q, taps, src->w, src->h, add, layer);
+    gp_quads_free(&q);
+    return st;
+}
+
+/* GROUP terms, each within 2^-24; then groups, whose sum is within 2 * 2^-24
+ * and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. */
+double gp_direct_bound(const struct gp_taps *taps, size_t n)
+{
+    return taps->lobes ? INFINITY
+                       : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
+}
+
+bool gp_direct_lobes(const struct gp_kernel *kernel)
+{
+    bool lobes = false;
+    for (int c = 0; c < 3; c++)
+        lobes |= !(kernel->norm1[c] <= kernel->sum[c]);
+    return lobes;
+}
+
+/* Length of the overlap of [at - c, at - c + n) and [0, limit). */
+static int overlap(int at, int c, int n, int limit)
+{
+    const int from = at - c > 0 ? at - c : 0;
+    const int to = at - c + n < limit ? at - c + n : limit;
+    return to > from ? to - from : 0;
+}
+
+double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
+                      int cy)
+{
+    double work = 0.0;
+    for (int y = 0; y < src->h; y++) {
+        const double rows = overlap(y, cy, h, src->h);
+        double cols = 0.0;
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+            cols += overlap(src->x[i], cx, w, src->w);
+        work += rows * cols;
+    }
+    return work;
+}
+
+/* The state is the laid-out kernel and what it was made from. */
+struct state {
+    unsigned long kernel; // serial
+    struct gp_taps taps;
+};
+
+static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
+{
+    return s && s->kernel && s->kernel == k->serial;
+}
+
+/* What run_strip() does, in rows of strips of sources whose taps another has
+ * just used and of those whose have to be fetched; how often it lists one; and
+ * the tiles of quads that kernels would cover, were each source one. */
+struct strip_work {
+    double near, far, listed, tiles;
+};
+
+static bool has_neighbour(const struct gp_sources *s, uint32_t i, int y)
+{
+    enum { NEAR = 8 }; // pixels: half a cache line
+    const int x = s->x[i];
+    if (i > s->row[y] && s->x[i - 1] >= x - NEAR)
+        return true;
+    if (y == 0)
+        return false;
+    const uint32_t above =
+        gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
+    return above < s->row[y] && s->x[above] <= x + NEAR;
+}
+
+enum { TILE_W = 16 }; // pixels; as high as a quad
+
+static void add_source(const struct gp_glare_job *job, uint32_t i, int y,
+                       struct strip_work *work)
+{
+    const struct gp_sources *const s = job->src;
+    const struct gp_kernel *const k = job->kernel;
+    const int x = s->x[i], from = x - k->cx > 0 ? x - k->cx : 0;
+    const int cols = overlap(x, k->cx, k->w, s->w);
+    if (cols == 0)
+        return;
+    const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
+    const int rows = overlap(y, k->cy, k->h, s->h);
+    work->listed += strips;
+    *(has_neighbour(s, i, y) ? &work->near : &work->far) +=
+        (double) strips * rows;
+    work->tiles += (cols + TILE_W - 1.0) / TILE_W *
+                   (rows + GP_QUAD - 1.0) / GP_QUAD;
+}
+
+/* From every k-th source: with many of them direct loses anyway. */
+static struct strip_work count_work(const struct gp_glare_job *job)
+{
+    static const size_t WANTED = 2048;
+    const struct gp_sources *const s = job->src;
+    const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
+    struct strip_work work = {0};
+    uint32_t i = step / 2, taken = 0;
+    for (int y = 0; y < s->h; y++) {
+        for (; i < s->row[y + 1]; i += step, taken++)
+            add_source(job, i, y, &work);
+    }
+    const double share = taken ? (double) s->n / taken : 0.0;
+    work.near *= share;
+    work.far *= share;
+    work.listed *= share;
+    work.tiles *= share;
+    return work;
+}
+
+static struct gp_prediction predict(const struct gp_glare_job *job,
+                                    const void *state)
+{
+    static const double near[3] = GP_COST_DIRECT_NEAR_ROW;
+    static const double far[3] = GP_COST_DIRECT_FAR_ROW;
+    static const double empty[3] = GP_COST_DIRECT_STRIP_ROW;
+    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const s = job->src;
+    const double samples = 3.0 * (k->w + 2.0 * GP_TAPS_PAD) * k->h;
+    const double bytes = samples * sizeof(float);
+    const double layer = 3.0 * sizeof(float) * s->w * s->h;
+    const double strips = (s->w + STRIP - 1) / STRIP;
+    const struct gp_taps taps = {
+        .pitch = (size_t) k->w + 2 * GP_TAPS_PAD, .h = k->h,
+    };
+    const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
+    const struct strip_work work = count_work(job);
+    double later = GP_COST_DIRECT_RUN +
+                   gp_cost_at(empty, layer, 0x1p19) * strips * s->h;
+    if (quads > 0.0)
+        later += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
+    else
+        later += GP_COST_DIRECT_LIST * work.listed +
+                 gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
+                 gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
+    double ms = later;
+    if (!is_laid_out(state, k))
+        ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
+    return (struct gp_prediction) {.ms = ms, .later_ms = later};
+}
+
+static void close_state(void **state)
+{
+    struct state *const s = *state;
+    if (s)
+        gp_taps_free(&s->taps);
+    GP_FREE(*state);
+}
+
+static gp_status run(const struct gp_glare_job *job, void **state)
+{
+    gp_status st = GP_OK;
+    struct state *s = *state;
+    if (!is_laid_out(s, job->kernel)) {
+        close_state(state);
+        st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
+        if (st)
+            return st;
+        s = *state;
+        st = gp_taps_make(job->log, job->kernel, -1, &s->taps);
+        if (st)
+            return st;
+        s->kernel = job->kernel->serial;
+    }
+    job->stats->bound = gp_direct_bound(&s->taps, job->src->n);
+    return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
+}
+
+static gp_status bound(const struct gp_glare_job *job, void **state,
+                       double *out)
+{
+    const struct gp_taps taps = {.lobes = gp_direct_lobes(job->kernel)};
+    (void) state;
+    *out = gp_direct_bound(&taps, job->src->n);
+    return GP_OK;
+}
+
+const struct gp_engine gp_engine_direct = {
+    .name = "direct",
+    .text = "the sum as it is written; the fastest for a handful of sources",
+    .predict = predict,
+    .bound = bound,
+    .run = run,
+    .close = close_state,
+};

@@ -1,0 +1,388 @@
+#include "glare/direct/quad.h"
+
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/direct/sum.h"
+
+#include <limits.h>
+#include <stdbool.h>
+
+enum {
+    ROWS_OF_TASK = 32, // when quads are made
+    BAND = 16,         // rows of a task of the sum: a multiple of GP_QUAD
+    PANEL = 512,       // its columns: a multiple of STRIP
+    STRIP = 16,        // columns summed together: two vectors
+};
+
+/* Where the sources of four rows stand, when they are read side by side. */
+struct heads {
+    const struct gp_sources *src;
+    uint32_t at[GP_QUAD], end[GP_QUAD];
+};
+
+static struct heads open_rows(const struct gp_sources *s, int y)
+{
+    struct heads h = {.src = s};
+    for (int i = 0; i < GP_QUAD; i++) {
+        const bool inside = y + i >= 0 && y + i < s->h;
+        h.at[i] = inside ? s->row[y + i] : 0;
+        h.end[i] = inside ? s->row[y + i + 1] : 0;
+    }
+    return h;
+}
+
+static inline int column(const struct heads *h, int i)
+{
+    return h->at[i] < h->end[i] ? h->src->x[h->at[i]] : INT_MAX;
+}
+
+/* The next column that holds light, or INT_MAX. */
+static inline int next_column(const struct heads *h)
+{
+    const int a = column(h, 0), b = column(h, 1);
+    const int c = column(h, 2), d = column(h, 3);
+    const int ab = a < b ? a : b, cd = c < d ? c : d;
+    return ab < cd ? ab : cd;
+}
+
+static uint32_t count_row(const struct gp_sources *s, int y)
+{
+    struct heads h = open_rows(s, y);
+    uint32_t n = 0;
+    for (int x = next_column(&h); x != INT_MAX; x = next_column(&h)) {
+        for (int i = 0; i < GP_QUAD; i++)
+            h.at[i] += column(&h, i) == x;
+        n++;
+    }
+    return n;
+}
+
+size_t gp_quads_count(const struct gp_sources *src, int step)
+{
+    size_t n = 0;
+    for (int y = 1 - GP_QUAD; y < src->h; y += step)
+        n += count_row(src, y);
+    n *= (size_t) step;
+    return n < src->n ? src->n : n < GP_QUAD * src->n ? n : GP_QUAD * src->n;
+}
+
+struct making {
+    const struct gp_sources *src;
+    struct gp_quads *q;
+};
+
+static int task_end(const struct making *m, int task)
+{
+    const int rows = m->src->h + GP_QUAD - 1;
+    const int end = (task + 1) * ROWS_OF_TASK;
+    return end < rows ? end : rows;
+}
+
+static void count_rows(void *ctx, int task, int thread)
+{
+    const struct making *const m = ctx;
+    (void) thread;
+    for (int r = task * ROWS_OF_TASK; r < task_end(m, task); r++)
+        m->q->row[r + 1] = count_row(m->src, r + 1 - GP_QUAD);
+}
+
+static void fill_rows(void *ctx, int task, int thread)
+{
+    const struct making *const m = ctx;
+    const struct gp_sources *const s = m->src;
+    (void) thread;
+    for (int r = task * ROWS_OF_TASK; r < task_end(m, task); r++) {
+        struct heads h = open_rows(s, r + 1 - GP_QUAD);
+        for (uint32_t n = m->q->row[r]; n < m->q->row[r + 1]; n++) {
+            const int x = next_column(&h);
+            m->q->x[n] = x;
+            for (int i = 0; i < GP_QUAD; i++) {
+                const bool lit = column(&h, i) == x;
+                for (int c = 0; c < 3; c++)
+                    m->q->light[c][GP_QUAD * (size_t) n + (size_t) i] =
+                        lit ? s->rgb[c][h.at[i]] : 0.0f;
+                h.at[i] += lit;
+            }
+        }
+    }
+}
+
+gp_status gp_quads_make(const struct gp_log *log, const struct gp_sources *src,
+                        struct gp_quads *out)
+{
+    gp_status st;
+    void *v;
+    struct gp_quads q = {0};
+    struct making m = {src, &q};
+    const int rows = src->h + GP_QUAD - 1;
+    const int tasks = (rows + ROWS_OF_TASK - 1) / ROWS_OF_TASK;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q.row, &v));
+    q.row = v;
+    gp_parallel_do(tasks, count_rows, &m);
+    for (int r = 0; r < rows; r++) // counts become offsets
+        q.row[r + 1] += q.row[r];
+    q.n = q.row[rows];
+    GP_TRY(gp_alloc(log, "direct", q.n, sizeof *q.x, &v));
+    q.x = v;
+    for (int c = 0; c < 3; c++) {
+        GP_TRY(gp_alloc(log, "direct", GP_QUAD * q.n, sizeof(float), &v));
+        q.light[c] = v;
+    }
+    gp_parallel_do(tasks, fill_rows, &m);
+    *out = q;
+    q = (struct gp_quads) {0};
+out:
+    gp_quads_free(&q);
+    return st;
+}
+
+void gp_quads_free(struct gp_quads *q)
+{
+    gp_free(q->row);
+    gp_free(q->x);
+    for (int c = 0; c < 3; c++)
+        gp_free(q->light[c]);
+    *q = (struct gp_quads) {0};
+}
+
+/* -- the sum ----------------------------------------------------------------
+ *
+ * A band of rows after another, and in a band from left to right: the layer
+ * and the kernel's rows are read in the order in which they lie in memory. */
+
+/* The quads that reach a strip of a band, in their order. k[at + y * pitch] is
+ * the kernel's sample for the strip's first pixel of row y. */
+struct list {
+    int32_t *at;
+    uint32_t *quad;
+    uint32_t *row; // where the quads of a row start: first to last row
+    int first;     // index of row[0] in gp_quads.row
+    int rows;
+    uint32_t *from; // of each row: the first that may reach a later strip
+};
+
+struct summing {
+    const struct gp_quads *in;
+    const struct gp_taps *taps;
+    struct gp_planes *layer;
+    int w, h, panels;
+    bool add;
+    struct list *list; // scratch of each thread
+};
+
+static int clamp(int v, int most)
+{
+    return v < 0 ? 0 : v > most ? most : v;
+}
+
+/* Rows of quads whose kernel reaches row y: [*from, *to). */
+static void rows_of(const struct summing *s, int y, int *from, int *to)
+{
+    // those that start in row sy have y - sy + cy in [0, taps->h)
+    const int rows = s->h + GP_QUAD - 1;
+    const int last = y + s->taps->cy + GP_QUAD - 1;
+    *to = clamp(last + 1, rows);
+    *from = clamp(last + 1 - s->taps->h, *to);
+}
+
+static void open_band(const struct summing *s, int x0, int y0, int y1,
+                      struct list *l)
+{
+    int from, to, unused;
+    rows_of(s, y0, &from, &unused);
+    rows_of(s, y1 - 1, &unused, &to);
+    l->first = from;
+    l->rows = to - from;
+    // reached pixels of a source at x: [x - cx, x - cx + w)
+    const int x = x0 + s->taps->cx - s->taps->w + 1;
+    for (int r = from; r < to; r++)
+        l->from[r - from] =
+            gp_first_from(s->in->x, s->in->row[r], s->in->row[r + 1], x);
+}
+
+GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
+                               uint32_t n, int32_t base, int32_t *restrict at,
+                               uint32_t *restrict quad)
+{
+    for (uint32_t i = 0; i < n; i++) {
+        at[i] = base - x[i];
+        quad[i] = first + i;
+    }
+}
+
+/* Lists the quads that reach pixels [x0, x0 + STRIP) of the band. */
+static void list_strip(const struct summing *s, int x0, struct list *l)
+{
+    const struct gp_quads *const in = s->in;
+    const struct gp_taps *const t = s->taps;
+    const int from = x0 + t->cx - t->w + 1, to = x0 + STRIP + t->cx;
+    uint32_t n = 0;
+    for (int r = 0; r < l->rows; r++) {
+        const int i = l->first + r, y = i + 1 - GP_QUAD;
+        const uint32_t end = in->row[i + 1];
+        l->row[r] = n;
+        uint32_t a = l->from[r];
+        while (a < end && in->x[a] < from)
+            a++;
+        l->from[r] = a;
+        uint32_t b = a;
+        while (b < end && in->x[b] < to)
+            b++;
+        if (b > a)
+            list_row(in->x + a, a, b - a,
+                     (t->cy - y) * (int) t->pitch + x0 + t->cx + GP_TAPS_PAD,
+                     l->at + n, l->quad + n);
+        n += b - a;
+    }
+    l->row[l->rows] = n;
+}
+
+/* A part of the list, as the sums read it. */
+struct part {
+    const int32_t *at;
+    const uint32_t *quad;
+    uint32_t n;
+};
+
+/* sum[row] = sum over quads of light * taps, four rows of a strip: each sample
+ * of the kernel serves all four. */
+GP_FUSED static void sum_quads(struct part p, const float *light,
+                               const float *k, ptrdiff_t row,
+                               float sum[GP_QUAD * STRIP])
+{
+    gp_vec total[GP_QUAD][2], lost[GP_QUAD][2];
+    for (int r = 0; r < GP_QUAD; r++) {
+        for (int v = 0; v < 2; v++)
+            total[r][v] = lost[r][v] = (gp_vec) {0};
+    }
+    for (uint32_t i = 0; i < p.n;) {
+        const uint32_t end = p.n - i < GP_DIRECT_GROUP ? p.n
+                                                       : i + GP_DIRECT_GROUP;
+        gp_vec a[GP_QUAD][2];
+        for (int r = 0; r < GP_QUAD; r++)
+            a[r][0] = a[r][1] = (gp_vec) {0};
+        for (; i < end; i++) {
+            const float *const l = light + GP_QUAD * (size_t) p.quad[i];
+            const float *const at = k + (row + p.at[i]);
+            const gp_vec k0 = *(const gp_loose *) at;
+            const gp_vec k1 = *(const gp_loose *) (at + GP_DIRECT_LANES);
+            for (int r = 0; r < GP_QUAD; r++) {
+                a[r][0] += l[r] * k0;
+                a[r][1] += l[r] * k1;
+            }
+        }
+        for (int r = 0; r < GP_QUAD; r++) {
+            GP_ADD_KEPT(total[r][0], lost[r][0], a[r][0]);
+            GP_ADD_KEPT(total[r][1], lost[r][1], a[r][1]);
+        }
+    }
+    for (int r = 0; r < GP_QUAD; r++) {
+        for (int v = 0; v < 2; v++)
+            *(gp_vec *) (sum + r * STRIP + v * GP_DIRECT_LANES) = total[r][v];
+    }
+}
+
+/* Adds or writes rows y to y + 3 of one strip and channel. */
+static void store_tile(const struct summing *s, int c, int x0, int y,
+                       const float sum[GP_QUAD * STRIP])
+{
+    const int cols = s->w - x0 < STRIP ? s->w - x0 : STRIP;
+    for (int r = 0; r < GP_QUAD && y + r < s->h; r++) {
+        float *const out =
+            s->layer->c[c] + (size_t) (y + r) * (size_t) s->w + x0;
+        for (int x = 0; x < cols; x++)
+            out[x] = s->add ? out[x] + sum[r * STRIP + x] : sum[r * STRIP + x];
+    }
+}
+
+/* Rows y to y + 3 of one strip. */
+static void sum_tile(const struct summing *s, const struct list *l, int x0,
+                     int y)
+{
+    int from, to;
+    rows_of(s, y, &from, &to);
+    const uint32_t first = l->row[from - l->first];
+    const struct part p = {
+        l->at + first, l->quad + first, l->row[to - l->first] - first,
+    };
+    if (s->add && !p.n)
+        return;
+    float sum[3][GP_QUAD * STRIP]
+        __attribute__((aligned(4 * GP_DIRECT_LANES)));
+    for (int c = 0; c < 3; c++) { // the layer comes while the sum is made
+        for (int r = 0; r < GP_QUAD && y + r < s->h; r++)
+            __builtin_prefetch(s->layer->c[c] +
+                               (size_t) (y + r) * (size_t) s->w + x0, 1);
+    }
+    for (int c = 0; c < 3; c++)
+        sum_quads(p, s->in->light[c], s->taps->k[c],
+                  (ptrdiff_t) y * (ptrdiff_t) s->taps->pitch, sum[c]);
+    for (int c = 0; c < 3; c++)
+        store_tile(s, c, x0, y, sum[c]);
+}
+
+static void run_task(void *ctx, int i, int thread)
+{
+    const struct summing *const s = ctx;
+    struct list *const l = &s->list[thread];
+    const int x0 = i % s->panels * PANEL, y0 = i / s->panels * BAND;
+    const int x1 = x0 + PANEL < s->w ? x0 + PANEL : s->w;
+    const int y1 = y0 + BAND < s->h ? y0 + BAND : s->h;
+    open_band(s, x0, y0, y1, l);
+    for (int x = x0; x < x1; x += STRIP) {
+        list_strip(s, x, l);
+        for (int y = y0; y < y1; y += GP_QUAD)
+            sum_tile(s, l, x, y);
+    }
+}
+
+static void list_free(struct list *l)
+{
+    gp_free(l->at);
+    gp_free(l->quad);
+    gp_free(l->row);
+    gp_free(l->from);
+}
+
+/* Room for n quads of `rows` rows. */
+static gp_status list_make(const struct gp_log *log, size_t n, int rows,
+                           struct list *l)
+{
+    gp_status st;
+    void *v;
+    GP_TRY(gp_alloc(log, "direct", n, sizeof *l->at, &v));
+    l->at = v;
+    GP_TRY(gp_alloc(log, "direct", n, sizeof *l->quad, &v));
+    l->quad = v;
+    GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row, &v));
+    l->row = v;
+    GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from, &v));
+    l->from = v;
+out:
+    return st;
+}
+
+gp_status gp_quads_sum(const struct gp_log *log,
+                       const struct gp_quads *quads,
+                       const struct gp_taps *taps, int w, int h, bool add,
+                       struct gp_planes *layer)
+{
+    gp_status st;
+    const int threads = gp_threads(), rows = h + GP_QUAD - 1;
+    struct summing s = {
+        .in = quads, .taps = taps, .layer = layer, .w = w, .h = h,
+        .panels = (w + PANEL - 1) / PANEL, .add = add,
+    };
+    void *v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list, &v));
+    s.list = v;
+    for (int i = 0; i < threads; i++)
+        GP_TRY(list_make(log, quads->n, rows, &s.list[i]));
+    gp_parallel_do(s.panels * ((h + BAND - 1) / BAND), run_task, &s);
+out:
+    for (int i = 0; i < threads && s.list; i++)
+        list_free(&s.list[i]);
+    gp_free(s.list);
+    return st;
+}

@@ -1,0 +1,352 @@
+#include "glare/fft/pass.h"
+
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <string.h>
+
+enum {
+    ROWS = 8,     // rows that share a cache line of a column
+    PAIRS = 4,    // complex rows that hold them
+    COLUMNS = 16, // columns a task takes
+    AHEAD = 12,   // columns fetched before they are needed: no CPU foresees
+                  // steps as long as a column
+};
+
+/* Four complex numbers; as floats to calculate, as doubles to move. */
+typedef float vf __attribute__((vector_size(32)));
+typedef double vd __attribute__((vector_size(32)));
+typedef vf vf_loose __attribute__((aligned(8), may_alias));
+
+#define INLINE static inline __attribute__((always_inline))
+#define CONJ ((vf) {1, -1, 1, -1, 1, -1, 1, -1})
+
+INLINE vf load4(const float *p)
+{
+    return *(const vf_loose *) p;
+}
+
+INLINE void store4(float *p, vf v)
+{
+    *(vf_loose *) p = v;
+}
+
+/* The four numbers in reverse order. */
+INLINE vf reverse(vf v)
+{
+    return (vf) __builtin_shufflevector((vd) v, (vd) v, 3, 2, 1, 0);
+}
+
+/* re and im of each number exchanged. */
+INLINE vf swap(vf v)
+{
+    return __builtin_shufflevector(v, v, 1, 0, 3, 2, 5, 4, 7, 6);
+}
+
+/* Rows of four to columns of four. */
+INLINE void transpose(const vf in[4], vf out[4])
+{
+    const vd a = (vd) in[0], b = (vd) in[1], c = (vd) in[2], d = (vd) in[3];
+    const vd ab0 = __builtin_shufflevector(a, b, 0, 4, 2, 6);
+    const vd ab1 = __builtin_shufflevector(a, b, 1, 5, 3, 7);
+    const vd cd0 = __builtin_shufflevector(c, d, 0, 4, 2, 6);
+    const vd cd1 = __builtin_shufflevector(c, d, 1, 5, 3, 7);
+    out[0] = (vf) __builtin_shufflevector(ab0, cd0, 0, 1, 4, 5);
+    out[1] = (vf) __builtin_shufflevector(ab1, cd1, 0, 1, 4, 5);
+    out[2] = (vf) __builtin_shufflevector(ab0, cd0, 2, 3, 6, 7);
+    out[3] = (vf) __builtin_shufflevector(ab1, cd1, 2, 3, 6, 7);
+}
+
+/* Spectra Z of four pairs of rows, each nx + 4 numbers with Z[nx] = Z[0], to
+ * twice the spectra of the eight rows, transposed into the matrix. */
+GP_CLONES static void unpack(const float *z, size_t z_pitch, int nx,
+                             float *out, size_t pitch)
+{
+    for (int k = 0; k <= nx / 2; k += 4) {
+        vf row[ROWS];
+        for (int p = 0; p < PAIRS; p++) {
+            const float *const zp = z + (size_t) p * z_pitch;
+            const vf f = load4(zp + 2 * k);
+            const vf r = reverse(load4(zp + 2 * (nx - k - 3))) * CONJ;
+            row[2 * p] = f + r;
+            row[2 * p + 1] = swap(f - r) * CONJ; // times -i
+        }
+        vf lo[4], hi[4];
+        transpose(row, lo);
+        transpose(row + 4, hi);
+        for (int i = 0; i < 4; i++) {
+            float *const line = out + 2 * ((size_t) (k + i) * pitch);
+            __builtin_prefetch(line + 2 * AHEAD * pitch, 1);
+            store4(line, lo[i]);
+            store4(line + 8, hi[i]);
+        }
+    }
+}
+
+/* The way back: eight columns' rows to four complex rows of nx numbers. */
+GP_CLONES static void pack(const float *in, size_t pitch, int nx, float *z,
+                           size_t z_pitch)
+{
+    for (int k = 0; k < nx / 2; k += 4) {
+        vf lo[4], hi[4], row[ROWS];
+        for (int i = 0; i < 4; i++) {
+            const float *const line = in + 2 * ((size_t) (k + i) * pitch);
+            __builtin_prefetch(line + 2 * AHEAD * pitch);
+            lo[i] = load4(line);
+            hi[i] = load4(line + 8);
+        }
+        transpose(lo, row);
+        transpose(hi, row + 4);
+        for (int p = 0; p < PAIRS; p++) {
+            float *const zp = z + (size_t) p * z_pitch;
+            const vf ib = swap(row[2 * p + 1] * CONJ); // times i
+            const vf minus = (row[2 * p] - ib) * CONJ;
+            // Z[nx - k] for k = 0 is Z[nx], which nothing reads
+            store4(zp + 2 * (nx - k - 3), reverse(minus));
+            store4(zp + 2 * k, row[2 * p] + ib);
+        }
+    }
+    const float *const nyquist = in + 2 * ((size_t) (nx / 2) * pitch);
+    for (int p = 0; p < PAIRS; p++) {
+        float *const mid = z + (size_t) p * z_pitch + nx;
+        mid[0] = nyquist[4 * p] - nyquist[4 * p + 3];
+        mid[1] = nyquist[4 * p + 1] + nyquist[4 * p + 2];
+    }
+}
+
+/* z[i] *= k[i] for n complex numbers, n a multiple of 4. */
+GP_CLONES static void multiply(float *restrict z, const float *restrict k,
+                               int n)
+{
+    for (int i = 0; i < n; i += 4) {
+        const vf a = load4(z + 2 * i), b = load4(k + 2 * i);
+        const vf re = __builtin_shufflevector(b, b, 0, 0, 2, 2, 4, 4, 6, 6);
+        const vf im = __builtin_shufflevector(b, b, 1, 1, 3, 3, 5, 5, 7, 7);
+        store4(z + 2 * i, a * re - swap(a) * im * CONJ);
+    }
+}
+
+gp_status gp_fft_matrix_make(const struct gp_log *log, int channels, int nx,
+                             int rows, struct gp_fft_matrix *out)
+{
+    struct gp_fft_matrix m = {.columns = (nx / 2 + 1 + 3) / 4 * 4};
+    m.pitch = ((size_t) rows + ROWS - 1) / ROWS * ROWS;
+    if (m.pitch % 64 == 0)
+        m.pitch += ROWS; // neighbouring columns must not share a cache set
+    for (int c = 0; c < channels; c++) {
+        void *v;
+        gp_status st = gp_alloc(log, "spectrum", (size_t) m.columns * m.pitch,
+                                2 * sizeof(float), &v);
+        if (st) {
+            gp_fft_matrix_free(&m);
+            return st;
+        }
+        m.z[c] = v;
+    }
+    *out = m;
+    return GP_OK;
+}
+
+void gp_fft_matrix_free(struct gp_fft_matrix *m)
+{
+    for (int c = 0; c < 3; c++)
+        gp_free(m->z[c]);
+    *m = (struct gp_fft_matrix) {0};
+}
+
+/* A pass under way: scratch for each thread, and what its tasks read. */
+struct pass {
+    const struct gp_fftwf *lib;
+    const struct gp_fft_job *job;
+    struct gp_fft_matrix *m;
+    const struct gp_fft_matrix *kernel;
+    int kernel_channels;
+    int rows, tasks; // tasks of one channel
+    const int *place;
+    int first, count;
+    float scale;
+    gp_fft_load load;
+    gp_fft_store store;
+    const void *ctx;
+    size_t scratch; // floats of each thread
+    float *buffer;
+};
+
+static gp_status run_pass(struct pass *s, size_t scratch, gp_task task)
+{
+    gp_status st = gp_fftwf_open(s->job->log, &s->lib);
+    if (st)
+        return st;
+    void *v;
+    s->scratch = (scratch + 15) / 16 * 16;
+    st = gp_alloc(s->job->log, "transform", s->scratch * (size_t) gp_threads(),
+                  sizeof(float), &v);
+    if (st)
+        return st;
+    s->buffer = v;
+    gp_parallel_do(s->tasks * s->job->channels, task, s);
+    gp_free(v);
+    return GP_OK;
+}
+
+/* Floats of a complex row of n numbers and a little more, cache-aligned. */
+static size_t row_floats(int n)
+{
+    return (2 * (size_t) n + 8 + 15) / 16 * 16;
+}
+
+static void rows_in(void *ctx, int i, int thread)
+{
+    struct pass *const s = ctx;
+    const int c = s->job->channel + i / s->tasks;
+    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
+    const size_t pitch = row_floats(nx);
+    float *const z = s->buffer + s->scratch * (size_t) thread;
+    float *const spectrum = z + pitch;
+    for (int p = 0; p < PAIRS; p++) {
+        float *const out = spectrum + (size_t) p * pitch;
+        const int j = j0 + 2 * p;
+        if (j >= s->rows) {
+            memset(out, 0, pitch * sizeof(float));
+            continue;
+        }
+        memset(z, 0, pitch * sizeof(float));
+        s->load(s->ctx, c, j, z);
+        if (j + 1 < s->rows)
+            s->load(s->ctx, c, j + 1, z + 1);
+        s->lib->execute_dft(s->job->x->forward, (void *) z, (void *) out);
+        out[2 * nx] = out[0];
+        out[2 * nx + 1] = out[1];
+    }
+    unpack(spectrum, pitch, nx, s->m->z[c] + 2 * (size_t) j0, s->m->pitch);
+}
+
+gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
+                         gp_fft_load load, const void *ctx,
+                         struct gp_fft_matrix *m)
+{
+    struct pass s = {
+        .job = job, .m = m, .rows = rows, .load = load, .ctx = ctx,
+        .tasks = (rows + ROWS - 1) / ROWS,
+    };
+    return run_pass(&s, (PAIRS + 1) * row_floats(job->x->n), rows_in);
+}
+
+/* One column, its rows put where they stand, transformed into `out`. */
+static void column_forward(const struct pass *s, const float *column,
+                           float *spread, float *out)
+{
+    const int ny = s->job->y->n;
+    const size_t one = 2 * sizeof(float); // complex number
+    if (s->rows && s->place[s->rows - 1] - s->place[0] == s->rows - 1) {
+        const int first = s->place[0], end = first + s->rows; // no gap
+        memset(spread, 0, one * (size_t) first);
+        memcpy(spread + 2 * first, column, one * (size_t) s->rows);
+        memset(spread + 2 * end, 0, one * (size_t) (ny - end));
+    } else {
+        memset(spread, 0, one * (size_t) ny);
+        for (int j = 0; j < s->rows; j++)
+            memcpy(spread + 2 * s->place[j], column + 2 * j, one);
+    }
+    s->lib->execute_dft(s->job->y->forward, (void *) spread, (void *) out);
+}
+
+static void columns_forward(void *ctx, int i, int thread)
+{
+    struct pass *const s = ctx;
+    const int c = s->job->channel + i / s->tasks;
+    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
+    float *const spread = s->buffer + s->scratch * (size_t) thread;
+    float *const whole = spread + row_floats(ny);
+    for (int k = k0; k < k0 + COLUMNS && k <= s->job->x->n / 2; k++) {
+        column_forward(s, s->m->z[c] + 2 * (size_t) k * s->m->pitch, spread,
+                       whole);
+        float *const out = s->kernel->z[c] + 2 * (size_t) k * s->kernel->pitch;
+        for (int y = 0; y < 2 * ny; y++)
+            out[y] = whole[y] * s->scale;
+    }
+}
+
+gp_status gp_fft_columns(const struct gp_fft_job *job,
+                         const struct gp_fft_matrix *m, int rows,
+                         const int *place, float scale,
+                         struct gp_fft_matrix *out)
+{
+    struct gp_fft_matrix in = *m;
+    struct pass s = {
+        .job = job, .m = &in, .kernel = out, .rows = rows, .place = place,
+        .scale = scale, .tasks = (job->x->n / 2 + COLUMNS) / COLUMNS,
+    };
+    return run_pass(&s, 2 * row_floats(job->y->n), columns_forward);
+}
+
+static void columns_multiply(void *ctx, int i, int thread)
+{
+    struct pass *const s = ctx;
+    const int c = s->job->channel + i / s->tasks;
+    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
+    const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : c];
+    float *const spread = s->buffer + s->scratch * (size_t) thread;
+    float *const whole = spread + row_floats(ny);
+    const int upper = s->first + s->count < ny ? s->count : ny - s->first;
+    for (int k = k0; k < k0 + COLUMNS && k <= s->job->x->n / 2; k++) {
+        float *const column = s->m->z[c] + 2 * (size_t) k * s->m->pitch;
+        column_forward(s, column, spread, whole);
+        multiply(whole, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
+        s->lib->execute_dft(s->job->y->backward, (void *) whole,
+                            (void *) spread);
+        memcpy(column, spread + 2 * (size_t) s->first,
+               2 * sizeof(float) * (size_t) upper);
+        memcpy(column + 2 * (size_t) upper, spread,
+               2 * sizeof(float) * (size_t) (s->count - upper));
+        // the last eight rows go back together; those past the end are dark
+        const int tail = (s->count + ROWS - 1) / ROWS * ROWS - s->count;
+        memset(column + 2 * (size_t) s->count, 0,
+               2 * sizeof(float) * (size_t) tail);
+    }
+}
+
+gp_status gp_fft_multiply(const struct gp_fft_job *job,
+                          struct gp_fft_matrix *m, int rows, const int *place,
+                          const struct gp_fft_matrix *kernel,
+                          int kernel_channels, int first, int count)
+{
+    struct pass s = {
+        .job = job, .m = m, .kernel = kernel, .rows = rows, .place = place,
+        .kernel_channels = kernel_channels, .first = first, .count = count,
+        .tasks = (job->x->n / 2 + COLUMNS) / COLUMNS,
+    };
+    return run_pass(&s, 2 * row_floats(job->y->n), columns_multiply);
+}
+
+static void rows_out(void *ctx, int i, int thread)
+{
+    struct pass *const s = ctx;
+    const int c = s->job->channel + i / s->tasks;
+    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
+    const size_t pitch = row_floats(nx);
+    float *const z = s->buffer + s->scratch * (size_t) thread;
+    float *const spectrum = z + pitch;
+    pack(s->m->z[c] + 2 * (size_t) j0, s->m->pitch, nx, spectrum, pitch);
+    for (int p = 0; p < PAIRS && j0 + 2 * p < s->rows; p++) {
+        s->lib->execute_dft(s->job->x->backward,
+                            (void *) (spectrum + (size_t) p * pitch),
+                            (void *) z);
+        s->store(s->ctx, c, j0 + 2 * p, z);
+        if (j0 + 2 * p + 1 < s->rows)
+            s->store(s->ctx, c, j0 + 2 * p + 1, z + 1);
+    }
+}
+
+gp_status gp_fft_rows_out(const struct gp_fft_job *job,
+                          const struct gp_fft_matrix *m, int rows,
+                          gp_fft_store store, const void *ctx)
+{
+    struct gp_fft_matrix in = *m;
+    struct pass s = {
+        .job = job, .m = &in, .rows = rows, .store = store, .ctx = ctx,
+        .tasks = (rows + ROWS - 1) / ROWS,
+    };
+    return run_pass(&s, (PAIRS + 1) * row_floats(job->x->n), rows_out);
+}

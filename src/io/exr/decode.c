@@ -1,0 +1,345 @@
+#include "io/exr/decode.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/exr/fault.h"
+#include "io/exr/unzip.h"
+#include "io/half.h"
+
+#include <pthread.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Unpacked bytes of a chunk: either in order, or split by even and odd
+ * places with the halves at `bytes` and `odd`. */
+struct packed {
+    const uint8_t *bytes;
+    const uint8_t *odd;  // NULL when in order
+};
+
+/* What one thread needs; its pipeline is reused for all its chunks. */
+struct worker {
+    const struct gp_exr_layout *layout;
+    const struct gp_exr_sink *sink;
+    exr_decode_pipeline_t pipe;
+    exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
+    struct gp_inflate *inflate;
+    uint8_t *split;  // layout->largest bytes
+    bool is_split;   // the chunk at hand is in `split`
+    bool is_stored;  // ... or lies in the file as it is
+    bool ready;
+};
+
+struct job {
+    const struct gp_exr_layout *layout;
+    struct worker *worker;
+};
+
+/* -- one row of one channel ----------------------------------------------- */
+
+static void uints_to_floats(float *v, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        uint32_t u;
+        memcpy(&u, &v[i], sizeof u);
+        v[i] = (float) u;
+    }
+}
+
+static void put_in_order(const uint8_t *from, exr_pixel_type_t type,
+                         bool as_float, void *to, size_t n)
+{
+    if (type == EXR_PIXEL_HALF && as_float)
+        gp_half_to_float((const uint16_t *) (const void *) from, to, n);
+    else
+        memcpy(to, from, n * (type == EXR_PIXEL_HALF ? 2 : 4));
+}
+
+static void put_split(const uint8_t *even, const uint8_t *odd,
+                      exr_pixel_type_t type, bool as_float, void *to, size_t n)
+{
+    if (type == EXR_PIXEL_HALF && as_float)
+        gp_split_half_to_float(even, odd, to, n);
+    else
+        gp_interleave(even, odd, to, type == EXR_PIXEL_HALF ? n : 2 * n);
+}
+
+/* Samples that lie `at` bytes into the chunk; `at` is even always. */
+static void put_row(const struct packed *p, size_t at, exr_pixel_type_t type,
+                    bool as_float, void *to, size_t n)
+{
+    if (p->odd)
+        put_split(p->bytes + at / 2, p->odd + at / 2, type, as_float, to, n);
+    else
+        put_in_order(p->bytes + at, type, as_float, to, n);
+    if (type == EXR_PIXEL_UINT && as_float)
+        uints_to_floats(to, n);
+}
+
+/* -- one chunk ------------------------------------------------------------ */
+
+/* Where channel samples of chunk row `y` of the window begin in the sink. */
+static void *sink_row(const struct gp_exr_layout *l,
+                      const struct gp_exr_sink *s,
+                      const exr_attr_chlist_entry_t *e, int x, int y)
+{
+    size_t width = (size_t) (l->w / e->x_sampling);
+    size_t index = (size_t) (y / e->y_sampling) * width +
+                   (size_t) (x / e->x_sampling);
+    bool wide = s->as_float || e->pixel_type != EXR_PIXEL_HALF;
+    return (uint8_t *) s->to + index * (wide ? 4 : 2);
+}
+
+static void unpack(const struct worker *w, const struct packed *p)
+{
+    const struct gp_exr_layout *l = w->layout;
+    const exr_chunk_info_t *c = &w->pipe.chunk;
+    int x0 = l->tile_w ? c->start_x * l->tile_w : 0;
+    int y0 = l->tile_w ? c->start_y * l->tile_h : c->start_y - l->y0;
+    size_t at = 0;
+    for (int y = y0; y < y0 + c->height; y++) {
+        for (int i = 0; i < l->channel->num_channels; i++) {
+            const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
+            const struct gp_exr_sink *s = &w->sink[i];
+            if (y % e->y_sampling)
+                continue;
+            size_t n = (size_t) (c->width / e->x_sampling);
+            if (s->to)
+                put_row(p, at, e->pixel_type, s->as_float,
+                        sink_row(l, s, e, x0, y), n);
+            at += n * (e->pixel_type == EXR_PIXEL_HALF ? 2 : 4);
+        }
+    }
+}
+
+/* Takes the place of the library's zlib and run lengths. What does not
+ * decode here is given to the library, so that odd files mean the same. */
+static exr_result_t decompress(exr_decode_pipeline_t *pipe)
+{
+    struct worker *w = pipe->decoding_user_data;
+    const exr_chunk_info_t *c = &pipe->chunk;
+    size_t in = c->packed_size, out = c->unpacked_size;
+    exr_compression_t method = w->layout->compression;
+    if (in == out) // stored
+        return w->library_decompress(pipe);
+    if (method == EXR_COMPRESSION_RLE)
+        w->is_split = gp_unrle(pipe->packed_buffer, in, w->split, out);
+    else
+        w->is_split = gp_inflate_run(w->inflate, pipe->packed_buffer, in,
+                                     w->split, out);
+    if (!w->is_split)
+        return w->library_decompress(pipe);
+    gp_undo_delta(w->split, out);
+    return EXR_ERR_SUCCESS;
+}
+
+/* B44 blocks that would have grown are stored as they are (tiny windows).
+ * OpenEXR's C++ library writes and reads such chunks; OpenEXRCore 3.1.5 takes
+ * them for compressed ones. */
+static exr_result_t decompress_b44(exr_decode_pipeline_t *pipe)
+{
+    struct worker *w = pipe->decoding_user_data;
+    w->is_stored = pipe->chunk.packed_size == pipe->chunk.unpacked_size;
+    return w->is_stored ? EXR_ERR_SUCCESS : w->library_decompress(pipe);
+}
+
+static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
+{
+    const struct worker *w = pipe->decoding_user_data;
+    struct packed p = {.bytes = pipe->unpacked_buffer};
+    if (w->is_split) {
+        p.bytes = w->split;
+        p.odd = w->split + (pipe->chunk.unpacked_size + 1) / 2;
+    }
+    if (w->is_stored)
+        p.bytes = pipe->packed_buffer;
+    if (!p.bytes)
+        return EXR_ERR_CORRUPT_CHUNK;
+    unpack(w, &p);
+    return EXR_ERR_SUCCESS;
+}
+
+static exr_result_t run_chunk(struct worker *w, int index)
+{
+    const struct gp_exr_layout *l = w->layout;
+    const exr_context_t exr = l->origin->exr;
+    w->is_split = false;
+    w->is_stored = false;
+    if (l->chunk[index].unpacked_size == 0) // lines that no channel samples
+        return EXR_ERR_SUCCESS;
+    exr_result_t r =
+        exr_decoding_update(exr, l->part, &l->chunk[index], &w->pipe);
+    return r ? r : exr_decoding_run(exr, l->part, &w->pipe);
+}
+
+/* -- all chunks ----------------------------------------------------------- */
+
+static void close_worker(struct worker *w)
+{
+    if (w->ready)
+        (void) exr_decoding_destroy(w->layout->origin->exr, &w->pipe);
+    gp_inflate_free(w->inflate);
+    GP_FREE(w->split);
+    *w = (struct worker) {0};
+}
+
+static bool is_zip(exr_compression_t c)
+{
+    return c == EXR_COMPRESSION_ZIP || c == EXR_COMPRESSION_ZIPS;
+}
+
+/* The library chooses its routines on first use without a lock; frames may be
+ * read by several threads at once. */
+static exr_result_t choose_routines(const struct gp_exr_layout *l,
+                                    exr_decode_pipeline_t *pipe)
+{
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    pthread_mutex_lock(&lock);
+    const exr_result_t r =
+        exr_decoding_choose_default_routines(l->origin->exr, l->part, pipe);
+    pthread_mutex_unlock(&lock);
+    return r;
+}
+
+static gp_status open_worker(const struct gp_log *log,
+                             const struct gp_exr_layout *l,
+                             const struct gp_exr_sink *sink, struct worker *w)
+{
+    const exr_context_t exr = l->origin->exr;
+    *w = (struct worker) {.layout = l, .sink = sink};
+    gp_exr_fault_clear();
+    exr_result_t r =
+        exr_decoding_initialize(exr, l->part, &l->chunk[0], &w->pipe);
+    w->ready = true;
+    if (!r)
+        r = choose_routines(l, &w->pipe);
+    const gp_status fault = gp_exr_fault();
+    if (fault)
+        return gp_exr_fault_tell(log, l->path, fault);
+    if (r)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR library cannot decode it (%s); write the "
+                       "file with another compression", l->path,
+                       exr_get_default_error_message(r));
+    w->pipe.decoding_user_data = w;
+    w->pipe.unpack_and_convert_fn = unpack_chunk;
+    w->library_decompress = w->pipe.decompress_fn;
+    if (l->compression == EXR_COMPRESSION_B44 ||
+        l->compression == EXR_COMPRESSION_B44A)
+        w->pipe.decompress_fn = decompress_b44;
+    if (!is_zip(l->compression) && l->compression != EXR_COMPRESSION_RLE)
+        return GP_OK;
+    w->pipe.decompress_fn = decompress;
+    w->inflate = gp_inflate_new();
+    void *split;
+    gp_status st = gp_alloc(log, "chunk", l->largest, 1, &split);
+    w->split = split;
+    if (!st && !w->inflate)
+        st = gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                     "programs", l->path);
+    return st;
+}
+
+static gp_status decode_body(void *ctx, int index, int thread)
+{
+    const struct job *job = ctx;
+    gp_exr_fault_clear();
+    const exr_result_t r = run_chunk(&job->worker[thread], index);
+    const gp_status fault = gp_exr_fault();
+    return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
+}
+
+/* zlib takes its memory behind the library's back, and the library says the
+ * same of a full one and of blocks that end early. */
+static bool is_memory_full(const struct gp_exr_layout *l)
+{
+    enum { ZLIB_BYTES = 1 << 16 };
+    void *p;
+    const bool full = gp_alloc(NULL, l->path, ZLIB_BYTES, 1, &p);
+    gp_free(p);
+    return full;
+}
+
+/* Decodes the chunk that failed once more to learn why; it fails again when
+ * the file is to blame. */
+static gp_status report(const struct gp_log *log, const struct job *job,
+                        int index, gp_status st)
+{
+    const struct gp_exr_layout *l = job->layout;
+    const exr_chunk_info_t *c = &l->chunk[index];
+    if (st != GP_ERR_DATA)
+        return gp_exr_fault_tell(log, l->path, st);
+    gp_exr_fault_clear();
+    exr_result_t r = run_chunk(&job->worker[0], index);
+    if (gp_exr_fault())
+        return gp_exr_fault_tell(log, l->path, gp_exr_fault());
+    const bool cut = gp_exr_fault_short();
+    if ((!r && !cut) || (r == EXR_ERR_OUT_OF_MEMORY && is_memory_full(l)))
+        return gp_exr_fault_tell(log, l->path, GP_ERR_BUG);
+    char place[64];
+    if (l->tile_w)
+        snprintf(place, sizeof place, "tile %d,%d", c->start_x, c->start_y);
+    else
+        snprintf(place, sizeof place, "line %d", c->start_y);
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: the pixels are damaged at %s (%s); copy or render the "
+                   "file again", l->path, place,
+                   // which the library also says of blocks that end early
+                   r == EXR_ERR_OUT_OF_MEMORY
+                       ? "a block does not fit its pixels"
+                   : cut ? "the file ends before them"
+                       : exr_get_default_error_message(r));
+}
+
+gp_status gp_exr_decode(const struct gp_log *log,
+                        const struct gp_exr_layout *l,
+                        const struct gp_exr_sink *sink)
+{
+    int team = gp_threads() < l->chunks ? gp_threads() : l->chunks, failed;
+    void *list;
+    gp_status st = gp_alloc_zero(log, "decoders", (size_t) team,
+                                 sizeof(struct worker), &list);
+    if (st)
+        return st;
+    struct job job = {.layout = l, .worker = list};
+    for (int i = 0; i < team; i++)
+        GP_TRY(open_worker(log, l, sink, &job.worker[i]));
+    st = gp_parallel(l->chunks, decode_body, &job, &failed);
+    if (st)
+        st = report(log, &job, failed, st);
+out:
+    for (int i = 0; i < team; i++)
+        close_worker(&job.worker[i]);
+    gp_free(list);
+    return st;
+}
+
+/* The first chunk that is not stored as it is, or -1. */
+static int first_compressed(const struct gp_exr_layout *l)
+{
+    for (int i = 0; i < l->chunks; i++) {
+        if (l->chunk[i].packed_size != l->chunk[i].unpacked_size)
+            return i;
+    }
+    return -1;
+}
+
+bool gp_exr_can_decode(const struct gp_exr_layout *l)
+{
+    const int chunk = first_compressed(l);
+    if (l->compression < EXR_COMPRESSION_DWAA || chunk < 0)
+        return true;
+    struct gp_exr_sink *nowhere;
+    void *list;
+    if (gp_alloc_zero(NULL, "channels", (size_t) l->channel->num_channels,
+                      sizeof *nowhere, &list))
+        return false;
+    nowhere = list;
+    struct worker w;
+    exr_result_t r = EXR_ERR_FEATURE_NOT_IMPLEMENTED;
+    if (!open_worker(NULL, l, nowhere, &w))
+        r = run_chunk(&w, chunk);
+    close_worker(&w);
+    gp_free(list);
+    return r != EXR_ERR_FEATURE_NOT_IMPLEMENTED;
+}

@@ -1,0 +1,301 @@
+#include "io/exr/luma_chroma.h"
+
+#include "core/cpu.h"
+#include "core/luminance.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/half.h"
+
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+enum {
+    REACH = 13,  // taps lie at odd distances up to this
+    TAPS = 14,
+    BAND = 32,   // rows of one task
+};
+
+/* ImfRgbaYca.cpp, reconstructChromaHoriz(): taps at -13, -11, ... 13. */
+static const float tap[TAPS] = {
+    0.002128f,  -0.007540f, 0.019597f, -0.043159f, 0.087929f,
+    -0.186077f, 0.627123f,  0.627123f, -0.186077f, 0.087929f,
+    -0.043159f, 0.019597f,  -0.007540f, 0.002128f,
+};
+
+struct rows {
+    const struct gp_yc *in;
+    float *chroma[2];  // rows y / ys of RY and BY, all columns
+    float *scratch;    // SCRATCH_ROWS rows for each thread
+    struct gp_planes *out;
+};
+
+/* A row in the making: R, G, B and the saturation of each pixel. */
+struct colours {
+    float *c[3];
+    float *saturation;
+};
+enum { SCRATCH_ROWS = 3 * 4 };  // above, at and below the row that is made
+
+static void keep_half(const struct gp_yc *in, float *row)
+{
+    if (in->half)
+        gp_half_round(row, (size_t) in->w);
+}
+
+/* -- chroma --------------------------------------------------------------- */
+
+/* Odd columns from the even ones: n samples in `some`, which has TAPS / 2
+ * more at both ends. */
+GP_CLONES static void fill_columns(const float *some, int n, float *row)
+{
+    for (int i = 0; i < n; i++) {
+        const float *from = some + i + 1 - TAPS / 2;
+        float sum = from[0] * tap[0];
+        for (int k = 1; k < TAPS; k++)
+            sum += from[k] * tap[k];
+        row[2 * i] = some[i];
+        row[2 * i + 1] = sum;
+    }
+}
+
+/* Outside the row its first and its last sample are repeated. */
+static void pad(const float *from, int n, float *some)
+{
+    for (int i = 0; i < TAPS / 2; i++) {
+        some[-1 - i] = from[0];
+        some[n + i] = from[n - 1];
+    }
+    memcpy(some, from, (size_t) n * sizeof *some);
+}
+
+static void chroma_row(void *ctx, int i, int thread)
+{
+    const struct rows *r = ctx;
+    const struct gp_yc *in = r->in;
+    const int n = in->w / in->xs;
+    const size_t w = (size_t) in->w, row = (size_t) i;
+    float *some = r->scratch + (size_t) thread * SCRATCH_ROWS * w + TAPS / 2;
+    for (int c = 0; c < 2; c++) {
+        const float *from = (c ? in->by : in->ry) + row * (size_t) n;
+        float *to = r->chroma[c] + row * w;
+        pad(from, n, some);
+        fill_columns(some, n, to);
+        keep_half(in, to);
+    }
+}
+
+GP_CLONES static void add_rows(const float *const row[TAPS], int w, float *out)
+{
+    for (int x = 0; x < w; x++) {
+        float sum = row[0][x] * tap[0];
+        for (int k = 1; k < TAPS; k++)
+            sum += row[k][x] * tap[k];
+        out[x] = sum;
+    }
+}
+
+/* RY or BY of image row y, which may be one outside: even rows have theirs,
+ * odd rows are filtered from the even rows above and below. Rows above the
+ * first are the first; rows below the last are the last even one. */
+static void chroma_of_row(const struct rows *r, int c, int y, float *out)
+{
+    const size_t w = (size_t) r->in->w;
+    const int last = r->in->h / 2 - 1;
+    const float *source[TAPS];
+    if (y % 2 == 0) {
+        int i = y / 2 > last ? last : y / 2;
+        memcpy(out, r->chroma[c] + (size_t) i * w, w * sizeof *out);
+        return;
+    }
+    for (int k = 0; k < TAPS; k++) {
+        int even = y - REACH + 2 * k;
+        int i = even < 0 ? 0 : even / 2 > last ? last : even / 2;
+        source[k] = r->chroma[c] + (size_t) i * w;
+    }
+    add_rows(source, r->in->w, out);
+    keep_half(r->in, out);
+}
+
+/* -- colour --------------------------------------------------------------- */
+
+GP_CLONES static void row_to_rgb(const float weight[3], const float *luma,
+                                 float *r, float *g, float *b, int w)
+{
+    for (int x = 0; x < w; x++) {
+        float ry = r[x], by = b[x], y = luma[x];
+        bool grey = ry == 0.0f && by == 0.0f; // exact, whatever the weights
+        float red = (ry + 1.0f) * y, blue = (by + 1.0f) * y;
+        float green = (y - red * weight[0] - blue * weight[2]) / weight[1];
+        r[x] = grey ? y : red;
+        g[x] = grey ? y : green;
+        b[x] = grey ? y : blue;
+    }
+}
+
+static inline float larger(float a, float b)
+{
+    return a < b ? b : a; // as std::max: the first where one is NaN
+}
+
+static inline float smaller(float a, float b)
+{
+    return b < a ? b : a;
+}
+
+GP_CLONES static void find_saturation(const struct colours *row, int w)
+{
+    const float *r = row->c[0], *g = row->c[1], *b = row->c[2];
+    for (int x = 0; x < w; x++) {
+        float high = larger(r[x], larger(g[x], b[x]));
+        float low = smaller(r[x], smaller(g[x], b[x]));
+        row->saturation[x] = high > 0.0f ? 1.0f - low / high : 0.0f;
+    }
+}
+
+/* Image row y in [-1, h], before saturation is fixed. */
+static void colours_of_row(const struct rows *rows, int y,
+                           const struct colours *row)
+{
+    const struct gp_yc *in = rows->in;
+    // luminance of a row outside is that of the chroma row that stands in
+    int inside = y < 0 ? 0 : y >= in->h ? in->h - 2 : y;
+    const float *luma = in->y + (size_t) inside * (size_t) in->w;
+    chroma_of_row(rows, 0, y, row->c[0]);
+    chroma_of_row(rows, 1, y, row->c[2]);
+    row_to_rgb(in->weight, luma, row->c[0], row->c[1], row->c[2], in->w);
+    for (int c = 0; c < 3; c++)
+        keep_half(in, row->c[c]);
+    find_saturation(row, in->w);
+}
+
+/* Moves a colour towards its largest component, then back to its luminance. */
+static void desaturate(const struct gp_yc *in, float f, float rgb[3])
+{
+    const float *const w = in->weight;
+    float high = larger(rgb[0], larger(rgb[1], rgb[2]));
+    float before = rgb[0] * w[0] + rgb[1] * w[1] + rgb[2] * w[2];
+    for (int c = 0; c < 3; c++) {
+        float v = larger(high - (high - rgb[c]) * f, 0.0f);
+        rgb[c] = in->half ? gp_half_nearest(v) : v;
+    }
+    float after = rgb[0] * w[0] + rgb[1] * w[1] + rgb[2] * w[2];
+    for (int c = 0; c < 3 && after > 0.0f; c++) {
+        float v = rgb[c] * (before / after);
+        rgb[c] = in->half ? gp_half_nearest(v) : v;
+    }
+}
+
+/* fixSaturation() of the row between two others. The mean is of the four
+ * diagonal neighbours; beside the image stands its edge column. */
+static void fix_row(const struct rows *rows, const struct colours row[3],
+                    int y)
+{
+    const int w = rows->in->w;
+    const float *above = row[0].saturation, *below = row[2].saturation;
+    for (int x = 0; x < w; x++) {
+        int left = x > 0 ? x - 1 : 0, right = x < w - 1 ? x + 1 : x;
+        float mean = smaller(1.0f, 0.25f * (above[left] + above[right] +
+                                            below[left] + below[right]));
+        float s = row[1].saturation[x];
+        float most = smaller(1.0f, 1.0f - (1.0f - mean) * 0.25f);
+        size_t at = (size_t) y * (size_t) w + (size_t) x;
+        float rgb[3] = {row[1].c[0][x], row[1].c[1][x], row[1].c[2][x]};
+        if (s > mean && s > most)
+            desaturate(rows->in, most / s, rgb);
+        for (int c = 0; c < 3; c++)
+            rows->out->c[c][at] = rgb[c];
+    }
+}
+
+static void band(void *ctx, int i, int thread)
+{
+    const struct rows *rows = ctx;
+    const struct gp_yc *in = rows->in;
+    const size_t w = (size_t) in->w;
+    float *at = rows->scratch + (size_t) thread * SCRATCH_ROWS * w;
+    struct colours row[3]; // above, at, below
+    for (int k = 0; k < 3; k++, at += 4 * w)
+        row[k] = (struct colours) {{at, at + w, at + 2 * w}, at + 3 * w};
+    int y0 = i * BAND, y1 = y0 + BAND < in->h ? y0 + BAND : in->h;
+    colours_of_row(rows, y0 - 1, &row[1]);
+    colours_of_row(rows, y0, &row[2]);
+    for (int y = y0; y < y1; y++) {
+        struct colours oldest = row[0];
+        row[0] = row[1];
+        row[1] = row[2];
+        row[2] = oldest;
+        colours_of_row(rows, y + 1, &row[2]);
+        fix_row(rows, row, y);
+    }
+}
+
+/* Chroma at every pixel: nothing was filtered, so nothing rings. */
+static void full_row(void *ctx, int y, int thread)
+{
+    const struct rows *rows = ctx;
+    const struct gp_yc *in = rows->in;
+    (void) thread;
+    const size_t w = (size_t) in->w, at = (size_t) y * w;
+    float *const *out = rows->out->c;
+    memcpy(out[0] + at, in->ry + at, w * sizeof(float));
+    memcpy(out[2] + at, in->by + at, w * sizeof(float));
+    row_to_rgb(in->weight, in->y + at, out[0] + at, out[1] + at, out[2] + at,
+               in->w);
+    for (int c = 0; c < 3; c++)
+        keep_half(in, out[c] + at);
+}
+
+gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
+                       struct gp_planes *out)
+{
+    gp_status st;
+    size_t w = (size_t) in->w, chroma_rows = (size_t) (in->h / in->ys);
+    struct rows rows = {.in = in, .out = out};
+    void *p = NULL;
+    if (in->xs == 1) {
+        gp_parallel_do(in->h, full_row, &rows);
+        return GP_OK;
+    }
+    for (int c = 0; c < 2; c++) {
+        GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float), &p));
+        rows.chroma[c] = p;
+    }
+    GP_TRY(gp_alloc(log, "chroma", (size_t) gp_threads() * SCRATCH_ROWS * w,
+                    sizeof(float), &p));
+    rows.scratch = p;
+    gp_parallel_do((int) chroma_rows, chroma_row, &rows);
+    gp_parallel_do((in->h + BAND - 1) / BAND, band, &rows);
+out:
+    gp_free(rows.chroma[0]);
+    gp_free(rows.chroma[1]);
+    gp_free(rows.scratch);
+    return st;
+}
+
+/* -- weights -------------------------------------------------------------- */
+
+/* RGBtoXYZ() with Y = 1, of which only the Y column is needed. */
+void gp_yc_weights(const float ch[8], float weight[3])
+{
+    const float rx = ch[0], ry = ch[1], gx = ch[2], gy = ch[3], bx = ch[4],
+                by = ch[5], wx = ch[6], wy = ch[7];
+    float x = wx / wy, z = (1.0f - wx - wy) / wy;
+    float d = rx * (by - gy) + bx * (gy - ry) + gx * (ry - by);
+    float r = x * (by - gy) - gx * ((by - 1.0f) + by * (x + z)) +
+              bx * ((gy - 1.0f) + gy * (x + z));
+    float g = x * (ry - by) + rx * ((by - 1.0f) + by * (x + z)) -
+              bx * ((ry - 1.0f) + ry * (x + z));
+    float b = x * (gy - ry) - rx * ((gy - 1.0f) + gy * (x + z)) +
+              gx * ((ry - 1.0f) + ry * (x + z));
+    float yr = r / d * ry, yg = g / d * gy, yb = b / d * by;
+    float sum = yr + yg + yb;
+    weight[0] = yr / sum;
+    weight[1] = yg / sum;
+    weight[2] = yb / sum;
+    // green is what the other two leave, so it must be there
+    if (isfinite(weight[0]) && isfinite(weight[1]) && isfinite(weight[2]) &&
+        fabsf(weight[1]) > FLT_MIN)
+        return;
+    memcpy(weight, gp_rec709_luminance, sizeof gp_rec709_luminance);
+}

@@ -1,0 +1,220 @@
+/* app/bench*.c: the Pareto front, parts of a frame, options, files. */
+#include "unit.h"
+#include "app/bench_gnuplot.h"
+#include "app/bench_measure.h"
+#include "app/bench_table.h"
+#include "core/memory.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+// -- the front -----------------------------------------------------------------------
+
+static void the_front_is_what_nothing_beats(void **state)
+{
+    static const struct {
+        double ms, error; // error < 0: not measured
+        bool pareto;
+    } rows[] = {
+        {10, 1e-3, true},  {20, 1e-7, true},   {5, 1e-1, true},
+        {20, 1e-3, false}, // slower than the first, as wrong
+        {10, 1e-2, false}, // as fast as the first, more wrong
+        {1, -1, false},    {30, 1e-8, true},   {30, 1e-8, true}, // twins
+        {40, 0, true},     {5.1, 2e-1, false}, {50, 0, false},
+        {60, INFINITY, false},
+    };
+    (void) state;
+    struct gp_bench_frame f = {.rows = COUNT(rows)};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        f.row[i].ms = rows[i].ms;
+        f.row[i].error.rel_l2 = rows[i].error;
+        f.row[i].measured = rows[i].error >= 0.0;
+    }
+    gp_bench_mark_pareto(&f);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        if (f.row[i].pareto != rows[i].pareto)
+            fail_msg("row %zu", i);
+    }
+}
+
+static void options_ask_for_the_technique(void **state)
+{
+    static const struct {
+        const char *name, *options;
+    } rows[] = {
+        {"direct", "-e direct"},
+        {"fft", "-e fft"},
+        {"splat group 8", "-e splat --group 8 --group-method core --cluster 0 "
+                          "--shrink 0 --primitive auto"},
+        {"splat 4/8/1e-3 moments", "-e splat --group 4 --group-method moments "
+                                   "--cluster 8 --shrink 0.001 --primitive "
+                                   "auto"},
+        {"splat 4/8/1e-3 points", "-e splat --group 4 --group-method core "
+                                  "--cluster 8 --shrink 0.001 --primitive "
+                                  "point"},
+        {"auto", "-e auto --tolerance 0.25"},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_bench_technique *t = gp_bench_techniques;
+        char line[sizeof((struct gp_bench_row *) 0)->options];
+        while (t->name && strcmp(t->name, rows[i].name) != 0)
+            t++;
+        assert_non_null(t->name);
+        gp_bench_options(t, 0.25f, line, sizeof line);
+        assert_string_equal(line, rows[i].options);
+    }
+}
+
+// -- parts -----------------------------------------------------------------------------
+
+static struct gp_frame grey(int w, int h, float light)
+{
+    struct gp_frame f = {.data = {-9, 5, w - 9, h + 5},
+                         .luminance = {0.25f, 0.5f, 0.25f}};
+    assert_int_equal(gp_planes_make(NULL, "test", gp_frame_pixels(&f), &f.rgb),
+                     GP_OK);
+    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++)
+        f.rgb.c[i % 3][i / 3] = light + (float) (i / 3 % 7);
+    return f;
+}
+
+static void parts_are_even_and_untouched(void **state)
+{
+    static const struct {
+        int w, h, parts;
+        double least, most; // share of the light's pixels
+    } rows[] = {
+        {1024, 768, 10, 0.09, 0.11},   {1024, 768, 100, 0.008, 0.012},
+        {1000, 70, 10, 0.07, 0.13},    {70, 1000, 10, 0.07, 0.13},
+        {2048, 1536, 100, 0.009, 0.011}, {7, 5, 10, 1.0, 1.0},
+    };
+    (void) state;
+    for (size_t r = 0; r < COUNT(rows); r++) {
+        struct gp_frame f = grey(rows[r].w, rows[r].h, 2.0f), part;
+        const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+        struct gp_sources all = {0}, some = {0};
+        assert_int_equal(gp_sense(NULL, &p, &f, &all), GP_OK);
+        assert_int_equal(gp_bench_part(NULL, &f, &all, rows[r].parts, &part),
+                         GP_OK);
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+            const float v = part.rgb.c[1][i];
+            assert_true(v == 0.0f || v == f.rgb.c[1][i]);
+        }
+        assert_int_equal(gp_sense(NULL, &p, &part, &some), GP_OK);
+        assert_true(some.x0 == -9 && some.y0 == 5);
+        const double share = (double) some.n / (double) all.n;
+        if (!(share >= rows[r].least && share <= rows[r].most))
+            fail_msg("row %zu: a share of %g", r, share);
+        gp_sources_free(&some);
+        gp_frame_free(&part);
+        // and one source alone: the first
+        assert_int_equal(gp_bench_part(NULL, &f, &all, 0, &part), GP_OK);
+        assert_int_equal(gp_sense(NULL, &p, &part, &some), GP_OK);
+        assert_int_equal(some.n, 1);
+        assert_int_equal(some.x[0], all.x[0]);
+        assert_true(some.rgb[0][0] == all.rgb[0][0]);
+        gp_sources_free(&some);
+        gp_sources_free(&all);
+        gp_frame_free(&part);
+        gp_frame_free(&f);
+    }
+}
+
+static void no_light_has_a_part_without_any(void **state)
+{
+    (void) state;
+    struct gp_frame f = grey(40, 30, -9.0f), part;
+    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    struct gp_sources none = {0}, some = {0};
+    assert_int_equal(gp_sense(NULL, &p, &f, &none), GP_OK);
+    assert_int_equal(none.n, 0);
+    for (int parts = 0; parts <= 10; parts += 10) {
+        assert_int_equal(gp_bench_part(NULL, &f, &none, parts, &part), GP_OK);
+        assert_int_equal(gp_sense(NULL, &p, &part, &some), GP_OK);
+        assert_int_equal(some.n, 0);
+        gp_sources_free(&some);
+        gp_frame_free(&part);
+    }
+    gp_sources_free(&none);
+    gp_frame_free(&f);
+}
+
+// -- gnuplot ------------------------------------------------------------------------------
+
+static char heard[512];
+
+static void listen(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    strncpy(heard, line, sizeof heard - 1);
+}
+
+static void gnuplot_gives_all_it_writes(void **state)
+{
+    (void) state;
+    const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
+    char *out = NULL, *script = NULL;
+    size_t size = 0;
+    if (gp_gnuplot(NULL, "exit\n", &out, &size) != GP_OK)
+        skip();
+    assert_int_equal(size, 0);
+    free(out);
+    // far more than a pipe holds, both ways
+    const size_t n = 40000;
+    script = calloc(n, 32);
+    for (size_t i = 0; i < n; i++)
+        strcpy(script + i * 16, "print 123456789\n");
+    const char to_stdout[] = "set print '-'\n";
+    memcpy(script, "#", 1);
+    char *whole = calloc(n, 32);
+    strcpy(whole, to_stdout);
+    memcpy(whole + strlen(to_stdout), script, n * 16);
+    assert_int_equal(gp_gnuplot(&log, whole, &out, &size), GP_OK);
+    assert_int_equal(size, (n - 1) * 10);
+    assert_memory_equal(out, "123456789\n123456789\n", 20);
+    free(out);
+    free(script);
+    free(whole);
+    heard[0] = '\0';
+    assert_int_equal(gp_gnuplot(&log, "no such word\n", &out, &size),
+                     GP_ERR_IO);
+    assert_non_null(strstr(heard, "gnuplot: made no picture ("));
+    assert_null(strchr(heard, '\n'));
+}
+
+static void gnuplot_that_is_missing_is_named(void **state)
+{
+    (void) state;
+    const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
+    char *const path = gp_strdup(getenv("PATH") ? getenv("PATH") : "");
+    setenv("PATH", "/nonexistent", 1);
+    assert_int_equal(gp_bench_plot_check(&log), GP_ERR_IO);
+    assert_non_null(strstr(heard, "gnuplot-nox"));
+    setenv("PATH", path, 1);
+    free(path);
+}
+
+SUITE(bench)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_front_is_what_nothing_beats),
+        cmocka_unit_test(options_ask_for_the_technique),
+        cmocka_unit_test(parts_are_even_and_untouched),
+        cmocka_unit_test(no_light_has_a_part_without_any),
+        cmocka_unit_test(gnuplot_gives_all_it_writes),
+        cmocka_unit_test(gnuplot_that_is_missing_is_named),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

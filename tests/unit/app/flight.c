@@ -1,0 +1,266 @@
+/* app/flight, app/said: units in flight. What they share sees them in order,
+ * whatever the threads do. */
+#include "unit.h"
+#include "app/flight.h"
+#include "app/said.h"
+#include "core/parallel.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+#include <time.h>
+
+#include <cmocka.h>
+
+enum { MOST = 200 };
+
+/* What is seen of a flight. Steps may run on any thread. */
+struct seen {
+    struct gp_flight flight;
+    atomic_int steps[MOST][3];
+    atomic_int in_flight, most;    // units between READ and end
+    atomic_int at_slot[GP_FLIGHT_MOST];
+    atomic_int wrong;
+    int computed, ended;           // the last of each, from 1
+    int failed[MOST], fails;       // units ended with a failure
+    // asked of it
+    int slots, fail_every, fail_at;
+    enum gp_phase fail_in;
+    bool skip, ordered, narrow;
+    atomic_int writing;
+    struct gp_said said[GP_FLIGHT_MOST];
+    char name[GP_FLIGHT_MOST][16];
+    struct gp_log log;
+    char text[16384];              // what was said, in that order
+};
+
+/* A different pause for each step, the same in every run. */
+static void pause_a_little(int unit, int phase)
+{
+    const unsigned mixed = (unsigned) (unit * 7 + phase * 3 + 1) * 2654435761u;
+    const struct timespec t = {0, (long) (mixed >> 16 & 0x3f) * 8000};
+    nanosleep(&t, NULL);
+}
+
+static bool fails(const struct seen *s, int unit, enum gp_phase phase)
+{
+    return phase == s->fail_in &&
+           ((s->fail_every && unit % s->fail_every == 2) || unit == s->fail_at);
+}
+
+static void check_step(struct seen *s, int slot, int unit, enum gp_phase phase)
+{
+    bool wrong = slot != unit % s->slots || slot >= s->slots;
+    wrong |= atomic_fetch_add(&s->at_slot[slot], 1) != 0;
+    wrong |= atomic_fetch_add(&s->steps[unit][phase], 1) != 0;
+    wrong |= phase > 0 && s->steps[unit][phase - 1] != 1;
+    if (phase == GP_PHASE_READ) {
+        const int now = atomic_fetch_add(&s->in_flight, 1) + 1;
+        int most = s->most;
+        while (now > most &&
+               !atomic_compare_exchange_weak(&s->most, &most, now))
+            ;
+    }
+    if (phase == GP_PHASE_COMPUTE) { // one thread: no atomics
+        wrong |= unit + 1 <= s->computed;
+        s->computed = unit + 1;
+    }
+    if (phase == GP_PHASE_WRITE && s->ordered)
+        wrong |= atomic_fetch_add(&s->writing, 1) != 0 ||
+                 gp_flight_head(&s->flight) != unit;
+    if (wrong)
+        atomic_fetch_add(&s->wrong, 1);
+}
+
+static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
+{
+    struct seen *const s = user;
+    check_step(s, slot, unit, phase);
+    if (phase == GP_PHASE_READ) {
+        snprintf(s->name[slot], sizeof s->name[slot], "u%d", unit);
+        gp_said_begin(&s->said[slot], &s->log, &s->flight, unit,
+                      s->name[slot]);
+    }
+    pause_a_little(unit, phase);
+    gp_say(&s->said[slot].log, GP_LEVEL_WARN, "%d.%d", unit, phase);
+    if (phase == GP_PHASE_WRITE && s->ordered)
+        atomic_fetch_sub(&s->writing, 1);
+    atomic_fetch_sub(&s->at_slot[slot], 1);
+    return fails(s, unit, phase)
+               ? gp_fail_bare(&s->said[slot].log, GP_ERR_DATA, "bad %d", unit)
+               : GP_OK;
+}
+
+static bool goes_on(void *user, int slot, gp_status st)
+{
+    (void) slot;
+    return ((struct seen *) user)->skip && st == GP_ERR_DATA;
+}
+
+static bool has_room(void *user, int in_flight)
+{
+    return !((struct seen *) user)->narrow || in_flight < 2;
+}
+
+static gp_status end(void *user, int slot, int unit, gp_status st)
+{
+    struct seen *const s = user;
+    if (unit != s->ended || slot != unit % s->slots)
+        atomic_fetch_add(&s->wrong, 1);
+    s->ended = unit + 1;
+    atomic_fetch_sub(&s->in_flight, 1);
+    if (st)
+        s->failed[s->fails++] = unit;
+    gp_said_flush(&s->said[slot]);
+    gp_said_end(&s->said[slot]);
+    return st && !s->skip ? st : GP_OK;
+}
+
+static void note(void *user, enum gp_level level, const char *line)
+{
+    struct seen *const s = user;
+    const size_t at = strlen(s->text);
+    (void) level;
+    snprintf(s->text + at, sizeof s->text - at, "%s ", line);
+}
+
+static struct seen seen;
+
+static gp_status fly(int units, int slots, int threads)
+{
+    const struct gp_flight_params p = {units, slots, seen.ordered};
+    const struct gp_flight_work work = {&seen, step, goes_on, has_room, end};
+    seen.slots = slots;
+    seen.log = (struct gp_log) {note, &seen, GP_LEVEL_INFO};
+    gp_set_threads(threads);
+    const gp_status st = gp_flight_run(&p, &work, &seen.flight);
+    for (int i = 0; i < slots; i++)
+        gp_said_end(&seen.said[i]);
+    return st;
+}
+
+static void clear(void)
+{
+    memset(&seen, 0, sizeof seen);
+    seen.fail_at = -1;
+}
+
+/* The words that one thread alone would say. */
+static void assert_said(int units, int fail_every)
+{
+    static char want[16384];
+    want[0] = '\0';
+    for (int u = 0; u < units; u++) {
+        for (int phase = 0; phase < 3; phase++)
+            snprintf(want + strlen(want), sizeof want - strlen(want), "%d.%d ",
+                     u, phase);
+        if (fail_every && u % fail_every == 2) // fails when written
+            snprintf(want + strlen(want), sizeof want - strlen(want),
+                     "u%d: bad %d ", u, u);
+    }
+    assert_string_equal(seen.text, want);
+}
+
+static const struct {
+    int units, slots, threads;
+} row[] = {
+    {0, 1, 1}, {1, 1, 1}, {1, 8, 8}, {5, 1, 4}, {60, 2, 1}, {60, 3, 2},
+    {120, 3, 4}, {120, 7, 3}, {200, 64, 16},
+};
+
+static void all_in_order(void **state)
+{
+    (void) state;
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        for (int ordered = 0; ordered < 2; ordered++) {
+            clear();
+            seen.ordered = ordered;
+            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
+                             GP_OK);
+            assert_int_equal(seen.wrong, 0);
+            assert_int_equal(seen.ended, row[k].units);
+            assert_int_equal(seen.fails, 0);
+            assert_true(seen.most <= row[k].slots);
+            assert_int_equal(gp_flight_head(&seen.flight), row[k].units);
+            for (int u = 0; u < row[k].units; u++) {
+                for (int phase = 0; phase < 3; phase++)
+                    assert_int_equal(seen.steps[u][phase], 1);
+            }
+            assert_said(row[k].units, 0);
+        }
+    }
+}
+
+static void failures_are_skipped(void **state)
+{
+    (void) state;
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        for (int phase = 0; phase < 3; phase++) {
+            clear();
+            seen.skip = true;
+            seen.fail_every = 4;
+            seen.fail_in = (enum gp_phase) phase;
+            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
+                             GP_OK);
+            assert_int_equal(seen.wrong, 0);
+            assert_int_equal(seen.ended, row[k].units);
+            assert_int_equal(seen.fails, (row[k].units + 1) / 4);
+            for (int i = 0; i < seen.fails; i++)
+                assert_int_equal(seen.failed[i], 4 * i + 2);
+            if (phase == GP_PHASE_WRITE)
+                assert_said(row[k].units, 4);
+        }
+    }
+}
+
+static void first_failure_ends(void **state)
+{
+    (void) state;
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        for (int phase = 0; phase < 3; phase++) {
+            const int at = row[k].units / 2;
+            clear();
+            seen.fail_at = at;
+            seen.fail_in = (enum gp_phase) phase;
+            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
+                             row[k].units ? GP_ERR_DATA : GP_OK);
+            assert_int_equal(seen.wrong, 0);
+            if (!row[k].units)
+                continue;
+            assert_int_equal(seen.ended, at + 1);
+            for (int u = 0; u < at; u++) // those before are whole
+                assert_int_equal(seen.steps[u][GP_PHASE_WRITE], 1);
+            for (int u = at + row[k].slots; u < row[k].units; u++)
+                assert_int_equal(seen.steps[u][GP_PHASE_READ], 0);
+            char last[32];
+            snprintf(last, sizeof last, "u%d: bad %d ", at, at);
+            assert_string_equal(seen.text + strlen(seen.text) - strlen(last),
+                                last);
+        }
+    }
+}
+
+static void room_bounds_the_flight(void **state)
+{
+    (void) state;
+    clear();
+    seen.narrow = true;
+    assert_int_equal(fly(60, 8, 8), GP_OK);
+    assert_int_equal(seen.wrong, 0);
+    assert_int_equal(seen.ended, 60);
+    assert_true(seen.most <= 2);
+}
+
+SUITE(flight)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_in_order),
+        cmocka_unit_test(failures_are_skipped),
+        cmocka_unit_test(first_failure_ends),
+        cmocka_unit_test(room_bounds_the_flight),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,375 @@
+/* app/options, app/help, app/topic, app/complete, app/manual, app/spell: the
+ * one table, and the help and completions made from it and the man page. */
+#include "unit.h"
+#include "app/help.h"
+#include "app/manual.h"
+#include "app/spell.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void the_table_is_sound(void **state)
+{
+    (void) state;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        const char *text;
+        assert_ptr_equal(gp_option_find(o->name, strlen(o->name)), o);
+        if (o->letter)
+            assert_ptr_equal(gp_option_letter(o->letter), o);
+        bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
+                      o->kind == GP_KIND_COUNT || o->kind == GP_KIND_PAIR;
+        bool none = o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET;
+        assert_true(!number || o->lo < o->hi);
+        assert_int_equal(none, o->arg == NULL);
+        assert_true((o->kind == GP_KIND_CHOICE || o->kind == GP_KIND_NAMED) ==
+                    (o->choices != NULL));
+        assert_true(o->help[strlen(o->help) - 1] != '.');
+        assert_true(o->commands != 0);
+        assert_true((o->group == GP_GROUP_BENCH) ==
+                    (o->commands == GP_COMMAND_BENCH));
+        if (o->choices || o->list)
+            assert_non_null(gp_option_value(o, 0, &text));
+    }
+    assert_null(gp_option_letter('\0'));
+    assert_null(gp_option_find("", 0));
+}
+
+/* What --help or the man page's part prints, in memory; the caller frees it. */
+static char *printed(enum gp_command command, bool man)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *f = open_memstream(&text, &size);
+    if (man)
+        gp_help_man(f);
+    else
+        gp_help(f, command);
+    fclose(f);
+    return text;
+}
+
+static int widest(const char *text)
+{
+    int width = 0, most = 0;
+    for (; *text; text++) {
+        width = *text == '\n' ? 0 : width + 1;
+        most = width > most ? width : most;
+    }
+    return most;
+}
+
+static void lists(const char *text, const char *pattern,
+                  const struct gp_option *o, bool wanted)
+{
+    char name[64];
+    snprintf(name, sizeof name, pattern, o->name, o->arg ? " " : "",
+             o->arg ? o->arg : "");
+    if ((strstr(text, name) != NULL) != wanted)
+        fail_msg("%s: %s", name, wanted ? "missing" : "there");
+}
+
+static void help_is_complete(void **state)
+{
+    (void) state;
+    char *man = printed(GP_COMMAND_MAIN, true);
+    enum gp_command c;
+    for (int i = 0; gp_command_at(i, &c); i++) {
+        if (c == GP_COMMAND_HELP) // prints topics
+            continue;
+        char *help = printed(c, false);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            const bool takes = o->commands & c;
+            lists(help, " --%s%s%s", o, takes && !o->hidden);
+            lists(man, "Fl \\-%s", o, !o->hidden);
+        }
+        assert_true(widest(help) < 80);
+        if (c == GP_COMMAND_MAIN || c == GP_COMMAND_BENCH) {
+            assert_non_null(strstr(help, "default 65504)"));
+            assert_non_null(strstr(help, "(default builtin:eye)"));
+            assert_non_null(strstr(help, "(0 to 1; default 0)"));
+        }
+        free(help);
+    }
+    assert_non_null(strstr(man, ".It 70\n"));
+    assert_non_null(strstr(man, "@BENCH@\n.Fl \\-"));
+    free(man);
+}
+
+// -- the line that a wrong word gets -----------------------------------------
+
+static char said[4096];
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(said, sizeof said, "%s", line);
+}
+
+static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_INFO};
+
+/* Parses a line of words with single blanks between, its first the program's;
+ * the words of *s last until the next call. */
+static gp_status parse(const char *line, struct gp_settings *s)
+{
+    static char copy[512];
+    char *argv[32];
+    int argc = 0;
+    snprintf(copy, sizeof copy, "%s", line);
+    said[0] = '\0';
+    for (char *w = strtok(copy, " "); w && argc < 31; w = strtok(NULL, " "))
+        argv[argc++] = w;
+    argv[argc] = NULL;
+    return gp_options_parse(&keeper, argc, argv, s);
+}
+
+/* Each group has a word of its own and an example that the parser takes,
+ * which --help of its command shows. */
+static void examples_are_right(void **state)
+{
+    (void) state;
+    for (int g = 0; g < GP_GROUPS; g++) {
+        const struct gp_option_heading *h = &gp_option_groups[g];
+        struct gp_settings s;
+        assert_non_null(h->title);
+        assert_non_null(h->word);
+        assert_non_null(h->example);
+        for (int k = 0; k < g; k++)
+            assert_string_not_equal(h->word, gp_option_groups[k].word);
+        if (parse(h->example, &s) != GP_OK || said[0])
+            fail_msg("%s: %s", h->example, said);
+        char *help = printed(s.command == GP_COMMAND_HELP ? GP_COMMAND_MAIN
+                                                          : s.command, false);
+        if (!strstr(help, h->example))
+            fail_msg("%s: not in --help", h->example);
+        free(help);
+        gp_settings_free(&s);
+    }
+}
+
+static void slips_of_commands(void **state)
+{
+    static const struct {
+        const char *line, *part;  // of the message; NULL: no slip
+    } rows[] = {
+        {"glarepp bnech a", "bnech: no such command or file; did you mean "
+                            "glarepp bench?"},
+        {"glarepp benc a", "glarepp bench?"},
+        {"glarepp hlep", "glarepp help?"},
+        {"glarepp helpp gain", "glarepp help?"},
+        {"glarepp -o a bnech", NULL},       // not the first word
+        {"glarepp bench.exr -o a", NULL},   // a file's name
+        {"glarepp ./bnech -o a", NULL},
+        {"glarepp he -o a", NULL},          // too short to say
+        {"glarepp tests -o a", NULL},       // far from all
+        {"glarepp help a b", "too many words (found b)"},
+        {"glarepp help --completion tcsh", "give one of bash, zsh, fish"},
+        {"glarepp help --completion bash a", "too many words (found a)"},
+        {"glarepp --completion bash", "glarepp help --completion"},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct gp_settings s;
+        const gp_status st = parse(rows[i].line, &s);
+        if (rows[i].part ? st != GP_ERR_USAGE || !strstr(said, rows[i].part)
+                         : st != GP_OK)
+            fail_msg("%s: status %d: %s", rows[i].line, st, said);
+        gp_settings_free(&s);
+    }
+}
+
+static void edits_are_counted(void **state)
+{
+    static const struct {
+        const char *a, *b;
+        int edits;
+    } rows[] = {
+        {"", "", 0}, {"", "abc", 3}, {"abc", "", 3}, {"gain", "gain", 0},
+        {"gian", "gain", 1}, {"hdrs", "hrd", 2}, {"gai", "gain", 1}, {"again", "gain", 1},
+        {"kitten", "sitting", 3}, {"abcd", "wxyz", 4},
+        {"ca", "abc", 3},
+        {"0123456789012345678901234567890", "0", 30},
+        {"01234567890123456789012345678901", "0", 99},
+        {"0", "01234567890123456789012345678901", 99},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        assert_int_equal(gp_edits(rows[i].a, strlen(rows[i].a), rows[i].b),
+                         rows[i].edits);
+    struct gp_nearest near = gp_nearest_to("ab", 2, 3);
+    gp_nearest_try(&near, "xy"); // half of it at most may be wrong
+    assert_null(near.name);
+    gp_nearest_try(&near, "ac");
+    gp_nearest_try(&near, "ad"); // no nearer
+    assert_string_equal(near.name, "ac");
+    near = gp_nearest_to("", 0, 3);
+    gp_nearest_try(&near, "a");
+    assert_null(near.name);
+}
+
+// -- topics ------------------------------------------------------------------
+
+/* What a topic prints, NULL when it is none; the caller frees it. */
+static char *topic(const char *name)
+{
+    char *text = NULL;
+    size_t size;
+    said[0] = '\0';
+    FILE *f = open_memstream(&text, &size);
+    const gp_status st = gp_help_topic(&keeper, f, name);
+    fclose(f);
+    if (st == GP_OK)
+        return text;
+    assert_int_equal(st, GP_ERR_USAGE);
+    assert_int_equal(strlen(text), 0);
+    free(text);
+    return NULL;
+}
+
+static void topic_has(const char *name, const char *part)
+{
+    char *text = topic(name);
+    if (!text || !strstr(text, part))
+        fail_msg("help %s: no \"%s\" in: %s", name, part, text ? text : said);
+    free(text);
+}
+
+static void topics_print_their_part(void **state)
+{
+    static const struct {
+        const char *name, *part;
+    } rows[] = {
+        {"gain", "-g, --gain G"}, {"--gain", "-g, --gain G"},
+        {"-g", "-g, --gain G"}, {"g", "-g, --gain G"}, {"GAIN", "--gain G"},
+        {"engine", "      direct "}, {"engines", "--tolerance E"},
+        {"kernels", "builtin:eye and the\n    others that --kernel lists."},
+        {"kernels", "--kernel-center X,Y"}, {"kernel", "-k, --kernel FILE"},
+        {"sequences", "    --frames can have negative numbers."},
+        {"sequence", "shot.####.exr\n"}, {"lights", "--sun-dir X,Y,Z"},
+        {"lights", "    --lights is a JSON array of\n        {\"pixel\""},
+        {"flare", "--flare FILE"}, {"lamps", "Its\n    visibility"},
+        {"bench", "glarepp bench [options] INPUT"}, {"report", "rel_l2"},
+        {"report", "engine, engine_why\n        the engine that ran"},
+        {"report", "--verify"}, {"exit", "    70\n        a bug"},
+        {"status", "    2\n        the command line is wrong.\n"},
+        {"environment", "XDG_CACHE_HOME\n"}, {"splat", "-e, --engine NAME"},
+        {"streak", "-k, --kernel FILE"}, {"examples", "\\\n"},
+        {"numbers", "the\n    centre of the first pixel is at 0.5, 0.5."},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+        topic_has(rows[i].name, rows[i].part);
+}
+
+/* What the list of topics names is one; nothing of roff is left in it. */
+static void every_topic_is_known(void **state)
+{
+    (void) state;
+    struct gp_section section;
+    char name[32];
+    char *list = topic(NULL);
+    assert_true(widest(list) < 80);
+    int subjects = 0;
+    for (const char *at = gp_manual_text; gp_section_next(at, &section);
+         at = section.text) {
+        gp_section_word(&section, name, sizeof name);
+        char *text = topic(name);
+        if (!text)
+            fail_msg("help %s: %s", name, said);
+        assert_null(strstr(text, "\n."));
+        assert_null(strstr(text, "\\-"));
+        assert_null(strstr(text, "\n@"));
+        assert_null(strstr(text, " Fl "));
+        assert_null(strstr(text, "Xr "));
+        assert_true(widest(text) < 88); // what is verbatim is not wrapped
+        free(text);
+        subjects++;
+    }
+    assert_true(subjects >= 8);
+    for (int g = 0; g < GP_GROUPS; g++) {
+        assert_non_null(strstr(list, gp_option_groups[g].word));
+        topic_has(gp_option_groups[g].word, gp_option_groups[g].title);
+    }
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        char dashed[64];
+        snprintf(dashed, sizeof dashed, "--%s", o->name);
+        if (!o->hidden)
+            topic_has(dashed, o->letter ? ", --" : "      --");
+    }
+    free(list);
+}
+
+static void unknown_topics_suggest(void **state)
+{
+    static const struct {
+        const char *name, *part;
+    } rows[] = {
+        {"kernle", "glarepp help kernel?"}, {"sequnces", "help sequences?"},
+        {"--gian", "glarepp help gain?"}, {"enviroment", "help environment?"},
+        {"benhc", "glarepp help bench?"},
+        {"xyzzyquux", "glarepp help lists them"}, {"", "lists them"},
+        {"-", "lists them"}, {"--", "lists them"}, {"NAME", "no such topic"},
+        {"help-man", "no such topic"}, {"sun-dri", "help sun-dir?"},
+        {"%s%n", "(found \"%s%n\")"},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char *text = topic(rows[i].name);
+        if (text || !strstr(said, rows[i].part))
+            fail_msg("help %s: %s", rows[i].name, text ? text : said);
+    }
+}
+
+// -- completions -------------------------------------------------------------
+
+static void completions_are_complete(void **state)
+{
+    (void) state;
+    for (int shell = GP_SHELL_BASH; shell <= GP_SHELL_FISH; shell++) {
+        char *text = NULL;
+        size_t size;
+        FILE *f = open_memstream(&text, &size);
+        gp_complete(f, (enum gp_shell) shell);
+        fclose(f);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            const char *name, *line;
+            char word[64];
+            snprintf(word, sizeof word, shell == GP_SHELL_FISH ? " -l %s"
+                                                               : "--%s",
+                     o->name);
+            if (!o->hidden && !strstr(text, word))
+                fail_msg("shell %d: no %s", shell, word);
+            for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
+                const char *colon = strchr(name, ':');
+                if (!o->hidden && !strstr(text, colon ? colon + 1 : name))
+                    fail_msg("shell %d: no %s", shell, name);
+            }
+        }
+        assert_null(strstr(text, "help-man"));
+        assert_non_null(strstr(text, "bench"));
+        assert_non_null(strstr(text, "sequences"));
+        free(text);
+    }
+}
+
+SUITE(help)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(the_table_is_sound),
+        cmocka_unit_test(help_is_complete),
+        cmocka_unit_test(examples_are_right),
+        cmocka_unit_test(slips_of_commands),
+        cmocka_unit_test(edits_are_counted),
+        cmocka_unit_test(topics_print_their_part),
+        cmocka_unit_test(every_topic_is_known),
+        cmocka_unit_test(unknown_topics_suggest),
+        cmocka_unit_test(completions_are_complete),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,264 @@
+/* app/options: what right lines set. */
+#include "unit.h"
+#include "option_line.h"
+
+static void defaults_hold(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("-o a.png in.exr", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_int_equal(s.inputs.n, 1);
+    assert_string_equal(s.inputs.at[0], "in.exr");
+    assert_int_equal(s.outputs.n, 1);
+    assert_string_equal(s.outputs.at[0], "a.png");
+    assert_string_equal(s.kernel.source, "builtin:eye");
+    assert_false(s.kernel.centered);
+    assert_string_equal(s.glare.engine, "auto");
+    assert_true(s.sensor.threshold == 1.0f && s.sensor.knee == 0.0f);
+    assert_true(s.sensor.max_value == 65504.0f);
+    assert_true(s.compose.gain == 1.0f && s.glare.gain == 1.0f);
+    assert_int_equal(s.compose.mix, GP_MIX_ADD);
+    assert_string_equal(s.tone.curve, "reinhard");
+    assert_int_equal(s.write.compression, GP_COMPRESSION_AUTO);
+    assert_int_equal(s.level, GP_LEVEL_WARN);
+    gp_settings_free(&s);
+    gp_settings_free(&s);
+}
+
+static void every_option_is_stored(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("--output=a.png -ob.exr --hdr h.exr --layer=l.exr "
+                           "--debug sensors=s.exr i.exr --report - -v", &s),
+                     GP_OK);
+    assert_int_equal(s.outputs.n, 2);
+    assert_string_equal(s.outputs.at[1], "b.exr");
+    assert_string_equal(s.hdr, "h.exr");
+    assert_string_equal(s.layer, "l.exr");
+    assert_string_equal(s.debug[GP_DEBUG_SENSORS], "s.exr");
+    assert_string_equal(s.report, "-");
+    assert_int_equal(s.level, GP_LEVEL_INFO);
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a i -t2.5 --knee .5 -g 0.25 --mix scatter "
+                           "--max-value 1e5 -k k.exr --kernel-center 3.5,-2 "
+                           "--kernel-normalize none -f 1-9 --depth d.Z "
+                           "--max-pixels 1000000000000", &s), GP_OK);
+    assert_true(s.sensor.threshold == 2.5f && s.sensor.knee == 0.5f);
+    assert_true(s.sensor.max_value == 1e5f);
+    assert_true(s.compose.gain == 0.25f && s.glare.gain == 0.25f);
+    assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
+    assert_string_equal(s.kernel.source, "k.exr");
+    assert_true(s.kernel.centered);
+    assert_true(s.kernel.center[0] == 3.5 && s.kernel.center[1] == -2.0);
+    assert_int_equal(s.kernel.normalize, GP_NORMALIZE_NONE);
+    assert_string_equal(s.frames, "1-9");
+    assert_string_equal(s.depth, "d.Z");
+    assert_true(s.read.max_pixels == 1000000000000LL);
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a i -e fft --gl egl --fft-plan measure "
+                           "--threads 3 --tonemap reinhard-extended --exposure "
+                           "-1.5 --auto-exposure --white 4 --type float "
+                           "--compression dwab --depth-bits 16", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_string_equal(s.glare.engine, "fft");
+    assert_int_equal(s.glare.gl, GP_GL_EGL);
+    assert_int_equal(s.glare.fft_plan, GP_FFT_PLAN_MEASURE);
+    assert_int_equal(s.threads, 3);
+    assert_string_equal(s.tone.curve, "reinhard-extended");
+    assert_true(s.tone.exposure == -1.5f && s.tone.white == 4.0f);
+    assert_true(s.tone.auto_exposure);
+    assert_int_equal(s.write.type, GP_OUT_FLOAT);
+    assert_int_equal(s.write.compression, GP_COMPRESSION_DWAB);
+    assert_int_equal(s.write.depth_bits, 16);
+    gp_settings_free(&s);
+
+    assert_null(gp_defaults.read.layer);
+    assert_null(gp_defaults.read.part);
+    assert_null(gp_defaults.read.view);
+    assert_int_equal(parse("-o a i --layer-in key.fill --part 2", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_string_equal(s.read.layer, "key.fill");
+    assert_string_equal(s.read.part, "2");
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a i --tolerance 1e-4 --group 2 --cluster=16 "
+                           "--cluster-fill 0.5 --shrink 0 --group-method "
+                           "moments --primitive tile --rotate -22.5 "
+                           "--debug polygons=p.png", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_true(s.glare.tolerance == 1e-4f);
+    assert_int_equal(s.glare.splat.group, 2);
+    assert_int_equal(s.glare.splat.cluster, 16);
+    assert_true(s.glare.splat.cluster_fill == 0.5f);
+    assert_true(s.glare.splat.shrink == 0.0f);
+    assert_int_equal(s.glare.splat.method, GP_GROUP_MOMENTS);
+    assert_int_equal(s.glare.splat.primitive, GP_PRIMITIVE_TILE);
+    assert_true(s.kernel.rotate == -22.5f);
+    assert_string_equal(s.debug[GP_DEBUG_POLYGONS], "p.png");
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a i --dither --alpha keep --create-dir "
+                           "--verify --progress never -q -v", &s), GP_OK);
+    assert_true(s.write.dither && s.write.create_dir && s.verify);
+    assert_false(s.write.no_clobber || s.skip_bad_frames);
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("-o a --dither --alpha keep --no-clobber "
+                           "--skip-bad-frames --progress never -q -v i", &s),
+                     GP_OK);
+    assert_true(s.write.no_clobber && s.skip_bad_frames);
+    assert_int_equal(s.write.alpha, GP_ALPHA_KEEP);
+    assert_int_equal(s.progress, GP_PROGRESS_NEVER);
+    assert_int_equal(s.level, GP_LEVEL_INFO);
+    gp_settings_free(&s);
+}
+
+static void words_that_look_like_options(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("-o - -", &s), GP_OK);
+    assert_string_equal(s.outputs.at[0], "-");
+    assert_string_equal(s.inputs.at[0], "-");
+    gp_settings_free(&s);
+    assert_int_equal(parse("i -g 1 -o a -g 2 j -- -k --help", &s), GP_OK);
+    assert_int_equal(s.inputs.n, 4); // options stand anywhere before --
+    assert_string_equal(s.inputs.at[3], "--help");
+    assert_true(s.compose.gain == 2.0f); // the last one holds
+    assert_false(s.help);
+    gp_settings_free(&s);
+    assert_int_equal(parse("--output=--hdr i", &s), GP_OK);
+    assert_string_equal(s.outputs.at[0], "--hdr");
+    gp_settings_free(&s);
+    assert_int_equal(parse("--help", &s), GP_OK); // needs no input
+    assert_true(s.help);
+    gp_settings_free(&s);
+    assert_int_equal(parse("--version -o x", &s), GP_OK);
+    assert_true(s.version);
+    gp_settings_free(&s);
+}
+
+/* The paper's settings hold by themselves; a group as large as the default
+ * cluster leaves no room for one, a cluster that was asked for stays. */
+static void clusters_follow_groups(void **state)
+{
+    static const struct {
+        const char *line;
+        int group, cluster;
+    } rows[] = {
+        {"-o a i", 4, 8},
+        {"-o a i --group 1", 1, 8},
+        {"-o a i --group 8", 8, 0},
+        {"-o a i --group 64", 64, 0},
+        {"-o a i --group 8 --cluster 16", 8, 16},
+        {"-o a i --group 32 --cluster 64", 32, 64},
+        {"-o a i --group 4 --cluster 0", 4, 0},
+        {"-o a i --group 1 --cluster 2", 1, 2},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct gp_settings s;
+        assert_int_equal(parse(rows[i].line, &s), GP_OK);
+        assert_int_equal(s.glare.splat.group, rows[i].group);
+        assert_int_equal(s.glare.splat.cluster, rows[i].cluster);
+        assert_int_equal(lines, 0);
+        gp_settings_free(&s);
+    }
+}
+
+static void bench_is_a_command(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("bench i.exr --csv c --json=j --plot p.svg --runs 3 "
+                           "-k builtin:eye --threads 2 -t 2 --tonemap agx -v",
+                           &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_int_equal(s.command, GP_COMMAND_BENCH);
+    assert_int_equal(s.inputs.n, 1);
+    assert_string_equal(s.inputs.at[0], "i.exr");
+    assert_string_equal(s.bench.csv, "c");
+    assert_string_equal(s.bench.json, "j");
+    assert_string_equal(s.bench.plot, "p.svg");
+    assert_int_equal(s.bench.runs, 3);
+    assert_false(s.bench.paper);
+    assert_int_equal(s.threads, 2);
+    gp_settings_free(&s);
+
+    assert_int_equal(parse("bench --paper", &s), GP_OK);
+    assert_true(s.bench.paper);
+    assert_int_equal(s.bench.runs, 9);
+    gp_settings_free(&s);
+    assert_int_equal(parse("bench --help", &s), GP_OK);
+    assert_true(s.help && s.command == GP_COMMAND_BENCH);
+    gp_settings_free(&s);
+
+    // the word counts in the first place only
+    assert_int_equal(parse("-o a ./bench bench", &s), GP_OK);
+    assert_int_equal(s.command, GP_COMMAND_MAIN);
+    assert_int_equal(s.inputs.n, 2);
+    gp_settings_free(&s);
+    assert_int_equal(parse("bench -- bench", &s), GP_OK);
+    assert_string_equal(s.inputs.at[0], "bench");
+    gp_settings_free(&s);
+}
+
+static void compare_is_a_command(void **state)
+{
+    (void) state;
+    struct gp_settings s;
+    assert_int_equal(parse("compare a.exr b.exr --fail .5 --warnpercent 2 "
+                           "--hardfail=3 --flip-exposures -1,2,4 --heatmap h "
+                           "--json j -f 1-9", &s), GP_OK);
+    assert_int_equal(lines, 0);
+    assert_int_equal(s.command, GP_COMMAND_COMPARE);
+    assert_int_equal(s.inputs.n, 2);
+    assert_true(s.compare.fail == 0.5f && s.compare.warn == 1e-6f);
+    assert_true(s.compare.warn_percent == 2.0f && s.compare.hard_fail == 3.0f);
+    assert_true(isinf(s.compare.hard_warn));
+    assert_true(s.compare.flip_exposures.n == 3 &&
+                s.compare.flip_exposures.v[2] == 4.0);
+    assert_string_equal(s.compare.heatmap, "h");
+    assert_string_equal(s.bench.json, "j");
+    gp_settings_free(&s);
+}
+
+// -- laws of the table -------------------------------------------------------
+
+/* Each value that an option names is one that it takes. */
+static void named_values_parse(void **state)
+{
+    (void) state;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        const char *name, *text;
+        const bool pictures = o->commands & GP_COMMAND_MAIN;
+        for (int i = 0;
+             pictures && (name = gp_option_value(o, i, &text)); i++) {
+            struct gp_settings s;
+            char line[256];
+            snprintf(line, sizeof line, "-o a i --sun 1,2 --%s %s%s",
+                     o->name, name, o->kind == GP_KIND_NAMED ? "=f" : "");
+            if (parse(line, &s) != GP_OK)
+                fail_msg("%s: %s", line, said);
+            gp_settings_free(&s);
+        }
+    }
+}
+
+SUITE(options)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(defaults_hold),
+        cmocka_unit_test(every_option_is_stored),
+        cmocka_unit_test(words_that_look_like_options),
+        cmocka_unit_test(clusters_follow_groups),
+        cmocka_unit_test(bench_is_a_command),
+        cmocka_unit_test(compare_is_a_command),
+        cmocka_unit_test(named_values_parse),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

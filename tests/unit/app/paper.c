@@ -1,0 +1,194 @@
+/* app/paper.c: the synthetic frames are what they say they are, and the same
+ * bytes everywhere. */
+#include "unit.h"
+#include "app/paper.h"
+#include "core/parallel.h"
+#include "glare/sensors.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+/* FNV-1a, of the planes. */
+static uint64_t hash(const struct gp_frame *f)
+{
+    uint64_t h = 0xcbf29ce484222325u;
+    for (int c = 0; c < 3; c++) {
+        const unsigned char *p = (const void *) f->rgb.c[c];
+        for (size_t i = 0; i < gp_frame_pixels(f) * sizeof(float); i++)
+            h = (h ^ p[i]) * 0x100000001b3u;
+    }
+    return h;
+}
+
+static struct gp_frame make(enum gp_paper_kind kind, int w, int h)
+{
+    struct gp_frame f = {0};
+    assert_int_equal(gp_paper_frame(NULL, kind, w, h, &f), GP_OK);
+    return f;
+}
+
+static void bytes_are_the_same_everywhere(void **state)
+{
+    static const uint64_t want[GP_PAPER_KINDS + 1] = {
+        0x21cfe2289c5f114du, 0xcbeacece0ef7d228u, 0x8d26befe0c8208bdu,
+        0x3f2e76b5dda9753au,
+    };
+    (void) state;
+    for (int i = 0; i <= GP_PAPER_KINDS; i++) {
+        struct gp_frame f = {0};
+        if (i < GP_PAPER_KINDS)
+            f = make((enum gp_paper_kind) i, GP_PAPER_W, GP_PAPER_H);
+        else
+            assert_int_equal(gp_paper_kernel(NULL, GP_PAPER_KERNEL, &f), GP_OK);
+        if (hash(&f) != want[i])
+            fail_msg("frame %d hashes to %#llx", i,
+                     (unsigned long long) hash(&f));
+        gp_frame_free(&f);
+    }
+}
+
+/* How many sources, and of what luminance: the sensors' view of each. */
+static void light_is_as_it_is_named(void **state)
+{
+    static const struct {
+        enum gp_paper_kind kind;
+        double least, most;      // share of pixels that are sources
+        double low, high;        // luminance of sources
+    } rows[] = {
+        {GP_PAPER_POINTS, 100.0 / 786432, 128.0 / 786432, 1.0, 5001.0},
+        {GP_PAPER_WINDOWS, 0.02, 0.04, 1.0, 5001.0},
+        {GP_PAPER_SKY, 0.5, 0.7, 2.0, 20.0},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+        struct gp_frame f = make(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
+        struct gp_sources s = {0};
+        assert_int_equal(gp_sense(NULL, &p, &f, &s), GP_OK);
+        const double share = (double) s.n / (double) gp_frame_pixels(&f);
+        assert_true(share >= rows[i].least && share <= rows[i].most);
+        assert_true(s.nonfinite == 0 && s.clamped == 0);
+        for (size_t k = 0; k < s.n; k++) {
+            double y = 0.0;
+            for (int c = 0; c < 3; c++)
+                y += (double) f.luminance[c] * (double) s.rgb[c][k];
+            assert_true(y >= rows[i].low && y <= rows[i].high);
+        }
+        gp_sources_free(&s);
+        gp_frame_free(&f);
+    }
+}
+
+static double luminance(const struct gp_frame *f, int x, int y)
+{
+    const size_t at = (size_t) y * (size_t) gp_frame_w(f) + (size_t) x;
+    double l = 0.0;
+    for (int c = 0; c < 3; c++)
+        l += (double) f->luminance[c] * (double) f->rgb.c[c][at];
+    return l;
+}
+
+/* No polygon of the paper's may be exact by luck: windows differ inside. */
+static void windows_are_not_constant(void **state)
+{
+    (void) state;
+    struct gp_frame f = make(GP_PAPER_WINDOWS, GP_PAPER_W, GP_PAPER_H);
+    int lit = 0, pairs = 0, same = 0;
+    for (int y = 0; y < GP_PAPER_H; y++) {
+        for (int x = 1; x < GP_PAPER_W; x++) {
+            const double a = luminance(&f, x - 1, y), b = luminance(&f, x, y);
+            lit += b > 1.0;
+            pairs += a > 1.0 && b > 1.0;
+            same += a > 1.0 && a == b;
+        }
+    }
+    assert_true(lit > 15000 && pairs > lit * 9 / 10);
+    assert_true(same < pairs / 20);
+    gp_frame_free(&f);
+}
+
+static void dim_pixels_stay_dim(void **state)
+{
+    (void) state;
+    for (int kind = 0; kind < GP_PAPER_KINDS; kind++) {
+        struct gp_frame f = make((enum gp_paper_kind) kind, 300, 200);
+        int dim = 0;
+        for (int y = 0; y < 200; y++) {
+            for (int x = 0; x < 300; x++) {
+                const double l = luminance(&f, x, y);
+                assert_true(l >= 0.05 - 1e-6 && isfinite(l));
+                dim += l <= 0.8 + 1e-6;
+            }
+        }
+        assert_true(dim > 300 * 200 / 4);
+        gp_frame_free(&f);
+    }
+}
+
+static void the_kernel_is_coloured_and_ends_inside(void **state)
+{
+    static const int sizes[] = {GP_PAPER_KERNEL, 511, 64, 16};
+    (void) state;
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        const int n = sizes[i], half = n / 2;
+        struct gp_frame f = {0};
+        assert_int_equal(gp_paper_kernel(NULL, n, &f), GP_OK);
+        int coloured = 0;
+        for (int k = 0; k < n * n; k++) {
+            const int x = k % n, y = k / n;
+            const float *const g = f.rgb.c[1];
+            assert_true(g[k] >= 0.0f && g[k] <= g[half * n + half]);
+            if (x == 0 || y == 0)
+                assert_true(g[k] == 0.0f);
+            coloured += f.rgb.c[0][k] > g[k] && g[k] > f.rgb.c[2][k];
+        }
+        assert_true(coloured > n * n / 2);
+        gp_frame_free(&f);
+    }
+}
+
+static void sizes_out_of_range_are_refused(void **state)
+{
+    static const int sizes[][2] = {
+        {0, 0}, {63, 48}, {64, 47}, {-1024, 768}, {16385, 64}, {64, 1 << 30},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        struct gp_frame f = {0};
+        for (int kind = 0; kind < GP_PAPER_KINDS; kind++)
+            assert_int_equal(gp_paper_frame(NULL, (enum gp_paper_kind) kind,
+                                            sizes[i][0], sizes[i][1], &f),
+                             GP_ERR_USAGE);
+        assert_int_equal(gp_paper_kernel(NULL, i % 2 ? 15 : 4097, &f),
+                         GP_ERR_USAGE);
+        assert_null(f.rgb.c[0]);
+    }
+    for (int kind = 0; kind < GP_PAPER_KINDS; kind++) { // the smallest
+        struct gp_frame f = make((enum gp_paper_kind) kind, 64, 48);
+        assert_string_equal(f.path, gp_paper_rates[kind].name);
+        gp_frame_free(&f);
+    }
+}
+
+SUITE(paper)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(bytes_are_the_same_everywhere),
+        cmocka_unit_test(light_is_as_it_is_named),
+        cmocka_unit_test(windows_are_not_constant),
+        cmocka_unit_test(dim_pixels_stay_dim),
+        cmocka_unit_test(the_kernel_is_coloured_and_ends_inside),
+        cmocka_unit_test(sizes_out_of_range_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

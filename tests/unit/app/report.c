@@ -1,0 +1,314 @@
+/* app/report, app/progress: what a run says about itself. */
+#include "unit.h"
+#include "app/progress.h"
+#include "app/report.h"
+
+#include <jansson.h>
+#include <locale.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char said[4096];
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(said, sizeof said, "%s", line);
+}
+
+static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_INFO};
+
+static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
+
+static struct gp_facts full_facts(void)
+{
+    struct gp_facts f = {
+        .numbered = true, .frame = 7, .input = "in.0007.exr",
+        .outputs = (char **) two_names, .n_outputs = 2,
+        .width = 640, .height = 480, .sources = 12,
+        .flux_in = {1.5, 2.5, 3.5}, .flux_out = {1.25, 2.25, 3.25},
+        .has_flux_out = true, .nonfinite = 3, .clamped = 4, .clamped_out = 5,
+        .glare = {.engine = "splat", .why = "asked for", .groups = 7,
+                  .clusters = 5, .polygons = 12, .cores = 11,
+                  .polygon_pixels = 1e6, .form = "blended quads", .fft_w = 1280, .fft_h = 1024,
+                  .bound = 1e-6, .gl = "OSMesa: llvmpipe"},
+        .verified = true,
+        .error = {.rel_l2 = 1e-7, .max_rel = 2e-7, .max_abs = 3e-7,
+                  .flux_error = 4e-7},
+        .depth = "Z", .depth_type = GP_HALF, .total_ms = 21.0,
+    };
+    for (int i = 0; i < GP_TIMES; i++)
+        f.ms[i] = i + 0.12345;
+    return f;
+}
+
+/* Reports the facts into a file and reads its lines back. */
+static char *reported(const struct gp_facts *facts, int n)
+{
+    char path[] = "/tmp/gp_report_XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    close(fd);
+    struct gp_report r;
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
+    for (int i = 0; i < n; i++)
+        assert_int_equal(gp_report_frame(&keeper, &r, facts), GP_OK);
+    char *text = calloc(1, 65536);
+    FILE *f = fopen(path, "r"); // before the close: each line is flushed
+    size_t size = fread(text, 1, 65535, f);
+    fclose(f);
+    text[size] = '\0';
+    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    unlink(path);
+    return text;
+}
+
+static const char *const keys[] = {
+    "frame", "input", "outputs", "width", "height", "engine", "engine_why",
+    "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
+    "form", "fft_size", "flux_in",
+    "flux_out", "bound", "measured", "nonfinite", "clamped", "clamped_out",
+    "depth", "times_ms", "peak_rss_mib", "threads", "gl", "version",
+};
+
+static void all_fields_in_order(void **state)
+{
+    (void) state;
+    struct gp_facts facts = full_facts();
+    char *text = reported(&facts, 1);
+    json_t *o = json_loads(text, 0, NULL);
+    assert_non_null(o);
+    size_t i = 0;
+    const char *key;
+    json_t *value;
+    json_object_foreach(o, key, value) {
+        assert_true(i < sizeof keys / sizeof keys[0]);
+        assert_string_equal(key, keys[i++]);
+    }
+    assert_int_equal(i, sizeof keys / sizeof keys[0]);
+    assert_non_null(strstr(text, "\"outputs\":[\"a.0007.png\",\"b.exr\"]"));
+    assert_non_null(strstr(text, "\"fft_size\":[1280,1024]"));
+    assert_non_null(strstr(text, "\"flux_in\":[1.5,2.5,3.5]"));
+    assert_non_null(strstr(text, "\"read\":0.123,"));
+    assert_non_null(strstr(text, "\"depth\":{\"channel\":\"Z\",\"type\":"
+                                 "\"half\"}"));
+    assert_non_null(strstr(text, "\"measured\":{\"rel_l2\":1e-7,"));
+    json_decref(o);
+    free(text);
+}
+
+static void what_was_not_needed_is_left_out(void **state)
+{
+    (void) state;
+    struct gp_facts facts = {.input = "x", .width = 1, .height = 1,
+                             .glare = {.engine = "none", .why = "dark"}};
+    for (int i = 0; i < GP_TIMES; i++)
+        facts.ms[i] = i == GP_TIME_READ ? 1.0 : -1.0;
+    static const char *const gone[] = {
+        "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
+        "form", "fft_size", "flux_out",
+        "bound", "measured", "clamped_out", "depth", "gl",
+    };
+    char *text = reported(&facts, 1);
+    json_t *o = json_loads(text, 0, NULL);
+    for (size_t i = 0; i < sizeof gone / sizeof gone[0]; i++)
+        assert_null(json_object_get(o, gone[i]));
+    assert_int_equal(json_object_size(json_object_get(o, "times_ms")), 2);
+    assert_non_null(strstr(text, "\"outputs\":[],"));
+    json_decref(o);
+    free(text);
+}
+
+/* Whatever a name or a number is, each line is one JSON object. */
+static void hard_values_stay_json(void **state)
+{
+    (void) state;
+    static const char *const names[] = {
+        "quote\" back\\slash \n newline \x01", "latin1 \xe9t\xe9", "\xff\xfe",
+        "utf-8 \xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\x9e", "cut \xe2\x82",
+        "overlong \xc0\xaf", "surrogate \xed\xa0\x80", "\xf4\x90\x80\x80", "",
+    };
+    struct gp_facts facts = full_facts();
+    facts.error.rel_l2 = NAN;
+    facts.flux_in[1] = INFINITY;
+    facts.glare.bound = -INFINITY;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        facts.input = names[i];
+        char *text = reported(&facts, 2);
+        char *second = strchr(text, '\n') + 1;
+        assert_non_null(strchr(second, '\n'));
+        assert_int_equal(strchr(second, '\n')[1], '\0');
+        json_t *o = json_loads(second, 0, NULL);
+        assert_non_null(o);
+        assert_true(json_is_null(json_object_get(o, "bound")));
+        if (i == 3)
+            assert_string_equal(json_string_value(json_object_get(o, "input")),
+                                names[i]);
+        json_decref(o);
+        free(text);
+    }
+}
+
+static void locales_do_not_matter(void **state)
+{
+    (void) state;
+    struct gp_facts facts = full_facts();
+    if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
+        skip();
+    char *text = reported(&facts, 1);
+    setlocale(LC_ALL, "C");
+    assert_non_null(strstr(text, "[1.5,2.5,3.5]"));
+    free(text);
+}
+
+// -- files -------------------------------------------------------------------
+
+static long size_of(const char *path)
+{
+    struct stat s;
+    return stat(path, &s) == 0 ? (long) s.st_size : -1;
+}
+
+/* A run that fails before its first line leaves the file as it was. */
+static void files_are_touched_with_the_first_line(void **state)
+{
+    (void) state;
+    char folder[] = "/tmp/gp_report_XXXXXX", path[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/r.json", folder);
+    struct gp_facts facts = full_facts();
+    struct gp_report r;
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(size_of(path), -1);
+
+    FILE *f = fopen(path, "w");
+    for (int i = 0; i < 4000; i++)
+        fputs("old\n", f);
+    fclose(f);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(size_of(path), 16000);
+    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_OK);
+    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_in_range(size_of(path), 100, 2000);
+    unlink(path);
+    rmdir(folder);
+}
+
+static void errors_of_files(void **state)
+{
+    (void) state;
+    struct gp_facts facts = full_facts();
+    struct gp_report r = {0};
+    assert_int_equal(gp_report_open(&keeper, "/no/such/r.json", false, &r),
+                     GP_ERR_IO);
+    assert_non_null(strstr(said, "/no/such/r.json: cannot write the report"));
+    assert_int_equal(gp_report_open(&keeper, "/tmp", false, &r), GP_ERR_IO);
+    if (access("/dev/full", W_OK) != 0)
+        skip();
+    assert_int_equal(gp_report_open(&keeper, "/dev/full", false, &r), GP_OK);
+    assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_ERR_IO);
+    assert_non_null(strstr(said, "No space left"));
+    (void) gp_report_close(NULL, &r);
+}
+
+// -- lines for readers -------------------------------------------------------
+
+static void lines_are_cut_not_overrun(void **state)
+{
+    (void) state;
+    struct gp_facts facts = full_facts();
+    char line[700];
+    for (size_t size = 1; size < 600; size++) {
+        memset(line, '#', sizeof line);
+        gp_facts_text(&facts, line, size);
+        assert_true(strlen(line) < size);
+        assert_int_equal(line[size], '#');
+    }
+    gp_facts_text(&facts, line, sizeof line);
+    assert_non_null(strstr(line, "in.0007.exr: 640x480, 12 sources, splat "
+                                 "(asked for), 12 polygons (7 groups, 5 "
+                                 "clusters), 11 cores, blended quads on "
+                                 "OSMesa: llvmpipe"));
+}
+
+struct progress_row {
+    int done, total;
+    double ms;
+    const char *line;
+};
+
+static const struct progress_row rows[] = {
+    {0, 1, 2000, "0 of 1 made, 2 s so far: f"},
+    {1, 100, 250, "1 of 100 made, 4.0 frames/s, 25 s left: f"},
+    {50, 100, 100000, "50 of 100 made, 0.500 frames/s, 1 min 40 s left: f"},
+    {1, 101, 100000, "1 of 101 made, 0.010 frames/s, 2 h 46 min left: f"},
+    {1, 2, 0, "1 of 2 made, 0.000 frames/s, 0 s left: f"},
+};
+
+static void progress_lines(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        char line[128];
+        gp_progress_text(line, sizeof line, rows[i].done, rows[i].total, "f",
+                         rows[i].ms);
+        assert_string_equal(line, rows[i].line);
+    }
+}
+
+static void progress_in_a_pipe(void **state)
+{
+    (void) state;
+    static const struct {
+        enum gp_progress_when when;
+        bool quiet, draws;
+    } cases[] = {
+        {GP_PROGRESS_AUTO, false, false}, {GP_PROGRESS_NEVER, false, false},
+        {GP_PROGRESS_ALWAYS, false, true}, {GP_PROGRESS_ALWAYS, true, false},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        FILE *f = tmpfile();
+        struct gp_progress p;
+        gp_progress_open(&p, f, cases[i].when, cases[i].quiet);
+        gp_progress_update(&p, 0, 2, "b/a\x1b[2J.exr", "read");
+        gp_progress_close(&p);
+        char line[128] = "";
+        rewind(f);
+        bool drawn = fgets(line, sizeof line, f);
+        fclose(f);
+        assert_int_equal(drawn, cases[i].draws);
+        if (drawn)
+            assert_string_equal(line, "glarepp: 0 of 2 made, 0 s so far: "
+                                      "a?[2J.exr: read\n");
+    }
+}
+
+SUITE(report)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(all_fields_in_order),
+        cmocka_unit_test(what_was_not_needed_is_left_out),
+        cmocka_unit_test(hard_values_stay_json),
+        cmocka_unit_test(locales_do_not_matter),
+        cmocka_unit_test(files_are_touched_with_the_first_line),
+        cmocka_unit_test(errors_of_files),
+        cmocka_unit_test(lines_are_cut_not_overrun),
+        cmocka_unit_test(progress_lines),
+        cmocka_unit_test(progress_in_a_pipe),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

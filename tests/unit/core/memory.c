@@ -1,0 +1,182 @@
+/* core/memory: sizes that overflow, alignment, and large blocks that stay
+ * from frame to frame without adding to what was in use. */
+#include "unit.h"
+#include "core/memory.h"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { MIB = 1 << 20 };
+
+static void *get(size_t bytes)
+{
+    void *p;
+    assert_int_equal(gp_alloc(NULL, "test", bytes, 1, &p), GP_OK);
+    assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
+    memset(p, 0x5a, bytes);
+    return p;
+}
+
+static void impossible_sizes(void **state)
+{
+    static const struct {
+        size_t count, size;
+    } row[] = {
+        {SIZE_MAX, 2}, {SIZE_MAX / 4 + 1, 4}, {SIZE_MAX, 1},
+        {(size_t) 1 << 62, 1}, {(size_t) 1 << 32, (size_t) 1 << 32},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        void *p = &p;
+        assert_int_equal(gp_alloc(NULL, "t", row[i].count, row[i].size, &p),
+                         GP_ERR_BUG);
+        assert_null(p);
+        assert_int_equal(
+            gp_alloc_zero(NULL, "t", row[i].count, row[i].size, &p),
+            GP_ERR_BUG);
+        assert_null(p);
+    }
+}
+
+static void small_and_none(void **state)
+{
+    void *p, *none;
+    (void) state;
+    assert_int_equal(gp_alloc(NULL, "t", 0, 8, &none), GP_OK);
+    assert_non_null(none);
+    assert_int_equal(gp_alloc_zero(NULL, "t", 1000, 3, &p), GP_OK);
+    for (int i = 0; i < 3000; i++)
+        assert_int_equal(((uint8_t *) p)[i], 0);
+    gp_free(none);
+    GP_FREE(p);
+    assert_null(p);
+    GP_FREE(p);
+}
+
+static void zero_of_a_used_block(void **state)
+{
+    void *p;
+    (void) state;
+    gp_free(get(40 * MIB));
+    assert_int_equal(gp_alloc_zero(NULL, "t", 40 * MIB, 1, &p), GP_OK);
+    for (size_t i = 0; i < 40 * MIB; i += 4093)
+        assert_int_equal(((uint8_t *) p)[i], 0);
+    gp_free(p);
+}
+
+static void resized(void **state)
+{
+    static const size_t size[] = {
+        1, 100, 65536, 3 * MIB, 64 * MIB, 65 * MIB, 5 * MIB, 300 << 10, 10,
+    };
+    void *p = NULL, *before;
+    size_t held = 0;
+    (void) state;
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        assert_int_equal(gp_resize(NULL, "t", size[i], &p), GP_OK);
+        for (size_t k = 0; k < held && k < size[i]; k += 997)
+            assert_int_equal(((uint8_t *) p)[k], 0x5a);
+        held = size[i];
+        memset(p, 0x5a, held);
+    }
+    before = p;
+    assert_int_equal(gp_resize(NULL, "t", SIZE_MAX / 2, &p), GP_ERR_BUG);
+    assert_ptr_equal(p, before);
+    assert_int_equal(((uint8_t *) p)[9], 0x5a);
+    gp_free(p);
+}
+
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+/* Bytes that the C library has mapped for large blocks. */
+static size_t mapped(void)
+{
+    return mallinfo2().hblkhd;
+}
+
+static void same_blocks_again(void **state)
+{
+    void *block[8];
+    (void) state;
+    for (int i = 0; i < 8; i++)
+        block[i] = get(33 * MIB + 100);
+    const size_t most = mapped();
+    for (int frame = 0; frame < 20; frame++) {
+        for (int i = 0; i < 8; i++)
+            gp_free(block[i]);
+        for (int i = 0; i < 8; i++)
+            block[i] = get(33 * MIB + 100);
+        assert_true(mapped() <= most);
+    }
+    for (int i = 0; i < 8; i++)
+        gp_free(block[i]);
+}
+
+/* Sizes that change take the place of those before. */
+static void never_more_than_was_in_use(void **state)
+{
+    static const int mib[] = {300, 20, 64, 17, 200, 35, 16, 128};
+    (void) state;
+    gp_free(get((size_t) 400 * MIB)); // what earlier tests left gives way
+    const size_t most = mapped();
+    for (int round = 0; round < 50; round++) {
+        void *a = get((size_t) mib[round % 8] * MIB);
+        void *b = get((size_t) mib[(round + 3) % 8] / 4 * MIB + MIB);
+        gp_free(a);
+        gp_free(b);
+        assert_true(mapped() <= most + (size_t) 20 * MIB);
+    }
+}
+#endif
+
+static void *use_blocks(void *arg)
+{
+    for (int i = 0; i < 60; i++) {
+        const size_t bytes = (size_t) (17 + (i + *(int *) arg) % 3) * MIB;
+        uint8_t *p = get(bytes);
+        p[0] = (uint8_t) i;
+        p[bytes - 1] = (uint8_t) *(int *) arg;
+        if (p[0] != (uint8_t) i || p[bytes - 1] != (uint8_t) *(int *) arg)
+            return arg;
+        gp_free(p);
+    }
+    return NULL;
+}
+
+static void threads_share(void **state)
+{
+    pthread_t id[4];
+    int name[4] = {0, 1, 2, 3};
+    (void) state;
+    for (int i = 0; i < 4; i++)
+        assert_int_equal(pthread_create(&id[i], NULL, use_blocks, &name[i]),
+                         0);
+    for (int i = 0; i < 4; i++) {
+        void *wrong;
+        pthread_join(id[i], &wrong);
+        assert_null(wrong);
+    }
+}
+
+SUITE(memory)
+{
+    gp_keep_memory();
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(impossible_sizes),
+        cmocka_unit_test(small_and_none),
+        cmocka_unit_test(zero_of_a_used_block),
+        cmocka_unit_test(resized),
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+        cmocka_unit_test(same_blocks_again),
+        cmocka_unit_test(never_more_than_was_in_use),
+#endif
+        cmocka_unit_test(threads_share),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,211 @@
+/* Parallel loops: each i once, the lowest failure, loops of several threads at
+ * once, and never more threads at work than there may be. */
+#include "unit.h"
+#include "core/parallel.h"
+
+#include <pthread.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdatomic.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { MOST = 5000, CALLERS = 5 };
+
+/* What a loop is seen to do. */
+struct seen {
+    atomic_int count[MOST];
+    atomic_int in_use[256]; // by thread number
+    atomic_int wrong;
+    int fail_from, fail_step; // 0: none fails
+    int nested;               // i of inner loops
+};
+
+static atomic_int at_work, most_at_work;
+
+static void note_start(void)
+{
+    const int now = atomic_fetch_add(&at_work, 1) + 1;
+    int most = atomic_load(&most_at_work);
+    while (now > most &&
+           !atomic_compare_exchange_weak(&most_at_work, &most, now))
+        ;
+}
+
+static void inner(void *ctx, int i, int thread)
+{
+    atomic_int *const sum = ctx;
+    (void) thread;
+    atomic_fetch_add(sum, i);
+}
+
+static gp_status body(void *ctx, int i, int thread)
+{
+    struct seen *const s = ctx;
+    note_start();
+    if (thread < 0 || thread >= gp_threads() ||
+        atomic_fetch_add(&s->in_use[thread], 1) != 0)
+        atomic_fetch_add(&s->wrong, 1);
+    atomic_fetch_add(&s->count[i], 1);
+    if (s->nested) {
+        atomic_int sum = 0;
+        gp_parallel_do(s->nested, inner, &sum);
+        if (sum != s->nested * (s->nested - 1) / 2)
+            atomic_fetch_add(&s->wrong, 1);
+    }
+    volatile float work = 1.0f;
+    for (int k = 0; k < 300; k++)
+        work = work * 1.0001f;
+    atomic_fetch_sub(&s->in_use[thread], 1);
+    atomic_fetch_sub(&at_work, 1);
+    if (s->fail_step && i >= s->fail_from &&
+        (i - s->fail_from) % s->fail_step == 0)
+        return i == s->fail_from ? GP_ERR_DATA : GP_ERR_IO;
+    return GP_OK;
+}
+
+static void check_all_once(struct seen *s, int n)
+{
+    assert_int_equal(s->wrong, 0);
+    for (int i = 0; i < n; i++)
+        assert_int_equal(s->count[i], 1);
+    for (int i = n; i < MOST; i++)
+        assert_int_equal(s->count[i], 0);
+}
+
+static void each_i_once(void **state)
+{
+    static const int threads[] = {1, 2, 3, 8, 200}, n[] = {0, 1, 2, 7, 5000};
+    static struct seen s;
+    (void) state;
+    for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+        for (size_t k = 0; k < sizeof n / sizeof *n; k++) {
+            memset(&s, 0, sizeof s);
+            s.nested = 9;
+            gp_set_threads(threads[t]);
+            assert_int_equal(gp_parallel(n[k], body, &s, NULL), GP_OK);
+            check_all_once(&s, n[k]);
+        }
+    }
+}
+
+static void lowest_failure(void **state)
+{
+    static const struct {
+        int threads, n, from, step;
+    } row[] = {
+        {1, 100, 0, 1}, {2, 100, 99, 1}, {3, 2000, 77, 5}, {8, 2000, 1999, 1},
+        {8, 5000, 3, 1}, {4, 2, 1, 1},
+    };
+    static struct seen s;
+    (void) state;
+    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+        int failed = -1;
+        memset(&s, 0, sizeof s);
+        s.fail_from = row[k].from;
+        s.fail_step = row[k].step;
+        gp_set_threads(row[k].threads);
+        assert_int_equal(gp_parallel(row[k].n, body, &s, &failed),
+                         GP_ERR_DATA);
+        assert_int_equal(failed, row[k].from);
+        for (int i = 0; i < row[k].from; i++) // all below was run
+            assert_int_equal(s.count[i], 1);
+    }
+}
+
+// -- several callers -----------------------------------------------------------
+
+struct caller {
+    struct seen seen;
+    int loops, n;
+    int failed;
+    gp_status st;
+};
+
+static void *call(void *arg)
+{
+    struct caller *const c = arg;
+    gp_parallel_enter();
+    for (int k = 0; k < c->loops && c->st == GP_OK; k++) {
+        memset(&c->seen.count, 0, sizeof c->seen.count);
+        c->st = gp_parallel(c->n, body, &c->seen, &c->failed);
+        for (int i = 0; i < c->n && !c->st; i++) {
+            if (c->seen.count[i] != 1)
+                atomic_fetch_add(&c->seen.wrong, 1);
+        }
+        if (k % 3 == 0) { // as one that waits for another
+            gp_parallel_leave();
+            gp_parallel_enter();
+        }
+    }
+    gp_parallel_leave();
+    return NULL;
+}
+
+static void callers_share(void **state)
+{
+    static const int threads[] = {1, 2, 3, 8};
+    static struct caller c[CALLERS];
+    (void) state;
+    for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+        pthread_t id[CALLERS];
+        gp_set_threads(threads[t]);
+        atomic_store(&most_at_work, 0);
+        memset(c, 0, sizeof c);
+        gp_parallel_leave(); // this thread only waits
+        for (int i = 0; i < CALLERS; i++) {
+            c[i].loops = 20;
+            c[i].n = 100 + 300 * i;
+            c[i].seen.fail_step = i == 3; // one fails, the others do not
+            c[i].seen.fail_from = 5;
+            assert_int_equal(pthread_create(&id[i], NULL, call, &c[i]), 0);
+        }
+        for (int i = 0; i < CALLERS; i++)
+            pthread_join(id[i], NULL);
+        gp_parallel_enter();
+        for (int i = 0; i < CALLERS; i++) {
+            assert_int_equal(c[i].st, i == 3 ? GP_ERR_DATA : GP_OK);
+            assert_int_equal(c[i].seen.wrong, 0);
+        }
+        assert_int_equal(c[3].failed, 5);
+        assert_true(atomic_load(&most_at_work) <= threads[t]);
+        assert_true(atomic_load(&most_at_work) >= 1);
+    }
+}
+
+static void child_has_its_own(void **state)
+{
+    static struct seen s;
+    (void) state;
+    gp_set_threads(4);
+    assert_int_equal(gp_parallel(100, body, &s, NULL), GP_OK);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        memset(&s, 0, sizeof s);
+        const gp_status st = gp_parallel(1000, body, &s, NULL);
+        int wrong = st != GP_OK || s.wrong;
+        for (int i = 0; i < 1000; i++)
+            wrong |= s.count[i] != 1;
+        _exit(wrong ? 1 : 0);
+    }
+    int how;
+    assert_int_equal(waitpid(child, &how, 0), child);
+    assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
+}
+
+SUITE(parallel)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(each_i_once),
+        cmocka_unit_test(lowest_failure),
+        cmocka_unit_test(callers_share),
+        cmocka_unit_test(child_has_its_own),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

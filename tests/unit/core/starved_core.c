@@ -1,0 +1,318 @@
+/* core where the system says no: memory, threads, processors, the program's
+ * own place; and what its small helpers make of empty and odd arguments. */
+#include "unit.h"
+#include "core/bridge.h"
+#include "core/cpu.h"
+#include "core/frame.h"
+#include "core/json_memory.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "core/plane.h"
+#include "fail.h"
+#include "said.h"
+
+#include <jansson.h>
+#include <limits.h>
+#include <pthread.h>
+#include <sched.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+// -- threads ----------------------------------------------------------------------
+
+/* More processors than the system can list count as one. First of all tests:
+ * processors are asked for once. */
+static void processors_unknown(void **state)
+{
+    (void) state;
+    fail_always.affinity = true;
+    gp_set_threads(0);
+    assert_int_equal(gp_threads(), 1);
+    fail_always.affinity = false;
+    assert_int_equal(gp_threads(), 1); // and are not asked for again
+    static const struct { int wanted, got; } rows[] = {
+        {1, 1}, {7, 7}, {256, 256}, {257, 256}, {INT_MAX, 256}, {-3, 1},
+        {INT_MIN, 1}, {0, 1},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        gp_set_threads(rows[i].wanted);
+        assert_int_equal(gp_threads(), rows[i].got);
+    }
+}
+
+static gp_status body(void *ctx, int i, int thread)
+{
+    atomic_int *const done = ctx;
+    assert_int_equal(thread, 0);
+    atomic_fetch_add(done, 1);
+    return i >= 40 ? GP_ERR_DATA : GP_OK;
+}
+
+static void threads_do_not_start(void **state)
+{
+    static const struct { int n; gp_status st; int failed, done; } rows[] = {
+        {0, GP_OK, -1, 0}, {1, GP_OK, -1, 1}, {40, GP_OK, -1, 40},
+        {100, GP_ERR_DATA, 40, 41},
+    };
+    (void) state;
+    fail_always.threads = true;
+    for (int threads = 1; threads <= 4; threads += 3) {
+        gp_set_threads(threads);
+        for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+            atomic_int done = 0;
+            int failed = -1;
+            assert_int_equal(gp_parallel(rows[i].n, body, &done, &failed),
+                             rows[i].st);
+            assert_int_equal(failed, rows[i].failed);
+            assert_int_equal(done, rows[i].done);
+            assert_int_equal(gp_parallel(rows[i].n, body, &done, NULL),
+                             rows[i].st);
+        }
+    }
+    fail_always.threads = false;
+    gp_set_threads(1);
+}
+
+// -- memory -----------------------------------------------------------------------
+
+static void sizes_are_checked(void **state)
+{
+    static const struct { size_t count, size; const char *said; } rows[] = {
+        {SIZE_MAX, 2, "more memory than there can be"},
+        {SIZE_MAX, SIZE_MAX, "more memory than there can be"},
+        {SIZE_MAX, 1, "more memory than there can be"},
+        {0, 4, NULL}, {4, 0, NULL}, {1, 1, NULL}, {5 << 20, 1, NULL},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        for (int zero = 0; zero < 2; zero++) {
+            void *p = &p;
+            said_nothing();
+            const gp_status st =
+                zero ? gp_alloc_zero(&said_log, "it", rows[i].count,
+                                     rows[i].size, &p)
+                     : gp_alloc(&said_log, "it", rows[i].count, rows[i].size,
+                                &p);
+            assert_int_equal(st, rows[i].said ? GP_ERR_BUG : GP_OK);
+            assert_true((p != NULL) == !rows[i].said);
+            assert_int_equal(said_errors, rows[i].said ? 1 : 0);
+            if (rows[i].said)
+                assert_non_null(strstr(said_line, rows[i].said));
+            assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
+            GP_FREE(p);
+            assert_null(p);
+        }
+    }
+}
+
+static void memory_is_full(void **state)
+{
+    const long blocks = fail_blocks();
+    (void) state;
+    for (int n = 1; n <= 4; n++) {
+        struct gp_planes p = {{NULL, NULL, NULL}};
+        fail_at(FAIL_ALLOC, n);
+        assert_int_equal(gp_planes_make(NULL, "planes", 100, &p),
+                         n < 4 ? GP_ERR_BUG : GP_OK);
+        fail_end();
+        for (int c = 0; c < 3; c++)
+            assert_true((p.c[c] != NULL) == (n == 4));
+        gp_planes_free(&p);
+        gp_planes_free(&p);
+        assert_null(p.c[0]);
+    }
+    fail_at(FAIL_ALLOC, 1);
+    assert_null(gp_strdup("a name"));
+    fail_end();
+    char *copy = gp_strdup("");
+    assert_string_equal(copy, "");
+    gp_free(copy);
+    assert_int_equal(fail_blocks(), blocks);
+}
+
+static void json_tells_of_memory(void **state)
+{
+    (void) state;
+    gp_json_memory_watch();
+    void *p = gp_json_allocate(8);
+    assert_non_null(p);
+    assert_false(gp_json_memory_full());
+    fail_at(FAIL_ALLOC, 1);
+    assert_null(gp_json_allocate(8));
+    fail_end();
+    assert_true(gp_json_memory_full());
+    void *q = gp_json_allocate(8); // one that has memory forgives nothing
+    assert_true(gp_json_memory_full());
+    gp_json_memory_watch();
+    assert_false(gp_json_memory_full());
+    fail_at(FAIL_ALLOC, 1);
+    assert_null(json_object());
+    fail_end();
+    assert_true(gp_json_memory_full());
+    gp_free(p);
+    gp_free(q);
+}
+
+// -- frames -----------------------------------------------------------------------
+
+static int origins;
+
+static void free_origin(void *origin)
+{
+    assert_ptr_equal(origin, &origins);
+    origins++;
+}
+
+static void frames_own_what_they_hold(void **state)
+{
+    static const char *const names[] = {"R", "Z", "depth.Z"};
+    const long blocks = fail_blocks();
+    struct gp_frame f = {0};
+    void *channels;
+    (void) state;
+    gp_frame_free(&f); // an empty one
+    assert_null(gp_frame_channel(&f, "Z"));
+    assert_int_equal(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
+                                   &channels), GP_OK);
+    f.channel = channels;
+    f.channels = 3;
+    for (int i = 0; i < 3; i++)
+        f.channel[i].name = gp_strdup(names[i]);
+    assert_int_equal(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data), GP_OK);
+    assert_int_equal(gp_planes_make(NULL, "rgb", 4, &f.rgb), GP_OK);
+    f.path = gp_strdup("a.exr");
+    f.origin = &origins;
+    f.origin_free = free_origin;
+    for (int i = 0; i < 3; i++)
+        assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
+    static const char *const absent[] = {"z", "", "depth", "depth.Z2"};
+    for (int i = 0; i < 4; i++)
+        assert_null(gp_frame_channel(&f, absent[i]));
+    gp_frame_free(&f);
+    gp_frame_free(&f);
+    assert_int_equal(origins, 1);
+    struct gp_plane p = {.name = gp_strdup("Z")};
+    gp_plane_free(&p);
+    gp_plane_free(&p);
+    assert_int_equal(fail_blocks(), blocks);
+}
+
+// -- messages ---------------------------------------------------------------------
+
+static void messages_are_one_line(void **state)
+{
+    static const struct gp_log deaf = {NULL, NULL, GP_LEVEL_INFO};
+    const struct gp_log errors = {said_keep, NULL, GP_LEVEL_ERROR};
+    char text[5000];
+    (void) state;
+    said_nothing();
+    assert_int_equal(gp_fail(NULL, GP_ERR_IO, "unheard"), GP_ERR_IO);
+    assert_int_equal(gp_fail(&deaf, GP_ERR_GL, "unheard"), GP_ERR_GL);
+    gp_say(NULL, GP_LEVEL_ERROR, "unheard");
+    gp_say(&errors, GP_LEVEL_WARN, "unheard");
+    gp_say(&errors, GP_LEVEL_INFO, "unheard");
+    assert_int_equal(said_errors, 0);
+    assert_string_equal(said_line, "");
+    assert_int_equal(gp_fail(&errors, GP_ERR_DATA, "a\nb\r\nc: %d\n", 7),
+                     GP_ERR_DATA);
+    assert_string_equal(said_line, "a b  c: 7 ");
+    memset(text, 'x', sizeof text);
+    text[sizeof text - 1] = '\0';
+    assert_int_equal(gp_fail(&errors, GP_ERR_USAGE, "%s", text), GP_ERR_USAGE);
+    assert_int_equal(said_errors, 2);
+    assert_int_equal(strlen(said_line), sizeof said_line - 1);
+}
+
+static void statuses_have_texts(void **state)
+{
+#define ROW(name, code, text) {name, code, text},
+    static const struct { int status, code; const char *text; } rows[] = {
+        GP_STATUS_LIST(ROW)
+    };
+#undef ROW
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(rows[i].status, rows[i].code);
+        assert_string_equal(gp_status_text(rows[i].code), rows[i].text);
+    }
+    static const int others[] = {-1, 1, 7, 69, 71, 255, INT_MAX, INT_MIN};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        assert_string_equal(gp_status_text(others[i]), "unknown status");
+}
+
+// -- the program's own shared objects -----------------------------------------------
+
+static void bridges_are_looked_for(void **state)
+{
+    char folder[] = "/tmp/glarepp-bridge-XXXXXX", path[64], why[512];
+    char longest[PATH_MAX + 8];
+    (void) state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/odd.so", folder);
+    FILE *const f = fopen(path, "w");
+    assert_non_null(f);
+    fputs("no library\n", f);
+    fclose(f);
+    memset(longest, 'a', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    const struct { const char *folder, *name, *said; } rows[] = {
+        {folder, "odd.so", "odd.so"},         // there, but no library
+        {folder, "none.so", "none.so is not there"},
+        {"", "odd.so", "odd.so is not there"},
+        {NULL, "odd.so", "odd.so is not there"},
+        {longest, "odd.so", "odd.so is not there"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        if (rows[i].folder)
+            setenv("GLAREPP_BRIDGES", rows[i].folder, 1);
+        else
+            unsetenv("GLAREPP_BRIDGES");
+        for (int lost = 0; lost < 2; lost++) {
+            fail_always.links = lost; // the program does not know where it is
+            assert_null(gp_bridge_open(rows[i].name, why, sizeof why));
+            if (!strstr(why, rows[i].said))
+                fail_msg("row %zu: \"%s\"", i, why);
+        }
+    }
+    fail_always.links = false;
+    unlink(path);
+    rmdir(folder);
+    unsetenv("GLAREPP_BRIDGES");
+}
+
+static void cpu_can_be_told(void **state)
+{
+    static const char *const others[] = {"", "bas", "basement", "avx2"};
+    (void) state;
+    unsetenv("GLAREPP_CPU");
+    const bool there = gp_cpu_has_avx2();
+    setenv("GLAREPP_CPU", "base", 1);
+    assert_false(gp_cpu_has_avx2());
+    for (int i = 0; i < 4; i++) {
+        setenv("GLAREPP_CPU", others[i], 1);
+        assert_true(gp_cpu_has_avx2() == there);
+    }
+    unsetenv("GLAREPP_CPU");
+}
+
+SUITE(starved_core)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(processors_unknown),
+        cmocka_unit_test(threads_do_not_start),
+        cmocka_unit_test(sizes_are_checked),
+        cmocka_unit_test(memory_is_full),
+        cmocka_unit_test(json_tells_of_memory),
+        cmocka_unit_test(frames_own_what_they_hold),
+        cmocka_unit_test(messages_are_one_line),
+        cmocka_unit_test(statuses_have_texts),
+        cmocka_unit_test(bridges_are_looked_for),
+        cmocka_unit_test(cpu_can_be_told),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

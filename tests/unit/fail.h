@@ -1,0 +1,37 @@
+/* Makes one call of the program's own code fail. The Makefile links the unit
+ * tests with --wrap of these calls (FAIL_WRAP there), so what libraries call
+ * for themselves is not counted. */
+#ifndef GP_TESTS_FAIL_H
+#define GP_TESTS_FAIL_H
+
+#include <stdbool.h>
+
+enum fail_class {
+    FAIL_NONE,
+    FAIL_ALLOC,  // malloc, realloc, posix_memalign: ENOMEM
+    FAIL_IO,     // open, close, read, write, pread, pwrite, fstat, rename,
+                 // memfd_create: EMFILE, EIO, ENOSPC, EACCES
+    FAIL_THREAD, // pthread_create: EAGAIN
+};
+
+/* The n-th call of that class from here on fails, from 1. */
+void fail_at(enum fail_class class, long n);
+
+/* No call fails any more. Returns whether the one that had to fail came. */
+bool fail_end(void);
+
+/* Blocks that were allocated and not freed. */
+long fail_blocks(void);
+
+/* What fails each time, until it is set back. */
+struct fail_always {
+    bool threads, affinity, links; // pthread_create, sched_getaffinity, readlink
+    const char *library, *symbol;  // the dlopen, dlsym of these names
+};
+extern struct fail_always fail_always;
+
+/* The calls themselves, for tests. */
+int __real_open(const char *path, int flags, ...);
+int __real_close(int fd);
+
+#endif

@@ -1,0 +1,330 @@
+/* gl with libraries and drivers that refuse: each call that can fail does so
+ * once, with one line that says which, and nothing stays open. The libraries
+ * are tests/faults/broken_gl.c and broken_egl.c. */
+#include "unit.h"
+#include "core/memory.h"
+#include "gl/block.h"
+#include "gl/context.h"
+#include "gl/list.h"
+#include "gl/program.h"
+#include "gl/texture.h"
+
+#include <limits.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static char last_line[4096];
+static int lines;
+
+static void keep(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    lines++;
+    snprintf(last_line, sizeof last_line, "%s", line);
+}
+
+static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
+
+static void assert_said(const char *row, const char *part)
+{
+    if (lines != 1 || !strstr(last_line, part))
+        fail_msg("%s: %d lines; \"%s\" is not in \"%s\"", row, lines, part,
+                 last_line);
+    lines = 0;
+    last_line[0] = '\0';
+}
+
+/* Opens `api`; a context is closed again. */
+static gp_status try_open(enum gp_gl_api api)
+{
+    struct gp_gl *gl = NULL;
+    lines = 0;
+    const gp_status st = gp_gl_open(&log_kept, api, &gl);
+    assert_true((st == GP_OK) == (gl != NULL));
+    gp_gl_close(&gl);
+    return st;
+}
+
+/* Takes a library that breaks, beside this program, in place of the real one;
+ * skips the test where that does not work while it does not break. */
+static void use_broken(enum gp_gl_api api, const char *env, const char *file)
+{
+    char path[PATH_MAX];
+    const ssize_t n = readlink("/proc/self/exe", path, sizeof path - 1);
+    assert_true(n > 0);
+    path[n] = '\0';
+    char *const slash = strrchr(path, '/');
+    assert_true(slash && (size_t) (slash - path) + strlen(file) + 2 <
+                             sizeof path);
+    strcpy(slash + 1, file);
+    setenv(env, path, 1);
+    if (try_open(api) != GP_OK) {
+        print_message("%s\n", last_line);
+        unsetenv(env);
+        skip();
+    }
+}
+
+// -- systems --------------------------------------------------------------------
+
+/* What breaks, and the line that says so; NULL: a context all the same. */
+struct broken {
+    const char *what, *said;
+};
+
+static void osmesa_refuses(void **state)
+{
+    static const struct broken rows[] = {
+        {"context", "no context can be made"},
+        {"current", "cannot be made current"},
+        {"old", "4.5 is needed (2.1 Mesa found)"},
+        {"words", "4.5 is needed (no number found)"},
+        {"silent", "4.5 is needed (nothing found)"},
+        {"core", NULL}, {"unnamed", NULL},
+    };
+    (void) state;
+    use_broken(GP_GL_API_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        setenv("BROKEN_GL", rows[i].what, 1);
+        const gp_status st = try_open(GP_GL_API_OSMESA);
+        assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
+        if (rows[i].said)
+            assert_said(rows[i].what, rows[i].said);
+        unsetenv("BROKEN_GL");
+    }
+    assert_int_equal(try_open(GP_GL_API_OSMESA), GP_OK);
+    unsetenv("GLAREPP_OSMESA");
+}
+
+static void missing_functions_are_named(void **state)
+{
+#define NAME(type, function) "gl" #function,
+    static const char *const names[] = {"glGetString", GP_GL_FUNCTIONS(NAME)};
+#undef NAME
+    (void) state;
+    use_broken(GP_GL_API_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char said[96];
+        snprintf(said, sizeof said, "%s is missing", names[i]);
+        setenv("BROKEN_GL_MISSING", names[i], 1);
+        assert_int_equal(try_open(GP_GL_API_OSMESA), GP_ERR_GL);
+        assert_said(names[i], said);
+    }
+    unsetenv("BROKEN_GL_MISSING");
+    unsetenv("GLAREPP_OSMESA");
+}
+
+static void egl_refuses(void **state)
+{
+    static const char none[] = "neither a GPU device nor";
+    static const struct broken rows[] = {
+        {"client", "no platform extensions"},
+        {"platform", "no platform extensions"},
+        {"surfaceless", none}, {"initialize", none}, {"contextless", none},
+        {"prefixed", none}, {"bind", none}, {"choose", none},
+        {"config", none}, {"context", none},
+        {"current", "cannot be made current"},
+        {"device", NULL}, {"nameless", NULL}, {"core", NULL},
+    };
+    (void) state;
+    use_broken(GP_GL_API_EGL, "GLAREPP_EGL", "broken_egl.so");
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        setenv("BROKEN_EGL", rows[i].what, 1);
+        const gp_status st = try_open(GP_GL_API_EGL);
+        // Mesa's older contexts are of a version that may be enough, or not
+        if (strcmp(rows[i].what, "core") != 0 || st == GP_OK)
+            assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
+        else
+            assert_said(rows[i].what, "4.5 is needed");
+        if (rows[i].said)
+            assert_said(rows[i].what, rows[i].said);
+        unsetenv("BROKEN_EGL");
+    }
+    assert_int_equal(try_open(GP_GL_API_EGL), GP_OK);
+    unsetenv("GLAREPP_EGL");
+}
+
+// -- a driver's answers -----------------------------------------------------------
+
+static GLenum flag; // what glGetError() says
+static int times;   // so many times, then that all is well
+
+static GLenum APIENTRY broken_error(void)
+{
+    return times-- > 0 ? flag : GL_NO_ERROR;
+}
+
+static GLenum APIENTRY broken_framebuffer(GLuint framebuffer, GLenum target)
+{
+    (void) framebuffer;
+    (void) target;
+    return GL_FRAMEBUFFER_UNSUPPORTED;
+}
+
+static struct gp_gl *open_or_skip(void)
+{
+    struct gp_gl *gl = NULL;
+    lines = 0;
+    if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK) {
+        print_message("no context: %s\n", last_line);
+        skip();
+    }
+    return gl;
+}
+
+static void flags_have_names(void **state)
+{
+    static const struct { GLenum flag; const char *name; } rows[] = {
+        {GL_INVALID_ENUM, "GL_INVALID_ENUM"},
+        {GL_INVALID_VALUE, "GL_INVALID_VALUE"},
+        {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
+        {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
+        {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
+        {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
+        {0x1234, "an unknown GL error"},
+    };
+    (void) state;
+    struct gp_gl *gl = open_or_skip();
+    const PFNGLGETERRORPROC real = gl->f.GetError;
+    gl->f.GetError = broken_error;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        flag = rows[i].flag;
+        times = INT_MAX; // a lost context answers for ever
+        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_ERR_GL);
+        assert_said(rows[i].name, rows[i].name);
+        assert_true(times > INT_MAX - 64);
+        times = 2; // flags of two calls are cleared at once
+        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_ERR_GL);
+        assert_said(rows[i].name, "while looking");
+        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_OK);
+    }
+    gl->f.GetError = real;
+    gp_gl_close(&gl);
+}
+
+/* What cannot be made is empty, and the next one can be. */
+static void objects_are_refused(void **state)
+{
+    struct gp_gl *gl = open_or_skip();
+    const PFNGLGETERRORPROC real = gl->f.GetError;
+    (void) state;
+    for (int broken = 1; broken >= 0; broken--) {
+        struct gp_texture t = {0};
+        struct gp_target g = {0};
+        struct gp_list l = {0};
+        struct gp_block b = {0};
+        struct gp_program p = {0};
+        const gp_status want = broken ? GP_ERR_GL : GP_OK;
+        gl->f.GetError = broken ? broken_error : real;
+        flag = GL_OUT_OF_MEMORY;
+#define MAKES(call)                                                           \
+        times = 1;                                                            \
+        assert_int_equal(call, want);                                         \
+        if (broken)                                                           \
+            assert_said(#call, "GL_OUT_OF_MEMORY")
+        MAKES(gp_texture_make(&log_kept, gl, "a", 2, 2, &t));
+        MAKES(gp_target_make(&log_kept, gl, "b", 2, 2, &g));
+        MAKES(gp_list_make(&log_kept, gl, "c", 2, &l));
+        MAKES(gp_block_make(&log_kept, gl, "d", 16, &b));
+        MAKES(gp_program_make(&log_kept, gl, "add.vert", "add.frag", &p));
+#undef MAKES
+        assert_true((t.id && g.framebuffer && l.id && l.buffer && b.id &&
+                     p.id) == !broken);
+        assert_true((t.id || g.framebuffer || g.colour.id || l.id ||
+                     l.buffer || b.id || p.id) == !broken);
+        gp_texture_free(gl, &t);
+        gp_target_free(gl, &g);
+        gp_list_free(gl, &l);
+        gp_block_free(gl, &b);
+        gp_program_free(gl, &p);
+    }
+    gp_gl_close(&gl);
+}
+
+static void targets_are_refused(void **state)
+{
+    struct gp_gl *gl = open_or_skip();
+    const PFNGLGETERRORPROC error = gl->f.GetError;
+    const PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC check =
+        gl->f.CheckNamedFramebufferStatus;
+    struct gp_target t = {0};
+    (void) state;
+    gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
+    assert_int_equal(gp_target_make(&log_kept, gl, "layer", 2, 2, &t),
+                     GP_ERR_GL);
+    assert_said("unsupported", "framebuffer status 0x8cdd");
+    gl->f.CheckNamedFramebufferStatus = check;
+    // a byte target that memory cannot hold
+    gl->f.GetError = broken_error;
+    flag = GL_OUT_OF_MEMORY;
+    times = 1;
+    assert_int_equal(gp_target_make_byte(&log_kept, gl, "layer", 2, 2, &t),
+                     GP_ERR_GL);
+    assert_said("byte", "GL_OUT_OF_MEMORY");
+    gl->f.GetError = error;
+    assert_int_equal(t.framebuffer, 0);
+    assert_int_equal(gp_target_make_many(&log_kept, gl, "layer", 2, 2, 4, &t),
+                     GP_OK);
+    const struct gp_rect nothing = {5, 5, 9, 9}; // outside: nothing to do
+    gp_target_clear(gl, &t, nothing);
+    assert_int_equal(gp_gl_check(&log_kept, gl, "clearing"), GP_OK);
+    gp_target_free(gl, &t);
+    gp_gl_close(&gl);
+}
+
+/* A shader file that this build has not, by either name. */
+static void unknown_files_are_named(void **state)
+{
+    struct gp_gl *gl = open_or_skip();
+    struct gp_program p = {0};
+    (void) state;
+    assert_int_equal(gp_program_make(&log_kept, gl, "add.vert", "no.frag", &p),
+                     GP_ERR_BUG);
+    assert_said("fragment", "no.frag");
+    assert_int_equal(gp_program_make(&log_kept, gl, "no.vert", "add.frag", &p),
+                     GP_ERR_BUG);
+    assert_said("vertex", "no.vert");
+    assert_int_equal(p.id, 0);
+    gp_gl_close(&gl);
+}
+
+/* A limit that is no number, or over the driver's, changes nothing. */
+static void limit_is_only_lowered(void **state)
+{
+    static const char *const rows[] = {"", "none", "-5", "0", "999999999"};
+    struct gp_gl *gl = open_or_skip();
+    const int most = gp_gl_max_size(gl);
+    (void) state;
+    gp_gl_close(&gl);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        setenv("GLAREPP_GL_MAX_SIZE", rows[i], 1);
+        gl = open_or_skip();
+        assert_int_equal(gp_gl_max_size(gl), most);
+        gp_gl_close(&gl);
+    }
+    unsetenv("GLAREPP_GL_MAX_SIZE");
+}
+
+SUITE(gl_broken)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(osmesa_refuses),
+        cmocka_unit_test(missing_functions_are_named),
+        cmocka_unit_test(egl_refuses),
+        cmocka_unit_test(flags_have_names),
+        cmocka_unit_test(objects_are_refused),
+        cmocka_unit_test(targets_are_refused),
+        cmocka_unit_test(unknown_files_are_named),
+        cmocka_unit_test(limit_is_only_lowered),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,334 @@
+/* glare/splat/blur.c and glare/splat/shrink.c: the kernel blurred by boxes, against the
+ * plain sum; and how far polygons reach. */
+#include "unit.h"
+#include "glare/splat/blur.h"
+#include "glare_scene.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* -- blurs ------------------------------------------------------------------*/
+
+struct blur_row {
+    int w, h, cx, cy;
+    enum shape shape;
+    struct gp_rect crop; // all zero: the whole kernel
+    bool tail;
+    int side;
+};
+
+static const struct blur_row blur_rows[] = {
+    {1, 1, MID, 0, BOX, {0}, false, 1},
+    {1, 1, MID, 0, BOX, {0}, false, 64},
+    {1, 1, MID, 0, BOX, {0}, true, 4},
+    {9, 7, MID, 0, TINTED, {0}, false, 2},
+    {9, 7, MID, 0, LOBES, {0}, false, 3},
+    {10, 8, MID, 0, TINTED, {0}, false, 4},
+    {31, 18, MID, 0, PEAK, {0}, true, 6},
+    {31, 18, 3, 17, TINTED, {0}, true, 8},
+    {31, 18, -20, 5, TINTED, {0}, true, 12},
+    {63, 65, MID, 0, TINTED, {0}, true, 16},
+    {64, 66, MID, 0, LOBES, {0}, false, 5}, // no box of the list
+    {129, 70, MID, 0, PEAK, {0}, false, 32},
+    {200, 3, MID, 0, RING, {0}, true, 64},
+    {61, 47, MID, 0, TINTED, {10, 5, 40, 47}, true, 4},
+    {61, 47, MID, 0, TINTED, {0, 0, 1, 1}, false, 3},
+    {61, 47, MID, 0, PEAK, {-5, -5, 100, 9}, false, 2},
+    {61, 47, 2000000, 5, PEAK, {0}, true, 2},
+};
+
+static struct gp_rect crop_of(const struct blur_row *r)
+{
+    return gp_rect_empty(r->crop) ? (struct gp_rect) {0, 0, r->w, r->h}
+                                  : r->crop;
+}
+
+/* Sample (x, y) of the cut kernel without its core. */
+static double cut_sample(const struct gp_kernel *k, const struct blur_row *r,
+                         struct gp_rect crop, int c, int x, int y)
+{
+    x += crop.x0;
+    y += crop.y0;
+    if (x < crop.x0 || x >= crop.x1 || y < crop.y0 || y >= crop.y1)
+        return 0.0;
+    if (r->tail && abs(x - k->cx) <= GP_CORE_RADIUS &&
+        abs(y - k->cy) <= GP_CORE_RADIUS)
+        return 0.0;
+    return (double) k->k.c[c][y * k->w + x];
+}
+
+static double box_mean(const struct gp_kernel *k, const struct blur_row *r,
+                       struct gp_rect crop, int c, int x, int y)
+{
+    double sum = 0.0;
+    for (int j = 0; j < r->side; j++) {
+        for (int i = 0; i < r->side; i++)
+            sum += cut_sample(k, r, crop, c, x - i, y - j);
+    }
+    return sum / ((double) r->side * r->side);
+}
+
+static void check_blur(const struct gp_kernel *k, const struct blur_row *r,
+                       const struct gp_blur *b)
+{
+    const struct gp_rect crop = gp_rect_meet(
+        crop_of(r), (struct gp_rect) {0, 0, k->w, k->h});
+    const float half = 0.5f * (float) (r->side - 1);
+    assert_int_equal(b->w, gp_rect_w(crop) + r->side - 1);
+    assert_int_equal(b->h, gp_rect_h(crop) + r->side - 1);
+    assert_true(b->cx == (float) (k->cx - crop.x0) + half);
+    assert_true(b->cy == (float) (k->cy - crop.y0) + half);
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0, want_sum = 0.0;
+        for (int i = 0; i < b->w * b->h; i++) {
+            const double got = (double) b->k.c[c][i];
+            const double want =
+                box_mean(k, r, crop, c, i % b->w, i / b->w);
+            sum += got;
+            if (fabs(got - want) > 1e-7 * fabs(want) + 1e-20)
+                fail_msg("box %d, channel %d, sample %d: %g in place of %g",
+                         r->side, c, i, got, want);
+        }
+        for (int i = 0; i < gp_rect_w(crop) * gp_rect_h(crop); i++)
+            want_sum += cut_sample(k, r, crop, c, i % gp_rect_w(crop),
+                                   i / gp_rect_w(crop));
+        assert_true(fabs(sum - want_sum) <= 1e-6 * (fabs(want_sum) + 1e-3));
+    }
+}
+
+static void blurs_are_box_means(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof blur_rows / sizeof *blur_rows; i++) {
+        const struct blur_row *const r = &blur_rows[i];
+        struct gp_kernel k = scene_kernel(r->w, r->h, MID, 0, r->shape);
+        struct gp_blur b;
+        if (r->cx != MID) { // (a kernel made there is the same)
+            k.cx = r->cx;
+            k.cy = r->cy;
+        }
+        assert_int_equal(gp_blur_make(NULL, &k, crop_of(r), r->tail, r->side,
+                                      &b), GP_OK);
+        assert_int_equal(b.grey, k.grey);
+        check_blur(&k, r, &b);
+        gp_blur_free(&b);
+        gp_blur_free(&b); // twice is harmless
+        gp_kernel_free(&k);
+    }
+}
+
+static void nothing_left_is_an_empty_blur(void **state)
+{
+    (void) state;
+    struct gp_kernel k = scene_kernel(9, 9, MID, 0, PEAK);
+    struct gp_blur b;
+    assert_int_equal(gp_blur_make(NULL, &k, (struct gp_rect) {20, 0, 30, 9},
+                                  false, 4, &b), GP_OK);
+    assert_true(b.w == 0 && b.h == 0);
+    gp_blur_free(&b);
+    gp_kernel_free(&k);
+}
+
+static void no_memory_leaves_nothing(void **state)
+{
+    (void) state;
+    // sanitizers and valgrind take such a request for an error
+    if (getenv("GLAREPP_TEST_QUICK"))
+        skip();
+    struct gp_kernel k = {.w = INT_MAX - 64, .h = INT_MAX - 64};
+    struct gp_blur b = {.w = 3};
+    assert_int_equal(gp_blur_make(NULL, &k, (struct gp_rect) {0, 0, k.w, k.h},
+                                  false, 2, &b), GP_ERR_BUG);
+    assert_int_equal(b.w, 3);
+}
+
+/* -- shrinking --------------------------------------------------------------*/
+
+/* Light of the kernel's samples more than `reach` away, over its whole, the
+ * largest channel. Without its core when `tail`. */
+static double beyond(const struct gp_kernel *k, int reach, bool tail)
+{
+    double worst = 0.0;
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0;
+        for (int i = 0; i < k->w * k->h; i++) {
+            const int dx = abs(i % k->w - k->cx), dy = abs(i / k->w - k->cy);
+            const int d = dx > dy ? dx : dy;
+            if (d > reach && !(tail && d <= GP_CORE_RADIUS))
+                sum += fabs((double) k->k.c[c][i]);
+        }
+        worst = fmax(worst, sum / k->norm1[c]);
+    }
+    return worst;
+}
+
+struct shrink_row {
+    int w, h, cx, cy;
+    enum shape shape;
+    enum gp_group_method method;
+    float share;
+    float brightest; // light of the polygons: from 1e-6 of that up
+};
+
+static const struct shrink_row shrink_rows[] = {
+    {101, 101, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-3f, 100},
+    {101, 101, MID, 0, PEAK, GP_GROUP_CORE, 1e-2f, 100},
+    {101, 61, MID, 0, TINTED, GP_GROUP_CENTROID, 0.2f, 100},
+    {40, 64, 3, 60, TINTED, GP_GROUP_CORE, 0.05f, 1},
+    {40, 64, -30, 20, TINTED, GP_GROUP_MOMENTS, 0.05f, 1},
+    {40, 64, 90, 20, TINTED, GP_GROUP_CORE, 0.05f, 1},
+    {61, 61, MID, 0, RING, GP_GROUP_MOMENTS, 0.5f, 1},
+    {61, 61, MID, 0, LOBES, GP_GROUP_MOMENTS, 0.1f, 1},
+    {1, 1, MID, 0, BOX, GP_GROUP_MOMENTS, 0.5f, 1},
+    {1, 1, MID, 0, BOX, GP_GROUP_CORE, 0.5f, 1},
+    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 0.999f, 1e30f},
+    {61, 61, MID, 0, PEAK, GP_GROUP_CORE, 0.999f, 3e38f},
+    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-2f, 1e-37f},
+    {61, 61, MID, 0, PEAK, GP_GROUP_MOMENTS, 1e-7f, 1},
+};
+
+enum { LIGHTS = 60 };
+
+static struct gp_polygons lights(float brightest, struct gp_polygon *at)
+{
+    for (int i = 0; i < LIGHTS; i++)
+        at[i] = (struct gp_polygon) {
+            .light = brightest * powf(10.0f, -0.1f * (float) i),
+            .side = 8, .blur = (uint8_t) (i % 6),
+        };
+    return (struct gp_polygons) {LIGHTS, LIGHTS, 0, at};
+}
+
+/* The boxes above carry samples up to 5 pixels from where they were. */
+static void check_shrink(const struct gp_kernel *k,
+                         const struct shrink_row *r, double share,
+                         const struct gp_polygons *q,
+                         const struct gp_shrink *s, const char *what)
+{
+    const bool tail = r->method == GP_GROUP_CORE;
+    double left = 0.0, all = 0.0;
+    for (size_t i = 0; i < q->n; i++) {
+        const double light = (double) q->at[i].light;
+        const int reach = s->reach[gp_source_bin(q->at[i].light)];
+        left += light * beyond(k, reach - 5, tail);
+        all += light;
+    }
+    if (left > share * all * (1.0 + 1e-9) ||
+        s->left_out > share || left > s->left_out * all * (1.0 + 1e-9))
+        fail_msg("%s: %g left out, %g said, %g allowed", what, left / all,
+                 s->left_out, share);
+    for (int b = 0; b < GP_SOURCE_BINS; b++) {
+        assert_true(s->reach[b] >= (tail ? GP_CORE_RADIUS : 0));
+        assert_true(b == 0 || s->reach[b] >= s->reach[b - 1]);
+    }
+}
+
+/* One step over `least` leaves too much out, or all that there is. */
+static void check_largest(const struct gp_kernel *k,
+                          const struct shrink_row *r,
+                          const struct gp_polygons *q,
+                          const struct gp_shrink *s)
+{
+    const bool tail = r->method == GP_GROUP_CORE;
+    const double least = (double) nextafterf(s->least, INFINITY);
+    double left = 0.0, all = 0.0;
+    for (size_t i = 0; i < q->n; i++) {
+        const double light = (double) q->at[i].light;
+        const int bin = gp_source_bin(q->at[i].light) + 1;
+        const double most = (double) gp_source_bin_start(bin);
+        int reach = -1;
+        for (int c = 0; c < 3; c++) {
+            for (int j = 0; j < k->w * k->h; j++) {
+                const int dx = abs(j % k->w - k->cx);
+                const int dy = abs(j / k->w - k->cy);
+                const int d = dx > dy ? dx : dy;
+                if ((!tail || d > GP_CORE_RADIUS) && d > reach &&
+                    most * fabs((double) k->k.c[c][j]) > least)
+                    reach = d;
+            }
+        }
+        left += light * beyond(k, reach, tail);
+        all += light;
+    }
+    assert_true(left >= 0.999 * (double) r->share * all ||
+                left >= 0.999 * beyond(k, -1, tail) * all);
+}
+
+static void what_is_left_out_is_allowed(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof shrink_rows / sizeof *shrink_rows; i++) {
+        const struct shrink_row *const r = &shrink_rows[i];
+        struct gp_kernel k = scene_kernel(r->w, r->h, r->cx, r->cy, r->shape);
+        struct gp_polygon at[LIGHTS];
+        const struct gp_polygons q = lights(r->brightest, at);
+        const struct gp_splat_params p = {
+            .group = 8, .shrink = r->share, .method = r->method,
+        };
+        struct gp_shrink s;
+        char what[16];
+        snprintf(what, sizeof what, "row %zu", i);
+        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        check_shrink(&k, r, (double) r->share, &q, &s, what);
+        if (r->brightest < 1e30f && r->brightest > 1e-30f)
+            check_largest(&k, r, &q, &s);
+        gp_kernel_free(&k);
+    }
+}
+
+/* More may be left out: no polygon reaches farther. */
+static void reach_falls_with_the_share(void **state)
+{
+    (void) state;
+    struct gp_kernel k = scene_kernel(201, 201, MID, 0, PEAK);
+    struct gp_polygon at[LIGHTS];
+    const struct gp_polygons q = lights(10.0f, at);
+    struct gp_shrink last, s;
+    struct gp_splat_params p = {.group = 8};
+    assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &last), GP_OK);
+    assert_true(last.left_out == 0.0);
+    for (int b = 0; b < GP_SOURCE_BINS; b++)
+        assert_int_equal(last.reach[b], INT_MAX / 2);
+    for (p.shrink = 1e-5f; p.shrink < 1.0f; p.shrink *= 3.0f) {
+        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        for (int b = 0; b < GP_SOURCE_BINS; b++)
+            assert_true(s.reach[b] <= last.reach[b]);
+        assert_true(s.least >= last.least);
+        last = s;
+    }
+    assert_true(last.reach[gp_source_bin(10.0f)] < 100);
+    gp_kernel_free(&k);
+}
+
+static void no_light_draws_all(void **state)
+{
+    (void) state;
+    struct gp_kernel k = scene_kernel(9, 9, MID, 0, PEAK);
+    struct gp_polygon dark = {.side = 1};
+    const struct gp_splat_params p = {.group = 1, .shrink = 0.5f};
+    for (size_t n = 0; n < 2; n++) {
+        const struct gp_polygons q = {n, n, 0, &dark};
+        struct gp_shrink s;
+        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        assert_int_equal(s.reach[0], INT_MAX / 2);
+        assert_true(s.left_out == 0.0);
+    }
+    gp_kernel_free(&k);
+}
+
+SUITE(blur)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(blurs_are_box_means),
+        cmocka_unit_test(nothing_left_is_an_empty_blur),
+        cmocka_unit_test(no_memory_leaves_nothing),
+        cmocka_unit_test(what_is_left_out_is_allowed),
+        cmocka_unit_test(reach_falls_with_the_share),
+        cmocka_unit_test(no_light_draws_all),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,237 @@
+/* glare/direct/direct.c: the fast sum against the sum in double, taps, counted work.
+ *
+ *   test_direct --time   also times both forms
+ */
+#include "unit.h"
+#include "core/parallel.h"
+#include "glare/direct/direct.h"
+#include "hard_cases.h"
+#include "pair.h"
+
+/* -- reference and fast form ------------------------------------------------*/
+
+struct direct_pair {
+    struct scene s;
+    struct gp_taps taps;
+    struct gp_planes layer;
+};
+
+static void *open_pair(struct pair_input *in)
+{
+    struct direct_pair *const p = scene_alloc(1, sizeof *p);
+    const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
+    struct gp_frame f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
+    for (int c = 0; c < 3; c++)
+        memcpy(f.rgb.c[c], in->rgb[c], gp_frame_pixels(&f) * sizeof(float));
+    p->s = scene_sense(f, scene_kernel(33, 21, 20, 9, TINTED), &open_all);
+    if (gp_taps_make(NULL, &p->s.k, -1, &p->taps) ||
+        gp_planes_make(NULL, "layer", gp_frame_pixels(&p->s.f), &p->layer))
+        abort();
+    return p;
+}
+
+static void run_reference(void *ctx, double *out)
+{
+    struct direct_pair *const p = ctx;
+    gp_glare_reference_direct(&p->s.src, &p->s.k, out);
+}
+
+static void run_direct(void *ctx, float *out)
+{
+    struct direct_pair *const p = ctx;
+    const size_t n = gp_frame_pixels(&p->s.f);
+    for (int c = 0; c < 3; c++)
+        memset(p->layer.c[c], 0xff, n * sizeof(float));
+    if (gp_direct_sum(NULL, &p->s.src, &p->taps, false, &p->layer))
+        abort();
+    for (int c = 0; c < 3; c++)
+        memcpy(out + (size_t) c * n, p->layer.c[c], n * sizeof *out);
+}
+
+static void close_pair(void *ctx)
+{
+    struct direct_pair *const p = ctx;
+    gp_taps_free(&p->taps);
+    gp_planes_free(&p->layer);
+    scene_free(&p->s);
+    free(p);
+}
+
+/* A product under FLT_MIN loses up to half of the least denormal, and a
+ * sample is the sum of up to 693 of them. */
+static const struct pair direct_pair = {
+    "direct", 1e28f, 1e-6, 693 * 0.5 * 1.4013e-45,
+    open_pair, run_reference, run_direct, close_pair,
+};
+
+static void direct_equals_the_reference(void **state)
+{
+    (void) state;
+    pair_run(&direct_pair);
+}
+
+/* -- taps -------------------------------------------------------------------*/
+
+/* Every sample within the radius stands where it was from the centre, and
+ * zeros stand on both sides. */
+static void check_taps(const struct gp_kernel *k, int radius)
+{
+    struct gp_taps t;
+    const int r = radius < 0 ? 1 << 24 : radius;
+    size_t kept = 0, counted = 0;
+    assert_int_equal(gp_taps_make(NULL, k, radius, &t), GP_OK);
+    for (int y = 0; y < k->h; y++) {
+        for (int x = 0; x < k->w; x++)
+            kept += abs(x - k->cx) <= r && abs(y - k->cy) <= r;
+    }
+    assert_int_equal(kept, (size_t) t.w * (size_t) t.h);
+    bool lobes = false;
+    for (int c = 0; c < 3; c++) {
+        for (int y = 0; y < t.h; y++) {
+            const float *const row = t.k[c] + (size_t) y * t.pitch;
+            for (int i = 0; i < GP_TAPS_PAD; i++)
+                assert_true(row[i] == 0.0f &&
+                            row[t.pitch - 1 - (size_t) i] == 0.0f);
+            for (int x = 0; x < t.w; x++) {
+                const int kx = x - t.cx + k->cx, ky = y - t.cy + k->cy;
+                assert_true(abs(kx - k->cx) <= r && abs(ky - k->cy) <= r);
+                assert_true(row[GP_TAPS_PAD + x] ==
+                            k->k.c[c][ky * k->w + kx]);
+                lobes |= row[GP_TAPS_PAD + x] < 0.0f;
+                counted++;
+            }
+        }
+    }
+    assert_int_equal(counted, 3 * kept);
+    assert_int_equal(t.lobes, lobes);
+    assert_int_equal(isinf(gp_direct_bound(&t, 100)), lobes);
+    gp_taps_free(&t);
+    gp_taps_free(&t);
+    assert_null(t.k[0]);
+}
+
+static void taps_are_the_kernel(void **state)
+{
+    static const int centres[][2] = {
+        {MID, 0}, {0, 0}, {36, 20}, {-20, 5}, {10, 100}, {1048575, -1048576},
+    };
+    static const int radii[] = {-1, 0, 1, 4, 8, 16, 32, 1000};
+    (void) state;
+    for (size_t i = 0; i < sizeof centres / sizeof *centres; i++) {
+        struct gp_kernel k = scene_kernel(37, 21, centres[i][0],
+                                          centres[i][1],
+                                          i % 2 ? LOBES : TINTED);
+        for (size_t j = 0; j < sizeof radii / sizeof *radii; j++)
+            check_taps(&k, radii[j]);
+        gp_kernel_free(&k);
+    }
+}
+
+/* The core and the kernel without it are the kernel: `add` adds, and leaves
+ * alone what no tap reaches. */
+static void parts_add_up(void **state)
+{
+    static const int radii[] = {0, 4, 8, 16};
+    (void) state;
+    for (size_t i = 0; i < sizeof radii / sizeof *radii; i++) {
+        struct scene s = hard_scene(&hard_cases[6]);
+        struct scene other = hard_sense(&hard_cases[6]);
+        const struct gp_kernel rest = other.k;
+        struct gp_taps core, around;
+        struct gp_glare_error e;
+        const size_t n = gp_frame_pixels(&s.f);
+        for (int j = 0; j < rest.w * rest.h; j++) {
+            const int inside = abs(j % rest.w - rest.cx) <= radii[i] &&
+                               abs(j / rest.w - rest.cy) <= radii[i];
+            for (int c = 0; c < 3 && inside; c++)
+                rest.k.c[c][j] = 0.0f;
+        }
+        assert_int_equal(gp_taps_make(NULL, &s.k, radii[i], &core), GP_OK);
+        assert_int_equal(gp_taps_make(NULL, &rest, -1, &around), GP_OK);
+        assert_int_equal(gp_planes_make(NULL, "layer", n, &s.f.layer), GP_OK);
+        for (int c = 0; c < 3; c++)
+            memset(s.f.layer.c[c], 0xff, n * sizeof(float));
+        assert_int_equal(gp_direct_sum(NULL, &s.src, &around, false,
+                                       &s.f.layer), GP_OK);
+        assert_int_equal(gp_direct_sum(NULL, &s.src, &core, true,
+                                       &s.f.layer), GP_OK);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+        assert_true(e.rel_l2 <= 1e-6);
+        gp_taps_free(&core);
+        gp_taps_free(&around);
+        scene_free(&other);
+        scene_free(&s);
+    }
+}
+
+/* -- work -------------------------------------------------------------------*/
+
+/* Source by source, tap by tap. */
+static double count_work(const struct gp_sources *s, const struct gp_kernel *k)
+{
+    double work = 0.0;
+    for (int y = 0; y < s->h; y++) {
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            for (int t = 0; t < k->w * k->h; t++) {
+                const int x = s->x[i] + t % k->w - k->cx;
+                const int ty = y + t / k->w - k->cy;
+                work += x >= 0 && x < s->w && ty >= 0 && ty < s->h;
+            }
+        }
+    }
+    return work;
+}
+
+static void work_is_counted(void **state)
+{
+    (void) state;
+    for (int i = 0; i < HARD_CASES; i++) {
+        if (!hard_is_quick(&hard_cases[i]))
+            continue;
+        struct scene s = hard_sense(&hard_cases[i]);
+        const double work = gp_direct_work(&s.src, s.k.w, s.k.h, s.k.cx,
+                                           s.k.cy);
+        if (work != count_work(&s.src, &s.k))
+            fail_msg("%s: work %g", hard_cases[i].name, work);
+        scene_free(&s);
+    }
+}
+
+/* Many equal sources on one pixel's way: roundings of one direction add up,
+ * and the groups keep them under the bar. */
+static void equal_sources_do_not_drift(void **state)
+{
+    (void) state;
+    struct gp_frame f = scene_frame(211, 193, 0, 0, ALL, 1u);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+            f.rgb.c[c][i] = 1.1f;
+    }
+    struct scene s = scene_make(f, scene_kernel(95, 95, MID, 0, BOX),
+                                &(struct gp_sensor_params) GP_SENSOR_DEFAULTS);
+    struct gp_glare_stats stats;
+    struct gp_glare_error e;
+    ran_once("direct", &s, &stats, "equal sources");
+    gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+    if (!(e.rel_l2 <= 1e-6 && e.rel_l2 <= stats.bound))
+        fail_msg("rel_l2 %g, bound %g", e.rel_l2, stats.bound);
+    scene_free(&s);
+}
+
+SUITE(direct)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(direct_equals_the_reference),
+        cmocka_unit_test(taps_are_the_kernel),
+        cmocka_unit_test(parts_add_up),
+        cmocka_unit_test(work_is_counted),
+        cmocka_unit_test(equal_sources_do_not_drift),
+    };
+    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
+    if (quick)
+        cmocka_set_skip_filter("equal_sources_do_not_drift");
+    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+    if (pair_wants_time(argc, argv))
+        pair_time(&direct_pair, 512, 384, PAIR_UNIFORM);
+    return failed;
+}

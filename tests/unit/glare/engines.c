@@ -1,0 +1,281 @@
+/* All engines: the table of hard cases against the reference; threads, auto.
+ * GLAREPP_TEST_QUICK leaves out GL and large cases. */
+#include "unit.h"
+#include "core/parallel.h"
+#include "hard_cases.h"
+
+static const int threads[] = {1, 2, 4, 7};
+enum { THREADS = sizeof threads / sizeof *threads };
+
+/* -- the table --------------------------------------------------------------*/
+
+static int is_dark(const struct scene *s)
+{
+    for (size_t i = 0; i < 3 * gp_frame_pixels(&s->f); i++) {
+        if (s->exact[i] != 0.0)
+            return 0;
+    }
+    return 1;
+}
+
+static int misses;
+
+/* All cells are run before the test fails. */
+static void miss(const struct hard_case *h, const char *engine,
+                 const char *what, double got, double want)
+{
+    print_error("%s, %s: %s is %g, not %g\n", h->name, engine, what, got,
+                want);
+    misses++;
+}
+
+static void check_cell(const struct hard_case *h, const char *engine,
+                       const struct scene *s,
+                       const struct gp_glare_stats *stats)
+{
+    struct gp_glare_error e;
+    const double bar = hard_bar(h, engine);
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, &e);
+    if (!(bar > 0.0))
+        miss(h, engine, "bar in hard_cases.h", bar, 0.0);
+    if (is_dark(s)) {
+        if (!(e.max_abs == 0.0 && e.rel_l2 == 0.0))
+            miss(h, engine, "max_abs", e.max_abs, 0.0);
+        return;
+    }
+    if (h->abs > 0.0) {
+        if (!(e.max_abs <= h->abs && e.rel_l2 <= 1.0))
+            miss(h, engine, "max_abs", e.max_abs, h->abs);
+        return; // a bound does not speak of lost denormals
+    }
+    if (!(e.rel_l2 <= bar))
+        miss(h, engine, "rel_l2", e.rel_l2, bar);
+    if (!(stats->bound > 0.0))
+        miss(h, engine, "bound", stats->bound, INFINITY);
+    if (isfinite(stats->bound) && !(e.rel_l2 <= stats->bound))
+        miss(h, engine, "rel_l2 against the bound", e.rel_l2,
+             stats->bound);
+    if (h->shape == LOBES && isfinite(stats->bound))
+        miss(h, engine, "bound where light cancels", stats->bound, INFINITY);
+    const double own = scene_own_error(s);
+    if (h->own > 0.0 && strcmp(engine, "fft") == 0 && !(own <= h->own))
+        miss(h, engine, "error over a pixel's own value", own, h->own);
+}
+
+/* One state for the whole table: frames and kernels change under way, and no
+ * byte may show it. */
+static void check_row(const struct hard_case *h, struct gp_glare *kept)
+{
+    struct scene s = hard_scene(h);
+    if (h->sources && s.src.n != h->sources)
+        miss(h, "sensors", "sources", (double) s.src.n, (double) h->sources);
+    for (int i = 0; gp_engines[i]; i++) {
+        const char *const engine = gp_engines[i]->name;
+        struct gp_glare_stats stats, again;
+        if (!ran(engine, &s, kept, &stats, h->name))
+            continue;
+        check_cell(h, engine, &s, &stats);
+        const uint64_t hash = scene_hash(&s);
+        // a context takes a tenth of a second: test_splat.c does this for GL
+        if (strcmp(engine, "splat") == 0)
+            continue;
+        ran_once(engine, &s, &again, h->name);
+        if (scene_hash(&s) != hash || again.bound != stats.bound)
+            miss(h, engine, "bound when the state is kept, or the layer",
+                 stats.bound, again.bound);
+    }
+    scene_free(&s);
+}
+
+static void hard_cases_hold(void **state)
+{
+    (void) state;
+    struct gp_glare kept = {0};
+    for (int i = 0; i < HARD_CASES; i++) {
+        if (!quick || hard_is_quick(&hard_cases[i]))
+            check_row(&hard_cases[i], &kept);
+    }
+    gp_glare_close(&kept);
+    assert_int_equal(misses, 0);
+    for (int i = 0; gp_engines[i]; i++)
+        assert_null(kept.state[i]);
+}
+
+/* -- threads, auto, names ---------------------------------------------------*/
+
+static const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e10f};
+static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
+
+static struct scene law_scene(enum light light, uint32_t seed)
+{
+    return scene_make(scene_frame(97, 61, 0, 0, light, seed),
+                      scene_kernel(31, 29, MID, 0, TINTED), &usual);
+}
+
+static struct scene thread_scene(int i)
+{
+    static const enum light lights[] = {FEW, ALL, HOT, CORNERS};
+    const struct gp_sensor_params *const p = i == 2 ? &open_all : &usual;
+    return scene_make(scene_frame(131, 83, 0, 0, lights[i], 8u),
+                      scene_kernel(31, 29, MID, 0, i % 2 ? PEAK : TINTED), p);
+}
+enum { THREAD_SCENES = 4 };
+
+static void threads_change_no_byte(void **state)
+{
+    (void) state;
+    for (int k = 0; k < (quick ? 1 : THREAD_SCENES); k++) {
+        struct scene s = thread_scene(k);
+        for (int i = 0; gp_engines[i]; i++) {
+            const char *const e = gp_engines[i]->name;
+            uint64_t first = 0;
+            for (int t = 0; t < THREADS; t++) {
+                struct gp_glare_stats stats;
+                gp_set_threads(threads[t]);
+                if (!ran_once(e, &s, &stats, "threads"))
+                    break;
+                const uint64_t hash = scene_hash(&s);
+                first = t == 0 ? hash : first;
+                if (hash != first)
+                    fail_msg("%s, scene %d: other bytes with %d threads", e, k,
+                             threads[t]);
+            }
+        }
+        scene_free(&s);
+    }
+    gp_set_threads(0);
+}
+
+/* What auto picks must not depend on the threads, or the bytes would. */
+static void auto_asks_no_threads(void **state)
+{
+    (void) state;
+    for (int k = 0; k < THREAD_SCENES && !quick; k++) {
+        struct scene s = thread_scene(k);
+        struct gp_glare_stats first = {0}, stats;
+        for (int t = 0; t < THREADS; t++) {
+            gp_set_threads(threads[t]);
+            if (!ran_once("auto", &s, &stats, "auto"))
+                break;
+            first = t == 0 ? stats : first;
+            assert_string_equal(stats.engine, first.engine);
+            assert_string_equal(stats.why, first.why);
+        }
+        struct gp_glare_error e;
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+        assert_true(e.rel_l2 <= usual_bar(stats.engine));
+        scene_free(&s);
+    }
+    gp_set_threads(0);
+}
+
+/* Every bound that auto goes by holds, and is what the run reports. */
+static void bounds_hold(void **state)
+{
+    (void) state;
+    static const enum light lights[] = {ALL, FEW, CORNERS, RAMP, BLOCK, HOT};
+    static const enum shape shapes[] = {PEAK, TINTED, BOX, RING, BORDER};
+    static const struct { int w, h, kernel; } size[] = {
+        {1, 1, 3}, {97, 61, 31}, {64, 64, 33}, {131, 83, 140}, {257, 31, 9},
+    };
+    const int sizes = quick ? 2 : 5;
+    double least = INFINITY;
+    for (int i = 0; i < 6 * 5 * sizes; i++) {
+        const int at = i / 30;
+        struct scene s = scene_make(
+            scene_frame(size[at].w, size[at].h, 0, 0, lights[i % 6],
+                        (uint32_t) i + 1),
+            scene_kernel(size[at].kernel, size[at].kernel, MID, 0,
+                         shapes[i / 6 % 5]), &usual);
+        for (int e = 0; s.src.n && !is_dark(&s) && e < 2; e++) {
+            struct gp_glare g = {0};
+            struct gp_glare_stats stats;
+            struct gp_glare_error error;
+            struct gp_glare_params p = GP_GLARE_DEFAULTS;
+            const struct gp_glare_job job = {
+                .params = &p, .src = &s.src, .kernel = &s.k, .stats = &stats,
+            };
+            double bound;
+            assert_int_equal(
+                gp_engines[e]->bound(&job, &g.state[e], &bound), GP_OK);
+            assert_int_equal(scene_run(gp_engines[e]->name, &s, &g, &stats),
+                             GP_OK);
+            gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &error);
+            // a run does not look for the least that these sources leave
+            if (!(error.rel_l2 <= bound && bound <= stats.bound))
+                fail_msg("%s, scene %d: rel_l2 %g, bound %g, reported %g",
+                         gp_engines[e]->name, i, error.rel_l2, bound,
+                         stats.bound);
+            if (e == 1 && error.rel_l2 > 0.0)
+                least = fmin(least, bound / error.rel_l2);
+            gp_glare_close(&g);
+        }
+        scene_free(&s);
+    }
+    print_message("fft: the bound is %.1f times what was measured, or more\n",
+                  least);
+}
+
+/* Of direct and fft, whose bounds keep the tolerance, the one of the least
+ * prediction; each engine is in the words. */
+static void auto_takes_the_fastest(void **state)
+{
+    (void) state;
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    for (int k = 0; k < THREAD_SCENES && !quick; k++) {
+        struct scene s = thread_scene(k);
+        struct gp_glare_stats stats;
+        const struct gp_glare_job job = {
+            .params = &p, .src = &s.src, .kernel = &s.k,
+        };
+        const struct gp_engine *best = gp_engines[0];
+        for (int i = 0; gp_engines[i]; i++) {
+            assert_true(gp_engines[i]->predict(&job, NULL).ms > 0.0);
+            if (gp_engines[i]->predict(&job, NULL).ms <
+                best->predict(&job, NULL).ms)
+                best = gp_engines[i];
+        }
+        if (ran_once("auto", &s, &stats, "auto")) {
+            assert_string_equal(stats.engine, best->name);
+            for (int i = 0; gp_engines[i]; i++)
+                assert_non_null(strstr(stats.why, gp_engines[i]->name));
+        }
+        scene_free(&s);
+    }
+}
+
+static void names_are_checked(void **state)
+{
+    (void) state;
+    struct scene s = law_scene(FEW, 9u), dark = law_scene(DARK, 9u);
+    struct gp_glare g = {0};
+    struct gp_glare_stats stats;
+    assert_int_equal(scene_run("ftt", &s, &g, &stats), GP_ERR_USAGE);
+    assert_non_null(strstr(scene_line, "ftt"));
+    for (int i = 0; gp_engines[i]; i++)
+        assert_non_null(strstr(scene_line, gp_engines[i]->name));
+    assert_int_equal(scene_run("", &s, &g, &stats), GP_ERR_USAGE);
+    assert_int_equal(scene_run("ftt", &dark, &g, &stats), GP_ERR_USAGE);
+    // no light: no engine is opened
+    assert_int_equal(scene_run("splat", &dark, &g, &stats), GP_OK);
+    assert_null(stats.engine);
+    for (int i = 0; gp_engines[i]; i++)
+        assert_null(g.state[i]);
+    gp_glare_close(&g);
+    scene_free(&s);
+    scene_free(&dark);
+}
+
+SUITE(engines)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(hard_cases_hold),
+        cmocka_unit_test(threads_change_no_byte),
+        cmocka_unit_test(auto_asks_no_threads),
+        cmocka_unit_test(bounds_hold),
+        cmocka_unit_test(auto_takes_the_fastest),
+        cmocka_unit_test(names_are_checked),
+    };
+    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,351 @@
+/* glare/splat/group.c: formula (1), clusters, blurs. */
+#include "unit.h"
+#include "group_scene.h"
+
+#include "core/parallel.h"
+
+static const struct gp_sensor_params all_light = {0.0f, 0.0f, 65504.0f};
+
+/* Sources of a frame of w x h grey pixels. */
+static struct gp_sources grey_sources(int w, int h, int x0, int y0,
+                                      const float *grey)
+{
+    struct gp_frame f = scene_frame(w, h, x0, y0, DARK, 1u);
+    struct gp_sources s;
+    for (int c = 0; c < 3; c++)
+        memcpy(f.rgb.c[c], grey, (size_t) (w * h) * sizeof *grey);
+    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
+    gp_frame_free(&f);
+    return s;
+}
+
+/* -- formula (1) -------------------------------------------------------------*/
+
+static void formula_by_hand(void **state)
+{
+    (void) state;
+    // two blocks of 2x2; the second holds one pixel
+    static const float grey[] = {1, 3, 0, 0,
+                                 0, 4, 0, 5};
+    struct gp_sources s = grey_sources(4, 2, 0, 0, grey);
+    const struct gp_splat_params p = {.group = 2, .method = GP_GROUP_MOMENTS};
+    struct gp_polygons q = group(&s, &p);
+    assert_int_equal(q.groups, 2);
+    assert_true(fabsf(q.at[0].light - 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].rgb[1] - 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].x - 7.0f / 8.0f) < 1e-6f);
+    assert_true(fabsf(q.at[0].y - 4.0f / 8.0f) < 1e-6f);
+    assert_true(q.at[1].x == 3.0f && q.at[1].y == 1.0f);
+    assert_int_equal(q.at[1].blur, 0);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+}
+
+/* -- the naive form ----------------------------------------------------------*/
+
+/* Block of side `side` that holds v, in EXR pixel space. */
+static int block_of(int v, int side)
+{
+    return (int) floor((double) v / side);
+}
+
+struct naive {
+    double light, x, y, square, rgb[3];
+    int sources, area;
+};
+
+/* The block (bx, by) of EXR pixel space, looking at every source. */
+static struct naive naive_block(const struct gp_sources *s, int bx, int by,
+                                int side)
+{
+    struct naive n = {0};
+    for (int y = 0; y < s->h; y++) {
+        for (int x = 0; x < s->w; x++)
+            n.area += block_of(x + s->x0, side) == bx &&
+                      block_of(y + s->y0, side) == by;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            const int x = s->x[i];
+            if (block_of(x + s->x0, side) != bx ||
+                block_of(y + s->y0, side) != by)
+                continue;
+            double light = 0.0;
+            for (int c = 0; c < 3; c++) {
+                n.rgb[c] += (double) s->rgb[c][i];
+                light += (double) s->luminance[c] * (double) s->rgb[c][i];
+            }
+            n.light += light;
+            n.x += light * x;
+            n.y += light * y;
+            n.square += light * (x * x + y * y);
+            n.sources++;
+        }
+    }
+    n.x /= n.light;
+    n.y /= n.light;
+    n.square = (n.square / n.light - n.x * n.x - n.y * n.y) / 2.0;
+    return n;
+}
+
+static int naive_filled(const struct naive *n, const struct gp_splat_params *p)
+{
+    return (float) n->sources >= p->cluster_fill * (float) n->area;
+}
+
+static void check_polygon(const struct gp_polygon *q, const struct naive *n,
+                          int side, const struct gp_splat_params *p)
+{
+    const double span = 1e-6 * (1.0 + fabs(n->x) + fabs(n->y));
+    assert_int_equal(q->side, side);
+    assert_true(fabs((double) q->light - n->light) <= 1e-6 * n->light);
+    assert_true(fabs((double) q->x - n->x) <= span);
+    assert_true(fabs((double) q->y - n->y) <= span);
+    for (int c = 0; c < 3; c++)
+        assert_true(fabs((double) q->rgb[c] - n->rgb[c]) <= 1e-6 * n->rgb[c]);
+    if (p->method == GP_GROUP_CENTROID) {
+        assert_int_equal(q->blur, 0);
+        return;
+    }
+    const double off = fabs(spread_of(gp_blur_box[q->blur], q) - n->square);
+    assert_true(gp_blur_box[q->blur] <= side);
+    for (int b = 0; b < GP_BLURS && gp_blur_box[b] <= side; b++)
+        assert_true(off <= fabs(spread_of(gp_blur_box[b], q) - n->square) +
+                               1e-3);
+}
+
+/* Every block of that side in row order; those in filled areas are left out
+ * unless they are these areas. Returns how many polygons it saw. */
+static size_t check_blocks(const struct gp_sources *s,
+                           const struct gp_splat_params *p, int side,
+                           const struct gp_polygon *at)
+{
+    size_t n = 0;
+    for (int by = block_of(s->y0, side); by * side < s->y0 + s->h; by++) {
+        for (int bx = block_of(s->x0, side); bx * side < s->x0 + s->w; bx++) {
+            const struct naive b = naive_block(s, bx, by, side);
+            if (!b.sources || (side == p->cluster && !naive_filled(&b, p)))
+                continue;
+            if (side != p->cluster && p->cluster) {
+                const struct naive c =
+                    naive_block(s, block_of(bx * side, p->cluster),
+                                block_of(by * side, p->cluster), p->cluster);
+                if (naive_filled(&c, p))
+                    continue;
+            }
+            check_polygon(&at[n++], &b, side, p);
+        }
+    }
+    return n;
+}
+
+struct naive_row {
+    int w, h, x0, y0;
+    enum light light;
+    struct gp_splat_params p;
+};
+
+#define MOMENTS .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS
+#define CENTROID .cluster_fill = 0.9f, .method = GP_GROUP_CENTROID
+static const struct naive_row naive_rows[] = {
+    {1, 1, 0, 0, ALL, {.group = 4, .cluster = 8, MOMENTS}},
+    {1, 1, -1, -1, ALL, {.group = 1, .cluster = 2, CENTROID}},
+    {1, 33, 3, -7, ALL, {.group = 8, .cluster = 16, MOMENTS}},
+    {40, 24, 0, 0, FEW, {.group = 4, MOMENTS}},
+    {41, 23, -5, 3, FEW, {.group = 4, .cluster = 8, MOMENTS}},
+    {41, 23, 1000003, -77, FEW, {.group = 8, .cluster = 64, CENTROID}},
+    {67, 45, -1001, -13, BLOCK, {.group = 2, .cluster = 8, MOMENTS}},
+    {67, 45, -1001, -13, BLOCK, {.group = 4, .cluster = 16, CENTROID}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, .cluster = 8, MOMENTS}},
+    {67, 45, 7, 9, BLOCK, {.group = 1, MOMENTS}},
+    {39, 31, 2, 2, ALL, {.group = 16, .cluster = 32, MOMENTS}},
+    {39, 31, -2, -2, ALL, {.group = 64, MOMENTS}},
+    {39, 31, 0, 0, DARK, {.group = 4, .cluster = 8, MOMENTS}},
+    {53, 37, 1, 1, COLOURED, {.group = 8, MOMENTS}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, MOMENTS}},
+    {53, 37, -3, 1, RAMP, {.group = 4, .cluster = 8, .cluster_fill = 0.25f,
+                           .method = GP_GROUP_CORE}},
+    {16384, 2, -9, 0, CORNERS, {.group = 4, .cluster = 8, MOMENTS}},
+};
+
+static void all_as_the_naive_form(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+        const struct naive_row *const r = &naive_rows[i];
+        if (r->w > 1000 && getenv("GLAREPP_TEST_QUICK"))
+            continue;
+        struct gp_sources s =
+            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 7u);
+        struct gp_polygons q = group(&s, &r->p);
+        size_t clusters = 0;
+        if (r->p.cluster)
+            clusters = check_blocks(&s, &r->p, r->p.cluster, q.at);
+        const size_t groups =
+            check_blocks(&s, &r->p, r->p.group, q.at + q.clusters);
+        if (clusters != q.clusters || groups != q.groups)
+            fail_msg("row %zu: %zu clusters and %zu groups in place of %zu "
+                     "and %zu", i, q.clusters, q.groups, clusters, groups);
+        gp_polygons_free(&q);
+        gp_sources_free(&s);
+    }
+}
+
+/* -- clusters ---------------------------------------------------------------*/
+
+/* An area of w x h pixels of which `bright` are bright: one polygon or not. */
+static size_t clusters_of(int w, int h, int bright, float fill)
+{
+    float grey[64] = {0};
+    for (int i = 0; i < bright; i++)
+        grey[i] = 2.0f;
+    struct gp_sources s = grey_sources(w, h, 0, 0, grey);
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {
+        .group = 4, .cluster = 8, .cluster_fill = fill});
+    const size_t n = q.clusters;
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+    return n;
+}
+
+static void clusters_from_the_fill_on(void **state)
+{
+    static const struct {
+        int w, h, bright;
+        float fill;
+        size_t clusters;
+    } rows[] = {
+        {8, 8, 58, 0.9f, 1}, {8, 8, 57, 0.9f, 0}, // 57.6
+        {5, 2, 9, 0.9f, 1},  {5, 2, 8, 0.9f, 0},  // cut by the window: 9
+        {5, 2, 6, 0.6f, 1},  {5, 2, 5, 0.6f, 0},
+        {8, 8, 64, 1.0f, 1}, {8, 8, 63, 1.0f, 0},
+        {8, 8, 1, 1e-6f, 1}, {8, 8, 0, 1e-6f, 0}, {1, 1, 1, 0.9f, 1},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        assert_int_equal(clusters_of(rows[i].w, rows[i].h, rows[i].bright,
+                                     rows[i].fill),
+                         rows[i].clusters);
+}
+
+/* -- laws -------------------------------------------------------------------*/
+
+static void light_is_kept(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+        const struct naive_row *const r = &naive_rows[i];
+        struct gp_sources s =
+            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 3u);
+        struct gp_polygons q = group(&s, &r->p);
+        double rgb[3] = {0};
+        for (size_t k = 0; k < q.n; k++) {
+            for (int c = 0; c < 3; c++)
+                rgb[c] += (double) q.at[k].rgb[c];
+        }
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(rgb[c] - s.flux[c]) <= 1e-7 * s.flux[c]);
+        gp_polygons_free(&q);
+        gp_sources_free(&s);
+    }
+}
+
+/* Light too small for a luminance stands in the middle of its block. */
+static void denormal_light_is_kept(void **state)
+{
+    (void) state;
+    struct gp_frame f = scene_frame(8, 8, 0, 0, DENORMAL, 1u);
+    struct gp_sources s;
+    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
+    assert_true(s.n > 0);
+    s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {
+        .group = 8, .method = GP_GROUP_MOMENTS});
+    assert_int_equal(q.n, 1);
+    assert_true(q.at[0].x == 3.5f && q.at[0].y == 3.5f);
+    assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] > 0.0f);
+    assert_true((double) q.at[0].rgb[0] <= s.flux[0] * 1.001);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+    gp_frame_free(&f);
+}
+
+/* Light over the range of float stays finite. */
+static void too_much_light_stays_finite(void **state)
+{
+    (void) state;
+    static const float grey[] = {1, 1, 1, 1};
+    struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < s.n; i++)
+            s.rgb[c][i] = FLT_MAX;
+    }
+    struct gp_polygons q = group(&s, &(struct gp_splat_params) {.group = 2});
+    assert_true(isfinite(q.at[0].light) && isfinite(q.at[0].rgb[0]));
+    assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
+    gp_polygons_free(&q);
+    gp_sources_free(&s);
+}
+
+/* A window that moves over the same light moves no block. */
+static void windows_move_no_block(void **state)
+{
+    (void) state;
+    // clusters see the window's edge, so groups alone are the same
+    const struct gp_splat_params p = {.group = 4, MOMENTS};
+    float a[20 * 12] = {0}, b[25 * 19] = {0};
+    for (int y = 0; y < 12; y++) {
+        for (int x = 0; x < 20; x++)
+            a[y * 20 + x] = b[(y + 7) * 25 + x + 5] =
+                (x * 7 + y * 3) % 11 < 8 ? (float) (1 + x + y) : 0.0f;
+    }
+    struct gp_sources s = grey_sources(20, 12, 5, 6, a);
+    struct gp_sources t = grey_sources(25, 19, 0, -1, b);
+    struct gp_polygons q = group(&s, &p), r = group(&t, &p);
+    assert_int_equal(q.n, r.n);
+    for (size_t i = 0; i < q.n; i++) {
+        assert_true(fabsf(q.at[i].x + 5.0f - r.at[i].x) < 1e-5f);
+        assert_true(fabsf(q.at[i].y + 7.0f - r.at[i].y) < 1e-5f);
+        assert_true(q.at[i].light == r.at[i].light);
+    }
+    gp_polygons_free(&q);
+    gp_polygons_free(&r);
+    gp_sources_free(&s);
+    gp_sources_free(&t);
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void) state;
+    struct gp_sources s = scene_sources(211, 151, -3, 5, RAMP, 1u);
+    const struct gp_splat_params p = {.group = 4, .cluster = 8, MOMENTS};
+    gp_set_threads(1);
+    struct gp_polygons one = group(&s, &p);
+    for (int threads = 2; threads < 6; threads++) {
+        gp_set_threads(threads);
+        struct gp_polygons q = group(&s, &p);
+        assert_int_equal(q.n, one.n);
+        for (size_t i = 0; i < q.n; i++)
+            assert_true(q.at[i].x == one.at[i].x && q.at[i].y == one.at[i].y &&
+                        q.at[i].light == one.at[i].light &&
+                        q.at[i].rgb[2] == one.at[i].rgb[2] &&
+                        q.at[i].blur == one.at[i].blur);
+        gp_polygons_free(&q);
+    }
+    gp_set_threads(0);
+    gp_polygons_free(&one);
+    gp_sources_free(&s);
+}
+
+SUITE(group)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(formula_by_hand),
+        cmocka_unit_test(all_as_the_naive_form),
+        cmocka_unit_test(clusters_from_the_fill_on),
+        cmocka_unit_test(light_is_kept),
+        cmocka_unit_test(denormal_light_is_kept),
+        cmocka_unit_test(too_much_light_stays_finite),
+        cmocka_unit_test(windows_move_no_block),
+        cmocka_unit_test(threads_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,359 @@
+/* glare/kernel.c: centre, cutting, normalisation, bad images. */
+#include "unit.h"
+#include "core/luminance.h"
+#include "core/parallel.h"
+#include "glare/eye.h"
+#include "glare/kernel.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+static char last_line[512];
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    strncpy(last_line, line, sizeof last_line - 1);
+}
+static const struct gp_log log_to_line = {keep_line, NULL, GP_LEVEL_INFO};
+
+static void assert_close(double got, double want, double relative)
+{
+    if (!(fabs(got - want) <= relative * fabs(want)))
+        fail_msg("%.15g, not %.15g within %g of it", got, want, relative);
+}
+
+// -- builtin kernels ----------------------------------------------------------
+
+static void builtin_is_normalised(void **state)
+{
+    static const int sizes[] = {1, 3, 65, 511};
+    (void) state;
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+        struct gp_kernel k;
+        p.builtin_size = sizes[i];
+        assert_int_equal(gp_kernel_builtin(NULL, &p, &k), GP_OK);
+        assert_int_equal(k.w, sizes[i]);
+        assert_int_equal(k.h, sizes[i]);
+        assert_int_equal(k.cx, sizes[i] / 2);
+        assert_int_equal(k.cy, sizes[i] / 2);
+        assert_true(k.grey);
+        for (int c = 0; c < 3; c++) {
+            assert_close(k.sum[c], 1.0, 1e-7);
+            assert_true(k.norm1[c] == k.sum[c]);
+            assert_true(k.norm2[c] > 0.0 && k.norm2[c] <= k.norm1[c]);
+        }
+        gp_kernel_free(&k);
+        gp_kernel_free(&k);
+        assert_null(k.k.c[0]);
+    }
+}
+
+static void builtin_refuses(void **state)
+{
+    static const struct {
+        const char *source;
+        int size;
+        double x;
+        const char *says;
+    } rows[] = {
+        {"builtin:eyes", 511, 0, "builtin:eye"},
+        {"", 511, 0, "builtin:eye"},
+        {"builtin:", 511, 0, "builtin:eye"},
+        {"builtin:eye", 0, 0, "odd number"},
+        {"builtin:eye", -511, 0, "odd number"},
+        {"builtin:eye", 512, 0, "odd number"},
+        {"eye", 16385, 0, "odd number"},
+        {"builtin:eye", INT32_MAX, 0, "odd number"},
+        {"builtin:eye", 3, NAN, "centre"},
+        {"builtin:eye", 3, INFINITY, "centre"},
+        {"builtin:eye", 3, -1e9, "centre"},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel_params p = {.source = rows[i].source,
+                                     .builtin_size = rows[i].size};
+        struct gp_kernel k = {.w = 77};
+        p.centered = rows[i].x != 0;
+        p.center[0] = rows[i].x;
+        last_line[0] = 0;
+        assert_int_equal(gp_kernel_builtin(&log_to_line, &p, &k), GP_ERR_USAGE);
+        assert_non_null(strstr(last_line, rows[i].says));
+        assert_int_equal(k.w, 77); // untouched
+    }
+}
+
+static void builtin_is_the_same_for_any_threads(void **state)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel first, k;
+    (void) state;
+    p.builtin_size = 255;
+    gp_set_threads(1);
+    assert_int_equal(gp_kernel_builtin(NULL, &p, &first), GP_OK);
+    for (int threads = 2; threads <= 7; threads++) {
+        gp_set_threads(threads);
+        assert_int_equal(gp_kernel_builtin(NULL, &p, &k), GP_OK);
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(k.k.c[c], first.k.c[c],
+                                255 * 255 * sizeof(float));
+        assert_memory_equal(k.sum, first.sum, sizeof k.sum);
+        assert_memory_equal(k.norm2, first.norm2, sizeof k.norm2);
+        gp_kernel_free(&k);
+    }
+    gp_kernel_free(&first);
+    gp_set_threads(0);
+}
+
+// -- kernels from images ------------------------------------------------------
+
+/* A frame of w x h zeros whose corner is at (x0, y0). */
+static struct gp_frame blank(int x0, int y0, int w, int h)
+{
+    struct gp_frame f = {.data = {x0, y0, x0 + w, y0 + h}};
+    f.path = strdup("k.exr");
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    assert_int_equal(gp_planes_make(NULL, "test", (size_t) (w * h), &f.rgb),
+                     GP_OK);
+    for (int c = 0; c < 3; c++)
+        memset(f.rgb.c[c], 0, (size_t) (w * h) * sizeof(float));
+    return f;
+}
+
+static void put(struct gp_frame *f, int x, int y, float r, float g, float b)
+{
+    const float v[3] = {r, g, b};
+    for (int c = 0; c < 3; c++)
+        f->rgb.c[c][y * gp_frame_w(f) + x] = v[c];
+}
+
+static void image_keeps_the_ratios_of_its_channels(void **state)
+{
+    struct gp_frame f = blank(0, 0, 3, 3);
+    struct gp_kernel_params p = {.source = "k.exr"};
+    struct gp_kernel k;
+    (void) state;
+    put(&f, 0, 0, 4, 1, -1);
+    put(&f, 1, 1, 4, 5, 4);
+    put(&f, 2, 2, 0, 2, 1);
+    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_false(k.grey);
+    assert_close(k.sum[1] / k.sum[0], 1.0, 1e-6);
+    assert_close(k.sum[2] / k.sum[0], 0.5, 1e-6);
+    assert_close(0.2126 * k.sum[0] + 0.7152 * k.sum[1] + 0.0722 * k.sum[2],
+                 1.0, 1e-6);
+    double factor = k.sum[0] / 8.0;
+    assert_close(k.norm1[2], 6.0 * factor, 1e-6);
+    assert_close(k.norm2[1], sqrt(30.0) * factor, 1e-6);
+    assert_true(k.k.c[2][0] < 0.0f); // a negative lobe stays
+    gp_kernel_free(&k);
+
+    f.luminance[0] = 0.5f; // the image's own primaries
+    f.luminance[1] = 0.5f;
+    f.luminance[2] = 0.0f;
+    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_close(k.sum[0], 1.0, 1e-6);
+    gp_kernel_free(&k);
+
+    p.normalize = GP_NORMALIZE_NONE;
+    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(k.k.c[c], f.rgb.c[c], 9 * sizeof(float));
+    assert_true(k.sum[0] == 8.0 && k.sum[1] == 8.0 && k.sum[2] == 4.0);
+    gp_kernel_free(&k);
+    gp_frame_free(&f);
+}
+
+static void image_borders_are_cut(void **state)
+{
+    static const struct {
+        int w, h, x, y;          // one pixel of light at x, y
+        bool centered;
+        double center[2];
+        int x0, y0;              // the data window's corner
+        int cx, cy;
+    } rows[] = {
+        {5, 5, 2, 2, false, {0}, 0, 0, 0, 0},
+        {4, 6, 0, 0, false, {0}, 0, 0, 2, 3},       // even: floor(size / 2)
+        {4, 6, 3, 5, false, {0}, 0, 0, -1, -2},     // centre outside the rest
+        {1, 1, 0, 0, false, {0}, 0, 0, 0, 0},
+        {5, 5, 1, 1, true, {1.5, 1.5}, 0, 0, 0, 0},
+        {5, 5, 1, 1, true, {1.999, 1.0}, 0, 0, 0, 0},
+        {5, 5, 1, 1, true, {-0.5, 7.0}, 0, 0, -2, 6},
+        {5, 5, 1, 1, true, {11.5, -6.5}, 10, -8, 0, 0},
+        {5, 5, 4, 4, false, {0}, 10, -8, -2, -2},   // window moves nothing
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_frame f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
+        struct gp_kernel_params p = {
+            .source = "k.exr", .centered = rows[i].centered,
+            .center = {rows[i].center[0], rows[i].center[1]},
+        };
+        struct gp_kernel k;
+        put(&f, rows[i].x, rows[i].y, 0, 0, 3);
+        assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+        assert_int_equal(k.w, 1);
+        assert_int_equal(k.h, 1);
+        assert_int_equal(k.cx, rows[i].cx);
+        assert_int_equal(k.cy, rows[i].cy);
+        assert_close((double) k.k.c[2][0], 1.0 / 0.0722, 1e-6);
+        assert_true(k.k.c[0][0] == 0.0f && !k.grey);
+        gp_kernel_free(&k);
+        gp_frame_free(&f);
+    }
+}
+
+static void image_is_cut_to_the_union_of_its_channels(void **state)
+{
+    struct gp_frame f = blank(0, 0, 9, 8);
+    struct gp_kernel_params p = {.source = "k.exr",
+                                 .normalize = GP_NORMALIZE_NONE};
+    struct gp_kernel k;
+    (void) state;
+    put(&f, 1, 5, 1, -0.0f, 0);
+    put(&f, 6, 2, 0, 2, 0);
+    put(&f, 3, 6, 0, 0, -3);
+    put(&f, 8, 7, -0.0f, 0, 0);
+    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_int_equal(k.w, 6);
+    assert_int_equal(k.h, 5);
+    assert_int_equal(k.cx, 4 - 1);
+    assert_int_equal(k.cy, 4 - 2);
+    assert_true(k.k.c[0][3 * 6 + 0] == 1.0f);
+    assert_true(k.k.c[1][0 * 6 + 5] == 2.0f);
+    assert_true(k.k.c[2][4 * 6 + 2] == -3.0f);
+    assert_true(k.sum[2] == -3.0 && k.norm1[2] == 3.0 && k.norm2[2] == 3.0);
+    gp_kernel_free(&k);
+    gp_frame_free(&f);
+}
+
+static void image_of_any_size_is_normalised(void **state)
+{
+    static const float peaks[] = {1e-45f, 1e-38f, 1e-3f, 65504.0f, 1e30f,
+                                  FLT_MAX};
+    (void) state;
+    for (size_t i = 0; i < COUNT(peaks); i++) {
+        struct gp_frame f = blank(0, 0, 2, 1);
+        struct gp_kernel_params p = {.source = "k.exr"};
+        struct gp_kernel k;
+        put(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
+        put(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
+        assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+        assert_close(k.sum[0], 1.0, 1e-6);
+        assert_true(k.grey);
+        gp_kernel_free(&k);
+        gp_frame_free(&f);
+    }
+}
+
+static void bad_images_are_refused(void **state)
+{
+    static const struct {
+        float r, g, b;           // at column 2, row 1; (0, 0) has 1
+        bool lonely;             // but not here
+        enum gp_normalize normalize;
+        const char *says;
+    } rows[] = {
+        {NAN, 1, 1, false, GP_NORMALIZE_LUMINANCE, "channel R, column 2"},
+        {1, NAN, 1, false, GP_NORMALIZE_NONE, "channel G, column 2"},
+        {1, 1, INFINITY, false, GP_NORMALIZE_NONE, "column 2, row 1"},
+        {-INFINITY, 1, 1, false, GP_NORMALIZE_NONE, "-inf"},
+        {0, 0, 0, true, GP_NORMALIZE_LUMINANCE, "zero everywhere"},
+        {0, -0.0f, 0, true, GP_NORMALIZE_NONE, "zero everywhere"},
+        {-1, -1, -1, false, GP_NORMALIZE_LUMINANCE, "sums to 0"},
+        {-2, -2, -2, false, GP_NORMALIZE_LUMINANCE, "--kernel-normalize none"},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_frame f = blank(0, 0, 4, 3);
+        struct gp_kernel_params p = {.source = "k.exr",
+                                     .normalize = rows[i].normalize};
+        struct gp_kernel k = {.w = 77};
+        if (!rows[i].lonely)
+            put(&f, 0, 0, 1, 1, 1);
+        put(&f, 2, 1, rows[i].r, rows[i].g, rows[i].b);
+        last_line[0] = 0;
+        assert_int_equal(gp_kernel_from_frame(&log_to_line, &p, &f, &k),
+                         GP_ERR_DATA);
+        assert_non_null(strstr(last_line, rows[i].says));
+        assert_non_null(strstr(last_line, "k.exr: "));
+        assert_int_equal(k.w, 77);
+        gp_frame_free(&f);
+    }
+    struct gp_frame none = {.path = NULL};
+    struct gp_kernel_params p = {.source = "k.exr"};
+    struct gp_kernel k;
+    assert_int_equal(gp_kernel_from_frame(&log_to_line, &p, &none, &k),
+                     GP_ERR_DATA);
+}
+
+static void negative_kernels_pass_unnormalised(void **state)
+{
+    struct gp_frame f = blank(0, 0, 1, 1);
+    struct gp_kernel_params p = {.source = "k.exr",
+                                 .normalize = GP_NORMALIZE_NONE};
+    struct gp_kernel k;
+    (void) state;
+    put(&f, 0, 0, -2, -2, -2);
+    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0);
+    gp_kernel_free(&k);
+    gp_frame_free(&f);
+}
+
+/* Within half the radius the builtin kernel is the eye's, to one scale; from
+ * there it falls to nothing before the edge, the same in all directions. */
+static void builtin_fades_to_its_edge(void **state)
+{
+    (void) state;
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    p.builtin_size = 201;
+    assert_int_equal(gp_kernel_builtin(NULL, &p, &k), GP_OK);
+    const float *const row = k.k.c[0] + (size_t) k.cy * (size_t) k.w + k.cx;
+    const double scale = (double) row[0] / gp_eye_share(0, 0);
+    for (int x = 0; x <= 50; x++)
+        assert_true(fabs((double) row[x] / gp_eye_share(x, 0) / scale - 1.0) <
+                    1e-6);
+    for (int x = 52; x < k.w - k.cx; x++) {
+        assert_true((double) row[x] < scale * gp_eye_share(x, 0));
+        assert_true(row[x] < row[x - 1]);
+        assert_true(row[x] == row[-x]);
+    }
+    // a corner of the square is farther than the radius
+    assert_true(k.k.c[0][0] == 0.0f);
+    // the step into nothing is a thousandth of what the eye's edge would be
+    assert_true((double) row[k.w - k.cx - 1] <
+                1e-3 * scale * gp_eye_share(100, 0));
+    gp_kernel_free(&k);
+}
+
+SUITE(kernel)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(builtin_fades_to_its_edge),
+        cmocka_unit_test(builtin_is_normalised),
+        cmocka_unit_test(builtin_refuses),
+        cmocka_unit_test(builtin_is_the_same_for_any_threads),
+        cmocka_unit_test(image_keeps_the_ratios_of_its_channels),
+        cmocka_unit_test(image_borders_are_cut),
+        cmocka_unit_test(image_is_cut_to_the_union_of_its_channels),
+        cmocka_unit_test(image_of_any_size_is_normalised),
+        cmocka_unit_test(bad_images_are_refused),
+        cmocka_unit_test(negative_kernels_pass_unnormalised),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

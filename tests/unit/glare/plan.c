@@ -1,0 +1,380 @@
+/* The planner: made-up candidates to a choice, sequences, and what the real
+ * predictions and bounds promise. */
+#include "unit.h"
+#include "core/parallel.h"
+#include "glare/cost.h"
+#include "glare/plan.h"
+#include "glare_scene.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <setjmp.h>
+
+#include <cmocka.h>
+
+// -- one frame ----------------------------------------------------------------
+
+enum { MOST = 4 };
+
+struct made_up {
+    double ms, later_ms, bound;
+    bool exact;
+};
+
+struct asked {
+    const struct made_up *c;
+    int times[MOST];
+    gp_status answer;
+};
+
+static gp_status answer(void *ctx, int i, double *bound)
+{
+    struct asked *const a = ctx;
+    *bound = a->c[i].bound;
+    a->times[i]++;
+    return a->answer;
+}
+
+static gp_status choose(const struct made_up *from, int n, double tolerance,
+                        struct gp_plan_past *past, struct asked *asked,
+                        struct gp_choice *out)
+{
+    struct gp_candidate c[MOST] = {0};
+    for (int i = 0; i < n; i++)
+        c[i] = (struct gp_candidate) {
+            .exact = from[i].exact, .ms = from[i].ms, .bound = NAN,
+            .later_ms = from[i].later_ms > 0.0 ? from[i].later_ms : from[i].ms,
+        };
+    *asked = (struct asked) {.c = from, .answer = asked->answer};
+    return gp_plan_choose(c, n, tolerance, past, answer, asked, out);
+}
+
+static const struct row {
+    const char *name;
+    double tolerance;
+    struct made_up c[MOST]; // ends with ms 0
+    int taken;
+    bool within;
+    int asked; // a digit a candidate: which bounds were asked
+} rows[] = {
+    {"the faster", 1e-3, {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}}, 1, true, 10},
+    {"only its bound is asked", 1e-3,
+     {{1, 0, 1e-6, true}, {8, 0, 1e-5, true}, {9, 0, 1e-2, false}}, 0, true, 1},
+    {"a fast one that is too wrong", 1e-3,
+     {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}, {2, 0, 1e-2, false}}, 1, true,
+     110},
+    {"a fast one that is right enough", 1e-2,
+     {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}, {2, 0, 1e-2, false}}, 2, true,
+     110},
+    {"too wrong by a hair", 0.999e-2,
+     {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}, {2, 0, 1e-2, false}}, 1, true,
+     110},
+    {"the second of two approximations", 1e-2,
+     {{9, 0, 1e-6, true}, {2, 0, 2e-2, false}, {3, 0, 5e-3, false}}, 2, true,
+     111},
+    {"tolerance 0", 0.0,
+     {{90, 0, 1e-6, true}, {8, 0, 1e-5, true}, {2, 0, 1e-3, false}}, 0, false,
+     11},
+    {"tolerance 0 and a bound of 0", 0.0,
+     {{90, 0, 0.0, true}, {8, 0, 1e-5, true}}, 0, true, 11},
+    {"tolerance under all roundings", 1e-9,
+     {{90, 0, 1e-5, true}, {8, 0, 1e-6, true}}, 1, false, 11},
+    {"none keeps it, equal bounds: the faster", 1e-9,
+     {{90, 0, 1e-6, true}, {8, 0, 1e-6, true}}, 1, false, 11},
+    {"nothing is guaranteed: the faster exact one", 1e-3,
+     {{9, 0, INFINITY, true}, {8, 0, INFINITY, true},
+      {1, 0, INFINITY, false}}, 1, false, 11},
+    {"no number for a bound", 1e-3, {{2, 0, NAN, true}, {8, 0, 1e-5, true}}, 1,
+     true, 11},
+    {"no number for all", 1e-3, {{2, 0, NAN, true}, {8, 0, NAN, true}}, 0,
+     false, 11},
+    {"no number for ms", 1e-3, {{NAN, 0, 0, true}, {8, 0, 1e-5, true}}, 1,
+     true, 10},
+    {"never", 1e-3, {{INFINITY, 0, 0, false}, {8, 0, 1e-5, true}}, 1, true, 10},
+    {"equal: the first", 1e-3, {{8, 0, 1e-5, true}, {8, 0, 1e-5, true}}, 0,
+     true, 1},
+    {"infinite tolerance", INFINITY,
+     {{8, 0, INFINITY, true}, {1, 0, INFINITY, false}}, 1, true, 11},
+    {"the only one", 1e-3, {{8, 0, 1, true}}, 0, false, 1},
+};
+
+static void one_frame(void **state)
+{
+    (void) state;
+    for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+        const struct row *const w = &rows[r];
+        struct gp_plan_past past = {0};
+        struct asked asked = {0};
+        struct gp_choice got;
+        int n = 0, digits = 0;
+        while (n < MOST && w->c[n].ms != 0.0)
+            n++;
+        assert_int_equal(choose(w->c, n, w->tolerance, &past, &asked, &got),
+                         GP_OK);
+        for (int i = 0, unit = 1; i < n; i++, unit *= 10) {
+            assert_true(asked.times[i] <= 1);
+            digits += unit * asked.times[i];
+        }
+        if (got.taken != w->taken || got.within != w->within || got.kept ||
+            digits != w->asked)
+            fail_msg("%s: took %d (within %d, kept %d, asked %d)", w->name,
+                     got.taken, got.within, got.kept, digits);
+        assert_int_equal(past.last, got.taken + 1);
+    }
+}
+
+static void errors_come_back(void **state)
+{
+    (void) state;
+    const struct made_up c[2] = {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}};
+    struct gp_plan_past past = {.last = 2, .rival = 1, .lost = 3.0};
+    struct asked asked = {.answer = GP_ERR_BUG};
+    struct gp_choice got;
+    assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_ERR_BUG);
+    assert_int_equal(past.last, 2);
+}
+
+// -- sequences ----------------------------------------------------------------
+
+/* Two exact engines whose bounds together are 2e-5, one of which, "b", has
+ * something to set up; and the frame from which b is taken, counted from 1. */
+static const struct change {
+    const char *name;
+    double tolerance;
+    struct made_up a, b;
+    double set_up; // of b, until it is taken
+    int first;     // 0: never
+} changes[] = {
+    {"21 % less", 1e-3, {10, 0, 1e-5, 1}, {7.9, 0, 1e-5, 1}, 0, 2},
+    {"19 % less: when 10 ms are lost", 1e-3, {10, 0, 1e-5, 1},
+     {8.1, 0, 1e-5, 1}, 0, 7},
+    {"1 % less: much later", 1e-3, {10, 0, 1e-5, 1}, {9.9, 0, 1e-5, 1}, 0,
+     102},
+    {"as fast", 1e-3, {10, 0, 1e-5, 1}, {10, 0, 1e-5, 1}, 0, 0},
+    {"slower", 1e-3, {10, 0, 1e-5, 1}, {11, 0, 1e-5, 1}, 0, 0},
+    {"set-up that 5 ms a frame repay", 1e-3, {10, 0, 1e-5, 1},
+     {5, 0, 1e-5, 1}, 20, 8},
+    {"set-up that still leaves a gain", 1e-3, {100, 0, 1e-5, 1},
+     {5, 0, 1e-5, 1}, 70, 2},
+    {"bounds together over the tolerance", 1.9e-5, {10, 0, 1e-5, 1},
+     {1, 0, 1e-5, 1}, 0, 0},
+    {"bounds together just within", 2.1e-5, {10, 0, 1e-5, 1},
+     {1, 0, 1e-5, 1}, 0, 2},
+    {"approximate and too wrong", 1e-3, {10, 0, 1e-5, 1},
+     {1, 0, 2e-3, 0}, 0, 0},
+    {"approximate and right enough", 1e-3, {10, 0, 1e-5, 1},
+     {1, 0, 5e-4, 0}, 0, 2},
+};
+
+/* The first frame is one that b cannot win. */
+static void a_choice_is_kept(void **state)
+{
+    (void) state;
+    for (size_t r = 0; r < sizeof changes / sizeof *changes; r++) {
+        const struct change *const w = &changes[r];
+        struct gp_plan_past past = {0};
+        struct asked asked = {0};
+        struct gp_choice got;
+        int first = 0;
+        for (int frame = 1; frame <= 200; frame++) {
+            struct made_up c[2] = {w->a, w->b};
+            c[1].later_ms = frame == 1 ? 1e3 : w->b.ms;
+            c[1].ms = frame == 1 ? 1e3 : w->b.ms + (first ? 0.0 : w->set_up);
+            assert_int_equal(choose(c, 2, w->tolerance, &past, &asked, &got),
+                             GP_OK);
+            assert_true(got.within);
+            assert_true(!got.kept || got.taken == 0);
+            if (got.taken == 1 && !first)
+                first = frame;
+            if (first) // it never goes back
+                assert_int_equal(got.taken, 1);
+        }
+        if (first != w->first)
+            fail_msg("%s: changes at frame %d, not %d", w->name, first,
+                     w->first);
+    }
+}
+
+static void a_lost_bound_ends_it(void **state)
+{
+    (void) state;
+    struct made_up c[2] = {{10, 0, 1e-5, 1}, {20, 0, 1e-5, 1}};
+    struct gp_plan_past past = {0};
+    struct asked asked = {0};
+    struct gp_choice got;
+    assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+    assert_int_equal(got.taken, 0);
+    c[0].bound = INFINITY;
+    assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+    assert_int_equal(got.taken, 1);
+    assert_true(got.within && !got.kept);
+}
+
+/* Two that are faster in turn by less than 20 %: no change every frame. */
+static void no_flicker(void **state)
+{
+    (void) state;
+    struct gp_plan_past past = {0};
+    struct asked asked = {0};
+    struct gp_choice got;
+    int before = -1, taken = 0;
+    for (int frame = 0; frame < 100; frame++) {
+        const struct made_up c[2] = {{frame % 2 ? 10 : 9, 0, 1e-5, 1},
+                                     {frame % 2 ? 9 : 10, 0, 1e-5, 1}};
+        assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+        taken += got.taken != before;
+        before = got.taken;
+    }
+    assert_true(taken <= 11); // the first, and after ten ms lost
+}
+
+// -- real candidates ----------------------------------------------------------
+
+static struct scene scene_of(enum light light, int w, int h, int kernel)
+{
+    const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
+    return scene_make(scene_frame(w, h, 0, 0, light, 5u),
+                      scene_kernel(kernel, kernel, MID, 0, TINTED), &usual);
+}
+
+static int collect(struct scene *s, const struct gp_glare *g,
+                   struct gp_candidate c[GP_CANDIDATES])
+{
+    static const struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats = {0};
+    const struct gp_glare_job job = {
+        .params = &p, .src = &s->src, .kernel = &s->k, .layer = &s->f.layer,
+        .stats = &stats,
+    };
+    return gp_plan_candidates(&job, g, c);
+}
+
+static void candidates_are_whole(void **state)
+{
+    (void) state;
+    static const enum light light[] = {FEW, ALL, CORNERS, HOT};
+    for (int i = 0; i < 4; i++) {
+        struct scene s = scene_of(light[i], 97, 61, 31);
+        const struct gp_glare none = {0};
+        struct gp_candidate one[GP_CANDIDATES], two[GP_CANDIDATES];
+        gp_set_threads(1);
+        const int n = collect(&s, &none, one);
+        gp_set_threads(5);
+        assert_int_equal(collect(&s, &none, two), n);
+        gp_set_threads(0);
+        assert_in_range(n, 3, GP_CANDIDATES);
+        for (int k = 0; k < n; k++) {
+            assert_true(one[k].ms > 0.0 && one[k].later_ms <= one[k].ms);
+            assert_true(one[k].ms == two[k].ms);
+            assert_true(one[k].later_ms == two[k].later_ms);
+            assert_true(isnan(one[k].bound));
+        }
+        for (int k = 0; gp_engines[k]; k++)
+            assert_null(none.state[k]); // predicting opens nothing
+        scene_free(&s);
+    }
+}
+
+/* What a run leaves in its state is not predicted again. */
+static void states_count(void **state)
+{
+    (void) state;
+    for (int i = 0; i < 2; i++) {
+        struct scene s = scene_of(FEW, 97, 61, 31);
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        const struct gp_engine *const e = gp_engines[i];
+        const struct gp_glare_job job = {
+            .params = &p, .src = &s.src, .kernel = &s.k, .layer = &s.f.layer,
+            .stats = &stats,
+        };
+        p.engine = e->name;
+        const struct gp_prediction cold = e->predict(&job, NULL);
+        assert_int_equal(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f,
+                                      &stats), GP_OK);
+        const struct gp_prediction warm = e->predict(&job, g.state[i]);
+        assert_true(warm.ms < cold.ms);
+        assert_true(warm.ms == warm.later_ms);
+        assert_true(warm.later_ms == cold.later_ms);
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
+static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
+                                      struct gp_glare *g)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    p.tolerance = (float) tolerance;
+    scene_line[0] = '\0';
+    assert_int_equal(gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f,
+                                  &stats), GP_OK);
+    return stats;
+}
+
+/* The bound keeps the tolerance, or one warning and the report say that none
+ * does; and the layer keeps the bound. */
+static void the_tolerance_is_kept_or_said(void **state)
+{
+    (void) state;
+    static const double tolerance[] = {1.0, 1e-3, 1e-9, 0.0};
+    for (int i = 0; i < 4; i++) {
+        struct scene s = scene_of(FEW, 97, 61, 31);
+        struct gp_glare g = {0};
+        struct gp_glare_error e;
+        const struct gp_glare_stats stats = run_auto(&s, tolerance[i], &g);
+        const bool within = stats.bound <= (double) (float) tolerance[i];
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+        assert_true(e.rel_l2 <= stats.bound);
+        assert_int_equal(within, i < 2);
+        assert_int_equal(scene_line[0] == '\0', within);
+        assert_int_equal(strstr(stats.why, "the least there is") == NULL,
+                         within);
+        assert_int_equal(strncmp(stats.why, stats.engine,
+                                 strlen(stats.engine)), 0);
+        run_auto(&s, tolerance[i], &g); // said once
+        assert_string_equal(scene_line, "");
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
+// -- costs --------------------------------------------------------------------
+
+static void costs_lie_between(void **state)
+{
+    (void) state;
+    static const double v[3] = {1.0, 2.0, 6.0};
+    assert_true(gp_cost_at(v, 0.0, 64.0) == 1.0);
+    assert_true(gp_cost_at(v, 64.0, 64.0) == 1.0);
+    assert_true(gp_cost_at(v, 256.0, 64.0) == 1.5);
+    assert_true(gp_cost_at(v, 1024.0, 64.0) == 2.0);
+    assert_true(gp_cost_at(v, 4096.0, 64.0) == 4.0);
+    assert_true(gp_cost_at(v, 16384.0, 64.0) == 6.0);
+    assert_true(gp_cost_at(v, 1e9, 64.0) == 6.0);
+    for (int n = 1; n <= 1 << 15; n += n < 200 ? 1 : 97) {
+        for (int how = 0; how < 2; how++) {
+            const double ms = gp_cost_transform(n, (enum gp_fft_plan) how);
+            assert_true(ms > 0.0 && ms < 1e3);
+        }
+    }
+}
+
+SUITE(plan)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_frame),
+        cmocka_unit_test(errors_come_back),
+        cmocka_unit_test(a_choice_is_kept),
+        cmocka_unit_test(a_lost_bound_ends_it),
+        cmocka_unit_test(no_flicker),
+        cmocka_unit_test(candidates_are_whole),
+        cmocka_unit_test(states_count),
+        cmocka_unit_test(the_tolerance_is_kept_or_said),
+        cmocka_unit_test(costs_lie_between),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,150 @@
+/* Ando's system on real frames: groups of 4x4, clusters of 8x8 and shrinking
+ * to 1e-3, with the core from single sensors, stay within 1e-2 of the exact
+ * layer and within their bound on every frame of the data folder that is not
+ * far over 1k. The layer is the plain form of what GL draws; test_splat_group
+ * holds GL to it. The folder is $GLAREPP_DATA, or ../shared/data; without it
+ * the test is skipped. */
+#include "unit.h"
+#include "core/memory.h"
+#include "glare/splat/blur.h"
+#include "glare/bound/bound.h"
+#include "glare/engine.h"
+#include "io/read.h"
+
+#include <ftw.h>
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+enum { FILES = 1000, WIDEST = 1300 };
+
+static char *file[FILES];
+static int files;
+
+static int collect(const char *found, const struct stat *info, int type,
+                   struct FTW *at)
+{
+    const char *dot = strrchr(found + at->base, '.');
+    (void) info;
+    if (type == FTW_F && dot && strcmp(dot, ".exr") == 0 && files < FILES &&
+        !strstr(found, "/damaged/") && !strstr(found, "/deep/"))
+        file[files++] = strdup(found);
+    return 0;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(char *const *) a, *(char *const *) b);
+}
+
+static int setup(void **state)
+{
+    (void) state;
+    char self[PATH_MAX] = "", beside[PATH_MAX];
+    const char *data = getenv("GLAREPP_DATA");
+    nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
+    qsort(file, (size_t) files, sizeof *file, by_name);
+    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
+        return -1;
+    snprintf(beside, sizeof beside, "%.3000s/..", dirname(self));
+    return setenv("GLAREPP_BRIDGES", beside, 0);
+}
+
+static int teardown(void **state)
+{
+    (void) state;
+    for (int i = 0; i < files; i++)
+        free(file[i]);
+    return 0;
+}
+
+/* Largest rel_l2 and bound over rel_l2 so far. */
+struct worst {
+    int frames;
+    double rel_l2;
+};
+
+static void check_frame(struct gp_frame *f, const struct gp_sources *src,
+                        const struct gp_kernel *k, struct worst *worst)
+{
+    const struct gp_splat_params p = GP_SPLAT_DEFAULTS;
+    const size_t n = gp_frame_pixels(f);
+    struct gp_polygons polygons;
+    struct gp_shrink shrink;
+    struct gp_bound_cache cache = {0};
+    double bound, *const exact = calloc(3 * n, sizeof *exact);
+    double *const layer = calloc(3 * n, sizeof *layer);
+    assert_non_null(exact);
+    assert_non_null(layer);
+    assert_int_equal(gp_group(NULL, src, &p, &polygons), GP_OK);
+    assert_int_equal(gp_shrink_make(NULL, k, &p, &polygons, &shrink), GP_OK);
+    assert_int_equal(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0,
+                                    &cache, &bound), GP_OK);
+    assert_int_equal(gp_glare_reference(NULL, src, k, exact), GP_OK);
+    assert_int_equal(gp_group_reference(NULL, src, k, &p, &polygons, &shrink,
+                                        layer), GP_OK);
+    double wrong = 0.0, all = 0.0;
+    for (size_t i = 0; i < 3 * n; i++) {
+        wrong += (layer[i] - exact[i]) * (layer[i] - exact[i]);
+        all += exact[i] * exact[i];
+    }
+    const double rel_l2 = sqrt(wrong / all);
+    print_message("# %s: %zu sources, %zu groups, %zu clusters, rel_l2 %.2e, "
+                  "bound %.2e\n", f->path, src->n, polygons.groups,
+                  polygons.clusters, rel_l2, bound);
+    if (!(rel_l2 <= 1e-2) || !(rel_l2 <= bound))
+        fail_msg("%s: rel_l2 %g, bound %g", f->path, rel_l2, bound);
+    worst->frames++;
+    worst->rel_l2 = fmax(worst->rel_l2, rel_l2);
+    free(exact);
+    free(layer);
+    gp_polygons_free(&polygons);
+    gp_bound_cache_free(&cache);
+}
+
+static void every_frame_of_the_data_is_within_a_hundredth(void **state)
+{
+    (void) state;
+    const struct gp_read_params read = GP_READ_DEFAULTS;
+    const struct gp_sensor_params sense = GP_SENSOR_DEFAULTS;
+    const struct gp_kernel_params eye = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    struct worst worst = {0};
+    if (!files)
+        skip();
+    assert_int_equal(gp_kernel_builtin(NULL, &eye, &k), GP_OK);
+    const int step = getenv("GLAREPP_TEST_QUICK") ? 9 : 1;
+    for (int i = 0; i < files; i += step) {
+        struct gp_frame f = {0};
+        struct gp_sources src = {0};
+        // (what cannot be read, or has no colour, is test_data's)
+        if (gp_read_frame(NULL, &read, file[i], &f) == GP_OK &&
+            gp_frame_w(&f) <= WIDEST &&
+            gp_sense(NULL, &sense, &f, &src) == GP_OK && src.n)
+            check_frame(&f, &src, &k, &worst);
+        gp_sources_free(&src);
+        gp_frame_free(&f);
+    }
+    print_message("# worst of %d frames: rel_l2 %.2e\n", worst.frames,
+                  worst.rel_l2);
+    assert_true(worst.frames > 0);
+    gp_kernel_free(&k);
+}
+
+SUITE(splat_data)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_frame_of_the_data_is_within_a_hundredth),
+    };
+    return cmocka_run_group_tests_name("splat on real frames", tests, setup,
+                                       teardown);
+}

@@ -1,0 +1,461 @@
+/* glare with a memory that is full at the n-th allocation, and with a GL whose
+ * n-th answer is an error, for every n of each part of the room: one line, no
+ * block lost, and what is kept from frame to frame still gives the same bytes
+ * when all is well again. */
+#include "unit.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "gl/context.h"
+#include "glare/bound/bound.h"
+#include "glare/compose.h"
+#include "glare/extra.h"
+#include "glare/eye.h"
+#include "glare/splat/outline.h"
+#include "glare/plan.h"
+#include "glare/splat/state.h"
+#include "glare/turn.h"
+#include "glare_scene.h"
+#include "fail.h"
+#include "said.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+enum { W = 61, H = 43, SIZE = 25 };
+
+/* A frame of light and what a part of the room makes of it. */
+struct starved {
+    const char *name;
+    gp_status (*run)(void);
+    const char *engine;
+    enum light light;
+    enum shape shape;
+    struct gp_splat_params splat;
+    float tolerance;
+    int side, size; // of the frame and the kernel; 0: W x H, SIZE
+    float rotate;   // the kernel is the eye's, turned; 0: of that shape
+    bool faint;     // the kernel is far under what it is usually
+};
+
+static const struct starved *row; // under way
+static struct scene scene;
+static struct gp_kernel other;    // takes the place of what is kept
+static struct gp_glare glare;
+static uint64_t hash;             // of what was made
+
+/* -- the engines ------------------------------------------------------------ */
+
+static gp_status run_with(const struct gp_kernel *k)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    p.engine = row->engine;
+    p.splat = row->splat;
+    p.tolerance = row->tolerance;
+    gp_planes_free(&scene.f.layer);
+    const gp_status st = gp_glare_run(&said_log, &p, &glare, &scene.src, k,
+                                      &scene.f, &stats);
+    hash = st ? 0 : scene_hash(&scene);
+    return st;
+}
+
+/* With all that a sequence keeps made anew, but the context. */
+static gp_status run_engine(void)
+{
+    return run_with(&scene.k);
+}
+
+/* What an engine keeps of one kernel gives way to that of another. */
+static void forget(void)
+{
+    fail_end();
+    if (run_with(&other) != GP_OK)
+        fail_msg("%s: %s", row->name, said_line);
+    gp_planes_free(&scene.f.layer);
+}
+
+static gp_status run_bound(void)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats = {0};
+    struct gp_planes none = {0};
+    void *state = NULL;
+    double least = 0.0;
+    p.splat = row->splat;
+    p.tolerance = row->tolerance;
+    const struct gp_glare_job job = {
+        .log = &said_log, .params = &p, .src = &scene.src, .kernel = &scene.k,
+        .layer = &none, .stats = &stats,
+    };
+    for (int i = 0; gp_engines[i]; i++) {
+        if (strcmp(gp_engines[i]->name, row->engine) != 0)
+            continue;
+        const gp_status st = gp_engines[i]->bound(&job, &state, &least);
+        gp_engines[i]->close(&state);
+        hash = hash_more(HASH_NONE, &least, sizeof least);
+        return st;
+    }
+    return GP_ERR_USAGE;
+}
+
+/* -- the parts --------------------------------------------------------------- */
+
+static gp_status hash_planes(gp_status st, struct gp_planes *p, size_t n)
+{
+    hash = 0;
+    for (int c = 0; !st && c < 3; c++)
+        hash = hash * 31 + hash_more(HASH_NONE, p->c[c], n * sizeof(float));
+    gp_planes_free(p);
+    return st;
+}
+
+static gp_status run_sense(void)
+{
+    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    struct gp_sources s = {0};
+    const gp_status st = gp_sense(&said_log, &p, &scene.f, &s);
+    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[1], s.n * sizeof(float));
+    gp_sources_free(&s);
+    return st;
+}
+
+static gp_status run_planes(void)
+{
+    struct gp_planes p = {0};
+    const gp_status st = gp_sources_planes(&said_log, &scene.src, &p);
+    return hash_planes(st, &p, gp_frame_pixels(&scene.f));
+}
+
+static gp_status run_compose(void)
+{
+    const struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
+    gp_planes_free(&scene.f.layer);
+    gp_planes_free(&scene.f.lit);
+    const gp_status st = gp_compose(&said_log, &p, &scene.src, &scene.f);
+    return hash_planes(st, &scene.f.lit, gp_frame_pixels(&scene.f));
+}
+
+static gp_status run_extra(void)
+{
+    struct gp_extra extra[] = {{5, 6, {1, 2, 3}}, {2, 3, {4, 5, 6}},
+                               {5, 6, {7, 8, 9}}};
+    struct gp_sources s = {0};
+    const gp_status st = gp_sources_with(&said_log, &scene.src, extra, 3, &s);
+    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[0], s.n * sizeof(float));
+    gp_sources_free(&s);
+    return st;
+}
+
+static gp_status run_reference(void)
+{
+    const size_t n = 3 * gp_frame_pixels(&scene.f);
+    double *const layer = scene_alloc(n, sizeof *layer);
+    const gp_status st = gp_glare_reference(&said_log, &scene.src, &scene.k,
+                                            layer);
+    hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
+    free(layer);
+    return st;
+}
+
+static gp_status run_outline(void)
+{
+    struct gp_planes p = {0};
+    if (gp_planes_make(&said_log, "picture", (size_t) W * H, &p))
+        return GP_ERR_BUG;
+    for (int c = 0; c < 3; c++)
+        memset(p.c[c], 0, gp_frame_pixels(&scene.f) * sizeof(float));
+    const gp_status st = gp_outline(&said_log, &scene.src, &scene.k,
+                                    &row->splat, &p);
+    return hash_planes(st, &p, gp_frame_pixels(&scene.f));
+}
+
+static gp_status run_group_reference(void)
+{
+    struct gp_polygons polygons = {0};
+    struct gp_shrink shrink;
+    const size_t n = 3 * gp_frame_pixels(&scene.f);
+    double *const layer = scene_alloc(n, sizeof *layer);
+    gp_status st = gp_group(&said_log, &scene.src, &row->splat, &polygons);
+    if (!st)
+        st = gp_shrink_make(&said_log, &scene.k, &row->splat, &polygons,
+                            &shrink);
+    if (!st)
+        st = gp_group_reference(&said_log, &scene.src, &scene.k, &row->splat,
+                                &polygons, &shrink, layer);
+    hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
+    gp_polygons_free(&polygons);
+    free(layer);
+    return st;
+}
+
+/* -- kernels ------------------------------------------------------------------ */
+
+static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
+{
+    hash = st ? 0 : hash_more(HASH_NONE, k->k.c[0], (size_t) k->w * (size_t) k->h *
+                                           sizeof(float));
+    if (!st)
+        gp_kernel_free(k);
+    return st;
+}
+
+static gp_status run_builtins(void)
+{
+    static const float angles[] = {0.0f, 90.0f, 30.0f};
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        for (int i = 0; i < 3; i++) {
+            struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+            struct gp_kernel k = {0};
+            p.source = b->name;
+            p.builtin_size = SIZE;
+            p.rotate = angles[i];
+            const gp_status st = gp_kernel_builtin(&said_log, &p, &k);
+            if (hash_kernel(st, &k))
+                return st;
+        }
+    }
+    return GP_OK;
+}
+
+static gp_status run_from_frame(void)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_frame image = {.data = {0, 0, SIZE, 2 * SIZE}};
+    struct gp_kernel k = {0};
+    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
+    if (gp_planes_make(&said_log, "kernel", 2 * SIZE * SIZE, &image.rgb))
+        return GP_ERR_BUG;
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < 2 * SIZE * SIZE; i++)
+            image.rgb.c[c][i] = i < SIZE ? 0.0f : (float) (i + c); // a border
+    }
+    p.rotate = 12.0f;
+    const gp_status st = gp_kernel_from_frame(&said_log, &p, &image, &k);
+    gp_planes_free(&image.rgb);
+    return hash_kernel(st, &k);
+}
+
+/* -- every n ------------------------------------------------------------------- */
+
+#define EXACT GP_SPLAT_EXACT
+#define GROUPS(how, form, few)                                                \
+    { .group = 2, .cluster = 4, .cluster_fill = few, .shrink = 1e-2f,         \
+      .method = how, .primitive = form }
+
+static const struct starved rows[] = {
+    {"sensors", run_sense, NULL, FEW, PEAK, .splat = EXACT},
+    {"sensors, all", run_sense, NULL, ALL, PEAK, .splat = EXACT},
+    {"planes of sources", run_planes, NULL, FEW, PEAK, .splat = EXACT},
+    {"compose", run_compose, NULL, FEW, PEAK, .splat = EXACT},
+    {"extra light", run_extra, NULL, FEW, PEAK, .splat = EXACT},
+    {"reference", run_reference, NULL, ALL, TINTED, .splat = EXACT,
+     .side = 200, .size = 401},
+    {"outline", run_outline, NULL, ALL, PEAK,
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"polygons, plain form", run_group_reference, NULL, FEW, TINTED,
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"builtin kernels", run_builtins, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"a kernel's frame", run_from_frame, NULL, CORNERS, PEAK, .splat = EXACT},
+    {"direct, few", run_engine, "direct", FEW, TINTED, .splat = EXACT},
+    {"direct, quads", run_engine, "direct", BLOCK, PEAK, .splat = EXACT},
+    {"direct, lobes", run_engine, "direct", FEW, LOBES, .splat = EXACT},
+    {"fft", run_engine, "fft", ALL, TINTED, .splat = EXACT},
+    {"fft, grey", run_engine, "fft", ALL, PEAK, .splat = EXACT},
+    {"fft, hot", run_engine, "fft", HOT, PEAK, .splat = EXACT},
+    {"bound of fft", run_bound, "fft", FEW, PEAK, .splat = EXACT},
+    {"bound of fft, all", run_bound, "fft", ALL, TINTED, .splat = EXACT},
+    {"bound of splat", run_bound, "splat", FEW, PEAK, .splat = EXACT},
+    {"bound of groups", run_bound, "splat", ALL, TINTED,
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"bound of cores", run_bound, "splat", FEW, PEAK,
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_AUTO, 0.5f)},
+    {"auto", run_engine, "auto", FEW, PEAK, .splat = GP_SPLAT_DEFAULTS,
+     .tolerance = 1e-3f},
+    {"auto, no tolerance", run_engine, "auto", ALL, PEAK,
+     .splat = GP_SPLAT_DEFAULTS, .tolerance = 0.0f},
+    {"tiles", run_engine, "splat", FEW, PEAK,
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .size = 19},
+    {"tiles, tinted", run_engine, "splat", ALL, TINTED,
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_TILE, 0.5f), .side = 20,
+     .size = 19},
+    {"quads", run_engine, "splat", FEW, PEAK,
+     .splat = GROUPS(GP_GROUP_CORE, GP_PRIMITIVE_QUAD, 0.5f), .side = 20,
+     .size = 19},
+    {"points", run_engine, "splat", ALL, TINTED,
+     .splat = GROUPS(GP_GROUP_MOMENTS, GP_PRIMITIVE_POINT, 0.5f), .side = 20,
+     .size = 19},
+    {"turned quads", run_engine, "splat", FEW, PEAK,
+     .splat = {.group = 1, .cluster_fill = 0.9f,
+               .primitive = GP_PRIMITIVE_QUAD},
+     .side = 20, .size = 19, .rotate = 30.0f},
+    {"fft, faint kernel", run_engine, "fft", ALL, TINTED, .splat = EXACT,
+     .faint = true},
+    {"direct, faint turned kernel", run_engine, "direct", FEW, PEAK,
+     .splat = EXACT, .rotate = 30.0f, .faint = true},
+};
+
+static bool is_drawn(const struct starved *r)
+{
+    return r->engine && strcmp(r->engine, "splat") == 0 &&
+           r->run == run_engine;
+}
+
+/* A fault at the n-th call of a kind. */
+struct fault {
+    const char *name, *said;
+    gp_status status;
+    void (*arm)(long n);
+    bool (*end)(void); // whether it fired
+};
+
+static long answers, wrong; // of glGetError(), and which is an error
+static PFNGLGETERRORPROC real_answer;
+
+static GLenum APIENTRY answer(void)
+{
+    return ++answers == wrong ? GL_OUT_OF_MEMORY : real_answer();
+}
+
+/* The context that splat keeps, once it has drawn. */
+static struct gp_gl *drawing_gl(void)
+{
+    struct gp_splat *s = NULL;
+    for (int i = 0; gp_engines[i]; i++) {
+        if (gp_engines[i] == &gp_engine_splat)
+            s = glare.state[i];
+    }
+    assert_true(s && s->gl);
+    return s->gl;
+}
+
+static void break_gl(long n)
+{
+    struct gp_gl *const gl = drawing_gl();
+    if (gl->f.GetError != answer)
+        real_answer = gl->f.GetError;
+    gl->f.GetError = answer;
+    answers = 0;
+    wrong = n;
+}
+
+static bool mend_gl(void)
+{
+    drawing_gl()->f.GetError = real_answer;
+    return answers >= wrong;
+}
+
+static void fail_memory(long n)
+{
+    fail_at(FAIL_ALLOC, n);
+}
+
+static const struct fault memory_fault = {
+    "allocations", "out of memory", GP_ERR_BUG, fail_memory, fail_end,
+}, gl_fault = {
+    "answers of GL", "GL_OUT_OF_MEMORY", GP_ERR_GL, break_gl, mend_gl,
+};
+
+/* Makes the n-th call fail; false when there were fewer. */
+static bool fail_once(const struct fault *f, long n, uint64_t want)
+{
+    const bool engine = row->run == run_engine;
+    if (engine)
+        forget();
+    said_nothing();
+    const long blocks = fail_blocks();
+    f->arm(n);
+    const gp_status st = row->run();
+    const bool fired = f->end();
+    if (!fired) {
+        assert_int_equal(st, GP_OK);
+        assert_true(hash == want);
+        return false;
+    }
+    if (st != f->status || said_errors != 1 || !strstr(said_line, f->said))
+        fail_msg("%s, %ld: status %d, %d lines, \"%s\"", row->name, n,
+                 (int) st, said_errors, said_line);
+    if (!engine) {
+        assert_int_equal(fail_blocks(), blocks);
+        return true;
+    }
+    if (row->run() != GP_OK || hash != want)
+        fail_msg("%s, %ld: not the same bytes when all is well", row->name,
+                 n);
+    return true;
+}
+
+static void fail_each(const struct fault *f, uint64_t want)
+{
+    const long step = getenv("GLAREPP_TEST_QUICK") ? 7 : 1;
+    long n = 1;
+    while (fail_once(f, n, want))
+        n += step;
+    print_message("%s: %ld %s\n", row->name, n - step, f->name);
+    assert_true(n > 1);
+}
+
+static struct gp_kernel kernel_of(const struct starved *r, int size)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    if (r->rotate == 0.0f || r->faint) {
+        k = scene_kernel(size, size, MID, 0, r->shape);
+        return r->faint ? scene_kernel_times(k, 0x1p-90, r->rotate) : k;
+    }
+    p.builtin_size = size;
+    p.rotate = r->rotate;
+    if (gp_kernel_builtin(NULL, &p, &k))
+        abort();
+    return k;
+}
+
+static void sweep(const struct starved *r)
+{
+    row = r;
+    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    const int size = r->size ? r->size : SIZE;
+    scene = scene_sense(scene_frame(r->side ? r->side : W,
+                                    r->side ? r->side : H, -7, 11, r->light,
+                                    6u),
+                        kernel_of(r, size), &p);
+    other = kernel_of(r, size + 8);
+    const long blocks = fail_blocks();
+    said_nothing();
+    fail_end();
+    gp_status st = r->run();
+    if (st == GP_ERR_GL && is_drawn(r)) {
+        print_message("%s: no context: %s\n", r->name, said_line);
+    } else {
+        assert_int_equal(st, GP_OK);
+        const uint64_t want = hash;
+        fail_each(&memory_fault, want);
+        if (is_drawn(r))
+            fail_each(&gl_fault, want);
+    }
+    gp_glare_close(&glare);
+    glare = (struct gp_glare) {0};
+    gp_planes_free(&scene.f.layer);
+    assert_int_equal(fail_blocks(), blocks); // none is lost
+    scene_free(&scene);
+    gp_kernel_free(&other);
+}
+
+static void faults_leave_nothing(void **state)
+{
+    (void) state;
+    gp_set_threads(2);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+        sweep(&rows[i]);
+}
+
+SUITE(starved_glare)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(faults_leave_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,400 @@
+/* glare at its edges: FFTW that is missing or makes no plan, drivers with low
+ * limits, light outside the frame, kernels that reach nothing, choices whose
+ * questions fail, jobs that take too long, and CPUs without AVX2. */
+#include "unit.h"
+#include "core/memory.h"
+#include "glare/extra.h"
+#include "glare/fft/lib.h"
+#include "glare/plan.h"
+#include "glare/splat/state.h"
+#include "gl/context.h"
+#include "glare_scene.h"
+#include "fail.h"
+#include "said.h"
+
+#include <dlfcn.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+// -- FFTW -------------------------------------------------------------------------
+
+/* Before any other test: what is loaded once stays. */
+static void fftw_is_missing(void **state)
+{
+    static const struct { const char *library, *symbol, *said; } rows[] = {
+        {"libfftw3f.so.3", NULL, "libfftw3f.so.3: cannot be loaded"},
+        {NULL, "fftwf_plan_dft_1d", "no fftwf_plan_dft_1d"},
+        {NULL, "fftwf_execute_dft", "no fftwf_execute_dft"},
+        {NULL, "fftwf_export_wisdom_to_filename", "is not FFTW 3"},
+    };
+    const struct gp_fftwf *lib;
+    struct gp_fft_plan_pair pair = {0};
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        fail_always.library = rows[i].library;
+        fail_always.symbol = rows[i].symbol;
+        said_nothing();
+        assert_int_equal(gp_fft_plan_make(&said_log, 64, GP_FFT_PLAN_ESTIMATE,
+                                          NULL, &pair), GP_ERR_IO);
+        assert_int_equal(said_errors, 1);
+        assert_non_null(strstr(said_line, rows[i].said));
+        assert_null(pair.forward);
+    }
+    const struct gp_fftwd *twice;
+    fail_always.symbol = NULL;
+    fail_always.library = "libfftw3.so.3";
+    assert_int_equal(gp_fftwd_open(&said_log, &twice), GP_ERR_IO);
+    fail_always.library = NULL;
+    assert_int_equal(gp_fftwf_open(&said_log, &lib), GP_OK);
+    assert_int_equal(gp_fftwd_open(&said_log, &twice), GP_OK);
+}
+
+static int plans;   // made since
+static int refused; // this one is not
+static fftwf_plan (*real_plan)(int, fftwf_complex *, fftwf_complex *, int,
+                               unsigned);
+static fftw_plan (*real_twice)(int, fftw_complex *, fftw_complex *, int,
+                               unsigned);
+
+static fftwf_plan plan(int n, fftwf_complex *a, fftwf_complex *b, int sign,
+                       unsigned flags)
+{
+    return ++plans == refused ? NULL : real_plan(n, a, b, sign, flags);
+}
+
+static fftw_plan plan_twice(int n, fftw_complex *a, fftw_complex *b, int sign,
+                            unsigned flags)
+{
+    return ++plans == refused ? NULL : real_twice(n, a, b, sign, flags);
+}
+
+static struct scene make_scene(enum light light, int w, int h, int size,
+                               int cx)
+{
+    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    return scene_sense(scene_frame(w, h, 0, 0, light, 4u),
+                       scene_kernel(size, size, cx, size / 2, PEAK), &p);
+}
+
+/* Every plan in turn, of the engine and of the reference. */
+static void fftw_makes_no_plan(void **state)
+{
+    const struct gp_fftwf *lib;
+    const struct gp_fftwd *twice;
+    struct scene s = make_scene(ALL, 200, 200, 401, MID);
+    double *const layer = scene_alloc(3 * 200 * 200, sizeof *layer);
+    (void) state;
+    assert_int_equal(gp_fftwf_open(NULL, &lib), GP_OK);
+    assert_int_equal(gp_fftwd_open(NULL, &twice), GP_OK);
+    real_plan = lib->plan_dft_1d;
+    real_twice = twice->plan_dft_1d;
+    ((struct gp_fftwf *) lib)->plan_dft_1d = plan;
+    ((struct gp_fftwd *) twice)->plan_dft_1d = plan_twice;
+    for (int of_reference = 0; of_reference < 2; of_reference++) {
+        for (refused = 1; refused <= 5; refused++) {
+            struct gp_glare g = {0};
+            struct gp_glare_stats stats;
+            plans = 0;
+            scene_line[0] = '\0';
+            const gp_status st =
+                of_reference ? gp_glare_reference(&scene_log, &s.src, &s.k,
+                                                  layer)
+                             : scene_run("fft", &s, &g, &stats);
+            assert_int_equal(st, plans >= refused ? GP_ERR_BUG : GP_OK);
+            assert_true((st != GP_OK) ==
+                        (strstr(scene_line, "makes no plan") != NULL));
+            assert_true(refused > 1 || st != GP_OK);
+            gp_glare_close(&g);
+        }
+    }
+    ((struct gp_fftwf *) lib)->plan_dft_1d = real_plan;
+    ((struct gp_fftwd *) twice)->plan_dft_1d = real_twice;
+    refused = 0;
+    free(layer);
+    scene_free(&s);
+}
+
+/* Wisdom that cannot be kept is no error, and leaves no file. */
+static void wisdom_is_not_kept(void **state)
+{
+    char folder[] = "/tmp/glarepp-wisdom-XXXXXX", longest[5000];
+    struct gp_fft_plan_pair p = {0};
+    (void) state;
+    assert_non_null(mkdtemp(folder));
+    memset(longest, 'a', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    // a name too long, a folder in the file's place, a folder that is not
+    const char *const names[] = {longest, folder, "/nonexistent/wisdom"};
+    for (int i = 0; i < 3; i++) {
+        assert_int_equal(gp_fft_plan_make(&said_log, 16, GP_FFT_PLAN_MEASURE,
+                                          names[i], &p), GP_OK);
+        assert_true(p.forward && p.backward);
+        gp_fft_plan_free(&p);
+        gp_fft_plan_free(&p);
+    }
+    assert_int_equal(rmdir(folder), 0); // it is empty
+    assert_true(gp_fft_cost(1) == 1.0);
+}
+
+// -- extra light ------------------------------------------------------------------
+
+static void extra_light_is_checked(void **state)
+{
+    static const struct gp_extra outside[] = {
+        {-1, 0, {1, 1, 1}}, {20, 0, {1, 1, 1}}, {0, -1, {1, 1, 1}},
+        {0, 10, {1, 1, 1}}, {INT_MIN, INT_MAX, {1, 1, 1}},
+    };
+    struct scene s = make_scene(DARK, 20, 10, 5, MID);
+    (void) state;
+    for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
+        struct gp_sources out = {0};
+        struct gp_extra one = outside[i];
+        said_nothing();
+        assert_int_equal(gp_sources_with(&said_log, &s.src, &one, 1, &out),
+                         GP_ERR_BUG);
+        assert_int_equal(said_errors, 1);
+        assert_null(out.row);
+    }
+    static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
+    for (int turn = 0; turn < 4; turn++) { // any order gives the same sum
+        struct gp_extra list[9];
+        struct gp_sources out = {0};
+        for (int i = 0; i < 9; i++) {
+            const float v = lights[(i + turn) % 4];
+            list[i] = (struct gp_extra) {i < 4 ? 7 : i % 2 ? 3 : 19,
+                                         i < 4 ? 5 : 2, {v, v, v}};
+        }
+        list[8] = (struct gp_extra) {3, 2, {0, 0, 0}};
+        assert_int_equal(gp_sources_with(&said_log, &s.src, list, 9, &out),
+                         GP_OK);
+        assert_int_equal(out.n, 3);
+        assert_int_equal(out.x[0], 3);
+        assert_int_equal(out.x[1], 19);
+        assert_int_equal(out.x[2], 7);
+        assert_true(out.rgb[0][2] == (3e-4f + 0.1f) + 1e7f);
+        gp_sources_free(&out);
+    }
+    struct gp_sources same = {0};
+    assert_int_equal(gp_sources_with(&said_log, &s.src, NULL, 0, &same),
+                     GP_OK);
+    assert_int_equal(same.n, 0);
+    gp_sources_free(&same);
+    scene_free(&s);
+}
+
+// -- engines ----------------------------------------------------------------------
+
+/* Light that falls beside the frame leaves it black, at no cost. */
+static void kernels_that_reach_nothing(void **state)
+{
+    struct scene s = make_scene(FEW, 20, 10, 5, 900);
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats = {0};
+    struct gp_glare g = {0};
+    (void) state;
+    for (int i = 0; gp_engines[i]; i++) {
+        assert_int_equal(scene_run(gp_engines[i]->name, &s, &g, &stats), GP_OK);
+        for (int k = 0; k < 3 * 200; k++)
+            assert_true(s.f.layer.c[k % 3][k / 3] == 0.0f);
+        const struct gp_glare_job job = {
+            .log = &said_log, .params = &p, .src = &s.src, .kernel = &s.k,
+            .layer = &s.f.layer, .stats = &stats,
+        };
+        double bound = NAN;
+        void *kept = NULL;
+        assert_true(gp_engines[i]->predict(&job, NULL).ms <= 1.0);
+        assert_int_equal(gp_engines[i]->bound(&job, &kept, &bound), GP_OK);
+        assert_true(bound >= 0.0 && bound < 1e-3);
+        gp_engines[i]->close(&kept);
+    }
+    assert_int_equal(scene_run("none", &s, &g, &stats), GP_ERR_USAGE);
+    assert_non_null(strstr(scene_line, "no engine has this name"));
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
+/* The same bytes by the form for any CPU. */
+static void cpus_agree(void **state)
+{
+    static const enum light lights[] = {FEW, BLOCK, HOT, ALL};
+    static const char *const names[] = {"direct", "fft"};
+    (void) state;
+    for (int i = 0; i < 8; i++) {
+        struct scene s = make_scene(lights[i / 2], 61, 43, 25, MID);
+        uint64_t hash[2];
+        for (int base = 0; base < 2; base++) {
+            struct gp_glare g = {0};
+            struct gp_glare_stats stats;
+            if (base)
+                setenv("GLAREPP_CPU", "base", 1);
+            assert_int_equal(scene_run(names[i % 2], &s, &g, &stats), GP_OK);
+            unsetenv("GLAREPP_CPU");
+            hash[base] = scene_hash(&s);
+            gp_glare_close(&g);
+        }
+        if (i % 2 == 0) // FFTW is another on each CPU
+            assert_true(hash[0] == hash[1]);
+        scene_find_exact(&s);
+        assert_true(scene_own_error(&s) < 1e-4);
+        scene_free(&s);
+    }
+}
+
+static char warning[1024];
+
+static void keep_warning(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    if (level == GP_LEVEL_WARN)
+        snprintf(warning, sizeof warning, "%s", line);
+}
+
+/* Said before the first source is drawn; memory ends the run there. */
+static void patience_is_asked_for(void **state)
+{
+    static const struct gp_log log = {keep_warning, NULL, GP_LEVEL_WARN};
+    struct scene s = make_scene(ALL, 1200, 1000, 1001, MID);
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    struct gp_glare g = {0};
+    static char name[] = "lamp.exr";
+    (void) state;
+    p.engine = "direct";
+    assert_int_equal(gp_planes_make(NULL, "layer", gp_frame_pixels(&s.f),
+                                    &s.f.layer), GP_OK);
+    for (int named = 0; named < 2; named++) {
+        s.f.path = named ? name : NULL;
+        fail_at(FAIL_ALLOC, 1);
+        assert_int_equal(gp_glare_run(&log, &p, &g, &s.src, &s.k, &s.f,
+                                      &stats), GP_ERR_BUG);
+        fail_end();
+        assert_non_null(strstr(warning, "direct will take about"));
+        assert_non_null(strstr(warning, "--engine fft"));
+        assert_true(strncmp(warning, named ? "lamp.exr: " : "frame: ",
+                            named ? 10 : 7) == 0);
+    }
+    s.f.path = NULL;
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
+// -- a driver's limits --------------------------------------------------------------
+
+static gp_status draw_points(struct scene *s, struct gp_glare *g,
+                             enum gp_primitive form)
+{
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare_stats stats;
+    p.engine = "splat";
+    p.splat = (struct gp_splat_params) {
+        .group = 8, .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS,
+        .primitive = form,
+    };
+    return gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, &stats);
+}
+
+static void limits_are_named(void **state)
+{
+    struct scene s = make_scene(FEW, 40, 30, 25, MID);
+    struct gp_glare g = {0};
+    struct gp_splat *splat = NULL;
+    (void) state;
+    said_nothing();
+    if (draw_points(&s, &g, GP_PRIMITIVE_POINT) == GP_ERR_GL) {
+        scene_free(&s);
+        skip();
+    }
+    for (int i = 0; gp_engines[i]; i++) {
+        if (gp_engines[i] == &gp_engine_splat)
+            splat = g.state[i];
+    }
+    assert_non_null(splat);
+    const float point = splat->gl->max_point;
+    const int size = splat->gl->max_size;
+    splat->gl->max_point = 7.0f;
+    assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_POINT), GP_ERR_GL);
+    assert_non_null(strstr(said_line, "(7 is the limit)"));
+    splat->gl->max_point = point;
+    splat->gl->max_size = 4; // less than a group
+    assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_ERR_GL);
+    assert_non_null(strstr(said_line, "4 pixels are the limit"));
+    assert_int_equal(said_errors, 2);
+    splat->gl->max_size = size;
+    assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_OK);
+    gp_glare_close(&g);
+    scene_free(&s);
+}
+
+// -- choices ------------------------------------------------------------------------
+
+struct question {
+    const double *bound;
+    int asked, failing;
+};
+
+static gp_status ask(void *ctx, int i, double *bound)
+{
+    struct question *const q = ctx;
+    *bound = q->bound[i];
+    return ++q->asked == q->failing ? GP_ERR_DATA : GP_OK;
+}
+
+static gp_status choose(const double *ms, struct question *q, int last,
+                        struct gp_choice *out)
+{
+    struct gp_candidate c[4];
+    struct gp_plan_past past = {.last = last, .rival = 1, .lost = 5.0};
+    for (int i = 0; i < 4; i++)
+        c[i] = (struct gp_candidate) {
+            .exact = i == 3, .ms = ms[i], .later_ms = 0.7 * ms[i],
+            .bound = NAN,
+        };
+    q->asked = 0;
+    return gp_plan_choose(c, 4, 1e-3, &past, ask, q, out);
+}
+
+/* A bound that cannot be had ends the choice, whichever it is. */
+static void questions_may_fail(void **state)
+{
+    static const double bounds[][4] = {
+        {1e-4, 1e-4, 1e-4, 1e-6}, {1.0, 9e-4, 2e-4, 1e-6},
+        {9e-4, 9e-4, 9e-4, 9e-4}, {1.0, 1.0, 1.0, 1e-6},
+        {1.0, 1.0, 1.0, 1.0},
+    };
+    static const double times[][4] = {
+        {1, 2, 3, 4}, {4, 3, 2, 1}, {10, 9.5, 9, 10}, {1, 1, 1, 100},
+    };
+    int failures = 0;
+    (void) state;
+    for (int k = 0; k < 5 * 4 * 5; k++) {
+        struct question q = {.bound = bounds[k / 20]};
+        struct gp_choice choice;
+        const double *const ms = times[k / 5 % 4];
+        assert_int_equal(choose(ms, &q, k % 5, &choice), GP_OK);
+        const int asked = q.asked;
+        assert_true(asked > 0 && choice.taken >= 0 && choice.taken < 4);
+        for (q.failing = 1; q.failing <= asked; q.failing++, failures++)
+            assert_int_equal(choose(ms, &q, k % 5, &choice), GP_ERR_DATA);
+    }
+    assert_true(failures > 100);
+}
+
+SUITE(starved_limits)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(fftw_is_missing),
+        cmocka_unit_test(fftw_makes_no_plan),
+        cmocka_unit_test(wisdom_is_not_kept),
+        cmocka_unit_test(extra_light_is_checked),
+        cmocka_unit_test(kernels_that_reach_nothing),
+        cmocka_unit_test(cpus_agree),
+        cmocka_unit_test(patience_is_asked_for),
+        cmocka_unit_test(limits_are_named),
+        cmocka_unit_test(questions_may_fail),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,250 @@
+/* io/channels: finding depth, and samples at full resolution. */
+#include "unit.h"
+#include "core/frame.h"
+#include "io/channels.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { NAMES = 12 };
+
+static char last_line[4096];
+
+static void listen(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    snprintf(last_line, sizeof last_line, "%s", line);
+}
+
+static const struct gp_log hear = {listen, NULL, GP_LEVEL_WARN};
+
+/* A frame of names only; the channels are the caller's. */
+static struct gp_frame frame_of(const char *const name[NAMES],
+                                struct gp_channel channel[NAMES])
+{
+    static char path[] = "frame.exr";
+    struct gp_frame f = {.path = path, .channel = channel};
+    for (; f.channels < NAMES && name[f.channels]; f.channels++)
+        channel[f.channels] = (struct gp_channel) {
+            .name = (char *) (uintptr_t) name[f.channels], .colour = -1,
+        };
+    return f;
+}
+
+static void depth_by_search(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name[NAMES];
+        const char *want;    // NULL: none
+        const char *also;    // not NULL: an error that names both
+    } row[] = {
+        {{"A", "B", "G", "R"}, NULL, NULL},
+        {{"B", "G", "R", "Z"}, "Z", NULL},
+        {{"Z", "depth.Z", "left.Z"}, "Z", NULL},
+        {{"Depth.Z", "depth.Z", "x.Z"}, "depth.Z", NULL},
+        {{"Depth.Z", "ViewLayer.Depth.Z"}, "Depth.Z", NULL},
+        {{"ViewLayer.Combined.R", "ViewLayer.Depth.Z", "ViewLayer.N.Z"},
+         "ViewLayer.Depth.Z", NULL},
+        {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z"},
+        {{"left.Z", "right.Z"}, "left.Z", "right.Z"},
+        {{"a.Z", "b.Z", "c.Z"}, "a.Z", "b.Z"}, // the first two are named
+        {{"a.Z", "b.Z", "Z"}, "Z", NULL},
+        {{"character.Z"}, "character.Z", NULL},
+        // a vector by its axes, whatever its name
+        {{"thing.X", "thing.Y", "thing.Z"}, NULL, NULL},
+        {{"thing.X", "thing.Z"}, "thing.Z", NULL},
+        {{"X", "Y", "Z"}, NULL, NULL},
+        {{"Y", "Z"}, "Z", NULL},
+        {{"X", "Z"}, "Z", NULL},
+        // a vector by its name, whatever its axes
+        {{"normals.Z"}, NULL, NULL},
+        {{"Normal.Z"}, NULL, NULL},
+        {{"N.Z"}, NULL, NULL},
+        {{"P.Z"}, NULL, NULL},
+        {{"V.position.Z"}, NULL, NULL},
+        {{"velocity.Z", "far.Z"}, "far.Z", NULL},
+        {{"Nothing.Z"}, "Nothing.Z", NULL}, // begins with N only
+        // what only looks like it
+        {{".Z"}, NULL, NULL},
+        {{"ZBack", "depth.ZBack", "depth.z", "depthZ"}, NULL, NULL},
+        {{NULL}, NULL, NULL},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_channel channel[NAMES];
+        struct gp_frame f = frame_of(row[i].name, channel);
+        int found = -2;
+        gp_status st = gp_find_depth(&hear, &f, NULL, &found);
+        if (row[i].also) {
+            assert_int_equal(st, GP_ERR_DATA);
+            assert_non_null(strstr(last_line, row[i].want));
+            assert_non_null(strstr(last_line, row[i].also));
+            continue;
+        }
+        assert_int_equal(st, GP_OK);
+        if (!row[i].want)
+            assert_int_equal(found, -1);
+        else
+            assert_string_equal(f.channel[found].name, row[i].want);
+    }
+}
+
+/* No other channel can have the name that would make this one a vector's. */
+static void names_of_any_length(void **state)
+{
+    (void) state;
+    char name[400];
+    memset(name, 'n', sizeof name);
+    strcpy(name + sizeof name - 3, ".Z");
+    struct gp_channel channel[NAMES];
+    const char *const list[NAMES] = {"X", "Y", name};
+    struct gp_frame f = frame_of(list, channel);
+    int found = -2;
+    assert_int_equal(gp_find_depth(&hear, &f, NULL, &found), GP_OK);
+    assert_int_equal(found, 2);
+}
+
+static void channels_by_name(void **state)
+{
+    (void) state;
+    static const char *const name[NAMES] = {"A", "R", "normals.Z", "Z"};
+    struct gp_channel channel[NAMES];
+    struct gp_frame f = frame_of(name, channel);
+    int found = -2;
+    // what the user names is taken, also where searching would not
+    assert_int_equal(gp_find_depth(&hear, &f, "normals.Z", &found), GP_OK);
+    assert_int_equal(found, 2);
+    assert_int_equal(gp_find_channel(&hear, &f, "A", &found), GP_OK);
+    assert_int_equal(found, 0);
+    assert_int_equal(gp_find_channel(&hear, &f, "a", &found), GP_ERR_USAGE);
+    assert_non_null(strstr(last_line, "A, R, normals.Z, Z"));
+    assert_int_equal(gp_find_depth(&hear, &f, "Y", &found), GP_ERR_USAGE);
+    assert_int_equal(gp_find_channel(NULL, &f, "", &found), GP_ERR_USAGE);
+}
+
+/* A line that lists the channels of a huge file stays a line. */
+static void long_lists_are_cut(void **state)
+{
+    (void) state;
+    enum { MANY = 500 };
+    static char name[MANY][24];
+    static struct gp_channel channel[MANY];
+    for (int i = 0; i < MANY; i++) {
+        snprintf(name[i], sizeof name[i], "channel%d", i);
+        channel[i] = (struct gp_channel) {.name = name[i]};
+    }
+    struct gp_frame f = {.path = name[0], .channel = channel,
+                         .channels = MANY};
+    int found;
+    assert_int_equal(gp_find_channel(&hear, &f, "Z", &found), GP_ERR_USAGE);
+    assert_true(strlen(last_line) < 2000);
+    assert_non_null(strstr(last_line, ", ..."));
+}
+
+static void samples_of_every_type(void **state)
+{
+    (void) state;
+    static uint16_t half[6] = {0x3c00, 0xc000, 0x0001, 0x7c00, 0x7e00, 0x7bff};
+    static float real[6] = {1.0f, -2.0f, 1e-40f, INFINITY, NAN, 3e38f};
+    static uint32_t whole[6] = {0, 1, 16777217u, 4294967295u, 7, 8};
+    static float plane[6] = {6, 5, 4, 3, 2, 1};
+    static struct gp_channel channel[4] = {
+        {.type = GP_HALF, .xs = 1, .ys = 1, .w = 3, .h = 2, .colour = -1,
+         .data = half},
+        {.type = GP_FLOAT, .xs = 1, .ys = 1, .w = 3, .h = 2, .colour = -1,
+         .data = real},
+        {.type = GP_UINT, .xs = 1, .ys = 1, .w = 3, .h = 2, .colour = -1,
+         .data = whole},
+        {.type = GP_HALF, .xs = 1, .ys = 1, .w = 3, .h = 2, .colour = 1},
+    };
+    struct gp_frame f = {.data = {-1, 4, 2, 6}, .channel = channel,
+                         .channels = 4, .rgb = {{NULL, plane, NULL}}};
+    static const float want_half[6] = {1, -2, 5.9604645e-8f, INFINITY, NAN,
+                                       65504};
+    static const float want_whole[6] = {0, 1, 16777216.0f, 4294967296.0f, 7,
+                                        8};
+    const float *want[4] = {want_half, real, want_whole, plane};
+    for (int c = 0; c < 4; c++) {
+        float out[6];
+        gp_channel_floats(&f, c, out);
+        for (int i = 0; i < 6; i++)
+            assert_true(out[i] == want[c][i] ||
+                        (isnan(out[i]) && isnan(want[c][i])));
+    }
+}
+
+static void subsampled_samples_are_repeated(void **state)
+{
+    (void) state;
+    static float some[6] = {1, 2, 3, 4, 5, 6};
+    static struct gp_channel channel = {
+        .type = GP_FLOAT, .xs = 2, .ys = 3, .w = 3, .h = 2, .colour = -1,
+        .data = some,
+    };
+    struct gp_frame f = {.data = {-4, -3, 2, 3}, .channel = &channel,
+                         .channels = 1};
+    float out[6 * 6];
+    gp_channel_floats(&f, 0, out);
+    for (int y = 0; y < 6; y++) {
+        for (int x = 0; x < 6; x++)
+            assert_true(out[6 * y + x] == some[y / 3 * 3 + x / 2]);
+    }
+}
+
+/* A window that lies between two samples: nothing is written. */
+static void channels_without_samples(void **state)
+{
+    (void) state;
+    static const int size[][2] = {{0, 1}, {1, 0}, {0, 0}};
+    static float none[1] = {7.0f};
+    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+        struct gp_channel channel = {
+            .type = GP_FLOAT, .xs = 4, .ys = 4, .w = size[i][0],
+            .h = size[i][1], .colour = -1, .data = none,
+        };
+        struct gp_frame f = {.data = {1, 1, 3, 3}, .channel = &channel,
+                             .channels = 1};
+        float out[4] = {1, 2, 3, 4};
+        gp_channel_floats(&f, 0, out);
+        for (int k = 0; k < 4; k++)
+            assert_true(out[k] == (float) (k + 1));
+    }
+}
+
+/* The last sample stands for what is right of it and below it. */
+static void windows_past_the_last_sample(void **state)
+{
+    (void) state;
+    static float some[2] = {1, 2};
+    struct gp_channel channel = {.type = GP_FLOAT, .xs = 2, .ys = 2, .w = 2,
+                                 .h = 1, .colour = -1, .data = some};
+    struct gp_frame f = {.data = {0, 0, 5, 3}, .channel = &channel,
+                         .channels = 1};
+    float out[15];
+    gp_channel_floats(&f, 0, out);
+    for (int i = 0; i < 15; i++)
+        assert_true(out[i] == (i % 5 < 2 ? 1.0f : 2.0f));
+}
+
+SUITE(channels)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(depth_by_search),
+        cmocka_unit_test(names_of_any_length),
+        cmocka_unit_test(channels_by_name),
+        cmocka_unit_test(long_lists_are_cut),
+        cmocka_unit_test(samples_of_every_type),
+        cmocka_unit_test(subsampled_samples_are_repeated),
+        cmocka_unit_test(channels_without_samples),
+        cmocka_unit_test(windows_past_the_last_sample),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

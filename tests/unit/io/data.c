@@ -1,0 +1,281 @@
+/* io/read on real frames: every readable EXR of the data folder, sample for
+ * sample against OpenImageIO and, where that is no witness, against OpenEXR's
+ * RgbaInputFile; and every damaged file. The folder is $GLAREPP_DATA, or
+ * ../shared/data; without it, or without the witnesses, tests are skipped. */
+#include "unit.h"
+#include "core/cpu.h"
+#include "core/parallel.h"
+#include "io/channels.h"
+#include "io/exr/origin.h"
+#include "io/oiio/oiio.h"
+
+#include "reading.h"
+
+#include <ftw.h>
+#include <libgen.h>
+#include <limits.h>
+#include <math.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+enum { FILES = 1000, SECONDS = 60 };
+
+static char *file[FILES], *damaged[FILES];
+static int files, damaged_files;
+static char reference[PATH_MAX]; // the RgbaInputFile program, "" without
+
+/* -- what there is -------------------------------------------------------- */
+
+static int collect(const char *found, const struct stat *info, int type,
+                   struct FTW *at)
+{
+    (void) info;
+    const char *name = found + at->base;
+    const char *dot = strrchr(name, '.');
+    if (type != FTW_F)
+        return 0;
+    if (strstr(found, "/damaged/")) {
+        if (damaged_files < FILES)
+            damaged[damaged_files++] = strdup(found);
+    } else if (dot && strcmp(dot, ".exr") == 0 && files < FILES) {
+        file[files++] = strdup(found);
+    }
+    return 0;
+}
+
+static int by_name(const void *a, const void *b)
+{
+    return strcmp(*(char *const *) a, *(char *const *) b);
+}
+
+/* Builds the program beside this one when there is a compiler. */
+static void make_reference(const char *beside)
+{
+    char command[3 * PATH_MAX];
+    snprintf(reference, sizeof reference, "%.3000s/rgba_reference", beside);
+    snprintf(command, sizeof command,
+             "test '%s' -nt tests/tools/rgba_reference.cpp || c++ -O1 -o '%s' "
+             "tests/tools/rgba_reference.cpp "
+             "$(pkg-config --cflags --libs OpenEXR) 2>/dev/null",
+             reference, reference);
+    if (system(command) != 0)
+        reference[0] = '\0';
+}
+
+static int setup(void **state)
+{
+    (void) state;
+    char self[PATH_MAX] = "", beside[PATH_MAX];
+    const char *data = getenv("GLAREPP_DATA");
+    nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
+    qsort(file, (size_t) files, sizeof *file, by_name);
+    qsort(damaged, (size_t) damaged_files, sizeof *damaged, by_name);
+    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
+        return -1;
+    make_reference(dirname(self));
+    // the build puts tests one folder below the bridge
+    snprintf(beside, sizeof beside, "%.3000s/..", self);
+    return setenv("GLAREPP_BRIDGES", beside, 0);
+}
+
+static int teardown(void **state)
+{
+    (void) state;
+    for (int i = 0; i < files; i++)
+        free(file[i]);
+    for (int i = 0; i < damaged_files; i++)
+        free(damaged[i]);
+    return 0;
+}
+
+/* -- against OpenImageIO -------------------------------------------------- */
+
+static bool same(float a, float b)
+{
+    return a == b || (isnan(a) && isnan(b));
+}
+
+/* Channel `index` of the frame against channel `from` of the image. */
+static void assert_channel_is(const struct gp_frame *f, int index,
+                              const struct gp_oiio_image *image, int from,
+                              float *scratch)
+{
+    const struct gp_channel *c = &f->channel[index];
+    const size_t n = (size_t) image->channels;
+    gp_channel_floats(f, index, scratch);
+    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+        float got = scratch[i], want = image->pixels[i * n + (size_t) from];
+        if (c->type == GP_UINT) { // the image has its bits
+            uint32_t bits;
+            memcpy(&bits, &want, sizeof bits);
+            want = (float) bits;
+        }
+        if (!same(got, want))
+            fail_msg("%s: channel %s, pixel %zu: %g, not %g", f->path,
+                     c->name, i, (double) got, (double) want);
+    }
+}
+
+static void assert_frame_is(const struct gp_frame *f,
+                            const struct gp_oiio_image *image)
+{
+    assert_int_equal(f->data.x0, image->x);
+    assert_int_equal(f->data.y0, image->y);
+    assert_int_equal(gp_frame_w(f), image->w);
+    assert_int_equal(gp_frame_h(f), image->h);
+    assert_int_equal(f->display.x0, image->full_x);
+    assert_int_equal(f->display.y0, image->full_y);
+    assert_int_equal(gp_rect_w(f->display), image->full_w);
+    assert_int_equal(gp_rect_h(f->display), image->full_h);
+    assert_int_equal(f->channels, image->channels);
+    float *scratch = malloc(gp_frame_pixels(f) * sizeof *scratch);
+    assert_non_null(scratch);
+    for (int i = 0; i < f->channels; i++) {
+        int from = 0;
+        while (from < image->channels &&
+               strcmp(f->channel[i].name, image->channel_name[from]) != 0)
+            from++;
+        if (from == image->channels)
+            fail_msg("%s: OpenImageIO has no %s", f->path,
+                     f->channel[i].name);
+        assert_channel_is(f, i, image, from, scratch);
+    }
+    free(scratch);
+}
+
+static void every_frame_as_openimageio_reads_it(void **state)
+{
+    (void) state;
+    char why[512];
+    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
+    int compared = 0, deep = 0, chroma = 0;
+    if (!files || !api)
+        skip();
+    for (int i = 0; i < files; i++) {
+        struct gp_frame f;
+        struct gp_oiio_image image;
+        if (read_file(file[i], &f)) {
+            assert_non_null(strstr(heard.line, "deep data"));
+            assert_int_equal(heard.count, 1);
+            deep++;
+            continue;
+        }
+        if (f.model == GP_COLOUR_YC) {
+            chroma++;
+        } else {
+            if (api->read(file[i], NULL, 0, f.part, INT_MAX, &image, why,
+                          sizeof why))
+                fail_msg("%s: %s", file[i], why);
+            assert_frame_is(&f, &image);
+            api->image_free(&image);
+            compared++;
+        }
+        gp_frame_free(&f);
+    }
+    print_message("%d equal, %d deep refused, %d luminance-chroma\n", compared,
+                  deep, chroma);
+    assert_true(compared > 0);
+}
+
+/* -- against OpenEXR ------------------------------------------------------ */
+
+/* Luminance-chroma, or decoded by the bridge. */
+static bool needs_openexr(const struct gp_frame *f)
+{
+    exr_compression_t c = EXR_COMPRESSION_NONE;
+    const struct gp_origin *o = gp_origin_of(f);
+    return f->model == GP_COLOUR_YC ||
+           (exr_get_compression(o->exr, o->part, &c) == EXR_ERR_SUCCESS &&
+            c >= EXR_COMPRESSION_DWAA);
+}
+
+static void assert_rgb_is_openexrs(const struct gp_frame *f)
+{
+    char command[2 * PATH_MAX + 10];
+    float pixel[3];
+    snprintf(command, sizeof command, "'%s' '%s'", reference, f->path);
+    FILE *pipe = popen(command, "r");
+    assert_non_null(pipe);
+    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
+        assert_int_equal(fread(pixel, sizeof pixel, 1, pipe), 1);
+        for (int c = 0; c < 3; c++) {
+            if (!same(f->rgb.c[c][i], pixel[c]))
+                fail_msg("%s: pixel %zu of plane %d: %.9g, not %.9g", f->path,
+                         i, c, (double) f->rgb.c[c][i], (double) pixel[c]);
+        }
+    }
+    assert_int_equal(fread(pixel, 1, 1, pipe), 0);
+    assert_int_equal(pclose(pipe), 0);
+}
+
+static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
+{
+    (void) state;
+    int compared = 0;
+    if (!files || !reference[0])
+        skip();
+    for (int i = 0; i < files; i++) {
+        struct gp_frame f;
+        if (read_file(file[i], &f))
+            continue;
+        if (needs_openexr(&f)) {
+            assert_rgb_is_openexrs(&f);
+            compared++;
+        }
+        gp_frame_free(&f);
+    }
+    print_message("%d equal\n", compared);
+}
+
+/* -- damaged files -------------------------------------------------------- */
+
+/* Reads in a child with little time and memory: 1 GiB of addresses, of which
+ * the bridge's 261 libraries take a third. */
+static int read_in_child(const char *name)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        struct gp_frame f;
+#ifndef GP_SANITIZED
+        struct rlimit memory = {1 << 30, 1 << 30};
+        if (setrlimit(RLIMIT_AS, &memory))
+            _exit(97);
+#endif
+        gp_set_threads(1); // a team does not survive fork()
+        alarm(SECONDS);
+        gp_status st = read_file(name, &f);
+        if (heard.count != (st != GP_OK))
+            _exit(98);
+        gp_frame_free(&f);
+        _exit((int) st);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+}
+
+static void damaged_files_end_well(void **state)
+{
+    (void) state;
+    int refused = 0;
+    if (!damaged_files)
+        skip();
+    for (int i = 0; i < damaged_files; i++) {
+        int st = read_in_child(damaged[i]);
+        // GP_ERR_IO: not an EXR by its first bytes, and no bridge
+        if (st != GP_OK && st != GP_ERR_DATA && st != GP_ERR_IO)
+            fail_msg("%s: status %d", damaged[i], st);
+        refused += st != GP_OK;
+    }
+    print_message("%d of %d refused\n", refused, damaged_files);
+}
+
+SUITE(data)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(damaged_files_end_well), // forks: before threads
+        cmocka_unit_test(every_frame_as_openimageio_reads_it),
+        cmocka_unit_test(luminance_chroma_and_dwa_as_openexr_reads_them),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}

@@ -1,0 +1,264 @@
+/* io/exr_attr: a value that is none of its type is refused, whatever its name
+ * and part, and nothing that OpenEXR reads is. */
+#include "unit.h"
+#include "io/exr/attr.h"
+#include "io/exr/raw.h"
+
+#include "exr_fixture.h"
+#include "reading.h"
+
+static bool is(const char *type, const void *bytes, size_t size)
+{
+    const struct gp_stream s = {.fd = -1, .size = size, .borrowed = true,
+                                .data = (uint8_t *) (uintptr_t) bytes};
+    const struct gp_exr_value v = {.stream = &s, .size = size};
+    return gp_exr_value_is(&v, type);
+}
+
+/* Types of one size, as OpenEXR's sources have them. */
+static const struct {
+    const char *type;
+    size_t size;
+} fixed[] = {
+    {"box2f", 16}, {"box2i", 16}, {"chromaticities", 32}, {"compression", 1},
+    {"deepImageState", 1}, {"double", 8}, {"envmap", 1}, {"float", 4},
+    {"int", 4}, {"lineOrder", 1}, {"m33d", 72}, {"m33f", 36}, {"m44d", 128},
+    {"m44f", 64}, {"rational", 8}, {"tiledesc", 9}, {"timecode", 8},
+    {"v2d", 16}, {"v2f", 8}, {"v2i", 8}, {"v3d", 24}, {"v3f", 12}, {"v3i", 12},
+};
+enum { FIXED = sizeof fixed / sizeof *fixed };
+
+static void one_size(void **state)
+{
+    (void) state;
+    uint8_t bytes[300];
+    for (int fill = 0; fill < 256; fill += 85) {
+        memset(bytes, fill, sizeof bytes);
+        for (size_t n = 0; n <= sizeof bytes; n++) {
+            for (size_t i = 0; i < FIXED; i++)
+                assert_int_equal(is(fixed[i].type, bytes, n),
+                                 n == fixed[i].size);
+            assert_int_equal(is("floatvector", bytes, n), n % 4 == 0);
+            assert_int_equal(is("idmanifest", bytes, n), n >= 8);
+            assert_true(is("string", bytes, n));
+            assert_true(is("bytes", bytes, n));
+            assert_true(is("mine", bytes, n));
+        }
+    }
+}
+
+static void previews(void **state)
+{
+    (void) state;
+    static const struct {
+        uint32_t w, h;
+        size_t size;
+        bool good;
+    } row[] = {
+        {0, 0, 8, true},            {0, 5, 8, true},
+        {2, 3, 32, true},           {2, 3, 31, false},
+        {2, 3, 33, false},          {0, 0, 12, false},
+        {65535, 65535, 8, false},   {0x10000, 0x10000, 8, false},
+        {0x80000000u, 1, 8, false}, {0x80000000u, 0, 8, false},
+        {0xffffffffu, 0, 8, false}, {0x40000000, 4, 8, false},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        uint8_t bytes[64] = {0};
+        memcpy(bytes, &row[i].w, 4);
+        memcpy(bytes + 4, &row[i].h, 4);
+        assert_int_equal(is("preview", bytes, row[i].size), row[i].good);
+    }
+    for (size_t n = 0; n < 8; n++)
+        assert_false(is("preview", "\0\0\0\0\0\0\0", n));
+}
+
+static void keycodes(void **state)
+{
+    (void) state;
+    static const int32_t lo[7] = {0, 0, 0, 0, 0, 1, 20};
+    static const int32_t hi[7] = {99, 99, 999999, 9999, 119, 15, 120};
+    assert_true(is("keycode", lo, sizeof lo));
+    assert_true(is("keycode", hi, sizeof hi));
+    assert_false(is("keycode", lo, sizeof lo - 1));
+    assert_false(is("keycode", lo, 0));
+    for (int i = 0; i < 7; i++) {
+        int32_t code[8];
+        memcpy(code, lo, sizeof lo);
+        code[i] = lo[i] - 1;
+        assert_false(is("keycode", code, sizeof lo));
+        code[i] = hi[i] + 1;
+        assert_false(is("keycode", code, sizeof lo));
+    }
+}
+
+#define LIST(text) text, sizeof text - 1
+#define CHANNEL "\1\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0"
+
+static void lists(void **state)
+{
+    (void) state;
+    assert_true(is("stringvector", "", 0));
+    assert_true(is("stringvector", LIST("\0\0\0\0")));
+    assert_true(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0d")));
+    assert_false(is("stringvector", LIST("\3\0\0\0ab")));
+    assert_false(is("stringvector", LIST("\3\0\0\0abcd")));
+    assert_false(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0")));
+    assert_false(is("stringvector", LIST("\xff\xff\xff\xff")));
+    assert_true(is("chlist", LIST("\0")));
+    assert_true(is("chlist", LIST("R\0" CHANNEL "\0")));
+    assert_true(is("chlist", LIST("B\0" CHANNEL "R\0" CHANNEL "\0")));
+    assert_false(is("chlist", "", 0));
+    assert_false(is("chlist", LIST("\0\0")));
+    assert_false(is("chlist", LIST("R\0" CHANNEL)));
+    assert_false(is("chlist", LIST("R\0" CHANNEL "\0\0")));
+    assert_false(is("chlist", LIST("R\0" CHANNEL "G")));
+    assert_false(is("chlist", LIST("R\0abc")));
+}
+
+/* More than the walks look at in one go. */
+static void long_lists(void **state)
+{
+    (void) state;
+    enum { N = 3000 };
+    static uint8_t list[N * 19 + 1], strings[N * 5];
+    for (int i = 0; i < N; i++) {
+        memcpy(list + i * 19, "ab\0" CHANNEL, 19);
+        memcpy(strings + i * 5, "\1\0\0\0x", 5);
+    }
+    assert_true(is("chlist", list, sizeof list));
+    assert_false(is("chlist", list, sizeof list - 1));
+    assert_true(is("stringvector", strings, sizeof strings));
+    assert_false(is("stringvector", strings, sizeof strings - 1));
+}
+
+/* What OpenEXR's headers have from the start has one type. */
+static void names(void **state)
+{
+    (void) state;
+    for (int multi = 0; multi < 2; multi++) {
+        assert_string_equal(gp_exr_type_of("dataWindow", multi), "box2i");
+        assert_string_equal(gp_exr_type_of("type", multi), "string");
+        assert_null(gp_exr_type_of("owner", multi));
+        assert_null(gp_exr_type_of("preview", multi));
+    }
+    assert_string_equal(gp_exr_type_of("name", true), "string");
+    assert_null(gp_exr_type_of("name", false));
+}
+
+/* -- in files ---------------------------------------------------------------*/
+
+/* Writes `f` with one more attribute at the end of a part's header. */
+static void write_with(const struct fixture *f, int part, const char *type,
+                       const void *value, uint32_t size)
+{
+    size_t all;
+    uint8_t *bytes = fixture_make(f, &all), head[64];
+    const struct gp_origin o = {
+        .parts = f->parts ? f->parts : 1,
+        .stream = {.fd = -1, .data = bytes, .size = all, .borrowed = true},
+    };
+    struct gp_exr_raw raw;
+    assert_int_equal(gp_exr_raw_read(&hear, path, &o, &raw), GP_OK);
+    const size_t at = (size_t) (raw.part[part].bytes - raw.bytes) +
+                      raw.part[part].size - 1;
+    const size_t named = sizeof "shot" + strlen(type) + 1, more = named + 4;
+    snprintf((char *) head, sizeof head, "shot%c%s", 0, type);
+    memcpy(head + named, &size, 4);
+    uint64_t offset, last = UINT64_MAX; // the tables end where chunks begin
+    for (size_t i = raw.size; i < last; i += sizeof offset) {
+        memcpy(&offset, bytes + i, sizeof offset);
+        last = offset < last ? offset : last;
+        offset += more + size;
+        memcpy(bytes + i, &offset, sizeof offset);
+    }
+    FILE *to = fopen(path, "wb");
+    assert_non_null(to);
+    fwrite(bytes, 1, at, to);
+    fwrite(head, 1, more, to);
+    fwrite(value, 1, size, to);
+    fwrite(bytes + at, 1, all - at, to);
+    assert_int_equal(fclose(to), 0);
+    gp_exr_raw_free(&raw);
+    free(bytes);
+}
+
+static void assert_read_or_not(bool good, const char *type, uint32_t size)
+{
+    struct gp_frame frame;
+    char line[100];
+    snprintf(line, sizeof line, "the attribute shot is damaged (its %u bytes "
+             "are no %s); copy or render", size, type);
+    if (!good) {
+        assert_refused(path, GP_ERR_DATA, line);
+        return;
+    }
+    assert_int_equal(read_file(path, &frame), GP_OK);
+    gp_frame_free(&frame);
+}
+
+/* The same file with another name of four bytes. */
+static void break_name(const char *name)
+{
+    char bytes[4096];
+    FILE *file = fopen(path, "rb+");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, sizeof bytes, file);
+    char *const at = memmem(bytes, n, "shot", sizeof "shot");
+    assert_non_null(at);
+    assert_int_equal(fseek(file, at - bytes, SEEK_SET), 0);
+    assert_int_equal(fwrite(name, 1, 4, file), 4);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void files(void **state)
+{
+    (void) state;
+    static const uint8_t bytes[200] = {0};
+    static const struct fixture one = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    static const struct fixture two = {.parts = 2, .part = {
+        {.name = "a", .channel = {RGB(EXR_PIXEL_HALF)},
+         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
+        {.name = "b", .channel = {HALF_CH("Z")},
+         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
+    }};
+    snprintf(path, sizeof path, "%s/shot.exr", folder);
+    for (size_t i = 0; i < FIXED; i++) {
+        const char *const type = fixed[i].type;
+        const uint32_t size = (uint32_t) fixed[i].size;
+        const uint32_t tried[] = {0, size - 1, size, size + 1, 200};
+        for (size_t k = 0; k < sizeof tried / sizeof *tried; k++) {
+            write_with(&one, 0, type, bytes, tried[k]);
+            assert_read_or_not(tried[k] == size, type, tried[k]);
+            for (int part = 0; part < 2; part++) {
+                write_with(&two, part, type, bytes, tried[k]);
+                assert_read_or_not(tried[k] == size, type, tried[k]);
+            }
+        }
+    }
+    write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
+    assert_read_or_not(false, "preview", 8);
+    write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
+    break_name("\xff\x80 t");
+    assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
+    write_with(&two, 1, "v2f", bytes, 8); // beside the one that is there
+    break_name("name");
+    assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (its 8 "
+                                      "bytes are no string); ");
+    write_with(&two, 1, "stringvector", "\5\0\0\0abc", 7);
+    assert_read_or_not(false, "stringvector", 7);
+    write_with(&two, 1, "mine", "\5\0\0\0abc", 7);
+    assert_read_or_not(true, "mine", 7);
+}
+
+SUITE(exr_attr)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(one_size),   cmocka_unit_test(previews),
+        cmocka_unit_test(keycodes),   cmocka_unit_test(lists),
+        cmocka_unit_test(long_lists), cmocka_unit_test(names),
+        cmocka_unit_test(files),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,451 @@
+/* What --hdr carries from an EXR input: attributes of every kind and other
+ * parts, byte by byte. Inputs are made here, with parts that no library of
+ * this program could write. */
+#include "unit.h"
+#include "write_fixture.h"
+
+#include "io/exr/encode.h"
+#include "io/exr/header.h"
+#include "io/exr/out.h"
+#include "io/exr/raw.h"
+#include "io/file.h"
+#include "io/read.h"
+
+#include <sys/stat.h>
+
+static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
+
+// -- making inputs ------------------------------------------------------------
+
+static void put_int(struct gp_exr_header *h, const char *name, int32_t v)
+{
+    gp_exr_header_put(h, name, "int", &v, 4);
+}
+
+static void put_text(struct gp_exr_header *h, const char *name, const char *v)
+{
+    gp_exr_header_put(h, name, "string", v, strlen(v));
+}
+
+/* What a part needs that is not the colour part; one half channel. */
+static void put_part(struct gp_exr_header *h, const char *name,
+                     const char *type, int w, int rows, int chunks)
+{
+    static const uint8_t list[] = {'Z', 0, 1, 0, 0, 0, 0, 0, 0, 0,
+                                   1, 0, 0, 0, 1, 0, 0, 0, 0};
+    const int32_t box[4] = {0, 0, w - 1, rows - 1};
+    const float centre[2] = {0, 0}, one = 1;
+    gp_exr_header_put(h, "channels", "chlist", list, sizeof list);
+    gp_exr_header_put(h, "compression", "compression", "\2", 1); // zips
+    gp_exr_header_put(h, "dataWindow", "box2i", box, 16);
+    gp_exr_header_put(h, "displayWindow", "box2i", box, 16);
+    gp_exr_header_put(h, "lineOrder", "lineOrder", "\1", 1); // decreasing
+    gp_exr_header_put(h, "pixelAspectRatio", "float", &one, 4);
+    gp_exr_header_put(h, "screenWindowCenter", "v2f", centre, 8);
+    gp_exr_header_put(h, "screenWindowWidth", "float", &one, 4);
+    put_text(h, "name", name);
+    put_text(h, "type", type);
+    put_int(h, "chunkCount", chunks);
+    put_text(h, "comments", name);
+    if (type[0] == 'd') {
+        put_int(h, "version", 1);
+        put_int(h, "maxSamplesPerPixel", -1);
+    }
+}
+
+/* A chunk of noise. `leader` is what stands between the part's number and
+ * the sizes; deep chunks may have no samples. */
+static void put_chunk(struct gp_exr_out *out, int part, int index,
+                      const int32_t *leader, size_t n, bool deep, int bytes)
+{
+    uint8_t noise[256];
+    const int32_t number = part, flat = bytes;
+    const uint64_t sizes[3] = {8, (uint64_t) bytes, 4u * (uint64_t) bytes};
+    for (int i = 0; i < 256; i++)
+        noise[i] = (uint8_t) wf_hash((uint32_t) i, (uint32_t) index, 99);
+    out->table[part].offset[index] = gp_file_size(out->file);
+    assert_int_equal(gp_file_write(out->file, &number, 4), 0);
+    assert_int_equal(gp_file_write(out->file, leader, n * 4), 0);
+    assert_int_equal(gp_file_write(out->file, deep ? (const void *) sizes
+                                                   : &flat, deep ? 24 : 4), 0);
+    assert_int_equal(gp_file_write(out->file, noise, deep ? 8 : 0), 0);
+    assert_int_equal(gp_file_write(out->file, noise, (size_t) bytes), 0);
+}
+
+/* Rip-mapped tiles of 4x4 and 8x8 pixels: 4 x levels times 4 y levels, the
+ * four smallest of each of one pixel less. */
+enum { TILES = 25 };
+static void put_rips(struct gp_exr_out *out, int part)
+{
+    static const int count[4] = {2, 1, 1, 1}; // of 8, 4, 2, 1 pixels
+    int index = 0;
+    for (int ly = 0; ly < 4; ly++) {
+        for (int lx = 0; lx < 4; lx++) {
+            for (int t = 0; t < count[lx] * count[ly]; t++) {
+                const int32_t at[4] = {t % count[lx], t / count[lx], lx, ly};
+                put_chunk(out, part, index, at, 4, false, 20 + index);
+                index++;
+            }
+        }
+    }
+    assert_int_equal(index, TILES);
+}
+
+/* What is wrong with chunk 2 of a part: the bytes at `at` of it, or its place,
+ * `back` bytes before the file's end. */
+struct damage {
+    int part;
+    uint64_t at, back;
+    size_t size;
+    uint64_t bytes[2];
+};
+
+static void put_damage(struct gp_exr_out *out, const struct damage *d)
+{
+    uint64_t *const offset = &out->table[d->part].offset[2];
+    if (d->back)
+        *offset = gp_file_size(out->file) - d->back;
+    assert_int_equal(gp_file_patch(out->file, *offset + d->at, d->bytes,
+                                   d->size), 0);
+}
+
+/* Four parts: rip-mapped tiles, the colour, deep scanlines of which one has
+ * no samples (stored from the bottom), and scanlines. */
+static void make_parts(const char *path, const struct gp_frame *f,
+                       const struct damage *damage)
+{
+    enum { ROWS = 5 };
+    struct gp_exr_source source[3] = {{.name = "B"}, {.name = "G"},
+                                      {.name = "R"}};
+    for (int i = 0; i < 3; i++) {
+        source[i].type = GP_HALF;
+        source[i].xs = source[i].ys = 1;
+        source[i].columns = gp_frame_w(f);
+        source[i].plane = f->rgb.c[2 - i];
+    }
+    const struct gp_exr_image img = {f->data, GP_COMPRESSION_ZIPS, source, 3};
+    const int chunks[4] = {TILES, gp_rect_h(f->data), ROWS, ROWS};
+    struct gp_exr_header h;
+    struct gp_exr_out out;
+    struct gp_file *file;
+    struct gp_write_stats stats = {0};
+    gp_exr_header_start(&h, GP_EXR_MULTIPART | GP_EXR_DEEP);
+    put_part(&h, "rips", "tiledimage", 8, 8, TILES);
+    static const uint8_t tiles[9] = {4, 0, 0, 0, 4, 0, 0, 0, 2}; // rip, down
+    gp_exr_header_put(&h, "tiles", "tiledesc", tiles, 9);
+    put_int(&h, "version", 1);
+    gp_exr_header_raw(&h, "", 1);
+    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
+                       chunks[1]);
+    put_part(&h, "deep", "deepscanline", 2, ROWS, ROWS);
+    put_text(&h, long_name, "long");
+    gp_exr_header_raw(&h, "", 1);
+    put_part(&h, "last", "scanlineimage", 2, ROWS, ROWS);
+    put_int(&h, "version", 1);
+    gp_exr_header_raw(&h, "\0", 2);
+    assert_int_equal(gp_exr_header_done(NULL, path, &h), 0);
+
+    assert_int_equal(gp_file_open(&wf_log, path, false, &file), 0);
+    assert_int_equal(gp_exr_out_begin(NULL, file, h.bytes, h.size, chunks, 4,
+                                      &out), 0);
+    put_rips(&out, 0);
+    assert_int_equal(gp_exr_encode(&out, 1, &img, 45, &stats), 0);
+    for (int32_t y = ROWS - 1; y >= 0; y--)
+        put_chunk(&out, 2, y, &y, 1, true, y == 2 ? 0 : 30 + y);
+    for (int32_t y = 0; y < ROWS; y++)
+        put_chunk(&out, 3, y, &y, 1, false, 3);
+    if (damage)
+        put_damage(&out, damage);
+    assert_int_equal(gp_exr_out_end(&out), 0);
+    assert_int_equal(gp_file_commit(&file), 0);
+    gp_exr_out_free(&out);
+    gp_exr_header_free(&h);
+}
+
+// -- comparing ----------------------------------------------------------------
+
+static struct gp_exr_raw raw_of(const struct gp_frame *f)
+{
+    struct gp_exr_raw raw;
+    assert_int_equal(gp_exr_raw_read(&wf_log, f->path, gp_origin_of(f), &raw),
+                     0);
+    return raw;
+}
+
+/* Each attribute of `a` but the listed ones is in `b`, bit by bit. */
+static void assert_attributes(const struct gp_exr_raw_part *a,
+                              const struct gp_exr_raw_part *b,
+                              const char *const *but)
+{
+    for (int i = 0; i < a->attrs; i++) {
+        const struct gp_exr_attr *p = &a->attr[i];
+        bool skip = false;
+        for (int k = 0; but[k]; k++)
+            skip |= strcmp(but[k], p->name) == 0;
+        if (skip)
+            continue;
+        const struct gp_exr_attr *q = gp_exr_raw_find(b, p->name, p->type);
+        if (!q || q->size != p->size || memcmp(p->data, q->data, p->size))
+            fail_msg("attribute %s is not what it was", p->name);
+    }
+}
+
+// -- tests --------------------------------------------------------------------
+
+static void other_parts(void **state)
+{
+    (void) state;
+    static const char *const none[] = {NULL};
+    const struct gp_rect r = {-3, 5, 40, 45};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame made = wf_frame(r, r, wf_rgb);
+    make_parts(wf_path("in.exr"), &made, NULL);
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
+    assert_int_equal(a.part, 1);
+    assert_int_equal(a.parts, 4);
+    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
+    // nothing in it may differ but what libdeflate's level says
+    wf_assert_same(wf_path("in.exr"), wf_path("out.exr"));
+    p.type = GP_OUT_FLOAT;
+    p.compression = GP_COMPRESSION_PIZ;
+    assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
+    struct gp_frame b = wf_read_back(wf_path("out.exr"));
+    struct gp_exr_raw ra = raw_of(&a), rb = raw_of(&b);
+    assert_int_equal(rb.version, ra.version);
+    for (int i = 0; i < 4; i++) {
+        if (i == 1)
+            continue;
+        assert_int_equal(ra.part[i].size, rb.part[i].size);
+        assert_attributes(&ra.part[i], &rb.part[i], none);
+    }
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(a.rgb.c[c], b.rgb.c[c], gp_frame_pixels(&a) * 4);
+    gp_exr_raw_free(&ra);
+    gp_exr_raw_free(&rb);
+    gp_frame_free(&b);
+    // a picture has one part, and neither its name nor its type
+    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("pic.exr"), &a,
+                                      &a.rgb, GP_PICTURE_SCENE, &stats), 0);
+    b = wf_read_back(wf_path("pic.exr"));
+    assert_int_equal(b.parts, 1);
+    rb = raw_of(&b);
+    assert_int_equal(rb.version, GP_EXR_VERSION);
+    assert_null(gp_exr_raw_find(&rb.part[0], "name", "string"));
+    gp_exr_raw_free(&rb);
+    gp_frame_free(&b);
+    gp_frame_free(&a);
+    gp_frame_free(&made);
+}
+
+static void damaged_parts(void **state)
+{
+    (void) state;
+    static const struct damage row[] = {
+        {.part = 3, .size = 4, .bytes = {2}},         // another part's
+        {.part = 3, .at = 8, .size = 4, .bytes = {0xffffffff}}, // size < 0
+        {.part = 3, .at = 8, .size = 4, .bytes = {0x7fffffff}},
+        {.part = 0, .at = 20, .size = 4, .bytes = {1 << 20}},
+        {.part = 2, .at = 8, .size = 8, .bytes = {1 << 20}},
+        {.part = 2, .at = 8, .size = 16, .bytes = {8, 1 << 20}},
+        {.part = 2, .at = 8, .size = 16, .bytes = {UINT64_MAX, 9}}, // wraps
+    };
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame made = wf_frame(r, r, wf_rgb);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char part[16];
+        make_parts(wf_path("in.exr"), &made, &row[i]);
+        struct gp_frame a = wf_read_back(wf_path("in.exr"));
+        assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats),
+                         GP_ERR_DATA);
+        snprintf(part, sizeof part, "part %d", row[i].part);
+        wf_assert_said(part);
+        assert_int_equal(wf_names(), 1); // in.exr
+        // a picture does not need that part
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("out.exr"), &a,
+                                          &a.rgb, GP_PICTURE_SCENE, &stats),
+                         0);
+        remove(wf_path("out.exr"));
+        gp_frame_free(&a);
+    }
+    gp_frame_free(&made);
+}
+
+/* Chunks of a part that nobody reads must be there too. */
+static void cut_parts(void **state)
+{
+    (void) state;
+    static const struct damage outside = {.part = 3, .back = 2};
+    static const struct gp_read_params params = GP_READ_DEFAULTS;
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_frame made = wf_frame(r, r, wf_rgb), a;
+    for (int cut = 0; cut < 100; cut += 33) {
+        struct stat s;
+        make_parts(wf_path("in.exr"), &made, cut ? NULL : &outside);
+        assert_int_equal(stat(wf_path("in.exr"), &s), 0);
+        assert_int_equal(truncate(wf_path("in.exr"), s.st_size - cut), 0);
+        assert_int_equal(gp_read_frame(&wf_log, &params, wf_path("in.exr"),
+                                       &a), GP_ERR_DATA);
+        wf_assert_said("cut off or damaged (its chunks end at byte ");
+    }
+    gp_frame_free(&made);
+}
+
+/* Chunks of all levels by their number, the x level fastest. */
+static void rip_maps_by_number(void **state)
+{
+    (void) state;
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_frame made = wf_frame(r, r, wf_rgb);
+    make_parts(wf_path("in.exr"), &made, NULL);
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
+    for (int i = 0; i <= TILES; i++) {
+        exr_chunk_info_t c;
+        const exr_result_t got = gp_origin_chunk(gp_origin_of(&a), 0, i, &c);
+        if (i == TILES) {
+            assert_int_equal(got, EXR_ERR_ARGUMENT_OUT_OF_RANGE);
+        } else if (got == EXR_ERR_SUCCESS) {
+            assert_int_equal(c.idx, i);
+            assert_int_equal(c.packed_size, 20 + i);
+        } else { // which 3.1.5 does not find
+            assert_true(i >= 4);
+            assert_int_equal(got, EXR_ERR_BAD_CHUNK_LEADER);
+        }
+    }
+    gp_frame_free(&a);
+    gp_frame_free(&made);
+}
+
+/* A file of one part with attributes of all sorts. */
+static void make_attributes(const char *path, const struct gp_frame *f)
+{
+    const float ap0[8] = {0.7347f, 0.2653f, 0,        1,
+                          0.0001f, -0.077f, 0.32168f, 0.33767f};
+    const float centre[2] = {0.25f, -1.5f}, width = 3, level = 80;
+    const uint8_t preview[12] = {1, 0, 0, 0, 1, 0, 0, 0, 9, 8, 7, 6};
+    struct gp_exr_source source[3] = {{.name = "B"}, {.name = "G"},
+                                      {.name = "R"}};
+    for (int i = 0; i < 3; i++) {
+        source[i].type = GP_FLOAT;
+        source[i].xs = source[i].ys = 1;
+        source[i].columns = gp_frame_w(f);
+        source[i].plane = f->rgb.c[2 - i];
+    }
+    const struct gp_exr_image img = {f->data, GP_COMPRESSION_PXR24, source, 3};
+    const int chunks = gp_exr_chunk_count(&img);
+    struct gp_exr_header h, end;
+    struct gp_exr_out out;
+    struct gp_file *file;
+    struct gp_write_stats stats = {0};
+    gp_exr_header_start(&h, 0);
+    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "only", 0);
+    // without its end, and without the screen window that it was given
+    h.size -= 1;
+    gp_exr_header_start(&end, 0);
+    end.size = 0;
+    gp_exr_header_put(&end, "screenWindowCenter", "v2f", centre, 8);
+    for (size_t i = 0; i + 20 < h.size; i++) {
+        if (memcmp(h.bytes + i, "screenWindowCenter", 19) == 0)
+            memcpy(h.bytes + i, end.bytes, end.size);
+    }
+    gp_exr_header_put(&h, "chromaticities", "chromaticities", ap0, 32);
+    gp_exr_header_put(&h, "whiteLuminance", "float", &width, 4);
+    gp_exr_header_put(&h, "dwaCompressionLevel", "float", &level, 4);
+    gp_exr_header_put(&h, "preview", "preview", preview, sizeof preview);
+    gp_exr_header_put(&h, "strange", "studio::Type<int>", preview, 11);
+    gp_exr_header_put(&h, "nothing", "studio", "", 0);
+    put_text(&h, "comments", "");
+    put_text(&h, long_name, "two\nlines");
+    put_text(&h, "version", "v002"); // of the shot, as Nuke says it
+    gp_exr_header_raw(&h, "", 1);
+    assert_int_equal(gp_exr_header_done(NULL, path, &h), 0);
+    assert_true(h.flags & GP_EXR_LONG_NAMES);
+    assert_int_equal(gp_file_open(&wf_log, path, false, &file), 0);
+    assert_int_equal(gp_exr_out_begin(NULL, file, h.bytes, h.size, &chunks, 1,
+                                      &out), 0);
+    assert_int_equal(gp_exr_encode(&out, 0, &img, 45, &stats), 0);
+    assert_int_equal(gp_exr_out_end(&out), 0);
+    assert_int_equal(gp_file_commit(&file), 0);
+    gp_exr_out_free(&out);
+    gp_exr_header_free(&h);
+    gp_exr_header_free(&end);
+}
+
+static void attributes(void **state)
+{
+    (void) state;
+    static const char *const hdr[] = {"compression", NULL};
+    static const char *const scene[] = {"compression", "name", "preview",
+                                        NULL};
+    static const char *const shown[] = {"compression", "name", "preview",
+                                        "chromaticities", "whiteLuminance",
+                                        NULL};
+    static const char *const *const but[] = {hdr, scene, shown};
+    const struct gp_rect r = {0, 0, 20, 20};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame made = wf_frame(r, r, wf_rgb);
+    make_attributes(wf_path("in.exr"), &made);
+    struct gp_frame a = wf_read_back(wf_path("in.exr"));
+    struct gp_exr_raw ra = raw_of(&a);
+    for (int i = 0; i < 3; i++) {
+        const char *out = wf_path("out.exr");
+        gp_status st =
+            i == 0 ? wf_write_hdr(&p, out, &a, &stats)
+                   : gp_write_picture(&wf_log, &p, out, &a, &a.rgb,
+                                      i == 1 ? GP_PICTURE_SCENE
+                                             : GP_PICTURE_SHOWN, &stats);
+        assert_int_equal(st, GP_OK);
+        struct gp_frame b = wf_read_back(out);
+        struct gp_exr_raw rb = raw_of(&b);
+        assert_attributes(&ra.part[0], &rb.part[0], but[i]);
+        // and none came twice, or from nowhere
+        int left = rb.part[0].attrs;
+        for (int k = 1; but[i][k]; k++) {
+            left++;
+            for (int q = 0; q < rb.part[0].attrs; q++)
+                assert_string_not_equal(rb.part[0].attr[q].name, but[i][k]);
+        }
+        assert_int_equal(left, ra.part[0].attrs);
+        gp_exr_raw_free(&rb);
+        gp_frame_free(&b);
+    }
+    gp_exr_raw_free(&ra);
+    gp_frame_free(&a);
+    gp_frame_free(&made);
+}
+
+/* A frame that came from no EXR says its own primaries. */
+static void primaries(void **state)
+{
+    (void) state;
+    const struct gp_rect r = {0, 0, 4, 4};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    for (int other = 0; other < 2; other++) {
+        for (int kind = GP_PICTURE_SCENE; kind <= GP_PICTURE_SHOWN; kind++) {
+            f.chromaticities[0] = other ? 0.7f : 0.64f;
+            assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.exr"),
+                                              &f, &f.rgb, kind, &stats), 0);
+            struct gp_frame b = wf_read_back(wf_path("a.exr"));
+            const bool own = other && kind == GP_PICTURE_SCENE;
+            assert_true(b.chromaticities[0] == (own ? 0.7f : 0.64f));
+            gp_frame_free(&b);
+        }
+    }
+    gp_frame_free(&f);
+}
+
+SUITE(exr_hdr)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
+    const struct CMUnitTest tests[] = {
+        TEST(other_parts), TEST(damaged_parts), TEST(cut_parts),
+        TEST(rip_maps_by_number), TEST(attributes),
+        TEST(primaries),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,313 @@
+/* io/read of EXR: every layout that the library can write. */
+#include "unit.h"
+#include "core/luminance.h"
+#include "core/parallel.h"
+#include "io/channels.h"
+#include "io/exr/origin.h"
+
+#include "exr_fixture.h"
+#include "reading.h"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+static void assert_frame_is(const struct gp_frame *f,
+                            const struct fixture_part *p)
+{
+    const int w = gp_frame_w(f);
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *c = &f->channel[i];
+        const struct fixture_channel *want = &p->channel[i];
+        assert_string_equal(c->name, want->name);
+        assert_int_equal(c->xs, want->xs ? want->xs : 1);
+        if (c->colour < 0) {
+            void *all = fixture_samples(want, f->data.x0, f->data.y0, w,
+                                        gp_frame_h(f));
+            assert_memory_equal(c->data, all,
+                                (size_t) c->w * (size_t) c->h *
+                                    gp_type_size(c->type));
+            free(all);
+            continue;
+        }
+        for (int y = 0; y < gp_frame_h(f); y++) {
+            for (int x = 0; x < w; x++) {
+                int px = f->data.x0 + x, py = f->data.y0 + y;
+                float v = want->type == EXR_PIXEL_UINT
+                              ? (float) fixture_uint(c->name, px, py)
+                              : fixture_value(c->name, px, py);
+                assert_true(f->rgb.c[c->colour][y * w + x] == v);
+            }
+        }
+    }
+}
+
+static void every_layout(void **state)
+{
+    (void) state;
+    static const struct fixture_part row[] = {
+        {.channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 1, 1)},
+        {.channel = {RGB(EXR_PIXEL_HALF)},
+         .data = FIXTURE_WINDOW(0, 0, 67, 1)},
+        {.channel = {RGB(EXR_PIXEL_FLOAT)},
+         .data = FIXTURE_WINDOW(-3, -40, 1, 53)},
+        {.channel = {{"A", EXR_PIXEL_HALF, 0, 0}, RGB(EXR_PIXEL_HALF),
+                     {"Z", EXR_PIXEL_FLOAT, 0, 0},
+                     {"id", EXR_PIXEL_UINT, 0, 0}},
+         .data = FIXTURE_WINDOW(-17, 5, 83, 71)},
+        {.channel = {RGB(EXR_PIXEL_UINT)},
+         .data = FIXTURE_WINDOW(3, 3, 19, 37)},
+        {.channel = {RGB(EXR_PIXEL_HALF), {"Z", EXR_PIXEL_FLOAT, 0, 0}},
+         .data = FIXTURE_WINDOW(-5, -9, 50, 41), .tile = 16},
+        {.channel = {RGB(EXR_PIXEL_FLOAT)},
+         .data = FIXTURE_WINDOW(0, 0, 64, 48), .tile = 32, .mipmap = true},
+    };
+    snprintf(path, sizeof path, "%s/layout.exr", folder);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        for (int c = 0; c < LOSSLESS; c++) {
+            struct fixture f = {.part = {row[i]}};
+            struct gp_frame frame;
+            f.part[0].compression = lossless[c];
+            fixture_write_file(path, &f);
+            assert_int_equal(read_file(path, &frame), GP_OK);
+            assert_int_equal(frame.data.x0, row[i].data.min.x);
+            assert_int_equal(frame.data.y1, row[i].data.max.y + 1);
+            assert_int_equal(frame.model, GP_COLOUR_RGB);
+            assert_int_equal(frame.colour_type,
+                             f.part[0].channel[1].type == EXR_PIXEL_HALF
+                                 ? GP_HALF : GP_FLOAT);
+            assert_frame_is(&frame, &f.part[0]);
+            gp_frame_free(&frame);
+        }
+    }
+}
+
+static void any_number_of_threads(void **state)
+{
+    (void) state;
+    static const int threads[] = {1, 2, 4, 7, 0};
+    struct fixture f = {.part = {{
+        .channel = {{"A", EXR_PIXEL_HALF, 0, 0}, RGB(EXR_PIXEL_HALF)},
+        .data = FIXTURE_WINDOW(1, 2, 129, 200),
+        .compression = EXR_COMPRESSION_ZIP,
+    }}};
+    snprintf(path, sizeof path, "%s/threads.exr", folder);
+    fixture_write_file(path, &f);
+    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+        struct gp_frame frame;
+        gp_set_threads(threads[i]);
+        assert_int_equal(read_file(path, &frame), GP_OK);
+        assert_frame_is(&frame, &f.part[0]);
+        gp_frame_free(&frame);
+    }
+}
+
+static void subsampled_channels_stay_as_they_are(void **state)
+{
+    (void) state;
+    static const exr_compression_t method[] = {
+        EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
+        EXR_COMPRESSION_PIZ,
+    };
+    enum { W = 24, H = 36 };
+    for (size_t i = 0; i < sizeof method / sizeof *method; i++) {
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF), {"wide", EXR_PIXEL_HALF, 4, 1},
+                        {"zoom", EXR_PIXEL_FLOAT, 2, 2}},
+            .data = FIXTURE_WINDOW(-8, 4, W, H), .compression = method[i],
+        }}};
+        struct gp_frame frame;
+        snprintf(path, sizeof path, "%s/sampled.exr", folder);
+        fixture_write_file(path, &f);
+        assert_int_equal(read_file(path, &frame), GP_OK);
+        assert_frame_is(&frame, &f.part[0]);
+        float full[W * H];
+        gp_channel_floats(&frame, 4, full);
+        for (int y = 0; y < H; y++) {
+            for (int x = 0; x < W; x++)
+                assert_true(full[y * W + x] ==
+                            fixture_value("zoom", -8 + x / 2 * 2,
+                                          4 + y / 2 * 2));
+        }
+        gp_frame_free(&frame);
+    }
+}
+
+static void header_values(void **state)
+{
+    (void) state;
+    struct gp_frame frame;
+    struct fixture f = {
+        .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
+                  .data = FIXTURE_WINDOW(-2, -3, 4, 5)}},
+        .display = FIXTURE_WINDOW(-100, 50, 7, 9), .aspect = 1.5f,
+        .chromaticities = true,
+    };
+    snprintf(path, sizeof path, "%s/header.exr", folder);
+    fixture_write_file(path, &f);
+    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_string_equal(frame.path, path);
+    assert_int_equal(frame.display.x0, -100);
+    assert_int_equal(frame.display.y0, 50);
+    assert_int_equal(frame.display.x1, -93);
+    assert_int_equal(frame.display.y1, 59);
+    assert_true(frame.pixel_aspect == 1.5f);
+    assert_memory_equal(frame.chromaticities, &fixture_ap0,
+                        sizeof frame.chromaticities);
+    float want[3];
+    gp_luminance_weights(frame.chromaticities, want);
+    assert_memory_equal(frame.luminance, want, sizeof want);
+    gp_frame_free(&frame);
+
+    f.chromaticities = false;
+    fixture_write_file(path, &f);
+    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_memory_equal(frame.luminance, gp_rec709_luminance, sizeof want);
+    gp_frame_free(&frame);
+}
+
+static void which_channels_are_colour(void **state)
+{
+    (void) state;
+    static const struct {
+        struct fixture_channel channel[FIXTURE_CHANNELS];
+        enum gp_colour_model model;
+        const char *plane[3]; // NULL: zero
+    } row[] = {
+        {{HALF_CH("G")}, GP_COLOUR_RGB, {NULL, "G", NULL}},
+        {{HALF_CH("B"), HALF_CH("R")}, GP_COLOUR_RGB, {"R", NULL, "B"}},
+        {{HALF_CH("Blue"), HALF_CH("GREEN"), HALF_CH("red")}, GP_COLOUR_RGB,
+         {"red", "GREEN", "Blue"}},
+        {{HALF_CH("A"), HALF_CH("Y")}, GP_COLOUR_GREY, {"Y", "Y", "Y"}},
+        {{HALF_CH("Z")}, GP_COLOUR_GREY, {"Z", "Z", "Z"}},
+        {{HALF_CH("A"), HALF_CH("mask")}, GP_COLOUR_GREY,
+         {"mask", "mask", "mask"}},
+        {{HALF_CH("A")}, GP_COLOUR_GREY, {"A", "A", "A"}},
+        {{HALF_CH("AO.B"), HALF_CH("AO.G"), HALF_CH("AO.R"),
+          HALF_CH("V.B"), HALF_CH("V.G"), HALF_CH("V.R")},
+         GP_COLOUR_RGB, {"AO.R", "AO.G", "AO.B"}},
+        {{HALF_CH("L.AO.B"), HALF_CH("L.AO.G"), HALF_CH("L.AO.R"),
+          HALF_CH("L.Combined.B"), HALF_CH("L.Combined.G"),
+          HALF_CH("L.Combined.R")}, GP_COLOUR_RGB,
+         {"L.Combined.R", "L.Combined.G", "L.Combined.B"}},
+        {{HALF_CH("a.R"), HALF_CH("b.blue"), HALF_CH("b.green"),
+          HALF_CH("b.red")}, GP_COLOUR_RGB, {"b.red", "b.green", "b.blue"}},
+    };
+    snprintf(path, sizeof path, "%s/colour.exr", folder);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct fixture f = {.part = {{.data = FIXTURE_WINDOW(0, 0, 3, 2)}}};
+        struct gp_frame frame;
+        memcpy(f.part[0].channel, row[i].channel, sizeof row[i].channel);
+        fixture_write_file(path, &f);
+        assert_int_equal(read_file(path, &frame), GP_OK);
+        assert_int_equal(frame.model, row[i].model);
+        for (int c = 0; c < 3; c++) {
+            for (int k = 0; k < 6; k++) {
+                float want = row[i].plane[c]
+                                 ? fixture_value(row[i].plane[c], k % 3, k / 3)
+                                 : 0.0f;
+                assert_true(frame.rgb.c[c][k] == want);
+            }
+        }
+        gp_frame_free(&frame);
+    }
+}
+
+/* Depth first, colour second: the part with only Z is not the picture. */
+static void colour_part_of_many(void **state)
+{
+    (void) state;
+    struct gp_frame frame;
+    int found;
+    struct fixture f = {
+        .parts = 3,
+        .part = {
+            {.name = "depth", .channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}},
+             .data = FIXTURE_WINDOW(0, 0, 9, 9)},
+            {.name = "picture", .channel = {HALF_CH("A"), RGB(EXR_PIXEL_HALF)},
+             .data = FIXTURE_WINDOW(2, 2, 30, 40),
+             .compression = EXR_COMPRESSION_ZIP},
+            {.name = "more", .channel = {RGB(EXR_PIXEL_HALF)},
+             .data = FIXTURE_WINDOW(0, 0, 9, 9)},
+        },
+    };
+    snprintf(path, sizeof path, "%s/parts.exr", folder);
+    fixture_write_file(path, &f);
+    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_int_equal(frame.part, 1);
+    assert_int_equal(frame.parts, 3);
+    assert_frame_is(&frame, &f.part[1]);
+    const struct gp_origin *o = gp_origin_of(&frame);
+    assert_int_equal(o->part, 1);
+    for (int part = 0; part < 3; part++) {
+        int32_t chunks;
+        exr_chunk_info_t info;
+        assert_int_equal(exr_get_chunk_count(o->exr, part, &chunks),
+                         EXR_ERR_SUCCESS);
+        for (int i = 0; i < chunks; i++) {
+            assert_int_equal(gp_origin_chunk(o, part, i, &info),
+                             EXR_ERR_SUCCESS);
+            assert_int_equal(info.idx, i);
+        }
+        assert_int_not_equal(gp_origin_chunk(o, part, chunks, &info),
+                             EXR_ERR_SUCCESS);
+    }
+    assert_int_equal(gp_find_channel(&hear, &frame, "Z", &found),
+                     GP_ERR_USAGE);
+    assert_non_null(strstr(heard.line, "A, B, G, R"));
+    assert_int_equal(gp_find_depth(&hear, &frame, NULL, &found), GP_OK);
+    assert_int_equal(found, -1);
+    gp_frame_free(&frame);
+}
+
+static void stdin_and_pipes(void **state)
+{
+    (void) state;
+    struct fixture f = {.part = {{
+        .channel = {RGB(EXR_PIXEL_FLOAT)},
+        .data = FIXTURE_WINDOW(0, 0, 500, 300), // more than a pipe holds
+        .compression = EXR_COMPRESSION_ZIP,
+    }}};
+    struct gp_frame frame;
+    size_t size;
+    uint8_t *bytes = fixture_make(&f, &size);
+    int keep = dup(STDIN_FILENO), ends[2];
+    assert_true(size > 70000);
+    assert_int_equal(pipe(ends), 0);
+    pid_t child = fork();
+    if (child == 0) {
+        size_t at = 0;
+        close(ends[0]);
+        for (ssize_t n = 1; n > 0 && at < size; at += (size_t) n)
+            n = write(ends[1], bytes + at, size - at);
+        free(bytes);
+        _exit(at != size);
+    }
+    close(ends[1]);
+    dup2(ends[0], STDIN_FILENO);
+    close(ends[0]);
+    assert_int_equal(read_file("-", &frame), GP_OK);
+    assert_string_equal(frame.path, "-");
+    assert_frame_is(&frame, &f.part[0]);
+    gp_frame_free(&frame);
+    assert_refused("-", GP_ERR_DATA, "empty"); // it is read to its end
+    dup2(keep, STDIN_FILENO);
+    close(keep);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    free(bytes);
+}
+
+SUITE(exr_read)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_layout),
+        cmocka_unit_test(any_number_of_threads),
+        cmocka_unit_test(subsampled_channels_stay_as_they_are),
+        cmocka_unit_test(header_values),
+        cmocka_unit_test(which_channels_are_colour),
+        cmocka_unit_test(colour_part_of_many),
+        cmocka_unit_test(stdin_and_pipes),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,343 @@
+/* io/read of EXR: every lie that a file can tell ends with one error line. */
+#include "unit.h"
+#include "core/cpu.h"
+#include "core/parallel.h"
+#include "io/members.h"
+#include "io/plane.h"
+
+#include "exr_fixture.h"
+#include "reading.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+static void no_colour_is_an_error(void **state)
+{
+    (void) state;
+    struct fixture f = {.part = {{
+        .channel = {HALF_CH("u"), HALF_CH("v")},
+        .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    snprintf(path, sizeof path, "%s/none.exr", folder);
+    fixture_write_file(path, &f);
+    assert_refused(path, GP_ERR_DATA, "no colour");
+    f.part[0].channel[0] = (struct fixture_channel) {"R", EXR_PIXEL_HALF, 3,
+                                                     1};
+    fixture_write_file(path, &f);
+    assert_refused(path, GP_ERR_DATA, "subsampled 3 x 1");
+}
+
+static void files_that_are_none(void **state)
+{
+    (void) state;
+    static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
+    static const char text[] = "hello";
+    snprintf(path, sizeof path, "%s/missing.exr", folder);
+    assert_refused(path, GP_ERR_IO, "No such file");
+    snprintf(path, sizeof path, "%s", folder);
+    assert_refused(path, GP_ERR_IO, "folder");
+    snprintf(path, sizeof path, "%s/empty.exr", folder);
+    fixture_save(path, "", 0);
+    assert_refused(path, GP_ERR_DATA, "empty");
+    snprintf(path, sizeof path, "%s/png.EXR", folder);
+    fixture_save(path, png, sizeof png);
+    assert_refused(path, GP_ERR_DATA, "found PNG");
+    fixture_save(path, text, sizeof text);
+    assert_refused(path, GP_ERR_DATA, "68 65 6c 6c");
+}
+
+/* Frames one behind the other are read from pipes alone. */
+static void members_of_a_file(void **state)
+{
+    (void) state;
+    static const struct gp_read_params p = GP_READ_DEFAULTS;
+    static const struct fixture f = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    struct gp_members m = {0};
+    snprintf(path, sizeof path, "%s/file.exr", folder);
+    fixture_write_file(path, &f);
+    heard.count = 0;
+    assert_int_equal(gp_members_read(&hear, &p, path, &m), GP_ERR_BUG);
+    assert_int_equal(heard.count, 1);
+    assert_non_null(strstr(heard.line, "is no pipe"));
+    assert_null(m.member);
+}
+
+static void deep_data(void **state)
+{
+    (void) state;
+    struct fixture f = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .deep = true,
+        .data = FIXTURE_WINDOW(0, 0, 5, 5),
+        .compression = EXR_COMPRESSION_ZIPS,
+    }}};
+    snprintf(path, sizeof path, "%s/deep.exr", folder);
+    for (int tile = 0; tile <= 16; tile += 16) {
+        f.part[0].tile = tile;
+        fixture_write_file(path, &f);
+        assert_refused(path, GP_ERR_DATA, "flatten");
+    }
+}
+
+/* Cut at any place, a file is refused with one line. */
+static void cut_files(void **state)
+{
+    (void) state;
+    size_t size;
+    snprintf(path, sizeof path, "%s/cut.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .compression = lossless[c],
+            .data = FIXTURE_WINDOW(0, 0, 20, 40), .tile = c == 3 ? 16 : 0,
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        for (size_t n = 4; n < size; n += n < 450 ? 7 : 97) {
+            fixture_save(path, bytes, n);
+            assert_refused(path, GP_ERR_DATA, path);
+        }
+        fixture_save(path, bytes, size - 1);
+        assert_refused(path, GP_ERR_DATA, path);
+        free(bytes);
+    }
+}
+
+static uint8_t *find_bytes(uint8_t *in, size_t size, const char *what)
+{
+    return memmem(in, size, what, strlen(what) + 1);
+}
+
+/* Changes the data window in a file's bytes. */
+static void set_window(uint8_t *bytes, size_t size, const int32_t window[4])
+{
+    static const char name[] = "dataWindow\0box2i";
+    uint8_t *at = find_bytes(bytes, size, name);
+    assert_non_null(at);
+    memcpy(at + sizeof name + 4, window, 16);
+}
+
+/* Reads with little memory left; the child's status is the answer. */
+static void assert_refused_cheaply(const char *name, long long max_pixels)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        struct gp_frame f = {0};
+        const struct gp_read_params p = {.max_pixels = max_pixels};
+#ifndef GP_SANITIZED
+        struct rlimit limit = {256 << 20, 256 << 20};
+        if (setrlimit(RLIMIT_AS, &limit))
+            _exit(99);
+#endif
+        heard.count = 0;
+        gp_set_threads(1); // a team does not survive fork()
+        gp_status st = gp_read_frame(&hear, &p, name, &f);
+        _exit(heard.count == 1 ? (int) st : 98);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), GP_ERR_DATA);
+}
+
+static void sizes_that_lie(void **state)
+{
+    (void) state;
+    static const int32_t window[][4] = {
+        {0, 0, 65534, 65534},
+        {-30000, -30000, 35534, 35534},
+        {0, 0, 1 << 29, 0},
+        {0, 0, 0, 1 << 29},
+        {0, 0, 100000, 39},
+        {0, 0, 39, 100000},
+        {5, 5, 4, 4},
+        {-2147483647 - 1, 0, 2147483647, 1},
+    };
+    static const long long most[] = {1LL << 28, 1LL << 60};
+    snprintf(path, sizeof path, "%s/lie.exr", folder);
+    for (int c = 0; c < 2 * LOSSLESS; c++) {
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = c & 1 ? 16 : 0,
+            .data = FIXTURE_WINDOW(0, 0, 40, 40),
+            .compression = lossless[c / 2],
+        }}};
+        for (size_t i = 0; i < sizeof window / sizeof *window; i++) {
+            size_t size;
+            uint8_t *bytes = fixture_make(&f, &size);
+            set_window(bytes, size, window[i]);
+            fixture_save(path, bytes, size);
+            free(bytes);
+            for (int k = 0; k < 2; k++)
+                assert_refused_cheaply(path, most[k]);
+        }
+    }
+}
+
+/* Pictures show the display window, so that of a frame counts; planes, of
+ * which no picture is made, need none. */
+static void display_windows_that_lie(void **state)
+{
+    (void) state;
+    static const struct {
+        int w, h;
+        long long most;
+        bool read;
+    } row[] = {
+        {40, 25, 1000, true},         {41, 25, 1000, false},
+        {1, 1001, 1000, false},       {16384, 16384, 1LL << 28, true},
+        {16384, 16385, 1LL << 28, false}, {16384, 16385, 1LL << 29, true},
+        {1 << 30, 1, 1LL << 40, false},
+    };
+    snprintf(path, sizeof path, "%s/shown.exr", folder);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const struct gp_read_params p = {.max_pixels = row[i].most};
+        const struct fixture f = {
+            .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
+                      .data = FIXTURE_WINDOW(0, 0, 8, 8)}},
+            .display = FIXTURE_WINDOW(-5, 7, row[i].w, row[i].h),
+        };
+        struct gp_frame frame = {0};
+        struct gp_plane plane = {0};
+        char line[100];
+        heard.count = 0;
+        fixture_write_file(path, &f);
+        assert_int_equal(gp_read_frame(&hear, &p, path, &frame),
+                         row[i].read ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(heard.count, !row[i].read);
+        snprintf(line, sizeof line, ": the display window is too large (%d x "
+                 "%d pixels, at most %lld); ", row[i].w, row[i].h, row[i].most);
+        if (!row[i].read)
+            assert_non_null(strstr(heard.line, line));
+        assert_int_equal(gp_read_plane_file(&hear, &p, path, "R", false,
+                                            &plane), GP_OK);
+        gp_plane_free(&plane);
+        gp_frame_free(&frame);
+    }
+}
+
+/* One tile that says it is the whole of a huge picture. */
+static void one_huge_tile(void **state)
+{
+    (void) state;
+    static const char name[] = "tiles\0tiledesc";
+    const int32_t window[4] = {0, 0, 29999, 29999};
+    const uint32_t tile[2] = {30000, 30000};
+    snprintf(path, sizeof path, "%s/tile.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        size_t size;
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = 16,
+            .data = FIXTURE_WINDOW(0, 0, 16, 16), .compression = lossless[c],
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        uint8_t *at = find_bytes(bytes, size, name);
+        assert_non_null(at);
+        memcpy(at + sizeof name + 4, tile, sizeof tile);
+        set_window(bytes, size, window);
+        fixture_save(path, bytes, size);
+        free(bytes);
+        assert_refused_cheaply(path, 1LL << 40);
+    }
+}
+
+/* The file gives a frame or one error line, the same for any number of
+ * threads. */
+static void assert_read_or_told(const int *threads, int n)
+{
+    char first[4096] = "";
+    for (int i = 0; i < n; i++) {
+        struct gp_frame frame;
+        gp_set_threads(threads[i]);
+        gp_status st = read_file(path, &frame);
+        assert_true(st == GP_OK || st == GP_ERR_DATA);
+        assert_int_equal(heard.count, st != GP_OK);
+        if (i == 0)
+            memcpy(first, heard.line, sizeof first);
+        else
+            assert_string_equal(heard.line, first);
+        gp_frame_free(&frame);
+    }
+    gp_set_threads(0);
+}
+
+/* A byte changed anywhere. */
+static void changed_bytes(void **state)
+{
+    (void) state;
+    static const int threads[] = {1, 4};
+    uint32_t seed = 2024;
+    snprintf(path, sizeof path, "%s/changed.exr", folder);
+    for (int c = 0; c < LOSSLESS; c++) {
+        size_t size;
+        struct fixture f = {.part = {{
+            .channel = {RGB(EXR_PIXEL_HALF), {"Z", EXR_PIXEL_FLOAT, 0, 0}},
+            .data = FIXTURE_WINDOW(0, 0, 31, 67), .compression = lossless[c],
+        }}};
+        uint8_t *bytes = fixture_make(&f, &size);
+        for (int turn = 0; turn < 60; turn++) {
+            seed = seed * 1664525u + 1013904223u;
+            size_t at = 4 + (seed >> 8) % (size - 4);
+            uint8_t kept = bytes[at];
+            bytes[at] ^= (uint8_t) (1u << (seed >> 5 & 7));
+            fixture_save(path, bytes, size);
+            bytes[at] = kept;
+            assert_read_or_told(threads, 2);
+        }
+        free(bytes);
+    }
+}
+
+/* Every byte of the header, of the table of chunks and of the first chunks'
+ * own words, changed in three ways. */
+static void changed_head(void **state)
+{
+    (void) state;
+    static const uint8_t turn[] = {0x01, 0x80, 0xff};
+    static const int one[] = {1};
+    static const struct fixture kinds[] = {
+        {.part = {{.channel = {RGB(EXR_PIXEL_HALF)}, .tile = 8, .mipmap = true,
+                   .data = FIXTURE_WINDOW(-3, 5, 20, 11),
+                   .compression = EXR_COMPRESSION_ZIP}}},
+        {.part = {{.channel = {{"BY", EXR_PIXEL_HALF, 2, 2},
+                               {"RY", EXR_PIXEL_HALF, 2, 2},
+                               {"Y", EXR_PIXEL_HALF, 0, 0}},
+                   .data = FIXTURE_WINDOW(0, 0, 20, 36),
+                   .compression = EXR_COMPRESSION_ZIP}}},
+        {.parts = 2,
+         .part = {{.name = "Z", .channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}},
+                   .data = FIXTURE_WINDOW(0, 0, 7, 9), .tile = 4},
+                  {.name = "rgba", .channel = {RGB(EXR_PIXEL_FLOAT)},
+                   .data = FIXTURE_WINDOW(0, 0, 7, 9)}}},
+    };
+    snprintf(path, sizeof path, "%s/head.exr", folder);
+    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+        size_t size;
+        uint8_t *bytes = fixture_make(&kinds[k], &size);
+        for (size_t at = 4; at < size && at < 1200; at++) {
+            for (size_t i = 0; i < sizeof turn; i++) {
+                bytes[at] ^= turn[i];
+                fixture_save(path, bytes, size);
+                bytes[at] ^= turn[i];
+                assert_read_or_told(one, 1);
+            }
+        }
+        free(bytes);
+    }
+}
+
+SUITE(exr_refuse)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(no_colour_is_an_error),
+        cmocka_unit_test(files_that_are_none),
+        cmocka_unit_test(members_of_a_file),
+        cmocka_unit_test(deep_data),
+        cmocka_unit_test(cut_files),
+        cmocka_unit_test(sizes_that_lie),
+        cmocka_unit_test(display_windows_that_lie),
+        cmocka_unit_test(one_huge_tile),
+        cmocka_unit_test(changed_bytes),
+        cmocka_unit_test(changed_head),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

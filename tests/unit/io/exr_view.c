@@ -1,0 +1,346 @@
+/* io/exr_view, io/plane_find, io/exr_there, io/crypto: views, layers and ids
+ * that attributes and names of parts tell of. */
+#include "unit.h"
+#include "io/colour.h"
+#include "io/crypto.h"
+#include "io/exr/view.h"
+#include "io/plane_find.h"
+
+#include "plane_fixture.h"
+
+enum { MANY = 70 };
+
+/* What the next file's attributes say. */
+static struct {
+    const char *view[MANY];  // of part 0; the first is the default
+    int views;
+    const char *own;         // "view" of part own_part, NULL: none
+    int own_part;
+    bool odd;                // attributes of these names and other types
+    const char *manifest[MANY];
+    int manifests;
+} say;
+
+static void attributes(exr_context_t exr, int part)
+{
+    if (part == 0 && say.views)
+        assert_int_equal(exr_attr_set_string_vector(exr, 0, "multiView",
+                                                    say.views, say.view), 0);
+    if (part == 0 && say.odd) {
+        assert_int_equal(exr_attr_set_string(exr, 0, "multiView", "left"), 0);
+        assert_int_equal(exr_attr_set_int(exr, 0, "cryptomatte/x/name", 7), 0);
+    }
+    if (part == say.own_part && say.own)
+        assert_int_equal(exr_attr_set_string(exr, part, "view", say.own), 0);
+    for (int i = 0; part == 0 && i < say.manifests; i++) {
+        char name[40];
+        snprintf(name, sizeof name, "cryptomatte/%02d/name", i);
+        assert_int_equal(exr_attr_set_string(exr, 0, name, say.manifest[i]),
+                         0);
+    }
+}
+
+static void set_views(const char *const *view)
+{
+    for (say.views = 0; view[say.views]; say.views++)
+        say.view[say.views] = view[say.views];
+}
+
+#define PART(called, ...)                                                     \
+    {.name = called, .channel = {__VA_ARGS__}, .data = W(3),                  \
+     .compression = EXR_COMPRESSION_ZIP}
+
+static void write_parts(const struct fixture_part *part, int parts)
+{
+    struct fixture f = {.parts = parts, .more = attributes};
+    memcpy(f.part, part, (size_t) parts * sizeof *part);
+    snprintf(path, sizeof path, "%s/v.exr", folder);
+    fixture_write_file(path, &f);
+}
+
+/* The frame of a file with these parts. */
+static void open_parts(const struct fixture_part *part, int parts,
+                       struct gp_frame *frame)
+{
+    write_parts(part, parts);
+    assert_int_equal(read_file(path, frame), GP_OK);
+}
+
+// -- names --------------------------------------------------------------------
+
+static void layer_of_a_part(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name, *view, *layer;
+    } row[] = {
+        {"rgba.left", "left", "rgba"},  {"rgba_left", "left", "rgba"},
+        {"rgbaleft", "left", "rgbaleft"}, {"left", "left", "left"},
+        {".left", "left", ".left"},     {"a.left", "left", "a"},
+        {"rgba", "left", "rgba"},       {"rgba.right", "left", "rgba.right"},
+        {"rgba.left", "", "rgba.left"}, {"rgba.left", NULL, "rgba.left"},
+        {"le.left", "left", "le"},      {"l", "left", "l"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const struct fixture_part part = PART(row[i].name, RGB(HALVES));
+        struct gp_frame frame;
+        const char *name;
+        memset(&say, 0, sizeof say);
+        say.own = row[i].view;
+        open_parts(&part, 1, &frame);
+        const size_t n = gp_exr_part_layer(gp_origin_of(&frame), 0, &name);
+        assert_int_equal(n, strlen(row[i].layer));
+        assert_memory_equal(name, row[i].layer, n);
+        gp_frame_free(&frame);
+    }
+}
+
+static void names_within_a_view(void **state)
+{
+    (void) state;
+    static const char *const two[] = {"left", "right", NULL};
+    static const struct {
+        const char *view, *name, *bare;
+        bool belongs;
+        const char *of; // NULL: the default view or none
+    } row[] = {
+        {"left", "R", "R", true, NULL},
+        {"right", "R", "R", false, NULL},
+        {"right", "right.R", "R", true, "right"},
+        {"left", "right.R", "R", false, "right"},
+        {"left", "left.R", "R", true, NULL},
+        {"right", "a.right.R", "a.R", true, "right"},
+        {"right", "a.b.right.R", "a.b.R", true, "right"},
+        {"left", "reght.R", "reght.R", true, NULL}, // as long as a view
+        {"right", "reght.R", "reght.R", false, NULL},
+        {"right", "right", "right", false, NULL},
+        {"right", "right.a.R", "right.a.R", false, NULL},
+        {"left", ".R", ".R", true, NULL},
+    };
+    const struct fixture_part part = PART("p", RGB(HALVES));
+    struct gp_frame frame;
+    char longest[400];
+    memset(longest, 'n', sizeof longest);
+    strcpy(longest + sizeof longest - 9, ".right.R");
+    memset(&say, 0, sizeof say);
+    set_views(two);
+    open_parts(&part, 1, &frame);
+    const struct gp_origin *const o = gp_origin_of(&frame);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        char bare[GP_CHANNEL_NAME + 1];
+        assert_int_equal(gp_exr_bare_name(o, 0, row[i].view, row[i].name,
+                                          bare), row[i].belongs);
+        assert_string_equal(bare, row[i].bare);
+        const char *const of = gp_exr_view_of(o, 0, row[i].name);
+        assert_string_equal(of ? of : "-", row[i].of ? row[i].of : "-");
+    }
+    assert_null(gp_exr_view_of(o, 0, longest)); // no channel's name
+    assert_int_equal(gp_exr_views(o, 0), 2);
+    assert_string_equal(gp_exr_view_name(o, 0, 1), "right");
+    assert_string_equal(gp_exr_view_name(o, 0, 2), "");
+    gp_frame_free(&frame);
+}
+
+static void odd_lists_of_views(void **state)
+{
+    (void) state;
+    static const char *const same[] = {"l", "l", NULL};
+    const struct fixture_part part = PART("p", RGB(HALVES));
+    struct gp_frame frame;
+    memset(&say, 0, sizeof say);
+    set_views(same);
+    open_parts(&part, 1, &frame);
+    assert_null(gp_exr_view_of(gp_origin_of(&frame), 0, "R"));
+    gp_frame_free(&frame);
+    memset(&say, 0, sizeof say);
+    say.odd = true;
+    open_parts(&part, 1, &frame);
+    struct gp_crypto crypto;
+    gp_crypto_find(gp_origin_of(&frame), &crypto);
+    assert_int_equal(crypto.n, 0);
+    assert_int_equal(gp_exr_views(gp_origin_of(&frame), 0), 0);
+    assert_string_equal(gp_exr_view_name(gp_origin_of(&frame), 0, 0), "");
+    assert_false(gp_exr_part_has_view(gp_origin_of(&frame), 0, "left"));
+    gp_frame_free(&frame);
+}
+
+static void many_manifests(void **state)
+{
+    (void) state;
+    static char name[MANY][8];
+    const struct fixture_part part = PART("p", RGB(HALVES));
+    struct gp_frame frame;
+    struct gp_crypto crypto;
+    memset(&say, 0, sizeof say);
+    for (say.manifests = 0; say.manifests < MANY; say.manifests++) {
+        // the first names nothing
+        snprintf(name[say.manifests], sizeof name[0], "%.*s",
+                 say.manifests ? 7 : 0, "object");
+        say.manifest[say.manifests] = name[say.manifests];
+    }
+    open_parts(&part, 1, &frame);
+    gp_crypto_find(gp_origin_of(&frame), &crypto);
+    assert_int_equal(crypto.n, GP_CRYPTO_LAYERS);
+    for (int i = 0; i < crypto.n; i++)
+        assert_string_equal(crypto.layer[i], "object");
+    gp_frame_free(&frame);
+}
+
+// -- planes of a view -----------------------------------------------------------
+
+#define RIGHT HALF_CH("right.B"), HALF_CH("right.G"), HALF_CH("right.R")
+
+static void planes_of_a_view(void **state)
+{
+    (void) state;
+    static const char *const two[] = {"left", "right", NULL};
+    static const struct {
+        struct fixture_part part[2];
+        int parts;
+        const char *name;
+        bool depth;
+        gp_status st;
+        const char *want; // the plane's name, NULL: none
+        int from;
+        const char *said; // NULL: nothing
+    } row[] = {
+        // the view's own, by search and by its bare name
+        {{PART("p", RGB(HALVES), HALF_CH("Z"), RIGHT, HALF_CH("right.Z"))},
+         1, NULL, true, GP_OK, "right.Z", 0, NULL},
+        {{PART("p", RGB(HALVES), HALF_CH("Z"), RIGHT, HALF_CH("right.Z"))},
+         1, "Z", true, GP_OK, "right.Z", 0, NULL},
+        {{PART("p", HALF_CH("A"), RGB(HALVES), HALF_CH("right.A"), RIGHT)},
+         1, NULL, false, GP_OK, "right.A", 0, NULL},
+        {{PART("p", HALF_CH("A"), RGB(HALVES), RIGHT)},
+         1, NULL, false, GP_OK, "A", 0, NULL},
+        // another view's, with a warning
+        {{PART("p", RGB(HALVES), HALF_CH("Z"), RIGHT)},
+         1, NULL, true, GP_OK, "Z", 0, "of another view is taken for view "
+                                       "right"},
+        // another part's, of no view
+        {{PART("p", RGB(HALVES), RIGHT), PART("z", HALF_CH("Z"))},
+         2, NULL, true, GP_OK, "z.Z", 1, NULL},
+        {{PART("p", RGB(HALVES), RIGHT)}, 1, NULL, true, GP_OK, NULL, 0, NULL},
+        // two of one rank in the view
+        {{PART("p", RGB(HALVES), HALF_CH("a.right.Z"), HALF_CH("b.right.Z"),
+               RIGHT)},
+         1, NULL, true, GP_ERR_DATA, NULL, 0, "a.Z and b.Z"},
+        {{PART("p", RGB(HALVES), RIGHT)}, 1, "Z", true, GP_ERR_USAGE, NULL, 0,
+         "has no channel Z (it has B, G, R, right.B, right.G, right.R)"},
+    };
+    struct gp_read_params of_right = GP_READ_DEFAULTS;
+    of_right.view = "right";
+    memset(&say, 0, sizeof say);
+    set_views(two);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_frame frame;
+        struct gp_plane p = {0};
+        write_parts(row[i].part, row[i].parts);
+        assert_int_equal(gp_read_frame(&hear, &of_right, path, &frame), GP_OK);
+        said[0] = '\0';
+        assert_int_equal((row[i].depth ? gp_read_depth : gp_read_coverage)(
+                             &notes, &of_right, &frame, row[i].name, &p),
+                         row[i].st);
+        assert_int_equal(said[0] != '\0', row[i].said != NULL);
+        if (row[i].said && !strstr(said, row[i].said))
+            fail_msg("row %zu: %s", i, said);
+        assert_int_equal(p.v != NULL, row[i].want != NULL);
+        if (row[i].want) {
+            const char *const channel = row[i].from ? "Z" : row[i].want;
+            assert_string_equal(p.name, row[i].want);
+            assert_plane(&p, &row[i].part[row[i].from], channel);
+        }
+        gp_plane_free(&p);
+        gp_frame_free(&frame);
+    }
+}
+
+/* A name that no channel can have, and a list that does not fit a line. */
+static void names_too_long(void **state)
+{
+    (void) state;
+    static char name[MANY][60], longest[2000];
+    struct gp_plane_list list;
+    struct gp_plane_place at = {0};
+    assert_int_equal(gp_plane_list_one(&hear, "p.exr", true, MANY, &list),
+                     GP_OK);
+    for (int i = 0; i < MANY; i++) {
+        snprintf(name[i], sizeof name[i], "%050d", i);
+        list.channel[i].name = name[i];
+    }
+    memset(longest, 'n', sizeof longest - 1);
+    list.view = "right";
+    assert_int_equal(gp_plane_pick(&hear, &list, longest, true, false, &at),
+                     GP_ERR_USAGE);
+    assert_null(at.part);
+    assert_int_equal(gp_plane_pick(&hear, &list, "no", true, false, &at),
+                     GP_ERR_USAGE);
+    assert_non_null(strstr(heard.line, name[0]));
+    assert_non_null(strstr(heard.line, ", ...)"));
+    assert_null(strstr(heard.line, name[MANY - 1]));
+    assert_int_equal(gp_plane_pick(&hear, &list, name[MANY - 1], true, false,
+                                   &at), GP_OK);
+    assert_int_equal(at.channel, MANY - 1);
+    gp_plane_list_free(&list);
+}
+
+// -- what is not there ------------------------------------------------------------
+
+static void what_a_file_has(void **state)
+{
+    (void) state;
+    static char view[MANY][16];
+    static const struct fixture_part part[] = {
+        PART("CryptoObject00", RGB(HALVES)), PART("rgba", RGB(HALVES)),
+    };
+    static const struct {
+        const char *layer, *view;
+        const char *said[2];
+    } row[] = {
+        {NULL, "none", {"has no view none (", "views: v1, v2, "}},
+        {NULL, "none", {"v32, ...)", "0 CryptoObject00, 1 rgba"}},
+        {"CryptoObject00", NULL, {"is Cryptomatte", "(layers of light: rgba)"}},
+        {"CryptoObject", NULL, {"is Cryptomatte", "; give one"}},
+        {"CryptoObjekt", NULL, {"has no layer CryptoObjekt", "layers: rgba"}},
+        {"CryptoObjekt00", NULL, {"has no layer CryptoObjekt00", "; "}},
+        {"Crypto", NULL, {"has no layer Crypto (", "layers: rgba"}},
+    };
+    memset(&say, 0, sizeof say);
+    say.own = "last";
+    say.own_part = 1;
+    for (say.views = 0; say.views < 40; say.views++) {
+        // the first has no name
+        snprintf(view[say.views], sizeof view[0], "%.*s%.*d",
+                 say.views > 0, "v", say.views > 0, say.views);
+        say.view[say.views] = view[say.views];
+    }
+    write_parts(part, 2);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_read_params p = GP_READ_DEFAULTS;
+        struct gp_frame frame = {0};
+        p.layer = row[i].layer;
+        p.view = row[i].view;
+        heard.count = 0;
+        assert_int_equal(gp_read_frame(&hear, &p, path, &frame),
+                         GP_ERR_USAGE);
+        assert_int_equal(heard.count, 1);
+        for (int k = 0; k < 2; k++) {
+            if (!strstr(heard.line, row[i].said[k]))
+                fail_msg("\"%s\" is not in %s", row[i].said[k], heard.line);
+        }
+    }
+}
+
+SUITE(exr_view)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(layer_of_a_part),
+        cmocka_unit_test(names_within_a_view),
+        cmocka_unit_test(odd_lists_of_views),
+        cmocka_unit_test(many_manifests),
+        cmocka_unit_test(planes_of_a_view),
+        cmocka_unit_test(names_too_long),
+        cmocka_unit_test(what_a_file_has),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

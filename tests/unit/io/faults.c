@@ -1,0 +1,419 @@
+/* io and sun: memory that is full and files that fail, at the first call, at
+ * the second, and so on until the whole work is done without a fault. Each
+ * time: the documented status, one line, nothing in the outputs, and no file
+ * left. (The sanitizers and valgrind see what would leak.) */
+#include "unit.h"
+#include "core/parallel.h"
+#include "io/file.h"
+#include "io/members.h"
+#include "io/plane.h"
+#include "io/raw_read.h"
+#include "io/sequence.h"
+#include "sun/camera.h"
+#include "sun/flare.h"
+#include "sun/lights.h"
+
+#include "write_fixture.h"
+#include "exr_fixture.h"
+#include "reading.h"
+
+#include "fail.h"
+#include "fault_files.h"
+
+#include <fcntl.h>
+
+enum { POINTS_MAX = 20000 }; // more than any row has
+
+static struct gp_frame made;        // of no file
+static struct gp_frame from_parts;  // read from parts.exr
+
+static const char *in_folder(const char *name)
+{
+    return wf_path(name);
+}
+
+// -- the work -------------------------------------------------------------------
+
+static gp_status read_any(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_frame f = {0};
+    const gp_status st = gp_read_frame(&hear, &p, in_folder(name), &f);
+    if (st)
+        assert_null(f.rgb.c[0]);
+    gp_frame_free(&f);
+    return st;
+}
+
+static gp_status read_every_channel(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_raw_file file;
+    gp_status st = gp_raw_open(&hear, &p, in_folder(name), &file);
+    for (int part = 0; !st && part < file.parts; part++) {
+        struct gp_raw_image image = {0};
+        st = gp_raw_read(&hear, &p, &file, part, &image);
+        if (st)
+            assert_null(image.channel);
+        gp_raw_image_free(&image);
+    }
+    gp_raw_close(&file);
+    return st;
+}
+
+static gp_status read_plane(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_plane plane = {0};
+    const bool depth_file = strstr(name, ".exr") != NULL;
+    const gp_status st =
+        gp_read_plane_file(&hear, &p, in_folder(name),
+                           depth_file ? NULL : "G", depth_file, &plane);
+    if (st)
+        assert_null(plane.v);
+    gp_plane_free(&plane);
+    return st;
+}
+
+/* In another part than the colour, subsampled. */
+static gp_status read_coverage(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_plane plane = {0};
+    const gp_status st =
+        gp_read_coverage(&hear, &p, &from_parts, name, &plane);
+    if (st)
+        assert_null(plane.v);
+    gp_plane_free(&plane);
+    return st;
+}
+
+static gp_status read_layer(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_frame f = {0};
+    const gp_status st = gp_read_layer(&hear, &p, &from_parts, name, &f);
+    if (st)
+        assert_null(f.rgb.c[0]);
+    gp_frame_free(&f);
+    return st;
+}
+
+/* Two files in one pipe. */
+static gp_status read_members(const char *name)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_members m = {0};
+    const int was = dup(STDIN_FILENO);
+    const int in = __real_open(in_folder(name), O_RDONLY);
+    assert_true(in >= 0 && dup2(in, STDIN_FILENO) >= 0);
+    gp_status st = gp_members_read(&hear, &p, "-", &m);
+    for (int i = 0; !st && i < 2; i++) {
+        struct gp_frame f = {0};
+        st = gp_members_frame(&hear, &p, "-", &m, i, &f);
+        gp_frame_free(&f);
+    }
+    gp_members_free(&m);
+    dup2(was, STDIN_FILENO);
+    __real_close(in);
+    __real_close(was);
+    return st;
+}
+
+static gp_status frame_list(const char *text)
+{
+    struct gp_frames list = {0};
+    const gp_status st = gp_frames_parse(&hear, text, &list);
+    if (st)
+        assert_null(list.number);
+    gp_frames_free(&list);
+    return st;
+}
+
+static gp_status view_list(const char *text)
+{
+    struct gp_views list = {0};
+    const gp_status st = gp_views_parse(&hear, text, &list);
+    if (st)
+        assert_null(list.name);
+    gp_views_free(&list);
+    return st;
+}
+
+static gp_status on_disk(const char *name)
+{
+    struct gp_pattern p;
+    struct gp_frames list = {0};
+    const char *path = in_folder(name);
+    gp_status st = gp_pattern_find(&hear, path, &p);
+    if (!st)
+        st = gp_frames_on_disk(&hear, &p, NULL, &list);
+    if (st)
+        assert_null(list.number);
+    gp_frames_free(&list);
+    return st;
+}
+
+static gp_status lights(const char *name)
+{
+    struct gp_light_spec *list = NULL;
+    int n;
+    const gp_status st = gp_lights_read(&hear, in_folder(name), &list, &n);
+    if (st)
+        assert_null(list);
+    gp_free(list);
+    return st;
+}
+
+static gp_status flare(const char *name)
+{
+    struct gp_flare f = {0};
+    const gp_status st = gp_flare_read(&hear, in_folder(name), &f);
+    if (st)
+        assert_null(f.element);
+    gp_flare_free(&f);
+    return st;
+}
+
+static gp_status camera(const char *name)
+{
+    struct gp_camera_file f = {0};
+    const gp_status st = gp_camera_read(&hear, in_folder(name), &f);
+    if (st)
+        assert_null(f.at);
+    gp_camera_file_free(&f);
+    return st;
+}
+
+/* No file is there afterwards but when all is well. */
+static gp_status ended(gp_status st, const char *path)
+{
+    assert_int_equal(access(path, F_OK) == 0, st == GP_OK);
+    remove(path);
+    return st;
+}
+
+static gp_status picture(const char *name)
+{
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const char *path = in_folder(name);
+    return ended(gp_write_picture(&hear, &p, path, &made, &made.rgb,
+                                  GP_PICTURE_SHOWN, &stats), path);
+}
+
+static gp_status hdr(const char *name)
+{
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const char *path = in_folder(name);
+    const struct gp_hdr_colour set = {&from_parts, &from_parts.rgb};
+    return ended(gp_write_hdr(&hear, &p, path, &set, 1, &stats), path);
+}
+
+static gp_status hdr_made(const char *name)
+{
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const char *path = in_folder(name);
+    const struct gp_hdr_colour set = {&made, &made.rgb};
+    p.compression = GP_COMPRESSION_DWAA;
+    return ended(gp_write_hdr(&hear, &p, path, &set, 1, &stats), path);
+}
+
+/* More than the buffer, in small pieces and in one, and patches of what is
+ * out already, of what is not, and across the two. */
+static gp_status file(const char *name)
+{
+    enum { PIECE = 300000, WHOLE = 1500000 };
+    static const uint8_t zeros[WHOLE];
+    const bool straight = name[0] == '/';
+    const char *path = straight ? name : in_folder(name);
+    struct gp_file *f = NULL;
+    gp_status st = gp_file_open(&hear, path, false, &f);
+    if (st)
+        return st;
+    for (int i = 0; i < 8; i++)
+        st = gp_file_write(f, zeros, PIECE);
+    st = gp_file_write(f, zeros, WHOLE);
+    st = gp_file_write(f, "end", 3);
+    const uint64_t size = 8 * PIECE + WHOLE + 3;
+    if (!st)
+        assert_int_equal(gp_file_size(f), size);
+    st = gp_file_patch(f, 0, "start", 5);
+    st = gp_file_patch(f, size - 5, "where", 5);
+    st = st ? st : gp_file_patch(f, size - 1, "d", 1);
+    if (st) // a failure stays one
+        assert_int_equal(gp_file_write(f, "x", 1), st);
+    const gp_status ending = gp_file_commit(&f);
+    assert_null(f);
+    assert_true(ending == st || st == GP_OK);
+    return straight ? ending : ended(ending, path);
+}
+
+// -- every point ----------------------------------------------------------------
+
+struct work {
+    const char *what;
+    gp_status (*run)(const char *argument);
+    const char *argument;
+    bool bridge;  // OpenImageIO has its part in it
+};
+
+/* Whether the work was done without the fault. */
+static bool one_point(const struct work *w, enum fail_class kind, int n)
+{
+    const int files = wf_names();
+    heard.count = 0;
+    heard.line[0] = '\0';
+    fail_at(kind, n);
+    const gp_status st = w->run(w->argument);
+    const bool fired = fail_end();
+    const bool right = st == GP_OK || (fired && (kind == FAIL_ALLOC
+                           ? st == GP_ERR_BUG
+                           : st == GP_ERR_IO || st == GP_ERR_DATA));
+    if (!right || heard.count != (st != GP_OK))
+        fail_msg("%s %s, %s %d: status %d, %d lines: %s", w->what, w->argument,
+                 kind == FAIL_ALLOC ? "memory" : "files", n, st, heard.count,
+                 heard.line);
+    assert_int_equal(wf_names(), files);
+    return !fired;
+}
+
+static void every_point(const struct work *row, size_t rows)
+{
+    for (size_t i = 0; i < rows; i++) {
+        for (int kind = FAIL_ALLOC; kind <= FAIL_IO; kind++) {
+            int n = 1;
+            while (!one_point(&row[i], (enum fail_class) kind, n)) {
+                n++;
+                assert_true(n < POINTS_MAX);
+            }
+        }
+    }
+}
+#define EVERY_POINT(row) every_point(row, sizeof row / sizeof *row)
+
+static void reading(void **state)
+{
+    (void) state;
+    static const struct work row[] = {
+        {"read", read_any, "made.exr", false},
+        {"read", read_any, "parts.exr", false},
+        {"read", read_any, "tiles.exr", false},
+        {"read", read_any, "yc.exr", false},
+        {"channels", read_every_channel, "parts.exr", false},
+        {"channels", read_every_channel, "tiles.exr", false},
+        {"channels", read_every_channel, "yc.exr", false},
+        {"depth", read_plane, "depth.exr", false},
+        {"coverage", read_coverage, "wide", false},
+        {"coverage", read_coverage, "one.left.mask", false},
+        {"layer", read_layer, "fog", false},
+        {"members", read_members, "two", false},
+        {"frames", frame_list, "3,1-20,7,90-30x3", false},
+        {"views", view_list, "left,right", false},
+        {"pattern", on_disk, "s.####.exr", false},
+    };
+    EVERY_POINT(row);
+}
+
+static void reading_by_bridge(void **state)
+{
+    static const struct work row[] = {
+        {"read", read_any, "a.tif", true},
+        {"channels", read_every_channel, "a.tif", true},
+        {"plane", read_plane, "a.tif", true},
+        {"read", read_any, "dwaa.exr", true},
+    };
+    if (!*(const bool *) *state)
+        skip();
+    EVERY_POINT(row);
+}
+
+static void json(void **state)
+{
+    (void) state;
+    static const struct work row[] = {
+        {"lights", lights, "lights.json", false},
+        {"flare", flare, "flare.json", false},
+        {"camera", camera, "camera.json", false},
+    };
+    EVERY_POINT(row);
+}
+
+static void writing(void **state)
+{
+    (void) state;
+    static const struct work row[] = {
+        {"picture", picture, "out.exr", false},
+        {"picture", picture, "out.png", false},
+        {"hdr", hdr, "out.exr", false},
+        {"file", file, "out.bin", false},
+        {"file", file, "/dev/null", false}, // held in memory to the end
+    };
+    EVERY_POINT(row);
+}
+
+static void writing_by_bridge(void **state)
+{
+    static const struct work row[] = {
+        {"picture", picture, "out.tif", true},
+        {"picture", picture, "out.sgi", true},
+        {"hdr", hdr_made, "out.exr", true},
+    };
+    if (!*(const bool *) *state)
+        skip();
+    EVERY_POINT(row);
+}
+
+// -- the whole ---------------------------------------------------------------------
+
+static int start(void **state)
+{
+    static bool bridge;
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_read_params limit = GP_READ_DEFAULTS;
+    *state = &bridge;
+    if (wf_start(state) || find_bridges(state))
+        return -1;
+    *state = &bridge;
+    gp_set_threads(1);
+    made = wf_frame((struct gp_rect) {0, 0, 20, 10},
+                    (struct gp_rect) {0, 0, 20, 10}, wf_all);
+    assert_int_equal(wf_write_hdr(&p, wf_path("made.exr"), &made, &stats), 0);
+    bridge = gp_write_picture(NULL, &p, wf_path("a.tif"), &made, &made.rgb,
+                              GP_PICTURE_SHOWN, &stats) == GP_OK;
+    p.compression = GP_COMPRESSION_DWAA;
+    if (bridge)
+        assert_int_equal(wf_write_hdr(&p, wf_path("dwaa.exr"), &made, &stats),
+                         0);
+    fixture_write_file(wf_path("parts.exr"), &parts);
+    fixture_write_file(wf_path("tiles.exr"), &tiles);
+    fixture_write_file(wf_path("yc.exr"), &yc);
+    fixture_write_file(wf_path("depth.exr"), &depth);
+    save_twice("two", &tiles);
+    save_text("s.0001.exr", "no frame");
+    save_text("s.0012.exr", "no frame");
+    save_json();
+    return gp_read_frame(NULL, &limit, wf_path("parts.exr"), &from_parts);
+}
+
+static int end(void **state)
+{
+    gp_frame_free(&made);
+    gp_frame_free(&from_parts);
+    return wf_end(state);
+}
+
+SUITE(faults)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reading),
+        cmocka_unit_test(reading_by_bridge),
+        cmocka_unit_test(json),
+        cmocka_unit_test(writing),
+        cmocka_unit_test(writing_by_bridge),
+    };
+    return cmocka_run_group_tests(tests, start, end);
+}

@@ -1,0 +1,408 @@
+/* Output files: whole under their final name, or not there at all. */
+#include "unit.h"
+#include "write_fixture.h"
+
+#include "io/file.h"
+#include "io/file_name.h"
+#include "io/file_temp.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <sys/mount.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+
+static void put_file(const char *path, const char *text)
+{
+    FILE *f = fopen(path, "wb");
+    assert_non_null(f);
+    fputs(text, f);
+    fclose(f);
+}
+
+static void assert_text(const char *path, const char *text)
+{
+    size_t n;
+    uint8_t *bytes = wf_read(path, &n);
+    assert_string_equal((const char *) bytes, text);
+    free(bytes);
+}
+
+static void whole_or_nothing(void **state)
+{
+    (void) state;
+    struct gp_file *f;
+    const char *path = wf_path("whole");
+    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
+    assert_int_equal(gp_file_write(f, "abcdef", 6), GP_OK);
+    assert_false(gp_file_exists(path));
+    assert_int_equal(wf_names(), 1); // the temporary one
+    assert_int_equal(gp_file_patch(f, 1, "XY", 2), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_null(f);
+    assert_int_equal(wf_names(), 1);
+    assert_text(path, "aXYdef");
+
+    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
+    assert_int_equal(gp_file_write(f, "other", 5), GP_OK);
+    gp_file_discard(&f);
+    gp_file_discard(&f); // twice is fine
+    assert_text(path, "aXYdef");
+    assert_int_equal(wf_names(), 1);
+    remove(path);
+}
+
+/* Blocks around the buffer's size, and patches across what is written out. */
+static void large_writes_and_patches(void **state)
+{
+    (void) state;
+    static const size_t sizes[] = {1, 1 << 19, (1 << 19) - 1, 3 << 20, 7, 0,
+                                   (1 << 20) + 1, 1 << 20};
+    const size_t total = 7u << 20;
+    uint8_t *want = calloc(1, total), *block = calloc(1, total);
+    struct gp_file *f;
+    size_t n = 0;
+    assert_int_equal(gp_file_open(&wf_log, wf_path("big"), false, &f), GP_OK);
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        for (size_t k = 0; k < sizes[i]; k++)
+            block[k] = want[n + k] = (uint8_t) (wf_hash(1, (uint32_t) k,
+                                                        (uint32_t) i));
+        assert_int_equal(gp_file_write(f, block, sizes[i]), GP_OK);
+        n += sizes[i];
+        assert_int_equal(gp_file_size(f), n);
+        const size_t at = n > 5000 ? n - 5000 : 0; // may cross the border
+        memset(want + at, (int) i, n - at);
+        assert_int_equal(gp_file_patch(f, at, want + at, n - at), GP_OK);
+    }
+    assert_int_equal(gp_file_patch(f, n - 1, want, 2), GP_ERR_BUG);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    size_t got;
+    uint8_t *bytes = wf_read(wf_path("big"), &got);
+    assert_int_equal(got, n);
+    assert_memory_equal(bytes, want, n);
+    remove(wf_path("big"));
+    free(bytes);
+    free(block);
+    free(want);
+}
+
+static void links_and_permissions_stay(void **state)
+{
+    (void) state;
+    struct stat s;
+    struct gp_file *f;
+    put_file(wf_path("real"), "old");
+    assert_int_equal(chmod(wf_path("real"), 0640), 0);
+    assert_int_equal(symlink("real", wf_path("link")), 0);
+    assert_int_equal(gp_file_open(&wf_log, wf_path("link"), false, &f), GP_OK);
+    assert_int_equal(gp_file_write(f, "new", 3), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_text(wf_path("real"), "new");
+    assert_int_equal(lstat(wf_path("link"), &s), 0);
+    assert_true(S_ISLNK(s.st_mode));
+    assert_int_equal(stat(wf_path("real"), &s), 0);
+    assert_int_equal(s.st_mode & 0777, 0640);
+    remove(wf_path("real"));
+    // what it leads to is made, where that is not there
+    assert_int_equal(symlink("link", wf_path("chain")), 0);
+    assert_int_equal(gp_file_open(&wf_log, wf_path("chain"), false, &f),
+                     GP_OK);
+    assert_int_equal(gp_file_write(f, "made", 4), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_text(wf_path("real"), "made");
+    assert_int_equal(lstat(wf_path("chain"), &s), 0);
+    assert_true(S_ISLNK(s.st_mode));
+    remove(wf_path("chain"));
+    remove(wf_path("link"));
+    remove(wf_path("real"));
+}
+
+static void folders(void **state)
+{
+    (void) state;
+    struct gp_file *f;
+    char deep[512], inner[512];
+    snprintf(deep, sizeof deep, "%s/a/b/c", wf_folder);
+    snprintf(inner, sizeof inner, "%s/a/b", wf_folder);
+    assert_int_equal(gp_file_check(&wf_log, deep, false), GP_ERR_IO);
+    wf_assert_said(inner);
+    wf_assert_said("--create-dir");
+    assert_int_equal(gp_file_open(&wf_log, deep, false, &f), GP_ERR_IO);
+    assert_int_equal(gp_file_check(&wf_log, deep, true), GP_OK);
+    assert_int_equal(wf_names(), 0); // a check makes nothing
+    assert_int_equal(gp_file_open(&wf_log, deep, true, &f), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_true(gp_file_exists(deep));
+    assert_int_equal(gp_file_check(&wf_log, inner, false), GP_ERR_IO);
+    wf_assert_said("is a folder");
+    put_file(wf_path("plain"), "");
+    char below[512];
+    snprintf(below, sizeof below, "%s/plain/x", wf_folder);
+    assert_int_equal(gp_file_check(&wf_log, below, true), GP_ERR_IO);
+    assert_int_equal(gp_file_open(&wf_log, below, true, &f), GP_ERR_IO);
+    remove(wf_path("plain"));
+    remove(deep);
+    rmdir(inner);
+    rmdir(wf_path("a"));
+}
+
+static void names(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *path, *ending, *folder;
+    } rows[] = {
+        {"a.exr", "exr", "."}, {"x/y/a.EXR", "exr", "x/y"},
+        {"/a.b.Png", "png", "/"}, {"a", "", "."}, {".exr", "", "."},
+        {"x.d/a", "", "x.d"}, {"a.", "", "."}, {"-", "", "."},
+        {"a.averyverylongending", "", "."}, {"//a.tif", "tif", "/"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char ending[16];
+        gp_file_ending(rows[i].path, ending, sizeof ending);
+        assert_string_equal(ending, rows[i].ending);
+        char *folder = gp_file_folder(rows[i].path);
+        assert_string_equal(folder, rows[i].folder);
+        free(folder);
+    }
+    // a name of the greatest length has a temporary name that fits
+    char name[256];
+    memset(name, 'n', 255);
+    name[255] = '\0';
+    struct gp_file *f;
+    assert_int_equal(gp_file_open(&wf_log, wf_path(name), false, &f), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_true(gp_file_exists(wf_path(name)));
+    remove(wf_path(name));
+}
+
+/* Opens both targets, writes to both, and keeps or discards them in turn. */
+static void write_both(const char *one, const char *other, bool keep_other)
+{
+    struct gp_file *a, *b;
+    assert_int_equal(gp_file_open(&wf_log, one, false, &a), GP_OK);
+    assert_int_equal(gp_file_open(&wf_log, other, false, &b), GP_OK);
+    assert_int_equal(gp_file_write(a, "first", 5), GP_OK);
+    assert_int_equal(gp_file_write(b, "second, longer", 14), GP_OK);
+    if (!keep_other)
+        gp_file_discard(&b);
+    assert_int_equal(gp_file_commit(&a), GP_OK);
+    assert_text(one, "first");
+    if (keep_other)
+        assert_int_equal(gp_file_commit(&b), GP_OK);
+}
+
+/* Processes with the same number (of other containers or machines) and names
+ * that are cut to the same one: each has a temporary file of its own. */
+static void taken_names(void **state)
+{
+    (void) state;
+    char long_a[256], long_b[256];
+    snprintf(long_a, sizeof long_a, "%0254da", 0);
+    snprintf(long_b, sizeof long_b, "%0254db", 0);
+    char *a = strdup(wf_path(long_a)), *b = strdup(wf_path(long_b));
+    char *same = strdup(wf_path("same"));
+    write_both(a, b, true);
+    assert_text(b, "second, longer");
+    write_both(same, same, true);
+    assert_text(same, "second, longer");
+    write_both(same, same, false);
+    char *stranger = gp_file_temp_name(same, 0);
+    put_file(stranger, "another run's");
+    write_both(same, a, false);
+    assert_text(stranger, "another run's");
+    char *const made[] = {a, b, same, stranger};
+    for (size_t i = 0; i < sizeof made / sizeof *made; i++) {
+        remove(made[i]);
+        free(made[i]);
+    }
+    assert_int_equal(wf_names(), 0); // nothing is left
+}
+
+/* Writes 4 MiB to `path`; the first failure. */
+static gp_status write_much(const char *path)
+{
+    struct gp_file *f;
+    static uint8_t block[1 << 16];
+    gp_status st = gp_file_open(&wf_log, path, false, &f);
+    if (st)
+        return st;
+    for (int i = 0; i < 64 && !st; i++)
+        st = gp_file_write(f, block, sizeof block);
+    gp_status last = gp_file_commit(&f);
+    assert_int_equal(st ? st : last, last); // commit repeats the failure
+    return last;
+}
+
+static void full_disk(void **state)
+{
+    (void) state;
+    if (access("/dev/full", W_OK) == 0) {
+        assert_int_equal(write_much("/dev/full"), GP_ERR_IO);
+        wf_assert_said(strerror(ENOSPC));
+    }
+    if (geteuid() == 0 &&
+        mount("none", wf_folder, "tmpfs", 0, "size=1m") == 0) {
+        put_file(wf_path("f"), "old");
+        assert_int_equal(write_much(wf_path("f")), GP_ERR_IO);
+        wf_assert_said(strerror(ENOSPC));
+        assert_int_equal(wf_names(), 1);
+        assert_text(wf_path("f"), "old");
+        assert_int_equal(umount(wf_folder), 0);
+    }
+    // a limit on the size of files, for those who may not mount
+    struct rlimit old, small = {1 << 20, 1 << 20};
+    assert_int_equal(getrlimit(RLIMIT_FSIZE, &old), 0);
+    small.rlim_max = old.rlim_max;
+    signal(SIGXFSZ, SIG_IGN);
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &small), 0);
+    gp_status st = write_much(wf_path("limited"));
+    assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
+    assert_int_equal(st, GP_ERR_IO);
+    wf_assert_said(strerror(EFBIG));
+    assert_int_equal(wf_names(), 0);
+}
+
+static void pipes(void **state)
+{
+    (void) state;
+    char path[64];
+    int ends[2];
+    struct gp_file *f;
+    assert_int_equal(pipe(ends), 0);
+    snprintf(path, sizeof path, "/dev/fd/%d", ends[1]);
+    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
+    assert_int_equal(gp_file_write(f, "abc", 3), GP_OK);
+    assert_int_equal(gp_file_patch(f, 0, "A", 1), GP_OK);
+    assert_int_equal(gp_file_commit(&f), GP_OK);
+    char got[4] = "";
+    assert_int_equal(read(ends[0], got, 3), 3);
+    assert_string_equal(got, "Abc");
+    close(ends[0]);
+    gp_temp_cleanup_on_signal(); // ignores SIGPIPE
+    assert_int_equal(write_much(path), GP_ERR_IO);
+    wf_assert_said(strerror(EPIPE));
+    close(ends[1]);
+}
+
+/* A child that is ended in the middle of a file by `sig`. */
+static void end_child(int sig)
+{
+    int ready[2];
+    char c;
+    assert_int_equal(pipe(ready), 0);
+    const pid_t child = fork();
+    if (child == 0) {
+        struct gp_file *f;
+        signal(SIGHUP, SIG_IGN); // as nohup does, before the program starts
+        signal(sig, SIG_DFL);    // what a shell starts behind & ignores SIGINT
+        gp_temp_cleanup_on_signal();
+        if (gp_file_open(NULL, wf_path("killed"), false, &f) ||
+            gp_file_write(f, "half", 4) || write(ready[1], "r", 1) != 1)
+            _exit(1);
+        raise(SIGHUP);
+        for (;;)
+            pause();
+    }
+    assert_int_equal(read(ready[0], &c, 1), 1);
+    kill(child, sig);
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status));
+    assert_int_equal(WTERMSIG(status), sig);
+    close(ready[0]);
+    close(ready[1]);
+}
+
+static void signals(void **state)
+{
+    (void) state;
+    put_file(wf_path("killed"), "old");
+    static const int ending[] = {SIGINT,  SIGTERM, SIGQUIT, SIGXCPU,
+                                 SIGALRM, SIGUSR1, SIGUSR2, SIGKILL};
+    const struct rlimit no_core = {0, 0};
+    assert_int_equal(setrlimit(RLIMIT_CORE, &no_core), 0);
+    for (size_t i = 0; i < sizeof ending / sizeof *ending; i++) {
+        end_child(ending[i]);
+        assert_text(wf_path("killed"), "old");
+        // nobody can clean up after SIGKILL: a temporary name may stay
+        assert_int_equal(wf_names(), ending[i] == SIGKILL ? 2 : 1);
+    }
+}
+
+static void no_clobber(void **state)
+{
+    (void) state;
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    put_file(wf_path("there.exr"), "old");
+    assert_false(gp_write_would_clobber(&p, wf_path("there.exr")));
+    p.no_clobber = true;
+    assert_true(gp_write_would_clobber(&p, wf_path("there.exr")));
+    assert_false(gp_write_would_clobber(&p, wf_path("not.exr")));
+    assert_false(gp_write_would_clobber(&p, "-"));
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 2, 2};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("there.exr"), &f,
+                                      &f.rgb, GP_PICTURE_SCENE, &stats), 0);
+    assert_int_equal(wf_write_hdr(&p, wf_path("there.exr"), &f, &stats), 0);
+    assert_text(wf_path("there.exr"), "old");
+    gp_frame_free(&f);
+}
+
+static void checks(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *path;
+        enum gp_compression compression;
+        int bits;
+        gp_status st;
+        const char *said;
+    } rows[] = {
+        {"a.exr", GP_COMPRESSION_AUTO, 8, GP_OK, ""},
+        {"a.png", GP_COMPRESSION_PIZ, 16, GP_OK, ""},
+        {"-", GP_COMPRESSION_AUTO, 8, GP_OK, ""},
+        {"a.pfm", GP_COMPRESSION_AUTO, 8, GP_OK, ""},
+        {"/dev/null", GP_COMPRESSION_AUTO, 8, GP_OK, ""},
+        {"a", GP_COMPRESSION_AUTO, 8, GP_ERR_USAGE, "ending"},
+        {"a.jpg", GP_COMPRESSION_AUTO, 16, GP_ERR_USAGE, "8 bits"},
+        {"a.tif", GP_COMPRESSION_PIZ, 8, GP_ERR_USAGE, "compression"},
+        {"no/where/a.exr", GP_COMPRESSION_AUTO, 8, GP_ERR_IO, "no/where"},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        p.compression = rows[i].compression;
+        p.depth_bits = rows[i].bits;
+        wf_line[0] = '\0';
+        assert_int_equal(gp_write_check(&wf_log, &p, rows[i].path),
+                         rows[i].st);
+        wf_assert_said(rows[i].said);
+        const bool exr = strstr(rows[i].path, ".exr") ||
+                         strchr("-/", rows[i].path[0]);
+        assert_int_equal(gp_write_hdr_check(&wf_log, &p, rows[i].path),
+                         exr ? rows[i].st : GP_ERR_USAGE);
+    }
+}
+
+SUITE(file)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(whole_or_nothing, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(large_writes_and_patches, wf_start,
+                                        wf_end),
+        cmocka_unit_test_setup_teardown(links_and_permissions_stay, wf_start,
+                                        wf_end),
+        cmocka_unit_test_setup_teardown(folders, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(names, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(taken_names, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(full_disk, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(pipes, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(signals, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(no_clobber, wf_start, wf_end),
+        cmocka_unit_test_setup_teardown(checks, wf_start, wf_end),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

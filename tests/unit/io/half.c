@@ -1,0 +1,202 @@
+/* io/half: every half, and every place where rounding could go wrong. */
+#include "unit.h"
+#include "core/cpu.h"
+#include "io/half.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { HALFS = 65536 };
+
+static uint32_t bits_of(float f)
+{
+    uint32_t u;
+    memcpy(&u, &f, sizeof u);
+    return u;
+}
+
+static float float_of(uint32_t u)
+{
+    float f;
+    memcpy(&f, &u, sizeof f);
+    return f;
+}
+
+/* The definition of binary16, by ldexp; NaN is left to the caller. */
+static double half_value(unsigned h)
+{
+    int exponent = (int) (h >> 10 & 31);
+    int mantissa = (int) (h & 1023);
+    double v = exponent == 31 ? (double) INFINITY
+               : exponent ? ldexp(1024 + mantissa, exponent - 25)
+                          : ldexp(mantissa, -24);
+    return h & 0x8000 ? -v : v;
+}
+
+static int half_is_nan(unsigned h)
+{
+    return (h & 0x7c00) == 0x7c00 && (h & 1023);
+}
+
+static void all_halfs_to_float(void **state)
+{
+    (void) state;
+    static uint16_t in[HALFS];
+    static float out[HALFS];
+    for (unsigned h = 0; h < HALFS; h++)
+        in[h] = (uint16_t) h;
+    gp_half_to_float(in, out, HALFS);
+    for (unsigned h = 0; h < HALFS; h++) {
+        if (half_is_nan(h)) {
+            assert_true(isnan(out[h]));
+            assert_int_equal(bits_of(out[h]) >> 31, h >> 15);
+            assert_int_equal(bits_of(out[h]) >> 13 & 0x1ff, h & 0x1ff);
+            continue;
+        }
+        assert_true((double) out[h] == half_value(h));
+        assert_int_equal(bits_of(out[h]) >> 31, h >> 15); // -0
+    }
+}
+
+static void halfs_survive_the_round_trip(void **state)
+{
+    (void) state;
+    static uint16_t in[HALFS], back[HALFS];
+    static float mid[HALFS];
+    for (unsigned h = 0; h < HALFS; h++)
+        in[h] = (uint16_t) h;
+    gp_half_to_float(in, mid, HALFS);
+    assert_int_equal(gp_float_to_half(mid, back, HALFS), 0);
+    for (unsigned h = 0; h < HALFS; h++)
+        assert_int_equal(back[h], half_is_nan(h) ? h | 0x200 : h);
+}
+
+/* Between two neighbours the tie goes to the even one, and the floats next
+ * to the tie to the nearer one. */
+static void rounding_is_to_nearest_even(void **state)
+{
+    (void) state;
+    for (unsigned h = 0; h < 0x7bff; h++) {
+        double low = half_value(h), high = half_value(h + 1);
+        float tie = (float) ((low + high) / 2);
+        float in[6] = {nextafterf(tie, 0), tie, nextafterf(tie, 1e30f)};
+        uint16_t out[6];
+        for (int i = 0; i < 3; i++)
+            in[3 + i] = -in[i];
+        assert_int_equal(gp_float_to_half(in, out, 6), 0);
+        unsigned want[3] = {h, h & 1 ? h + 1 : h, h + 1};
+        for (int i = 0; i < 3; i++) {
+            assert_int_equal(out[i], want[i]);
+            assert_int_equal(out[3 + i], want[i] | 0x8000);
+        }
+    }
+}
+
+static void large_values_are_clamped_and_counted(void **state)
+{
+    (void) state;
+    static const struct {
+        float in;
+        unsigned out;
+        size_t clamped;
+    } row[] = {
+        {65504.0f, 0x7bff, 0},      {65519.996f, 0x7bff, 0},
+        {65520.0f, 0x7bff, 1},      {-65520.0f, 0xfbff, 1},
+        {3.4028235e38f, 0x7bff, 1}, {-3.4028235e38f, 0xfbff, 1},
+        {INFINITY, 0x7c00, 0},      {-INFINITY, 0xfc00, 0},
+        {0.0f, 0, 0},               {-0.0f, 0x8000, 0},
+        {1e-45f, 0, 0},             {2.9802322e-8f, 0, 0},
+        {2.9802326e-8f, 1, 0},      {-5.9604645e-8f, 0x8001, 0},
+        {6.1035156e-5f, 0x0400, 0}, {6.0975552e-5f, 0x03ff, 0},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        // once in the tail and once in a whole vector
+        float in[11];
+        uint16_t out[11];
+        for (int k = 0; k < 11; k++)
+            in[k] = row[i].in;
+        assert_int_equal(gp_float_to_half(in, out, 11), 11 * row[i].clamped);
+        for (int k = 0; k < 11; k++)
+            assert_int_equal(out[k], row[i].out);
+    }
+}
+
+static void nan_stays_nan(void **state)
+{
+    (void) state;
+    static const uint32_t in_bits[] = {0x7fc00000, 0x7f800001, 0xffc00001,
+                                       0xff812345, 0x7fffffff};
+    for (size_t i = 0; i < sizeof in_bits / sizeof *in_bits; i++) {
+        float in[9], again[9];
+        uint16_t out[9];
+        for (int k = 0; k < 9; k++)
+            again[k] = in[k] = float_of(in_bits[i]);
+        assert_int_equal(gp_float_to_half(in, out, 9), 0);
+        gp_half_round(again, 9);
+        for (int k = 0; k < 9; k++) {
+            assert_true(half_is_nan(out[k]));
+            assert_int_equal(out[k] >> 15, in_bits[i] >> 31);
+            assert_true(isnan(again[k]));
+        }
+    }
+}
+
+static void round_equals_there_and_back_but_overflows(void **state)
+{
+    (void) state;
+    float v[19], want[19];
+    uint16_t h[19];
+    uint32_t seed = 12345;
+    for (int turn = 0; turn < 20000; turn++) {
+        for (int i = 0; i < 19; i++) {
+            seed = seed * 1664525u + 1013904223u;
+            v[i] = float_of(seed);
+            if (isnan(v[i]) || fabsf(v[i]) >= 65520.0f)
+                v[i] = 1.0f / 3.0f;
+        }
+        (void) gp_float_to_half(v, h, 19);
+        gp_half_to_float(h, want, 19);
+        gp_half_round(v, 19);
+        assert_memory_equal(v, want, sizeof v);
+    }
+    float large[2] = {65520.0f, -1e9f};
+    gp_half_round(large, 2);
+    assert_true(isinf(large[0]) && large[0] > 0);
+    assert_true(isinf(large[1]) && large[1] < 0);
+}
+
+static int use_plain_form(void **state)
+{
+    (void) state;
+    return setenv("GLAREPP_CPU", "base", 1);
+}
+
+static int use_any_form(void **state)
+{
+    (void) state;
+    return unsetenv("GLAREPP_CPU");
+}
+
+#define TWICE(test)                                                           \
+    cmocka_unit_test_setup_teardown(test, use_any_form, use_any_form),        \
+    {#test " plain", test, use_plain_form, use_any_form, NULL}
+
+SUITE(half)
+{
+    const struct CMUnitTest tests[] = {
+        TWICE(all_halfs_to_float),
+        TWICE(halfs_survive_the_round_trip),
+        TWICE(rounding_is_to_nearest_even),
+        TWICE(large_values_are_clamped_and_counted),
+        TWICE(nan_stays_nan),
+        TWICE(round_equals_there_and_back_but_overflows),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,319 @@
+/* What --hdr keeps when layers and parts are made anew: bits of carried
+ * channels in every lossless compression, and chunks of other parts. */
+#include "unit.h"
+#include "exr_fixture.h"
+#include "write_fixture.h"
+
+#include "io/exr/origin.h"
+#include "io/read.h"
+
+static const struct gp_read_params read_params = GP_READ_DEFAULTS;
+static const struct gp_rect window = {-3, 5, 42, 45};
+
+// -- frames and files ---------------------------------------------------------
+
+static struct gp_frame read_as(const char *path, const char *view)
+{
+    struct gp_read_params p = read_params;
+    struct gp_frame f;
+    p.view = view;
+    if (gp_read_frame(&wf_log, &p, path, &f))
+        fail_msg("%s", wf_line);
+    return f;
+}
+
+/* Every carried channel of `a` is in `b` with its type and bits. */
+static void assert_carried(const struct gp_frame *a, const struct gp_frame *b)
+{
+    assert_int_equal(a->channels, b->channels);
+    for (int i = 0; i < a->channels; i++) {
+        const struct gp_channel *p = &a->channel[i], *q = &b->channel[i];
+        assert_string_equal(p->name, q->name);
+        assert_int_equal(p->colour, q->colour);
+        if (p->colour >= 0)
+            continue;
+        assert_int_equal(p->type, q->type);
+        assert_memory_equal(p->data, q->data, (size_t) p->w * (size_t) p->h *
+                                                  gp_type_size(p->type));
+    }
+}
+
+/* The chunks of a part are the same bytes in both files. */
+static void assert_chunks(const struct gp_frame *a, const struct gp_frame *b,
+                          int part)
+{
+    const struct gp_origin *o[2] = {gp_origin_of(a), gp_origin_of(b)};
+    int32_t n[2];
+    for (int k = 0; k < 2; k++)
+        assert_int_equal(exr_get_chunk_count(o[k]->exr, part, &n[k]), 0);
+    assert_int_equal(n[0], n[1]);
+    for (int i = 0; i < n[0]; i++) {
+        uint8_t *bytes[2];
+        exr_chunk_info_t c[2];
+        for (int k = 0; k < 2; k++) {
+            assert_int_equal(gp_origin_chunk(o[k], part, i, &c[k]), 0);
+            bytes[k] = malloc(c[k].packed_size + 1);
+            assert_int_equal(exr_read_chunk(o[k]->exr, part, &c[k], bytes[k]),
+                             0);
+        }
+        assert_int_equal(c[0].packed_size, c[1].packed_size);
+        assert_memory_equal(bytes[0], bytes[1], c[0].packed_size);
+        free(bytes[0]);
+        free(bytes[1]);
+    }
+}
+
+/* Planes of f's size in which every value is `add` larger than in f. */
+static struct gp_planes lit(const struct gp_frame *f, float add)
+{
+    struct gp_planes p;
+    assert_int_equal(gp_planes_make(NULL, "lit", gp_frame_pixels(f), &p), 0);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(f); i++)
+            p.c[c][i] = f->rgb.c[c][i] + add;
+    }
+    return p;
+}
+
+static void assert_lit(const struct gp_frame *f, const struct gp_planes *want)
+{
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(f->rgb.c[c], want->c[c], gp_frame_pixels(f) * 4);
+}
+
+// -- one part -----------------------------------------------------------------
+
+static const struct wf_channel mixed[] = {
+    {"A", GP_HALF, -1, 0, 0},
+    {"B", GP_HALF, 2, 0, 0},
+    {"CryptoObject00.A", GP_FLOAT, -1, 0, 0},
+    {"CryptoObject00.R", GP_FLOAT, -1, 0, 0},
+    {"G", GP_HALF, 1, 0, 0},
+    {"R", GP_HALF, 0, 0, 0},
+    {"Z", GP_FLOAT, -1, 0, 0},
+    {"diffuse.R", GP_FLOAT, -1, 0, 0},
+    {"id", GP_UINT, -1, 0, 0},
+    {"light.R", GP_HALF, -1, 0, 0},
+    {NULL, 0, 0, 0, 0},
+};
+
+static void carried_bits(void **state)
+{
+    (void) state;
+    struct gp_frame made = wf_frame(window, window, mixed);
+    wf_fill_bits(&made, false);
+    for (int c = GP_COMPRESSION_NONE; c <= GP_COMPRESSION_PIZ; c++) {
+        for (int type = GP_OUT_AUTO; type <= GP_OUT_FLOAT; type++) {
+            struct gp_write_params p = GP_WRITE_DEFAULTS;
+            struct gp_write_stats stats = {0};
+            p.compression = c;
+            p.type = type;
+            assert_int_equal(wf_write_hdr(&p, wf_path("a.exr"), &made,
+                                          &stats), GP_OK);
+            struct gp_frame a = read_as(wf_path("a.exr"), NULL);
+            assert_carried(&made, &a);
+            struct gp_planes planes = lit(&a, 1.0f);
+            const struct gp_hdr_colour set = {&a, &planes};
+            assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), &set,
+                                          1, &stats), GP_OK);
+            struct gp_frame b = read_as(wf_path("b.exr"), NULL);
+            assert_carried(&made, &b);
+            assert_lit(&b, &planes);
+            gp_planes_free(&planes);
+            gp_frame_free(&a);
+            gp_frame_free(&b);
+        }
+    }
+    gp_frame_free(&made);
+}
+
+// -- several colours ----------------------------------------------------------
+
+#define PART(label, ...)                                                      \
+    {.name = label, .data = FIXTURE_WINDOW(-3, 5, 45, 40),                    \
+     .compression = EXR_COMPRESSION_ZIPS, .channel = {__VA_ARGS__}}
+#define HALF EXR_PIXEL_HALF
+#define FLOAT EXR_PIXEL_FLOAT
+
+static void layers_in_one_part(void **state)
+{
+    (void) state;
+    static const struct wf_channel list[] = {
+        {"A", GP_HALF, -1, 0, 0},      {"B", GP_HALF, 2, 0, 0},
+        {"G", GP_HALF, 1, 0, 0},       {"R", GP_HALF, 0, 0, 0},
+        {"Z", GP_FLOAT, -1, 0, 0},     {"key.B", GP_FLOAT, -1, 0, 0},
+        {"key.G", GP_FLOAT, -1, 0, 0}, {"key.R", GP_FLOAT, -1, 0, 0},
+        {"mask", GP_FLOAT, -1, 0, 0},  {NULL, 0, 0, 0, 0},
+    };
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame made = wf_frame(window, window, list);
+    assert_int_equal(wf_write_hdr(&p, wf_path("a.exr"), &made, &stats), GP_OK);
+    struct gp_frame a = read_as(wf_path("a.exr"), NULL), key, mask, b, c;
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "key", &key), 0);
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "mask", &mask),
+                     0);
+    assert_int_equal(key.channels, 3);
+    assert_int_equal(key.colour_type, GP_FLOAT);
+    assert_int_equal(mask.channels, 1);
+    struct gp_planes pa = lit(&a, 1), pk = lit(&key, 2), pm = lit(&mask, 3);
+    const struct gp_hdr_colour set[3] = {{&a, &pa}, {&key, &pk}, {&mask, &pm}};
+    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 3,
+                                  &stats), GP_OK);
+    b = read_as(wf_path("b.exr"), NULL);
+    assert_lit(&b, &pa);
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "key", &c), 0);
+    assert_lit(&c, &pk);
+    gp_frame_free(&c);
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "mask", &c), 0);
+    assert_lit(&c, &pm);
+    gp_frame_free(&c);
+    assert_int_equal(b.channels, a.channels);
+    const struct gp_channel *z = gp_frame_channel(&b, "Z");
+    assert_memory_equal(z->data, gp_frame_channel(&a, "Z")->data,
+                        gp_frame_pixels(&a) * 4);
+    gp_frame_free(&b);
+    // the mask has a colour: a layer of its name, since R is the beauty's
+    pm.c[0][0] += 1.0f;
+    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 3,
+                                  &stats), GP_OK);
+    b = read_as(wf_path("b.exr"), NULL);
+    assert_null(gp_frame_channel(&b, "mask"));
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "mask", &c), 0);
+    assert_int_equal(c.model, GP_COLOUR_RGB);
+    assert_lit(&c, &pm);
+    assert_lit(&b, &pa);
+    gp_frame_free(&c);
+    gp_frame_free(&b);
+    struct gp_planes *const planes[] = {&pa, &pk, &pm};
+    struct gp_frame *const frames[] = {&key, &mask, &a, &made};
+    for (int i = 0; i < 3; i++)
+        gp_planes_free(planes[i]);
+    for (int i = 0; i < 4; i++)
+        gp_frame_free(frames[i]);
+}
+
+static void layers_in_parts(void **state)
+{
+    (void) state;
+    static const struct fixture file = {
+        .part = {PART("normals", RGB(FLOAT), {"Z", FLOAT, 0, 0}),
+                 PART("beauty", HALF_CH("A"), RGB(HALF)),
+                 PART("key", RGB(FLOAT), {"Z", FLOAT, 0, 0})},
+        .parts = 3,
+    };
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_read_params q = GP_READ_DEFAULTS;
+    fixture_write_file(wf_path("a.exr"), &file);
+    struct gp_frame a, key, b, c;
+    q.part = "beauty";
+    assert_int_equal(gp_read_frame(&wf_log, &q, wf_path("a.exr"), &a), 0);
+    assert_int_equal(a.part, 1);
+    assert_int_equal(gp_read_layer(&wf_log, &q, &a, "key", &key), 0);
+    struct gp_planes pa = lit(&a, 1), pk = lit(&key, 2);
+    const struct gp_hdr_colour set[2] = {{&a, &pa}, {&key, &pk}};
+    for (int n = 1; n <= 2; n++) {
+        assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, n,
+                                      &stats), GP_OK);
+        assert_int_equal(gp_read_frame(&wf_log, &q, wf_path("b.exr"), &b), 0);
+        assert_int_equal(b.part, 1);
+        assert_lit(&b, &pa);
+        assert_carried(&a, &b);
+        assert_chunks(&a, &b, 0);
+        if (n == 1)
+            assert_chunks(&a, &b, 2);
+        assert_int_equal(gp_read_layer(&wf_log, &q, &b, "key", &c), 0);
+        assert_lit(&c, n == 1 ? &key.rgb : &pk);
+        assert_carried(&key, &c);
+        gp_frame_free(&c);
+        gp_frame_free(&b);
+    }
+    gp_planes_free(&pa);
+    gp_planes_free(&pk);
+    gp_frame_free(&key);
+    gp_frame_free(&a);
+}
+
+static void add_views(exr_context_t exr, int part)
+{
+    const char *views[] = {"left", "right"};
+    assert_int_equal(exr_attr_set_string_vector(exr, part, "multiView", 2,
+                                                views), 0);
+}
+
+/* Both eyes of one part, each read as a frame of its own. */
+static void views_in_one_part(void **state)
+{
+    (void) state;
+    static const struct fixture file = {
+        .part = {PART(NULL, RGB(HALF), {"Z", FLOAT, 0, 0}, HALF_CH("right.B"),
+                      HALF_CH("right.G"), HALF_CH("right.R"))},
+        .more = add_views,
+    };
+    static const char *const view[2] = {"left", "right"};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame eye[2];
+    struct gp_planes planes[2];
+    struct gp_hdr_colour set[2];
+    fixture_write_file(wf_path("a.exr"), &file);
+    for (int i = 0; i < 2; i++) {
+        eye[i] = read_as(wf_path("a.exr"), view[i]);
+        planes[i] = lit(&eye[i], 1.0f + (float) i);
+        set[i] = (struct gp_hdr_colour) {&eye[i], &planes[i]};
+    }
+    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 2,
+                                  &stats), GP_OK);
+    for (int i = 0; i < 2; i++) {
+        struct gp_frame b = read_as(wf_path("b.exr"), view[i]);
+        assert_lit(&b, &planes[i]);
+        assert_int_equal(b.channels, 7);
+        assert_memory_equal(gp_frame_channel(&b, "Z")->data,
+                            gp_frame_channel(&eye[i], "Z")->data,
+                            gp_frame_pixels(&b) * 4);
+        gp_frame_free(&b);
+        gp_planes_free(&planes[i]);
+        gp_frame_free(&eye[i]);
+    }
+}
+
+static void refused(void **state)
+{
+    (void) state;
+    static const struct fixture file = {
+        .part = {PART("a", RGB(HALF), {"key", FLOAT, 0, 0}),
+                 PART("b", RGB(HALF))},
+        .parts = 2,
+    };
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame a, again, key;
+    fixture_write_file(wf_path("a.exr"), &file);
+    a = read_as(wf_path("a.exr"), NULL);
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "a", &again), 0);
+    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "key", &key), 0);
+    const struct gp_hdr_colour twice[2] = {{&a, &a.rgb}, {&again, &again.rgb}};
+    const struct gp_hdr_colour lone[1] = {{&key, &key.rgb}};
+    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), twice, 2,
+                                  &stats), GP_ERR_USAGE);
+    wf_assert_said("is the colour of 2 layers");
+    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), lone, 1,
+                                  &stats), GP_ERR_BUG);
+    assert_int_equal(wf_names(), 1);
+    gp_frame_free(&key);
+    gp_frame_free(&again);
+    gp_frame_free(&a);
+}
+
+SUITE(hdr_parts)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
+    const struct CMUnitTest tests[] = {
+        TEST(carried_bits),    TEST(layers_in_one_part),
+        TEST(layers_in_parts), TEST(views_in_one_part),
+        TEST(refused),
+    };
+    (void) lossless;
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,397 @@
+/* Which layer, part and view of a file is the frame: every way of naming one,
+ * and the lines for names that are not there. */
+#include "unit.h"
+#include "exr_fixture.h"
+#include "reading.h"
+
+#include "core/memory.h"
+#include "io/colour.h"
+#include "io/exr/read.h"
+#include "io/exr/view.h"
+
+enum { W = 13, H = 9 };
+
+// -- inputs -------------------------------------------------------------------
+
+static void add_view(exr_context_t exr, int part)
+{
+    static const char *const view[] = {"left", "right", "right"};
+    assert_int_equal(exr_attr_set_string(exr, part, "view", view[part]), 0);
+}
+
+static void add_views(exr_context_t exr, int part)
+{
+    const char *views[] = {"left", "right"};
+    assert_int_equal(exr_attr_set_string_vector(exr, part, "multiView", 2,
+                                                views), 0);
+}
+
+static void add_manifest(exr_context_t exr, int part)
+{
+    assert_int_equal(exr_attr_set_string(exr, part, "cryptomatte/1/name",
+                                         "aids"), 0);
+    assert_int_equal(exr_attr_set_string(exr, part, "cryptomatte/1/hash",
+                                         "light"), 0);
+}
+
+static void allow_long(exr_context_t exr, int part)
+{
+    (void) part;
+    assert_int_equal(exr_set_longname_support(exr, 1), 0);
+}
+
+#define PART(label, ...)                                                      \
+    {.name = label, .data = FIXTURE_WINDOW(-2, 3, W, H),                      \
+     .compression = EXR_COMPRESSION_ZIP, .channel = {__VA_ARGS__}}
+#define LAYER(name, type)                                                     \
+    {name ".B", type, 0, 0}, {name ".G", type, 0, 0}, {name ".R", type, 0, 0}
+#define HALF EXR_PIXEL_HALF
+#define FLOAT EXR_PIXEL_FLOAT
+
+static const struct fixture single = {
+    .part = {PART(NULL, RGB(HALF), LAYER("diffuse", FLOAT),
+                  {"grey", EXR_PIXEL_UINT, 0, 0}, HALF_CH("key.Y"))},
+};
+static const struct fixture parts = {
+    .part = {PART("rgba", RGB(HALF)),
+             PART("diffuse", RGB(FLOAT), {"Z", FLOAT, 0, 0}),
+             PART("rest", HALF_CH("spec.blue"), HALF_CH("spec.green"),
+                  HALF_CH("spec.red"))},
+    .parts = 3,
+};
+static const struct fixture stereo = {
+    .part = {PART("rgba.left", RGB(HALF)), PART("rgba_right", RGB(HALF)),
+             PART("diffuse.right", RGB(HALF))},
+    .parts = 3, .more = add_view,
+};
+static const struct fixture multiview = {
+    .part = {PART(NULL, RGB(HALF), HALF_CH("diffuse.R"),
+                  HALF_CH("diffuse.right.R"), LAYER("right", HALF))},
+    .more = add_views,
+};
+static const struct fixture ids = {
+    .part = {PART(NULL, LAYER("ViewLayer.CryptoObject00", FLOAT),
+                  LAYER("aids", HALF), LAYER("aids00", FLOAT),
+                  LAYER("light", HALF))},
+    .more = add_manifest,
+};
+static const struct fixture ids_part = {
+    .part = {PART("crypto_asset00", RGB(FLOAT)), PART("beauty", RGB(HALF))},
+    .parts = 2,
+};
+static const struct fixture windows = {
+    .part = {PART("rgba", RGB(HALF)),
+             {.name = "small", .data = FIXTURE_WINDOW(-2, 3, W, H - 1),
+              .compression = EXR_COMPRESSION_ZIP, .channel = {RGB(HALF)}}},
+    .parts = 2,
+};
+
+// -- looking ------------------------------------------------------------------
+
+static gp_status read_as(const struct fixture *file, const char *layer,
+                         const char *part, const char *view,
+                         struct gp_frame *f)
+{
+    struct gp_read_params p = GP_READ_DEFAULTS;
+    p.layer = layer;
+    p.part = part;
+    p.view = view;
+    snprintf(path, sizeof path, "%s/in.exr", folder);
+    fixture_write_file(path, file);
+    heard.line[0] = '\0';
+    heard.count = 0;
+    *f = (struct gp_frame) {0};
+    return gp_read_frame(&hear, &p, path, f);
+}
+
+/* Every pixel of each colour is that of the named channel. */
+static void assert_colour(const struct gp_frame *f, const char *const name[3])
+{
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < W * H; i++) {
+            const int x = i % W - 2, y = i / W + 3;
+            const float want =
+                !name[c] ? 0.0f
+                : strcmp(name[c], "grey") == 0
+                    ? (float) fixture_uint("grey", x, y)
+                    : fixture_value(name[c], x, y);
+            if (f->rgb.c[c][i] != want)
+                fail_msg("%s: pixel %d of colour %d is %g", name[c], i, c,
+                         (double) f->rgb.c[c][i]);
+        }
+    }
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *c = &f->channel[i];
+        if (c->colour >= 0)
+            assert_string_equal(c->name, name[c->colour]);
+    }
+}
+
+struct row {
+    const struct fixture *file;
+    const char *layer, *part, *view;
+    int want;             // part
+    const char *name[3];  // of the colour's channels
+};
+
+#define OF(l) {l ".R", l ".G", l ".B"}
+#define PLAIN {"R", "G", "B"}
+
+static void found(void **state)
+{
+    (void) state;
+    static const struct row rows[] = {
+        {&single, NULL, NULL, NULL, 0, PLAIN},
+        {&single, "", NULL, NULL, 0, PLAIN},
+        {&single, "diffuse", NULL, NULL, 0, OF("diffuse")},
+        {&single, "diffuse", "0", NULL, 0, OF("diffuse")},
+        {&single, "key", NULL, NULL, 0, {"key.Y", "key.Y", "key.Y"}},
+        {&single, "grey", NULL, NULL, 0, {"grey", "grey", "grey"}},
+        {&parts, NULL, NULL, NULL, 0, PLAIN},
+        {&parts, "rgba", NULL, NULL, 0, PLAIN},
+        {&parts, "diffuse", NULL, NULL, 1, PLAIN},
+        {&parts, NULL, "1", NULL, 1, PLAIN},
+        {&parts, NULL, "diffuse", NULL, 1, PLAIN},
+        {&parts, "Z", "1", NULL, 1, {"Z", "Z", "Z"}},
+        {&parts, NULL, "rest", NULL, 2,
+         {"spec.red", "spec.green", "spec.blue"}},
+        {&parts, "spec", NULL, NULL, 2,
+         {"spec.red", "spec.green", "spec.blue"}},
+        {&stereo, NULL, NULL, NULL, 0, PLAIN},
+        {&stereo, NULL, NULL, "left", 0, PLAIN},
+        {&stereo, NULL, NULL, "right", 1, PLAIN},
+        {&stereo, "rgba", NULL, "right", 1, PLAIN},
+        {&stereo, "rgba", NULL, NULL, 0, PLAIN},
+        {&stereo, "rgba_right", NULL, NULL, 1, PLAIN},
+        {&stereo, "right", NULL, NULL, 1, PLAIN},
+        {&stereo, "diffuse", NULL, NULL, 2, PLAIN},
+        {&stereo, "right.diffuse", NULL, NULL, 2, PLAIN},
+        {&stereo, "diffuse.right", NULL, NULL, 2, PLAIN},
+        {&stereo, NULL, "2", "right", 2, PLAIN},
+        {&multiview, NULL, NULL, NULL, 0, PLAIN},
+        {&multiview, NULL, NULL, "left", 0, PLAIN},
+        {&multiview, NULL, NULL, "right", 0, OF("right")},
+        {&multiview, "right", NULL, NULL, 0, OF("right")},
+        {&multiview, "left", NULL, NULL, 0, PLAIN},
+        {&multiview, "diffuse", NULL, "left", 0, {"diffuse.R", NULL, NULL}},
+        {&multiview, "diffuse", NULL, "right", 0,
+         {"diffuse.right.R", NULL, NULL}},
+        {&multiview, "right.diffuse", NULL, NULL, 0,
+         {"diffuse.right.R", NULL, NULL}},
+        {&multiview, "diffuse.right", NULL, NULL, 0,
+         {"diffuse.right.R", NULL, NULL}},
+        {&ids, NULL, NULL, NULL, 0, OF("light")},
+        {&ids, "light", NULL, NULL, 0, OF("light")},
+        {&ids_part, NULL, NULL, NULL, 1, PLAIN},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const struct row *r = &rows[i];
+        struct gp_frame f;
+        if (read_as(r->file, r->layer, r->part, r->view, &f))
+            fail_msg("row %zu: %s", i, heard.line);
+        assert_int_equal(f.part, r->want);
+        assert_int_equal(gp_origin_of(&f)->part, r->want);
+        assert_colour(&f, r->name);
+        gp_frame_free(&f);
+    }
+}
+
+static void not_found(void **state)
+{
+    (void) state;
+    static const struct {
+        const struct fixture *file;
+        const char *layer, *part, *view, *what;
+    } rows[] = {
+        {&single, "diff", NULL, NULL,
+         "has no layer diff (layers: diffuse, key; parts: 0 "},
+        {&single, "diffuse.R.", NULL, NULL, "has no layer diffuse.R. ("},
+        {&single, NULL, "1", NULL, "has no part 1 ("},
+        {&single, NULL, "-1", NULL, "has no part -1 ("},
+        {&single, NULL, "99999999999999999999", NULL, "has no part 9999"},
+        {&single, NULL, "", NULL, "has no part  ("},
+        {&single, NULL, NULL, "left", "has no view left ("},
+        {&parts, "spec", "0", NULL, "has no layer spec in part 0 (layers: "
+         "rgba, diffuse, spec; parts: 0 rgba, 1 diffuse, 2 rest; views: none"},
+        {&stereo, "diffuse", NULL, "left", "has no layer diffuse of view left"},
+        {&stereo, NULL, "0", "right", "has no colour in part 0 of view right"},
+        {&stereo, NULL, NULL, "mid", "views: left, right)"},
+        {&stereo, "mid.rgba", NULL, NULL, "layers: rgba, diffuse;"},
+        {&multiview, "right", NULL, "right", "has no layer right of view"},
+        {&multiview, "diffuse.mid", NULL, NULL, "views: left, right)"},
+        {&ids, "aids00", NULL, NULL, "aids00 is Cryptomatte"},
+        {&ids, "aids", NULL, NULL, "aids is Cryptomatte"},
+        {&ids, "aids00.R", NULL, NULL, "aids00.R is Cryptomatte"},
+        {&ids, "ViewLayer.CryptoObject", NULL, NULL, "of light: light)"},
+        {&ids, "ViewLayer.CryptoObject00", NULL, NULL, "is Cryptomatte"},
+        {&ids, "ViewLayer", NULL, NULL, "has no layer ViewLayer ("},
+        {&ids_part, "crypto_asset00", NULL, NULL, "is Cryptomatte"},
+        {&ids_part, "crypto_asset", NULL, NULL, "is Cryptomatte"},
+        {&ids_part, NULL, "0", NULL, "has no colour in part 0 ("},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct gp_frame f;
+        assert_int_equal(read_as(rows[i].file, rows[i].layer, rows[i].part,
+                                 rows[i].view, &f), GP_ERR_USAGE);
+        if (heard.count != 1 || !strstr(heard.line, rows[i].what) ||
+            !strstr(heard.line, "; give one of "))
+            fail_msg("row %zu: %s", i, heard.line);
+        assert_null(f.rgb.c[0]);
+    }
+}
+
+/* Many and long names: the line stays one that can be read. */
+static void long_lists(void **state)
+{
+    (void) state;
+    static char name[FIXTURE_CHANNELS][256];
+    struct fixture many = {.part = {PART(NULL)}, .more = allow_long};
+    for (int i = 0; i < FIXTURE_CHANNELS; i++) {
+        memset(name[i], 'a' + i, 253);
+        strcpy(name[i] + 253, ".R");
+        many.part[0].channel[i] =
+            (struct fixture_channel) {name[i], HALF, 0, 0};
+    }
+    struct gp_frame f;
+    char layer[600];
+    memset(layer, 'x', sizeof layer - 1);
+    layer[sizeof layer - 1] = '\0';
+    assert_int_equal(read_as(&many, layer, NULL, NULL, &f), GP_ERR_USAGE);
+    assert_int_equal(heard.count, 1);
+    assert_non_null(strstr(heard.line, ", ...; parts"));
+    assert_non_null(strstr(heard.line, "; give one of those"));
+    // the longest name that a channel can have is found
+    name[3][253] = '\0';
+    char own[256];
+    strcpy(own, name[3]);
+    strcpy(name[3] + 253, ".R");
+    assert_int_equal(read_as(&many, own, NULL, NULL, &f), GP_OK);
+    gp_frame_free(&f);
+}
+
+/* Deep parts have no colour; with a layer they are passed over. */
+static void deep(void **state)
+{
+    (void) state;
+    struct fixture file = {.part = {PART("deep", RGB(HALF))}};
+    file.part[0].deep = true;
+    file.part[0].compression = EXR_COMPRESSION_ZIPS; // deep data has no zip
+    struct gp_frame f;
+    assert_int_equal(read_as(&file, NULL, "0", NULL, &f), GP_ERR_DATA);
+    assert_non_null(strstr(heard.line, "deep data"));
+    assert_int_equal(read_as(&file, "deep", NULL, NULL, &f), GP_ERR_USAGE);
+}
+
+// -- further layers of an open file -------------------------------------------
+
+static void further(void **state)
+{
+    (void) state;
+    static const struct row rows[] = {
+        {&single, "diffuse", NULL, NULL, 0, OF("diffuse")},
+        {&single, "key", NULL, NULL, 0, {"key.Y", "key.Y", "key.Y"}},
+        {&single, "grey", NULL, NULL, 0, {"grey", "grey", "grey"}},
+        {&single, NULL, NULL, NULL, 0, PLAIN},
+        {&parts, "diffuse", NULL, NULL, 1, PLAIN},
+        {&parts, "spec", NULL, NULL, 2,
+         {"spec.red", "spec.green", "spec.blue"}},
+        {&stereo, NULL, NULL, "right", 1, PLAIN},
+        {&stereo, "diffuse", NULL, NULL, 2, PLAIN},
+        {&multiview, NULL, NULL, "right", 0, OF("right")},
+        {&multiview, "diffuse", NULL, "right", 0,
+         {"diffuse.right.R", NULL, NULL}},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        const struct row *r = &rows[i];
+        struct gp_read_params p = GP_READ_DEFAULTS;
+        struct gp_frame f, layer;
+        p.view = r->view;
+        p.part = "7"; // does not count
+        assert_int_equal(read_as(r->file, NULL, NULL, NULL, &f), GP_OK);
+        assert_int_equal(remove(path), 0); // it is not opened again
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][5] = -1.0f; // as a stage after the reader may
+        if (gp_read_layer(&hear, &p, &f, r->layer, &layer))
+            fail_msg("row %zu: %s", i, heard.line);
+        assert_int_equal(layer.part, r->want);
+        assert_memory_equal(&layer.data, &f.data, sizeof f.data);
+        assert_memory_equal(&layer.display, &f.display, sizeof f.data);
+        assert_ptr_equal(layer.origin, f.origin);
+        assert_colour(&layer, r->name);
+        gp_frame_free(&layer);
+        gp_frame_free(&f);
+    }
+}
+
+static void further_refused(void **state)
+{
+    (void) state;
+    static const struct {
+        const struct fixture *file;
+        const char *layer;
+        gp_status st;
+        const char *what;
+    } rows[] = {
+        {&parts, "none", GP_ERR_USAGE, "has no layer none ("},
+        {&ids, "aids00", GP_ERR_USAGE, "is Cryptomatte"},
+        {&windows, "small", GP_ERR_DATA, "data window of small (part 1)"},
+    };
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_frame f, layer = {0};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        assert_int_equal(read_as(rows[i].file, NULL, NULL, NULL, &f), GP_OK);
+        assert_int_equal(gp_read_layer(&hear, &p, &f, rows[i].layer, &layer),
+                         rows[i].st);
+        assert_int_equal(heard.count, 1);
+        assert_non_null(strstr(heard.line, rows[i].what));
+        assert_null(layer.rgb.c[0]);
+        gp_frame_free(&f);
+    }
+    f = (struct gp_frame) {.path = "made"};
+    assert_int_equal(gp_read_layer(&hear, &p, &f, "a", &layer), GP_ERR_USAGE);
+}
+
+// -- names alone --------------------------------------------------------------
+
+static void names(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name[4], *layer;
+        bool lone, found;
+        int index[3];
+    } rows[] = {
+        {{"a.R", "a.G", "a.B"}, "a", false, true, {0, 1, 2}},
+        {{"a.Red", "a.GREEN", "a.blue"}, "a", false, true, {0, 1, 2}},
+        {{"a.r", "a.g", "a.b"}, "a", false, false, {0}},
+        {{"a.b.R", "b.R"}, "a.b", false, true, {0, -1, -1}},
+        {{"ab.R", "a"}, "a", false, false, {0}},
+        {{"ab.R", "a"}, "a", true, true, {1, -1, -1}},
+        {{"a.Y", "a.RY", "a.BY"}, "a", false, true, {1, 0, 2}},
+        {{"R", "", "G"}, "", false, true, {0, 2, -1}},
+        {{"", "x"}, "", true, false, {0}},
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct gp_colour_choice c;
+        int n = 0;
+        while (n < 4 && rows[i].name[n])
+            n++;
+        const bool found = gp_find_layer_colour(rows[i].name, n, rows[i].layer,
+                                                rows[i].lone, &c);
+        if (found != rows[i].found ||
+            (found && memcmp(c.index, rows[i].index, sizeof c.index) != 0))
+            fail_msg("row %zu", i);
+    }
+}
+
+SUITE(layers)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(found),      cmocka_unit_test(not_found),
+        cmocka_unit_test(long_lists), cmocka_unit_test(deep),
+        cmocka_unit_test(further),    cmocka_unit_test(further_refused),
+        cmocka_unit_test(names),
+    };
+    (void) lossless;
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

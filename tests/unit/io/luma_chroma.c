@@ -1,0 +1,240 @@
+/* io/luma_chroma: laws; test_data compares it with OpenEXR's own results. */
+#include "unit.h"
+#include "core/luminance.h"
+#include "core/parallel.h"
+#include "io/half.h"
+#include "io/exr/luma_chroma.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { W = 46, H = 70, PIXELS = W * H };
+
+static float luma[PIXELS], red[PIXELS], blue[PIXELS]; // inputs
+static float out_r[PIXELS], out_g[PIXELS], out_b[PIXELS];
+static struct gp_planes out = {{out_r, out_g, out_b}};
+
+static struct gp_yc picture(int w, int h, int sampling, bool half)
+{
+    struct gp_yc yc = {
+        .w = w, .h = h, .xs = sampling, .ys = sampling, .y = luma, .ry = red,
+        .by = blue, .half = half,
+    };
+    gp_yc_weights(gp_rec709_chromaticities, yc.weight);
+    return yc;
+}
+
+static float random_unit(uint32_t *seed)
+{
+    *seed = *seed * 1664525u + 1013904223u;
+    return (float) (*seed >> 8) / 16777216.0f;
+}
+
+static void fill(float y, float ry, float by)
+{
+    for (int i = 0; i < PIXELS; i++) {
+        luma[i] = y;
+        red[i] = ry;
+        blue[i] = by;
+    }
+}
+
+static void fill_random(uint32_t seed)
+{
+    for (int i = 0; i < PIXELS; i++) {
+        luma[i] = random_unit(&seed) * 4.0f;
+        red[i] = random_unit(&seed) * 0.8f - 0.4f;
+        blue[i] = random_unit(&seed) * 0.8f - 0.4f;
+    }
+    gp_half_round(luma, PIXELS);
+    gp_half_round(red, PIXELS);
+    gp_half_round(blue, PIXELS);
+}
+
+/* Without chroma every pixel is its luminance, exactly, whatever it is. */
+static void grey_stays_grey(void **state)
+{
+    (void) state;
+    uint32_t seed = 5;
+    fill(0.0f, 0.0f, 0.0f);
+    for (int i = 0; i < PIXELS; i++)
+        luma[i] = random_unit(&seed) * 60000.0f;
+    luma[3] = INFINITY;
+    gp_half_round(luma, PIXELS);
+    for (int sampling = 1; sampling <= 2; sampling++) {
+        for (int half = 0; half < 2; half++) {
+            struct gp_yc yc = picture(W, H, sampling, half);
+            assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+            for (int c = 0; c < 3; c++)
+                assert_memory_equal(out.c[c], luma, sizeof luma);
+        }
+    }
+}
+
+/* One colour everywhere comes back but for the filter's sum of taps, which
+ * is 0.999996 + rounding. */
+static void one_colour_comes_back(void **state)
+{
+    (void) state;
+    const float rgb[3] = {0.9f, 0.5f, 0.3f};
+    for (int sampling = 1; sampling <= 2; sampling++) {
+        struct gp_yc yc = picture(W, H, sampling, false);
+        float y = yc.weight[0] * rgb[0] + yc.weight[1] * rgb[1] +
+                  yc.weight[2] * rgb[2];
+        fill(y, (rgb[0] - y) / y, (rgb[2] - y) / y);
+        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        for (int i = 0; i < PIXELS; i++) {
+            for (int c = 0; c < 3; c++)
+                assert_true(fabsf(out.c[c][i] - rgb[c]) < 2e-5f);
+        }
+    }
+}
+
+/* Chroma changes colour, never luminance: only where a component would be
+ * negative is light lost. */
+static void luminance_is_kept(void **state)
+{
+    (void) state;
+    fill_random(99);
+    struct gp_yc yc = picture(W, H, 2, false);
+    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    for (int i = 0; i < PIXELS; i++) {
+        float y = yc.weight[0] * out_r[i] + yc.weight[1] * out_g[i] +
+                  yc.weight[2] * out_b[i];
+        assert_true(fabsf(y - luma[i]) <= 1e-5f * luma[i] + 1e-7f);
+    }
+}
+
+/* Rounding to half at every step moves no value far. */
+static void half_steps_are_near(void **state)
+{
+    (void) state;
+    static float exact[3][PIXELS];
+    fill_random(7);
+    struct gp_yc yc = picture(W, H, 2, false);
+    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    for (int c = 0; c < 3; c++)
+        memcpy(exact[c], out.c[c], sizeof exact[c]);
+    yc.half = true;
+    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    for (int c = 0; c < 3; c++) {
+        float rounded[PIXELS];
+        memcpy(rounded, out.c[c], sizeof rounded);
+        gp_half_round(rounded, PIXELS);
+        assert_memory_equal(rounded, out.c[c], sizeof rounded);
+        for (int i = 0; i < PIXELS; i++)
+            assert_true(fabsf(out.c[c][i] - exact[c][i]) < 0.02f);
+    }
+}
+
+/* A chroma sample reaches 13 pixels, and 14 for its neighbours' saturation. */
+static void one_sample_reaches_no_further(void **state)
+{
+    (void) state;
+    static float before[3][PIXELS];
+    const int cx = 20, cy = 30;
+    fill_random(3);
+    struct gp_yc yc = picture(W, H, 2, true);
+    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    for (int c = 0; c < 3; c++)
+        memcpy(before[c], out.c[c], sizeof before[c]);
+    red[(cy / 2) * (W / 2) + cx / 2] = NAN;
+    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    int changed = 0;
+    for (int i = 0; i < PIXELS; i++) {
+        bool far = abs(i % W - cx) > 14 || abs(i / W - cy) > 14;
+        for (int c = 0; c < 3; c++) {
+            bool same = memcmp(&out.c[c][i], &before[c][i], 4) == 0;
+            assert_true(same || !far);
+            changed += !same;
+        }
+    }
+    assert_true(changed > 0);
+    assert_true(isnan(out_r[cy * W + cx]));
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void) state;
+    static float one[3][PIXELS];
+    fill_random(17);
+    struct gp_yc yc = picture(W, H, 2, true);
+    for (int threads = 1; threads <= 7; threads += 3) {
+        gp_set_threads(threads);
+        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        for (int c = 0; c < 3; c++) {
+            if (threads == 1)
+                memcpy(one[c], out.c[c], sizeof one[c]);
+            else
+                assert_memory_equal(one[c], out.c[c], sizeof one[c]);
+        }
+    }
+    gp_set_threads(0);
+}
+
+static void smallest_pictures(void **state)
+{
+    (void) state;
+    static const struct {
+        int w, h, sampling;
+    } row[] = {{2, 2, 2}, {2, 40, 2}, {40, 2, 2}, {1, 1, 1}, {1, 5, 1},
+               {3, 1, 1}, {4, 34, 2}};
+    fill(0.5f, 0.1f, -0.1f);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_yc yc = picture(row[i].w, row[i].h, row[i].sampling, true);
+        memset(out_g, 0, sizeof out_g);
+        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        for (int k = 0; k < row[i].w * row[i].h; k++) {
+            assert_true(fabsf(out_r[k] - 0.55f) < 1e-3f);
+            assert_true(fabsf(out_b[k] - 0.45f) < 1e-3f);
+        }
+        assert_true(out_g[row[i].w * row[i].h] == 0.0f); // and no more
+    }
+}
+
+static void weights_are_the_luminance_weights(void **state)
+{
+    (void) state;
+    static const float set[][8] = {
+        {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f},
+        {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f},
+        {0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f},
+    };
+    float got[3], want[3];
+    for (size_t i = 0; i < sizeof set / sizeof *set; i++) {
+        gp_yc_weights(set[i], got);
+        gp_luminance_weights(set[i], want);
+        for (int c = 0; c < 3; c++) // 0.2126 against 0.212639
+            assert_true(fabsf(got[c] - want[c]) < 1e-4f);
+    }
+    static const float bad[][8] = {
+        {0}, {NAN, 0, 0, 0, 0, 0, 0, 0}, {1, 0, 0, 0, 0, 0, 1, 1},
+        {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        gp_yc_weights(bad[i], got);
+        assert_memory_equal(got, gp_rec709_luminance, sizeof got);
+    }
+}
+
+SUITE(luma_chroma)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(grey_stays_grey),
+        cmocka_unit_test(one_colour_comes_back),
+        cmocka_unit_test(luminance_is_kept),
+        cmocka_unit_test(half_steps_are_near),
+        cmocka_unit_test(one_sample_reaches_no_further),
+        cmocka_unit_test(threads_change_nothing),
+        cmocka_unit_test(smallest_pictures),
+        cmocka_unit_test(weights_are_the_luminance_weights),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

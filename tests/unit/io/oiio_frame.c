@@ -1,0 +1,266 @@
+/* io: what the bridge read, made a frame. Needs no bridge: the images are
+ * made here. */
+#include "unit.h"
+#include "core/luminance.h"
+#include "io/half.h"
+#include "io/oiio/frame.h"
+
+#include "reading.h"
+
+#include <math.h>
+
+static const char *const rgba[] = {"R", "G", "B", "A"};
+
+/* A row of pixels; its windows are right. */
+static struct gp_oiio_image row_of(const char *const *names, int channels,
+                                   float *pixels, int w)
+{
+    return (struct gp_oiio_image) {
+        .w = w, .h = 1, .full_w = w, .full_h = 1, .channels = channels,
+        .channel_name = names, .pixels = pixels, .colour_space = "",
+    };
+}
+
+static gp_status make(const char *layer, const struct gp_oiio_image *image,
+                      struct gp_frame *f)
+{
+    heard.line[0] = '\0';
+    heard.count = 0;
+    *f = (struct gp_frame) {0};
+    return gp_frame_of_image(&hear, "a.tif", layer, image, f);
+}
+
+/* Values from the curves' definitions, by another program. 0.5 lies between
+ * two codes of 16 bits; the second value is a code. */
+static void curves(void **state)
+{
+    (void) state;
+    const float code = 13107.0f / 65535.0f; // 0.2
+    const struct {
+        const char *space;
+        int bits;
+        float half, fifth, error;
+    } row[] = {
+        {"sRGB", 8, 0.2140411f, 0.0331048f, 1e-6f},
+        {"srgb", 16, 0.2140411f, 0.0331048f, 1e-6f},
+        {"", 8, 0.2140411f, 0.0331048f, 1e-6f},
+        {"", 16, 0.5f, 0.2f, 0.0f},
+        {"sRGB", 0, 0.5f, 0.2f, 0.0f},
+        {"Rec709", 10, 0.2595894f, 0.0554267f, 1e-6f},
+        {"KodakLog", 10, 0.2560047f, 0.0143996f, 1e-6f},
+        {"cineon", 10, 0.2560047f, 0.0143996f, 1e-6f},
+        {"Gamma2.2", 8, 0.2176376f, 0.0289912f, 1e-6f},
+        {"GammaCorrected 1.75", 8, 0.2973018f, 0.0598140f, 1e-6f},
+        {"Gamma2.2:1", 8, 0.2176376f, 0.0289912f, 1e-6f},
+        {"Gamma 2.2 ", 8, 0.2176376f, 0.0289912f, 1e-6f},
+        {"gamma3", 16, 0.125f, 0.008f, 1e-6f},
+        {"Gamma", 8, 0.5f, 0.2f, 0.0f},
+        {"Linear", 8, 0.5f, 0.2f, 0.0f},
+        {"ACEScg", 16, 0.5f, 0.2f, 0.0f},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        float pixels[] = {0.5f, 0.5f, 0.5f, 0.5f, code, code, code, code};
+        struct gp_oiio_image image = row_of(rgba, 4, pixels, 2);
+        struct gp_frame f;
+        image.colour_space = row[i].space;
+        image.bits = row[i].bits;
+        assert_int_equal(make(NULL, &image, &f), GP_OK);
+        for (int c = 0; c < 3; c++) {
+            const float *v = f.rgb.c[c];
+            if (!(fabsf(v[0] - row[i].half) <= row[i].error &&
+                  fabsf(v[1] - row[i].fifth) <= row[i].error))
+                fail_msg("%s, %d bits: %.8g %.8g", row[i].space, row[i].bits,
+                         (double) v[0], (double) v[1]);
+        }
+        // coverage has no curve
+        const float *a = gp_frame_channel(&f, "A")->data;
+        assert_true(a[0] == 0.5f && a[1] == code);
+        gp_frame_free(&f);
+    }
+}
+
+/* Beyond the codes of the table the curve goes on; NaN stays one. */
+static void values_outside(void **state)
+{
+    (void) state;
+    float pixels[] = {-0.1f, 2.0f, NAN, 0.0f, 1.0f, INFINITY};
+    struct gp_oiio_image image = row_of(rgba, 3, pixels, 2);
+    struct gp_frame f;
+    image.colour_space = "Rec709";
+    image.bits = 16;
+    assert_int_equal(make(NULL, &image, &f), GP_OK);
+    assert_true(fabsf(f.rgb.c[0][0] + 0.1f / 4.5f) < 1e-7f);
+    assert_true(fabsf(f.rgb.c[1][0] - 4.211892f) < 1e-3f);
+    assert_true(isnan(f.rgb.c[2][0]));
+    assert_true(f.rgb.c[0][1] == 0.0f && f.rgb.c[1][1] == 1.0f);
+    assert_true(isinf(f.rgb.c[2][1]));
+    gp_frame_free(&f);
+}
+
+/* Which channels are the colour. */
+static void names(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name[4];
+        int channels;
+        const char *layer;
+        enum gp_colour_model model;
+        int from[3]; // -1: black
+    } row[] = {
+        {{"R", "G", "B"}, 3, NULL, GP_COLOUR_RGB, {0, 1, 2}},
+        {{"A", "B", "G", "R"}, 4, NULL, GP_COLOUR_RGB, {3, 2, 1}},
+        {{"Y"}, 1, NULL, GP_COLOUR_GREY, {0, 0, 0}},
+        {{"Y", "A"}, 2, NULL, GP_COLOUR_GREY, {0, 0, 0}},
+        // without a name that means colour
+        {{"one", "two", "three", "four"}, 4, NULL, GP_COLOUR_RGB, {0, 1, 2}},
+        {{"one", "two"}, 2, NULL, GP_COLOUR_GREY, {0, 0, 0}},
+        // luminance and chroma are EXR's alone
+        {{"BY", "RY", "Y"}, 3, NULL, GP_COLOUR_RGB, {0, 1, 2}},
+        {{"R", "B"}, 2, NULL, GP_COLOUR_RGB, {0, -1, 1}},
+        {{"sky.G", "Y"}, 2, "sky", GP_COLOUR_RGB, {-1, 0, -1}},
+        {{"R", "sky.R", "sky.G", "sky.B"}, 4, "sky", GP_COLOUR_RGB, {1, 2, 3}},
+        {{"R", "G", "B", "fog.Y"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
+        {{"R", "G", "B", "fog"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        float pixels[] = {1.0f, 2.0f, 3.0f, 4.0f};
+        const struct gp_oiio_image image =
+            row_of(row[i].name, row[i].channels, pixels, 1);
+        struct gp_frame f;
+        if (make(row[i].layer, &image, &f))
+            fail_msg("row %d: %s", (int) i, heard.line);
+        assert_int_equal(f.model, row[i].model);
+        assert_int_equal(f.channels, row[i].channels);
+        for (int c = 0; c < 3; c++) {
+            const float want = row[i].from[c] < 0 ? 0.0f
+                                                  : pixels[row[i].from[c]];
+            if (f.rgb.c[c][0] != want)
+                fail_msg("row %d, colour %d: %g", (int) i, c,
+                         (double) f.rgb.c[c][0]);
+        }
+        gp_frame_free(&f);
+    }
+}
+
+static void no_such_layer(void **state)
+{
+    (void) state;
+    float pixels[200] = {0};
+    static char text[200][64];
+    const char *many[200];
+    struct gp_frame f;
+    struct gp_oiio_image image = row_of(rgba, 4, pixels, 1);
+    assert_int_equal(make("sky", &image, &f), GP_ERR_USAGE);
+    assert_int_equal(heard.count, 1);
+    assert_non_null(strstr(heard.line, "a.tif: has no layer sky "
+                                       "(channels: R, G, B, A); "));
+    assert_null(f.rgb.c[0]);
+    // luminance and chroma are EXR's alone
+    static const char *const chroma[] = {"sky.BY", "sky.RY", "sky.Y", "A"};
+    image = row_of(chroma, 4, pixels, 1);
+    assert_int_equal(make("sky", &image, &f), GP_ERR_USAGE);
+    assert_non_null(strstr(heard.line, "(channels: sky.BY, sky.RY, sky.Y, A)"));
+    assert_null(f.rgb.c[0]);
+    // a list that is too long for a line is cut
+    for (int i = 0; i < 200; i++) {
+        snprintf(text[i], sizeof text[i], "a channel of a rather long name "
+                 "with number %d", i);
+        many[i] = text[i];
+    }
+    image = row_of(many, 200, pixels, 1);
+    assert_int_equal(make("sky", &image, &f), GP_ERR_USAGE);
+    assert_non_null(strstr(heard.line, many[0]));
+    assert_null(strstr(heard.line, many[199]));
+    assert_non_null(strstr(heard.line, "; give one of its layers"));
+}
+
+static void windows_and_attributes(void **state)
+{
+    (void) state;
+    static const float weird[] = {0.713f, 0.293f, 0.165f, 0.83f,
+                                  0.128f, 0.044f, 0.32168f, 0.33767f};
+    const struct {
+        const struct gp_oiio_attribute a;
+        float want;
+    } row[] = {
+        {{"PixelAspectRatio", 2, NULL, 0, 2.0f}, 2.0f},
+        {{"PixelAspectRatio", 2, NULL, 0, 0.0f}, 1.0f},
+        {{"PixelAspectRatio", 2, NULL, 0, -1.0f}, 1.0f},
+        {{"PixelAspectRatio", 2, NULL, 0, 1e9f}, 1.0f},
+        {{"PixelAspectRatio", 2, NULL, 0, NAN}, 1.0f},
+        {{"PixelAspectRatio", 1, NULL, 2, 0.0f}, 1.0f},
+        {{"Exposure", 2, NULL, 0, 2.0f}, 1.0f},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        float pixels[] = {1.0f, 2.0f, 3.0f, 0.333333f};
+        struct gp_oiio_image image = row_of(rgba, 4, pixels, 1);
+        struct gp_frame f;
+        image.x = -7;
+        image.y = 3;
+        image.half = 1;
+        image.full_w = i % 2 ? 40 : 0; // none: the data window
+        image.full_h = 30;
+        image.attribute = &row[i].a;
+        image.attributes = 1;
+        image.has_chromaticities = i % 2;
+        memcpy(image.chromaticities, weird, sizeof weird);
+        assert_int_equal(make(NULL, &image, &f), GP_OK);
+        assert_true(f.pixel_aspect == row[i].want);
+        assert_int_equal(f.data.x0, -7);
+        assert_int_equal(f.data.y1, 4);
+        assert_int_equal(f.display.x0, i % 2 ? 0 : -7);
+        assert_int_equal(f.display.x1, i % 2 ? 40 : -6);
+        assert_memory_equal(f.chromaticities,
+                            i % 2 ? weird : gp_rec709_chromaticities,
+                            sizeof weird);
+        const struct gp_channel *a = gp_frame_channel(&f, "A");
+        uint16_t half;
+        (void) gp_float_to_half(&pixels[3], &half, 1);
+        assert_int_equal(a->type, GP_HALF);
+        assert_int_equal(*(const uint16_t *) a->data, half);
+        gp_frame_free(&f);
+    }
+}
+
+/* Parts and views are looked at before the file is. */
+static void parts_and_views(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *part, *view, *says;
+    } row[] = {
+        {NULL, "left", "a.tif: has no view left"},
+        {"beauty", NULL, "a.tif: has no part beauty"},
+        {"", NULL, "a.tif: has no part "},
+        {"1b", NULL, "a.tif: has no part 1b"},
+        {"-1", NULL, "a.tif: has no part -1"},
+        {"123456789", NULL, "a.tif: has no part 123456789"},
+    };
+    const struct gp_stream none = GP_STREAM_EMPTY;
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_read_params p = GP_READ_DEFAULTS;
+        struct gp_frame f = {0};
+        p.part = row[i].part;
+        p.view = row[i].view;
+        heard.line[0] = '\0';
+        assert_int_equal(gp_read_other(&hear, &p, "a.tif", &none, &f),
+                         GP_ERR_USAGE);
+        if (!strstr(heard.line, row[i].says))
+            fail_msg("\"%s\" is not in: %s", row[i].says, heard.line);
+        assert_null(f.rgb.c[0]);
+    }
+}
+
+SUITE(oiio_frame)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(curves),
+        cmocka_unit_test(values_outside),
+        cmocka_unit_test(names),
+        cmocka_unit_test(no_such_layer),
+        cmocka_unit_test(windows_and_attributes),
+        cmocka_unit_test(parts_and_views),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

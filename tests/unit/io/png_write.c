@@ -1,0 +1,430 @@
+/* PNG and other display formats: pixels, windows, alpha, colour chunks. */
+#include "unit.h"
+#include "write_fixture.h"
+
+#include "core/parallel.h"
+#include "core/srgb.h"
+#include "io/oiio/oiio.h"
+#include "io/read.h"
+
+#include <math.h>
+#include <png.h>
+
+/* A PNG read back by libpng: all pixels and the chunks' names. */
+struct png {
+    int w, h, channels, bits;
+    uint8_t *bytes;   // w * h * channels samples, big-endian if 16 bits
+    char chunks[256]; // "IHDR sRGB ... IEND "
+    uint8_t *file;
+    size_t size;
+};
+
+static uint32_t big32(const uint8_t *p)
+{
+    return (uint32_t) p[0] << 24 | (uint32_t) p[1] << 16 |
+           (uint32_t) p[2] << 8 | p[3];
+}
+
+static struct png read_png(const char *path)
+{
+    struct png p = {0};
+    p.file = wf_read(path, &p.size);
+    for (size_t at = 8; at + 12 <= p.size; at += 12 + big32(p.file + at)) {
+        if (memcmp(p.file + at + 4, "IDAT", 4) == 0 && strstr(p.chunks, "IDAT"))
+            continue;
+        snprintf(p.chunks + strlen(p.chunks), 6, "%.4s ",
+                 (const char *) p.file + at + 4);
+    }
+    FILE *f = fopen(path, "rb");
+    png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, NULL,
+                                             NULL, NULL);
+    png_infop info = png_create_info_struct(png);
+    png_init_io(png, f);
+    png_read_png(png, info, PNG_TRANSFORM_IDENTITY, NULL); // aborts if bad
+    p.w = (int) png_get_image_width(png, info);
+    p.h = (int) png_get_image_height(png, info);
+    p.channels = png_get_channels(png, info);
+    p.bits = png_get_bit_depth(png, info);
+    const size_t row = png_get_rowbytes(png, info);
+    p.bytes = malloc(row * (size_t) p.h);
+    for (int y = 0; y < p.h; y++)
+        memcpy(p.bytes + (size_t) y * row, png_get_rows(png, info)[y], row);
+    png_destroy_read_struct(&png, &info, NULL);
+    fclose(f);
+    return p;
+}
+
+static void free_png(struct png *p)
+{
+    free(p->bytes);
+    free(p->file);
+}
+
+static int sample(const struct png *p, int x, int y, int c)
+{
+    const size_t i = ((size_t) y * (size_t) p->w + (size_t) x) *
+                     (size_t) p->channels + (size_t) c;
+    return p->bits == 8 ? p->bytes[i]
+                        : p->bytes[2 * i] << 8 | p->bytes[2 * i + 1];
+}
+
+/* Values that fill [0, 1] and go past both ends. */
+static void fill_unit(struct gp_frame *f)
+{
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(f); i++)
+            f->rgb.c[c][i] = f->rgb.c[c][i] / 12.0f + 0.5f;
+    }
+}
+
+static int plain(float v, int bits)
+{
+    return (int) (gp_srgb_encode(v) * (float) ((1 << bits) - 1) + 0.5f);
+}
+
+/* Every pixel of every window, against the plain formula. */
+static void pixels_and_windows(void **state)
+{
+    (void) state;
+    static const struct {
+        struct gp_rect data, display;
+    } rows[] = {
+        {{0, 0, 1, 1}, {0, 0, 1, 1}},
+        {{0, 0, 67, 45}, {0, 0, 67, 45}},
+        {{-5, -7, 30, 21}, {0, 0, 20, 10}},   // overscan
+        {{3, 4, 13, 9}, {0, 0, 20, 17}},      // a part of the picture
+        {{-9, 2, 5, 8}, {-4, -3, 12, 5}},     // both
+        {{50, 50, 60, 60}, {0, 0, 7, 5}},     // nothing in common
+        {{0, 0, 257, 1}, {0, 0, 257, 1}},
+        {{0, 0, 1, 300}, {0, 0, 1, 300}},
+    };
+    for (size_t i = 0; i < 2 * sizeof rows / sizeof *rows; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        struct gp_write_stats stats = {0};
+        const struct gp_rect data = rows[i / 2].data;
+        const struct gp_rect display = rows[i / 2].display;
+        struct gp_frame f = wf_frame(data, display, wf_rgb);
+        fill_unit(&f);
+        p.depth_bits = i % 2 ? 16 : 8;
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_OK);
+        struct png png = read_png(wf_path("a.png"));
+        assert_int_equal(png.w, gp_rect_w(display));
+        assert_int_equal(png.h, gp_rect_h(display));
+        assert_int_equal(png.bits, p.depth_bits);
+        assert_int_equal(png.channels, 3);
+        for (int k = 0; k < png.w * png.h * 3; k++) {
+            const int c = k % 3, x = k / 3 % png.w, y = k / 3 / png.w;
+            const int dx = x + display.x0 - data.x0;
+            const int dy = y + display.y0 - data.y0;
+            const bool in = dx >= 0 && dx < gp_rect_w(data) && dy >= 0 &&
+                            dy < gp_rect_h(data);
+            const float v =
+                in ? f.rgb.c[c][dy * gp_rect_w(data) + dx] : 0.0f;
+            assert_int_equal(sample(&png, x, y, c), plain(v, p.depth_bits));
+        }
+        free_png(&png);
+        gp_frame_free(&f);
+    }
+}
+
+static void nonfinite(void **state)
+{
+    (void) state;
+    static const float v[6] = {NAN, -NAN, INFINITY, -INFINITY, 1e30f, -0.0f};
+    static const int want[6] = {0, 0, 255, 0, 255, 0};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 6, 1};
+    struct gp_frame f = wf_frame(r, r, wf_all);
+    memcpy(f.rgb.c[1], v, sizeof v);
+    for (int dither = 0; dither < 2; dither++) {
+        p.dither = dither;
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_OK);
+        struct png png = read_png(wf_path("a.png"));
+        for (int x = 0; x < 6; x++)
+            assert_int_equal(sample(&png, x, 0, 1), want[x]);
+        free_png(&png);
+    }
+    gp_frame_free(&f);
+}
+
+/* Light over alpha: the picture over black is the picture without alpha. */
+static void alpha_keeps_light(void **state)
+{
+    (void) state;
+    static const struct wf_channel layered[] = {
+        {"A", GP_HALF, -1, 0, 0}, {"l.R", GP_HALF, 0, 0, 0},
+        {"l.G", GP_HALF, 1, 0, 0}, {"l.B", GP_HALF, 2, 0, 0},
+        {"l.Alpha", GP_FLOAT, -1, 0, 0}, {NULL, 0, 0, 0, 0},
+    };
+    static const float alpha[8] = {0, 0, 0.5f, 0.5f, 1, 1, 0.25f, NAN};
+    static const float light[8] = {0, 0.7f, 0.25f, 0.9f, 0.3f, 5, -1, 0.1f};
+    static const double want[8] = {0, 0.7, 0.5, 0.9, 1, 1, 0.25, 0.1};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 8, 1};
+    struct gp_frame f = wf_frame(r, r, layered);
+    memcpy(f.channel[4].data, alpha, sizeof alpha);
+    for (int c = 0; c < 3; c++) {
+        for (int x = 0; x < 8; x++)
+            f.rgb.c[c][x] = light[x] / (float) (c + 1);
+    }
+    p.alpha = GP_ALPHA_KEEP;
+    p.depth_bits = 16;
+    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                      &f.rgb, GP_PICTURE_SHOWN, &stats), 0);
+    struct png png = read_png(wf_path("a.png"));
+    assert_int_equal(png.channels, 4);
+    for (int x = 0; x < 8; x++) {
+        const double a = sample(&png, x, 0, 3) / 65535.0;
+        assert_true(fabs(a - want[x]) < 1e-5);
+        for (int c = 0; c < 3; c++) {
+            const double over = a * (double) gp_srgb_decode(
+                                        (float) sample(&png, x, 0, c) /
+                                        65535.0f);
+            const double v = (double) f.rgb.c[c][x];
+            const double shown = v > 1 ? 1 : v > 0 ? v : 0;
+            assert_true(fabs(over - shown) < 3e-5);
+        }
+    }
+    free_png(&png);
+    p.alpha = GP_ALPHA_BLACK; // the same light with no alpha at all
+    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                      &f.rgb, GP_PICTURE_SHOWN, &stats), 0);
+    png = read_png(wf_path("a.png"));
+    assert_int_equal(png.channels, 3);
+    for (int x = 0; x < 8; x++)
+        assert_int_equal(sample(&png, x, 0, 0), plain(f.rgb.c[0][x], 16));
+    free_png(&png);
+    gp_frame_free(&f);
+}
+
+static void colour_chunks(void **state)
+{
+    (void) state;
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 3, 2};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    for (int kind = GP_PICTURE_SCENE; kind <= GP_PICTURE_SHOWN; kind++) {
+        for (int wide = 0; wide < 2; wide++) {
+            f.chromaticities[0] = wide ? 0.65f : 0.64f;
+            f.pixel_aspect = wide ? 2.0f : 1.0f;
+            assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"),
+                                              &f, &f.rgb, kind, &stats), 0);
+            struct png png = read_png(wf_path("a.png"));
+            const bool srgb = kind == GP_PICTURE_SHOWN || !wide;
+            assert_int_equal(strstr(png.chunks, "sRGB") != NULL, srgb);
+            assert_int_equal(strstr(png.chunks, "cICP") != NULL, srgb);
+            assert_non_null(strstr(png.chunks, "gAMA"));
+            assert_non_null(strstr(png.chunks, "cHRM"));
+            assert_int_equal(strstr(png.chunks, "pHYs") != NULL, wide);
+            for (size_t at = 8; at < png.size;
+                 at += 12 + big32(png.file + at)) {
+                const uint8_t *chunk = png.file + at + 4;
+                if (memcmp(chunk, "gAMA", 4) == 0)
+                    assert_int_equal(big32(chunk + 4), 45455);
+                if (memcmp(chunk, "cHRM", 4) == 0)
+                    assert_int_equal(big32(chunk + 12), srgb ? 64000 : 65000);
+                if (memcmp(chunk, "pHYs", 4) == 0)
+                    assert_int_equal(2 * big32(chunk + 4), big32(chunk + 8));
+            }
+            free_png(&png);
+        }
+    }
+    gp_frame_free(&f);
+}
+
+/* Primaries that PNG cannot hold leave a picture without cHRM. */
+static void odd_primaries(void **state)
+{
+    (void) state;
+    static const float rows[][8] = {
+        {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f}, // AP0
+        {0.7f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
+        {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f},
+        {NAN, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
+        {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0},
+        {INFINITY, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
+    };
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 3, 2};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        memcpy(f.chromaticities, rows[i], sizeof rows[i]);
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                          &f.rgb, GP_PICTURE_SCENE, &stats),
+                         GP_OK);
+        struct png png = read_png(wf_path("a.png"));
+        assert_null(strstr(png.chunks, "cHRM"));
+        free_png(&png);
+    }
+    gp_frame_free(&f);
+}
+
+static void threads_and_places(void **state)
+{
+    (void) state;
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 333, 211};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    fill_unit(&f);
+    p.dither = true;
+    static const int threads[] = {1, 2, 7};
+    static const char *const name[] = {"1.png", "2.png", "7.png"};
+    for (int i = 0; i < 3; i++) {
+        gp_set_threads(threads[i]);
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path(name[i]), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_OK);
+        wf_assert_same(wf_path(name[0]), wf_path(name[i]));
+    }
+    gp_set_threads(0);
+    gp_frame_free(&f);
+}
+
+static void hostile_windows_and_full_disk(void **state)
+{
+    (void) state;
+    static const struct gp_rect windows[] = {
+        {-1000000000, -1000000000, 1000000000, 1000000000},
+        {0, 0, 1 << 20, 1 << 21},
+        {5, 5, 5, 9},
+    };
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 64, 64};
+    for (size_t i = 0; i < sizeof windows / sizeof *windows; i++) {
+        struct gp_frame f = wf_frame(r, windows[i], wf_rgb);
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_ERR_DATA);
+        wf_assert_said("display window");
+        gp_frame_free(&f);
+    }
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (access("/dev/full", W_OK) == 0) {
+        assert_int_equal(symlink("/dev/full", wf_path("full.png")), 0);
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("full.png"), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_ERR_IO);
+        wf_assert_said("full.png");
+        assert_int_equal(wf_names(), 1);
+    }
+    gp_frame_free(&f);
+}
+
+/* PFM is written here; the others by the bridge, where it was built. */
+static void other_formats(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        enum gp_out_type type;
+        double tolerance;  // of a linear value in [0, 1]
+    } rows[] = {
+        {"a.pfm", GP_OUT_AUTO, 0},      {"a.tif", GP_OUT_FLOAT, 0},
+        {"a.tif", GP_OUT_HALF, 3e-4},   {"a.tif", GP_OUT_AUTO, 5e-3},
+        {"a.hdr", GP_OUT_AUTO, 8e-3},   {"a.tga", GP_OUT_AUTO, 5e-3},
+        {"a.jpg", GP_OUT_AUTO, 0.2},    {"a.dpx", GP_OUT_AUTO, 5e-3},
+        {"a.bmp", GP_OUT_AUTO, 5e-3},
+    };
+    char why[512];
+    struct gp_write_stats stats = {0};
+    const struct gp_rect r = {0, 0, 32, 16};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    fill_unit(&f);
+    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++) {
+        float *v = &f.rgb.c[i % 3][i / 3]; // smooth, for JPEG
+        *v = (float) (i / 3 % 32) / 62.0f + (float) (i / 96) / 50.0f;
+    }
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        struct gp_read_params q = GP_READ_DEFAULTS;
+        struct gp_frame back;
+        if (!gp_oiio_open(why, sizeof why)) {
+            assert_int_equal(gp_write_check(&wf_log, &p, wf_path("a.tif")),
+                             GP_ERR_IO);
+            break;
+        }
+        p.type = rows[i].type;
+        assert_int_equal(gp_write_check(&wf_log, &p, wf_path(rows[i].name)),
+                         GP_OK);
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path(rows[i].name),
+                                          &f, &f.rgb, GP_PICTURE_SHOWN,
+                                          &stats), GP_OK);
+        assert_int_equal(gp_read_frame(&wf_log, &q, wf_path(rows[i].name),
+                                       &back), GP_OK);
+        assert_int_equal(gp_frame_pixels(&back), gp_frame_pixels(&f));
+        for (size_t k = 0; k < gp_frame_pixels(&f); k++) {
+            const double d = fabs((double) back.rgb.c[0][k] -
+                                  (double) f.rgb.c[0][k]);
+            if (!(d <= rows[i].tolerance))
+                fail_msg("%s row %zu: %g off by %g", rows[i].name, i,
+                         (double) f.rgb.c[0][k], d);
+        }
+        gp_frame_free(&back);
+        remove(wf_path(rows[i].name));
+    }
+    gp_frame_free(&f);
+}
+
+static void write_small(const char *name)
+{
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    const struct gp_rect r = {0, 0, 5, 3};
+    struct gp_write_stats stats = {0};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (gp_write_picture(&wf_log, &p, wf_path(name), &f, &f.rgb,
+                         GP_PICTURE_SHOWN, &stats))
+        fail_msg("%s", wf_line);
+    gp_frame_free(&f);
+}
+
+/* What OpenImageIO would put in: the time into TIFF, its stack into SGI, the
+ * number of a descriptor into DPX. */
+static void bytes_hold_no_time_and_no_memory(void **state)
+{
+    (void) state;
+    static const uint8_t none[100] = {0};
+    char why[512];
+    size_t size;
+    if (!gp_oiio_open(why, sizeof why))
+        skip();
+    write_small("a.tif");
+    write_small("a.sgi");
+    usleep(1100000); // TIFF counts seconds
+    write_small("b.tif");
+    wf_assert_same(wf_path("a.tif"), wf_path("b.tif"));
+    uint8_t *const sgi = wf_read(wf_path("a.sgi"), &size);
+    assert_true(size >= 512);
+    assert_memory_equal(sgi + 24, none, 80);
+    free(sgi);
+    write_small("a.dpx");
+    uint8_t *const dpx = wf_read(wf_path("a.dpx"), &size);
+    assert_true(size >= 2048);
+    assert_memory_equal(dpx + 36, none, 100);
+    free(dpx);
+    remove(wf_path("a.dpx"));
+    remove(wf_path("a.tif"));
+    remove(wf_path("b.tif"));
+    remove(wf_path("a.sgi"));
+}
+
+SUITE(png_write)
+{
+#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
+    const struct CMUnitTest tests[] = {
+        TEST(pixels_and_windows), TEST(nonfinite), TEST(alpha_keeps_light),
+        TEST(colour_chunks), TEST(odd_primaries), TEST(threads_and_places),
+        TEST(hostile_windows_and_full_disk), TEST(other_formats),
+        TEST(bytes_hold_no_time_and_no_memory),
+    };
+    return cmocka_run_group_tests(tests, find_bridges, NULL);
+}

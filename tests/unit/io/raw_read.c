@@ -1,0 +1,197 @@
+/* io/raw_read: every channel as stored, and which of them are light. */
+#include "unit.h"
+#include "io/raw_read.h"
+
+#include "bridge_here.h"
+#include "exr_fixture.h"
+#include "reading.h"
+
+#define HALVES EXR_PIXEL_HALF
+#define WIDE FIXTURE_WINDOW(0, 0, 512, 1)
+
+static const struct gp_read_params limits = GP_READ_DEFAULTS;
+
+/* Reads part 0 of a fixture. */
+static gp_status read_fixture(const struct fixture *f,
+                              struct gp_raw_image *out)
+{
+    struct gp_raw_file file;
+    snprintf(path, sizeof path, "%s/a.exr", folder);
+    fixture_write_file(path, f);
+    *out = (struct gp_raw_image) {0};
+    gp_status st = gp_raw_open(&hear, &limits, path, &file);
+    if (!st)
+        st = gp_raw_read(&hear, &limits, &file, 0, out);
+    gp_raw_close(&file);
+    return st;
+}
+
+static int index_of(const struct gp_raw_image *image, const char *name)
+{
+    for (int i = 0; i < image->channels; i++) {
+        if (strcmp(image->channel[i].name, name) == 0)
+            return i;
+    }
+    return -1;
+}
+
+static void light(void **state)
+{
+    (void) state;
+    static const struct {
+        struct fixture f;
+        const char *light[3]; // channels; NULL: no light at all
+    } row[] = {
+        {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE}}},
+         {"R", "G", "B"}},
+        {{.part = {{.channel = {{"Y", HALVES, 0, 0}}, .data = WIDE}}},
+         {"Y", "Y", "Y"}},
+        // the chroma is no light of its own
+        {{.part = {{.channel = {{"BY", HALVES, 2, 1}, {"RY", HALVES, 2, 1},
+                                {"Y", HALVES, 0, 0}}, .data = WIDE}}},
+         {"Y", "Y", "Y"}},
+        // one of the three is missing, or whole numbers
+        {{.part = {{.channel = {{"G", HALVES, 0, 0}, {"R", HALVES, 0, 0}},
+                    .data = WIDE}}}, {NULL}},
+        {{.part = {{.channel = {{"B", HALVES, 0, 0},
+                                {"G", EXR_PIXEL_UINT, 0, 0},
+                                {"R", HALVES, 0, 0}}, .data = WIDE}}},
+         {NULL}},
+        {{.part = {{.channel = {{"u", HALVES, 0, 0}, {"v", HALVES, 0, 0}},
+                    .data = WIDE}}}, {NULL}},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_raw_image image;
+        assert_int_equal(read_fixture(&row[i].f, &image), GP_OK);
+        for (int c = 0; c < 3; c++) {
+            const char *name = row[i].light[c];
+            const float *want =
+                name ? image.channel[index_of(&image, name)].v : NULL;
+            if (image.light[c] != want)
+                fail_msg("row %d, colour %d", (int) i, c);
+        }
+        gp_raw_image_free(&image);
+    }
+}
+
+/* At full resolution, uint as floats only where it was subsampled. */
+static void samples(void **state)
+{
+    (void) state;
+    static const struct fixture f = {
+        .part = {{.channel = {{"few", EXR_PIXEL_UINT, 2, 2},
+                              {"half", HALVES, 2, 1},
+                              {"id", EXR_PIXEL_UINT, 0, 0}},
+                  .data = FIXTURE_WINDOW(-4, 2, 8, 6)}},
+    };
+    struct gp_raw_image image;
+    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    const struct gp_raw_channel *id = &image.channel[index_of(&image, "id")];
+    const struct gp_raw_channel *few = &image.channel[index_of(&image, "few")];
+    const struct gp_raw_channel *half =
+        &image.channel[index_of(&image, "half")];
+    assert_true(id->whole);
+    assert_false(few->whole);
+    assert_false(half->whole);
+    for (int i = 0; i < 48; i++) {
+        const int x = i % 8 - 4, y = i / 8 + 2;
+        assert_int_equal(((const uint32_t *) id->v)[i],
+                         fixture_uint("id", x, y));
+        assert_true(((const float *) few->v)[i] ==
+                    (float) fixture_uint("few", x & ~1, y & ~1));
+        assert_true(((const float *) half->v)[i] ==
+                    fixture_value("half", x & ~1, y));
+    }
+    gp_raw_image_free(&image);
+}
+
+static void header(void **state)
+{
+    (void) state;
+    struct fixture f = {
+        .chromaticities = true,
+        .display = FIXTURE_WINDOW(-3, -2, 100, 50),
+        .part = {{.channel = {RGB(HALVES)}, .data = WIDE}},
+    };
+    struct gp_raw_image image;
+    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    assert_true(image.chromaticities[0] == fixture_ap0.red_x);
+    assert_true(image.chromaticities[5] == fixture_ap0.blue_y);
+    assert_true(image.chromaticities[7] == fixture_ap0.white_y);
+    assert_int_equal(image.display.x0, -3);
+    assert_int_equal(image.display.y1, 48);
+    assert_int_equal(image.data.x1, 512);
+    assert_false(image.deep);
+    gp_raw_image_free(&image);
+
+    f.part[0].deep = true; // nothing of it is read
+    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    assert_true(image.deep);
+    assert_int_equal(image.channels, 0);
+    gp_raw_image_free(&image);
+}
+
+/* -- DWA that is none ----------------------------------------------------------*/
+
+/* Says of a file's chunks, which are ZIP, that they are DWAA. Of so few rows
+ * both have one chunk. */
+static void call_dwaa(const struct fixture *f)
+{
+    static const char name[] = "compression\0compression\0\1\0\0";
+    size_t size;
+    uint8_t *bytes = fixture_make(f, &size);
+    uint8_t *at = memmem(bytes, size, name, sizeof name);
+    assert_non_null(at);
+    assert_int_equal(at[sizeof name], EXR_COMPRESSION_ZIP);
+    at[sizeof name] = EXR_COMPRESSION_DWAA;
+    snprintf(path, sizeof path, "%s/dwaa.exr", folder);
+    fixture_save(path, bytes, size);
+    free(bytes);
+}
+
+static void dwa_that_is_none(void **state)
+{
+    (void) state;
+    static const struct {
+        struct fixture f;
+        const char *says; // NULL: by the bridge, if there is one
+    } row[] = {
+        {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE,
+                    .compression = EXR_COMPRESSION_ZIP}}}, NULL},
+        {{.part = {{.channel = {{"BY", HALVES, 2, 2}, {"RY", HALVES, 2, 2},
+                                {"Y", HALVES, 0, 0}},
+                    .data = FIXTURE_WINDOW(0, 0, 512, 2),
+                    .compression = EXR_COMPRESSION_ZIP}}},
+         "is subsampled and DWA compressed"},
+        {{.part = {{.channel = {RGB(HALVES), {"low", HALVES, 0, 2}},
+                    .data = FIXTURE_WINDOW(0, 0, 512, 2),
+                    .compression = EXR_COMPRESSION_ZIP}}},
+         "channel low is subsampled and DWA compressed"},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_frame f;
+        call_dwaa(&row[i].f);
+        const gp_status st = read_file(path, &f);
+        assert_true(st == GP_ERR_DATA || (st == GP_ERR_IO && !row[i].says));
+        assert_int_equal(heard.count, 1);
+        if (!strstr(heard.line, row[i].says ? row[i].says : "; "))
+            fail_msg("row %d: %s", (int) i, heard.line);
+        assert_null(f.rgb.c[0]);
+    }
+}
+
+static int start(void **state)
+{
+    return find_bridges(state) || make_folder(state);
+}
+
+SUITE(raw_read)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(light),
+        cmocka_unit_test(samples),
+        cmocka_unit_test(header),
+        cmocka_unit_test(dwa_that_is_none),
+    };
+    return cmocka_run_group_tests(tests, start, remove_folder);
+}

@@ -1,0 +1,32 @@
+/* A log that keeps the last error's line and counts the errors. */
+#ifndef GP_TESTS_SAID_H
+#define GP_TESTS_SAID_H
+
+#include "core/status.h"
+
+#include <stdatomic.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static char said_line[1024];
+static int said_errors;
+
+static inline void said_keep(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
+        return;
+    said_errors++;
+    snprintf(said_line, sizeof said_line, "%s", line);
+}
+
+static const struct gp_log said_log = {said_keep, NULL, GP_LEVEL_WARN};
+
+static inline void said_nothing(void)
+{
+    said_errors = 0;
+    said_line[0] = '\0';
+}
+
+#endif

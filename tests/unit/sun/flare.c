@@ -1,0 +1,447 @@
+/* flare: files are read strictly; totals, places and edges hold. */
+#include "unit.h"
+#include "core/parallel.h"
+#include "flare_scene.h"
+
+#include <stdlib.h>
+#include <unistd.h>
+
+/* -- files ----------------------------------------------------------------- */
+
+static gp_status read_text(const char *text, struct gp_flare *out)
+{
+    char path[] = "/tmp/glarepp-flare-XXXXXX";
+    const int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(write(fd, text, strlen(text)), (ssize_t) strlen(text));
+    close(fd);
+    const gp_status st = gp_flare_read(&log_kept, path, out);
+    unlink(path);
+    return st;
+}
+
+static void reads_elements(void **state)
+{
+    (void) state;
+    struct gp_flare f = {0};
+    assert_int_equal(read_text(
+        "{\"elements\": [{\"shape\": \"disc\"},"
+        "{\"shape\": \"streak\", \"color\": [1, 2, 3], \"rotation\": -30},"
+        "{\"shape\": \"polygon\", \"sides\": 8, \"position\": 2,"
+        " \"scale\": [1, 1.5, 2], \"size\": 0.25, \"color\": 0.5},"
+        "{\"shape\": \"ring\", \"width\": 0.5},"
+        "{\"shape\": \"image\", \"image\": \"a/b.exr\"},"
+        "{\"shape\": \"image\", \"image\": \"/c.exr\"}]}", &f), GP_OK);
+    assert_int_equal(f.n, 6);
+    assert_int_equal(f.element[0].shape, GP_FLARE_DISC);
+    assert_true(f.element[0].size == 0.1 && f.element[0].at == 0.0);
+    assert_true(f.element[0].colour[1] == 0.01f);
+    assert_true(f.element[0].scale[2] == 1.0f && !f.element[0].path);
+    assert_true(f.element[1].width == 0.01 && f.element[1].rotation == -30.0);
+    assert_true(f.element[1].colour[2] == 3.0f);
+    assert_int_equal(f.element[2].sides, 8);
+    assert_true(f.element[2].scale[1] == 1.5f);
+    assert_true(f.element[2].colour[0] == 0.5f);
+    assert_true(f.element[2].colour[2] == 0.5f);
+    assert_true(f.element[3].width == 0.5);
+    assert_string_equal(f.element[4].path, "/tmp/a/b.exr");
+    assert_string_equal(f.element[5].path, "/c.exr");
+    gp_flare_free(&f);
+    assert_null(f.element);
+    assert_int_equal(read_text("[]", &f), GP_OK);
+    assert_int_equal(f.n, 0);
+    gp_flare_free(&f);
+}
+
+static void refuses_elements(void **state)
+{
+    static const struct {
+        const char *text, *says;
+    } rows[] = {
+        {"[{}]", "element 1"},
+        {"[{\"size\": 1}]", "shape"},
+        {"[{\"shape\": \"disc\"}, {\"shape\": \"blob\"}]", "element 2"},
+        {"[{\"shape\": \"disc\", \"colour\": 1}]", "colour"},
+        {"[{\"shape\": \"disc\", \"sides\": 5}]", "sides"},
+        {"[{\"shape\": \"disc\", \"size\": 11}]", "size"},
+        {"[{\"shape\": \"disc\", \"size\": -1}]", "size"},
+        {"[{\"shape\": \"disc\", \"position\": 11}]", "position"},
+        {"[{\"shape\": \"disc\", \"color\": [1, 2]}]", "color"},
+        {"[{\"shape\": \"disc\", \"color\": 1e7}]", "color"},
+        {"[{\"shape\": \"disc\", \"scale\": [1, 1, 0]}]", "scale"},
+        {"[{\"shape\": \"disc\", \"scale\": 1}]", "scale"},
+        {"[{\"shape\": \"ring\", \"width\": 0}]", "width"},
+        {"[{\"shape\": \"ring\", \"width\": 2}]", "width"},
+        {"[{\"shape\": \"polygon\", \"sides\": 2}]", "sides"},
+        {"[{\"shape\": \"polygon\", \"sides\": 65}]", "sides"},
+        {"[{\"shape\": \"polygon\", \"sides\": 3.5}]", "sides"},
+        {"[{\"shape\": \"image\"}]", "image"},
+        {"[{\"shape\": \"image\", \"image\": \"\"}]", "image"},
+        {"[{\"shape\": \"disc\", \"rotation\": \"x\"}]", "rotation"},
+        {"[3]", "element 1"},
+        {"{\"lights\": []}", "elements"},
+        {"[{\"shape\": \"disc\"", "/tmp/glarepp-flare-"},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_flare f = {.n = -7};
+        assert_int_equal(read_text(rows[i].text, &f), GP_ERR_DATA);
+        assert_int_equal(f.n, -7);
+        if (!strstr(last_line, rows[i].says))
+            fail_msg("\"%s\" is not in \"%s\"", rows[i].says, last_line);
+    }
+    struct gp_flare f;
+    assert_int_equal(gp_flare_read(&log_kept, "/nonexistent/f.json", &f),
+                     GP_ERR_IO);
+}
+
+/* The example reads, and takes less than a hundredth of the light. */
+static void example_is_faint(void **state)
+{
+    (void) state;
+    struct gp_flare f = {0};
+    double share[3] = {0};
+    assert_int_equal(gp_flare_read(&log_kept, "examples/flare.json", &f),
+                     GP_OK);
+    assert_int_equal(f.n, 8);
+    for (int i = 0; i < f.n; i++) {
+        for (int c = 0; c < 3; c++)
+            share[c] += (double) f.element[i].colour[c];
+    }
+    for (int c = 0; c < 3; c++)
+        assert_true(share[c] > 0.001 && share[c] < 0.01);
+    gp_flare_free(&f);
+}
+
+static void refuses_too_many(void **state)
+{
+    (void) state;
+    char *const text = malloc(1025 * 20 + 3);
+    char *p = text;
+    struct gp_flare f = {0};
+    assert_non_null(text);
+    *p++ = '[';
+    for (int i = 0; i < 1025; i++)
+        p += sprintf(p, "%s{\"shape\":\"disc\"}", i ? "," : "");
+    strcpy(p, "]");
+    assert_int_equal(read_text(text, &f), GP_ERR_DATA);
+    free(text);
+}
+
+static void centroid(const struct picture *p, int c, double *x, double *y)
+{
+    const int w = gp_rect_w(p->frame);
+    double sum = 0.0;
+    *x = *y = 0.0;
+    for (size_t i = 0; i < picture_pixels(p); i++) {
+        const double v = (double) p->layer.c[c][i];
+        *x += v * ((double) (i % (size_t) w) + 0.5 + p->frame.x0);
+        *y += v * ((double) (i / (size_t) w) + 0.5 + p->frame.y0);
+        sum += v;
+    }
+    *x /= sum;
+    *y /= sum;
+}
+
+/* -- laws ------------------------------------------------------------------ */
+
+static void totals_hold(void **state)
+{
+    static const double places[][2] = {
+        {200.0, 150.0}, {200.5, 150.5}, {200.25, 150.625}, {199.9, 150.4},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(laws); i++) {
+        struct gp_flare_element e = whole(laws[i]);
+        const struct gp_flare f = {&e, 1};
+        for (size_t k = 0; k < COUNT(places); k++) {
+            struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
+                                            (struct gp_rect) {0, 0, 400, 300});
+            struct gp_light l = light_at(places[k][0], places[k][1]);
+            l.visibility = 0.75;
+            add(&p, &f, &l, 1);
+            for (int c = 0; c < 3; c++) {
+                const double want = (double) e.colour[c] *
+                                    (double) l.flux[c] * 0.75;
+                if (!(fabs(total(&p, c) / want - 1.0) < 1e-3))
+                    fail_msg("element %zu place %zu channel %d: %g, not %g",
+                             i, k, c, total(&p, c), want);
+            }
+            picture_free(&p);
+        }
+    }
+}
+
+/* At 0 the light, 1 the centre, 2 mirrored; of a display that is not the
+ * frame. */
+static void places_lie_on_the_axis(void **state)
+{
+    (void) state;
+    for (int k = 0; k <= 4; k++) {
+        struct picture p = picture_make((struct gp_rect) {-60, -50, 340, 250},
+                                        (struct gp_rect) {-20, -10, 300, 210});
+        struct gp_flare_element e = ELEMENT(.size = 0.1, .at = 0.5 * k);
+        const struct gp_flare f = {&e, 1};
+        const struct gp_light l = light_at(60.3, 40.8);
+        double x, y;
+        add(&p, &f, &l, 1);
+        centroid(&p, 1, &x, &y);
+        assert_true(fabs(x - (60.3 + 0.5 * k * (140.0 - 60.3))) < 0.01);
+        assert_true(fabs(y - (40.8 + 0.5 * k * (100.0 - 40.8))) < 0.01);
+        picture_free(&p);
+    }
+}
+
+/* Counter-clockwise as seen: a streak at 30 degrees goes up to the right. */
+static void rotation_is_counter_clockwise(void **state)
+{
+    (void) state;
+    struct picture p = picture_make((struct gp_rect) {0, 0, 200, 200},
+                                    (struct gp_rect) {0, 0, 200, 200});
+    struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_STREAK, .size = 0.8,
+                                        .rotation = 30.0);
+    const struct gp_flare f = {&e, 1};
+    const struct gp_light l = light_at(100.0, 100.0);
+    add(&p, &f, &l, 1);
+    const int x = 100 + (int) (30.0 * cos(0.5235987756));
+    const int up = 100 - (int) (30.0 * sin(0.5235987756)) - 1;
+    assert_true(p.layer.c[0][up * 200 + x] > 0.0f);
+    assert_true(p.layer.c[0][(200 - up) * 200 + x] == 0.0f);
+    picture_free(&p);
+}
+
+/* A step of 1/8 pixel: a quarter of the peak is what the exact area of a dot
+ * of one pixel would change, and what is larger changes less. */
+static void small_steps_are_small(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < COUNT(laws); i++) {
+        struct gp_flare_element e = whole(laws[i]);
+        const struct gp_flare f = {&e, 1};
+        struct picture was = {0};
+        for (int k = 0; k < 9; k++) {
+            struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
+                                            (struct gp_rect) {0, 0, 400, 300});
+            const struct gp_light l = light_at(200.0 + k / 8.0, 150.3);
+            float peak = 0.0f, step = 0.0f;
+            add(&p, &f, &l, 1);
+            for (size_t at = 0; k > 0 && at < picture_pixels(&p); at++) {
+                const float a = p.layer.c[1][at], b = was.layer.c[1][at];
+                peak = fmaxf(peak, fmaxf(a, b));
+                step = fmaxf(step, fabsf(a - b));
+            }
+            if (step > (e.size < 0.05 ? 0.3f : 0.2f) * peak)
+                fail_msg("element %zu step %d: %g of %g", i, k, (double) step,
+                         (double) peak);
+            picture_free(&was);
+            was = p;
+        }
+        picture_free(&was);
+    }
+}
+
+/* Pixels outside of the reach stay 0, and some inside do not. */
+static void reach_holds_all(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < COUNT(laws); i++) {
+        struct gp_flare_element e = whole(laws[i]);
+        const struct gp_flare f = {&e, 1};
+        struct picture p = picture_make((struct gp_rect) {-9, 11, 311, 251},
+                                        (struct gp_rect) {0, 0, 300, 300});
+        const struct gp_light l = light_at(281.6, 207.1);
+        const struct gp_rect r = gp_flare_reach(&e, &l, p.frame, p.display);
+        add(&p, &f, &l, 1);
+        assert_true(total(&p, 0) > 0.0);
+        for (int y = p.frame.y0; y < p.frame.y1; y++) {
+            for (int x = p.frame.x0; x < p.frame.x1; x++) {
+                const bool inside = x >= r.x0 && x < r.x1 && y >= r.y0 &&
+                                    y < r.y1;
+                const int at = (y - 11) * 320 + x + 9;
+                if (!inside)
+                    assert_true(p.layer.c[0][at] == 0.0f);
+                assert_true(p.layer.c[2][at] >= 0.0f);
+            }
+        }
+        picture_free(&p);
+    }
+}
+
+/* -- images ---------------------------------------------------------------- */
+
+static void plain_images_keep_total_and_centroid(void **state)
+{
+    static const struct {
+        int w, h;
+        double x, y;
+    } rows[] = {
+        {64, 64, 100.0, 90.0}, {33, 17, 100.3, 90.7}, {1, 1, 100.49, 90.51},
+        {64, 64, 99.125, 88.875}, {2, 3, 100.5, 90.5}, {127, 128, 100.2, 91.0},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_IMAGE,
+                                            .plain = true, .size = 9,
+                                            .rotation = 33);
+        e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2 + 0.5,
+                             rows[i].h / 2 + 0.5, true);
+        const struct gp_flare f = {&e, 1};
+        const struct gp_light l = light_at(rows[i].x, rows[i].y);
+        struct picture p = picture_make((struct gp_rect) {0, 0, 200, 180},
+                                        (struct gp_rect) {0, 0, 200, 180});
+        struct picture of = {.frame = {0, 0, rows[i].w, rows[i].h},
+                             .layer = e.image.rgb};
+        double x, y, ix, iy;
+        add(&p, &f, &l, 1);
+        centroid(&p, 0, &x, &y);
+        centroid(&of, 0, &ix, &iy);
+        assert_true(fabs(x - rows[i].x - ix + e.image.cx) < 1e-4);
+        assert_true(fabs(y - rows[i].y - iy + e.image.cy) < 1e-4);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(total(&p, c) / (total(&of, c) *
+                                             (double) l.flux[c]) - 1.0) <
+                        1e-6);
+        gp_planes_free(&e.image.rgb);
+        picture_free(&p);
+    }
+}
+
+static void scaled_images_keep_their_totals(void **state)
+{
+    static const struct {
+        int w, h;
+        double size, rotation;
+        float scale[3];
+        bool hot;
+    } rows[] = {
+        {64, 48, 0.5, 0.0, {1, 1, 1}, false},
+        {64, 48, 0.5, 30.0, {1, 0.5f, 1.2f}, false},
+        {501, 300, 0.4, 10.0, {1, 1, 1}, false},
+        {501, 300, 0.05, 0.0, {1, 2, 3}, true},
+        {64, 64, 0.001, 0.0, {1, 1, 1}, true},
+        {1, 1, 0.2, 45.0, {1, 1, 1}, false},
+        {3, 500, 0.2, 45.0, {1, 1.5f, 1}, false},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_flare_element e = ELEMENT(
+            .shape = GP_FLARE_IMAGE, .size = rows[i].size,
+            .rotation = rows[i].rotation);
+        memcpy(e.scale, rows[i].scale, sizeof e.scale);
+        e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2.0,
+                             rows[i].h / 2.0, rows[i].hot);
+        const struct gp_flare f = {&e, 1};
+        const struct gp_light l = light_at(200.3, 150.8);
+        struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
+                                        (struct gp_rect) {0, 0, 400, 300});
+        const double y = 0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722;
+        add(&p, &f, &l, 1);
+        for (int c = 0; c < 3; c++) {
+            const double want = (c + 1) / y * (double) e.colour[c] *
+                                (double) l.flux[c];
+            if (!(fabs(total(&p, c) / want - 1.0) < 1e-3))
+                fail_msg("image %zu channel %d: %g, not %g", i, c,
+                         total(&p, c), want);
+        }
+        gp_planes_free(&e.image.rgb);
+        picture_free(&p);
+    }
+}
+
+/* -- hard cases ------------------------------------------------------------ */
+
+static void unseen_lights_draw_nothing(void **state)
+{
+    (void) state;
+    struct gp_light rows[8];
+    for (int i = 0; i < 8; i++)
+        rows[i] = light_at(20.0, 20.0);
+    rows[0].visibility = 0.0;
+    rows[1].behind = true;
+    rows[2].x = (double) NAN;
+    rows[3].y = (double) INFINITY;
+    rows[4].x = -1e300;
+    rows[5].x = 1e6;
+    rows[6].visibility = (double) NAN;
+    memset(rows[7].flux, 0, sizeof rows[7].flux);
+    for (size_t i = 0; i < COUNT(laws); i++) {
+        struct gp_flare_element e = whole(laws[i]);
+        const struct gp_flare f = {&e, 1};
+        struct picture p = picture_make((struct gp_rect) {0, 0, 40, 30},
+                                        (struct gp_rect) {0, 0, 40, 30});
+        add(&p, &f, rows, 8);
+        for (int c = 0; c < 3; c++)
+            assert_true(total(&p, c) == 0.0);
+        picture_free(&p);
+    }
+}
+
+static void odd_frames_hold(void **state)
+{
+    static const struct gp_rect frames[] = {
+        {0, 0, 1, 1}, {0, 0, 1, 97}, {-5000, 7, -4900, 8},
+        {-1000000, -1000000, -999990, -999990}, {5, 5, 5, 5},
+    };
+    static const struct gp_rect huge = {-1000000000, -1000000000, 1000000000,
+                                        1000000000};
+    (void) state;
+    for (size_t i = 0; i < COUNT(frames); i++) {
+        for (size_t k = 0; k < COUNT(laws); k++) {
+            struct gp_flare_element e = whole(laws[k]);
+            const struct gp_flare f = {&e, 1};
+            const struct gp_light l = light_at(frames[i].x0 + 0.7,
+                                               frames[i].y0 + 0.2);
+            struct picture p = picture_make(frames[i], frames[i]);
+            add(&p, &f, &l, 1);
+            p.display = huge;
+            add(&p, &f, &l, 1);
+            if (!gp_rect_empty(p.frame))
+                assert_true(isfinite(total(&p, 0)));
+            picture_free(&p);
+        }
+    }
+}
+
+static void threads_change_nothing(void **state)
+{
+    (void) state;
+    struct gp_flare_element e[COUNT(laws) + 4];
+    const struct gp_flare f = all_shapes(e);
+    const struct gp_light l[2] = {light_at(60.3, 41.7), light_at(-20, 180)};
+    struct picture was = {0};
+    for (int threads = 1; threads <= 3; threads++) {
+        struct picture p = picture_make((struct gp_rect) {-7, -3, 290, 210},
+                                        (struct gp_rect) {0, 0, 280, 200});
+        gp_set_threads(threads);
+        add(&p, &f, l, 2);
+        for (int c = 0; was.layer.c[0] && c < 3; c++)
+            assert_memory_equal(p.layer.c[c], was.layer.c[c],
+                                picture_pixels(&p) * sizeof(float));
+        picture_free(&was);
+        was = p;
+    }
+    gp_set_threads(0);
+    picture_free(&was);
+    free_images(e, f.n);
+}
+
+SUITE(flare)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(reads_elements),
+        cmocka_unit_test(refuses_elements),
+        cmocka_unit_test(refuses_too_many),
+        cmocka_unit_test(example_is_faint),
+        cmocka_unit_test(totals_hold),
+        cmocka_unit_test(places_lie_on_the_axis),
+        cmocka_unit_test(rotation_is_counter_clockwise),
+        cmocka_unit_test(small_steps_are_small),
+        cmocka_unit_test(reach_holds_all),
+        cmocka_unit_test(plain_images_keep_total_and_centroid),
+        cmocka_unit_test(scaled_images_keep_their_totals),
+        cmocka_unit_test(unseen_lights_draw_nothing),
+        cmocka_unit_test(odd_frames_hold),
+        cmocka_unit_test(threads_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

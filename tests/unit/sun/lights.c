@@ -1,0 +1,267 @@
+/* sun/lights: lights from JSON, and their places in a frame. */
+#include "unit.h"
+#include "core/memory.h"
+#include "json_file.h"
+#include "sun/lights.h"
+#include "sun/map.h"
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+#define LEN(a) (sizeof(a) / sizeof *(a))
+
+static const struct gp_rect window = {0, 0, 400, 200};
+
+/* -- reading --------------------------------------------------------------- */
+
+static void lights_by_text(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *text; // of one light
+        struct gp_light_spec want;
+    } row[] = {
+        {"{\"pixel\": [3, -4.5]}",
+         {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+        {"{\"world\": [1, 2, 3], \"name\": \"lamp\"}",
+         {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+        {"{\"direction\": [0, 0, 1e-9]}",
+         {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}}},
+        {"{\"direction\": [0, 0, 1], \"radius\": 2}",
+         {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}}},
+        {"{\"direction\": [0, 0, 1], \"degrees\": 2}",
+         {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}}},
+        {"{\"pixel\": [0, 0], \"radius\": 0, \"depth\": 0, \"bias\": 0}",
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}}},
+        {"{\"pixel\": [0, 0], \"depth\": 1e30, \"bias\": 1, \"flux\": 1e12}",
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, 1e30, 1,
+          {1e12f, 1e12f, 1e12f}}},
+        {"{\"pixel\": [0, 0], \"flux\": [1, 2, 3]}",
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}}},
+        {"{\"pixel\": [0, 0], \"flux\": 4, \"color\": [1, 0.5, 0]}",
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}}},
+        {"{\"pixel\": [0, 0], \"color\": [1, 2, 3]}",
+         {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
+    };
+    for (size_t i = 0; i < 2 * LEN(row); i++) { // both forms of a file
+        const struct gp_light_spec *want = &row[i / 2].want;
+        struct gp_light_spec *got = NULL;
+        char text[400];
+        int n = -1;
+        snprintf(text, sizeof text, i % 2 ? "[%s]" : "{\"lights\": [%s]}",
+                 row[i / 2].text);
+        if (gp_lights_read(&jf_log, jf_write(text), &got, &n) || n != 1)
+            fail_msg("row %zu: %s", i, jf_line);
+        assert_int_equal(got->place, want->place);
+        assert_memory_equal(got->at, want->at, sizeof got->at);
+        assert_true(got->radius == want->radius);
+        assert_true(got->degrees == want->degrees);
+        assert_true(got->depth == want->depth ||
+                    (isnan(got->depth) && isnan(want->depth)));
+        assert_true(got->bias == want->bias);
+        assert_memory_equal(got->flux, want->flux, sizeof got->flux);
+        gp_free(got);
+    }
+}
+
+static void files_that_are_refused(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *text, *say;
+    } row[] = {
+        {"", "empty"},
+        {"3", "not JSON"},
+        {"{}", "no \"lights\""},
+        {"{\"lights\": [], \"sun\": 1}", "unknown key (found \"sun\")"},
+        {"{\"lights\": {}}", "no array"},
+        {"[3]", "light 1: no object (found 3)"},
+        {"[{}]", "light 1 needs one place (found 0)"},
+        {"[{\"pixel\": [1, 2]}, {\"flux\": 1}]", "light 2 needs one place"},
+        {"[{\"pixel\": [1, 2], \"world\": [1, 2, 3]}]", "(found 2)"},
+        {"[{\"pixel\": [1, 2], \"direction\": [1, 2, 3], "
+         "\"world\": [1, 2, 3]}]", "(found 3)"},
+        {"[{\"pixel\": [1, 2], \"pixel\": [1, 2]}]", "duplicate"},
+        {"[{\"pixel\": [1, 2, 3]}]", "light 1: \"pixel\""},
+        {"[{\"pixel\": 1}]", "light 1: \"pixel\""},
+        {"[{\"pixel\": [1, 1.1e9]}]", "light 1: \"pixel\" out of range"},
+        {"[{\"world\": [1, 2]}]", "light 1: \"world\""},
+        {"[{\"direction\": [0, -0.0, 0]}]", "\"direction\" has no direction"},
+        {"[{\"pixel\": [1, 2], \"Radius\": 1}]", "(found \"Radius\")"},
+        {"[{\"pixel\": [1, 2], \"radius\": -1}]", "\"radius\" out of range"},
+        {"[{\"pixel\": [1, 2], \"radius\": 1000001}]", "\"radius\" out of"},
+        {"[{\"pixel\": [1, 2], \"degrees\": 1}]",
+         "\"degrees\" is for a \"direction\" without \"radius\" (found it with "
+         "\"pixel\")"},
+        {"[{\"direction\": [1, 2, 3], \"degrees\": 1, \"radius\": 1}]",
+         "(found it with \"radius\")"},
+        {"[{\"direction\": [1, 2, 3], \"degrees\": 91}]", "\"degrees\" out of"},
+        {"[{\"pixel\": [1, 2], \"depth\": -1}]", "\"depth\" out of range"},
+        {"[{\"pixel\": [1, 2], \"depth\": \"inf\"}]", "\"depth\" is no number"},
+        {"[{\"pixel\": [1, 2], \"bias\": 1.5}]", "\"bias\" out of range"},
+        {"[{\"pixel\": [1, 2], \"flux\": [1, 2]}]", "\"flux\""},
+        {"[{\"pixel\": [1, 2], \"flux\": -1}]", "\"flux\" out of range"},
+        {"[{\"pixel\": [1, 2], \"flux\": 1e13}]", "\"flux\" out of range"},
+        {"[{\"pixel\": [1, 2], \"color\": 1}]", "\"color\""},
+        {"[{\"pixel\": [1, 2], \"color\": [1, 1, 2e6]}]", "\"color\" out of"},
+        {"[{\"pixel\": [1, 2], \"name\": 1}]", "\"name\" is no text"},
+    };
+    for (size_t i = 0; i < LEN(row); i++) {
+        struct gp_light_spec *const none = (struct gp_light_spec *) jf_line;
+        struct gp_light_spec *got = none;
+        int n = -1;
+        gp_status st = gp_lights_read(&jf_log, jf_write(row[i].text), &got, &n);
+        if (st != GP_ERR_DATA || !strstr(jf_line, row[i].say) ||
+            !strstr(jf_line, "; ") || strstr(jf_line, jf_file) != jf_line)
+            fail_msg("row %zu: status %d, %s", i, st, jf_line);
+        assert_true(got == none && n == -1);
+    }
+    struct gp_light_spec *got;
+    int n;
+    assert_int_equal(gp_lights_read(&jf_log, jf_folder, &got, &n), GP_ERR_IO);
+}
+
+static void counts_up_to_the_limit(void **state)
+{
+    (void) state;
+    static const int counts[] = {0, 1, GP_LIGHTS_MAX, GP_LIGHTS_MAX + 1};
+    static char text[1 << 16];
+    for (size_t k = 0; k < LEN(counts); k++) {
+        struct gp_light_spec *got = NULL;
+        int at = snprintf(text, sizeof text, "["), n = -1;
+        for (int i = 0; i < counts[k]; i++)
+            at += snprintf(text + at, sizeof text - (size_t) at,
+                           "%s{\"pixel\": [%d, 7]}", i ? "," : "", i);
+        snprintf(text + at, sizeof text - (size_t) at, "]");
+        gp_status st = gp_lights_read(&jf_log, jf_write(text), &got, &n);
+        if (counts[k] > GP_LIGHTS_MAX) {
+            assert_int_equal(st, GP_ERR_DATA);
+            assert_non_null(strstr(jf_line, "found 1025); at most 1024"));
+            continue;
+        }
+        assert_int_equal(st, GP_OK);
+        assert_int_equal(n, counts[k]);
+        for (int i = 0; i < n; i++)
+            assert_true(got[i].at[0] == i && got[i].at[1] == 7.0);
+        gp_free(got);
+    }
+}
+
+/* -- placing --------------------------------------------------------------- */
+
+/* Looks along +y, z up; 200 pixels of height span 1 at distance 1. */
+static struct gp_camera camera(void)
+{
+    static const double ndc[16] = {0.5, 0, 0, 0, 0.5, 0.5, 1, 1,
+                                   0,   -1, 0, 0, 0, 0, -0.1, 0};
+    struct gp_camera c;
+    if (gp_camera_make(&jf_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
+        fail_msg("%s", jf_line);
+    return c;
+}
+
+static void places_by_kind(void **state)
+{
+    (void) state;
+    const struct gp_camera c = camera();
+    // a disc in the middle: tan(0.2665 degrees) of 200 pixels
+    static const double sun = 0.93026719998;
+    static const struct {
+        struct gp_light_spec spec;
+        enum gp_depth_type type;
+        double x, y, radius, depth;
+        bool behind;
+    } row[] = {
+        {{.place = GP_PLACE_PIXEL, .at = {-7, 1e6}, .radius = 3, .depth = NAN},
+         GP_DEPTH_Z, -7, 1e6, 3, INFINITY, false},
+        {{.place = GP_PLACE_PIXEL, .radius = -1, .depth = 5},
+         GP_DEPTH_NORMALIZED, 0, 0, 0.5, 5, false},
+        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = -1,
+          .degrees = 0.533, .depth = NAN},
+         GP_DEPTH_Z, 200, 100, sun, INFINITY, false},
+        {{.place = GP_PLACE_DIRECTION, .at = {0, 2, 0}, .radius = 4,
+          .degrees = 0.533, .depth = NAN},
+         GP_DEPTH_NORMALIZED, 200, 100, 4, INFINITY, false},
+        {{.place = GP_PLACE_DIRECTION, .at = {0, -2, 0}, .radius = -1,
+          .degrees = 0.533, .depth = NAN},
+         GP_DEPTH_Z, 0, 0, 0, INFINITY, true},
+        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+         GP_DEPTH_Z, 350, 100, 1, 4, false},
+        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+         GP_DEPTH_INVERSE, 350, 100, 1, 4, false},
+        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = NAN},
+         GP_DEPTH_RAY, 350, 100, 1, 5, false},
+        {{.place = GP_PLACE_WORLD, .at = {3, 4, 0}, .radius = 1, .depth = 0.25},
+         GP_DEPTH_NORMALIZED, 350, 100, 1, 0.25, false},
+        {{.place = GP_PLACE_WORLD, .at = {3, 0, 0}, .radius = 1, .depth = NAN},
+         GP_DEPTH_Z, 0, 0, 1, 0, true},
+    };
+    for (size_t i = 0; i < LEN(row); i++) {
+        struct gp_light l = {0};
+        struct gp_light_spec spec = row[i].spec;
+        spec.bias = 0.25;
+        spec.flux[1] = 7;
+        if (gp_light_place_in(&jf_log, "a.exr", &spec, &c, row[i].type, window,
+                              &l))
+            fail_msg("row %zu: %s", i, jf_line);
+        if (!(fabs(l.x - row[i].x) < 1e-9 && fabs(l.y - row[i].y) < 1e-9 &&
+              fabs(l.radius - row[i].radius) < 1e-9 &&
+              (l.depth == row[i].depth ||
+               fabs(l.depth - row[i].depth) < 1e-12)))
+            fail_msg("row %zu: %.12g, %.12g radius %.12g depth %.12g", i, l.x,
+                     l.y, l.radius, l.depth);
+        assert_int_equal(l.behind, row[i].behind);
+        assert_true(l.bias == 0.25 && l.visibility == 1.0);
+        assert_true(l.flux[0] == 0 && l.flux[1] == 7 && l.flux[2] == 0);
+    }
+}
+
+static void places_that_cannot_be(void **state)
+{
+    (void) state;
+    const struct gp_camera c = camera();
+    static const struct {
+        struct gp_light_spec spec;
+        bool has_camera;
+        enum gp_depth_type type;
+        gp_status st;
+        const char *say;
+    } row[] = {
+        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, false,
+         GP_DEPTH_Z, GP_ERR_USAGE, "no worldToNDC); give --camera"},
+        {{.place = GP_PLACE_DIRECTION, .at = {0, 1, 0}, .depth = 3}, false,
+         GP_DEPTH_Z, GP_ERR_USAGE, "\"direction\" needs a camera"},
+        {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, true,
+         GP_DEPTH_NORMALIZED, GP_ERR_DATA, "give the light \"depth\""},
+        {{.place = GP_PLACE_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK,
+         ""},
+    };
+    for (size_t i = 0; i < LEN(row); i++) {
+        struct gp_light l = {.x = 99};
+        jf_line[0] = '\0';
+        gp_status st = gp_light_place_in(&jf_log, "a.exr", &row[i].spec,
+                                         row[i].has_camera ? &c : NULL,
+                                         row[i].type, window, &l);
+        if (st != row[i].st || !strstr(jf_line, row[i].say))
+            fail_msg("row %zu: status %d, %s", i, st, jf_line);
+        assert_true(st == GP_OK || l.x == 99);
+        assert_true(st == GP_OK || strstr(jf_line, "a.exr: ") == jf_line);
+    }
+}
+
+SUITE(lights)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(lights_by_text),
+        cmocka_unit_test(files_that_are_refused),
+        cmocka_unit_test(counts_up_to_the_limit),
+        cmocka_unit_test(places_by_kind),
+        cmocka_unit_test(places_that_cannot_be),
+    };
+    return cmocka_run_group_tests(tests, jf_setup, jf_teardown);
+}

@@ -1,0 +1,383 @@
+/* sun/occluder: what a depth sample means by type and background, the share
+ * that a pixel shows with either plane or both, and sums of runs of pixels,
+ * which go another way, against pixel after pixel. */
+#include "unit.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "sun/occluder.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { MOST = 6 };
+
+/* A plane of one row over samples that the caller owns. */
+static struct gp_plane row_of(float *v, int n)
+{
+    return (struct gp_plane) {{0, 0, n, 1}, v, NULL};
+}
+
+static struct gp_occluders surveyed(const struct gp_plane *depth,
+                                    const struct gp_plane *mask,
+                                    enum gp_depth_type type)
+{
+    struct gp_occluders o = {.depth = depth, .mask = mask, .type = type};
+    o.frame = depth ? depth->window : mask ? mask->window : o.frame;
+    assert_int_equal(gp_occluders_survey(NULL, &o), GP_OK);
+    return o;
+}
+
+static void assert_same(double got, double want, const char *what, int i)
+{
+    if (!(got == want || fabs(got - want) <= 1e-12 * fabs(want)))
+        fail_msg("%s, %d: %.17g, not %.17g", what, i, got, want);
+}
+
+/* -- backgrounds ----------------------------------------------------------- */
+
+#define Z GP_DEPTH_Z
+#define RAY GP_DEPTH_RAY
+#define INV GP_DEPTH_INVERSE
+#define NRM GP_DEPTH_NORMALIZED
+#define NO INFINITY
+#define MAXF FLT_MAX
+
+/* Samples of a frame, and the place that each must have; NO: empty. */
+static const struct {
+    const char *name;
+    enum gp_depth_type type;
+    bool reversed;
+    const char *empty;
+    int n;
+    float v[MOST];
+    double place[MOST];
+} grounds[] = {
+    {"0", Z, false, "0", 3, {0, 5, -0.0f}, {NO, 5, NO}},
+    {"1e10", Z, false, "1e+10", 3, {1e10f, 5, 1e10f}, {NO, 5, NO}},
+    {"1e30", RAY, false, "1e+30", 3, {1e30f, 5, 7}, {NO, 5, 7}},
+    {"Inf", RAY, false, "inf", 2, {INFINITY, 5}, {NO, 5}},
+    {"NaN", Z, false, "nan", 2, {NAN, 5}, {NO, 5}},
+    {"65504", Z, false, "65504", 3, {65504, 65472, 65536}, {NO, 65472, 65536}},
+    {"none", Z, false, "none", 3, {1, 1e-40f, 9e8f}, {1, 1e-40f, 9e8f}},
+    {"just under and at 1e9", Z, false, "1e+09", 2, {999999936.0f, 1e9f},
+     {999999936.0, NO}},
+    {"huge of both signs", Z, false, "-1e+30 to 1e+30", 3,
+     {-1e30f, 1e30f, 3}, {NO, NO, 3}},
+    {"sky alone", Z, false, "1e+10", 2, {1e10f, 1e10f}, {NO, NO}},
+    {"negative z, 0", Z, true, "0", 3, {0, -5, -9}, {NO, 5, 9}},
+    {"negative z, 1e10", Z, true, "1e+10", 3, {1e10f, -5, -9}, {NO, 5, 9}},
+    {"negative z, -1e10", Z, true, "-1e+10", 2, {-1e10f, -5}, {NO, 5}},
+    {"negative z, -Inf", Z, true, "inf", 2, {-INFINITY, -5}, {NO, 5}},
+    {"negative z, 65504", Z, true, "-65504", 2, {-65504, -5}, {NO, 5}},
+    {"a few under 0", Z, false, "negative", 3, {-5, 5, 4}, {NO, 5, 4}},
+    {"inverse, 0", INV, false, "0", 3, {0, 0.5f, 4}, {NO, 2, 0.25}},
+    {"inverse, Inf is near", INV, false, "none", 2, {INFINITY, 1}, {0, 1}},
+    {"inverse, under 0, NaN", INV, false, "negative, nan", 3, {-1, NAN, 1},
+     {NO, NO, 1}},
+    {"inverse, far away", INV, false, "under 1e-09", 4,
+     {0x1p-149f, 1e-10f, 1e-30f, 0.5f}, {NO, NO, NO, 2}},
+    {"inverse, large", INV, false, "none", 2, {1e10f, 65504},
+     {1.0 / 1e10f, 1.0 / 65504}},
+    {"normalized, 1", NRM, false, "1", 3, {1, 0.25f, 0}, {NO, 0.25, 0}},
+    {"normalized, over 1", NRM, false, "over 1", 3, {2, 0.25f, 0},
+     {NO, 0.25, 0}},
+    {"normalized, Inf", NRM, false, "over 1", 2, {INFINITY, 0}, {NO, 0}},
+    {"normalized, NaN", NRM, false, "nan", 2, {NAN, 0.5f}, {NO, 0.5}},
+    {"normalized, under 0", NRM, false, "1", 2, {-0.5f, 1}, {0, NO}},
+    {"normalized, no ground", NRM, false, "none", 2, {0.5f, 0.25f},
+     {0.5, 0.25}},
+    {"reversed", NRM, true, "0", 3, {0, 0.25f, 0.75f}, {NO, 0.75, 0.25}},
+    {"reversed, under 0", NRM, true, "0, negative", 3, {0, -1, 0.75f},
+     {NO, NO, 0.25}},
+};
+enum { GROUNDS = sizeof grounds / sizeof *grounds };
+
+static void test_backgrounds(void **state)
+{
+    (void) state;
+    for (int i = 0; i < GROUNDS; i++) {
+        const int n = grounds[i].n;
+        float v[MOST];
+        memcpy(v, grounds[i].v, sizeof v);
+        const struct gp_plane p = row_of(v, n);
+        const struct gp_occluders o = surveyed(&p, NULL, grounds[i].type);
+        if (o.facts.reversed != grounds[i].reversed)
+            fail_msg("%s: reversed is %d", grounds[i].name, o.facts.reversed);
+        if (strcmp(o.facts.empty, grounds[i].empty) != 0)
+            fail_msg("%s: empty is '%s', not '%s'", grounds[i].name,
+                     o.facts.empty, grounds[i].empty);
+        int surfaces = 0;
+        for (int k = 0; k < n; k++) {
+            assert_same(gp_depth_place(&o, v[k]), grounds[i].place[k],
+                        grounds[i].name, k);
+            surfaces += !isinf(grounds[i].place[k]);
+        }
+        assert_int_equal(o.facts.surface, surfaces);
+    }
+}
+
+static void test_facts(void **state)
+{
+    (void) state;
+    float v[] = {0, -0.0f, NAN, -NAN, INFINITY, -INFINITY, 1e9f, -1e30f,
+                 MAXF, 65504, -65504, -1, -1e-45f, 1, 1, 2, 1e-45f};
+    const struct gp_plane p = row_of(v, (int) (sizeof v / sizeof *v));
+    const struct gp_depth_facts f = surveyed(&p, NULL, Z).facts;
+    assert_int_equal(f.zero, 2);
+    assert_int_equal(f.nan, 2);
+    assert_int_equal(f.inf, 2);
+    assert_int_equal(f.huge, 3);
+    assert_int_equal(f.half_max, 2);
+    assert_int_equal(f.negative, 2);
+    assert_int_equal(f.one, 2);
+    assert_int_equal(f.surface, 4);
+    assert_string_equal(f.empty,
+                        "0, negative, 65504, -1e+30 to 3.40282e+38, inf, nan");
+}
+
+static void test_no_depth(void **state)
+{
+    (void) state;
+    struct gp_plane none = {0};
+    float m[] = {0.25f};
+    const struct gp_plane mask = row_of(m, 1);
+    const struct gp_occluders each[] = {
+        surveyed(NULL, NULL, Z), surveyed(&none, NULL, Z),
+        surveyed(NULL, &none, Z), surveyed(&none, &mask, NRM)};
+    const struct gp_light l = GP_LIGHT_DEFAULTS;
+    for (int i = 0; i < 4; i++) {
+        assert_string_equal(each[i].facts.empty, "none");
+        assert_int_equal(each[i].facts.surface, 0);
+        assert_same(gp_occluders_show(&each[i], &l, 0, 0), i < 3 ? 1 : 0.75,
+                    "show", i);
+        assert_same(gp_occluders_sum(&each[i], &l, -1, 2, 0), i < 3 ? 3 : 2.75,
+                    "sum", i);
+    }
+}
+
+/* -- what a pixel shows ---------------------------------------------------- */
+
+/* Depth and mask of a pixel, a light's depth, and the share by depth alone,
+ * by the mask alone, and by both. */
+static const struct {
+    const char *name;
+    enum gp_depth_type type;
+    float z, m;
+    double light, alone, mask, both;
+} shows[] = {
+    {"nearer", Z, 5, 0.75f, 10, 0, 0.25, 0.25},
+    {"behind", Z, 15, 0.75f, 10, 1, 0.25, 1},
+    {"empty", Z, 1e10f, 0.75f, 10, 1, 0.25, 0.25},
+    {"empty, clear mask", Z, 1e10f, 0, 10, 1, 1, 1},
+    {"nearer, clear mask", Z, 5, 0, 10, 0, 1, 1},
+    {"nearer, opaque mask", Z, 5, 1, 10, 0, 0, 0},
+    {"before a sun", Z, 9e8f, 1, INFINITY, 0, 0, 0},
+    {"a sun in the sky", Z, INFINITY, 0.5f, INFINITY, 1, 0.5, 0.5},
+    {"within the bias", Z, 9.995f, 1, 10, 1, 0, 1},
+    {"over the bias", Z, 9.98f, 1, 10, 0, 0, 0},
+    {"mask NaN", Z, 5, NAN, 10, 0, 1, 1},
+    {"mask over 1", Z, 5, 3, 10, 0, 0, 0},
+    {"mask +Inf", Z, 5, INFINITY, 10, 0, 0, 0},
+    {"mask under 0", Z, 5, -3, 10, 0, 1, 1},
+    {"inverse, nearer", INV, 0.5f, 1, 10, 0, 0, 0},
+    {"inverse, behind", INV, 0.05f, 1, 10, 1, 0, 1},
+    {"inverse, at the camera", INV, INFINITY, 1, 1e-9, 0, 0, 0},
+    {"normalized, nearer", NRM, 0.25f, 1, 0.5, 0, 0, 0},
+    {"normalized, behind", NRM, 0.75f, 1, 0.5, 1, 0, 1},
+    {"normalized, before a sun", NRM, 0.999f, 1, INFINITY, 0, 0, 0},
+    {"a light at the camera", Z, 5, 1, 0, 1, 0, 1},
+    {"a light of NaN depth", Z, 5, 1, NAN, 1, 0, 1},
+};
+enum { SHOWS = sizeof shows / sizeof *shows };
+
+static void test_show(void **state)
+{
+    (void) state;
+    for (int i = 0; i < SHOWS; i++) {
+        float z[] = {shows[i].z, shows[i].type == NRM ? 1.0f : 5.0f};
+        float m[] = {shows[i].m, 0};
+        const struct gp_plane d = row_of(z, 2), a = row_of(m, 2);
+        struct gp_light l = GP_LIGHT_DEFAULTS;
+        l.depth = shows[i].light;
+        const struct gp_occluders o[] = {surveyed(&d, NULL, shows[i].type),
+                                         surveyed(NULL, &a, shows[i].type),
+                                         surveyed(&d, &a, shows[i].type)};
+        const double want[] = {shows[i].alone, shows[i].mask, shows[i].both};
+        for (int k = 0; k < 3; k++) {
+            assert_same(gp_occluders_show(&o[k], &l, 0, 0), want[k],
+                        shows[i].name, k);
+            assert_same(gp_occluders_sum(&o[k], &l, 0, 1, 0), want[k],
+                        shows[i].name, k);
+        }
+    }
+}
+
+/* A bias of 1 lets nothing hide a lamp, and does not turn a sun into NaN. */
+static void test_bias(void **state)
+{
+    (void) state;
+    float z[] = {5};
+    const struct gp_plane d = row_of(z, 1);
+    const struct gp_occluders o = surveyed(&d, NULL, Z);
+    struct gp_light l = GP_LIGHT_DEFAULTS;
+    l.bias = 1.0;
+    assert_same(gp_occluders_show(&o, &l, 0, 0), 0, "sun", 0);
+    l.depth = 1000;
+    assert_same(gp_occluders_show(&o, &l, 0, 0), 1, "lamp", 0);
+    assert_same(gp_occluders_sum(&o, &l, 0, 1, 0), 1, "lamp", 1);
+}
+
+/* -- runs of pixels -------------------------------------------------------- */
+
+static unsigned next_random(unsigned *seed)
+{
+    *seed = *seed * 1664525u + 1013904223u;
+    return *seed >> 8;
+}
+
+/* Samples around every border that a rule may have. */
+static float random_sample(unsigned *seed)
+{
+    static const float hard[] = {
+        0, -0.0f, 1, 65504, -65504, 1e9f, 999999936.0f, 1e10f, 1e30f, -1e10f,
+        NAN, INFINITY, -INFINITY, 1e-45f, -1e-45f, 0.5f, 9.99f, 10, -9.99f,
+        -10, 0.1001001f, 0.99f, 0.01f, MAXF, FLT_MIN};
+    const unsigned n = sizeof hard / sizeof *hard;
+    const unsigned pick = next_random(seed) % (2 * n);
+    if (pick < n)
+        return hard[pick];
+    const float step = (float) (next_random(seed) % 64) - 32.0f;
+    return 9.99f + step * 0x1p-20f;
+}
+
+/* Every type and direction, lights at many depths, windows of their own: sums
+ * must be what pixel after pixel gives, and the same for any cut. */
+static void check_runs(enum gp_depth_type type, bool reversed, int planes,
+                       unsigned seed)
+{
+    enum { W = 1500 };
+    static float z[W], m[W];
+    for (int i = 0; i < W; i++) {
+        z[i] = random_sample(&seed);
+        m[i] = i % 7 ? (float) (next_random(&seed) % 256) / 255.0f
+                     : random_sample(&seed);
+    }
+    struct gp_plane d = row_of(z, W), a = row_of(m, W - 100);
+    d.window = (struct gp_rect) {-200, 3, W - 200, 4};
+    a.window = (struct gp_rect) {-50, 3, W - 150, 4};
+    struct gp_occluders o = surveyed(planes & 1 ? &d : NULL,
+                                     planes & 2 ? &a : NULL, type);
+    o.facts.reversed = reversed;
+    static const double depths[] = {0,    1e-50, 0.1,  0.5, 0.99, 1,  2,
+                                    9.99, 10,    10.1, 1e3, 65504, 1e9, 1e60,
+                                    (double) INFINITY};
+    for (size_t k = 0; k < sizeof depths / sizeof *depths; k++) {
+        struct gp_light l = GP_LIGHT_DEFAULTS;
+        l.depth = depths[k];
+        double want = 0.0, parts = 0.0;
+        for (int x = -300; x < W; x++) {
+            const double one = gp_occluders_show(&o, &l, x, 3);
+            assert_same(gp_occluders_sum(&o, &l, x, x + 1, 3), one, "one", x);
+            want += one;
+        }
+        for (int x = -300; x < W; x += 150)
+            parts += gp_occluders_sum(&o, &l, x, x + 150, 3);
+        const double got = gp_occluders_sum(&o, &l, -300, W, 3);
+        if (fabs(got - want) > 1e-9 || fabs(parts - want) > 1e-9)
+            fail_msg("type %d%s, planes %d, depth %g: %.17g and %.17g, not "
+                     "%.17g", (int) type, reversed ? " reversed" : "", planes,
+                     depths[k], got, parts, want);
+        assert_same(gp_occluders_sum(&o, &l, -300, W, 4), W + 300, "below", 4);
+    }
+}
+
+static void test_runs(void **state)
+{
+    (void) state;
+    for (int type = 0; type < 4; type++) {
+        for (int turned = 0; turned < (type == (int) INV ? 1 : 2); turned++) {
+            for (int planes = 1; planes < 4; planes++)
+                check_runs((enum gp_depth_type) type, turned, planes,
+                           20071u + (unsigned) (8 * type + 4 * turned));
+        }
+    }
+}
+
+static void test_empty_run(void **state)
+{
+    (void) state;
+    float z[] = {5};
+    const struct gp_plane d = row_of(z, 1);
+    const struct gp_occluders o = surveyed(&d, NULL, Z);
+    const struct gp_light l = GP_LIGHT_DEFAULTS;
+    assert_same(gp_occluders_sum(&o, &l, 0, 0, 0), 0, "empty", 0);
+    assert_same(gp_occluders_sum(&o, &l, 5, -5, 0), 0, "empty", 1);
+    assert_same(gp_occluders_sum(&o, &l, INT32_MAX - 9, INT32_MAX, 0), 9,
+                "far", 0);
+    assert_same(gp_occluders_show(&o, &l, INT32_MIN, INT32_MAX), 1, "far", 1);
+}
+
+/* Far corners of pixel space: offsets must not wrap. */
+static void test_far_windows(void **state)
+{
+    (void) state;
+    float z[] = {5, 0, 0, 0, 0, 7};
+    static const int at[] = {-(1 << 30), 1 << 30, 0};
+    const struct gp_light l = GP_LIGHT_DEFAULTS;
+    for (int i = 0; i < 3; i++) {
+        const int x = at[i], y = at[(i + 1) % 3];
+        const struct gp_plane d = {{x, y, x + 3, y + 2}, z, NULL};
+        const struct gp_occluders o = surveyed(&d, NULL, Z);
+        assert_same(gp_occluders_sum(&o, &l, x - 1, x + 4, y), 4, "top", i);
+        assert_same(gp_occluders_sum(&o, &l, x, x + 3, y + 1), 2, "end", i);
+        assert_same(gp_occluders_show(&o, &l, x + 2, y + 1), 0, "end", i);
+    }
+}
+
+/* -- threads --------------------------------------------------------------- */
+
+static void test_threads(void **state)
+{
+    (void) state;
+    enum { W = 333, H = 211 };
+    static float z[W * H];
+    unsigned seed = 5;
+    for (int i = 0; i < W * H; i++)
+        z[i] = random_sample(&seed);
+    const struct gp_plane d = {{-7, 9, W - 7, H + 9}, z, NULL};
+    struct gp_depth_facts first = {0};
+    static const int threads[] = {1, 2, 3, 8};
+    for (int i = 0; i < 4; i++) {
+        gp_set_threads(threads[i]);
+        const struct gp_depth_facts f = surveyed(&d, NULL, Z).facts;
+        assert_true(f.surface > 0 && f.nan > 0 && f.huge > 0);
+        if (i == 0)
+            first = f;
+        assert_int_equal(f.zero, first.zero);
+        assert_int_equal(f.nan, first.nan);
+        assert_int_equal(f.huge, first.huge);
+        assert_int_equal(f.surface, first.surface);
+        assert_string_equal(f.empty, first.empty);
+    }
+    gp_set_threads(0);
+}
+
+SUITE(occluder)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_backgrounds), cmocka_unit_test(test_facts),
+        cmocka_unit_test(test_no_depth),    cmocka_unit_test(test_show),
+        cmocka_unit_test(test_bias),        cmocka_unit_test(test_runs),
+        cmocka_unit_test(test_empty_run),   cmocka_unit_test(test_far_windows),
+        cmocka_unit_test(test_threads),
+    };
+    return cmocka_run_group_tests_name("occluder", tests, NULL, NULL);
+}

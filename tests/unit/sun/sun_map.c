@@ -1,0 +1,397 @@
+/* sun/map: GL's sun maps equal the reference texel by texel, their sums in
+ * each form are what it says they are, and what cannot be drawn is refused. */
+#include "unit.h"
+#include "sun_maps.h"
+
+#include "core/memory.h"
+#include "gl/context.h"
+#include "sun/map_state.h"
+
+static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100
+
+/* -- sun maps ---------------------------------------------------------------*/
+
+enum { CASES = 14 };
+
+/* Inside, at an edge, at a corner, outside; whole numbers, which lie on the
+ * lines between pixels; smaller than a pixel, larger than the frame; not to be
+ * shown at all; before and behind what is there. */
+static void cases(struct gp_light l[CASES])
+{
+    static const double at[CASES][3] = {
+        {37.3, 70.8, 2.5}, {20.0, 60.0, 24.0}, {-41.0, 70.0, 9.0},
+        {120.0, 125.0, 12.0}, {-300.0, 70.0, 8.0}, {50.0, 50.0, 0.0},
+        {51.99, 52.01, 0.3}, {10.0, 75.0, 400.0}, {60.5, 60.5, 31.0},
+        {80.0, 90.0, 10.0}, {NAN, 60.0, 5.0}, {1e300, -1e300, 1e300},
+        {40.0, 75.0, 45.0}, {70.25, 80.75, 7.0},
+    };
+    for (int i = 0; i < CASES; i++)
+        l[i] = light_at(at[i][0], at[i][1], at[i][2]);
+    l[9].behind = true;
+    l[8].depth = 12.0; // that of many samples: compared at equality
+    l[8].bias = 0.0;
+    l[12].depth = 15.1;
+    l[13].depth = NAN;
+}
+
+static void assert_map(const struct machine *m, const struct sun_frame *f,
+                       const struct gp_sun_params *p, const float *atlas,
+                       int i, const struct gp_light *l)
+{
+    const int size = p->map, columns = m->map->columns;
+    float *const want = malloc(2 * (size_t) (size * size) * sizeof *want);
+    assert_non_null(want);
+    (void) gp_sun_map_reference(&f->o, p, l, want);
+    for (int t = 0; t < size * size; t++) {
+        const int x = i % columns * size + t % size;
+        const int y = i / columns * size + t / size;
+        const float *const got = atlas + 4 * (y * columns * size + x);
+        if (fabs((double) (got[0] - want[2 * t])) > 1e-6 ||
+            fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
+            fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
+                     "%.9g %.9g is %.9g %.9g", gp_gl_name(m->gl), i,
+                     p->pattern, size, p->outside, t, (double) want[2 * t],
+                     (double) want[2 * t + 1], (double) got[0],
+                     (double) got[1]);
+    }
+    free(want);
+}
+
+static void assert_maps(const struct machine *m, const struct sun_frame *f,
+                        const struct gp_sun_params *p,
+                        const struct gp_light *l, int n)
+{
+    const int w = m->map->columns * p->map;
+    const int h = (n + m->map->columns - 1) / m->map->columns * p->map;
+    float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
+    assert_non_null(atlas);
+    gp_target_read(m->gl, &m->map->atlas, (struct gp_rect) {0, 0, w, h}, atlas);
+    for (int i = 0; i < n; i++)
+        assert_map(m, f, p, atlas, i, &l[i]);
+    free(atlas);
+}
+
+/* How far GL's sums may be from those in double. */
+static void assert_sums(const struct machine *m, const struct sun_frame *f,
+                        const struct gp_sun_params *p, struct gp_light *l,
+                        int n)
+{
+    assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, l, n));
+    for (int i = 0; i < n; i++) {
+        const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
+        if (!(fabs(l[i].visibility - want) <= 1e-6))
+            fail_msg("%s, light %d, pattern %d, map %d, sum %d, outside %d: "
+                     "%.9g is %.9g", gp_gl_name(m->gl), i, p->pattern, p->map,
+                     p->sum, p->outside, want, l[i].visibility);
+    }
+}
+
+static void try_lights(struct machine *m, const struct sun_frame *f,
+                       struct gp_sun_params p, struct gp_light *l, int n)
+{
+    assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f->o, &p, l, n, &m->map));
+    assert_maps(m, f, &p, l, n);
+    assert_sums(m, f, &p, l, n);
+    p.sum = GP_SUM_BILINEAR;
+    assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f->o, &p, l, n, &m->map));
+    assert_sums(m, f, &p, l, n);
+}
+
+/* All, for which the frame is uploaded, and the small ones, whose boxes are. */
+static void try_params(struct machine *m, const struct sun_frame *f,
+                       struct gp_sun_params p)
+{
+    struct gp_light l[CASES];
+    cases(l);
+    try_lights(m, f, p, l, CASES);
+    try_lights(m, f, p, l, 7);
+}
+
+/* Every pattern, planes, and outside, at sizes that go through all of each. */
+static void maps_equal_the_reference(void **state)
+{
+    static const int sizes[] = {2, 4, 6, 8, 12, 16, 24, 32, 64};
+    const int step = getenv("GLAREPP_TEST_QUICK") ? 5 : 1;
+    (void) state;
+    for (int k = 0; k < 2 * 4 * 3; k += step) {
+        struct sun_frame f;
+        seed = 77u + (uint32_t) k;
+        make_frame(&f, window, k % 4, 1 + k % 3);
+        for (int i = 0; i < machine_count; i++) {
+            const struct gp_sun_params p = {
+                .pattern = k % 8 / 4, .outside = k / 8,
+                .map = sizes[(k + 4 * i) % 9],
+            };
+            try_params(machine_at(i), &f, p);
+        }
+        free_frame(&f);
+    }
+}
+
+/* Depth that is no distance, of every type. */
+static void depth_types(void **state)
+{
+    (void) state;
+    for (int type = GP_DEPTH_Z; type <= GP_DEPTH_NORMALIZED; type++) {
+        struct sun_frame f;
+        make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
+        const size_t n = 160 * 100;
+        for (size_t i = 0; i < n; i++)
+            if (type >= GP_DEPTH_INVERSE && f.depth.v[i] < 1e9f)
+                f.depth.v[i] = f.depth.v[i] / 25.0f;
+        f.o.type = type;
+        assert_ok(gp_occluders_survey(&log_kept, &f.o));
+        for (int i = 0; i < machine_count; i++)
+            try_params(machine_at(i), &f, (struct gp_sun_params) {.map = 16});
+        free_frame(&f);
+    }
+}
+
+static void frames_of_one_pixel_and_none(void **state)
+{
+    static const struct gp_rect frames[] = {
+        {50, 60, 51, 61}, {50, 60, 50, 60}, {-3, 60, 100, 61},
+        {50, -900, 51, 900},
+    };
+    (void) state;
+    for (int k = 0; k < 4; k++) {
+        struct sun_frame f;
+        make_frame(&f, frames[k], WITH_DEPTH | WITH_MASK, 1);
+        for (int i = 0; i < machine_count; i++)
+            try_params(machine_at(i), &f, (struct gp_sun_params) {.map = 8});
+        free_frame(&f);
+    }
+}
+
+/* -- sums -------------------------------------------------------------------*/
+
+/* The paper's sum, on the CPU: 8 bits, a step rounded at a time. */
+static double byte_sum(const float *map, int texels, bool weight)
+{
+    const double scale = 256.0 / texels;
+    double sum = 0.0;
+    for (int t = 0; t < texels; t++)
+        sum = fmin(255.0, sum + rint((double) map[2 * t + weight] * scale));
+    return sum;
+}
+
+/* White and black texels only, so that nothing hangs on how GL rounds. */
+static void bytes_are_the_papers(void **state)
+{
+    static const int sizes[] = {2, 4, 8, 12, 16, 20, 32, 64};
+    struct sun_frame f;
+    (void) state;
+    make_frame(&f, window, WITH_DEPTH, 3);
+    for (int k = 0; k < 8 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 8);
+        const int size = sizes[k % 8];
+        struct gp_sun_params p = {.map = size, .sum = GP_SUM_BYTE};
+        struct gp_light l = light_at(30.3, 70.8, size / 2);
+        float *const map = malloc(2 * (size_t) (size * size) * sizeof *map);
+        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, &l, 1, &m->map));
+        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, &l, 1));
+        const double exact = gp_sun_map_reference(&f.o, &p, &l, map);
+        const double r = byte_sum(map, size * size, false);
+        const double g = byte_sum(map, size * size, true);
+        assert_true(fabs(l.visibility - (g > 0.0 ? r / g : 0.0)) < 1e-6);
+        if (size == 16) // a step, and the last one that does not fit
+            assert_true(fabs(l.visibility - exact) <= 1.0 / 255.0);
+        if (size >= 32)
+            assert_true(l.visibility == 0.0 && exact > 0.1);
+        free(map);
+    }
+    free_frame(&f);
+}
+
+static void bytes_saturate(void **state)
+{
+    const struct gp_occluders clear = {.frame = window};
+    const struct gp_sun_params p = {.map = 16, .sum = GP_SUM_BYTE};
+    (void) state;
+    for (int i = 0; i < machine_count; i++) {
+        struct machine *const m = machine_at(i);
+        const struct gp_light l = light_at(30.0, 70.0, 5.0);
+        float texel[4];
+        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &clear, &p, &l, 1,
+                                  &m->map));
+        gp_target_read(m->gl, &m->map->byte_sums,
+                       (struct gp_rect) {0, 0, 1, 1}, texel);
+        assert_true(texel[0] == 1.0f && texel[1] == 1.0f);
+    }
+}
+
+/* The atlas and the order of lights in it change no bit of any. */
+static void many_equal_single_ones(void **state)
+{
+    enum { N = 64 };
+    struct sun_frame f;
+    (void) state;
+    make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
+    for (int k = 0; k < 3 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 3);
+        const struct gp_sun_params p = {.map = 16, .sum = k % 3};
+        struct gp_light all[N];
+        for (int i = 0; i < N; i++)
+            all[i] = light_at(-45.0 + 170.0 * uniform01(),
+                              20.0 + 110.0 * uniform01(),
+                              20.0 * uniform01() * uniform01());
+        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, all, N, &m->map));
+        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, all, N));
+        for (int i = 0; i < N; i++) {
+            struct gp_light one = all[i];
+            assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, &one, 1,
+                                      &m->map));
+            assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, &one, 1));
+            assert_memory_equal(&one.visibility, &all[i].visibility,
+                                sizeof one.visibility);
+        }
+    }
+    free_frame(&f);
+}
+
+/* Points that GL draws no larger than this are put side by side. */
+static void points_may_be_small(void **state)
+{
+    enum { N = 50 };
+    static const float most[] = {1.0f, 3.0f, 4.9f};
+    struct sun_frame f;
+    struct gp_light l[N];
+    (void) state;
+    make_frame(&f, window, WITH_DEPTH, 2);
+    for (int i = 0; i < N; i++)
+        l[i] = light_at(-45.0 + 3.0 * i, 70.0 + i, 0.3 * i);
+    for (int k = 0; k < 3 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 3);
+        const struct gp_sun_params p = {.map = 8};
+        const float limit = m->gl->max_point;
+        m->gl->max_point = most[k % 3];
+        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, N, &m->map));
+        m->gl->max_point = limit;
+        assert_sums(m, &f, &p, l, N);
+    }
+    free_frame(&f);
+}
+
+/* Textures that cannot hold all boxes side by side, but the frame once; and
+ * those that cannot hold that either, but a light's box. */
+static void textures_may_be_small(void **state)
+{
+    static const struct {
+        int most;
+        double radius;
+        gp_status want;
+    } rows[] = {
+        {128, 40.0, GP_OK}, {80, 3.0, GP_OK}, {32, 8.0, GP_OK},
+        {32, 40.0, GP_ERR_GL},
+    };
+    struct sun_frame f;
+    (void) state;
+    make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
+    for (int k = 0; k < 4 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 4);
+        const struct gp_sun_params p = {.map = 8};
+        const int limit = m->gl->max_size;
+        struct gp_light l[2] = {light_at(40.3, 75.2, rows[k % 4].radius),
+                                light_at(45.3, 75.2, rows[k % 4].radius)};
+        m->gl->max_size = rows[k % 4].most;
+        gp_sun_map_close(m->gl, &m->map); // its textures may be larger
+        const gp_status st = gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, 2,
+                                             &m->map);
+        m->gl->max_size = limit;
+        assert_int_equal(st, rows[k % 4].want);
+        if (!rows[k % 4].want)
+            assert_sums(m, &f, &p, l, 2);
+    }
+    free_frame(&f);
+}
+
+/* -- refusals, pictures -----------------------------------------------------*/
+
+static void refused(struct machine *m, const struct gp_occluders *o, int map,
+                    int n, gp_status want, const char *said)
+{
+    const struct gp_sun_params p = {.map = map};
+    static struct gp_light l[GP_LIGHTS_MAX];
+    for (int i = 0; i < GP_LIGHTS_MAX; i++)
+        l[i] = light_at(30.0, 60.0, 4.0);
+    last_line[0] = '\0';
+    assert_int_equal(gp_sun_map_draw(&log_kept, m->gl, o, &p, l, n, &m->map),
+                     want);
+    if (!strstr(last_line, said))
+        fail_msg("\"%s\" is not in \"%s\"", said, last_line);
+    // nothing was drawn, so nothing is read
+    assert_int_equal(gp_sun_map_read(&log_kept, m->gl, m->map, l, 1),
+                     GP_ERR_BUG);
+}
+
+static void what_is_too_large_is_refused(void **state)
+{
+    const struct gp_occluders o = {.frame = window};
+    const struct gp_occluders wide = {.frame = {0, 0, 1 << 25, 1}};
+    (void) state;
+    for (int i = 0; i < machine_count; i++) {
+        struct machine *const m = machine_at(i);
+        struct gp_sun_map *const kept = m->map;
+        m->map = NULL;
+        refused(m, &o, 16, 0, GP_ERR_BUG, "0 lights");
+        refused(m, &o, 7, 1, GP_ERR_BUG, "7 texels");
+        refused(m, &o, 256, 1024, GP_ERR_GL, "use a smaller --sun-map");
+        refused(m, &wide, 16, 1, GP_ERR_GL, "--sun-method exact");
+        gp_sun_map_close(m->gl, &m->map);
+        m->map = kept;
+    }
+}
+
+static void pictures(void **state)
+{
+    struct sun_frame f;
+    (void) state;
+    make_frame(&f, window, WITH_DEPTH, 4);
+    for (int i = 0; i < machine_count; i++) {
+        struct machine *const m = machine_at(i);
+        const struct gp_sun_params p = {.map = 8};
+        struct gp_light l[5];
+        float *grey = NULL;
+        int w, h;
+        for (int k = 0; k < 5; k++)
+            l[k] = light_at(20.0 * k, 70.0, 6.0);
+        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, 5, &m->map));
+        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, l, 5));
+        assert_ok(gp_sun_map_picture(&log_kept, m->gl, m->map, false, &w, &h,
+                                     &grey));
+        assert_true(w == 24 && h == 16);
+        assert_true(grey[8 * w + 16] == 0.0f && grey[16 * w - 1] == 0.0f);
+        double sum = 0.0; // light 4 is second in the second row
+        for (int t = 0; t < 64; t++)
+            sum += (double) grey[(8 + t / 8) * w + 8 + t % 8];
+        assert_true(fabs(sum / 64.0 - l[4].visibility) < 1e-6);
+        gp_free(grey);
+        assert_ok(gp_sun_map_picture(&log_kept, m->gl, m->map, true, &w, &h,
+                                     &grey));
+        assert_true(w == 5 && h == 1);
+        for (int k = 0; k < 5; k++)
+            assert_true(fabs((double) grey[k] - l[k].visibility) < 1e-6);
+        gp_free(grey);
+        assert_ok(gp_sun_readback(&log_kept, m->gl, &f.o, &p, l, 5, &m->map));
+        assert_int_equal(gp_sun_map_picture(&log_kept, m->gl, m->map, false,
+                                            &w, &h, &grey), GP_ERR_USAGE);
+    }
+    free_frame(&f);
+}
+
+SUITE(sun_map)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(maps_equal_the_reference),
+        cmocka_unit_test(depth_types),
+        cmocka_unit_test(frames_of_one_pixel_and_none),
+        cmocka_unit_test(bytes_are_the_papers),
+        cmocka_unit_test(bytes_saturate),
+        cmocka_unit_test(many_equal_single_ones),
+        cmocka_unit_test(points_may_be_small),
+        cmocka_unit_test(textures_may_be_small),
+        cmocka_unit_test(what_is_too_large_is_refused),
+        cmocka_unit_test(pictures),
+    };
+    return cmocka_run_group_tests(tests, open_machines, close_machines);
+}

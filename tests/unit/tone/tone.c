@@ -1,0 +1,398 @@
+/* tone/map.c: exposure, primaries, white, the stage as a whole. */
+#include "unit.h"
+#include "core/luminance.h"
+#include "core/parallel.h"
+#include "tone/tone.h"
+
+#include <float.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
+static char last_line[512];
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    (void) user;
+    (void) level;
+    strncpy(last_line, line, sizeof last_line - 1);
+}
+static const struct gp_log log_to_line = {keep_line, NULL, GP_LEVEL_INFO};
+
+static unsigned seed = 1;
+
+static double noise(void)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (double) (seed >> 8) / 16777216.0;
+}
+
+static struct gp_frame make_frame(int w, int h)
+{
+    struct gp_frame f = {.data = {-7, 3, w - 7, h + 3}};
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
+    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
+    f.path = strdup("test");
+    assert_int_equal(gp_planes_make(NULL, "t", gp_frame_pixels(&f), &f.lit),
+                     GP_OK);
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+            f.lit.c[c][i] = (float) exp2(20.0 * noise() - 12.0);
+    }
+    return f;
+}
+
+static void curves_are_listed(void **state)
+{
+    int n = 0;
+    (void) state;
+    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++, n++) {
+        assert_ptr_equal(gp_tone_find((*c)->name), *c);
+        assert_true(strlen((*c)->text) > 5 && strlen((*c)->source) > 5);
+        assert_true(!(*c)->map == (strcmp((*c)->name, "none") == 0));
+        assert_true((*c)->reads_white ==
+                    (strcmp((*c)->name, "reinhard-extended") == 0));
+    }
+    assert_int_equal(n, 8);
+    struct gp_tone_params defaults = GP_TONE_DEFAULTS;
+    assert_non_null(gp_tone_find(defaults.curve));
+}
+
+static void unknown_curve_is_refused(void **state)
+{
+    struct gp_frame f = make_frame(2, 2);
+    struct gp_tone_params p = {.curve = "filmic"};
+    (void) state;
+    assert_int_equal(gp_tone_map(&log_to_line, &p, &f, NULL), GP_ERR_USAGE);
+    assert_non_null(strstr(last_line, "filmic"));
+    assert_non_null(strstr(last_line, "reinhard, reinhard-extended"));
+    assert_non_null(strstr(last_line, "none"));
+    assert_null(f.shown.c[0]);
+    gp_frame_free(&f);
+}
+
+static void one_stop_is_a_factor_of_two(void **state)
+{
+    static const float exposures[] = {-3.0f, 0.0f, 0.3f, 5.0f};
+    (void) state;
+    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
+        for (size_t e = 0; (*c)->map && e < COUNT(exposures); e++) {
+            seed = 3;
+            struct gp_frame a = make_frame(97, 31);
+            seed = 3;
+            struct gp_frame b = make_frame(97, 31);
+            const size_t n = gp_frame_pixels(&a);
+            a.chromaticities[0] = b.chromaticities[0] = 0.7f; // mixed, too
+            for (int k = 0; k < 3; k++) {
+                for (size_t i = 0; i < n; i++)
+                    b.lit.c[k][i] *= 2.0f;
+            }
+            struct gp_tone_params p = GP_TONE_DEFAULTS;
+            p.curve = (*c)->name;
+            float scale_a, scale_b;
+            p.exposure = exposures[e] + 1.0f;
+            assert_int_equal(gp_tone_map(NULL, &p, &a, &scale_a), GP_OK);
+            p.exposure = exposures[e];
+            assert_int_equal(gp_tone_map(NULL, &p, &b, &scale_b), GP_OK);
+            assert_true(fabsf(scale_a / scale_b / 2.0f - 1.0f) < 1e-6f);
+            for (int k = 0; k < 3; k++) {
+                for (size_t i = 0; i < n; i++)
+                    assert_true(fabsf(a.shown.c[k][i] - b.shown.c[k][i]) <=
+                                2e-6f);
+            }
+            if (exposures[e] == truncf(exposures[e])) // exact powers of two
+                assert_memory_equal(a.shown.c[1], b.shown.c[1],
+                                    n * sizeof(float));
+            gp_frame_free(&a);
+            gp_frame_free(&b);
+        }
+    }
+}
+
+static void none_copies(void **state)
+{
+    struct gp_frame f = make_frame(61, 7);
+    struct gp_tone_params p = {.curve = "none", .exposure = 3.0f,
+                               .auto_exposure = true, .key = 0.18f};
+    float scale = 0.0f;
+    (void) state;
+    f.chromaticities[0] = 0.7f;
+    f.lit.c[0][5] = NAN;
+    f.lit.c[1][6] = -INFINITY;
+    assert_int_equal(gp_tone_map(NULL, &p, &f, &scale), GP_OK);
+    assert_true(scale == 1.0f);
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(f.shown.c[c], f.lit.c[c], 61 * 7 * sizeof(float));
+    gp_frame_free(&f);
+}
+
+static void multiply(const double m[9], const double in[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = m[3 * i] * in[0] + m[3 * i + 1] * in[1] + m[3 * i + 2] * in[2];
+}
+
+/* One colour through `linear` at -2 EV. */
+static void show(const float chromaticities[8], const double in[3],
+                 double out[3])
+{
+    struct gp_frame f = make_frame(1, 1);
+    struct gp_tone_params p = {.curve = "linear", .exposure = -2.0f};
+    memcpy(f.chromaticities, chromaticities, sizeof f.chromaticities);
+    for (int c = 0; c < 3; c++)
+        f.lit.c[c][0] = (float) in[c];
+    assert_int_equal(gp_tone_map(NULL, &p, &f, NULL), GP_OK);
+    for (int c = 0; c < 3; c++)
+        out[c] = 4.0 * (double) f.shown.c[c][0];
+    gp_frame_free(&f);
+}
+
+static void primaries_become_bt709(void **state)
+{
+    static const struct {
+        float ch[8];
+        double m[9], tolerance;
+    } rows[] = {
+        // BT.2020 to BT.709, ITU-R BT.2087-0
+        {{0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f},
+         {1.6605, -0.5876, -0.0728, -0.1246, 1.1329, -0.0083, -0.0182, -0.1006,
+          1.1187}, 1.6e-4},
+        // AP0 to BT.709 through Bradford, as in OpenColorIO's ACES configs
+        {{0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.077f, 0.32168f, 0.33767f},
+         {2.52169, -1.13413, -0.38756, -0.27648, 1.37272, -0.09624, -0.01538,
+          -0.15298, 1.16835}, 2e-5},
+        // AP1 to BT.709 through Bradford
+        {{0.713f, 0.293f, 0.165f, 0.830f, 0.128f, 0.044f, 0.32168f, 0.33767f},
+         {1.70505, -0.62179, -0.08326, -0.13026, 1.14080, -0.01055, -0.02400,
+          -0.12897, 1.15297}, 2e-5},
+        {{0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f},
+         {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0},
+        {{0, 0, 0, 0, 0, 0, 0, 0}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0},
+        {{NAN}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0},
+        // whites with a cone response of nearly nothing, or less
+        {{1, 0, 0, 1, 0, 0, 0.9f, 0.0001f}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0},
+        {{1, 0, 0, 1, 0, 0, 0.1f, 0.9f}, {1, 0, 0, 0, 1, 0, 0, 0, 1}, 0},
+    };
+    static const double colours[][3] = {
+        {1, 1, 1}, {1, 0.9, 0.8}, {0.5, 0.6, 0.5}, {0.3, 0.3, 0.7},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        for (size_t k = 0; k < COUNT(colours); k++) {
+            double got[3], want[3];
+            show(rows[i].ch, colours[k], got);
+            multiply(rows[i].m, colours[k], want);
+            for (int c = 0; c < 3; c++) {
+                if (!(fabs(got[c] - want[c]) <= rows[i].tolerance + 1e-6))
+                    fail_msg("row %zu colour %zu channel %d is %.7g, not %.7g",
+                             i, k, c, got[c], want[c]);
+            }
+        }
+    }
+}
+
+static void white_stays_white(void **state)
+{
+    static const double grey[3] = {0.7, 0.7, 0.7};
+    float ch[8] = {0.7347f, 0.2653f, 0.1152f, 0.8264f, 0.1566f, 0.0177f};
+    (void) state;
+    for (int i = 0; i < 12; i++) {
+        double got[3];
+        ch[6] = 0.27f + 0.015f * (float) i;
+        ch[7] = 0.28f + 0.011f * (float) i;
+        show(ch, grey, got);
+        for (int c = 0; c < 3; c++)
+            assert_true(fabs(got[c] - 0.7) < 1e-6);
+    }
+}
+
+static double luminance(const double c[3])
+{
+    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+}
+
+static void white_zero_is_the_frames_maximum(void **state)
+{
+    (void) state;
+    for (int mixed = 0; mixed < 2; mixed++) {
+        struct gp_frame f = make_frame(131, 77);
+        struct gp_tone_params p = {.curve = "reinhard-extended",
+                                   .exposure = 1.5f};
+        if (mixed)
+            f.chromaticities[0] = 0.7f;
+        for (int c = 0; c < 3; c++)
+            f.lit.c[c][5000] = 3000.0f;
+        assert_int_equal(gp_tone_map(NULL, &p, &f, NULL), GP_OK);
+        int ones = 0;
+        for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+            const double shown[3] = {(double) f.shown.c[0][i],
+                                     (double) f.shown.c[1][i],
+                                     (double) f.shown.c[2][i]};
+            ones += luminance(shown) > 0.999999;
+        }
+        assert_true(f.shown.c[1][5000] > 0.999999f);
+        assert_int_equal(ones, 1);
+        gp_frame_free(&f);
+    }
+    struct gp_frame black = make_frame(5, 5);
+    struct gp_tone_params p = {.curve = "reinhard-extended"};
+    for (int c = 0; c < 3; c++)
+        memset(black.lit.c[c], 0, 25 * sizeof(float));
+    assert_int_equal(gp_tone_map(NULL, &p, &black, NULL), GP_OK);
+    assert_true(black.shown.c[2][24] == 0.0f);
+    gp_frame_free(&black);
+}
+
+static void log_average_skips_what_is_not_light(void **state)
+{
+    static const float bad[] = {0.0f, -0.0f, -5.0f, NAN, INFINITY, -INFINITY};
+    struct gp_frame f = make_frame(301, 203);
+    const size_t n = gp_frame_pixels(&f);
+    double sum = 0.0;
+    long long count = 0;
+    (void) state;
+    for (size_t i = 0; i < n; i++) {
+        if (i % 11 == 0) {
+            for (int c = 0; c < 3; c++)
+                f.lit.c[c][i] = bad[i / 11 % COUNT(bad)];
+            continue;
+        }
+        double y = 0.0;
+        for (int c = 0; c < 3; c++)
+            y += (double) gp_rec709_luminance[c] * (double) f.lit.c[c][i];
+        sum += log(1e-6 + y);
+        count++;
+    }
+    double want = exp(sum / (double) count);
+    double got = gp_log_average(&f, &f.lit);
+    assert_true(fabs(got / want - 1.0) < 1e-12);
+    gp_frame_free(&f);
+}
+
+static void log_average_of_few_pixels(void **state)
+{
+    static const struct {
+        float v;
+        double want;
+    } rows[] = {
+        {0.5f, 0.5 + 1e-6}, {0.0f, 0.0},      {-1.0f, 0.0},   {NAN, 0.0},
+        {INFINITY, 0.0},    {1e-45f, 1e-6},   {1e30f, 1e30},
+        {FLT_MAX, FLT_MAX}, {1e9f, 1e9 + 1e-6},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        for (int w = 1; w < 4; w++) {
+            struct gp_frame f = make_frame(w, 1);
+            for (int c = 0; c < 3; c++) {
+                for (int x = 0; x < w; x++)
+                    f.lit.c[c][x] = rows[i].v;
+            }
+            double got = gp_log_average(&f, &f.lit);
+            assert_true(fabs(got - rows[i].want) <= 1e-6 * rows[i].want);
+            gp_frame_free(&f);
+        }
+    }
+}
+
+static void auto_exposure_sets_the_key(void **state)
+{
+    (void) state;
+    for (int dark = 0; dark < 2; dark++) {
+        struct gp_frame f = make_frame(40, 30);
+        struct gp_tone_params p = {.curve = "linear", .exposure = 1.0f,
+                                   .auto_exposure = true, .key = 0.18f};
+        float scale;
+        for (int c = 0; c < 3; c++) {
+            for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+                f.lit.c[c][i] = dark ? -1.0f : 20.0f;
+        }
+        assert_int_equal(gp_tone_map(NULL, &p, &f, &scale), GP_OK);
+        if (dark) {
+            assert_true(scale == 2.0f); // no light to measure: exposure alone
+        } else {
+            assert_true(fabsf(scale - 0.018f) < 1e-6f);
+            assert_true(fabsf(f.shown.c[0][77] - 0.36f) < 1e-6f);
+        }
+        gp_frame_free(&f);
+    }
+}
+
+static void exposure_of_any_size_is_finite(void **state)
+{
+    static const float exposures[] = {-1e30f, -200.0f, 200.0f, 1e30f};
+    (void) state;
+    for (size_t e = 0; e < COUNT(exposures); e++) {
+        struct gp_frame f = make_frame(3, 1);
+        struct gp_tone_params p = {.curve = "reinhard",
+                                   .exposure = exposures[e]};
+        float scale;
+        f.chromaticities[0] = 0.7f;
+        for (int c = 0; c < 3; c++) {
+            f.lit.c[c][0] = 0.0f;
+            f.lit.c[c][1] = FLT_MAX;
+            f.lit.c[c][2] = c == 1 ? FLT_MAX : -FLT_MAX;
+        }
+        assert_int_equal(gp_tone_map(NULL, &p, &f, &scale), GP_OK);
+        assert_true(scale > 0.0f && isfinite(scale));
+        for (int c = 0; c < 3; c++) {
+            assert_true(f.shown.c[c][0] == 0.0f);
+            for (int i = 1; i < 3; i++)
+                assert_true(f.shown.c[c][i] >= 0.0f && f.shown.c[c][i] <= 1.0f);
+        }
+        if (exposures[e] > 0.0f) {
+            assert_true(f.shown.c[0][1] > 0.99f);
+            assert_true(f.shown.c[1][2] > 0.99f); // green, not NaN
+        }
+        gp_frame_free(&f);
+    }
+}
+
+static void threads_change_nothing(void **state)
+{
+    static float first[3][211 * 83];
+    (void) state;
+    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
+        for (int threads = 1; threads <= 7; threads++) {
+            struct gp_tone_params p = {.curve = (*c)->name, .key = 0.18f,
+                                       .auto_exposure = true};
+            seed = 5;
+            gp_set_threads(threads);
+            struct gp_frame f = make_frame(211, 83);
+            assert_int_equal(gp_tone_map(NULL, &p, &f, NULL), GP_OK);
+            for (int k = 0; k < 3; k++) {
+                if (threads == 1)
+                    memcpy(first[k], f.shown.c[k], sizeof first[k]);
+                assert_memory_equal(f.shown.c[k], first[k], sizeof first[k]);
+            }
+            gp_frame_free(&f);
+        }
+    }
+    gp_set_threads(0);
+}
+
+SUITE(tone)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(curves_are_listed),
+        cmocka_unit_test(unknown_curve_is_refused),
+        cmocka_unit_test(one_stop_is_a_factor_of_two),
+        cmocka_unit_test(none_copies),
+        cmocka_unit_test(primaries_become_bt709),
+        cmocka_unit_test(white_stays_white),
+        cmocka_unit_test(white_zero_is_the_frames_maximum),
+        cmocka_unit_test(log_average_skips_what_is_not_light),
+        cmocka_unit_test(log_average_of_few_pixels),
+        cmocka_unit_test(auto_exposure_sets_the_key),
+        cmocka_unit_test(exposure_of_any_size_is_finite),
+        cmocka_unit_test(threads_change_nothing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

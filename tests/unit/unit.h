@@ -1,0 +1,26 @@
+/* A suite is a file of tests; a room's suites are one program:
+ *
+ *   build/tests/ROOM              every suite, each in a process of its own
+ *   build/tests/ROOM 'exr*'       the suites that the pattern matches
+ *   build/tests/ROOM fft --time   one suite, in this process, with arguments
+ *   build/tests/ROOM --list       their names
+ *
+ * tests/unit/ROOM/NAME.c defines SUITE(NAME) { ... }, which runs its tests and
+ * returns how many failed. The Makefile lists the files.
+ */
+#ifndef GP_TESTS_UNIT_H
+#define GP_TESTS_UNIT_H
+
+#define SUITE(name)                                                           \
+    int suite_##name(int argc, char **argv);                                  \
+    int suite_##name(int argc __attribute__((unused)),                        \
+                     char **argv __attribute__((unused)))
+
+struct suite {
+    const char *name;
+    int (*run)(int argc, char **argv); // argv[0] is the suite's name
+};
+
+extern const struct suite suites[]; // ends with a NULL name
+
+#endif
