@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+"""Checks the rules of the house: who includes whom, no circles, no name twice.
+
+Usage: house.py ROOT BUILD     the objects of BUILD must be made
+
+Prints a line for each rule that is broken, and exits 1 if there is one.
+"""
+import os
+import re
+import subprocess
+import sys
+
+ROOT, BUILD = sys.argv[1], sys.argv[2]
+SRC = os.path.join(ROOT, "src")
+
+# A room may include its own headers and those of the rooms named here; a
+# header named alone is the only one of its room.
+MIDDLE = ["glare", "sun", "scene", "tone", "io"]
+ROOMS = {
+    "core": [],
+    "gl": ["core"],
+    "glare": ["gl", "core"],
+    "sun": ["gl", "core", "glare/kernel.h", "glare/sources.h"],
+    "scene": ["gl", "core"],
+    "tone": ["gl", "core"],
+    "io": ["gl", "core"],
+    "compare": MIDDLE + ["gl", "core"],
+    "bench": MIDDLE + ["gl", "core", "compare/flip.h"],
+    "app": ["bench", "compare"] + MIDDLE + ["gl", "core"],
+}
+# A library is seen by one room.
+LIBRARIES = [
+    (r"openexr|Imf|OpenEXR|OpenImageIO|png|libdeflate", "io"),
+    (r"OpenColorIO", "tone"),
+    (r"GL/|EGL/", "gl"),
+]
+# Files of an unusual size, and why.
+SHORT, LONG = 80, 700
+SIZES = {
+}
+SUBJECT = re.compile(r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*: \S.*[^.]$")
+SINCE = "8c81615"  # subjects are held to the form from here on
+
+broken = 0
+
+
+def fault(rule, text):
+    global broken
+    broken += 1
+    print(f"{rule}: {text}")
+
+
+def sources():
+    for folder, _, names in sorted(os.walk(SRC)):
+        for name in sorted(names):
+            if name.endswith((".c", ".h", ".cpp", ".hpp")):
+                path = os.path.join(folder, name)
+                with open(path, encoding="utf-8") as f:
+                    yield os.path.relpath(path, SRC), f.read()
+
+
+def check_includes(files):
+    for path, text in files.items():
+        room = path.split("/")[0]
+        for angle, name in re.findall(r'^ *# *include *([<"])([^>"]+)', text,
+                                      re.M):
+            if angle == "<":
+                for library, owner in LIBRARIES:
+                    if re.match(library, name) and room != owner:
+                        fault("rooms", f"{path} includes <{name}>; only "
+                                       f"{owner} may")
+                continue
+            other = name.split("/")[0]
+            if other != room and other in ROOMS and \
+                    other not in ROOMS[room] and name not in ROOMS[room]:
+                fault("rooms", f"{path} includes {name}; {room} may include "
+                               f"{', '.join(ROOMS[room]) or 'no other room'}")
+            if name.endswith("_priv.h") and \
+                    os.path.dirname(name) != os.path.dirname(path):
+                fault("private", f"{path} includes {name} of another folder")
+
+
+def check_tags(files):
+    where = {}
+    for path, text in files.items():
+        if path.endswith((".h", ".hpp")):
+            for tag in re.findall(r"^(?:struct|union|enum) (\w+) \{", text,
+                                  re.M):
+                where.setdefault(tag, []).append(path)
+    for tag, paths in where.items():
+        if len(paths) > 1:
+            fault("tags", f"{tag} is defined in {' and '.join(paths)}")
+
+
+def check_sizes(files):
+    for path, text in files.items():
+        lines = text.count("\n")
+        if path.endswith(".c") and not SHORT <= lines <= LONG and \
+                path not in SIZES:
+            fault("sizes", f"{path} has {lines} lines, not {SHORT} to {LONG}; "
+                           "join or divide by idea, or give a reason in "
+                           "tests/tools/house.py")
+    for path in SIZES:
+        if path not in files:
+            fault("sizes", f"tests/tools/house.py excuses {path}, which is "
+                           "not there")
+    with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as f:
+        lines = f.read().count("\n")
+    if lines > 300:
+        fault("readme", f"README.md has {lines} lines, not at most 300")
+
+
+def symbols(files):
+    """For each .c: the gp_ symbols that it defines, and those it takes."""
+    defined, taken = {}, {}
+    for path in files:
+        if not path.endswith(".c"):
+            continue
+        out = subprocess.run(
+            ["nm", "-g", os.path.join(BUILD, path[:-2] + ".o")],
+            check=True, capture_output=True, text=True).stdout
+        defined[path], taken[path] = set(), set()
+        for line in out.splitlines():
+            *_, kind, name = line.split()
+            name = name.split(".")[0]
+            if name.startswith("gp_"):
+                (taken if kind == "U" else defined)[path].add(name)
+    return defined, taken
+
+
+def check_circles(defined, taken):
+    home = {name: path for path, names in defined.items() for name in names}
+    arrows = {path: {home[n] for n in names if n in home} - {path}
+              for path, names in taken.items()}
+    number, low, stack, circles = {}, {}, [], []
+
+    def visit(path):  # Tarjan 1972
+        number[path] = low[path] = len(number)
+        stack.append(path)
+        for other in sorted(arrows[path]):
+            if other not in number:
+                visit(other)
+                low[path] = min(low[path], low[other])
+            elif other in stack:
+                low[path] = min(low[path], number[other])
+        if low[path] == number[path]:
+            circle = [stack.pop()]
+            while circle[-1] != path:
+                circle.append(stack.pop())
+            if len(circle) > 1:
+                circles.append(sorted(circle))
+
+    for path in sorted(arrows):
+        if path not in number:
+            visit(path)
+    for circle in circles:
+        inside = [f"{a} calls {b} ({', '.join(sorted(taken[a] & defined[b]))})"
+                  for a in circle for b in circle if b in arrows[a]]
+        fault("circles", "; ".join(inside))
+
+
+def check_globals(files, defined, taken):
+    used = set().union(*taken.values())
+    private = "".join(text for path, text in files.items()
+                      if path.endswith("_priv.h"))
+    for path, names in defined.items():
+        for name in sorted(names - used):
+            if not re.search(rf"\b{name}\b", private):
+                fault("globals", f"{name} of {path} is used by no other file; "
+                                 "make it static")
+
+
+def check_subjects():
+    log = subprocess.run(["git", "-C", ROOT, "log", "--format=%s",
+                          f"{SINCE}..HEAD"], capture_output=True, text=True)
+    if log.returncode:
+        print(f"subjects: not checked, {SINCE} is not in this clone")
+        return
+    for subject in log.stdout.splitlines():
+        if not SUBJECT.match(subject):
+            fault("subjects", f"'{subject}' is not 'room: what changed'")
+
+
+def main():
+    files = dict(sources())
+    check_includes(files)
+    check_tags(files)
+    check_sizes(files)
+    defined, taken = symbols(files)
+    check_circles(defined, taken)
+    check_globals(files, defined, taken)
+    check_subjects()
+    return broken > 0
+
+
+sys.exit(main())
