@@ -69,10 +69,10 @@ UNIT_BIN := $(UNIT_ROOMS:%=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 
 CHECKS := check-headers check-rooms check-symbols check-size check-man \
-          check-readme check-tidy check-cppcheck
+          check-manual check-tidy check-cppcheck
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
-        coverage coverage-run $(CHECKS) lint hardcases hardcases-readme bench man install uninstall deb deps clean
+        coverage coverage-run $(CHECKS) lint hardcases hardcases-manual bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
 help: ## lists the targets
@@ -204,7 +204,7 @@ $(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures every figure of the README on this machine
+bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures every figure of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
 # The whole process' peer: OpenEXR's C++ library and plain FFTW
@@ -230,11 +230,11 @@ check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build
 hardcases: $(B)/tests/hardcases $(BRIDGES) ## the hard cases: the largest error of each cell, as tables
 	@$(B)/tests/hardcases
 
-# What README keeps of it
-hardcases-readme: $(B)/tests/hardcases $(BRIDGES)
+# What the manual keeps of it
+hardcases-manual: $(B)/tests/hardcases $(BRIDGES)
 	@$(B)/tests/hardcases >$(B)/hardcases.md
 	@sed -i -e '/^<!-- make hardcases -->/,/^<!-- end -->/{//!d}' \
-	    -e '/^<!-- make hardcases -->/r $(B)/hardcases.md' README.md
+	    -e '/^<!-- make hardcases -->/r $(B)/hardcases.md' man/hardcases.md
 
 # The same tests in builds that look for errors of memory and of arithmetic
 SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
@@ -318,10 +318,10 @@ check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
 	@! nm -g --defined-only $(LIB_OBJ) | \
 	    awk 'NF == 3 && $$3 !~ /^(gp_|\.)/ { print $$3; n++ } END { exit !n }'
 
-check-readme: $(B)/tests/hardcases ## README keeps every hard case
+check-manual: $(B)/tests/hardcases ## the manual keeps every hard case
 	@$(B)/tests/hardcases names | while read -r name; do \
-	    grep -qF "| $$name |" README.md || \
-	    { echo "README.md: no '$$name'; make hardcases-readme"; exit 1; }; \
+	    grep -qF "| $$name |" man/hardcases.md || \
+	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
 
 check-size: ## no source file over 700 lines, nor one of the tests

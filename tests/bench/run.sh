@@ -1,6 +1,6 @@
 #!/bin/bash
 # Usage: run.sh BUILD FRAMES
-# Measures the figures of the README on this machine. FRAMES is a folder that
+# Measures the figures of README and manual on this machine. FRAMES is a folder that
 # holds w1..w3 (few lights, windows, a sky) at 1024x768, 1920x1080, 3840x2160
 # and the kernel k512.exr; it is filled by frames.py when it is empty.
 build=$1 frames=$2
