@@ -9,7 +9,7 @@
 #include "core/parallel.h"
 #include "io/file.h"
 #include "io/read.h"
-#include "sun/exact.h"
+#include "sun/occluder.h"
 
 #include <errno.h>
 #include <jansson.h>

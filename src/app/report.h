@@ -5,7 +5,7 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
-#include "sun/light.h"
+#include "sun/lights.h"
 #include "tone/ocio.h"
 
 #include <stdbool.h>

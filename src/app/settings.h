@@ -12,8 +12,7 @@
 #include "io/read.h"
 #include "io/write.h"
 #include "sun/camera.h"
-#include "sun/light.h"
-#include "sun/occluder.h"
+#include "sun/map.h"
 #include "tone/ocio.h"
 #include "tone/tone.h"
 

@@ -13,7 +13,6 @@
 #include "gl/gl.h"
 #include "sun/camera.h"
 #include "sun/flare.h"
-#include "sun/light.h"
 #include "sun/lights.h"
 #include "sun/map.h"
 #include "sun/occluder.h"

@@ -1,7 +1,7 @@
 #include "app/sun.h"
 
 #include "core/memory.h"
-#include "sun/exact.h"
+#include "sun/occluder.h"
 
 #include <math.h>
 

@@ -2,7 +2,7 @@
 
 #include "core/memory.h"
 #include "glare/engine.h"
-#include "sun/exact.h"
+#include "sun/occluder.h"
 
 #include <string.h>
 

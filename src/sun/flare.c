@@ -1,10 +1,11 @@
-/* Where elements stand, how far they reach, and how much light a pixel that
- * they cover whole gets. */
-#include "sun/flare_item.h"
+#include "sun/json.h"
+#include "sun/sun_priv.h"
 
+#include "core/luminance.h"
 #include "core/memory.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
@@ -171,6 +172,88 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     return gp_rect_meet(whole_reach(e, l, display), frame);
 }
 
+/* -- images at half sizes, so that bilinear samples a pixel apart miss no texel */
+
+/* Four texels' mean; those outside are 0. The picture keeps its corner, so a
+ * place u in texels is u / 2. */
+static void halve_plane(const struct gp_flare_image *in, int c, int w, int h,
+                        float *out)
+{
+    for (int y = 0; y < h; y++) {
+        for (int x = 0; x < w; x++) {
+            float sum = 0.0f;
+            for (int j = 2 * y; j < in->h && j < 2 * y + 2; j++) {
+                for (int i = 2 * x; i < in->w && i < 2 * x + 2; i++)
+                    sum += in->rgb.c[c][(size_t) j * (size_t) in->w +
+                                        (size_t) i];
+            }
+            out[(size_t) y * (size_t) w + (size_t) x] = 0.25f * sum;
+        }
+    }
+}
+
+static gp_status halve(const struct gp_log *log,
+                       const struct gp_flare_image *in,
+                       struct gp_flare_image *out)
+{
+    struct gp_flare_image half = {
+        .w = (in->w + 1) / 2, .h = (in->h + 1) / 2, .cx = in->cx / 2.0,
+        .cy = in->cy / 2.0, .serial = in->serial,
+    };
+    const gp_status st = gp_planes_make(log, "a flare image at half size",
+                                        (size_t) half.w * (size_t) half.h,
+                                        &half.rgb);
+    if (st)
+        return st;
+    for (int c = 0; c < 3; c++)
+        halve_plane(in, c, half.w, half.h, half.rgb.c[c]);
+    *out = half;
+    return GP_OK;
+}
+
+static void sum_up(struct gp_flare_level *l)
+{
+    const size_t n = (size_t) l->image.w * (size_t) l->image.h;
+    for (int c = 0; c < 3; c++) {
+        const float *const v = l->image.rgb.c[c];
+        l->sum[c] = 0.0;
+        for (size_t i = 0; i < n; i++)
+            l->sum[c] += (double) v[i];
+        l->luminance += l->sum[c] * (double) gp_rec709_luminance[c];
+    }
+    if (!(l->luminance > 0.0) || !isfinite(l->luminance))
+        l->luminance = 0.0;
+}
+
+static gp_status level_make(const struct gp_log *log,
+                              const struct gp_flare_image *image, double size,
+                              struct gp_flare_level *out)
+{
+    struct gp_flare_level l = {.image = *image};
+    sum_up(&l);
+    double longer = image->w > image->h ? image->w : image->h;
+    gp_status st = GP_OK;
+    while (!st && l.luminance > 0.0 && longer > size &&
+           (l.image.w > 1 || l.image.h > 1)) {
+        struct gp_flare_image half = {0};
+        st = halve(log, &l.image, &half);
+        if (l.level > 0)
+            gp_planes_free(&l.image.rgb);
+        l.image = half;
+        l.level++;
+        longer /= 2.0;
+    }
+    *out = l;
+    return st;
+}
+
+static void level_free(struct gp_flare_level *l)
+{
+    if (l->level > 0)
+        gp_planes_free(&l->image.rgb);
+    *l = (struct gp_flare_level) {0};
+}
+
 /* -- items ----------------------------------------------------------------- */
 
 /* What an item is made from. */
@@ -182,7 +265,7 @@ struct making {
     double diameter;
 };
 
-static void put_rect(struct gp_flare_item *i, struct gp_rect rect)
+static void put_rect(struct gp_flare_quad *i, struct gp_rect rect)
 {
     i->rect = rect;
     i->base[0] = (float) ((double) rect.x0 + 0.5 - i->x);
@@ -198,10 +281,10 @@ static void put_rect(struct gp_flare_item *i, struct gp_rect rect)
 }
 
 /* Sum over all pixels of what channel c draws with an amount of 1. */
-static double sum_of(const struct gp_flare_item *item, struct gp_rect whole,
+static double sum_of(const struct gp_flare_quad *item, struct gp_rect whole,
                      int c)
 {
-    struct gp_flare_item i = *item;
+    struct gp_flare_quad i = *item;
     double sum = 0.0;
     put_rect(&i, whole);
     for (int y = whole.y0; y < whole.y1; y++) {
@@ -209,7 +292,7 @@ static double sum_of(const struct gp_flare_item *item, struct gp_rect whole,
         int x0, x1;
         if (!gp_flare_span(&i, y, y + 1, &x0, &x1))
             continue;
-        gp_flare_row(&i, c, y, x0, x1, 1.0f, row);
+        gp_flare_add_row(&i, c, y, x0, x1, 1.0f, row);
         for (int x = 0; x < x1 - x0; x++)
             sum += (double) row[x];
     }
@@ -228,7 +311,7 @@ static double light_of(const struct making *m, int c)
     return (double) m->e->colour[c] * (double) m->light->flux[c];
 }
 
-static void measure_shape(const struct making *m, struct gp_flare_item *i)
+static void measure_shape(const struct making *m, struct gp_flare_quad *i)
 {
     double area[3] = {0};
     for (int c = 0; c < 3; c++) {
@@ -247,7 +330,7 @@ static void measure_shape(const struct making *m, struct gp_flare_item *i)
 }
 
 /* Amounts of the channels in [first, end), which have one scale. */
-static void measure_image(const struct making *m, struct gp_flare_item *i,
+static void measure_image(const struct making *m, struct gp_flare_quad *i,
                           int first, int end)
 {
     const struct gp_flare_level *const l = m->level;
@@ -269,7 +352,7 @@ static void measure_image(const struct making *m, struct gp_flare_item *i,
     }
 }
 
-static void measure(const struct making *m, struct gp_flare_item *i, int first,
+static void measure(const struct making *m, struct gp_flare_quad *i, int first,
                     int end)
 {
     if (i->plain)
@@ -281,12 +364,12 @@ static void measure(const struct making *m, struct gp_flare_item *i, int first,
 }
 
 /* Adds an item for channels [first, end), unless it is dark. */
-static void add_item(struct gp_flare_items *items, const struct making *m,
+static void add_item(struct gp_flare_quads *items, const struct making *m,
                      int element, int light, struct gp_rect display, int first,
                      int end)
 {
     const double turn = m->e->rotation * pi / 180.0;
-    struct gp_flare_item i = {
+    struct gp_flare_quad i = {
         .shape = m->e->shape, .plain = m->e->plain && m->level,
         .element = element, .light = light,
         .turn = {(float) cos(turn), (float) sin(turn)},
@@ -328,7 +411,7 @@ static void fill_edges(const struct gp_flare_element *e, float *edge)
 
 /* Edges of all polygons, and images at the sizes that they are drawn in. */
 static gp_status prepare(const struct gp_log *log, const struct gp_flare *f,
-                         struct gp_rect display, struct gp_flare_items *items)
+                         struct gp_rect display, struct gp_flare_quads *items)
 {
     void *edge, *level;
     gp_status st = gp_alloc_zero(log, "flare polygons", (size_t) f->n,
@@ -350,7 +433,7 @@ static gp_status prepare(const struct gp_log *log, const struct gp_flare *f,
         if (e->plain)
             items->level[i].image = e->image;
         else
-            st = gp_flare_level_make(
+            st = level_make(
                 log, &e->image, fmax(diameter_of(e, display) * least_scale(e),
                                      1.0), &items->level[i]);
     }
@@ -359,7 +442,7 @@ static gp_status prepare(const struct gp_log *log, const struct gp_flare *f,
 
 static void fill(const struct gp_flare *f, const struct gp_light *light, int n,
                  bool clear, struct gp_rect frame, struct gp_rect display,
-                 struct gp_flare_items *items)
+                 struct gp_flare_quads *items)
 {
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++) {
@@ -379,14 +462,14 @@ static void fill(const struct gp_flare *f, const struct gp_light *light, int n,
     }
 }
 
-gp_status gp_flare_items_make(const struct gp_log *log,
+gp_status gp_flare_quads_make(const struct gp_log *log,
                               const struct gp_flare *f,
                               const struct gp_light *light, int n,
                               bool clear, struct gp_rect frame,
                               struct gp_rect display,
-                              struct gp_flare_items *out)
+                              struct gp_flare_quads *out)
 {
-    *out = (struct gp_flare_items) {0};
+    *out = (struct gp_flare_quads) {0};
     size_t most = 0;
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++)
@@ -407,12 +490,160 @@ gp_status gp_flare_items_make(const struct gp_log *log,
     return st;
 }
 
-void gp_flare_items_free(struct gp_flare_items *items)
+void gp_flare_quads_free(struct gp_flare_quads *items)
 {
     for (int i = 0; i < items->elements; i++)
-        gp_flare_level_free(&items->level[i]);
+        level_free(&items->level[i]);
     gp_free(items->at);
     gp_free(items->edge);
     gp_free(items->level);
-    *items = (struct gp_flare_items) {0};
+    *items = (struct gp_flare_quads) {0};
+}
+
+enum { MOST_ELEMENTS = 1024 };
+
+static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
+                                     "image", NULL};
+
+#define COMMON_KEYS "shape", "position", "size", "color", "rotation", "scale"
+static const char *const all_keys[] = {COMMON_KEYS, "width", "sides", "image",
+                                       NULL};
+static const char *const disc_keys[] = {COMMON_KEYS, NULL};
+static const char *const width_keys[] = {COMMON_KEYS, "width", NULL};
+static const char *const polygon_keys[] = {COMMON_KEYS, "sides", NULL};
+static const char *const image_keys[] = {COMMON_KEYS, "image", NULL};
+
+/* By shape: a key that a shape does not use is an error, not ignored. */
+static const char *const *const keys_of[] = {
+    [GP_FLARE_DISC] = disc_keys,       [GP_FLARE_RING] = width_keys,
+    [GP_FLARE_POLYGON] = polygon_keys, [GP_FLARE_STREAK] = width_keys,
+    [GP_FLARE_IMAGE] = image_keys,
+};
+
+/* -- one element ----------------------------------------------------------- */
+
+/* The shape, and that no key is unknown, or of another shape. */
+static gp_status read_shape(const struct gp_json_place *p, json_t *o,
+                            enum gp_flare_shape *out)
+{
+    int shape = 0;
+    bool found = false;
+    gp_status st = gp_json_keys(p, o, all_keys);
+    if (!st)
+        st = gp_json_choice(p, o, "shape", shapes, &shape, &found);
+    if (!st && !found)
+        st = gp_fail(p->log, GP_ERR_DATA,
+                     "%s: %s %d: no shape; add \"shape\": disc, ring, polygon, "
+                     "streak or image", p->path, p->what, p->index);
+    *out = (enum gp_flare_shape) shape;
+    return st ? st : gp_json_keys(p, o, keys_of[shape]);
+}
+
+static gp_status read_floats(const struct gp_json_place *p, json_t *o,
+                             const char *key, bool grey, double lo, double hi,
+                             float out[3])
+{
+    double v[3] = {(double) out[0], (double) out[1], (double) out[2]};
+    const gp_status st = gp_json_numbers(p, o, key, 3, grey, lo, hi, v, NULL);
+    for (int c = 0; c < 3; c++)
+        out[c] = (float) v[c];
+    return st;
+}
+
+/* A name beside the JSON file, unless it is absolute. */
+static gp_status resolve(const struct gp_json_place *p, const char *name,
+                         char **out)
+{
+    const char *const slash = strrchr(p->path, '/');
+    const size_t folder = name[0] != '/' && slash
+                              ? (size_t) (slash - p->path) + 1 : 0;
+    const size_t bytes = folder + strlen(name) + 1;
+    void *path;
+    const gp_status st = gp_alloc(p->log, "a flare image's path", bytes, 1,
+                                  &path);
+    if (st)
+        return st;
+    memcpy(path, p->path, folder);
+    memcpy((char *) path + folder, name, bytes - folder);
+    *out = path;
+    return GP_OK;
+}
+
+static gp_status read_image(const struct gp_json_place *p, json_t *o,
+                            char **out)
+{
+    const char *name = NULL;
+    bool found = false;
+    const gp_status st = gp_json_text(p, o, "image", &name, &found);
+    if (st)
+        return st;
+    if (!found || !*name)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: no image; add \"image\": its file",
+                       p->path, p->what, p->index);
+    return resolve(p, name, out);
+}
+
+static gp_status read_element(const struct gp_json_place *p, json_t *o,
+                              struct gp_flare_element *e)
+{
+    *e = (struct gp_flare_element) {
+        .size = 0.1, .width = 0.1, .sides = 6,
+        .colour = {0.01f, 0.01f, 0.01f}, .scale = {1.0f, 1.0f, 1.0f},
+    };
+    gp_status st;
+    GP_TRY(read_shape(p, o, &e->shape));
+    if (e->shape == GP_FLARE_STREAK)
+        e->width = 0.01;
+    GP_TRY(gp_json_number(p, o, "position", -10.0, 10.0, &e->at, NULL));
+    GP_TRY(gp_json_number(p, o, "size", 0.0, 10.0, &e->size, NULL));
+    GP_TRY(gp_json_number(p, o, "rotation", -36000.0, 36000.0, &e->rotation,
+                          NULL));
+    GP_TRY(gp_json_number(p, o, "width", 1e-6, 1.0, &e->width, NULL));
+    GP_TRY(gp_json_int(p, o, "sides", 3, 64, &e->sides, NULL));
+    GP_TRY(read_floats(p, o, "color", true, 0.0, 1e6, e->colour));
+    GP_TRY(read_floats(p, o, "scale", false, 0.01, 100.0, e->scale));
+    if (e->shape == GP_FLARE_IMAGE)
+        GP_TRY(read_image(p, o, &e->path));
+out:
+    return st;
+}
+
+/* -- the file -------------------------------------------------------------- */
+
+gp_status gp_flare_read(const struct gp_log *log, const char *path,
+                        struct gp_flare *out)
+{
+    struct gp_json_place place = {log, path, "element", 0};
+    struct gp_flare f = {0};
+    json_t *root = NULL, *array = NULL;
+    void *elements = NULL;
+    gp_status st;
+    GP_TRY(gp_json_read(log, path, &root));
+    GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
+    const int n = (int) json_array_size(array);
+    GP_TRY(gp_alloc_zero(log, "flare elements", n ? (size_t) n : 1,
+                         sizeof *f.element, &elements));
+    f.element = elements;
+    while (f.n < n) {
+        json_t *const o = json_array_get(array, (size_t) f.n);
+        place.index = ++f.n;
+        GP_TRY(read_element(&place, o, &f.element[place.index - 1]));
+    }
+    *out = f;
+    f = (struct gp_flare) {0};
+out:
+    json_decref(root);
+    gp_flare_free(&f);
+    return st;
+}
+
+void gp_flare_free(struct gp_flare *f)
+{
+    for (int i = 0; i < f->n; i++) {
+        gp_free(f->element[i].path);
+        gp_planes_free(&f->element[i].image.rgb);
+    }
+    GP_FREE(f->element);
+    *f = (struct gp_flare) {0};
 }

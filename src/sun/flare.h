@@ -32,7 +32,7 @@
 #include "core/status.h"
 #include "gl/gl.h"
 #include "gl/texture.h"
-#include "sun/light.h"
+#include "sun/lights.h"
 
 enum gp_flare_shape {
     GP_FLARE_DISC, GP_FLARE_RING, GP_FLARE_POLYGON, GP_FLARE_STREAK,

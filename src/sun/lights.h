@@ -1,20 +1,11 @@
-/* Lights from JSON.
+/* sun: lights, what hides them, and the flare they make in a lens.
  *
- * An array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
- *   {"pixel": [x, y]             in EXR pixel space, or
- *    "world": [x, y, z]          a lamp's place (needs a camera), or
- *    "direction": [x, y, z]      towards a sun (needs a camera),
- *    "radius": pixels            default 0.5; of a direction by "degrees",
- *    "degrees": across           the sun's 0.533; not beside "radius"
- *    "depth": d                  default: of "world" its own, else infinite
- *    "bias": share of depth      default 0.001
- *    "flux" : [r,g,b] | grey,    default 0: no glare of its own, no flare
- *    "color": [r,g,b]            times flux, default 1,1,1
- *    "name": text}
- * Exactly one place. Unknown keys, wrong types, numbers that are not finite or
- * out of range (flux 0 to 1e12, color 0 to 1e6, radius 0 to 1e6, degrees 0 to
- * 90, depth 0 to 1e30, bias 0 to 1, pixel to 1e9 and world to 1e15 either way)
- * are errors that name file, light and key.
+ *   lights    suns and lamps: from JSON, and their places in a frame (this file)
+ *   camera    from a direction or a place in the world to the frame
+ *   occluder  depth and coverage, and the share of a light that they leave, by
+ *             area, in double (exact.c)
+ *   map       the same share after Maughan: sun map and intensity map on GL
+ *   flare     lens-flare elements, on the CPU and on GL
  */
 #ifndef GP_SUN_LIGHTS_H
 #define GP_SUN_LIGHTS_H
@@ -22,8 +13,41 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "sun/camera.h"
-#include "sun/light.h"
-#include "sun/occluder.h"
+
+#include <stdbool.h>
+
+enum { GP_LIGHTS_MAX = 1024 }; // of one frame
+
+/* What the samples of a depth channel are; occluder.h. */
+enum gp_depth_type {
+    GP_DEPTH_Z,
+    GP_DEPTH_RAY,
+    GP_DEPTH_INVERSE,
+    GP_DEPTH_NORMALIZED,
+};
+
+/* A light in one frame. */
+struct gp_light {
+    double x, y;       // centre, EXR pixel space; y down
+    double radius;     // pixels, >= 0
+    double depth;      // what is nearer hides it: in scene units as the depth
+                       // channel counts them (along the view axis or along
+                       // the ray; for normalized depth in its 0 to 1);
+                       // INFINITY: a sun, beyond everything
+    double bias;       // share of depth that may be nearer and hides nothing
+    float flux[3];     // scene-linear, summed over pixels, >= 0
+    bool behind;       // the camera: shows nothing, is drawn nowhere
+    double visibility; // 0 hidden to 1 clear; written by exact and map
+};
+#define GP_LIGHT_DEFAULTS \
+    { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }
+
+/* Whether it has light to give: glare of its own, flare. */
+static inline bool gp_light_has_flux(const struct gp_light *l)
+{
+    return !l->behind && (l->flux[0] > 0.0f || l->flux[1] > 0.0f ||
+                          l->flux[2] > 0.0f);
+}
 
 enum gp_light_place { GP_PLACE_PIXEL, GP_PLACE_WORLD, GP_PLACE_DIRECTION };
 
@@ -39,7 +63,22 @@ struct gp_light_spec {
     float flux[3];
 };
 
-/* Errors: GP_ERR_IO; GP_ERR_DATA. *out is owned by the caller (gp_free()),
+/* Lights from JSON: an array, or {"lights": [...]}, of at most GP_LIGHTS_MAX:
+ *   {"pixel": [x, y]             in EXR pixel space, or
+ *    "world": [x, y, z]          a lamp's place (needs a camera), or
+ *    "direction": [x, y, z]      towards a sun (needs a camera),
+ *    "radius": pixels            default 0.5; of a direction by "degrees",
+ *    "degrees": across           the sun's 0.533; not beside "radius"
+ *    "depth": d                  default: of "world" its own, else infinite
+ *    "bias": share of depth      default 0.001
+ *    "flux" : [r,g,b] | grey,    default 0: no glare of its own, no flare
+ *    "color": [r,g,b]            times flux, default 1,1,1
+ *    "name": text}
+ * Exactly one place. Unknown keys, wrong types, numbers that are not finite or
+ * out of range (flux 0 to 1e12, color 0 to 1e6, radius 0 to 1e6, degrees 0 to
+ * 90, depth 0 to 1e30, bias 0 to 1, pixel to 1e9 and world to 1e15 either way)
+ * are errors that name file, light and key.
+ * Errors: GP_ERR_IO; GP_ERR_DATA. *out is owned by the caller (gp_free()),
  * written on GP_OK only; *n may be 0. Files over 1 MiB are refused. */
 GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
                                        const char *path,

@@ -23,10 +23,40 @@
 #include "core/status.h"
 #include "gl/gl.h"
 #include "gl/texture.h"
-#include "sun/light.h"
 #include "sun/occluder.h"
 
-enum { GP_LIGHTS_MAX = 1024 }; // of one frame
+enum gp_sun_method {
+    GP_SUN_EXACT,    // gp_sun_exact()
+    GP_SUN_MASK,     // gp_sun_map_draw(): nothing returns before the end
+    GP_SUN_READBACK, // gp_sun_readback()
+};
+
+/* Where the glare and flare of a mask's lights are drawn. */
+enum gp_sun_draw {
+    GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
+    GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
+                  // nothing is read back before the layer is done
+    GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
+};
+
+enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
+
+/* How the intensity map is summed. */
+enum gp_sun_sum {
+    GP_SUM_FLOAT,    // every texel, in float, times 1 / count
+    GP_SUM_BYTE,     // in 8 bits, as in the paper: times 1 / 255, saturating
+    GP_SUM_BILINEAR, // a quarter of the points, each the mean of 2x2 texels
+};
+
+struct gp_sun_params {
+    enum gp_sun_method method;
+    enum gp_sun_outside outside;
+    enum gp_sun_pattern pattern;
+    enum gp_sun_sum sum;
+    enum gp_sun_draw draw;
+    int map; // texels of a sun map's side, 2 to 256, even
+};
+#define GP_SUN_DEFAULTS { .map = 16 }
 
 /* Programs, textures and targets on a context; kept from frame to frame. */
 struct gp_sun_map;

@@ -1,6 +1,4 @@
-/* The paper's other way ("lens flare occlusion"): look at every pixel of the
- * sun on the CPU, for which the drawing must be waited for. */
-#include "sun/map_state.h"
+#include "sun/sun_priv.h"
 
 #include "core/memory.h"
 
@@ -11,7 +9,7 @@ struct counted {
 };
 
 /* Columns [*from, *to) of [0, w) whose centres are in the light at row y. */
-static void row_span(const struct gp_sun_spot *s, enum gp_sun_pattern pattern,
+static void row_span(const struct gp_map_light *s, enum gp_sun_pattern pattern,
                      double y, int w, int *from, int *to)
 {
     const double down = y + 0.5 - s->y;
@@ -28,7 +26,7 @@ static void row_span(const struct gp_sun_spot *s, enum gp_sun_pattern pattern,
 }
 
 /* How many pixel centres are in the light, on an unbounded plane. */
-static double centres(const struct gp_sun_spot *s, enum gp_sun_pattern pattern)
+static double centres(const struct gp_map_light *s, enum gp_sun_pattern pattern)
 {
     enum { BY_ROWS = 2048 }; // radius; the area is then right to 1e-5
     const double r = s->radius;
@@ -47,7 +45,7 @@ static double centres(const struct gp_sun_spot *s, enum gp_sun_pattern pattern)
 }
 
 /* Pixels of the frame, from the region of s->box that was read. */
-static struct counted count_inside(const struct gp_sun_spot *s,
+static struct counted count_inside(const struct gp_map_light *s,
                                    enum gp_sun_pattern pattern,
                                    const float *rgba)
 {
@@ -67,10 +65,10 @@ static struct counted count_inside(const struct gp_sun_spot *s,
 }
 
 /* The pixel that the centre falls in, for a light between all centres. */
-static struct counted count_nearest(const struct gp_sun_spot *s, int w, int h,
+static struct counted count_nearest(const struct gp_map_light *s, int w, int h,
                                     const float outside[2], const float *rgba)
 {
-    const int x = gp_sun_pixel(s->x, w), y = gp_sun_pixel(s->y, h);
+    const int x = gp_map_pixel_at(s->x, w), y = gp_map_pixel_at(s->y, h);
     if (!rgba || x < 0 || x >= w || y < 0 || y >= h)
         return (struct counted) {(double) outside[0], (double) outside[1]};
     const size_t at = (size_t) (y - s->box.y0) * (size_t) gp_rect_w(s->box) +
@@ -78,11 +76,11 @@ static struct counted count_nearest(const struct gp_sun_spot *s, int w, int h,
     return (struct counted) {(double) rgba[4 * at], (double) rgba[4 * at + 1]};
 }
 
-static double count(const struct gp_sun_spot *s, const struct gp_occluders *o,
+static double count(const struct gp_map_light *s, const struct gp_occluders *o,
                     const struct gp_sun_params *p, const float *rgba)
 {
     float outside[2];
-    gp_sun_outside_counts(p->outside, outside);
+    gp_map_outside(p->outside, outside);
     const double all = centres(s, p->pattern);
     struct counted c = {0};
     if (rgba) // some of the region is in the frame
@@ -136,7 +134,7 @@ static gp_status look_at(const struct gp_log *log, const struct gp_gl *gl,
                          const struct gp_sun_params *p, struct gp_sun_map *s,
                          int i, double *visibility)
 {
-    const struct gp_sun_spot *const spot = &s->spot[i];
+    const struct gp_map_light *const spot = &s->spot[i];
     const int w = gp_rect_w(spot->box), h = gp_rect_h(spot->box);
     float *rgba = NULL;
     gp_status st = GP_OK;
@@ -163,9 +161,9 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
 {
     float intensity[4 * GP_LIGHTS_MAX] = {0};
     gp_status st;
-    GP_TRY(gp_sun_begin(log, gl, o, p, light, n, state));
+    GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
-    GP_TRY(gp_sun_use(log, gl, s, GP_SUN_PIXELS));
+    GP_TRY(gp_map_use(log, gl, s, GP_SUN_PIXELS));
     for (int i = 0; i < n; i++) {
         GP_TRY(look_at(log, gl, o, p, s, i, &light[i].visibility));
         intensity[4 * i] = (float) light[i].visibility;
@@ -178,4 +176,64 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
     s->map = 0;
 out:
     return st;
+}
+
+/* What one sample adds to r and g. */
+static void add_sample(const struct gp_occluders *o,
+                       const struct gp_light *light,
+                       const struct gp_map_light *s, double x, double y,
+                       const float outside[2], double sum[2])
+{
+    const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
+    const int px = gp_map_pixel_at(s->x + s->radius * x, w);
+    const int py = gp_map_pixel_at(s->y + s->radius * y, h);
+    if (px < 0 || px >= w || py < 0 || py >= h) {
+        sum[0] += (double) outside[0];
+        sum[1] += (double) outside[1];
+        return;
+    }
+    sum[0] += gp_occluders_show(o, light, px + o->frame.x0, py + o->frame.y0);
+    sum[1] += 1.0;
+}
+
+static void add_texel(const struct gp_occluders *o,
+                      const struct gp_sun_params *p,
+                      const struct gp_light *light,
+                      const struct gp_map_light *s, int i, int j,
+                      double texel[2])
+{
+    float outside[2];
+    gp_map_outside(p->outside, outside);
+    texel[0] = texel[1] = 0.0;
+    for (int n = 0; n < s->k * s->k; n++) {
+        const int side = p->map * s->k;
+        const double u = (i * s->k + n % s->k + 0.5) / side;
+        const double v = (j * s->k + n / s->k + 0.5) / side;
+        double x, y;
+        gp_pattern_place(p->pattern, u, v, &x, &y);
+        add_sample(o, light, s, x, y, outside, texel);
+    }
+    texel[0] /= s->k ? s->k * s->k : 1;
+    texel[1] /= s->k ? s->k * s->k : 1;
+}
+
+double gp_sun_map_reference(const struct gp_occluders *o,
+                            const struct gp_sun_params *p,
+                            const struct gp_light *light, float *map)
+{
+    const struct gp_map_light s = gp_map_light_of(o, p->map, light);
+    double shown = 0.0, weight = 0.0;
+    for (int j = 0; j < p->map; j++) {
+        for (int i = 0; i < p->map; i++) {
+            double texel[2];
+            add_texel(o, p, light, &s, i, j, texel);
+            shown += texel[0];
+            weight += texel[1];
+            if (!map)
+                continue;
+            map[2 * (j * p->map + i)] = (float) texel[0];
+            map[2 * (j * p->map + i) + 1] = (float) texel[1];
+        }
+    }
+    return weight > 0.0 ? shown / weight : 0.0;
 }

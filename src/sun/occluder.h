@@ -24,16 +24,9 @@
 
 #include "core/plane.h"
 #include "core/status.h"
-#include "sun/light.h"
+#include "sun/lights.h"
 
 #include <stddef.h>
-
-enum gp_depth_type {
-    GP_DEPTH_Z,
-    GP_DEPTH_RAY,
-    GP_DEPTH_INVERSE,
-    GP_DEPTH_NORMALIZED,
-};
 
 /* Depth samples of a frame by kind, and what follows for the plane. The kinds
  * do not meet, but surface counts by `reversed` all that are not empty. */
@@ -54,13 +47,13 @@ struct gp_occluders {
     enum gp_depth_type type;
     struct gp_rect frame;        // pixels about which the planes can tell:
                                  // display and data window together
-    struct gp_depth_facts facts; // by gp_occluders_survey()
+    struct gp_depth_facts facts; // by gp_occluders_count()
 };
 
 /* Counts o->depth's samples (in parallel, same counts for any number of
  * threads) and fills o->facts. Call before anything below; no depth is fine.
  * Cannot fail. */
-GP_MUST_CHECK gp_status gp_occluders_survey(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_occluders_count(const struct gp_log *log,
                                             struct gp_occluders *o);
 
 /* Whether depth sample v is empty, and else its place on the light's scale:
@@ -75,5 +68,30 @@ double gp_occluders_show(const struct gp_occluders *o,
 /* Sum of s over pixels [x0, x1) of row y: the same values, many at a time. */
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
                         int x0, int x1, int y);
+
+/* The part of a light outside the frame, where nothing is known. */
+enum gp_sun_outside {
+    GP_OUTSIDE_IGNORE,  // the share is taken over the part inside; 0 where
+                        // there is none
+    GP_OUTSIDE_VISIBLE, // counts as clear
+    GP_OUTSIDE_HIDDEN,  // counts as hidden
+};
+
+/* visibility = sum(area * shown) / sum(area), both over the pixels of
+ * o->frame, and the area outside of it as `outside` says; in double. A light
+ * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
+ * 1e9; one behind the camera has 0. All hidden is exactly 0, all clear exactly
+ * 1. Rows are summed in order: the same bits for any threads.
+ * Time grows with the disc's area inside the planes' windows; what of the
+ * frame is outside of them is clear, and costs one closed form.
+ * Cannot fail. */
+GP_MUST_CHECK gp_status gp_sun_exact(const struct gp_log *log,
+                                     const struct gp_occluders *o,
+                                     enum gp_sun_outside outside,
+                                     struct gp_light *light, int n);
+
+/* Area of the disc of radius r around (cx, cy) within [x, x+1) x [y, y+1), in
+ * closed form; 0 to 1. Exact to 1e-12 for r up to 1e5. */
+double gp_disc_pixel_area(double cx, double cy, double r, int x, int y);
 
 #endif

@@ -22,7 +22,7 @@ static inline double hard_share(const struct hard_case *h, bool plain)
     if (plain)
         l.visibility = hard_plain_share(&s, WITH_DEPTH, o.frame,
                                         GP_OUTSIDE_IGNORE, &l);
-    else if (gp_occluders_survey(NULL, &o) ||
+    else if (gp_occluders_count(NULL, &o) ||
              gp_sun_exact(NULL, &o, GP_OUTSIDE_IGNORE, &l, 1))
         abort();
     hard_sky_free(&s);

@@ -4,7 +4,7 @@
 #define GP_TESTS_HARD_SKY_H
 
 #include "cases.h"
-#include "sun/exact.h"
+#include "sun/occluder.h"
 
 enum { WITH_DEPTH = 1, WITH_MASK = 2, PLANES = 4 };
 

@@ -116,7 +116,7 @@ static void run_case(const struct hard_case *h, double error[WAYS])
             .mask = planes & WITH_MASK ? &s.plane[1] : NULL,
             .type = s.type, .frame = hard_frame_of(h, s.data),
         };
-        must(gp_occluders_survey(&scene_log, &o), h->name);
+        must(gp_occluders_count(&scene_log, &o), h->name);
         for (int outside = 0; outside < MODES; outside++) {
             const struct gp_sun_params p = {
                 .outside = (enum gp_sun_outside) outside,
@@ -143,7 +143,7 @@ static double exact_share(const struct hard_case *h, const struct hard_sky *s,
         .frame = hard_frame_of(h, s->data),
     };
     gp_set_threads(threads);
-    must(gp_occluders_survey(&scene_log, &o), h->name);
+    must(gp_occluders_count(&scene_log, &o), h->name);
     must(gp_sun_exact(&scene_log, &o, GP_OUTSIDE_HIDDEN, &l, 1), h->name);
     gp_set_threads(0);
     return l.visibility;

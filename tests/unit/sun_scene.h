@@ -3,7 +3,6 @@
 #define GP_TESTS_SUN_SCENE_H
 
 #include "core/memory.h"
-#include "sun/exact.h"
 #include "sun/occluder.h"
 
 #include <math.h>
@@ -59,7 +58,7 @@ static inline struct gp_occluders occluders(const struct gp_plane *depth,
                                             struct gp_rect frame)
 {
     struct gp_occluders o = {.depth = depth, .mask = mask, .frame = frame};
-    assert_int_equal(gp_occluders_survey(NULL, &o), GP_OK);
+    assert_int_equal(gp_occluders_count(NULL, &o), GP_OK);
     return o;
 }
 

@@ -1,12 +1,12 @@
 // Coverage of a pixel by a lens-flare element; the formulas are those of
-// sun/flare_item.h.
+// sun/sun_priv.h.
 //
 // in   ROUND, POLYGON, STREAK, IMAGE or PLAIN, one of which is defined
 //      edges  polygon: texel (k, sides.y) is side k: nx, ny, 1 / m
 //      image  IMAGE, PLAIN: texels in a border of one of 0
 //             the rest is flare.vert's
 // out  scene-linear rgb to be added to the target; a is not used
-// CPU twin: flare_row.c
+// CPU twin: flare_cpu.c
 flat in ivec2 origin;
 flat in vec2 base;
 flat in vec2 turn;

@@ -6,14 +6,14 @@
 //                 0  target pixels of the element's rect, before `tile`
 //                 1  first pixel's centre less the place; cosine and sine
 //                 2  radius of each channel; the light's number
-//                 3  inner of each channel (sun/flare_item.h); polygon's sides
+//                 3  inner of each channel (sun/sun_priv.h); polygon's sides
 //                 4  amount of each channel; row of `edges`
 //      intensity  texel (i, 0) of light i: visibility = r / g, 0 where g is 0
 //      first      x: first item of the draw
 //      tile       pixel of the rects' coordinates at the target's corner
 //      size       of the target
 // out  quads cut to the target; streaks' are turned
-// CPU twin: flare_row.c
+// CPU twin: flare_cpu.c
 uniform sampler2D items;
 uniform sampler2D intensity;
 uniform ivec2 first;

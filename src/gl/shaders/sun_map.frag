@@ -15,7 +15,7 @@
 //      shift    what leads from a pixel of the frame to one of `pixels`
 //      corner   its map's first texel; PIXELS: less the frame's pixel there
 // out  r share shown times g, g weight
-// CPU twin: map_reference.c
+// CPU twin: map_readback.c
 uniform sampler2D pixels;
 
 flat in vec4 place;

@@ -1,8 +1,8 @@
 /* sun/disc: the area of a disc in a pixel by quadrature and by laws, and the
  * samples of a disc. */
 #include "unit.h"
-#include "sun/disc.h"
-#include "sun/exact.h"
+#include "sun/sun_priv.h"
+#include "sun/occluder.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -4,7 +4,7 @@
  * those frames are skipped. */
 #include "unit.h"
 #include "io/channels.h"
-#include "sun/exact.h"
+#include "sun/occluder.h"
 
 #include "reading.h"
 #include "sun_maps.h"
@@ -110,7 +110,7 @@ static void ends_of_the_scale(void **state)
         struct gp_occluders o = {.depth = &depth, .frame = depth.window};
         for (int i = 0; i < 64 * 64; i++)
             depth.v[i] = rows[k % 9].depth;
-        assert_ok(gp_occluders_survey(&log_kept, &o));
+        assert_ok(gp_occluders_count(&log_kept, &o));
         for (int method = 0; method < 3; method++) {
             const struct gp_sun_params p = {
                 .map = 16, .outside = rows[k % 9].outside,
@@ -162,7 +162,7 @@ static void mask_64_is_near_exact(void **state)
     seed = 9;
     grow_leaves(&depth);
     struct gp_occluders o = {.depth = &depth, .frame = depth.window};
-    assert_ok(gp_occluders_survey(&log_kept, &o));
+    assert_ok(gp_occluders_count(&log_kept, &o));
     for (int i = 0; i < N; i++) {
         const double r = 2.0 + 58.0 * i / (N - 1);
         exact[i] = mask[i] = light_at(1024.0 * uniform01(),
@@ -309,7 +309,7 @@ static void add_frame(struct machine *m, const char *stem,
     struct gp_plane z = plane_of(f.data);
     gp_channel_floats(&f, index, z.v);
     struct gp_occluders o = {.depth = &z, .frame = f.data};
-    assert_ok(gp_occluders_survey(&log_kept, &o));
+    assert_ok(gp_occluders_count(&log_kept, &o));
     assert_ok(gp_sun_exact(&log_kept, &o, GP_OUTSIDE_IGNORE, &l, 1));
     const double off = fabs(mask_of(m, &o, 64, l) - l.visibility);
     e->truth += fabs(mask_of(m, &o, 16, l) -

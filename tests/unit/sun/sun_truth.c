@@ -3,7 +3,7 @@
  * without it that test skips. */
 #include "unit.h"
 #include "io/channels.h"
-#include "sun/disc.h"
+#include "sun/sun_priv.h"
 
 #include "reading.h"
 #include "sun_scene.h"

@@ -1,9 +1,11 @@
-/* Rows of flare elements, in float: the plain form of shaders/flare.frag. */
-#include "sun/flare_item.h"
+/* Flare elements in plain C, in float: the twin of shaders/flare.frag. */
+#include "sun/sun_priv.h"
 
 #include "core/cpu.h"
+#include "core/parallel.h"
 
 #include <math.h>
+#include <stddef.h>
 
 enum { RUN = 64 }; // pixels of a polygon at a time
 
@@ -38,7 +40,7 @@ static void round_span(double radius, const double y[2], double *lo,
     *hi = x;
 }
 
-static void streak_span(const struct gp_flare_item *i, const double y[2],
+static void streak_span(const struct gp_flare_quad *i, const double y[2],
                         double *lo, double *hi)
 {
     const double c = (double) i->turn[0], s = (double) i->turn[1];
@@ -50,7 +52,7 @@ static void streak_span(const struct gp_flare_item *i, const double y[2],
         cross((double) largest(i->radius) + 1.0, -s, c, y, lo, hi);
 }
 
-bool gp_flare_span(const struct gp_flare_item *i, int y0, int y1, int *x0,
+bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
                    int *x1)
 {
     const int top = y0 > i->rect.y0 ? y0 : i->rect.y0;
@@ -137,7 +139,7 @@ GP_CLONES static void meet_side(const struct run *r, const float *side,
     }
 }
 
-static void add_polygon(const struct run *r, const struct gp_flare_item *item,
+static void add_polygon(const struct run *r, const struct gp_flare_quad *item,
                         float apothem)
 {
     for (int at = 0; at < r->n; at += RUN) {
@@ -193,7 +195,7 @@ static int clamp_texel(float v, int size)
     return (int) most(-2.0f, least(v, (float) size));
 }
 
-static void add_image(const struct run *r, const struct gp_flare_item *item,
+static void add_image(const struct run *r, const struct gp_flare_quad *item,
                       int c)
 {
     const struct gp_flare_image *const m = item->image;
@@ -226,7 +228,7 @@ GP_CLONES static void add_taps(const struct run *r, const float *upper,
 }
 
 /* At its own pixels: all of a run have the same weights. */
-static void add_plain(const struct run *r, const struct gp_flare_item *item,
+static void add_plain(const struct run *r, const struct gp_flare_quad *item,
                       int c, int row)
 {
     const struct gp_flare_image *const m = item->image;
@@ -280,7 +282,7 @@ static struct run cut(const struct run *r, int first, int end)
     return part;
 }
 
-static void add_ramps(const struct run *r, const struct gp_flare_item *item,
+static void add_ramps(const struct run *r, const struct gp_flare_quad *item,
                       int c)
 {
     if (item->shape == GP_FLARE_POLYGON)
@@ -291,7 +293,7 @@ static void add_ramps(const struct run *r, const struct gp_flare_item *item,
 
 /* Ramps, what lies between them, ramps: all that is not within a pixel of an
  * edge is flat light, or the hole of a ring. */
-static void add_closed(const struct run *r, const struct gp_flare_item *item,
+static void add_closed(const struct run *r, const struct gp_flare_quad *item,
                        int c)
 {
     const float flat = item->shape == GP_FLARE_DISC ? item->radius[c]
@@ -306,7 +308,7 @@ static void add_closed(const struct run *r, const struct gp_flare_item *item,
     add_ramps(&right, item, c);
 }
 
-void gp_flare_row(const struct gp_flare_item *item, int c, int y, int x0,
+void gp_flare_add_row(const struct gp_flare_quad *item, int c, int y, int x0,
                   int x1, float amount, float *out)
 {
     const int row = y - item->rect.y0;
@@ -322,4 +324,61 @@ void gp_flare_row(const struct gp_flare_item *item, int c, int y, int x0,
         add_image(&r, item, c);
     else
         add_closed(&r, item, c);
+}
+
+enum { ROWS = 16 }; // of a task
+
+struct adding {
+    const struct gp_flare_quads *items;
+    const struct gp_light *light;
+    struct gp_rect frame;
+    struct gp_planes *layer;
+};
+
+static void add_item_rows(const struct adding *a,
+                          const struct gp_flare_quad *item, int y0, int y1)
+{
+    const float visible = (float) a->light[item->light].visibility;
+    const struct gp_rect f = a->frame;
+    for (int y = y0; y < y1; y++) {
+        int x0, x1;
+        if (!gp_flare_span(item, y, y + 1, &x0, &x1))
+            continue;
+        const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
+                          (size_t) (x0 - f.x0);
+        for (int c = 0; c < 3; c++) {
+            if (item->amount[c] != 0.0f)
+                gp_flare_add_row(item, c, y, x0, x1, item->amount[c] * visible,
+                             a->layer->c[c] + at);
+        }
+    }
+}
+
+static void add_rows(void *ctx, int i, int thread)
+{
+    const struct adding *const a = ctx;
+    const int y0 = a->frame.y0 + i * ROWS;
+    const int y1 = a->frame.y1 - y0 < ROWS ? a->frame.y1 : y0 + ROWS;
+    (void) thread;
+    for (int k = 0; k < a->items->n; k++) {
+        const struct gp_flare_quad *const item = &a->items->at[k];
+        if (item->rect.y0 < y1 && item->rect.y1 > y0)
+            add_item_rows(a, item, y0, y1);
+    }
+}
+
+gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
+                       const struct gp_light *light, int n,
+                       struct gp_rect frame, struct gp_rect display,
+                       struct gp_planes *layer)
+{
+    struct gp_flare_quads items = {0};
+    gp_status st = gp_flare_quads_make(log, f, light, n, true, frame,
+                                       display, &items);
+    if (!st && items.n > 0) {
+        struct adding a = {&items, light, frame, layer};
+        gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
+    }
+    gp_flare_quads_free(&items);
+    return st;
 }

@@ -1,0 +1,235 @@
+/* Shared by the files of sun, and private to them: which depth samples are
+ * surfaces, areas of discs, the sun map's state, and quads of flare elements.
+ */
+#ifndef GP_SUN_PRIV_H
+#define GP_SUN_PRIV_H
+
+#include "gl/program.h"
+#include "sun/flare.h"
+#include "sun/map.h"
+
+#include <stdint.h>
+#include <string.h>
+
+// -- depth samples (occluder.c) -----------------------------------------------
+
+/* Blender's 1e10 and 1e30 are backgrounds; no scene is this deep. */
+#define GP_DEPTH_HUGE 1e9f
+
+/* The largest half: what 1e10 becomes in one. */
+#define GP_DEPTH_HALF 65504.0f
+
+/* Samples that are surfaces: [lo, hi] but `hole`. */
+struct gp_depth_range {
+    float lo, hi;
+    float hole;     // NAN: none
+    bool near_high; // the nearest is hi
+};
+struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed);
+
+static inline bool gp_is_surface(struct gp_depth_range s, float v)
+{
+    return (v >= s.lo) & (v <= s.hi) & (v != s.hole);
+}
+
+/* Floats in order as whole numbers, and back; -0 and 0 are one. */
+static inline int32_t gp_float_order(float v)
+{
+    int32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits < 0 ? INT32_MIN - bits : bits;
+}
+
+static inline float gp_float_of(int32_t k)
+{
+    const int32_t bits = k < 0 ? INT32_MIN - k : k;
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+// -- discs (exact.c) ------------------------------------------------------------
+
+/* Where (u, v) in [0, 1)^2 falls: the square [-1, 1]^2, or the unit disc by
+ * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios. Texel
+ * (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
+void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
+                      double *x, double *y);
+
+/* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
+ * whole numbers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
+ * disc's edge is placed to 1e-12 of a pixel for r and distances up to 1e5. */
+double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
+                         double x1, double y1);
+
+// -- lights in pixels of the frame, and the pixels under them (map_pixels.c) --
+
+/* Place on the scale of depth of a pixel without surface, and of a light
+ * beyond everything; surfaces lie under it. Known to sun_map.frag as EMPTY. */
+#define GP_SUN_EMPTY 3.4e38f
+
+/* Pixels that samples are moved to the right and down. A sample often lies on
+ * the line between two pixels (whole positions and radii); this settles which
+ * of them it reads, the same for every way to round. */
+#define GP_SUN_NUDGE (1.0 / 1048576.0)
+
+/* A light as sun_map.frag sees it. Places are from o->frame's first pixel. */
+struct gp_map_light {
+    double x, y, radius; // pixels, each the sum of two floats; 1e8 at most
+    int k;               // samples along a texel's side; 0: shows nothing, as
+                         // it is behind the camera or its place is no number
+    float limit;         // surfaces at a place under it hide the light
+    struct gp_rect box;  // pixels that its samples read; may be empty
+    int slot_x, slot_y;  // where box lies in what is uploaded, pixels; even x
+};
+
+struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
+                                  const struct gp_light *l);
+
+/* Pixel of coordinate `at`, -1 or `size` outside of [0, size). */
+int gp_map_pixel_at(double at, int size);
+
+/* What counts for samples outside the frame: shown times weight, weight. */
+void gp_map_outside(enum gp_sun_outside outside, float count[2]);
+
+/* What is uploaded: two pixels a texel, w x h texels. */
+struct gp_map_pixels {
+    bool whole; // the frame once; else each light's box
+    int w, h;
+};
+
+/* Gives each box its slot, in rows of boxes, or all of them the frame's where
+ * that is less. Errors: GP_ERR_GL over `most` texels wide or high. */
+GP_MUST_CHECK gp_status gp_map_pack(const struct gp_log *log,
+                                    const struct gp_occluders *o,
+                                    struct gp_map_light *spot, int n, int most,
+                                    struct gp_map_pixels *out);
+
+// -- what the sun map keeps on a context (map.c) -------------------------------
+
+enum gp_sun_program {
+    GP_SUN_TEXELS,          // sun map
+    GP_SUN_PIXELS,          // a region for readback
+    GP_SUN_POINTS,          // as enum gp_sun_sum from here
+    GP_SUN_POINTS_BYTE,
+    GP_SUN_POINTS_BILINEAR,
+    GP_SUN_TOTAL,           // sums to intensity
+    GP_SUN_PROGRAMS,
+};
+
+enum { GP_SUN_BAND = 1 << 18 }; // texels that are uploaded at a time
+
+struct gp_sun_map {
+    struct gp_program program[GP_SUN_PROGRAMS]; // made when first used
+    struct gp_texture pixels, lights;           // see sun_map.frag
+    struct gp_target atlas;      // sides are powers of two, so that the middle
+                                 // between texels is exact in float
+    struct gp_target region;     // for readback
+    struct gp_target sums, byte_sums; // a pixel for each map of the atlas
+    struct gp_target intensity;       // n x 1
+    struct gp_map_light spot[GP_LIGHTS_MAX];
+    float *band;                 // GP_SUN_BAND texels; owned
+    int n, map, columns;         // of the last draw; map 0: a readback
+};
+
+/* Makes *state and what a frame of n lights needs but the atlas: spots packed
+ * and uploaded, intensity of n x 1. Errors: as gp_sun_map_draw(). */
+GP_MUST_CHECK gp_status gp_map_begin(const struct gp_log *log,
+                                     const struct gp_gl *gl,
+                                     const struct gp_occluders *o,
+                                     const struct gp_sun_params *p,
+                                     const struct gp_light *light, int n,
+                                     struct gp_sun_map **state);
+GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
+                                   const struct gp_gl *gl,
+                                   struct gp_sun_map *s,
+                                   enum gp_sun_program which);
+
+/* Uploads all boxes to s->pixels (map_upload.c), which is made to fit. */
+GP_MUST_CHECK gp_status gp_map_send_pixels(const struct gp_log *log,
+                                      const struct gp_gl *gl,
+                                      const struct gp_occluders *o,
+                                      const struct gp_map_pixels *u,
+                                      struct gp_sun_map *s, int n);
+
+// -- flare: elements made ready for the lights of one frame (flare.c) -----------
+
+/* What the CPU and GL forms evaluate alike, in float, pixel by pixel.
+ *
+ * With p the pixel's centre less the element's place, rho = |p|, and m the
+ * larger of |x| and |y| of a unit vector across an edge, an edge at distance d
+ * is a ramp of width m: coverage clamp(1/2 - d / m, 0, 1). m is what a line of
+ * pixels along the axis nearest to the edge sees of a pixel; a straight edge
+ * of any direction then covers, summed over pixels, its exact area.
+ *
+ *   disc     ramp at radius
+ *   ring     ramp at radius less ramp at inner (-1: a disc, no hole)
+ *   polygon  least of the ramps of its sides, at `inner` from the middle
+ *   streak   (1 - |t|)^2 along, times the ramp at +inner less that at -inner
+ *            across
+ *   image    bilinear sample, 0 outside; one item a channel where their
+ *            scales differ
+ */
+/* Texture of an image at half size, `level` times. */
+struct gp_flare_level {
+    struct gp_flare_image image; // rgb owned when level > 0, else borrowed
+    int level;
+    double sum[3], luminance;    // of the whole image, level 0; 0 when not
+                                 // finite or not over 0: draws nothing
+};
+
+/* One element of one light. */
+struct gp_flare_quad {
+    enum gp_flare_shape shape;
+    bool plain;
+    int element, light;
+    struct gp_rect rect;  // pixels of the frame that it may reach; not empty
+    double x, y;          // place, EXR pixel space
+    float base[2];        // centre of pixel (rect.x0, rect.y0) less the place
+    float turn[2];        // cosine and sine of the rotation
+    float radius[3];      // pixels, each channel's; image: [0] texels a pixel
+    float inner[3];       // pixels: radius of the hole, distance of the sides,
+                          // half the width; image: [0], [1] the place in
+                          // texels
+    int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
+    float fraction[2];    // weight is 1 - fraction, and the next one's it
+    float amount[3];      // light where coverage or sample is 1, when clear
+    int sides;
+    const float *edge;    // polygon: nx, ny, 1 / m of each side
+    const struct gp_flare_image *image; // of the item's level
+};
+
+struct gp_flare_quads {
+    struct gp_flare_quad *at;     // owned; in the order of lights, elements
+    int n;
+    float *edge;                  // owned; GP_FLARE_EDGE floats an element
+    struct gp_flare_level *level; // owned; one an element
+    int elements;
+};
+
+enum { GP_FLARE_SIDES = 64, GP_FLARE_EDGE = 3 * GP_FLARE_SIDES };
+
+/* All that is not empty, at full visibility; with `clear` only of lights whose
+ * visibility is over 0. Elements of f are not needed afterwards, but plain
+ * images and such as are drawn at their own size or larger. Free with
+ * gp_flare_quads_free(), after a failure too. Errors: GP_ERR_BUG memory. */
+GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
+                                            const struct gp_flare *f,
+                                            const struct gp_light *light,
+                                            int n, bool clear,
+                                            struct gp_rect frame,
+                                            struct gp_rect display,
+                                            struct gp_flare_quads *out);
+void gp_flare_quads_free(struct gp_flare_quads *items);
+
+/* Columns [*x0, *x1) outside of which the item reaches nothing in rows
+ * [y0, y1); cut to its rect. false: nothing at all. */
+bool gp_flare_span(const struct gp_flare_quad *item, int y0, int y1, int *x0,
+                   int *x1);
+
+/* Adds amount * coverage of channel c in row y to out[0] = column x0, and on
+ * to x1; both inside the item's rect. */
+void gp_flare_add_row(const struct gp_flare_quad *item, int c, int y, int x0,
+                  int x1, float amount, float *out);
+
+#endif
