@@ -1,5 +1,5 @@
 /* Completions for shells, made from the option table. */
-#include "app/help.h"
+#include "app/options.h"
 
 #include "app/manual.h"
 

@@ -1,6 +1,9 @@
-#include "app/help.h"
+#include "app/options.h"
+
+#include "io/versions.h"
 
 #include <ctype.h>
+#include <jansson.h>
 #include <string.h>
 
 enum {
@@ -307,4 +310,16 @@ void gp_help_man(FILE *f)
 #define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
     GP_STATUS_LIST(ITEM)
 #undef ITEM
+}
+
+// -- --version -----------------------------------------------------------------
+
+void gp_version(FILE *f)
+{
+    char io[256];
+    gp_io_versions(io, sizeof io);
+    fprintf(f, "glarepp " GP_VERSION "\n"
+               "with %s, jansson %s\n"
+               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
+               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
 }

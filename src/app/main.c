@@ -1,6 +1,5 @@
 #include "app/bench.h"
 #include "app/compare.h"
-#include "app/help.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"

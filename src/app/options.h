@@ -124,4 +124,47 @@ void gp_help_man(FILE *f);
 /* --version: the program's and the libraries'. */
 void gp_version(FILE *f);
 
+/* A search: start it with gp_nearest_to(), try each name, read `name`. */
+struct gp_nearest {
+    const char *word;
+    size_t length;
+    int most;          // edits; lowered to those of `name` as names are tried
+    const char *name;  // the nearest so far, the first of equals; NULL: none
+};
+
+/* A search for the word of that many bytes, borrowed; names that take more
+ * than `most` edits, or than half its bytes, are no match. */
+struct gp_nearest gp_nearest_to(const char *word, size_t length, int most);
+
+/* Tries one name, borrowed. */
+void gp_nearest_try(struct gp_nearest *search, const char *name);
+
+/* Edits that turn the `n` bytes of `word` into `name`: insert, delete or
+ * replace a byte, or swap two neighbours (the optimal string alignment
+ * distance); 99 when one of them is longer than 31 bytes. */
+int gp_edits(const char *word, size_t n, const char *name);
+
+/* An option with its text, values, range and default, at most 79 columns. */
+void gp_help_option(FILE *f, const struct gp_option *o);
+
+/* A value of an option with its line, under the option's. */
+void gp_help_value(FILE *f, const char *name, const char *text);
+
+/* The heading of a group with its example, and those of its options that one
+ * of the commands (bits of enum gp_command) takes. False, and prints nothing,
+ * when there are none. */
+bool gp_help_group(FILE *f, int group, unsigned commands);
+
+/* What `glarepp help TOPIC` prints, to `f`; a NULL topic lists the topics. A
+ * topic is a command, the word of a group, an option's name or letter with or
+ * without dashes, a word of a heading of the man page, or a value's name.
+ * Errors: GP_ERR_USAGE, with the nearest topic when there is one; GP_ERR_BUG
+ * out of memory. */
+GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
+                                      const char *topic);
+
+/* What `glarepp help --completion SHELL` prints: a script for the shell that
+ * completes commands, options, their values and topics. */
+void gp_complete(FILE *f, enum gp_shell shell);
+
 #endif

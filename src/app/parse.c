@@ -1,13 +1,114 @@
 #include "app/options.h"
 
-#include "app/spell.h"
+#include "app/settings.h"
 #include "core/memory.h"
 
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+const struct gp_settings gp_defaults = {
+    .read = GP_READ_DEFAULTS,
+    .sensor = GP_SENSOR_DEFAULTS,
+    .kernel = GP_KERNEL_DEFAULTS,
+    .glare = GP_GLARE_DEFAULTS,
+    .compose = GP_COMPOSE_DEFAULTS,
+    .tone = GP_TONE_DEFAULTS,
+    .write = GP_WRITE_DEFAULTS,
+    .bench = GP_BENCH_DEFAULTS,
+    .compare = GP_COMPARE_DEFAULTS,
+    .sun = GP_SUN_SETTINGS_DEFAULTS,
+    .command = GP_COMMAND_MAIN,
+    .level = GP_LEVEL_WARN,
+};
+
+/* The lists of words. */
+enum { LISTS = 4 };
+static struct gp_texts *list_of(struct gp_settings *s, int i)
+{
+    struct gp_texts *const list[LISTS] = {
+        &s->inputs, &s->outputs, &s->ocio_context, &s->light_groups,
+    };
+    return list[i];
+}
+
+gp_status gp_settings_make(const struct gp_log *log, int words,
+                           struct gp_settings *s)
+{
+    *s = gp_defaults;
+    for (int i = 0; i < LISTS; i++) {
+        void *block;
+        gp_status st = gp_alloc(log, "command line", (size_t) words + 1,
+                                sizeof(char *), &block);
+        if (st)
+            return st;
+        list_of(s, i)->at = block;
+    }
+    return GP_OK;
+}
+
+void gp_settings_free(struct gp_settings *s)
+{
+    for (int i = 0; i < LISTS; i++) {
+        struct gp_texts *const list = list_of(s, i);
+        GP_FREE(list->at);
+        list->n = 0;
+    }
+}
+
+// -- slips of the finger -------------------------------------------------------
+
+enum { LONGEST = 31 };
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+int gp_edits(const char *word, size_t n, const char *name)
+{
+    const size_t m = strlen(name);
+    int rows[3][LONGEST + 1]; // of the table, in turn
+    if (n > LONGEST || m > LONGEST)
+        return 99;
+    for (size_t j = 0; j <= m; j++)
+        rows[0][j] = (int) j;
+    for (size_t i = 1; i <= n; i++) {
+        int *const row = rows[i % 3];
+        const int *const above = rows[(i - 1) % 3];
+        row[0] = (int) i;
+        for (size_t j = 1; j <= m; j++) {
+            const bool same = word[i - 1] == name[j - 1];
+            row[j] = least(above[j - 1] + !same,
+                           least(above[j], row[j - 1]) + 1);
+            if (i > 1 && j > 1 && word[i - 1] == name[j - 2] &&
+                word[i - 2] == name[j - 1])
+                row[j] = least(row[j], rows[(i - 2) % 3][j - 2] + 1);
+        }
+    }
+    return rows[n % 3][m];
+}
+
+struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
+{
+    // a word of which half is wrong says nothing
+    const int half = length < 64 ? (int) length / 2 : 0;
+    return (struct gp_nearest) {
+        .word = word, .length = length, .most = least(most, half),
+    };
+}
+
+void gp_nearest_try(struct gp_nearest *search, const char *name)
+{
+    const int edits = gp_edits(search->word, search->length, name);
+    if (search->name ? edits < search->most : edits <= search->most) {
+        search->most = edits;
+        search->name = name;
+    }
+}
 
 /* One option as it stands on the command line. */
 struct use {

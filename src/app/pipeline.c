@@ -2,10 +2,8 @@
 
 #include "app/cache.h"
 #include "app/flight.h"
-#include "app/said.h"
+#include "app/progress.h"
 #include "app/stages.h"
-#include "app/tally.h"
-#include "app/work.h"
 #include "core/bridge.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -24,8 +22,8 @@ struct plan {
 
 /* An input file in flight: one frame, or the views that it holds. */
 struct unit {
-    struct gp_said said;
-    struct gp_work *work; // jobs->views of them, owned
+    struct gp_frame_log log;
+    struct gp_frame_state *view; // jobs->views of them, owned
     int begun;            // of these
     bool kept;            // its outputs are there: nothing to do
 };
@@ -38,7 +36,7 @@ struct pipeline {
     struct gp_progress *progress;
     struct plan plan;
     struct gp_run run;
-    struct gp_tally tally;
+    struct gp_failures failures;
     struct gp_flight flight;
     struct unit *unit;               // one a slot, owned
     int slots;
@@ -87,32 +85,39 @@ static const struct gp_job *job_of(const struct pipeline *p, int unit, int view)
 }
 
 /* Frames that were left alone count as if they had not been asked for. */
-static void show_progress(struct pipeline *p, const struct gp_work *w,
+static void show_progress(struct pipeline *p, const struct gp_frame_state *fs,
                           const char *stage)
 {
     const int kept = atomic_load(&p->kept), views = p->jobs->views;
     gp_progress_update(p->progress, gp_flight_head(&p->flight) * views - kept,
-                       p->jobs->n - kept, w->job->input, stage);
+                       p->jobs->n - kept, fs->job->input, stage);
 }
 
-static gp_status run_stages(struct pipeline *p, struct gp_work *w,
+static void add_time(struct gp_frame_state *fs, enum gp_time of, double ms)
+{
+    fs->facts.ms[of] = fmax(fs->facts.ms[of], 0.0) + ms;
+    fs->facts.total_ms += ms;
+}
+
+static gp_status run_stages(struct pipeline *p, struct gp_frame_state *fs,
                             enum gp_phase phase)
 {
     for (int i = 0; i < GP_STAGES; i++) {
         const struct gp_stage *const stage = &gp_stages[i];
         if (!p->plan.on[i] || stage->phase != phase)
             continue;
-        show_progress(p, w, stage->name);
+        show_progress(p, fs, stage->name);
         const double start = gp_now_ms();
-        const gp_status st = stage->run(&p->run, w);
+        const gp_status st = stage->run(&p->run, fs);
         if (st)
             return st;
-        if (stage->time >= 0) {
-            const double ms = gp_now_ms() - start;
-            w->facts.ms[stage->time] = fmax(w->facts.ms[stage->time], 0) + ms;
-            w->facts.total_ms += ms;
-        }
-        gp_work_release(w, p->plan.dead[i]);
+        const double ms = gp_now_ms() - start;
+        if (stage->time >= 0)
+            add_time(fs, (enum gp_time) stage->time, ms - fs->engine_ms);
+        if (fs->engine_ms > 0.0)
+            add_time(fs, GP_TIME_GLARE, fs->engine_ms);
+        fs->engine_ms = 0.0;
+        gp_frame_state_release(fs, p->plan.dead[i]);
     }
     return GP_OK;
 }
@@ -129,15 +134,15 @@ static bool is_made(const struct pipeline *p, int unit)
 
 static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
 {
-    gp_said_begin(&u->said, p->log, &p->flight, unit,
+    gp_frame_log_open(&u->log, p->log, &p->flight, unit,
                   job_of(p, unit, 0)->input);
     u->kept = is_made(p, unit);
     if (u->kept)
         atomic_fetch_add(&p->kept, p->jobs->views);
     for (u->begun = 0; u->begun < p->jobs->views && !u->kept; u->begun++) {
-        gp_status st = gp_work_begin(&u->said.log, p->jobs,
+        gp_status st = gp_frame_state_begin(&u->log.log, p->jobs,
                                      unit * p->jobs->views + u->begun,
-                                     &u->work[u->begun]);
+                                     &u->view[u->begun]);
         if (st)
             return st;
     }
@@ -160,9 +165,9 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
     gp_bridge_about(job_of(p, unit, 0)->input);
     gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
     for (int v = 0; v < u->begun && !st; v++) {
-        st = run_stages(p, &u->work[v], phase);
+        st = run_stages(p, &u->view[v], phase);
         if (phase == GP_PHASE_READ)
-            note_size(p, &u->work[v].frame);
+            note_size(p, &u->view[v].frame);
         if (phase == GP_PHASE_COMPUTE)
             gp_suns_end_frame(&p->run.suns);
     }
@@ -175,8 +180,8 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
 static void free_unit(struct unit *u)
 {
     while (u->begun > 0)
-        gp_work_end(&u->work[--u->begun]);
-    gp_said_end(&u->said);
+        gp_frame_state_end(&u->view[--u->begun]);
+    gp_frame_log_close(&u->log);
     u->kept = false;
 }
 
@@ -187,8 +192,8 @@ static bool can_skip(void *user, int slot, gp_status st)
     const struct pipeline *const p = user;
     const struct unit *const u = &p->unit[slot];
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
-        const struct gp_work *const w = &u->work[v];
-        const char *const writing = w->names[w->facts.n_outputs];
+        const struct gp_frame_state *const fs = &u->view[v];
+        const char *const writing = fs->names[fs->facts.n_outputs];
         if (writing && strcmp(writing, "-") == 0)
             return false;
     }
@@ -211,12 +216,12 @@ static gp_status tell(struct pipeline *p, const struct gp_facts *facts)
 static gp_status end_view(struct pipeline *p, struct unit *u, int unit, int v,
                           gp_status st)
 {
-    const struct gp_facts *const facts = &u->work[v].facts;
+    const struct gp_facts *const facts = &u->view[v].facts;
     if (!st)
         return tell(p, facts);
-    gp_tally_fail(&p->tally, unit * p->jobs->views + v);
+    gp_failures_add(&p->failures, unit * p->jobs->views + v);
     return p->s.report ? gp_report_failed(p->log, &p->run.report, facts,
-                                          u->said.last)
+                                          u->log.last)
                        : GP_OK;
 }
 
@@ -226,9 +231,9 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     struct unit *const u = &p->unit[slot];
     const bool skipped = st && can_skip(p, slot, st);
     gp_status told = GP_OK;
-    gp_said_flush(&u->said);
+    gp_frame_log_flush(&u->log);
     if (u->kept)
-        p->tally.kept += p->jobs->views;
+        p->failures.kept += p->jobs->views;
     for (int v = 0; v < u->begun && !told && (!st || skipped); v++)
         told = end_view(p, u, unit, v, st);
     free_unit(u);
@@ -271,8 +276,8 @@ static gp_status make_slots(struct pipeline *p)
     p->unit = block;
     for (int i = 0; i < p->slots && !st; i++) {
         st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->jobs->views,
-                           sizeof *p->unit[i].work, &block);
-        p->unit[i].work = block;
+                           sizeof *p->unit[i].view, &block);
+        p->unit[i].view = block;
     }
     return st;
 }
@@ -374,18 +379,18 @@ gp_status gp_pipeline_run(const struct gp_log *log,
     p.s.write.no_clobber = false; // a set that is not whole is made anew
     GP_TRY(make_plan(log, &p.run, &p.plan));
     GP_TRY(begin_run(log, &p.run));
-    GP_TRY(gp_tally_make(log, jobs, &p.tally));
+    GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(make_slots(&p));
     GP_TRY(fly(&p));
-    GP_TRY(gp_tally_end(log, &p.tally));
+    GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);
     for (int i = 0; p.unit && i < p.slots; i++) {
         free_unit(&p.unit[i]);
-        gp_free(p.unit[i].work);
+        gp_free(p.unit[i].view);
     }
     gp_free(p.unit);
-    gp_tally_free(&p.tally);
+    gp_failures_free(&p.failures);
     close_run(&p.run);
     return st ? st : closed;
 }

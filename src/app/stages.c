@@ -1,97 +1,228 @@
 #include "app/stages.h"
 
+#include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/compose.h"
+#include "glare/extra.h"
+#include "glare/splat/outline.h"
 #include "io/plane.h"
+#include "io/read.h"
 
+#include <stdlib.h>
 #include <string.h>
 
-// -- read to glare -----------------------------------------------------------
+// -- a frame on its way ------------------------------------------------------
 
-/* What the report says of a depth that nothing reads. */
-static gp_status name_depth(struct gp_run *r, struct gp_work *w)
+gp_status gp_frame_state_begin(const struct gp_log *log,
+                               const struct gp_jobs *jobs, int index,
+                               struct gp_frame_state *out)
 {
-    // only a channel that was asked for can be missing
-    gp_status st = gp_name_depth(r->s->depth ? w->log : NULL, &w->frame,
-                                 r->s->depth, &w->depth,
-                                 &w->facts.depth_type);
-    w->facts.depth = w->depth;
-    if (st == GP_ERR_BUG && !r->s->depth)
-        return gp_fail(w->log, st, "%s: out of memory", w->job->input);
-    return r->s->depth ? st : GP_OK;
+    const struct gp_job *const job = &jobs->job[index];
+    void *names;
+    *out = (struct gp_frame_state) {
+        .log = log, .job = job, .view = index % jobs->views,
+        .targets = jobs->targets,
+    };
+    gp_status st = gp_alloc_zero(log, "output list",
+                                 (size_t) jobs->targets + 1, sizeof *out->names,
+                                 &names);
+    out->names = names;
+    out->facts = (struct gp_facts) {
+        .numbered = job->numbered, .frame = job->frame, .view = job->view,
+        .input = job->input, .outputs = out->names,
+    };
+    for (int i = 0; i < GP_TIMES; i++)
+        out->facts.ms[i] = -1.0;
+    return st;
 }
 
-/* How the frame of a job is read: a view inside the file is asked for. */
-static struct gp_read_params read_params(const struct gp_run *r,
-                                         const struct gp_work *w)
+void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead)
 {
-    struct gp_read_params p = r->s->read;
-    if (r->jobs->views_inside)
-        p.view = w->job->view;
-    return p;
+    if (dead & GP_HAS_RGB)
+        gp_planes_free(&fs->frame.rgb);
+    if (dead & GP_HAS_SOURCES) {
+        gp_sources_free(&fs->sources);
+        gp_sources_free(&fs->joined);
+    }
+    if (dead & GP_HAS_LAYER)
+        gp_planes_free(&fs->frame.layer);
+    if (dead & GP_HAS_LIT)
+        gp_planes_free(&fs->frame.lit);
+    if (dead & GP_HAS_SHOWN)
+        gp_planes_free(&fs->frame.shown);
 }
 
-static gp_status read_groups(struct gp_run *r, struct gp_work *w)
+void gp_frame_state_end(struct gp_frame_state *fs)
 {
-    const struct gp_read_params p = read_params(r, w);
-    const struct gp_texts *const names = &r->s->light_groups;
-    w->facts.light_group = names->at;
-    w->facts.light_groups = names->n;
-    return gp_light_groups_read(w->log, &p, &w->frame, names->at, names->n,
-                                &w->groups);
+    gp_frame_state_release(fs, ~0u);
+    for (int i = 0; i < fs->groups; i++) { // they borrow from the frame
+        gp_sources_free(&fs->group[i].sources);
+        gp_frame_free(&fs->group[i].frame);
+    }
+    gp_free(fs->group);
+    gp_frame_free(&fs->frame);
+    gp_planes_free(&fs->sunmap.planes);
+    gp_planes_free(&fs->intensity.planes);
+    for (int i = 0; fs->names && i < fs->targets; i++)
+        free(fs->names[i]);
+    gp_free(fs->names);
+    gp_free(fs->light);
+    gp_free(fs->depth);
+    gp_free(fs->mask);
+    *fs = (struct gp_frame_state) {0};
 }
 
-static gp_status run_read(struct gp_run *r, struct gp_work *w)
+/* Makes frame.layer all 0, for frames without light. */
+static gp_status make_dark_layer(struct gp_frame_state *fs)
 {
-    const struct gp_members *const m = &r->jobs->members;
-    const int i = (int) (w->job - r->jobs->job) / r->jobs->views;
-    const struct gp_read_params p = read_params(r, w);
-    gp_status st = m->n ? gp_members_frame(w->log, &p, w->job->input, m, i,
-                                           &w->frame)
-                        : gp_read_frame(w->log, &p, w->job->input, &w->frame);
-    if (!st && r->s->light_groups.n)
-        st = read_groups(r, w);
-    if (st)
-        return st;
-    w->facts.width = gp_frame_w(&w->frame);
-    w->facts.height = gp_frame_h(&w->frame);
-    w->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
-    return gp_suns_wanted(&r->s->sun) ? GP_OK : name_depth(r, w);
+    struct gp_planes *const p = &fs->frame.layer;
+    const size_t n = gp_frame_pixels(&fs->frame);
+    gp_status st = gp_planes_make(fs->log, "layer", n, p);
+    for (int c = 0; c < 3 && !st; c++)
+        memset(p->c[c], 0, n * sizeof(float));
+    return st;
 }
 
-/* Where the lights are, and how much of each shows. */
-static gp_status run_suns(struct gp_run *r, struct gp_work *w)
-{
-    gp_status st = gp_suns_place(w->log, r->s, w->job, &w->frame, &r->suns);
-    if (!st)
-        st = gp_suns_see(w->log, r->s, &r->suns);
-    if (st)
-        return st;
-    w->facts.sun_way = gp_suns_way(r->s, &r->suns);
-    if (r->suns.gl)
-        w->facts.sun_gl = gp_gl_name(r->suns.gl);
-    return GP_OK;
-}
+// -- reading -----------------------------------------------------------------
 
 static bool suns_asked(const struct gp_settings *s)
 {
     return gp_suns_wanted(&s->sun);
 }
 
-static gp_status run_sensors(struct gp_run *r, struct gp_work *w)
+static gp_status read_light_groups(const struct gp_run *r,
+                                   const struct gp_read_params *p,
+                                   struct gp_frame_state *fs)
 {
-    gp_status st = gp_sense(w->log, &r->s->sensor, &w->frame, &w->sources);
-    if (!st && w->groups.n)
-        st = gp_light_groups_sense(w->log, &r->s->sensor, &w->groups,
-                                   &w->sources);
+    const struct gp_texts *const names = &r->s->light_groups;
+    void *block;
+    gp_status st = gp_alloc_zero(fs->log, "light groups", (size_t) names->n,
+                                 sizeof *fs->group, &block);
+    fs->group = block;
+    while (!st && fs->groups < names->n) {
+        st = gp_read_layer(fs->log, p, &fs->frame, names->at[fs->groups],
+                           &fs->group[fs->groups].frame);
+        fs->groups += !st;
+    }
+    fs->facts.light_group = names->at;
+    fs->facts.light_groups = names->n;
+    return st;
+}
+
+static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_members *const m = &r->jobs->members;
+    const char *const asked = r->s->depth;
+    struct gp_read_params p = r->s->read;
+    gp_status st;
+    if (r->jobs->views_inside)
+        p.view = fs->job->view;
+    const int i = (int) (fs->job - r->jobs->job) / r->jobs->views;
+    GP_TRY(m->n ? gp_members_frame(fs->log, &p, fs->job->input, m, i,
+                                   &fs->frame)
+                : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
+    if (r->s->light_groups.n)
+        GP_TRY(read_light_groups(r, &p, fs));
+    fs->facts.width = gp_frame_w(&fs->frame);
+    fs->facts.height = gp_frame_h(&fs->frame);
+    fs->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
+    if (suns_asked(r->s))
+        return GP_OK;
+    // the report names the depth that nothing reads; only a channel that was
+    // asked for can be missing
+    st = gp_name_depth(asked ? fs->log : NULL, &fs->frame, asked, &fs->depth,
+                       &fs->facts.depth_type);
+    fs->facts.depth = fs->depth;
+    if (st == GP_ERR_BUG && !asked)
+        return gp_fail(fs->log, st, "%s: out of memory", fs->job->input);
+    return asked ? st : GP_OK;
+out:
+    return st;
+}
+
+// -- light -------------------------------------------------------------------
+
+/* Finds the places of the lights, and how much of each shows. */
+static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
+{
+    gp_status st = gp_suns_place(fs->log, r->s, fs->job, &fs->frame, &r->suns);
+    if (!st)
+        st = gp_suns_see(fs->log, r->s, &r->suns);
     if (st)
         return st;
-    w->facts.sources = (long long) w->sources.n;
-    w->facts.nonfinite = w->sources.nonfinite;
-    w->facts.clamped = w->sources.clamped;
-    memcpy(w->facts.flux_in, w->sources.flux, sizeof w->facts.flux_in);
+    fs->facts.sun_way = gp_suns_way(r->s, &r->suns);
+    if (r->suns.gl)
+        fs->facts.sun_gl = gp_gl_name(r->suns.gl);
     return GP_OK;
 }
+
+/* Finds the sources of each light group, and puts those of all in place of the
+ * frame's own. */
+static gp_status sense_light_groups(const struct gp_run *r,
+                                    struct gp_frame_state *fs)
+{
+    struct gp_sources *const src = &fs->sources;
+    struct gp_sources all = {0};
+    void *block;
+    size_t n = 0;
+    for (int i = 0; i < fs->groups; i++) {
+        struct gp_sources *const own = &fs->group[i].sources;
+        gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->group[i].frame,
+                                own);
+        if (st)
+            return st;
+        src->nonfinite += own->nonfinite;
+        src->clamped += own->clamped;
+        n += own->n;
+    }
+    gp_status st = gp_alloc(fs->log, "light of the groups", n,
+                            sizeof(struct gp_extra), &block);
+    if (st)
+        return st;
+    struct gp_extra *const list = block;
+    n = 0;
+    for (int g = 0; g < fs->groups; g++) {
+        const struct gp_sources *const s = &fs->group[g].sources;
+        for (int y = 0; y < s->h; y++) {
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+                list[n++] = (struct gp_extra) {
+                    s->x[i], y, {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
+                };
+        }
+    }
+    // the frame's geometry and counts stay, its light goes
+    src->n = 0;
+    memset(src->row, 0, ((size_t) src->h + 1) * sizeof *src->row);
+    memset(src->flux, 0, sizeof src->flux);
+    memset(src->energy, 0, sizeof src->energy);
+    memset(src->count, 0, sizeof src->count);
+    src->brightest = 0.0f;
+    src->box = (struct gp_rect) {0};
+    st = gp_sources_with(fs->log, src, list, n, &all);
+    gp_free(list);
+    if (st)
+        return st;
+    gp_sources_free(src);
+    *src = all;
+    return GP_OK;
+}
+
+static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
+{
+    gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
+    if (!st && fs->groups)
+        st = sense_light_groups(r, fs);
+    if (st)
+        return st;
+    fs->facts.sources = (long long) fs->sources.n;
+    fs->facts.nonfinite = fs->sources.nonfinite;
+    fs->facts.clamped = fs->sources.clamped;
+    memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
+    return GP_OK;
+}
+
+// -- glare -------------------------------------------------------------------
 
 gp_status gp_run_read_kernel(const struct gp_log *log, struct gp_run *r)
 {
@@ -108,37 +239,69 @@ gp_status gp_run_read_kernel(const struct gp_log *log, struct gp_run *r)
 }
 
 /* Builtin kernels wait for light. */
-static gp_status run_kernel(struct gp_run *r, struct gp_work *w)
+static gp_status run_kernel(struct gp_run *r, struct gp_frame_state *fs)
 {
-    if (r->has_kernel || (w->sources.n == 0 && !gp_suns_glare(&r->suns)))
+    if (r->has_kernel || (fs->sources.n == 0 && !gp_suns_glare(&r->suns)))
         return GP_OK;
-    gp_status st = gp_kernel_builtin(w->log, &r->s->kernel, &r->kernel);
+    gp_status st = gp_kernel_builtin(fs->log, &r->s->kernel, &r->kernel);
     r->has_kernel = !st;
     return st;
 }
 
-/* What the engines get: bright pixels, and lights whose share is known. */
-static const struct gp_sources *all_light(const struct gp_work *w)
+/* Returns what the engines get: bright pixels, and lights whose share is
+ * known. */
+static const struct gp_sources *all_light(const struct gp_frame_state *fs)
 {
-    return w->joined.n ? &w->joined : &w->sources;
+    return fs->joined.n ? &fs->joined : &fs->sources;
 }
 
-static gp_status run_glare(struct gp_run *r, struct gp_work *w)
+static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
 {
     bool joined;
-    gp_status st = gp_suns_join(w->log, r->s, &r->suns, &w->frame,
-                                &w->sources, &w->joined, &joined);
+    gp_status st = gp_suns_join(fs->log, r->s, &r->suns, &fs->frame,
+                                &fs->sources, &fs->joined, &joined);
     if (st)
         return st;
-    w->facts.sources = (long long) all_light(w)->n;
-    memcpy(w->facts.flux_in, all_light(w)->flux, sizeof w->facts.flux_in);
-    if (all_light(w)->n > 0)
-        return gp_glare_run(w->log, &r->glare, &r->engines, all_light(w),
-                            &r->kernel, &w->frame, &w->facts.glare);
-    w->facts.glare = (struct gp_glare_stats) {
+    const struct gp_sources *const light = all_light(fs);
+    fs->facts.sources = (long long) light->n;
+    memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
+    if (light->n > 0)
+        return gp_glare_run(fs->log, &r->glare, &r->engines, light,
+                            &r->kernel, &fs->frame, &fs->facts.glare);
+    fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
     };
     return GP_OK;
+}
+
+static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
+{
+    void *exact;
+    if (all_light(fs)->n == 0)
+        return GP_OK;
+    gp_status st = gp_alloc(fs->log, "exact layer",
+                            3 * gp_frame_pixels(&fs->frame), sizeof(double),
+                            &exact);
+    if (st)
+        return st;
+    st = gp_glare_reference(fs->log, all_light(fs), &r->kernel, exact);
+    if (!st) {
+        gp_glare_measure(&fs->frame, &fs->frame.layer, exact,
+                         r->s->compose.gain, &fs->facts.error);
+        fs->facts.verified = true;
+    }
+    gp_free(exact);
+    return st;
+}
+
+/* Adds lens flare, and the glare of lights that the engines were not given. */
+static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
+{
+    gp_status st = GP_OK;
+    if (gp_suns_add_light(r->s, &r->suns) && !fs->frame.layer.c[0])
+        st = make_dark_layer(fs);
+    return st ? st : gp_suns_draw(fs->log, r->s, &r->suns, &r->kernel,
+                                  &fs->frame);
 }
 
 /* Sums by rows, so that threads cannot change the last bit. */
@@ -159,117 +322,242 @@ static void sum_row(void *ctx, int y, int thread)
     s->sum[y] = sum;
 }
 
-static gp_status run_flux(struct gp_run *r, struct gp_work *w)
+static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
 {
     (void) r;
-    int h = gp_frame_h(&w->frame);
+    int h = gp_frame_h(&fs->frame);
     void *sums;
-    w->facts.has_flux_out = true;
-    if (!w->frame.layer.c[0])
+    fs->facts.has_flux_out = true;
+    if (!fs->frame.layer.c[0])
         return GP_OK;
-    gp_status st = gp_alloc(w->log, "flux", (size_t) h, sizeof(double), &sums);
+    gp_status st = gp_alloc(fs->log, "flux", (size_t) h, sizeof(double), &sums);
     if (st)
         return st;
     for (int c = 0; c < 3; c++) {
-        struct row_sums s = {w->frame.layer.c[c], gp_frame_w(&w->frame), sums};
+        struct row_sums s = {fs->frame.layer.c[c], gp_frame_w(&fs->frame), sums};
         gp_parallel_do(h, sum_row, &s);
         for (int y = 0; y < h; y++)
-            w->facts.flux_out[c] += s.sum[y];
+            fs->facts.flux_out[c] += s.sum[y];
     }
     gp_free(sums);
     return GP_OK;
 }
 
-static gp_status run_verify(struct gp_run *r, struct gp_work *w)
-{
-    void *exact;
-    if (all_light(w)->n == 0)
-        return GP_OK;
-    gp_status st = gp_alloc(w->log, "exact layer",
-                            3 * gp_frame_pixels(&w->frame), sizeof(double),
-                            &exact);
-    if (st)
-        return st;
-    st = gp_glare_reference(w->log, all_light(w), &r->kernel, exact);
-    if (!st) {
-        gp_glare_measure(&w->frame, &w->frame.layer, exact,
-                         r->s->compose.gain, &w->facts.error);
-        w->facts.verified = true;
-    }
-    gp_free(exact);
-    return st;
-}
-
-/* Lens flare, and the glare of lights that the engines were not given. */
-static gp_status run_flare(struct gp_run *r, struct gp_work *w)
-{
-    if (!gp_suns_add_light(r->s, &r->suns)) // shares alone
-        return gp_suns_draw(w->log, r->s, &r->suns, &r->kernel, &w->frame);
-    gp_status st = w->frame.layer.c[0] ? GP_OK : gp_work_dark_layer(w);
-    return st ? st : gp_suns_draw(w->log, r->s, &r->suns, &r->kernel,
-                                  &w->frame);
-}
-
-/* Copies what is known of the lights, which are the next frame's soon. */
-static gp_status keep_lights(const struct gp_suns *suns, struct gp_work *w)
-{
-    const struct gp_occluders *const o = &suns->occluders;
-    void *list;
-    gp_status st = gp_alloc(w->log, "lights", (size_t) suns->n,
-                            sizeof *w->light, &list);
-    if (st)
-        return st;
-    w->light = list;
-    if (suns->n)
-        memcpy(w->light, suns->light, (size_t) suns->n * sizeof *w->light);
-    w->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
-    w->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
-    if ((o->depth && !w->depth) || (o->mask && !w->mask))
-        return gp_fail_bare(w->log, GP_ERR_BUG, "lights: out of memory");
-    w->facts.light = w->light;
-    w->facts.lights = suns->n;
-    w->facts.depth = w->depth;
-    w->facts.mask = w->mask;
-    if (o->depth) {
-        memcpy(w->facts.depth_empty, o->facts.empty, sizeof o->facts.empty);
-        w->facts.depth_reversed = o->facts.reversed;
-    }
-    return GP_OK;
-}
-
-static gp_status keep_map(struct gp_run *r, struct gp_work *w, bool intensity,
-                          struct gp_map_picture *out)
-{
-    return gp_suns_picture(w->log, r->s, &r->suns, intensity, &out->w, &out->h,
-                           &out->planes);
-}
-
-/* The end of what the lights do. */
-static gp_status run_keep(struct gp_run *r, struct gp_work *w)
-{
-    gp_status st = keep_lights(&r->suns, w);
-    if (!st && r->s->debug[GP_DEBUG_SUNMAP])
-        st = keep_map(r, w, false, &w->sunmap);
-    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
-        st = keep_map(r, w, true, &w->intensity);
-    return st;
-}
-
-static gp_status run_compose(struct gp_run *r, struct gp_work *w)
+/* Light groups get their own glare too, for --hdr: then they still sum up to
+ * the lit frame, where they summed up to the frame. */
+static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_compose_params p = r->s->compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
-    gp_status st = gp_compose(w->log, &p, &w->sources, &w->frame);
-    if (!st && r->s->hdr && w->groups.n) // which alone shows them
-        st = gp_light_groups_light(w->log, &r->glare, &p, &r->kernel,
-                                   &r->group_engines, &w->groups);
+    gp_status st = gp_compose(fs->log, &p, &fs->sources, &fs->frame);
+    for (int i = 0; i < fs->groups && r->s->hdr && !st; i++) {
+        struct gp_light_group *const g = &fs->group[i];
+        struct gp_glare_stats stats = {0};
+        const double start = gp_now_ms();
+        if (g->sources.n > 0)
+            st = gp_glare_run(fs->log, &r->glare, &r->group_engines,
+                              &g->sources, &r->kernel, &g->frame, &stats);
+        fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
+        if (!st)
+            st = gp_compose(fs->log, &p, &g->sources, &g->frame);
+        gp_planes_free(&g->frame.layer);
+    }
     return st;
 }
 
-static gp_status run_tonemap(struct gp_run *r, struct gp_work *w)
+static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
 {
-    return r->ocio ? gp_ocio_show(w->log, r->ocio, &r->s->tone, &w->frame)
-                   : gp_tone_map(w->log, &r->s->tone, &w->frame, NULL);
+    return r->ocio ? gp_ocio_show(fs->log, r->ocio, &r->s->tone, &fs->frame)
+                   : gp_tone_map(fs->log, &r->s->tone, &fs->frame, NULL);
+}
+
+/* Copies what is known of the lights, which are the next frame's soon, and
+ * makes their pictures. */
+static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_suns *const suns = &r->suns;
+    const struct gp_occluders *const o = &suns->occluders;
+    struct gp_facts *const facts = &fs->facts;
+    void *list;
+    gp_status st = gp_alloc(fs->log, "lights", (size_t) suns->n,
+                            sizeof *fs->light, &list);
+    if (st)
+        return st;
+    facts->light = fs->light = list;
+    facts->lights = suns->n;
+    if (suns->n)
+        memcpy(fs->light, suns->light, (size_t) suns->n * sizeof *fs->light);
+    facts->depth = fs->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
+    facts->mask = fs->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
+    if ((o->depth && !fs->depth) || (o->mask && !fs->mask))
+        return gp_fail_bare(fs->log, GP_ERR_BUG, "lights: out of memory");
+    if (o->depth) {
+        memcpy(facts->depth_empty, o->facts.empty, sizeof o->facts.empty);
+        facts->depth_reversed = o->facts.reversed;
+    }
+    if (r->s->debug[GP_DEBUG_SUNMAP])
+        st = gp_suns_picture(fs->log, r->s, suns, false, &fs->sunmap.w,
+                             &fs->sunmap.h, &fs->sunmap.planes);
+    if (!st && r->s->debug[GP_DEBUG_INTENSITY])
+        st = gp_suns_picture(fs->log, r->s, suns, true, &fs->intensity.w,
+                             &fs->intensity.h, &fs->intensity.planes);
+    return st;
+}
+
+// -- writing -----------------------------------------------------------------
+
+/* True when -o gets the light itself. */
+static bool untoned(const struct gp_settings *s)
+{
+    return strcmp(s->tone.curve, "none") == 0;
+}
+
+unsigned gp_target_needs(const struct gp_settings *s,
+                         enum gp_target_kind kind)
+{
+    const unsigned shown = untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
+    switch (kind) {
+    case GP_TARGET_HDR:
+        return GP_HAS_LIT;
+    case GP_TARGET_LAYER:
+        return GP_HAS_LAYER | GP_HAS_FLARE;
+    case GP_TARGET_PICTURE:
+        return shown;
+    case GP_TARGET_SENSORS:
+        return GP_HAS_SOURCES;
+    case GP_TARGET_POLYGONS:
+        return GP_HAS_SOURCES | GP_HAS_KERNEL | shown;
+    case GP_TARGET_SUNMAP:
+    case GP_TARGET_INTENSITY:
+        return GP_HAS_SHARES;
+    }
+    return 0;
+}
+
+/* Outlines the polygons of splat over what -o shows, in *out. */
+static gp_status outline_polygons(const struct gp_run *r,
+                                  const struct gp_frame_state *fs,
+                                  const struct gp_planes *shown,
+                                  struct gp_planes *out)
+{
+    const size_t n = gp_frame_pixels(&fs->frame);
+    gp_status st = gp_planes_make(fs->log, "polygons", n, out);
+    for (int c = 0; c < 3 && !st; c++)
+        memcpy(out->c[c], shown->c[c], n * sizeof(float));
+    if (!st && fs->sources.n > 0)
+        st = gp_outline(fs->log, &fs->sources, &r->kernel, &r->glare.splat,
+                        out);
+    return st;
+}
+
+/* Writes `views` views of one input, then the light groups of each, into one
+ * --hdr file. */
+static gp_status write_hdr(const struct gp_run *r,
+                           const struct gp_frame_state *fs, int views,
+                           const char *name, struct gp_write_stats *stats)
+{
+    gp_status st;
+    int n = 0;
+    const size_t most = (size_t) views * (1 + (size_t) r->s->light_groups.n);
+    void *block, *made = NULL;
+    GP_TRY(gp_alloc_zero(fs->log, "colours", most,
+                         sizeof(struct gp_hdr_colour), &block));
+    struct gp_hdr_colour *const set = block;
+    for (int i = 0; i < views; i++)
+        set[n++].f = &fs[i].frame;
+    for (int i = 0; i < views; i++) {
+        for (int g = 0; g < fs[i].groups; g++)
+            set[n++].f = &fs[i].group[g].frame;
+    }
+    st = gp_alloc_zero(fs->log, "colours", most, sizeof(struct gp_planes),
+                       &made);
+    struct gp_planes *const converted = made;
+    for (int i = 0; i < n && !st; i++) {
+        set[i].planes = &set[i].f->lit;
+        if (!r->s->ocio.output)
+            continue;
+        st = gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]);
+        set[i].planes = &converted[i];
+    }
+    if (!st)
+        st = gp_write_hdr(fs->log, &r->s->write, name, set, n, stats);
+    for (int i = 0; i < n && made; i++)
+        gp_planes_free(&converted[i]);
+    gp_free(made);
+    gp_free(block);
+out:
+    return st;
+}
+
+static gp_status write_target(const struct gp_run *r,
+                              struct gp_frame_state *fs,
+                              const struct gp_output *t, const char *name,
+                              struct gp_write_stats *stats)
+{
+    const bool scene = untoned(r->s);
+    const struct gp_planes *shown = scene ? &fs->frame.lit : &fs->frame.shown;
+    const struct gp_map_picture *const map =
+        t->kind == GP_TARGET_SUNMAP ? &fs->sunmap : &fs->intensity;
+    enum gp_picture_kind kind = GP_PICTURE_SCENE;
+    struct gp_frame f = fs->frame;
+    struct gp_planes own = {0};
+    gp_status st = GP_OK;
+    switch (t->kind) {
+    case GP_TARGET_HDR:
+        return write_hdr(r, fs, t->whole ? r->jobs->views : 1, name, stats);
+    case GP_TARGET_LAYER:
+        st = f.layer.c[0] ? GP_OK : make_dark_layer(fs);
+        shown = &fs->frame.layer;
+        break;
+    case GP_TARGET_SENSORS:
+        st = gp_sources_planes(fs->log, &fs->sources, &own);
+        shown = &own;
+        break;
+    case GP_TARGET_POLYGONS:
+        st = outline_polygons(r, fs, shown, &own);
+        shown = &own;
+        // fall through
+    case GP_TARGET_PICTURE:
+        kind = r->ocio ? GP_PICTURE_ENCODED
+               : scene ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
+        break;
+    case GP_TARGET_SUNMAP:
+    case GP_TARGET_INTENSITY: // pictures of a size of their own
+        f.data = f.display = (struct gp_rect) {0, 0, map->w, map->h};
+        shown = &map->planes;
+        kind = GP_PICTURE_SHOWN;
+        break;
+    }
+    if (!st)
+        st = gp_write_picture(fs->log, &r->s->write, name, &f, shown, kind,
+                              stats);
+    gp_planes_free(&own);
+    return st;
+}
+
+static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
+{
+    struct gp_write_stats stats = {0};
+    if (r->ordered) // else no two frames share a stream
+        stats.raw = r->raw;
+    for (int i = 0; i < r->jobs->targets; i++) {
+        const struct gp_output *const t = &r->jobs->target[i];
+        if (t->whole && fs->view > 0)
+            continue; // is in the first view's file
+        char *const name = gp_job_name(fs->job, t);
+        if (!name)
+            return gp_fail(fs->log, GP_ERR_BUG, "%s: out of memory",
+                           t->name.path);
+        fs->names[fs->facts.n_outputs] = name;
+        gp_status st = write_target(r, fs, t, name, &stats);
+        if (st)
+            return st;
+        fs->facts.n_outputs++;
+    }
+    fs->facts.clamped_out = stats.clamped;
+    if (r->ordered)
+        r->raw = stats.raw;
+    return GP_OK;
 }
 
 // -- all of them -------------------------------------------------------------
@@ -296,7 +584,7 @@ const struct gp_stage gp_stages[GP_STAGES] = {
      RGB | SOURCES | KERNEL | LAYER | FLARE, LIT, run_compose, NULL},
     {"tonemap", GP_PHASE_COMPUTE, GP_TIME_TONEMAP, LIT, GP_HAS_SHOWN,
      run_tonemap, NULL},
-    {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_keep, suns_asked},
-    {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES, GP_HAS_FILES,
-     gp_stage_write, NULL},
+    {"shares", GP_PHASE_COMPUTE, -1, FLARE, SHARES, run_shares, suns_asked},
+    {"write", GP_PHASE_WRITE, GP_TIME_WRITE, SHARES, GP_HAS_FILES, run_write,
+     NULL},
 };

@@ -1,4 +1,5 @@
-/* The stages of a frame, and what they share. */
+/* The stages of a frame, what they share, and the frame on its way through
+ * them. */
 #ifndef GP_APP_STAGES_H
 #define GP_APP_STAGES_H
 
@@ -7,14 +8,82 @@
 #include "app/report.h"
 #include "app/settings.h"
 #include "app/sun.h"
-#include "app/work.h"
 #include "core/frame.h"
 #include "core/status.h"
+#include "glare/engine.h"
+#include "glare/kernel.h"
+#include "glare/sensors.h"
 
 #include <stdbool.h>
 
-/* What is made once for all frames. Stages of the COMPUTE phase alone change
- * it, which run on one thread, frame after frame. */
+/* What stages need and give, as bits. */
+enum {
+    GP_HAS_RGB = 1 << 0,       // frame.rgb
+    GP_HAS_SOURCES = 1 << 1,   // sources
+    GP_HAS_KERNEL = 1 << 2,    // kernel; stays for the next frame
+    GP_HAS_LAYER = 1 << 3,     // frame.layer; empty when there is no source
+    GP_HAS_FLUX = 1 << 4,      // facts.flux_out
+    GP_HAS_MEASURED = 1 << 5,  // facts.error
+    GP_HAS_LIT = 1 << 6,       // frame.lit
+    GP_HAS_SHOWN = 1 << 7,     // frame.shown
+    GP_HAS_FILES = 1 << 8,     // all that is written
+    GP_HAS_SUNS = 1 << 9,      // suns placed, and seen or being seen
+    GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
+    GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
+};
+
+/* A picture of --debug with a size of its own: sun maps, intensity map. */
+struct gp_map_picture {
+    struct gp_planes planes; // w * h samples each; empty: not asked for
+    int w, h;
+};
+
+/* A layer of the frame's file that holds the light of some lamps only
+ * (--light-group). Its frame borrows from the frame that it was read beside.
+ * With light groups the glare is that of these layers, each compared with the
+ * threshold by itself, and the frame gets their sum. */
+struct gp_light_group {
+    struct gp_frame frame;
+    struct gp_sources sources;
+};
+
+/* One frame on its way, and what is known of it. Zeroed is none. Planes and
+ * lists belong to it. */
+struct gp_frame_state {
+    const struct gp_log *log;      // for messages about this frame; borrowed
+    const struct gp_job *job;      // borrowed
+    int view;                      // its place among the views of its input,
+                                   // which follow each other
+    struct gp_frame frame;
+    struct gp_light_group *group;  // `groups` of them
+    int groups;
+    struct gp_sources sources;     // of the frame, or of the groups together
+    struct gp_sources joined;      // sources and lights; empty: no lights
+    struct gp_map_picture sunmap, intensity;
+    double engine_ms;              // of engines within the stage that runs:
+                                   // counts as glare
+    char **names;                  // files written: facts.n_outputs, then
+                                   // the one being written, then NULL
+    int targets;
+    struct gp_light *light;        // what facts.light points to
+    char *depth, *mask;            // ... and facts.depth, facts.mask
+    struct gp_facts facts;
+};
+
+/* Starts with the facts that jobs->job[index] gives. End with gp_frame_state_end(),
+ * also after a failure. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
+                                      const struct gp_jobs *jobs, int index,
+                                      struct gp_frame_state *out);
+void gp_frame_state_end(struct gp_frame_state *fs);
+
+/* Frees what the frame no longer needs; bits as above. */
+void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
+
+/* What is made once for all frames. Stages of the COMPUTE phase change it,
+ * which run on one thread, frame after frame. The write stage changes `raw`
+ * only, and only when `ordered`: then frames are written one after the other.
+ */
 struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
@@ -23,7 +92,9 @@ struct gp_run {
     char *wisdom;                  // owned
     struct gp_kernel kernel;
     bool has_kernel;
-    struct gp_glare engines, group_engines;
+    struct gp_glare engines;
+    struct gp_glare group_engines; // of light groups: what engines keep
+                                   // depends on the frames before
     struct gp_suns suns;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
@@ -41,15 +112,11 @@ struct gp_stage {
     enum gp_phase phase;
     int time;
     unsigned needs, gives;
-    gp_status (*run)(struct gp_run *r, struct gp_work *w);
+    gp_status (*run)(struct gp_run *r, struct gp_frame_state *fs);
     bool (*asked)(const struct gp_settings *s);
 };
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
-
-/* Writes the targets of a frame, and the facts about them; in
- * stages_write.c. */
-GP_MUST_CHECK gp_status gp_stage_write(struct gp_run *r, struct gp_work *w);
 
 /* What must exist for a target to be written. */
 unsigned gp_target_needs(const struct gp_settings *s,

@@ -1,7 +1,7 @@
-#include "app/help.h"
+#include "app/options.h"
 
 #include "app/manual.h"
-#include "app/spell.h"
+#include "app/options.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -2,7 +2,7 @@
  * whatever the threads do. */
 #include "unit.h"
 #include "app/flight.h"
-#include "app/said.h"
+#include "app/progress.h"
 #include "core/parallel.h"
 
 #include <setjmp.h>
@@ -31,7 +31,7 @@ struct seen {
     enum gp_phase fail_in;
     bool skip, ordered, narrow;
     atomic_int writing;
-    struct gp_said said[GP_FLIGHT_MOST];
+    struct gp_frame_log said[GP_FLIGHT_MOST];
     char name[GP_FLIGHT_MOST][16];
     struct gp_log log;
     char text[16384];              // what was said, in that order
@@ -81,7 +81,7 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
     check_step(s, slot, unit, phase);
     if (phase == GP_PHASE_READ) {
         snprintf(s->name[slot], sizeof s->name[slot], "u%d", unit);
-        gp_said_begin(&s->said[slot], &s->log, &s->flight, unit,
+        gp_frame_log_open(&s->said[slot], &s->log, &s->flight, unit,
                       s->name[slot]);
     }
     pause_a_little(unit, phase);
@@ -114,8 +114,8 @@ static gp_status end(void *user, int slot, int unit, gp_status st)
     atomic_fetch_sub(&s->in_flight, 1);
     if (st)
         s->failed[s->fails++] = unit;
-    gp_said_flush(&s->said[slot]);
-    gp_said_end(&s->said[slot]);
+    gp_frame_log_flush(&s->said[slot]);
+    gp_frame_log_close(&s->said[slot]);
     return st && !s->skip ? st : GP_OK;
 }
 
@@ -138,7 +138,7 @@ static gp_status fly(int units, int slots, int threads)
     gp_set_threads(threads);
     const gp_status st = gp_flight_run(&p, &work, &seen.flight);
     for (int i = 0; i < slots; i++)
-        gp_said_end(&seen.said[i]);
+        gp_frame_log_close(&seen.said[i]);
     return st;
 }
 

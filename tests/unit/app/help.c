@@ -1,9 +1,9 @@
 /* app/options, app/help, app/topic, app/complete, app/manual, app/spell: the
  * one table, and the help and completions made from it and the man page. */
 #include "unit.h"
-#include "app/help.h"
+#include "app/options.h"
 #include "app/manual.h"
-#include "app/spell.h"
+#include "app/options.h"
 
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* app/tally: which frames failed, as a list that --frames takes. */
 #include "unit.h"
-#include "app/tally.h"
+#include "app/progress.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -45,10 +45,10 @@ static const struct tally_row {
      "1,11,31,61,101,151,211,281,361 and 2 more", false},
 };
 
-static struct gp_tally failed_frames(const struct gp_frames *f,
+static struct gp_failures failed_frames(const struct gp_frames *f,
                                      struct gp_jobs *j)
 {
-    struct gp_tally t = {0};
+    struct gp_failures t = {0};
     // every other job fails
     j->job = calloc(2 * (size_t) f->n, sizeof *j->job);
     j->n = 2 * f->n;
@@ -58,10 +58,10 @@ static struct gp_tally failed_frames(const struct gp_frames *f,
                                           f->number[i], NULL};
     for (int i = 0; i < f->n; i++)
         j->job[2 * i + 1] = (struct gp_job) {strdup("x.exr"), false, 0, NULL};
-    assert_int_equal(gp_tally_make(NULL, j, &t), GP_OK);
+    assert_int_equal(gp_failures_make(NULL, j, &t), GP_OK);
     for (int i = 0; i < f->n; i++) {
-        gp_tally_fail(&t, 2 * i);
-        gp_tally_fail(&t, 2 * i);
+        gp_failures_add(&t, 2 * i);
+        gp_failures_add(&t, 2 * i);
     }
     assert_int_equal(t.bad, f->n);
     return t;
@@ -76,8 +76,8 @@ static void failed_lists(void **state)
         struct gp_jobs j = {0};
         char text[400];
         assert_int_equal(gp_frames_parse(NULL, r->bad, &f), GP_OK);
-        struct gp_tally t = failed_frames(&f, &j);
-        bool whole = gp_tally_list(&t, text, r->size);
+        struct gp_failures t = failed_frames(&f, &j);
+        bool whole = gp_failures_list(&t, text, r->size);
         if (whole != r->whole || strcmp(text, r->text) != 0)
             fail_msg("%s: %s", r->bad, text);
         if (whole) { // --frames reads the same frames from it
@@ -87,8 +87,8 @@ static void failed_lists(void **state)
                                 (size_t) f.n * sizeof *f.number);
             gp_frames_free(&back);
         }
-        gp_tally_free(&t);
-        gp_tally_free(&t);
+        gp_failures_free(&t);
+        gp_failures_free(&t);
         gp_jobs_free(&j);
         gp_frames_free(&f);
     }
@@ -101,23 +101,23 @@ static void tally_ends(void **state)
                            {(char *) "b.0007.exr", true, 7, NULL},
                            {(char *) "c.exr", false, 0, NULL}};
     const struct gp_jobs j = {.job = job, .n = 3};
-    struct gp_tally t;
-    assert_int_equal(gp_tally_make(NULL, &j, &t), GP_OK);
+    struct gp_failures t;
+    assert_int_equal(gp_failures_make(NULL, &j, &t), GP_OK);
     said[0] = '\0';
-    assert_int_equal(gp_tally_end(&keeper, &t), GP_OK);
+    assert_int_equal(gp_failures_report(&keeper, &t), GP_OK);
     assert_string_equal(said, "");
     t.kept = 1;
-    assert_int_equal(gp_tally_end(&keeper, &t), GP_OK);
+    assert_int_equal(gp_failures_report(&keeper, &t), GP_OK);
     assert_non_null(strstr(said, "left 1 of 3 frames alone"));
-    gp_tally_fail(&t, 1);
-    assert_int_equal(gp_tally_end(&keeper, &t), GP_ERR_FRAMES);
+    gp_failures_add(&t, 1);
+    assert_int_equal(gp_failures_report(&keeper, &t), GP_ERR_FRAMES);
     assert_non_null(strstr(said, "1 of 3 frames failed (7);"));
     assert_non_null(strstr(said, " --frames 7"));
-    gp_tally_fail(&t, 0); // one without a number: names
-    assert_int_equal(gp_tally_end(&keeper, &t), GP_ERR_FRAMES);
+    gp_failures_add(&t, 0); // one without a number: names
+    assert_int_equal(gp_failures_report(&keeper, &t), GP_ERR_FRAMES);
     assert_non_null(strstr(said, "failed (a.exr, b.0007.exr);"));
     assert_null(strstr(said, " --frames "));
-    gp_tally_free(&t);
+    gp_failures_free(&t);
 }
 
 /* Which jobs fail, of frames 1 to 5 or of nameless ones, each of two views. */
@@ -147,7 +147,7 @@ static void failed_views(void **state)
         const struct tally_views_row *r = &tally_views_rows[i];
         struct gp_job job[10];
         char name[10][24];
-        struct gp_tally t;
+        struct gp_failures t;
         for (int k = 0; k < 10; k++) {
             snprintf(name[k], sizeof name[k], "%d.%s", k / 2 + 1,
                      views[k % 2]);
@@ -158,15 +158,15 @@ static void failed_views(void **state)
             .job = job, .n = 10, .views = r->views,
             .view = {.name = (const char **) views, .n = 2},
         };
-        assert_int_equal(gp_tally_make(NULL, &j, &t), GP_OK);
+        assert_int_equal(gp_failures_make(NULL, &j, &t), GP_OK);
         for (int k = 0; k < 10; k++) {
             if (r->bad[k] == 'x')
-                gp_tally_fail(&t, k);
+                gp_failures_add(&t, k);
         }
-        assert_int_equal(gp_tally_end(&keeper, &t), GP_ERR_FRAMES);
+        assert_int_equal(gp_failures_report(&keeper, &t), GP_ERR_FRAMES);
         if (!strstr(said, r->text))
             fail_msg("%s: %s", r->bad, said);
-        gp_tally_free(&t);
+        gp_failures_free(&t);
     }
 }
 
