@@ -12,7 +12,8 @@ log=$build/test-logs
 mkdir -p "$log"
 passed=0 failed=0
 
-# count NAME LOG STATUS: adds up a TAP log; a death without a word is a failure
+# count NAME LOG STATUS SECONDS: adds up a TAP log; a death without a word is a
+# failure
 count()
 {
     local ok not
@@ -28,26 +29,28 @@ count()
         grep -nE -A6 '^[[:space:]]*not ok ' "$2" | grep -iv '# skip' | head -60
         tail -n 12 "$2"
     else
-        echo "ok     $1: $ok"
+        echo "ok     $1: $ok ($4 s)"
     fi
 }
 
-for check in $checks; do
-    make --no-print-directory B="$build" "$check" > "$log/$check.log" 2>&1
-    status=$?
-    if [ $status = 0 ]; then echo "ok 1 $check"; else echo "not ok 1 $check"; fi \
-        >> "$log/$check.log"
-    count "$check" "$log/$check.log" $status
-done
-
-# run_one KIND PATH NAME [SUITE]: leaves NAME.log and NAME.status
+# run_one KIND PATH NAME [SUITE]: leaves NAME.log, NAME.status, NAME.seconds
 run_one()
 {
+    local began=$SECONDS
     case $1 in
+    check)
+        if make --no-print-directory B="$build" "$2"; then
+            echo "ok 1 $2"
+        else
+            echo "not ok 1 $2"
+            false
+        fi
+        ;;
     unit) CMOCKA_MESSAGE_OUTPUT=TAP $GLAREPP_RUN "$2" $4 ;;
     cli) GLAREPP=${GLAREPP_PROGRAM:-$PWD/$build/glarepp} prove -v "$2" ;;
     esac > "$log/$3.log" 2>&1
     echo $? > "$log/$3.status"
+    echo $((SECONDS - began)) > "$log/$3.seconds"
 }
 
 # chosen NAME: whether the command-line test is to run
@@ -62,6 +65,7 @@ chosen()
 
 # As many at a time as there are processors; told in the order of the list
 tasks=()
+for check in $checks; do tasks+=("check $check $check"); done
 for test in tests/cli/*.t; do
     name=${test##*/}
     ! chosen "${name%.t}" || tasks+=("cli $test $name")
@@ -83,7 +87,8 @@ done
 wait
 for task in "${tasks[@]}"; do
     read -r _ _ name _ <<<"$task"
-    count "$name" "$log/$name.log" "$(cat "$log/$name.status")"
+    count "$name" "$log/$name.log" "$(cat "$log/$name.status")" \
+        "$(cat "$log/$name.seconds")"
 done
 
 echo "$passed passed, $failed failed"

@@ -28,7 +28,7 @@ run_target()
     folders="$work/$name $root/tests/fuzz/corpus/$name"
     case $name in
     frame | plane | kernel | raw | members)
-        [ -z "$data" ] || folders="$folders $data/damaged"
+        [ ! -d "$data/damaged" ] || folders="$folders $data/damaged"
         [ -f "$dict" ] || dict=$root/tests/fuzz/dict/exr
         ;;
     esac
