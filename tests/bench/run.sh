@@ -3,6 +3,7 @@
 # Measures the figures of README and manual on this machine. FRAMES is a folder that
 # holds w1..w3 (few lights, windows, a sky) at 1024x768, 1920x1080, 3840x2160
 # and the kernel k512.exr; it is filled by frames.py when it is empty.
+# PEER=PROGRAM, an older glarepp: both side by side, first of all.
 build=$1 frames=$2
 here=$(dirname "$0")
 runs=${RUNS:-9}
@@ -14,6 +15,11 @@ mkdir -p "$frames"
 [ -e "$frames/w3_3840.exr" ] || /usr/bin/python3 "$here/frames.py" "$frames"
 tmp=$(mktemp -d)
 trap 'rm -rf "$tmp"' EXIT
+
+if [ -n "${PEER-}" ]; then
+    echo "# $PEER, side by side: the new time over the old"
+    /usr/bin/python3 "$here/versions.py" "$PEER" "$glarepp" "$frames" "$runs"
+fi
 
 echo "# auto against the fastest single engine"
 data=${GLAREPP_DATA:-../shared/data}
