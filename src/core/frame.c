@@ -28,8 +28,8 @@ void gp_planes_free(struct gp_planes *p)
 
 void gp_frame_free(struct gp_frame *f)
 {
-    if (f->origin_free)
-        f->origin_free(f->origin);
+    if (f->input_free)
+        f->input_free(f->input);
     for (int i = 0; i < f->channels; i++) {
         gp_free(f->channel[i].name);
         gp_free(f->channel[i].data);

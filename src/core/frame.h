@@ -99,8 +99,8 @@ struct gp_frame {
     struct gp_channel *channel;  // all channels of the part, file order
     int channels;
 
-    void *origin;                  // io's own: attributes, other parts
-    void (*origin_free)(void *origin);
+    void *input;                    // io's own: attributes, other parts
+    void (*input_free)(void *input);
 };
 
 static inline int gp_frame_w(const struct gp_frame *f)

@@ -13,13 +13,11 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-struct gp_origin;
-
 /* Layers that a file names; more of them are known by their channels' names
  * alone, as in a file that names none. */
 enum { GP_CRYPTO_LAYERS = 64 };
 struct gp_crypto {
-    const char *layer[GP_CRYPTO_LAYERS];  // borrowed from the origin
+    const char *layer[GP_CRYPTO_LAYERS];  // borrowed from the input
     int n;
 };
 
@@ -29,21 +27,11 @@ enum gp_crypto_kind {
     GP_CRYPTO_IDS,
 };
 
-/* The layers that the header's attributes name, of all parts; none for an
- * origin that is NULL or not EXR. */
-void gp_crypto_find(const struct gp_origin *o, struct gp_crypto *out);
-
 /* What the layer of that name of `len` bytes holds. Without an attribute that
  * names it, ids are what begins with "crypto" (any case) behind its last dot
  * and ends with two digits. */
 enum gp_crypto_kind gp_crypto_layer(const struct gp_crypto *c,
                                     const char *layer, size_t len);
-
-/* What a channel of a part holds: by its own layer, or by the part's name when
- * it has none. `o` as above. */
-enum gp_crypto_kind gp_crypto_channel(const struct gp_crypto *c,
-                                      const struct gp_origin *o, int part,
-                                      const char *name);
 
 /* True for channels that are ids by their name alone: CryptoObject00.R. */
 bool gp_crypto_like(const char *name);

@@ -1,8 +1,7 @@
 #include "io/members.h"
 
 #include "core/memory.h"
-#include "io/exr/end.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr.h"
 #include "io/read_open.h"
 
 #include <limits.h>
@@ -31,12 +30,12 @@ static gp_status exr_size(const struct rest *r, uint64_t *size)
 {
     struct gp_stream view = {.fd = -1, .borrowed = true, .size = r->size,
                              .data = (uint8_t *) (uintptr_t) r->data};
-    struct gp_origin *o;
-    const gp_status st = gp_origin_open_exr(NULL, "-", &view, &o);
+    struct gp_input *o;
+    const gp_status st = gp_exr_open(NULL, "-", &view, &o);
     if (st)
         return st == GP_ERR_BUG ? st : GP_OK;
-    *size = gp_exr_end(o);
-    gp_origin_free(o);
+    *size = o->end;
+    gp_input_free(o);
     return GP_OK;
 }
 

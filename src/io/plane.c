@@ -2,8 +2,7 @@
 
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/exr/decode.h"
-#include "io/exr/view.h"
+#include "io/exr/exr.h"
 #include "io/oiio/frame.h"
 #include "io/plane_find.h"
 #include "io/read_open.h"
@@ -61,7 +60,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
 }
 
 static gp_status decode(const struct gp_log *log,
-                        const struct gp_exr_layout *l, int channel,
+                        const struct gp_exr_chunks *l, int channel,
                         float *samples)
 {
     void *list;
@@ -72,10 +71,7 @@ static gp_status decode(const struct gp_log *log,
         return st;
     struct gp_exr_sink *sink = list;
     sink[channel] = (struct gp_exr_sink) {samples, true};
-    if (gp_exr_can_decode(l))
-        st = gp_exr_decode(log, l, sink);
-    else
-        st = gp_exr_decode_by_bridge(log, l, sink);
+    st = gp_exr_decode(log, l, sink);
     gp_free(list);
     return st;
 }
@@ -83,14 +79,14 @@ static gp_status decode(const struct gp_log *log,
 /* One channel of one part, from the file. */
 static gp_status from_part(const struct gp_log *log,
                            const struct gp_read_params *p, const char *path,
-                           const struct gp_origin *o,
+                           const struct gp_input *o,
                            const struct gp_plane_place *at,
                            struct gp_plane *out)
 {
     gp_status st;
     void *samples = NULL;
-    struct gp_exr_layout l;
-    GP_TRY(gp_exr_layout_make(log, path, o, at->part->part, p->max_pixels,
+    struct gp_exr_chunks l;
+    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels,
                               &l));
     const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
     const struct gp_rect window = {l.x0, l.y0, l.x0 + l.w, l.y0 + l.h};
@@ -111,14 +107,14 @@ static gp_status from_part(const struct gp_log *log,
     }
 out:
     gp_free(samples);
-    gp_exr_layout_free(&l);
+    gp_exr_chunks_free(&l);
     return st;
 }
 
 /* -- beside a frame ------------------------------------------------------- */
 
 /* The view of the frame's colour in a part of several. */
-static const char *view_of(const struct gp_frame *f, const struct gp_origin *o)
+static const char *view_of(const struct gp_frame *f, const struct gp_input *o)
 {
     for (int i = 0; i < f->channels; i++) {
         if (f->channel[i].colour >= 0)
@@ -130,10 +126,10 @@ static const char *view_of(const struct gp_frame *f, const struct gp_origin *o)
 static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
                             bool depth, struct gp_plane_list *list)
 {
-    const struct gp_origin *o = gp_origin_of(f);
+    const struct gp_input *o = gp_input_of(f);
     if (o && o->exr) {
         gp_status st = gp_plane_list_exr(log, f->path, o, true, depth, list);
-        list->origin = o;
+        list->input = o;
         list->view = view_of(f, o);
         return st;
     }
@@ -151,7 +147,7 @@ static gp_status from_frame(const struct gp_log *log,
                             const struct gp_plane_place *at,
                             struct gp_plane *out)
 {
-    const struct gp_origin *o = gp_origin_of(f);
+    const struct gp_input *o = gp_input_of(f);
     const bool here = at->part->colour &&
                       (f->channel[at->channel].data || !o || !o->exr);
     if (!here)
@@ -209,7 +205,7 @@ static enum gp_pixel_type type_of(const struct gp_frame *f,
 {
     const exr_attr_chlist_t *list;
     if (at->part->colour || // as it is in files that are not EXR
-        exr_get_channels(gp_origin_of(f)->exr, at->part->part, &list))
+        exr_get_channels(gp_input_of(f)->exr, at->part->part, &list))
         return f->channel[at->channel].type;
     return gp_exr_pixel_type(list->entries[at->channel].pixel_type);
 }
@@ -252,17 +248,17 @@ static gp_status from_exr(const struct wanted *w, struct gp_stream *stream,
                           struct gp_plane *out)
 {
     gp_status st;
-    struct gp_origin *o = NULL;
+    struct gp_input *o = NULL;
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
-    GP_TRY(gp_origin_open_exr(w->log, w->path, stream, &o));
+    GP_TRY(gp_exr_open(w->log, w->path, stream, &o));
     GP_TRY(gp_plane_list_exr(w->log, w->path, o, false, w->depth, &list));
     GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
     GP_TRY(make_name(w->log, &list, &at, out));
     GP_TRY(from_part(w->log, w->p, w->path, o, &at, out));
 out:
     gp_plane_list_free(&list);
-    gp_origin_free(o);
+    gp_input_free(o);
     return st;
 }
 
@@ -325,7 +321,7 @@ gp_status gp_read_plane_file(const struct gp_log *log,
 
 /* -- attributes ----------------------------------------------------------- */
 
-static bool part_matrix(const struct gp_origin *o, int part, const char *name,
+static bool part_matrix(const struct gp_input *o, int part, const char *name,
                         double m[16])
 {
     exr_attr_m44f_t single;
@@ -343,7 +339,7 @@ static bool part_matrix(const struct gp_origin *o, int part, const char *name,
 
 bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
 {
-    const struct gp_origin *o = gp_origin_of(f);
+    const struct gp_input *o = gp_input_of(f);
     if (!o || !o->exr)
         return false;
     if (part_matrix(o, o->part, name, m))

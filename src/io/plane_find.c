@@ -3,7 +3,7 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/colour.h"
-#include "io/exr/view.h"
+#include "io/exr/exr.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -49,7 +49,7 @@ gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
 }
 
 /* The channels of a part; none where the library has no list. */
-static const exr_attr_chlist_t *channels_of(const struct gp_origin *o,
+static const exr_attr_chlist_t *channels_of(const struct gp_input *o,
                                             int part)
 {
     static const exr_attr_chlist_t none;
@@ -65,7 +65,7 @@ static bool other_view(const char *a, const char *b)
 enum { ORDERS = 8 }; // values of order_of()
 
 /* Smaller is searched first, the colour's part aside. */
-static int order_of(const struct gp_origin *o, int part, bool colour,
+static int order_of(const struct gp_input *o, int part, bool colour,
                     bool depth)
 {
     const char *name = gp_exr_part_name(o, part);
@@ -75,7 +75,7 @@ static int order_of(const struct gp_origin *o, int part, bool colour,
     return 4 * gp_exr_is_deep(o, part) + 2 * far + plain;
 }
 
-static void add_part(const struct gp_origin *o, int part, bool colour,
+static void add_part(const struct gp_input *o, int part, bool colour,
                      struct gp_plane_list *list)
 {
     const exr_attr_chlist_t *const from = channels_of(o, part);
@@ -93,7 +93,7 @@ static void add_part(const struct gp_origin *o, int part, bool colour,
 }
 
 gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
-                            const struct gp_origin *o, bool colour, bool depth,
+                            const struct gp_input *o, bool colour, bool depth,
                             struct gp_plane_list *list)
 {
     int channels = 0;
@@ -200,7 +200,7 @@ static gp_status depth_of_view(const struct gp_log *log,
 {
     struct gp_exr_names bare;
     void *block = NULL;
-    gp_status st = gp_exr_names_in(log, list->origin, part->part, list->view,
+    gp_status st = gp_exr_names_in(log, list->input, part->part, list->view,
                                    &bare);
     if (!st)
         st = gp_alloc_zero(log, "channels", (size_t) bare.n,

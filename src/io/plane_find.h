@@ -4,7 +4,7 @@
 
 #include "core/frame.h"
 #include "core/status.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr.h"
 
 #include <stdbool.h>
 
@@ -28,7 +28,7 @@ struct gp_plane_list {
     int channels;                // of all parts
     const char *view;            // of the frame's colour, where its part has
                                  // several and it is not the first; else NULL
-    const struct gp_origin *origin; // with a view; borrowed
+    const struct gp_input *input; // with a view; borrowed
 };
 
 /* What was found: a part of the list and a channel of it. Nothing when `part`
@@ -51,7 +51,7 @@ struct gp_plane_place {
  */
 GP_MUST_CHECK gp_status gp_plane_list_exr(const struct gp_log *log,
                                           const char *path,
-                                          const struct gp_origin *o,
+                                          const struct gp_input *o,
                                           bool colour, bool depth,
                                           struct gp_plane_list *list);
 

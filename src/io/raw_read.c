@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/colour.h"
-#include "io/exr/decode.h"
+#include "io/exr/exr.h"
 #include "io/oiio/frame.h"
 #include "io/read_open.h"
 
@@ -61,35 +61,6 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 
 /* -- EXR ------------------------------------------------------------------- */
 
-static void read_header(const struct gp_exr_layout *l,
-                        struct gp_raw_image *out)
-{
-    exr_attr_box2i_t box;
-    exr_attr_chromaticities_t c;
-    out->data = (struct gp_rect) {l->x0, l->y0, l->x0 + l->w, l->y0 + l->h};
-    out->display = out->data;
-    if (!exr_get_display_window(l->origin->exr, l->part, &box))
-        out->display = (struct gp_rect) {box.min.x, box.min.y, box.max.x + 1,
-                                         box.max.y + 1};
-    memcpy(out->chromaticities, gp_rec709_chromaticities,
-           sizeof out->chromaticities);
-    if (!exr_attr_get_chromaticities(l->origin->exr, l->part,
-                                     "chromaticities", &c)) {
-        const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
-                                c.blue_x, c.blue_y, c.white_x, c.white_y};
-        memcpy(out->chromaticities, given, sizeof given);
-    }
-    gp_luminance_weights(out->chromaticities, out->luminance);
-}
-
-static bool is_deep(const struct gp_origin *o, int part)
-{
-    exr_storage_t storage;
-    return !exr_get_storage(o->exr, part, &storage) &&
-           (storage == EXR_STORAGE_DEEP_SCANLINE ||
-            storage == EXR_STORAGE_DEEP_TILED);
-}
-
 /* A subsampled channel at full resolution in place of its samples. */
 static gp_status widen(const struct gp_log *log, struct gp_rect window,
                        const exr_attr_chlist_entry_t *e,
@@ -116,7 +87,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
 }
 
 static gp_status read_channels(const struct gp_log *log,
-                               const struct gp_exr_layout *l,
+                               const struct gp_exr_chunks *l,
                                struct gp_raw_image *out)
 {
     const int n = l->channel->num_channels;
@@ -134,8 +105,7 @@ static gp_status read_channels(const struct gp_log *log,
                             (size_t) l->w * (size_t) l->h, c));
         sink[i] = (struct gp_exr_sink) {c->v, !c->whole};
     }
-    GP_TRY(gp_exr_can_decode(l) ? gp_exr_decode(log, l, sink)
-                                : gp_exr_decode_by_bridge(log, l, sink));
+    GP_TRY(gp_exr_decode(log, l, sink));
     for (int i = 0; i < n; i++) {
         if (entry[i].x_sampling != 1 || entry[i].y_sampling != 1)
             GP_TRY(widen(log, out->data, &entry[i], &out->channel[i]));
@@ -147,22 +117,28 @@ out:
 
 static gp_status read_exr(const struct gp_log *log,
                           const struct gp_read_params *p,
-                          const struct gp_raw_file *f, int part,
+                          const struct gp_raw_file *file, int part,
                           struct gp_raw_image *out)
 {
-    struct gp_exr_layout l;
-    out->deep = is_deep(f->origin, part);
+    struct gp_exr_chunks l;
+    out->deep = gp_exr_is_deep(file->input, part);
     if (out->deep)
         return GP_OK;
-    gp_status st = gp_exr_layout_make(log, f->path, f->origin, part,
+    gp_status st = gp_exr_chunks_find(log, file->path, file->input, part,
                                       p->max_pixels, &l);
     if (!st) {
-        read_header(&l, out);
+        struct gp_frame f;
+        gp_exr_frame_header(&l, &f);
+        out->data = f.data;
+        out->display = f.display;
+        memcpy(out->chromaticities, f.chromaticities,
+               sizeof out->chromaticities);
+        memcpy(out->luminance, f.luminance, sizeof out->luminance);
         st = read_channels(log, &l, out);
     }
     if (!st)
-        st = find_light(log, f->parts == 1, out);
-    gp_exr_layout_free(&l);
+        st = find_light(log, file->parts == 1, out);
+    gp_exr_chunks_free(&l);
     return st;
 }
 
@@ -225,17 +201,17 @@ gp_status gp_raw_open(const struct gp_log *log,
     gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
     if (st || !exr)
         return st;
-    st = gp_origin_open_exr(log, path, &f->stream, &f->origin);
+    st = gp_exr_open(log, path, &f->stream, &f->input);
     if (!st)
-        f->parts = f->origin->parts;
+        f->parts = f->input->parts;
     return st;
 }
 
 void gp_raw_close(struct gp_raw_file *f)
 {
-    gp_origin_free(f->origin);
+    gp_input_free(f->input);
     gp_stream_close(&f->stream);
-    f->origin = NULL;
+    f->input = NULL;
 }
 
 gp_status gp_raw_read(const struct gp_log *log,
@@ -244,7 +220,7 @@ gp_status gp_raw_read(const struct gp_log *log,
                       struct gp_raw_image *out)
 {
     struct gp_raw_image made = {0};
-    gp_status st = f->origin ? read_exr(log, p, f, part, &made)
+    gp_status st = f->input ? read_exr(log, p, f, part, &made)
                              : read_other(log, p, f, &made);
     if (st)
         gp_raw_image_free(&made);

@@ -9,7 +9,7 @@
 
 #include <stdbool.h>
 
-struct gp_origin;
+struct gp_input;
 
 /* One channel at full resolution: a value for each pixel of the data window,
  * rows from the top; subsampled ones are repeated. */
@@ -40,7 +40,7 @@ struct gp_raw_image {
 /* An open file. */
 struct gp_raw_file {
     const char *path;         // borrowed
-    struct gp_origin *origin; // of an EXR, else NULL
+    struct gp_input *input; // of an EXR, else NULL
     struct gp_stream stream;  // of other formats
     int parts;                // of EXR; 1 of other formats
 };

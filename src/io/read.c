@@ -1,6 +1,6 @@
 #include "io/read.h"
 
-#include "io/exr/read.h"
+#include "io/exr/exr.h"
 #include "io/format.h"
 #include "io/oiio/frame.h"
 #include "io/read_open.h"

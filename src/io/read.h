@@ -34,7 +34,7 @@ static inline struct gp_read_params gp_read_limits(
  *   path  file, or "-" for stdin (read to its end, like any pipe; refused by
  *         its first bytes when no format begins so)
  *   out   written only on GP_OK: windows, chromaticities and luminance,
- *         rgb, channels, origin; other planes empty. Free: gp_frame_free().
+ *         rgb, channels, input; other planes empty. Free: gp_frame_free().
  *
  * Colour is, in this order: R,G,B; red,green,blue of any case; Y with RY or
  * BY; Y; LAYER.R,G,B of a layer called Combined, beauty or rgba, or else of
@@ -71,7 +71,7 @@ GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
 
 /* Another layer of the file that `f` was read from, without reading the file
  * again: what lies in f's part comes from f's channels, the rest is decoded
- * from f's origin.
+ * from f's input.
  *
  *   p      p->view narrows, else f's own view comes first; p->layer and
  *          p->part do not count
@@ -81,7 +81,7 @@ GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
  *   out    written only on GP_OK: windows, chromaticities, rgb and channels.
  *          A layer of f's part has its colour channels only; one of another
  *          part has all channels of that part, as gp_write_hdr() needs them.
- *          origin is f's, so free it before f
+ *          input is f's, so free it before f
  *
  * Errors: those of gp_read_frame(); GP_ERR_DATA the layer's data window is not
  * f's; GP_ERR_USAGE f is not from an EXR.

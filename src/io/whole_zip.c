@@ -2,7 +2,8 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/exr/unzip.h"
+
+#include <libdeflate.h>
 
 struct job {
     const struct gp_stream *s;
@@ -18,7 +19,7 @@ static uint64_t packed_bytes(const struct gp_zip *z, uint64_t room)
 }
 
 static gp_status unpack(const struct gp_stream *s, const struct gp_zip *z,
-                        struct gp_inflate *d)
+                        struct libdeflate_decompressor *d)
 {
     gp_status st;
     void *in = NULL, *out = NULL;
@@ -30,9 +31,9 @@ static gp_status unpack(const struct gp_stream *s, const struct gp_zip *z,
     if (got < 0)
         st = GP_ERR_IO;
     else if ((uint64_t) got < bytes ||
-             (!gp_inflate_run(d, in, bytes, out, z->size) &&
+             (libdeflate_zlib_decompress(d, in, bytes, out, z->size, NULL) &&
               (z->or_size == z->size ||
-               !gp_inflate_run(d, in, bytes, out, z->or_size))))
+               libdeflate_zlib_decompress(d, in, bytes, out, z->or_size, NULL))))
         st = GP_ERR_DATA;
 out:
     gp_free(out);
@@ -44,9 +45,10 @@ static gp_status unpack_one(void *ctx, int i, int thread)
 {
     (void) thread;
     const struct job *j = ctx;
-    struct gp_inflate *const d = gp_inflate_new();
+    struct libdeflate_decompressor *const d = libdeflate_alloc_decompressor();
     const gp_status st = d ? unpack(j->s, &j->zip[i], d) : GP_ERR_BUG;
-    gp_inflate_free(d);
+    if (d)
+        libdeflate_free_decompressor(d);
     return st;
 }
 

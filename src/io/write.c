@@ -1,7 +1,7 @@
 #include "io/write.h"
 
 #include "io/bridge_write.h"
-#include "io/exr/write.h"
+#include "io/exr/exr.h"
 #include "io/file.h"
 #include "io/file_name.h"
 #include "io/other_write.h"
@@ -94,4 +94,15 @@ gp_status gp_write_picture(const struct gp_log *log,
     if (is_raw(straight, ending))
         return gp_raw_write(log, p, path, f, planes, kind, stats);
     return gp_other_write(log, p, path, ending, f, planes, kind);
+}
+
+gp_status gp_write_hdr(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_hdr_colour *set, int n,
+                       struct gp_write_stats *stats)
+{
+    gp_status st = gp_write_hdr_check(log, p, path);
+    if (st || gp_write_would_clobber(p, path))
+        return st;
+    return gp_exr_write_hdr(log, p, path, set, n, stats);
 }

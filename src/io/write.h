@@ -119,7 +119,7 @@ struct gp_hdr_colour {
  * attributes that tell the input's primaries and how to show them stay behind.
  *
  *   set  n >= 1 frames of one file, from gp_read_frame() or gp_read_layer();
- *        set[0].f's path and origin are the input. Several may lie in one
+ *        set[0].f's path and input are the input. Several may lie in one
  *        part, of which one then was read whole, as gp_read_frame() does
  *
  * Errors: those of gp_write_picture(); GP_ERR_USAGE a channel is the colour of

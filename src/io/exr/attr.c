@@ -1,4 +1,4 @@
-#include "io/exr/attr.h"
+#include "io/exr/exr_priv.h"
 
 #include <stddef.h>
 #include <string.h>

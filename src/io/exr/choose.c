@@ -1,7 +1,5 @@
-#include "io/exr/choose.h"
+#include "io/exr/exr_priv.h"
 
-#include "io/crypto.h"
-#include "io/exr/view.h"
 
 #include <limits.h>
 #include <string.h>
@@ -9,7 +7,7 @@
 /* What is looked for, and where. */
 struct search {
     const struct gp_log *log;
-    const struct gp_origin *o;
+    const struct gp_input *o;
     struct gp_crypto crypto;
     int first;  // this part before the others
     int only;   // this part alone, or -1
@@ -24,7 +22,7 @@ static gp_status make_names(const struct search *s, int part,
     if (st || exr_get_channels(s->o->exr, part, &list))
         return st;
     for (int i = 0; i < out->n; i++) {
-        if (gp_crypto_channel(&s->crypto, s->o, part,
+        if (gp_exr_crypto_channel(&s->crypto, s->o, part,
                               list->entries[i].name.str))
             out->name[i] = "";
     }
@@ -32,7 +30,7 @@ static gp_status make_names(const struct search *s, int part,
 }
 
 /* The part's name, or that without its view. */
-static bool is_called(const struct gp_origin *o, int part, const char *layer)
+static bool is_called(const struct gp_input *o, int part, const char *layer)
 {
     const char *name;
     const size_t n = gp_exr_part_layer(o, part, &name);
@@ -118,7 +116,7 @@ static gp_status look_for_view(const struct search *s, const char *layer,
     return st;
 }
 
-int gp_exr_part_number(const struct gp_origin *o, const char *part)
+int gp_exr_part_number(const struct gp_input *o, const char *part)
 {
     long long number = 0;
     const char *c = part;
@@ -136,7 +134,7 @@ int gp_exr_part_number(const struct gp_origin *o, const char *part)
 
 gp_status gp_exr_choose(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
-                        const struct gp_origin *o, int first,
+                        const struct gp_input *o, int first,
                         struct gp_exr_choice *out)
 {
     struct search s = {.log = log, .o = o, .first = first, .only = -1};
@@ -146,7 +144,7 @@ gp_status gp_exr_choose(const struct gp_log *log,
         if (s.only < 0)
             return gp_exr_not_there(log, p, path, o);
     }
-    gp_crypto_find(o, &s.crypto);
+    gp_exr_crypto(o, &s.crypto);
     gp_status st = look(&s, p->layer, p->view, out, &found);
     if (!st && !found && p->layer && !p->view)
         st = look_for_view(&s, p->layer, out, &found);

@@ -1,7 +1,6 @@
-#include "io/exr/core.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/fault.h"
 
 #include <string.h>
 

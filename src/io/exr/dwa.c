@@ -1,12 +1,9 @@
 /* DWAA and DWAB: the bridge writes an EXR in memory with the same channels,
  * and its chunks are taken over as they are. */
-#include "io/exr/encode.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
 #include "io/bridge_write.h"
-#include "io/exr/fault.h"
-#include "io/exr/origin.h"
-#include "io/exr/out.h"
 #include "io/half.h"
 
 #include <stdio.h>
@@ -92,14 +89,14 @@ static gp_status lost(const struct gp_exr_out *out, int chunk)
 {
     const gp_status fault = gp_exr_fault();
     if (fault)
-        return gp_exr_fault_tell(out->log, gp_file_path(out->file), fault);
+        return gp_exr_fault_print(out->log, gp_file_path(out->file), fault);
     return gp_fail(out->log, GP_ERR_BUG, "%s: DWA chunk %d was not made",
                    gp_file_path(out->file), chunk);
 }
 
 /* The chunks of the only part of `from`, to part `part` of `out`. */
 static gp_status take_chunks(struct gp_exr_out *out, int part,
-                             const struct gp_origin *from)
+                             const struct gp_input *from)
 {
     void *data = NULL;
     gp_status st = GP_OK;
@@ -108,7 +105,7 @@ static gp_status take_chunks(struct gp_exr_out *out, int part,
         gp_free(data);
         data = NULL;
         gp_exr_fault_clear();
-        if (gp_origin_chunk(from, 0, i, &info))
+        if (gp_input_chunk(from, 0, i, &info))
             return lost(out, i);
         st = gp_alloc(out->log, "chunk", info.packed_size, 1, &data);
         if (!st && exr_read_chunk(from->exr, 0, &info, data))
@@ -146,7 +143,7 @@ static gp_status encode(const struct gp_log *log, const char *path,
 /* The library writes another compression where it does not trust its own. */
 static gp_status check_made(const struct gp_exr_out *out,
                             const struct gp_exr_image *img,
-                            const struct gp_origin *made)
+                            const struct gp_input *made)
 {
     exr_compression_t c;
     if (exr_get_compression(made->exr, 0, &c) ||
@@ -165,7 +162,7 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
     gp_status st;
     void *names = NULL, *types = NULL, *pixels = NULL;
     struct gp_stream stream = GP_STREAM_EMPTY;
-    struct gp_origin *made = NULL;
+    struct gp_input *made = NULL;
     const char *path = gp_file_path(out->file);
     const size_t n = (size_t) img->sources;
     for (int i = 0; i < img->sources; i++) {
@@ -180,11 +177,11 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(make_pixels(out->log, img, names, types, &pixels, stats));
     GP_TRY(encode(out->log, path, img, quality, names, types, pixels,
                   &stream));
-    GP_TRY(gp_origin_open_exr(out->log, path, &stream, &made));
+    GP_TRY(gp_exr_open(out->log, path, &stream, &made));
     GP_TRY(check_made(out, img, made));
     GP_TRY(take_chunks(out, part, made));
 out:
-    gp_origin_free(made);
+    gp_input_free(made);
     gp_stream_close(&stream);
     gp_free(pixels);
     gp_free(types);

@@ -1,11 +1,7 @@
-#include "io/exr/encode.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/exr/core.h"
-#include "io/exr/fault.h"
-#include "io/exr/out.h"
-#include "io/exr/zip.h"
 #include "io/half.h"
 
 #include <libdeflate.h>
@@ -188,7 +184,7 @@ static gp_status refused(const struct gp_log *log, const char *path,
                          gp_status st)
 {
     if (st == GP_ERR_BUG)
-        return gp_exr_fault_tell(log, path, st);
+        return gp_exr_fault_print(log, path, st);
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: OpenEXR cannot put these channels into this "
                    "compression (names or subsampling); use --compression "

@@ -1,4 +1,4 @@
-#include "io/exr/end.h"
+#include "io/exr/exr_priv.h"
 
 #include <string.h>
 
@@ -10,7 +10,7 @@ struct last {
 
 /* Goes through the table of `chunks` offsets at `at`, which the stream has.
  * False when one was never written. */
-static bool look_through(const struct gp_origin *o, uint64_t at, int32_t chunks,
+static bool look_through(const struct gp_input *o, uint64_t at, int32_t chunks,
                          int part, struct last *last)
 {
     enum { BLOCK = 512 };
@@ -35,7 +35,7 @@ static bool look_through(const struct gp_origin *o, uint64_t at, int32_t chunks,
 /* The end of a chunk, or 0. Its leader has, all numbers little-endian: the
  * part in files of several; y, or tile x and y and level x and y; the bytes
  * that follow, in deep parts of count table, samples and unpacked samples. */
-static uint64_t chunk_end(const struct gp_origin *o, const struct last *last)
+static uint64_t chunk_end(const struct gp_input *o, const struct last *last)
 {
     exr_storage_t storage;
     uint8_t leader[44];
@@ -63,7 +63,7 @@ static uint64_t chunk_end(const struct gp_origin *o, const struct last *last)
     return end;
 }
 
-uint64_t gp_exr_end(const struct gp_origin *o)
+uint64_t gp_exr_end(const struct gp_input *o)
 {
     struct last last = {0};
     uint64_t at = o->tables;

@@ -1,4 +1,4 @@
-#include "io/exr/fault.h"
+#include "io/exr/exr_priv.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -42,7 +42,7 @@ bool gp_exr_fault_short(void)
     return cut;
 }
 
-gp_status gp_exr_fault_tell(const struct gp_log *log, const char *path,
+gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                             gp_status fault)
 {
     if (fault == GP_ERR_BUG)

@@ -1,9 +1,6 @@
 /* The --hdr output: the frame as it came in, with glare. */
 #include "core/memory.h"
-#include "io/crypto.h"
-#include "io/exr/lossy.h"
-#include "io/exr/sources.h"
-#include "io/exr/write.h"
+#include "io/exr/exr_priv.h"
 #include "io/write.h"
 
 #include <string.h>
@@ -47,7 +44,7 @@ static int take_group(const struct gp_hdr_colour *set, int n, int i,
 }
 
 /* A frame of the group must have all channels that the part has. */
-static bool is_whole(const struct gp_origin *o,
+static bool is_whole(const struct gp_input *o,
                      const struct gp_hdr_colour *group, int n)
 {
     const exr_attr_chlist_t *list;
@@ -67,7 +64,7 @@ static gp_status make_parts(const struct gp_log *log,
                             const struct gp_hdr_colour *set, int n,
                             struct gp_hdr_colour *group, struct parts *out)
 {
-    const struct gp_origin *o = gp_origin_of(set[0].f);
+    const struct gp_input *o = gp_input_of(set[0].f);
     for (int i = 0; i < n; i++) {
         const int found = take_group(set, n, i, group);
         if (found == 0)
@@ -94,12 +91,12 @@ static gp_status check_ids(const struct gp_log *log,
     struct gp_crypto crypto;
     for (int i = 0; i < parts->n; i++) {
         const struct gp_exr_part *part = &parts->part[i];
-        const struct gp_origin *o = gp_origin_of(parts->part[0].f);
-        gp_crypto_find(o, &crypto);
+        const struct gp_input *o = gp_input_of(parts->part[0].f);
+        gp_exr_crypto(o, &crypto);
         for (int k = 0; k < part->sources; k++) {
             const struct gp_exr_source *s = &part->source[k];
             if (s->data && gp_exr_loses(p->compression, s->type, s->name) &&
-                gp_crypto_channel(&crypto, o, part->f->part, s->name) ==
+                gp_exr_crypto_channel(&crypto, o, part->f->part, s->name) ==
                     GP_CRYPTO_IDS)
                 return gp_fail(log, GP_ERR_USAGE,
                                "%s: this compression would change the "
@@ -111,18 +108,14 @@ static gp_status check_ids(const struct gp_log *log,
     return GP_OK;
 }
 
-gp_status gp_write_hdr(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_hdr_colour *set, int n,
-                       struct gp_write_stats *stats)
+gp_status gp_exr_write_hdr(const struct gp_log *log,
+                           const struct gp_write_params *p, const char *path,
+                           const struct gp_hdr_colour *set, int n,
+                           struct gp_write_stats *stats)
 {
     struct parts parts = {0};
     void *sources = NULL, *part = NULL, *group = NULL;
-    gp_status st = gp_write_hdr_check(log, p, path);
-    if (st)
-        return st;
-    if (gp_write_would_clobber(p, path))
-        return GP_OK;
+    gp_status st;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *parts.sources,
                          &sources));
     parts.sources = sources;

@@ -1,7 +1,6 @@
-#include "io/exr/header.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/luminance.h"
-#include "io/exr/origin.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -219,7 +218,7 @@ static bool about_storage(const char *name)
     return listed(name, whole);
 }
 
-static void put_foreign(struct gp_exr_header *h, const struct gp_origin *o,
+static void put_foreign(struct gp_exr_header *h, const struct gp_input *o,
                         enum gp_exr_kept kept)
 {
     for (int i = 0; o && i < o->attributes; i++) {
@@ -253,7 +252,7 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
         gp_exr_header_put(h, "version", "int", &version, 4);
     put_carried(h, raw, kept, false);
-    put_foreign(h, raw ? NULL : gp_origin_of(f), kept);
+    put_foreign(h, raw ? NULL : gp_input_of(f), kept);
     const bool carried = raw && gp_exr_raw_find(raw, "chromaticities",
                                                 "chromaticities");
     if (in_own_light(kept) && !carried &&

@@ -1,7 +1,6 @@
-#include "io/exr/decode.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/fault.h"
 #include "io/window.h"
 
 #include <limits.h>
@@ -37,12 +36,12 @@ static uint64_t most_expansion(exr_compression_t compression)
 }
 
 static gp_status bad_chunk(const struct gp_log *log,
-                           const struct gp_exr_layout *l, int index,
+                           const struct gp_exr_chunks *l, int index,
                            const char *what)
 {
     const gp_status fault = gp_exr_fault();
     if (fault)
-        return gp_exr_fault_tell(log, l->path, fault);
+        return gp_exr_fault_print(log, l->path, fault);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: cut off or damaged (chunk %d of %d: %s); copy or "
                    "render the file again", l->path, index + 1, l->chunks,
@@ -52,7 +51,7 @@ static gp_status bad_chunk(const struct gp_log *log,
 /* Unpacked bytes of a chunk, and whether the library divides its rows and
  * columns as the channels' sampling asks. 3.1.5 does not where a block of
  * lines is no multiple of the sampling. */
-static bool chunk_size(const struct gp_exr_layout *l,
+static bool chunk_size(const struct gp_exr_chunks *l,
                        const exr_chunk_info_t *c, uint64_t *bytes)
 {
     *bytes = 0;
@@ -72,7 +71,7 @@ static bool chunk_size(const struct gp_exr_layout *l,
 }
 
 static gp_status check_chunk(const struct gp_log *log,
-                             const struct gp_exr_layout *l, int index)
+                             const struct gp_exr_chunks *l, int index)
 {
     const exr_chunk_info_t *c = &l->chunk[index];
     uint64_t bytes;
@@ -81,7 +80,7 @@ static gp_status check_chunk(const struct gp_log *log,
                        "%s: channels are subsampled in a way that its blocks "
                        "of lines do not hold (chunk %d); write the file "
                        "without subsampling", l->path, index + 1);
-    if (c->packed_size > l->origin->stream.size)
+    if (c->packed_size > l->input->stream.size)
         return bad_chunk(log, l, index, "it ends after the file");
     if (l->compression == EXR_COMPRESSION_NONE && c->packed_size != bytes)
         return bad_chunk(log, l, index, "its size is wrong");
@@ -100,7 +99,7 @@ static int64_t block_pixels(int all, int size, int i)
 
 /* The rectangle of a chunk must be the one that its index says: together they
  * cover the window, each pixel once. */
-static bool chunk_in_place(const struct gp_exr_layout *l, int index,
+static bool chunk_in_place(const struct gp_exr_chunks *l, int index,
                            const exr_chunk_info_t *c)
 {
     if (l->lines) {
@@ -120,12 +119,12 @@ static bool chunk_in_place(const struct gp_exr_layout *l, int index,
 }
 
 static gp_status read_chunks(const struct gp_log *log,
-                             struct gp_exr_layout *l)
+                             struct gp_exr_chunks *l)
 {
     gp_exr_fault_clear();
     for (int i = 0; i < l->chunks; i++) {
         exr_chunk_info_t *c = &l->chunk[i];
-        exr_result_t r = gp_origin_chunk(l->origin, l->part, i, c);
+        exr_result_t r = gp_input_chunk(l->input, l->part, i, c);
         if (r)
             return bad_chunk(log, l, i, exr_get_default_error_message(r));
         if (!chunk_in_place(l, i, c))
@@ -140,10 +139,10 @@ static gp_status read_chunks(const struct gp_log *log,
 }
 
 static gp_status read_window(const struct gp_log *log, long long max_pixels,
-                             struct gp_exr_layout *l)
+                             struct gp_exr_chunks *l)
 {
     exr_attr_box2i_t d;
-    if (exr_get_data_window(l->origin->exr, l->part, &d))
+    if (exr_get_data_window(l->input->exr, l->part, &d))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: has no data window; render the file again",
                        l->path);
@@ -162,9 +161,9 @@ static gp_status read_window(const struct gp_log *log, long long max_pixels,
 
 /* Number of chunks of level 0, which come first in the table. */
 static gp_status count_chunks(const struct gp_log *log,
-                              struct gp_exr_layout *l)
+                              struct gp_exr_chunks *l)
 {
-    const exr_context_t exr = l->origin->exr;
+    const exr_context_t exr = l->input->exr;
     int32_t all = 0, lines = 0;
     int64_t n = 0;
     exr_result_t r = exr_get_chunk_count(exr, l->part, &all);
@@ -189,29 +188,29 @@ static gp_status count_chunks(const struct gp_log *log,
         }
     }
     // each chunk has 8 bytes in the offset table, so the file bounds the list
-    if (r || n < 1 || n > all || (uint64_t) n > l->origin->stream.size / 8)
+    if (r || n < 1 || n > all || (uint64_t) n > l->input->stream.size / 8)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: cut off or damaged (%d chunks in a file of %llu "
                        "bytes, %lld needed); copy or render the file again",
                        l->path, all,
-                       (unsigned long long) l->origin->stream.size,
+                       (unsigned long long) l->input->stream.size,
                        (long long) n);
     l->chunks = (int) n;
     return GP_OK;
 }
 
-gp_status gp_exr_layout_make(const struct gp_log *log, const char *path,
-                             const struct gp_origin *origin, int part,
-                             long long max_pixels, struct gp_exr_layout *l)
+gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
+                             const struct gp_input *input, int part,
+                             long long max_pixels, struct gp_exr_chunks *l)
 {
     gp_status st;
     void *list = NULL;
-    *l = (struct gp_exr_layout) {
-        .origin = origin, .path = path, .part = part,
+    *l = (struct gp_exr_chunks) {
+        .input = input, .path = path, .part = part,
     };
-    if (exr_get_storage(origin->exr, part, &l->storage) ||
-        exr_get_compression(origin->exr, part, &l->compression) ||
-        exr_get_channels(origin->exr, part, &l->channel))
+    if (exr_get_storage(input->exr, part, &l->storage) ||
+        exr_get_compression(input->exr, part, &l->compression) ||
+        exr_get_channels(input->exr, part, &l->channel))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR header is damaged (part %d lacks "
                        "channels, compression or type); render the file again",
@@ -231,8 +230,8 @@ out:
     return st;
 }
 
-void gp_exr_layout_free(struct gp_exr_layout *l)
+void gp_exr_chunks_free(struct gp_exr_chunks *l)
 {
     gp_free(l->chunk);
-    *l = (struct gp_exr_layout) {0};
+    *l = (struct gp_exr_chunks) {0};
 }

@@ -1,4 +1,4 @@
-#include "io/exr/lossy.h"
+#include "io/exr/exr_priv.h"
 
 #include "io/colour_name.h"
 

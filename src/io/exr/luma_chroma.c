@@ -1,4 +1,4 @@
-#include "io/exr/luma_chroma.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"
 #include "core/luminance.h"

@@ -1,9 +1,6 @@
-#include "io/exr/origin.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/end.h"
-#include "io/exr/fault.h"
-#include "io/exr/scan.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -14,7 +11,7 @@ static int64_t read_bytes(exr_const_context_t ctxt, void *user, void *to,
 {
     (void) ctxt;
     (void) error; // what went wrong is kept there
-    const struct gp_origin *o = user;
+    const struct gp_input *o = user;
     const int64_t got = gp_exr_read_bytes(&o->stream, to, n, offset);
     if (got > 0 && o->hidden && o->hidden >= offset &&
         o->hidden - offset < (uint64_t) got)
@@ -25,7 +22,7 @@ static int64_t read_bytes(exr_const_context_t ctxt, void *user, void *to,
 static int64_t query_size(exr_const_context_t ctxt, void *user)
 {
     (void) ctxt;
-    const struct gp_origin *o = user;
+    const struct gp_input *o = user;
     return (int64_t) o->stream.size;
 }
 
@@ -37,12 +34,12 @@ static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
     void *user;
     if (!ctxt || exr_get_user_data(ctxt, &user))
         return;
-    struct gp_origin *o = user;
+    struct gp_input *o = user;
     if (!o->exr)
         snprintf(o->reason, sizeof o->reason, "%s", message);
 }
 
-static gp_status new_origin(const struct gp_log *log, struct gp_origin **out)
+static gp_status new_origin(const struct gp_log *log, struct gp_input **out)
 {
     void *p;
     gp_status st = gp_alloc_zero(log, "input", 1, sizeof **out, &p);
@@ -55,7 +52,7 @@ static gp_status new_origin(const struct gp_log *log, struct gp_origin **out)
 
 /* The header as the library parses it. */
 static gp_status parse(const struct gp_log *log, const char *path,
-                       struct gp_origin *o)
+                       struct gp_input *o)
 {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
     init.error_handler_fn = keep_reason;
@@ -72,7 +69,7 @@ static gp_status parse(const struct gp_log *log, const char *path,
         r = exr_get_count(o->exr, &o->parts);
     const gp_status fault = gp_exr_fault();
     if (fault)
-        return gp_exr_fault_tell(log, path, fault);
+        return gp_exr_fault_print(log, path, fault);
     if (r || o->parts < 1)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR header is damaged or cut off (%s); copy "
@@ -87,7 +84,7 @@ static gp_status parse(const struct gp_log *log, const char *path,
  * flags of the version there; OpenEXRCore 3.1.5 believes the attribute, and
  * finds the header damaged. */
 static gp_status scan(const struct gp_log *log, const char *path,
-                      struct gp_origin *o)
+                      struct gp_input *o)
 {
     const struct gp_exr_scan found = gp_exr_scan_header(&o->stream);
     o->hidden = found.type;
@@ -110,9 +107,10 @@ static gp_status scan(const struct gp_log *log, const char *path,
 
 /* Parts and levels that nobody reads are there as well. */
 static gp_status check_end(const struct gp_log *log, const char *path,
-                           const struct gp_origin *o)
+                           struct gp_input *o)
 {
     const uint64_t end = gp_exr_end(o), size = o->stream.size;
+    o->end = end;
     return end <= size
                ? GP_OK
                : gp_fail(log, GP_ERR_DATA,
@@ -121,10 +119,10 @@ static gp_status check_end(const struct gp_log *log, const char *path,
                          (unsigned long long) end, (unsigned long long) size);
 }
 
-gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
-                             struct gp_stream *stream, struct gp_origin **out)
+gp_status gp_exr_open(const struct gp_log *log, const char *path,
+                             struct gp_stream *stream, struct gp_input **out)
 {
-    struct gp_origin *o;
+    struct gp_input *o;
     gp_status st = new_origin(log, &o);
     if (st) {
         gp_stream_close(stream);
@@ -138,7 +136,7 @@ gp_status gp_origin_open_exr(const struct gp_log *log, const char *path,
     if (!st)
         st = check_end(log, path, o);
     if (st)
-        gp_origin_free(o);
+        gp_input_free(o);
     else
         *out = o;
     return st;
@@ -150,11 +148,11 @@ enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)
            : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
 }
 
-gp_status gp_origin_keep(const struct gp_log *log,
+gp_status gp_input_keep(const struct gp_log *log,
                          const struct gp_oiio_image *image,
-                         struct gp_origin **out)
+                         struct gp_input **out)
 {
-    struct gp_origin *o;
+    struct gp_input *o;
     void *list;
     gp_status st = new_origin(log, &o);
     if (st)
@@ -173,7 +171,7 @@ gp_status gp_origin_keep(const struct gp_log *log,
                               "attributes: out of memory; close other programs");
     }
     if (st) {
-        gp_origin_free(o);
+        gp_input_free(o);
         return st;
     }
     *out = o;
@@ -186,7 +184,7 @@ static int64_t tiles_of(int32_t pixels, uint32_t tile)
     return ((int64_t) pixels + tile - 1) / tile;
 }
 
-static exr_result_t tile_chunk(const struct gp_origin *o, int part, int index,
+static exr_result_t tile_chunk(const struct gp_input *o, int part, int index,
                                exr_chunk_info_t *info)
 {
     int32_t nx, ny;
@@ -220,7 +218,7 @@ static exr_result_t tile_chunk(const struct gp_origin *o, int part, int index,
     return EXR_ERR_ARGUMENT_OUT_OF_RANGE;
 }
 
-exr_result_t gp_origin_chunk(const struct gp_origin *o, int part, int index,
+exr_result_t gp_input_chunk(const struct gp_input *o, int part, int index,
                              exr_chunk_info_t *info)
 {
     exr_storage_t storage;
@@ -242,9 +240,9 @@ exr_result_t gp_origin_chunk(const struct gp_origin *o, int part, int index,
     return exr_read_scanline_chunk_info(o->exr, part, (int) y, info);
 }
 
-void gp_origin_free(void *origin)
+void gp_input_free(void *input)
 {
-    struct gp_origin *o = origin;
+    struct gp_input *o = input;
     if (!o)
         return;
     if (o->exr)

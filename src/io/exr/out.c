@@ -1,7 +1,6 @@
-#include "io/exr/out.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/fault.h"
 
 #include <limits.h>
 #include <stdlib.h>
@@ -92,7 +91,7 @@ static int by_offset(const void *a, const void *b)
 
 /* The part's offset table, sorted by where the chunks stand. */
 static gp_status read_places(const struct gp_exr_out *out, int part,
-                             const struct gp_origin *o,
+                             const struct gp_input *o,
                              const struct gp_exr_raw *raw, struct place *place)
 {
     const int n = out->table[part].chunks;
@@ -122,7 +121,7 @@ static gp_status read_places(const struct gp_exr_out *out, int part,
  * this part or reaches out of the file. Leaders are, all numbers little-
  * endian: part, then y or tile x, tile y, level x, level y, then the size;
  * in deep parts the sizes of count table, samples and unpacked samples. */
-static uint64_t chunk_size(const struct gp_origin *o, int part, uint64_t offset,
+static uint64_t chunk_size(const struct gp_input *o, int part, uint64_t offset,
                            exr_storage_t storage)
 {
     const bool deep = storage == EXR_STORAGE_DEEP_SCANLINE ||
@@ -151,7 +150,7 @@ static uint64_t chunk_size(const struct gp_origin *o, int part, uint64_t offset,
 
 /* Copies `size` bytes at `at`, a block at a time. */
 static gp_status copy_bytes(const struct gp_exr_out *out,
-                            const struct gp_origin *o, uint64_t at,
+                            const struct gp_input *o, uint64_t at,
                             uint64_t size, void *block, size_t room)
 {
     while (size > 0) {
@@ -168,7 +167,7 @@ static gp_status copy_bytes(const struct gp_exr_out *out,
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
-                          const struct gp_origin *o,
+                          const struct gp_input *o,
                           const struct gp_exr_raw *raw)
 {
     enum { BLOCK_BYTES = 1 << 18 };
@@ -192,7 +191,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
                   : GP_ERR_DATA;
     }
     if (st == GP_ERR_DATA && gp_exr_fault())
-        st = gp_exr_fault_tell(out->log, path, gp_exr_fault());
+        st = gp_exr_fault_print(out->log, path, gp_exr_fault());
     else if (st == GP_ERR_DATA)
         (void) gp_fail(out->log, st,
                        "%s: part %d is cut off or damaged; copy or render the "

@@ -1,7 +1,6 @@
-#include "io/exr/raw.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/fault.h"
 
 #include <limits.h>
 #include <string.h>
@@ -102,7 +101,7 @@ static gp_status damaged(const struct gp_log *log, const char *path)
 
 /* Reads the first `size` bytes again, into a larger block. */
 static gp_status load(const struct gp_log *log, const char *path,
-                      const struct gp_origin *o, size_t size,
+                      const struct gp_input *o, size_t size,
                       struct gp_exr_raw *raw)
 {
     void *bytes;
@@ -115,12 +114,12 @@ static gp_status load(const struct gp_log *log, const char *path,
     gp_exr_fault_clear();
     if (gp_exr_read_bytes(&o->stream, bytes, size, 0) == (int64_t) size)
         return GP_OK;
-    return gp_exr_fault() ? gp_exr_fault_tell(log, path, gp_exr_fault())
+    return gp_exr_fault() ? gp_exr_fault_print(log, path, gp_exr_fault())
                           : damaged(log, path);
 }
 
 gp_status gp_exr_raw_read(const struct gp_log *log, const char *path,
-                          const struct gp_origin *o, struct gp_exr_raw *out)
+                          const struct gp_input *o, struct gp_exr_raw *out)
 {
     gp_status st;
     void *part = NULL, *attr = NULL;

@@ -1,10 +1,8 @@
-#include "io/exr/read.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/luminance.h"
 #include "core/memory.h"
-#include "io/exr/decode.h"
-#include "io/exr/origin.h"
-#include "io/exr/luma_chroma.h"
+#include "io/channels.h"
 #include "io/window.h"
 
 #include <string.h>
@@ -14,10 +12,10 @@ struct reading {
     const struct gp_log *log;
     const char *path;
     struct gp_frame *f;
-    struct gp_exr_layout layout;
+    struct gp_exr_chunks layout;
     struct gp_colour_choice colour;
-    struct gp_exr_sink *sink;  // one a channel
-    float *yc[3];              // RY, Y, BY before they are RGB
+    struct gp_exr_sink *sink; // one a channel
+    float *yc[3];             // RY, Y, BY before they are RGB
 };
 
 /* -- the frame around the pixels ------------------------------------------ */
@@ -27,11 +25,9 @@ static struct gp_rect rect_of(exr_attr_box2i_t b)
     return (struct gp_rect) {b.min.x, b.min.y, b.max.x + 1, b.max.y + 1};
 }
 
-static void read_header(struct reading *r)
+void gp_exr_frame_header(const struct gp_exr_chunks *l, struct gp_frame *f)
 {
-    struct gp_frame *f = r->f;
-    const struct gp_exr_layout *l = &r->layout;
-    const exr_context_t exr = l->origin->exr;
+    const exr_context_t exr = l->input->exr;
     exr_attr_box2i_t box;
     exr_attr_chromaticities_t c;
     f->data = (struct gp_rect) {l->x0, l->y0, l->x0 + l->w, l->y0 + l->h};
@@ -48,20 +44,23 @@ static void read_header(struct reading *r)
         memcpy(f->chromaticities, given, sizeof given);
     }
     gp_luminance_weights(f->chromaticities, f->luminance);
-    f->model = r->colour.model;
     f->part = l->part;
-    f->parts = l->origin->parts;
+    f->parts = l->input->parts;
 }
 
 static gp_status make_channel(const struct reading *r, int index)
 {
-    const struct gp_exr_layout *l = &r->layout;
+    const struct gp_exr_chunks *l = &r->layout;
     const exr_attr_chlist_entry_t *e = &l->channel->entries[index];
     struct gp_channel *c = &r->f->channel[index];
     *c = (struct gp_channel) {
-        .type = gp_exr_pixel_type(e->pixel_type), .xs = e->x_sampling,
-        .ys = e->y_sampling, .w = l->w / e->x_sampling,
-        .h = l->h / e->y_sampling, .linear = e->p_linear, .colour = -1,
+        .type = gp_exr_pixel_type(e->pixel_type),
+        .xs = e->x_sampling,
+        .ys = e->y_sampling,
+        .w = l->w / e->x_sampling,
+        .h = l->h / e->y_sampling,
+        .linear = e->p_linear,
+        .colour = -1,
     };
     r->f->channels = index + 1;
     for (int k = 0; k < 3; k++) {
@@ -70,8 +69,10 @@ static gp_status make_channel(const struct reading *r, int index)
     }
     c->name = gp_strdup(e->name.str);
     if (!c->name)
-        return gp_fail(r->log, GP_ERR_BUG, "%s: out of memory; close other "
-                       "programs", r->path);
+        return gp_fail(r->log, GP_ERR_BUG,
+                       "%s: out of memory; close other "
+                       "programs",
+                       r->path);
     if (c->colour >= 0)
         return GP_OK;
     return gp_alloc(r->log, c->name, (size_t) c->w * (size_t) c->h,
@@ -81,7 +82,7 @@ static gp_status make_channel(const struct reading *r, int index)
 /* Full resolution for all but chroma, which may be halved in both ways. */
 static gp_status check_sampling(const struct reading *r)
 {
-    const struct gp_exr_layout *l = &r->layout;
+    const struct gp_exr_chunks *l = &r->layout;
     const exr_attr_chlist_entry_t *chroma = NULL;
     for (int k = 0; k < 3; k++) {
         if (r->colour.index[k] < 0)
@@ -91,8 +92,8 @@ static gp_status check_sampling(const struct reading *r)
         int xs = e->x_sampling, ys = e->y_sampling;
         bool whole = xs == 1 && ys == 1;
         if (r->colour.model == GP_COLOUR_YC && k != 1) {
-            bool same = !chroma || (chroma->x_sampling == xs &&
-                                    chroma->y_sampling == ys);
+            bool same = !chroma ||
+                        (chroma->x_sampling == xs && chroma->y_sampling == ys);
             chroma = e;
             if (same && (whole || (xs == 2 && ys == 2)))
                 continue;
@@ -101,8 +102,8 @@ static gp_status check_sampling(const struct reading *r)
         }
         return gp_fail(r->log, GP_ERR_DATA,
                        "%s: channel %s is subsampled %d x %d, which no colour "
-                       "has; write it at full resolution", r->path,
-                       e->name.str, xs, ys);
+                       "has; write it at full resolution",
+                       r->path, e->name.str, xs, ys);
     }
     return GP_OK;
 }
@@ -145,8 +146,7 @@ static size_t channel_samples(const struct reading *r, int index)
 static gp_status make_planes(struct reading *r)
 {
     struct gp_frame *f = r->f;
-    gp_status st =
-        gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
+    gp_status st = gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
     for (int k = 0; !st && k < 3; k++) {
         int index = r->colour.index[k];
         float *to = f->rgb.c[k];
@@ -172,16 +172,20 @@ static gp_status finish_yc(struct reading *r)
         if (r->yc[k])
             continue;
         void *p;
-        gp_status st = gp_alloc_zero(r->log, "chroma",
-                                     channel_samples(r, some), sizeof(float),
-                                     &p);
+        gp_status st = gp_alloc_zero(r->log, "chroma", channel_samples(r, some),
+                                     sizeof(float), &p);
         if (st)
             return st;
         r->yc[k] = p;
     }
     struct gp_yc yc = {
-        .w = r->layout.w, .h = r->layout.h, .xs = chroma->xs,
-        .ys = chroma->ys, .y = r->yc[1], .ry = r->yc[0], .by = r->yc[2],
+        .w = r->layout.w,
+        .h = r->layout.h,
+        .xs = chroma->xs,
+        .ys = chroma->ys,
+        .y = r->yc[1],
+        .ry = r->yc[0],
+        .by = r->yc[2],
         .half = f->colour_type == GP_HALF,
     };
     gp_yc_weights(f->chromaticities, yc.weight);
@@ -211,40 +215,42 @@ static gp_status read_part(struct reading *r)
     GP_TRY(check_sampling(r));
     GP_TRY(make_channels(r));
     GP_TRY(make_planes(r));
-    if (gp_exr_can_decode(&r->layout))
-        GP_TRY(gp_exr_decode(r->log, &r->layout, r->sink));
-    else
-        GP_TRY(gp_exr_decode_by_bridge(r->log, &r->layout, r->sink));
+    GP_TRY(gp_exr_decode(r->log, &r->layout, r->sink));
     GP_TRY(finish_colour(r));
 out:
     return st;
 }
 
-gp_status gp_exr_read_choice(const struct gp_log *log,
+static gp_status read_choice(const struct gp_log *log,
                              const struct gp_read_params *p, const char *path,
-                             const struct gp_origin *o,
+                             const struct gp_input *o,
                              const struct gp_exr_choice *choice,
                              struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {0};
     struct reading r = {
-        .log = log, .path = path, .f = &f, .colour = choice->colour,
+        .log = log,
+        .path = path,
+        .f = &f,
+        .colour = choice->colour,
     };
-    GP_TRY(gp_exr_layout_make(log, path, o, choice->part, p->max_pixels,
+    GP_TRY(gp_exr_chunks_find(log, path, o, choice->part, p->max_pixels,
                               &r.layout));
-    read_header(&r);
-    GP_TRY(gp_window_check(log, path, "display",
-                           (int64_t) f.display.x1 - f.display.x0,
-                           (int64_t) f.display.y1 - f.display.y0,
-                           p->max_pixels));
+    gp_exr_frame_header(&r.layout, &f);
+    f.model = choice->colour.model;
+    GP_TRY(gp_window_check(
+        log, path, "display", (int64_t) f.display.x1 - f.display.x0,
+        (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
     GP_TRY(read_part(&r));
     f.path = gp_strdup(path);
     if (!f.path)
-        st = gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                     "programs", path);
+        st = gp_fail(log, GP_ERR_BUG,
+                     "%s: out of memory; close other "
+                     "programs",
+                     path);
 out:
-    gp_exr_layout_free(&r.layout);
+    gp_exr_chunks_free(&r.layout);
     gp_free(r.sink);
     for (int k = 0; k < 3; k++)
         gp_free(r.yc[k]);
@@ -259,20 +265,176 @@ gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
                       const char *path, struct gp_stream *stream,
                       struct gp_frame *out)
 {
-    struct gp_origin *o = NULL;
+    struct gp_input *o = NULL;
     struct gp_exr_choice choice;
-    gp_status st = gp_origin_open_exr(log, path, stream, &o);
+    gp_status st = gp_exr_open(log, path, stream, &o);
     if (!st)
         st = gp_exr_choose(log, p, path, o, 0, &choice);
     if (!st) {
         o->part = choice.part;
-        st = gp_exr_read_choice(log, p, path, o, &choice, out);
+        st = read_choice(log, p, path, o, &choice, out);
     }
     if (st) {
-        gp_origin_free(o);
+        gp_input_free(o);
         return st;
     }
-    out->origin = o;
-    out->origin_free = gp_origin_free;
+    out->input = o;
+    out->input_free = gp_input_free;
+    return GP_OK;
+}
+
+/* -- other layers of a file that is open ----------------------------------- */
+
+/* The view that is asked for; else that of f's part first, since a layer of
+ * the other eye is the last that is meant. */
+static gp_status choose_layer(const struct gp_log *log,
+                              const struct gp_read_params *p,
+                              const struct gp_frame *f, const char *layer,
+                              struct gp_exr_choice *out)
+{
+    const struct gp_input *o = gp_input_of(f);
+    struct gp_read_params q = {
+        .max_pixels = p->max_pixels,
+        .layer = layer,
+        .view = p->view,
+    };
+    if (!p->view) {
+        q.view = gp_exr_part_view(o, f->part);
+        if (q.view && !gp_exr_choose(NULL, &q, f->path, o, f->part, out))
+            return GP_OK;
+        q.view = NULL;
+    }
+    return gp_exr_choose(log, &q, f->path, o, f->part, out);
+}
+
+/* True when every channel of the colour lies in f as it was read. */
+static bool is_in_frame(const struct gp_frame *f,
+                        const struct gp_exr_choice *choice)
+{
+    const exr_attr_chlist_t *list;
+    if (choice->part != f->part || choice->colour.model == GP_COLOUR_YC ||
+        exr_get_channels(gp_input_of(f)->exr, f->part, &list) ||
+        list->num_channels != f->channels)
+        return false;
+    for (int k = 0; k < 3; k++) {
+        const int i = choice->colour.index[k];
+        if (i < 0)
+            continue;
+        const struct gp_channel *c = &f->channel[i];
+        if (!c->data || c->xs != 1 || c->ys != 1)
+            return false;
+    }
+    return true;
+}
+
+/* A frame like f without pixels and channels. */
+static gp_status start_layer(const struct gp_log *log, const struct gp_frame *f,
+                             struct gp_frame *out)
+{
+    *out = (struct gp_frame) {
+        .path = gp_strdup(f->path),
+        .data = f->data,
+        .display = f->display,
+        .pixel_aspect = f->pixel_aspect,
+        .part = f->part,
+        .parts = f->parts,
+        .colour_type = GP_HALF,
+    };
+    memcpy(out->chromaticities, f->chromaticities, sizeof f->chromaticities);
+    memcpy(out->luminance, f->luminance, sizeof f->luminance);
+    if (!out->path)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory; close other "
+                       "programs",
+                       f->path);
+    return gp_planes_make(log, "layer", gp_frame_pixels(f), &out->rgb);
+}
+
+/* Channel `index` of f as colour k. */
+static gp_status copy_channel(const struct gp_log *log,
+                              const struct gp_frame *f, int index, int k,
+                              struct gp_frame *out)
+{
+    const struct gp_channel *from = &f->channel[index];
+    struct gp_channel *to = &out->channel[out->channels++];
+    *to = *from;
+    to->data = NULL;
+    to->colour = k;
+    to->name = gp_strdup(from->name);
+    if (!to->name)
+        return gp_fail(log, GP_ERR_BUG,
+                       "%s: out of memory; close other "
+                       "programs",
+                       f->path);
+    if (to->type != GP_HALF)
+        out->colour_type = GP_FLOAT;
+    gp_channel_floats(f, index, out->rgb.c[k]);
+    return GP_OK;
+}
+
+static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
+                            const struct gp_colour_choice *colour,
+                            struct gp_frame *out)
+{
+    gp_status st;
+    void *channels;
+    const size_t bytes = gp_frame_pixels(f) * sizeof(float);
+    GP_TRY(start_layer(log, f, out));
+    out->model = colour->model;
+    GP_TRY(gp_alloc_zero(log, "channels", 3, sizeof *out->channel, &channels));
+    out->channel = channels;
+    for (int k = 0; k < 3; k++) {
+        if (colour->index[k] >= 0)
+            GP_TRY(copy_channel(log, f, colour->index[k], k, out));
+        else if (colour->model == GP_COLOUR_GREY)
+            memcpy(out->rgb.c[k], out->rgb.c[0], bytes);
+        else
+            memset(out->rgb.c[k], 0, bytes);
+    }
+out:
+    return st;
+}
+
+static bool same_window(const struct gp_input *o, int part,
+                        const struct gp_frame *f)
+{
+    exr_attr_box2i_t d;
+    return !exr_get_data_window(o->exr, part, &d) && d.min.x == f->data.x0 &&
+           d.min.y == f->data.y0 && d.max.x == f->data.x1 - 1 &&
+           d.max.y == f->data.y1 - 1;
+}
+
+gp_status gp_read_layer(const struct gp_log *log,
+                        const struct gp_read_params *p,
+                        const struct gp_frame *f, const char *layer,
+                        struct gp_frame *out)
+{
+    struct gp_input *const o = f->input;
+    struct gp_exr_choice choice;
+    struct gp_frame made = {0};
+    if (!o || !o->exr)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: layers beside the frame are read from EXR alone; "
+                       "convert it, with e.g. oiiotool",
+                       f->path);
+    gp_status st = choose_layer(log, p, f, layer, &choice);
+    if (st)
+        return st;
+    if (!same_window(o, choice.part, f))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the data window of %s (part %d) is not that of the "
+                       "frame (part %d); render both with one window",
+                       f->path, layer ? layer : "the view", choice.part,
+                       f->part);
+    if (is_in_frame(f, &choice))
+        st = copy_layer(log, f, &choice.colour, &made);
+    else
+        st = read_choice(log, p, f->path, o, &choice, &made);
+    if (st) {
+        gp_frame_free(&made);
+        return st;
+    }
+    made.input = o;
+    *out = made;
     return GP_OK;
 }

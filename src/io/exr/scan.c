@@ -1,6 +1,5 @@
-#include "io/exr/scan.h"
+#include "io/exr/exr_priv.h"
 
-#include "io/exr/attr.h"
 
 #include <stdbool.h>
 #include <string.h>

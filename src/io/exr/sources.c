@@ -1,8 +1,7 @@
-#include "io/exr/sources.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
 #include "io/colour_name.h"
-#include "io/exr/write.h"
 
 #include <stdlib.h>
 #include <string.h>

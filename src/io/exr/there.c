@@ -1,9 +1,7 @@
 /* What an EXR has, for the line that says that something is not there. */
-#include "io/exr/choose.h"
+#include "io/exr/exr_priv.h"
 
 #include "io/colour_name.h"
-#include "io/crypto.h"
-#include "io/exr/view.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -58,7 +56,7 @@ static bool is_colour(const char *own)
 }
 
 static void add_layers(const struct gp_crypto *crypto,
-                       const struct gp_origin *o, int part, struct list *l)
+                       const struct gp_input *o, int part, struct list *l)
 {
     const exr_attr_chlist_t *from;
     const char *name;
@@ -68,7 +66,7 @@ static void add_layers(const struct gp_crypto *crypto,
         const char *channel = from->entries[i].name.str;
         size_t len = gp_layer_length(channel);
         if (!is_colour(channel + len) ||
-            gp_crypto_channel(crypto, o, part, channel))
+            gp_exr_crypto_channel(crypto, o, part, channel))
             continue;
         if (len > 0) {
             add(l, -1, channel, len - 1);
@@ -79,7 +77,7 @@ static void add_layers(const struct gp_crypto *crypto,
     }
 }
 
-static void add_views(const struct gp_origin *o, int part, struct list *l)
+static void add_views(const struct gp_input *o, int part, struct list *l)
 {
     const char *view = gp_exr_part_view(o, part);
     if (view)
@@ -93,7 +91,7 @@ static void add_views(const struct gp_origin *o, int part, struct list *l)
 
 /* Whether `layer` is one of ids: CryptoObject00, CryptoObject, or one of its
  * channels. */
-static bool is_ids(const struct gp_crypto *crypto, const struct gp_origin *o,
+static bool is_ids(const struct gp_crypto *crypto, const struct gp_input *o,
                    const char *layer)
 {
     const size_t len = strlen(layer);
@@ -109,7 +107,7 @@ static bool is_ids(const struct gp_crypto *crypto, const struct gp_origin *o,
         for (int i = 0; i < from->num_channels; i++) {
             name = from->entries[i].name.str;
             if (strncmp(name, layer, len) != 0 ||
-                !gp_crypto_channel(crypto, o, part, name))
+                !gp_exr_crypto_channel(crypto, o, part, name))
                 continue;
             n = gp_layer_length(name);
             if (!name[len] || n == len + 1 || n == len + 3)
@@ -120,7 +118,7 @@ static bool is_ids(const struct gp_crypto *crypto, const struct gp_origin *o,
 }
 
 /* What is asked for, as "layer a in part 2 of view left". */
-static void describe(const struct gp_read_params *p, const struct gp_origin *o,
+static void describe(const struct gp_read_params *p, const struct gp_input *o,
                      char *to, size_t size)
 {
     bool known = !p->view;
@@ -139,12 +137,12 @@ static void describe(const struct gp_read_params *p, const struct gp_origin *o,
 
 gp_status gp_exr_not_there(const struct gp_log *log,
                            const struct gp_read_params *p, const char *path,
-                           const struct gp_origin *o)
+                           const struct gp_input *o)
 {
     struct gp_crypto crypto;
     struct list layers = {0}, parts = {0}, views = {0};
     char what[700];
-    gp_crypto_find(o, &crypto);
+    gp_exr_crypto(o, &crypto);
     for (int part = 0; part < o->parts; part++) {
         const char *name = gp_exr_part_name(o, part);
         add_layers(&crypto, o, part, &layers);

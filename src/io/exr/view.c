@@ -1,11 +1,11 @@
-#include "io/exr/view.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/colour.h"
+#include "io/colour_name.h"
 
 #include <string.h>
 
-bool gp_exr_is_deep(const struct gp_origin *o, int part)
+bool gp_exr_is_deep(const struct gp_input *o, int part)
 {
     exr_storage_t storage;
     return exr_get_storage(o->exr, part, &storage) ||
@@ -13,7 +13,7 @@ bool gp_exr_is_deep(const struct gp_origin *o, int part)
            storage == EXR_STORAGE_DEEP_TILED;
 }
 
-const char *gp_exr_part_name(const struct gp_origin *o, int part)
+const char *gp_exr_part_name(const struct gp_input *o, int part)
 {
     const char *name = NULL;
     if (exr_get_name(o->exr, part, &name) || !name || !name[0])
@@ -21,7 +21,7 @@ const char *gp_exr_part_name(const struct gp_origin *o, int part)
     return name;
 }
 
-const char *gp_exr_part_view(const struct gp_origin *o, int part)
+const char *gp_exr_part_view(const struct gp_input *o, int part)
 {
     int32_t length;
     const char *view;
@@ -29,7 +29,7 @@ const char *gp_exr_part_view(const struct gp_origin *o, int part)
                                                                      : view;
 }
 
-size_t gp_exr_part_layer(const struct gp_origin *o, int part,
+size_t gp_exr_part_layer(const struct gp_input *o, int part,
                          const char **name)
 {
     const char *own = gp_exr_part_name(o, part);
@@ -42,7 +42,7 @@ size_t gp_exr_part_layer(const struct gp_origin *o, int part,
     return before == '.' || before == '_' ? n - end - 1 : n;
 }
 
-static const exr_attr_string_vector_t *view_list(const struct gp_origin *o,
+static const exr_attr_string_vector_t *view_list(const struct gp_input *o,
                                                  int part)
 {
     const exr_attribute_t *a;
@@ -52,7 +52,7 @@ static const exr_attr_string_vector_t *view_list(const struct gp_origin *o,
     return a->stringvector;
 }
 
-int gp_exr_views(const struct gp_origin *o, int part)
+int gp_exr_views(const struct gp_input *o, int part)
 {
     const exr_attr_string_vector_t *v = view_list(o, part);
     if (!v)
@@ -60,13 +60,13 @@ int gp_exr_views(const struct gp_origin *o, int part)
     return v->n_strings < GP_EXR_VIEWS ? v->n_strings : GP_EXR_VIEWS;
 }
 
-const char *gp_exr_view_name(const struct gp_origin *o, int part, int i)
+const char *gp_exr_view_name(const struct gp_input *o, int part, int i)
 {
     const exr_attr_string_vector_t *v = view_list(o, part);
     return v && i < v->n_strings && v->strings[i].str ? v->strings[i].str : "";
 }
 
-bool gp_exr_part_has_view(const struct gp_origin *o, int part,
+bool gp_exr_part_has_view(const struct gp_input *o, int part,
                           const char *view)
 {
     const char *own = gp_exr_part_view(o, part);
@@ -85,7 +85,7 @@ static bool is_word(const char *from, size_t n, const char *word)
     return strlen(word) == n && strncmp(from, word, n) == 0;
 }
 
-bool gp_exr_bare_name(const struct gp_origin *o, int part, const char *view,
+bool gp_exr_bare_name(const struct gp_input *o, int part, const char *view,
                       const char *name, char *to)
 {
     const char *dot = strrchr(name, '.'), *start = dot;
@@ -112,7 +112,7 @@ void gp_exr_names_free(struct gp_exr_names *names)
     *names = (struct gp_exr_names) {0};
 }
 
-gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_origin *o,
+gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *o,
                           int part, const char *view, struct gp_exr_names *out)
 {
     const exr_attr_chlist_t *list;
@@ -141,7 +141,7 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_origin *o,
     return st;
 }
 
-const char *gp_exr_view_of(const struct gp_origin *o, int part,
+const char *gp_exr_view_of(const struct gp_input *o, int part,
                            const char *name)
 {
     char bare[GP_CHANNEL_NAME + 1];
@@ -153,4 +153,47 @@ const char *gp_exr_view_of(const struct gp_origin *o, int part,
             return view;
     }
     return NULL;
+}
+
+/* -- Cryptomatte ----------------------------------------------------------- */
+
+/* cryptomatte/HASH/name */
+static bool names_layer(const exr_attribute_t *a)
+{
+    static const char first[] = "cryptomatte/", last[] = "/name";
+    const size_t len = strlen(a->name), end = sizeof last - 1;
+    return a->type == EXR_ATTR_STRING && len > sizeof first - 1 + end &&
+           strncmp(a->name, first, sizeof first - 1) == 0 &&
+           strcmp(a->name + len - end, last) == 0;
+}
+
+void gp_exr_crypto(const struct gp_input *o, struct gp_crypto *out)
+{
+    *out = (struct gp_crypto) {0};
+    for (int part = 0; o && o->exr && part < o->parts; part++) {
+        int32_t n = 0;
+        if (exr_get_attribute_count(o->exr, part, &n))
+            continue;
+        for (int32_t i = 0; i < n && out->n < GP_CRYPTO_LAYERS; i++) {
+            const exr_attribute_t *a;
+            if (!exr_get_attribute_by_index(o->exr, part,
+                                            EXR_ATTR_LIST_FILE_ORDER, i, &a) &&
+                names_layer(a) && a->string->str && a->string->str[0])
+                out->layer[out->n++] = a->string->str;
+        }
+    }
+}
+
+enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
+                                      const struct gp_input *o, int part,
+                                      const char *name)
+{
+    size_t len = gp_layer_length(name);
+    if (len > 0)
+        return gp_crypto_layer(c, name, len - 1);
+    if (!o || !o->exr)
+        return GP_CRYPTO_NONE;
+    const char *layer;
+    len = gp_exr_part_layer(o, part, &layer);
+    return gp_crypto_layer(c, layer, len);
 }

@@ -1,10 +1,6 @@
-#include "io/exr/write.h"
+#include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/exr/out.h"
-#include "io/exr/raw.h"
-#include "io/exr/sources.h"
-#include "io/exr/view.h"
 #include "io/file.h"
 
 #include <string.h>
@@ -82,7 +78,7 @@ static enum gp_compression compression_of(const struct gp_log *log,
 }
 
 static gp_status plan(const struct gp_log *log, struct writing *w,
-                      const struct gp_origin *o)
+                      const struct gp_input *o)
 {
     const struct gp_exr_job *job = w->job;
     const bool exr = o && o->exr, all = exr && keeps_parts(job);
@@ -115,7 +111,7 @@ static gp_status plan(const struct gp_log *log, struct writing *w,
 }
 
 static gp_status count_chunks(const struct gp_log *log, struct writing *w,
-                              const struct gp_origin *o)
+                              const struct gp_input *o)
 {
     void *mem;
     gp_status st = gp_alloc(log, "parts", (size_t) w->parts, sizeof *w->chunks,
@@ -153,7 +149,7 @@ static void put_made(struct writing *w, int i)
 }
 
 static gp_status make_header(const struct gp_log *log, struct writing *w,
-                             const struct gp_origin *o)
+                             const struct gp_input *o)
 {
     const bool multi = w->parts > 1;
     uint32_t flags = multi ? GP_EXR_MULTIPART : 0;
@@ -175,7 +171,7 @@ static gp_status make_header(const struct gp_log *log, struct writing *w,
 }
 
 static gp_status write_parts(const struct gp_log *log, struct writing *w,
-                             const struct gp_origin *o,
+                             const struct gp_input *o,
                              struct gp_write_stats *stats)
 {
     gp_status st = gp_exr_out_begin(log, w->file, w->header.bytes,
@@ -198,7 +194,7 @@ gp_status gp_exr_write_file(const struct gp_log *log,
                             struct gp_write_stats *stats)
 {
     gp_status st;
-    const struct gp_origin *o = gp_origin_of(job->part[0].f);
+    const struct gp_input *o = gp_input_of(job->part[0].f);
     struct writing w = {.job = job};
     struct gp_write_stats now = {0};
     GP_TRY(plan(log, &w, o));

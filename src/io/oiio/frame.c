@@ -6,7 +6,7 @@
 #include "core/srgb.h"
 #include "io/channels.h"
 #include "io/colour.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr.h"
 #include "io/half.h"
 #include "io/whole.h"
 #include "io/window.h"
@@ -308,7 +308,7 @@ gp_status gp_frame_of_image(const struct gp_log *log, const char *path,
 {
     gp_status st;
     struct gp_colour_choice colour;
-    struct gp_origin *origin;
+    struct gp_input *input;
     if (layer) {
         st = choose_layer(log, path, layer, image, &colour);
         if (st)
@@ -331,9 +331,9 @@ gp_status gp_frame_of_image(const struct gp_log *log, const char *path,
         if (colour.index[k] < 0)
             memset(f.rgb.c[k], 0, gp_frame_pixels(&f) * sizeof(float));
     }
-    GP_TRY(gp_origin_keep(log, image, &origin));
-    f.origin = origin;
-    f.origin_free = gp_origin_free;
+    GP_TRY(gp_input_keep(log, image, &input));
+    f.input = input;
+    f.input_free = gp_input_free;
 out:
     if (st)
         gp_frame_free(&f);

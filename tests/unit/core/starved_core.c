@@ -186,8 +186,8 @@ static void frames_own_what_they_hold(void **state)
     assert_int_equal(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data), GP_OK);
     assert_int_equal(gp_planes_make(NULL, "rgb", 4, &f.rgb), GP_OK);
     f.path = gp_strdup("a.exr");
-    f.origin = &origins;
-    f.origin_free = free_origin;
+    f.input = &origins;
+    f.input_free = free_origin;
     for (int i = 0; i < 3; i++)
         assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
     static const char *const absent[] = {"z", "", "depth", "depth.Z2"};

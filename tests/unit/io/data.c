@@ -6,7 +6,7 @@
 #include "core/cpu.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr.h"
 #include "io/oiio/oiio.h"
 
 #include "reading.h"
@@ -183,7 +183,7 @@ static void every_frame_as_openimageio_reads_it(void **state)
 static bool needs_openexr(const struct gp_frame *f)
 {
     exr_compression_t c = EXR_COMPRESSION_NONE;
-    const struct gp_origin *o = gp_origin_of(f);
+    const struct gp_input *o = gp_input_of(f);
     return f->model == GP_COLOUR_YC ||
            (exr_get_compression(o->exr, o->part, &c) == EXR_ERR_SUCCESS &&
             c >= EXR_COMPRESSION_DWAA);

@@ -1,8 +1,7 @@
 /* io/exr_attr: a value that is none of its type is refused, whatever its name
  * and part, and nothing that OpenEXR reads is. */
 #include "unit.h"
-#include "io/exr/attr.h"
-#include "io/exr/raw.h"
+#include "io/exr/exr_priv.h"
 
 #include "exr_fixture.h"
 #include "reading.h"
@@ -153,7 +152,7 @@ static void write_with(const struct fixture *f, int part, const char *type,
 {
     size_t all;
     uint8_t *bytes = fixture_make(f, &all), head[64];
-    const struct gp_origin o = {
+    const struct gp_input o = {
         .parts = f->parts ? f->parts : 1,
         .stream = {.fd = -1, .data = bytes, .size = all, .borrowed = true},
     };

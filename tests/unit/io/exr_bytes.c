@@ -1,8 +1,7 @@
 /* io/exr_raw and io/exr_end: headers walked as bytes, and where a file ends
  * inside a longer stream. */
 #include "unit.h"
-#include "io/exr/end.h"
-#include "io/exr/raw.h"
+#include "io/exr/exr_priv.h"
 
 #include "exr_fixture.h"
 #include "reading.h"
@@ -19,7 +18,7 @@ static const struct fixture two = {
 static gp_status raw_of(uint8_t *bytes, size_t size, int parts,
                         struct gp_exr_raw *raw)
 {
-    const struct gp_origin o = {
+    const struct gp_input o = {
         .parts = parts,
         .stream = {.fd = -1, .data = bytes, .size = size, .borrowed = true},
     };
@@ -97,10 +96,10 @@ static const uint64_t cut_off = UINT64_MAX; // or no header at all
 
 static uint64_t end_of(const uint8_t *bytes, size_t size)
 {
-    struct gp_origin *o;
+    struct gp_input *o;
     struct gp_stream s = {.fd = -1, .data = (uint8_t *) (uintptr_t) bytes,
                           .size = size, .borrowed = true};
-    const gp_status st = gp_origin_open_exr(&hear, "a.exr", &s, &o);
+    const gp_status st = gp_exr_open(&hear, "a.exr", &s, &o);
     if (st) {
         assert_int_equal(st, GP_ERR_DATA);
         assert_non_null(strstr(heard.line, "a.exr: "));
@@ -108,7 +107,7 @@ static uint64_t end_of(const uint8_t *bytes, size_t size)
     }
     const uint64_t end = gp_exr_end(o);
     assert_true(end <= size);
-    gp_origin_free(o);
+    gp_input_free(o);
     return end;
 }
 

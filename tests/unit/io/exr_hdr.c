@@ -4,10 +4,7 @@
 #include "unit.h"
 #include "write_fixture.h"
 
-#include "io/exr/encode.h"
-#include "io/exr/header.h"
-#include "io/exr/out.h"
-#include "io/exr/raw.h"
+#include "io/exr/exr_priv.h"
 #include "io/file.h"
 #include "io/read.h"
 
@@ -167,7 +164,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
 static struct gp_exr_raw raw_of(const struct gp_frame *f)
 {
     struct gp_exr_raw raw;
-    assert_int_equal(gp_exr_raw_read(&wf_log, f->path, gp_origin_of(f), &raw),
+    assert_int_equal(gp_exr_raw_read(&wf_log, f->path, gp_input_of(f), &raw),
                      0);
     return raw;
 }
@@ -303,7 +300,7 @@ static void rip_maps_by_number(void **state)
     struct gp_frame a = wf_read_back(wf_path("in.exr"));
     for (int i = 0; i <= TILES; i++) {
         exr_chunk_info_t c;
-        const exr_result_t got = gp_origin_chunk(gp_origin_of(&a), 0, i, &c);
+        const exr_result_t got = gp_input_chunk(gp_input_of(&a), 0, i, &c);
         if (i == TILES) {
             assert_int_equal(got, EXR_ERR_ARGUMENT_OUT_OF_RANGE);
         } else if (got == EXR_ERR_SUCCESS) {

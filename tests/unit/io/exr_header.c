@@ -3,9 +3,7 @@
 #include "unit.h"
 #include "write_fixture.h"
 
-#include "io/exr/header.h"
-#include "io/exr/origin.h"
-#include "io/exr/out.h"
+#include "io/exr/exr_priv.h"
 #include "io/file.h"
 #include "io/picture.h"
 
@@ -38,8 +36,8 @@ static const struct gp_exr_source one_source = {
     .name = "Y", .type = GP_HALF, .xs = 1, .ys = 1, .linear = true,
 };
 
-/* A header's only part, of a frame with that origin. */
-static struct gp_exr_header make_header(struct gp_origin *origin,
+/* A header's only part, of a frame with that input. */
+static struct gp_exr_header make_header(struct gp_input *input,
                                         const struct gp_exr_raw_part *raw,
                                         enum gp_exr_kept kept, uint32_t flags,
                                         enum gp_compression compression)
@@ -48,11 +46,11 @@ static struct gp_exr_header make_header(struct gp_origin *origin,
     struct gp_frame f = wf_frame(r, r, wf_rgb);
     const struct gp_exr_image img = {r, compression, &one_source, 1};
     struct gp_exr_header h;
-    f.origin = origin;
+    f.input = input;
     gp_exr_header_start(&h, flags);
     gp_exr_header_part(&h, &f, &img, raw, kept, NULL, 0);
     assert_int_equal(gp_exr_header_done(&wf_log, "h.exr", &h), GP_OK);
-    f.origin = NULL;
+    f.input = NULL;
     gp_frame_free(&f);
     return h;
 }
@@ -87,7 +85,7 @@ static void attributes_of_other_formats(void **state)
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         for (int shown = 0; shown < 2; shown++) {
             struct gp_oiio_attribute a = row[i].a;
-            struct gp_origin o = {.attribute = &a, .attributes = 1};
+            struct gp_input o = {.attribute = &a, .attributes = 1};
             struct gp_exr_header h = make_header(
                 &o, NULL, shown ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0,
                 GP_COMPRESSION_ZIP);
@@ -211,20 +209,20 @@ static void chunks_by_number(void **state)
             .compression = EXR_COMPRESSION_ZIP}}};
         fixture_write_file(wf_path("c.exr"), &f);
         struct gp_frame frame = wf_read_back(wf_path("c.exr"));
-        const struct gp_origin *const o = gp_origin_of(&frame);
+        const struct gp_input *const o = gp_input_of(&frame);
         exr_chunk_info_t c;
         for (int k = 0; k < row[i].chunks; k++) {
-            assert_int_equal(gp_origin_chunk(o, 0, k, &c), EXR_ERR_SUCCESS);
+            assert_int_equal(gp_input_chunk(o, 0, k, &c), EXR_ERR_SUCCESS);
             assert_int_equal(c.idx, k);
         }
-        assert_int_equal(gp_origin_chunk(o, 0, row[i].chunks, &c),
+        assert_int_equal(gp_input_chunk(o, 0, row[i].chunks, &c),
                          EXR_ERR_ARGUMENT_OUT_OF_RANGE);
-        assert_int_equal(gp_origin_chunk(o, 0, INT32_MAX, &c),
+        assert_int_equal(gp_input_chunk(o, 0, INT32_MAX, &c),
                          EXR_ERR_ARGUMENT_OUT_OF_RANGE);
         if (!row[i].tile)
-            assert_int_equal(gp_origin_chunk(o, 0, -1, &c),
+            assert_int_equal(gp_input_chunk(o, 0, -1, &c),
                              EXR_ERR_ARGUMENT_OUT_OF_RANGE);
-        assert_int_not_equal(gp_origin_chunk(o, 1, 0, &c), EXR_ERR_SUCCESS);
+        assert_int_not_equal(gp_input_chunk(o, 1, 0, &c), EXR_ERR_SUCCESS);
         gp_frame_free(&frame);
     }
 }

@@ -3,7 +3,7 @@
 #include "core/luminance.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr_priv.h"
 
 #include "exr_fixture.h"
 #include "reading.h"
@@ -236,7 +236,7 @@ static void colour_part_of_many(void **state)
     assert_int_equal(frame.part, 1);
     assert_int_equal(frame.parts, 3);
     assert_frame_is(&frame, &f.part[1]);
-    const struct gp_origin *o = gp_origin_of(&frame);
+    const struct gp_input *o = gp_input_of(&frame);
     assert_int_equal(o->part, 1);
     for (int part = 0; part < 3; part++) {
         int32_t chunks;
@@ -244,11 +244,11 @@ static void colour_part_of_many(void **state)
         assert_int_equal(exr_get_chunk_count(o->exr, part, &chunks),
                          EXR_ERR_SUCCESS);
         for (int i = 0; i < chunks; i++) {
-            assert_int_equal(gp_origin_chunk(o, part, i, &info),
+            assert_int_equal(gp_input_chunk(o, part, i, &info),
                              EXR_ERR_SUCCESS);
             assert_int_equal(info.idx, i);
         }
-        assert_int_not_equal(gp_origin_chunk(o, part, chunks, &info),
+        assert_int_not_equal(gp_input_chunk(o, part, chunks, &info),
                              EXR_ERR_SUCCESS);
     }
     assert_int_equal(gp_find_channel(&hear, &frame, "Z", &found),

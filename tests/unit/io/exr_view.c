@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "io/colour.h"
 #include "io/crypto.h"
-#include "io/exr/view.h"
+#include "io/exr/exr_priv.h"
 #include "io/plane_find.h"
 
 #include "plane_fixture.h"
@@ -88,7 +88,7 @@ static void layer_of_a_part(void **state)
         memset(&say, 0, sizeof say);
         say.own = row[i].view;
         open_parts(&part, 1, &frame);
-        const size_t n = gp_exr_part_layer(gp_origin_of(&frame), 0, &name);
+        const size_t n = gp_exr_part_layer(gp_input_of(&frame), 0, &name);
         assert_int_equal(n, strlen(row[i].layer));
         assert_memory_equal(name, row[i].layer, n);
         gp_frame_free(&frame);
@@ -125,7 +125,7 @@ static void names_within_a_view(void **state)
     memset(&say, 0, sizeof say);
     set_views(two);
     open_parts(&part, 1, &frame);
-    const struct gp_origin *const o = gp_origin_of(&frame);
+    const struct gp_input *const o = gp_input_of(&frame);
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         char bare[GP_CHANNEL_NAME + 1];
         assert_int_equal(gp_exr_bare_name(o, 0, row[i].view, row[i].name,
@@ -150,17 +150,17 @@ static void odd_lists_of_views(void **state)
     memset(&say, 0, sizeof say);
     set_views(same);
     open_parts(&part, 1, &frame);
-    assert_null(gp_exr_view_of(gp_origin_of(&frame), 0, "R"));
+    assert_null(gp_exr_view_of(gp_input_of(&frame), 0, "R"));
     gp_frame_free(&frame);
     memset(&say, 0, sizeof say);
     say.odd = true;
     open_parts(&part, 1, &frame);
     struct gp_crypto crypto;
-    gp_crypto_find(gp_origin_of(&frame), &crypto);
+    gp_exr_crypto(gp_input_of(&frame), &crypto);
     assert_int_equal(crypto.n, 0);
-    assert_int_equal(gp_exr_views(gp_origin_of(&frame), 0), 0);
-    assert_string_equal(gp_exr_view_name(gp_origin_of(&frame), 0, 0), "");
-    assert_false(gp_exr_part_has_view(gp_origin_of(&frame), 0, "left"));
+    assert_int_equal(gp_exr_views(gp_input_of(&frame), 0), 0);
+    assert_string_equal(gp_exr_view_name(gp_input_of(&frame), 0, 0), "");
+    assert_false(gp_exr_part_has_view(gp_input_of(&frame), 0, "left"));
     gp_frame_free(&frame);
 }
 
@@ -179,7 +179,7 @@ static void many_manifests(void **state)
         say.manifest[say.manifests] = name[say.manifests];
     }
     open_parts(&part, 1, &frame);
-    gp_crypto_find(gp_origin_of(&frame), &crypto);
+    gp_exr_crypto(gp_input_of(&frame), &crypto);
     assert_int_equal(crypto.n, GP_CRYPTO_LAYERS);
     for (int i = 0; i < crypto.n; i++)
         assert_string_equal(crypto.layer[i], "object");

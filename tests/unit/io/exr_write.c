@@ -3,8 +3,7 @@
 #include "write_fixture.h"
 
 #include "core/parallel.h"
-#include "io/exr/encode.h"
-#include "io/exr/zip.h"
+#include "io/exr/exr_priv.h"
 
 #include <math.h>
 

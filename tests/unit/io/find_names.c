@@ -3,7 +3,7 @@
 #include "io/colour.h"
 #include "io/colour_name.h"
 #include "io/crypto.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr_priv.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -143,9 +143,9 @@ static void layers_of_ids(void **state)
         {"", GP_CRYPTO_NONE},
     };
     // a file that is not EXR has names of channels only
-    static const struct gp_origin other = {0};
+    static const struct gp_input other = {0};
     struct gp_crypto found = told;
-    gp_crypto_find(&other, &found);
+    gp_exr_crypto(&other, &found);
     assert_int_equal(found.n, 0);
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         char channel[40];
@@ -154,12 +154,12 @@ static void layers_of_ids(void **state)
         if (gp_crypto_layer(&told, layer, len) != row[i].kind)
             fail_msg("%s: not %d", layer, row[i].kind);
         snprintf(channel, sizeof channel, "%s.R", layer);
-        assert_int_equal(gp_crypto_channel(&told, &other, 0, channel),
+        assert_int_equal(gp_exr_crypto_channel(&told, &other, 0, channel),
                          row[i].kind);
         // without a layer of its own
-        assert_int_equal(gp_crypto_channel(&told, &other, 0, "R"),
+        assert_int_equal(gp_exr_crypto_channel(&told, &other, 0, "R"),
                          GP_CRYPTO_NONE);
-        assert_int_equal(gp_crypto_channel(&told, NULL, 0, "R"),
+        assert_int_equal(gp_exr_crypto_channel(&told, NULL, 0, "R"),
                          GP_CRYPTO_NONE);
     }
     assert_true(gp_crypto_like("CryptoObject00.r"));

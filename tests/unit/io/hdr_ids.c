@@ -4,7 +4,7 @@
 #include "write_fixture.h"
 
 #include "io/crypto.h"
-#include "io/exr/lossy.h"
+#include "io/exr/exr_priv.h"
 #include "io/read.h"
 
 static const struct gp_read_params read_params = GP_READ_DEFAULTS;

@@ -4,7 +4,7 @@
 #include "exr_fixture.h"
 #include "write_fixture.h"
 
-#include "io/exr/origin.h"
+#include "io/exr/exr_priv.h"
 #include "io/read.h"
 
 static const struct gp_read_params read_params = GP_READ_DEFAULTS;
@@ -42,7 +42,7 @@ static void assert_carried(const struct gp_frame *a, const struct gp_frame *b)
 static void assert_chunks(const struct gp_frame *a, const struct gp_frame *b,
                           int part)
 {
-    const struct gp_origin *o[2] = {gp_origin_of(a), gp_origin_of(b)};
+    const struct gp_input *o[2] = {gp_input_of(a), gp_input_of(b)};
     int32_t n[2];
     for (int k = 0; k < 2; k++)
         assert_int_equal(exr_get_chunk_count(o[k]->exr, part, &n[k]), 0);
@@ -51,7 +51,7 @@ static void assert_chunks(const struct gp_frame *a, const struct gp_frame *b,
         uint8_t *bytes[2];
         exr_chunk_info_t c[2];
         for (int k = 0; k < 2; k++) {
-            assert_int_equal(gp_origin_chunk(o[k], part, i, &c[k]), 0);
+            assert_int_equal(gp_input_chunk(o[k], part, i, &c[k]), 0);
             bytes[k] = malloc(c[k].packed_size + 1);
             assert_int_equal(exr_read_chunk(o[k]->exr, part, &c[k], bytes[k]),
                              0);

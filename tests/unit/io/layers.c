@@ -6,8 +6,7 @@
 
 #include "core/memory.h"
 #include "io/colour.h"
-#include "io/exr/read.h"
-#include "io/exr/view.h"
+#include "io/exr/exr_priv.h"
 
 enum { W = 13, H = 9 };
 
@@ -190,7 +189,7 @@ static void found(void **state)
         if (read_as(r->file, r->layer, r->part, r->view, &f))
             fail_msg("row %zu: %s", i, heard.line);
         assert_int_equal(f.part, r->want);
-        assert_int_equal(gp_origin_of(&f)->part, r->want);
+        assert_int_equal(gp_input_of(&f)->part, r->want);
         assert_colour(&f, r->name);
         gp_frame_free(&f);
     }
@@ -316,7 +315,7 @@ static void further(void **state)
         assert_int_equal(layer.part, r->want);
         assert_memory_equal(&layer.data, &f.data, sizeof f.data);
         assert_memory_equal(&layer.display, &f.display, sizeof f.data);
-        assert_ptr_equal(layer.origin, f.origin);
+        assert_ptr_equal(layer.input, f.input);
         assert_colour(&layer, r->name);
         gp_frame_free(&layer);
         gp_frame_free(&f);

@@ -3,7 +3,7 @@
 #include "core/luminance.h"
 #include "core/parallel.h"
 #include "io/half.h"
-#include "io/exr/luma_chroma.h"
+#include "io/exr/exr_priv.h"
 
 #include <math.h>
 #include <setjmp.h>

@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "core/luminance.h"
 #include "core/srgb.h"
-#include "io/exr/origin.h"
+#include "io/exr/exr.h"
 
 #include "oiio_here.h"
 #include "reading.h"
@@ -180,7 +180,7 @@ static void alpha_and_attributes(void **state)
     assert_int_equal(a->type, GP_FLOAT);
     for (int i = 0; i < PIXELS; i++)
         assert_true(((const float *) a->data)[i] == pixels[4 * i + 3]);
-    const struct gp_origin *o = gp_origin_of(&f);
+    const struct gp_input *o = gp_input_of(&f);
     assert_non_null(o);
     assert_null(o->exr);
     assert_true(o->attributes > 0);

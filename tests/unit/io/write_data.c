@@ -4,7 +4,7 @@
 #include "unit.h"
 #include "write_fixture.h"
 
-#include "io/exr/raw.h"
+#include "io/exr/exr_priv.h"
 #include "io/read.h"
 
 static const struct gp_read_params read_params = GP_READ_DEFAULTS;
@@ -25,9 +25,9 @@ static bool is_own(const char *name)
 static void assert_headers(const struct gp_frame *a, const struct gp_frame *b)
 {
     struct gp_exr_raw p, q;
-    assert_int_equal(gp_exr_raw_read(&wf_log, a->path, gp_origin_of(a), &p),
+    assert_int_equal(gp_exr_raw_read(&wf_log, a->path, gp_input_of(a), &p),
                      GP_OK);
-    assert_int_equal(gp_exr_raw_read(&wf_log, b->path, gp_origin_of(b), &q),
+    assert_int_equal(gp_exr_raw_read(&wf_log, b->path, gp_input_of(b), &q),
                      GP_OK);
     assert_int_equal(p.parts, q.parts);
     for (int i = 0; i < p.parts; i++) {

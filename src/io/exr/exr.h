@@ -1,0 +1,208 @@
+/* io/exr: EXR files in and out, by OpenEXRCore.
+ *
+ * In: open.c (header.c checks the bytes of the header before the library sees
+ * them), choose.c (which part and channels are the frame), read.c, decode.c
+ * with zip.c. Out: sources.c (which channels), write.c, encode.c with zip.c,
+ * out.c (the file's header, tables and chunks).
+ */
+#ifndef GP_IO_EXR_EXR_H
+#define GP_IO_EXR_EXR_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "io/oiio/oiio.h"
+#include "io/read.h"
+#include "io/stream.h"
+#include "io/write.h"
+
+#include <openexr.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/* -- an open file ---------------------------------------------------------- */
+
+/* The file that a frame came from, for the writer: gp_frame.input.
+ *
+ * Of an EXR it is the open read context: attributes, other parts and their
+ * raw chunks are read from there when gp_write_hdr() needs them, so nothing
+ * that nobody asks for is ever read. Of other formats it is the list of
+ * attributes that the bridge gave.
+ */
+struct gp_input {
+    /* Open for reading with the whole header parsed; NULL when the input is
+     * not EXR. Safe to read from many threads at once. Its errors are return
+     * values only; nothing is printed. */
+    exr_context_t exr;
+    struct gp_stream stream; // the bytes of exr
+    int part, parts;         // colour part and number of parts; exr only
+    /* Bytes from the magic number to the end of the last chunk, by the offset
+     * tables of all parts; 0 when the tables do not give it: the file was not
+     * finished, or is damaged. At most stream.size. */
+    uint64_t end;
+    uint64_t hidden;            // byte that the library gets another for; 0
+    uint64_t tables;            // where the offset tables begin; 0: not found
+    bool multi;                 // chunks begin with the number of their part
+
+    /* Attributes of an input that is not EXR, as the bridge named them; 0 and
+     * NULL for EXR. Owned. */
+    struct gp_oiio_attribute *attribute;
+    int attributes;
+
+    char reason[256]; // the library's last words about a bad header
+};
+
+/* The input of a frame, or NULL for one that came from no file. */
+static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
+{
+    return f->input;
+}
+
+/* Parses the header of an EXR.
+ *
+ *   path    for messages
+ *   stream  the whole file; taken over: *stream is empty afterwards, also on
+ *           failure
+ *   out     written only on GP_OK; goes to gp_frame.input, with
+ *           gp_input_free() as gp_frame.input_free
+ *
+ * `part` of the result is 0 until the reader has chosen.
+ * Errors: GP_ERR_DATA the header is damaged, or the file is cut off before its
+ * last chunk ends, whatever part or level that is of; GP_ERR_IO a read failed;
+ * GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log,
+                                    const char *path, struct gp_stream *stream,
+                                    struct gp_input **out);
+
+/* Keeps copies of the attributes of a bridge image, for an input that is not
+ * EXR. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_input_keep(const struct gp_log *log,
+                                      const struct gp_oiio_image *image,
+                                      struct gp_input **out);
+
+/* Closes and frees; for gp_frame.input_free. NULL is fine. */
+void gp_input_free(void *input);
+
+/* -- parts and views -------------------------------------------------------
+ *
+ * A stereo file has a part for each view, named by the part's "view"
+ * attribute, or all views in one part, named by its "multiView" attribute, a
+ * list of which the first is the default view. There the view's name is
+ * before the channel's own: right.R, diffuse.right.R; the default view has R.
+ * Source: OpenEXR, "Storing Multi-View Images in OpenEXR Files", and
+ * viewFromChannelName() of ImfMultiView.cpp.
+ *
+ * All inputs here are EXR, and `part` is in [0, in->parts). Strings are
+ * borrowed.
+ */
+
+bool gp_exr_is_deep(const struct gp_input *in, int part);
+
+/* The part's name or view; NULL when it has none. */
+const char *gp_exr_part_name(const struct gp_input *in, int part);
+const char *gp_exr_part_view(const struct gp_input *in, int part);
+
+/* The view, of several in its part, that a channel belongs to; NULL for the
+ * default view and in parts of one. */
+const char *gp_exr_view_of(const struct gp_input *in, int part,
+                           const char *name);
+
+/* The channels of a part as they are called within a view. */
+struct gp_exr_names {
+    const char **name; // "" for those of other views
+    char *text;
+    int n;
+};
+
+/* Names of all channels in the file's order; with `view` NULL their own. Lives
+ * no longer than `in`; written always; free with gp_exr_names_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
+                                        const struct gp_input *in, int part,
+                                        const char *view,
+                                        struct gp_exr_names *out);
+void gp_exr_names_free(struct gp_exr_names *names);
+
+/* -- pixels ---------------------------------------------------------------- */
+
+/* The chunks of level 0 of a part, checked. */
+struct gp_exr_chunks {
+    const struct gp_input *input; // borrowed
+    const char *path;             // borrowed; for messages
+    int part;
+    int x0, y0, w, h;                 // data window
+    exr_compression_t compression;
+    exr_storage_t storage;
+    int tile_w, tile_h;               // 0 for scanlines
+    int lines;                        // of a block of scanlines; 0 for tiles
+    const exr_attr_chlist_t *channel; // borrowed from the context
+    exr_chunk_info_t *chunk;
+    int chunks;
+    size_t largest;                   // unpacked bytes of the largest chunk
+};
+
+/* Where the samples of one channel go: w/xs * h/ys of them, rows without
+ * padding. Not wanted when `to` is NULL. */
+struct gp_exr_sink {
+    void *to;
+    bool as_float; // convert; else the file's own type
+};
+
+/* Reads the place and size of every chunk of level 0 and checks that each
+ * is in the file and could hold as much as it claims: stored chunks exactly
+ * their size, compressed ones at most what their method can expand to. Takes
+ * memory for the list of chunks only, which the offset table in the file
+ * bounds.
+ *
+ *   out  written always; free with gp_exr_chunks_free()
+ *
+ * Errors: GP_ERR_DATA deep data, more than max_pixels, cut off or damaged.
+ */
+GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
+                                           const char *path,
+                                           const struct gp_input *in,
+                                           int part, long long max_pixels,
+                                           struct gp_exr_chunks *out);
+void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
+
+/* Decodes all chunks, in parallel and straight to the sinks: by OpenEXRCore,
+ * or by OpenImageIO where OpenEXRCore 3.1.5 cannot (DWAA and DWAB). `sink` has
+ * one entry a channel, in file order. The samples are whole only on GP_OK.
+ * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
+ * GP_ERR_IO no OpenImageIO; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
+                                      const struct gp_exr_chunks *chunks,
+                                      const struct gp_exr_sink *sink);
+
+/* The windows, pixel aspect ratio, primaries and number of the part, as the
+ * header has them, into `f`. */
+void gp_exr_frame_header(const struct gp_exr_chunks *chunks,
+                         struct gp_frame *f);
+
+/* A channel's type in the file as ours. */
+enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type);
+
+/* gp_read_frame() for a stream that begins as an EXR; takes the stream over,
+ * also on failure. Contract and errors as there. */
+GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
+                                    const struct gp_read_params *p,
+                                    const char *path, struct gp_stream *stream,
+                                    struct gp_frame *out);
+
+/* -- out ------------------------------------------------------------------- */
+
+/* gp_write_picture() and gp_write_hdr() once `path` is checked. */
+GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_log *log,
+                                             const struct gp_write_params *p,
+                                             const char *path,
+                                             const struct gp_frame *f,
+                                             const struct gp_planes *planes,
+                                             enum gp_picture_kind kind,
+                                             struct gp_write_stats *stats);
+GP_MUST_CHECK gp_status gp_exr_write_hdr(const struct gp_log *log,
+                                         const struct gp_write_params *p,
+                                         const char *path,
+                                         const struct gp_hdr_colour *set,
+                                         int n, struct gp_write_stats *stats);
+
+#endif

@@ -1,0 +1,600 @@
+/* What the files of io/exr share: nothing here is for other folders. */
+#ifndef GP_IO_EXR_EXR_PRIV_H
+#define GP_IO_EXR_EXR_PRIV_H
+
+#include "io/colour.h"
+#include "io/crypto.h"
+#include "io/exr/exr.h"
+#include "io/file.h"
+
+#include <stdint.h>
+
+/* -- why the library failed (open.c) ----------------------------------------
+ *
+ * It calls a file damaged also when memory is full or the disk does not read,
+ * and continues after some of these as if an attribute had not been there. So
+ * its memory and its bytes come through here, and what goes wrong with them is
+ * kept, for each thread.
+ */
+
+/* For alloc_fn of a context: malloc(). */
+void *gp_exr_allocate(size_t size);
+
+/* gp_stream_read(). */
+int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
+                          uint64_t offset);
+
+/* Forgets what happened on this thread; before calls of the library. */
+void gp_exr_fault_clear(void);
+
+/* What happened on this thread since: GP_OK, GP_ERR_BUG memory was full,
+ * GP_ERR_IO a read failed. Safe in parallel bodies. */
+gp_status gp_exr_fault(void);
+
+/* True when a read on this thread since got fewer bytes than it asked for.
+ * That is as it should be in headers, which are read in blocks; of chunks
+ * that are not compressed OpenEXRCore 3.1.5 makes the rest black and reports
+ * nothing, though the file was cut after it was opened. */
+bool gp_exr_fault_short(void);
+
+/* Prints the line for `fault`, GP_ERR_BUG or GP_ERR_IO, with this thread's
+ * reason when it has one, and returns it. */
+gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
+                             gp_status fault);
+
+/* -- the header's bytes (header.c) ----------------------------------------- */
+
+enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
+
+/* A value in the file. */
+struct gp_exr_value {
+    const struct gp_stream *stream;
+    uint64_t at, size; // bytes [at, at + size)
+};
+
+/* False when these bytes are no value of that type. Of a type that OpenEXR
+ * does not know any bytes are. Bytes that cannot be read are the library's to
+ * complain about: true. OpenEXRCore 3.1.5 leaves out values that it cannot
+ * parse and reports nothing; OpenEXR's C++ library refuses the file, and would
+ * refuse one that they are carried to. */
+bool gp_exr_value_is(const struct gp_exr_value *v, const char *type);
+
+/* The type that the attribute of that name must have, or NULL when it may have
+ * any. `multi`: in a file of several parts. */
+const char *gp_exr_type_of(const char *name, bool multi);
+
+/* Walks a list of channels, as far as `most` of them; returns how many there
+ * are.
+ *
+ *   whole  written: the list ends where the value does, or the file before
+ */
+uint64_t gp_exr_count_channels(const struct gp_exr_value *v, uint64_t most,
+                               bool *whole);
+
+/* OpenEXRCore (3.1.5) puts every channel and attribute into its sorted list by
+ * a walk from one end: lists of n take it n^2 / 2 comparisons of names. So
+ * the squares of the lengths of all channel lists together are bounded by the
+ * square of this, and so are those of attributes. */
+enum { GP_EXR_LIST_MOST = 8192 };
+
+struct gp_exr_scan {
+    /* Where the attribute "type" of a file with one flat part begins; 0 when
+     * it has none. */
+    uint64_t type;
+    uint64_t tables;      // where the offset tables begin; 0: the header is
+                          // damaged, or could not be read
+    bool multi;           // the version says that there are several parts
+    const char *too_long; // what there is too much of: "channels",
+                          // "attributes", "parts"; NULL: nothing
+    uint64_t count;       // how many of these were counted until then, or
+                          // the bytes of the attribute below
+    bool damaged;         // this attribute's value is none of the type
+                          // that it says or must have
+    char name[GP_EXR_NAME], kind[GP_EXR_NAME];
+};
+
+/* Walks the header. What is damaged ends the walk, and is the library's to
+ * complain about but for values of attributes, which it may leave out without
+ * a word; so does a list that is too long. */
+struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s);
+
+/* Flags of the version field, openexr file layout, "Version Field". */
+enum {
+    GP_EXR_MAGIC = 20000630,
+    GP_EXR_VERSION = 2,
+    GP_EXR_TILED = 0x200,
+    GP_EXR_LONG_NAMES = 0x400,
+    GP_EXR_DEEP = 0x800,
+    GP_EXR_MULTIPART = 0x1000,
+};
+
+/* One attribute; pointers go into gp_exr_raw.bytes. */
+struct gp_exr_attr {
+    const char *name, *type;
+    const uint8_t *data; // `size` bytes, little-endian, not aligned
+    uint32_t size;
+};
+
+struct gp_exr_raw_part {
+    const uint8_t *bytes; // all attributes, with the null byte that ends them
+    size_t size;
+    const struct gp_exr_attr *attr;
+    int attrs;
+};
+
+struct gp_exr_raw {
+    uint32_t version; // with its flags
+    uint8_t *bytes;   // from the magic number to the first offset table
+    size_t size;
+    struct gp_exr_raw_part *part;
+    int parts;
+    struct gp_exr_attr *attr; // those of all parts
+};
+
+/* Reads the header of an EXR input. `out` is empty on failure; free with
+ * gp_exr_raw_free(). Errors: GP_ERR_DATA cannot be read or parsed;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_raw_read(const struct gp_log *log,
+                                        const char *path,
+                                        const struct gp_input *in,
+                                        struct gp_exr_raw *out);
+void gp_exr_raw_free(struct gp_exr_raw *raw);
+
+/* The attribute of that name and type, or NULL. */
+const struct gp_exr_attr *gp_exr_raw_find(const struct gp_exr_raw_part *part,
+                                          const char *name, const char *type);
+
+/* -- chunks (open.c) ------------------------------------------------------- */
+
+/* Finds chunk `index` of [0, exr_get_chunk_count()) of any part, in the
+ * order of its offset table: scanline blocks from the top, or tiles by
+ * level (rip maps: x level fastest), then row, then column.
+ *
+ *   info  written only on success; its sizes and offset are checked against
+ *         the file's size, so packed_size (and for deep parts
+ *         sample_count_table_size) bytes may be allocated and read with
+ *         exr_read_chunk() or exr_read_deep_chunk()
+ *
+ * Returns EXR_ERR_SUCCESS or the library's code. OpenEXRCore 3.1.5 cannot
+ * find the smaller levels of rip maps: EXR_ERR_BAD_CHUNK_LEADER.
+ * Safe in parallel bodies.
+ */
+exr_result_t gp_input_chunk(const struct gp_input *in, int part, int index,
+                            exr_chunk_info_t *info);
+
+/* gp_input.end, of an input that is open. */
+uint64_t gp_exr_end(const struct gp_input *in);
+
+/* -- which part and which channels (choose.c) ------------------------------ */
+
+/* The part's name without the view at its end: "rgba" of rgba.left and
+ * rgba_left in a part whose view is left. Returns its length; 0 and "" when
+ * the part has no name. */
+size_t gp_exr_part_layer(const struct gp_input *in, int part,
+                         const char **name);
+
+/* The views of a part with several: how many, and each one's name; 0 for
+ * other parts. The first GP_EXR_VIEWS count: no file of use has more, and a
+ * hostile one would cost that many comparisons for each channel. */
+enum { GP_EXR_VIEWS = 64 };
+int gp_exr_views(const struct gp_input *in, int part);
+const char *gp_exr_view_name(const struct gp_input *in, int part, int i);
+
+/* True when the part is of that view, or has channels of it. */
+bool gp_exr_part_has_view(const struct gp_input *in, int part,
+                          const char *view);
+
+/* The channel's name without its view, into `to`, which has room for it: its
+ * own name in parts of one view. False when it belongs to another view.
+ * Channels of no view go with the default view. */
+bool gp_exr_bare_name(const struct gp_input *in, int part, const char *view,
+                      const char *name, char *to);
+
+/* The layers that cryptomatte's attributes name, of all parts; none for an
+ * input that is NULL or not EXR. */
+void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
+
+/* What a channel of a part holds: by its own layer, or by the part's name when
+ * it has none. `in` as above. */
+enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
+                                          const struct gp_input *in, int part,
+                                          const char *name);
+
+struct gp_exr_choice {
+    int part;
+    struct gp_colour_choice colour; // indices of the part's channels
+};
+
+/* Chooses by p->layer, p->part and p->view, as read.h says.
+ *
+ *   first  the part that is looked at before the others
+ *   out    written only on GP_OK; may be a deep part, without a colour, which
+ *          gp_exr_chunks_find() refuses
+ *
+ * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(),
+ * and the line lists what the file has; GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_input *in, int first,
+                                      struct gp_exr_choice *out);
+
+/* The number of the part that p->part names, or -1. */
+int gp_exr_part_number(const struct gp_input *in, const char *part);
+
+/* The line for what is not there: what p asks for, and what the file has.
+ * Returns GP_ERR_USAGE. */
+gp_status gp_exr_not_there(const struct gp_log *log,
+                           const struct gp_read_params *p, const char *path,
+                           const struct gp_input *in);
+
+/* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
+ *
+ * A file may hold luminance Y = wr R + wg G + wb B at full resolution and the
+ * chroma differences RY = (R - Y) / Y and BY = (B - Y) / Y at every second
+ * column of every second row. Getting RGB back: missing chroma by a windowed
+ * sinc of 27 taps, first in rows, then in columns; YC to RGB; then colours
+ * more saturated than their neighbours, which the filter's ringing makes,
+ * are pulled back.
+ * Source: OpenEXR, ImfRgbaYca.cpp and class RgbaInputFile::FromYca of
+ * ImfRgbaFile.cpp, whose results these equal bit by bit for half files.
+ */
+
+struct gp_yc {
+    int w, h;        // of the picture, both even when xs or ys is 2
+    int xs, ys;      // sampling of both chroma planes: 1, 1 or 2, 2
+    const float *y;  // w * h
+    const float *ry; // (w / xs) * (h / ys)
+    const float *by; // the same
+    float weight[3]; // of R, G, B in Y; from gp_yc_weights()
+    bool half;       // round every step to half, as OpenEXR does; for files
+                     // whose planes are all half
+};
+
+/* The weights of R, G, B in Y for these primaries, in OpenEXR's own single
+ * precision (RgbaYca::computeYw, ImfChromaticities.cpp). Degenerate primaries
+ * give those of BT.709.
+ *   chromaticities  rx ry gx gy bx by wx wy
+ */
+void gp_yc_weights(const float chromaticities[8], float weight[3]);
+
+/* Fills out->c[0..2], w * h each; they may not overlap the inputs.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
+                                     const struct gp_yc *in,
+                                     struct gp_planes *out);
+
+/* -- ZIP, ZIPS and RLE (zip.c) ---------------------------------------------
+ *
+ * Such a chunk holds all bytes at even places, then all bytes at odd places,
+ * each byte as the difference to the one before, plus 128 (ImfZip.cpp). The
+ * two halves are never put together in memory: the readers below take both
+ * at once on the way to the planes.
+ */
+
+struct libdeflate_compressor;
+
+/* A compressor of the level that gp_exr_zip() is meant for; one a thread.
+ * NULL when memory is full; free with libdeflate_free_compressor(). */
+struct libdeflate_compressor *gp_exr_zip_compressor(void);
+
+/* Splits `n` bytes (even) into those at even and at odd places, and turns
+ * each into its difference to the one before, plus 128. `in` and `out` do not
+ * overlap. */
+void gp_exr_zip_filter(const uint8_t *restrict in, uint8_t *restrict out,
+                       size_t n);
+
+/* Compresses a chunk.
+ *
+ *   raw      `n` bytes, even
+ *   scratch  n bytes
+ *   out      n bytes
+ *
+ * Returns the compressed size, always less than n, or 0 when the chunk does
+ * not shrink and is stored as it is.
+ */
+size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
+                  size_t n, uint8_t *scratch, uint8_t *out);
+
+/* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
+ * give more or less. */
+bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out,
+              size_t out_size);
+
+/* Undoes the differences in place. */
+void gp_undo_delta(uint8_t *v, size_t n);
+
+/* Bytes `even` and `odd`, n of each, one after the other into `out` (2 n). */
+void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
+                   size_t n);
+
+/* n halfs, low bytes in `even`, high bytes in `odd`, to floats. */
+void gp_split_half_to_float(const uint8_t *even, const uint8_t *odd,
+                            float *out, size_t n);
+
+/* -- pixels to the chunks of a scanline part (encode.c) -------------------- */
+
+struct gp_exr_out;
+
+/* One channel of the part: samples of its grid (frame.h), either a colour
+ * plane or samples of the file's own type. */
+struct gp_exr_source {
+    const char *name;        // borrowed
+    enum gp_pixel_type type; // as written
+    int xs, ys;              // subsampling, >= 1
+    bool linear;             // EXR's pLinear
+    int columns;             // samples in a row
+    const float *plane;      // columns * rows floats, made half where the
+                             // type says so; xs = ys = 1; or NULL
+    const void *data;        // samples of `type`, when plane is NULL
+};
+
+struct gp_exr_image {
+    struct gp_rect data;
+    enum gp_compression compression;    // not AUTO
+    const struct gp_exr_source *source; // sorted by name as strcmp() does
+    int sources;
+};
+
+/* Sorts sources into the order that EXR asks for. */
+void gp_exr_sort(struct gp_exr_source *source, int sources);
+
+/* Rows of a chunk and chunks of a part with that compression. */
+int gp_exr_chunk_rows(enum gp_compression compression);
+int gp_exr_chunk_count(const struct gp_exr_image *img);
+
+/* Packs the rows [y0, y1) as EXR stores them before compression: row by row,
+ * channel by channel, into `to`, or only counts when `to` is NULL.
+ *
+ *   clamped  grows by the finite values that half cannot hold; B44 can hold
+ *            none below -32752
+ *
+ * Returns the number of bytes, always even.
+ */
+size_t gp_exr_pack(const struct gp_exr_image *img, int y0, int y1, uint8_t *to,
+                   long long *clamped);
+
+/* Compresses all chunks, in parallel, and appends them to part `part` in
+ * order. The bytes do not depend on the number of threads.
+ *
+ *   quality  of DWAA and DWAB (OpenEXR's default is 45); else not used
+ *
+ * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
+ * GP_ERR_IO; GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
+                                      const struct gp_exr_image *img,
+                                      float quality,
+                                      struct gp_write_stats *stats);
+
+/* DWAA and DWAB by the OpenImageIO bridge, which OpenEXRCore 3.1.5 cannot
+ * make: gp_exr_encode() calls it. */
+GP_MUST_CHECK gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
+                                          const struct gp_exr_image *img,
+                                          float quality,
+                                          struct gp_write_stats *stats);
+
+/* OpenEXRCore's compressors, one chunk at a time: RLE, PIZ, PXR24, B44, B44A.
+ * The library ties them to a file that it writes itself. Here they get a
+ * context whose file goes nowhere, and give the compressed bytes back. */
+struct gp_exr_core;
+
+/* Makes a compressor for one thread; `img` is borrowed until it is freed.
+ * NULL when the library refuses these channels or memory is full, which
+ * gp_exr_fault() then says. */
+struct gp_exr_core *gp_exr_core_new(const struct gp_exr_image *img);
+void gp_exr_core_free(struct gp_exr_core *core);
+
+/* Packs and compresses the rows [y0, y1) of a whole chunk.
+ *
+ *   out, size  the bytes as they go into the file; owned by `core`, good
+ *              until its next call
+ *   clamped    as in gp_exr_pack()
+ *
+ * Returns GP_OK; GP_ERR_BUG memory is full; GP_ERR_USAGE the library's count
+ * of samples is not that of the file layout (3.1.5 and odd subsampling).
+ */
+GP_MUST_CHECK gp_status gp_exr_core_run(struct gp_exr_core *core, int y0,
+                                        int y1, const void **out,
+                                        size_t *size, long long *clamped);
+
+/* -- which channels a part gets (sources.c) -------------------------------- */
+
+/* `source` borrows names and samples from the frame and the planes, which
+ * must live longer. Free with gp_exr_sources_free(). */
+struct gp_exr_sources {
+    struct gp_exr_source *source; // sorted by name
+    int sources;
+    char **made; // names that no frame has
+    int mades;
+};
+
+/* R, G and B from `planes`, as `type`. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
+                                               const struct gp_frame *f,
+                                               const struct gp_planes *planes,
+                                               enum gp_pixel_type type,
+                                               struct gp_exr_sources *out);
+
+/* The channels of one part, with the colours of several frames of it:
+ *   - what is the colour of none of them as it is;
+ *   - R, G, B under their names; one that the file did not have is added when
+ *     its plane is not all 0;
+ *   - grey stays one channel when the planes are the same, bit by bit, and is
+ *     R, G, B in its layer otherwise (of a channel without a layer, where R, G
+ *     or B are taken, in a layer of its name); luminance-chroma is always
+ *     R, G, B.
+ *
+ *   set  n >= 1 frames of one part; one of them at least was read whole
+ *   p    --type holds for the colours
+ *
+ * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
+ * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole.
+ */
+GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
+                                           const struct gp_write_params *p,
+                                           const struct gp_hdr_colour *set,
+                                           int n, struct gp_exr_sources *out);
+void gp_exr_sources_free(struct gp_exr_sources *s);
+
+/* -- a header in the making (out.c) ---------------------------------------- */
+
+/* Bytes that grow. A failed allocation is remembered and reported at the end
+ * by gp_exr_header_done(). Free with gp_exr_header_free(). */
+struct gp_exr_header {
+    uint8_t *bytes;
+    size_t size, room;
+    uint32_t flags; // of the version field
+    bool full;      // memory ran out
+};
+
+/* Which attributes of the input a part gets. */
+enum gp_exr_kept {
+    GP_EXR_KEEP_ALL,       // --hdr: the frame as it was, with glare
+    GP_EXR_KEEP_CONVERTED, // the same in another colour space
+    GP_EXR_KEEP_SCENE,     // another picture in the frame's own light
+    GP_EXR_KEEP_SHOWN,     // a display-referred one
+};
+
+/* Room for magic number and version; the version is set by done(). */
+void gp_exr_header_start(struct gp_exr_header *h, uint32_t flags);
+
+/* One attribute. Names and types over 31 bytes set GP_EXR_LONG_NAMES. */
+void gp_exr_header_put(struct gp_exr_header *h, const char *name,
+                       const char *type, const void *data, size_t size);
+
+/* All attributes of the scanline part that holds the colour, and its end:
+ * those that the file layout asks for from `f` and `img`, and those of the
+ * input that `kept` lets through.
+ *
+ *   raw     NULL when the input was not EXR
+ *   name    of the part; may be NULL in files of one part
+ *   chunks  of the part in a multi-part file, where type and number of chunks
+ *           must be said; 0 in files of one part
+ */
+void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
+                        const struct gp_exr_image *img,
+                        const struct gp_exr_raw_part *raw,
+                        enum gp_exr_kept kept, const char *name, int chunks);
+
+/* Bytes as they are: another part's header. */
+void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes,
+                       size_t size);
+
+/* Writes the version field. Errors: GP_ERR_BUG when memory ran out. */
+GP_MUST_CHECK gp_status gp_exr_header_done(const struct gp_log *log,
+                                           const char *path,
+                                           struct gp_exr_header *h);
+void gp_exr_header_free(struct gp_exr_header *h);
+
+/* -- the file on its way out (out.c) ---------------------------------------
+ *
+ * Header, offset tables, chunks (openexr file layout, "Chunk Layout"). Written
+ * here and not with OpenEXRCore's chunk functions, because those of 3.1.5
+ * refuse chunks out of order and deep tiles without samples.
+ */
+
+struct gp_exr_table {
+    uint64_t at;      // where it is in the file
+    uint64_t *offset; // of each chunk; 0 not written yet
+    int chunks;
+};
+
+struct gp_exr_out {
+    const struct gp_log *log;
+    struct gp_file *file; // borrowed
+    struct gp_exr_table *table;
+    int parts;
+    bool multipart;
+};
+
+/* Writes the header and room for the offset tables.
+ *
+ *   header  from gp_exr_header_done(), its version field included
+ *   chunks  of each part, > 0
+ *   out     empty on failure; free with gp_exr_out_free()
+ *
+ * Errors: GP_ERR_IO, GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_exr_out_begin(const struct gp_log *log,
+                                         struct gp_file *file,
+                                         const void *header, size_t size,
+                                         const int *chunks, int parts,
+                                         struct gp_exr_out *out);
+
+/* Appends a scanline chunk that starts at row `y`; `size` is at most
+ * INT32_MAX. */
+GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
+                                             int index, int y,
+                                             const void *data, size_t size);
+
+/* Copies all chunks of a part of the input, flat or deep, scanlines or tiles
+ * of all levels, byte by byte and in the order in which they are in the file.
+ *
+ *   raw    the input's header; raw->size is where its offset tables start
+ *   part   has the same number in both files
+ *
+ * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file (`path`
+ * is the input, for the line); GP_ERR_IO; GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
+                                        const char *path,
+                                        const struct gp_input *in,
+                                        const struct gp_exr_raw *raw);
+
+/* Fills in the offset tables. Errors: GP_ERR_IO; GP_ERR_BUG a chunk was
+ * never written. */
+GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);
+void gp_exr_out_free(struct gp_exr_out *out);
+
+/* -- one file (write.c) ---------------------------------------------------- */
+
+/* True when samples of that channel may come back with other bits; of AUTO,
+ * never. What EXR's lossy compressions do to channels that are not colour:
+ *
+ *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
+ *              uint keep all bits
+ *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
+ *   DWAA/B     what is called R, G, B, Y, RY or BY after its last dot loses,
+ *              of any layer and in half and float, and becomes half; all else
+ *              keeps its bits, depth too
+ *
+ * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
+ * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp.
+ */
+bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
+                  const char *name);
+
+/* A part that is made anew. */
+struct gp_exr_part {
+    const struct gp_frame *f;           // its windows and number
+    const struct gp_exr_source *source; // sorted
+    int sources;
+};
+
+/* What goes into one file. */
+struct gp_exr_job {
+    const struct gp_write_params *p;
+    const char *path;
+    const struct gp_exr_part *part; // of one file, no number twice; the first
+    int parts;                      // frame's input is the file's
+    enum gp_exr_kept kept;          // KEEP_ALL carries the other parts too;
+                                    // else there is one part
+};
+
+/* Writes the file under its final name or not at all. Errors as in write.h. */
+GP_MUST_CHECK gp_status gp_exr_write_file(const struct gp_log *log,
+                                          const struct gp_exr_job *job,
+                                          struct gp_write_stats *stats);
+
+/* The compression of a part of the input: --compression, or its own when that
+ * is AUTO and loses nothing, or zip. `raw` may be NULL. */
+enum gp_compression gp_exr_compression(const struct gp_write_params *p,
+                                       const struct gp_exr_raw_part *raw);
+
+/* The sample type of colour channels that --type asks for. */
+enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
+                                      const struct gp_frame *f);
+
+#endif
