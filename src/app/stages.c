@@ -4,7 +4,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/compose.h"
-#include "glare/extra.h"
+#include "glare/sources.h"
 #include "glare/splat/outline.h"
 #include "io/plane.h"
 #include "io/read.h"
@@ -177,16 +177,16 @@ static gp_status sense_light_groups(const struct gp_run *r,
         n += own->n;
     }
     gp_status st = gp_alloc(fs->log, "light of the groups", n,
-                            sizeof(struct gp_extra), &block);
+                            sizeof(struct gp_source), &block);
     if (st)
         return st;
-    struct gp_extra *const list = block;
+    struct gp_source *const list = block;
     n = 0;
     for (int g = 0; g < fs->groups; g++) {
         const struct gp_sources *const s = &fs->group[g].sources;
         for (int y = 0; y < s->h; y++) {
             for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-                list[n++] = (struct gp_extra) {
+                list[n++] = (struct gp_source) {
                     s->x[i], y, {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
                 };
         }
@@ -199,7 +199,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
     memset(src->count, 0, sizeof src->count);
     src->brightest = 0.0f;
     src->box = (struct gp_rect) {0};
-    st = gp_sources_with(fs->log, src, list, n, &all);
+    st = gp_sources_join(fs->log, src, list, n, &all);
     gp_free(list);
     if (st)
         return st;

@@ -84,7 +84,7 @@ static gp_status read_images(const struct gp_log *log,
         clean(&image.rgb, gp_frame_pixels(&image));
         e->image = (struct gp_flare_image) {
             .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
-            .serial = (unsigned) i + 1,
+            .serial = gp_serial_next(),
         };
         image.rgb = (struct gp_planes) {0};
         gp_frame_free(&image);

@@ -7,7 +7,7 @@
 #include "app/settings.h"
 #include "core/frame.h"
 #include "core/plane.h"
-#include "glare/extra.h"
+#include "glare/sources.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 #include "gl/gl.h"
@@ -139,6 +139,6 @@ GP_MUST_CHECK gp_status gp_disc_pixels_make(const struct gp_log *log,
  * for gp_disc_room() more. */
 size_t gp_disc_room(double radius); // pixels of a disc, at most
 void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
-                   struct gp_rect frame, struct gp_extra *list, size_t *n);
+                   struct gp_rect frame, struct gp_source *list, size_t *n);
 
 #endif

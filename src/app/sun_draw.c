@@ -1,7 +1,6 @@
 #include "app/sun.h"
 
 #include "core/memory.h"
-#include "glare/engine.h"
 
 #include <math.h>
 #include <string.h>
@@ -55,7 +54,7 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
                        bool *joined)
 {
     gp_status st;
-    struct gp_extra *list = NULL;
+    struct gp_source *list = NULL;
     size_t n = 0, room = 0;
     void *v;
     *joined = false;
@@ -76,7 +75,7 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_settings *s,
         gp_disc_light(&d, l, f->data, list, &n);
         gp_free(d.weight);
     }
-    GP_TRY(gp_sources_with(log, src, list, n, out));
+    GP_TRY(gp_sources_join(log, src, list, n, out));
     *joined = true;
 out:
     gp_free(list);
@@ -84,50 +83,6 @@ out:
 }
 
 // -- sprites ------------------------------------------------------------------
-
-/* The kernel spread over a disc: the layer of a source image that is the disc.
- * The engines do it, on a frame just large enough. */
-static gp_status spread(const struct gp_log *log, const struct gp_kernel *k,
-                        const struct gp_disc_pixels *d,
-                        struct gp_flare_image *out)
-{
-    static unsigned made;
-    gp_status st;
-    const int m = d->m, w = k->w + 2 * m, h = k->h + 2 * m;
-    const struct gp_light middle = {
-        .x = k->cx + m + 0.5, .y = k->cy + m + 0.5,
-        .flux = {1.0f, 1.0f, 1.0f}, .visibility = 1.0,
-    };
-    struct gp_frame f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
-    struct gp_sources none = {.w = w, .h = h, .luminance = {0.3f, 0.6f, 0.1f}};
-    struct gp_sources src = {0};
-    struct gp_glare_params p = GP_GLARE_DEFAULTS;
-    struct gp_glare_stats stats;
-    struct gp_glare engines = {0};
-    struct gp_extra *list = NULL;
-    size_t n = 0;
-    void *v;
-    p.engine = m > 3 ? "fft" : "direct";
-    GP_TRY(gp_alloc_zero(log, "light", (size_t) h + 1, sizeof *none.row, &v));
-    none.row = v;
-    GP_TRY(gp_alloc(log, "light", gp_disc_room(m), sizeof *list, &v));
-    list = v;
-    gp_disc_light(d, &middle, f.data, list, &n);
-    GP_TRY(gp_sources_with(log, &none, list, n, &src));
-    GP_TRY(gp_glare_run(log, &p, &engines, &src, k, &f, &stats));
-    *out = (struct gp_flare_image) {
-        .w = w, .h = h, .cx = middle.x, .cy = middle.y, .rgb = f.layer,
-        .serial = 1000000u + ++made,
-    };
-    f.layer = (struct gp_planes) {0};
-out:
-    gp_glare_close(&engines);
-    gp_sources_free(&src);
-    gp_free(none.row);
-    gp_free(list);
-    gp_planes_free(&f.layer);
-    return st;
-}
 
 enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
 
@@ -173,10 +128,15 @@ static gp_status find_sprite(const struct gp_log *log,
     gp_status st = gp_disc_pixels_make(log, radius, &d);
     if (st)
         return st;
-    st = spread(log, k, &d, &made->element.image);
+    struct gp_spread_kernel wide;
+    st = gp_kernel_spread(log, k, d.m, d.weight, &wide);
     gp_free(d.weight);
     if (st)
         return st;
+    made->element.image = (struct gp_flare_image) {
+        .w = wide.w, .h = wide.h, .cx = wide.cx, .cy = wide.cy, .rgb = wide.k,
+        .serial = wide.serial,
+    };
     suns->sprites++;
     *out = made;
     return GP_OK;

@@ -53,7 +53,7 @@ static double weight_at(const struct gp_disc_pixels *d, int x, int y)
 }
 
 void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
-                   struct gp_rect frame, struct gp_extra *list, size_t *n)
+                   struct gp_rect frame, struct gp_source *list, size_t *n)
 {
     const double left = floor(l->x - 0.5), top = floor(l->y - 0.5);
     const double fx = l->x - 0.5 - left, fy = l->y - 0.5 - top;
@@ -73,8 +73,8 @@ void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
                       fx * weight_at(d, x - 1, y - 1));
             if (!(w > 0.0))
                 continue;
-            struct gp_extra *const e = &list[(*n)++];
-            *e = (struct gp_extra) {.x = px - frame.x0, .y = py - frame.y0};
+            struct gp_source *const e = &list[(*n)++];
+            *e = (struct gp_source) {.x = px - frame.x0, .y = py - frame.y0};
             for (int c = 0; c < 3; c++)
                 e->rgb[c] = (float) (w * l->visibility * (double) l->flux[c]);
         }

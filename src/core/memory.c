@@ -2,6 +2,7 @@
 
 #include <malloc.h>
 #include <pthread.h>
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
@@ -217,6 +218,12 @@ void gp_keep_memory(void)
     (void) ends;
     (void) heaps;
 #endif
+}
+
+unsigned long gp_serial_next(void)
+{
+    static atomic_ulong last;
+    return atomic_fetch_add_explicit(&last, 1, memory_order_relaxed) + 1;
 }
 
 char *gp_strdup(const char *s)

@@ -42,6 +42,10 @@ void gp_free(void *p);
  * before there are threads. */
 void gp_keep_memory(void);
 
+/* A number > 0 that no other call in this process gets: caches know what they
+ * were made from by it. Call from any thread. */
+unsigned long gp_serial_next(void);
+
 /* A copy of a string, or NULL when memory is full. */
 char *gp_strdup(const char *s);
 

@@ -228,8 +228,6 @@ static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
     return GP_OK;
 }
 
-static unsigned long kernels_made; // kernels are made on one thread
-
 /* Takes raw->in when it is owned, also on failure. */
 static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
                       struct raw *raw, struct gp_kernel *out)
@@ -247,7 +245,7 @@ static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
     k.cx = raw->cx - box.x0;
     k.cy = raw->cy - box.y0;
     k.grey = !all.coloured;
-    k.serial = ++kernels_made;
+    k.serial = gp_serial_next();
     const bool take = raw->owned && k.w == raw->w && k.h == raw->h;
     if (take)
         k.k = raw->in;

@@ -47,8 +47,8 @@ struct gp_kernel {
     double norm2[3];      // sqrt of the sum of squares of each channel
     double norm1[3];      // sum of magnitudes of each channel
     bool grey;            // the three planes are equal
-    unsigned long serial; // of this making, > 0 and unique in the process;
-                          // 0 (made by hand) is never taken for known
+    unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
+                          // is never taken for known
     struct gp_unturned *unturned; // NULL when the kernel was not turned, or
                           // by right angles, which need no sampling; owned
 };
@@ -90,5 +90,24 @@ GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
                                              const struct gp_frame *image,
                                              struct gp_kernel *out);
 void gp_kernel_free(struct gp_kernel *k);
+
+/* A kernel spread over a light's disc: the layer of that disc of flux 1. */
+struct gp_spread_kernel {
+    int w, h;
+    double cx, cy;        // the disc's centre, pixel (i,j) covers [i, i + 1)
+    struct gp_planes k;   // w * h each
+    unsigned long serial; // gp_serial_next()
+};
+
+/* Spreads k over the (2 reach + 1)^2 pixels of a disc around its centre's
+ * pixel; `weight` has their shares of the light, row after row, of sum 1.
+ *
+ *   out  w = k->w + 2 reach, h alike; written only on GP_OK; free its planes
+ *        with gp_planes_free()
+ * Errors: those of gp_glare_run(). */
+GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
+                                         const struct gp_kernel *k, int reach,
+                                         const float *weight,
+                                         struct gp_spread_kernel *out);
 
 #endif

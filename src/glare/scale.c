@@ -82,7 +82,7 @@ static gp_status scale_kernel(const struct gp_log *log,
     struct gp_kernel k = *in;
     k.k = (struct gp_planes) {0};
     k.unturned = NULL;
-    k.serial = in->serial ? ~in->serial : 0; // makers count up from 1
+    k.serial = in->serial ? gp_serial_next() : 0;
     for (int c = 0; c < 3; c++) {
         k.sum[c] *= factor;
         k.norm1[c] *= factor;

@@ -3,16 +3,22 @@
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/bright.h"
 
 #include <float.h>
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
+
+#ifdef __x86_64__
+#include <immintrin.h>
+#endif
 
 enum {
     BLOCK = 16,  // rows a task takes
     WIDE = 4,    // doubles summed side by side
     TABLES = 4,  // that neighbours are counted in: a sky has them in one bin
+    PIECE = 256, // pixels of a row at a time: they stay in the first-level cache
+    LANES = 8,   // pixels looked at together with AVX2
 };
 
 typedef double wide __attribute__((vector_size(8 * WIDE)));
@@ -27,21 +33,37 @@ enum {
     DARK_BINS = 1 << 13,
 };
 
+/* Which pixels are bright: luminance of the non-negative part over `open`. */
+struct bright_rule {
+    float open;
+    float weight[3]; // of luminance
+    bool avx2;
+    uint8_t order[1 << LANES][LANES]; // for avx2: the places of an index's
+                                      // bits, lowest first
+};
+
+/* The bright pixels of a piece, moved together. Vectors are stored whole: what
+ * is after the last pixel has no meaning. */
+struct bright_piece {
+    float rgb[3][PIECE + LANES]; // non-negative part
+    int32_t x[PIECE + LANES];
+};
+
 /* What one block of rows found; added up in the order of the blocks. */
 struct block_sum {
     long long nonfinite, clamped;
     wide flux[3], energy[3];
     narrow brightest;
-    int x0, x1; // columns that hold light
     uint32_t count[GP_SOURCE_BINS];
 };
 
 struct sense {
     const struct gp_sensor_params *p;
-    struct gp_bright_rule rule;
+    struct bright_rule rule;
     int w, h;
     float *rgb[3];
     struct block_sum *block;
+    uint32_t *bright;            // pixels of each row
     struct gp_sources *out;
     uint32_t (*dark)[DARK_BINS]; // of each thread: luminance of the grid
     size_t step;                 // of the grid, in pixels
@@ -61,20 +83,19 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y)
     return t * t * (3.0f - 2.0f * t); // smoothstep: slope 0 at both ends
 }
 
-int gp_source_bin(float v)
+static inline __attribute__((always_inline)) float lit(float v)
 {
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
+    return v > 0.0f ? v : 0.0f;
 }
 
-float gp_source_bin_start(int bin)
+/* Luminance of the non-negative part. */
+static inline __attribute__((always_inline)) float
+lit_luminance(const float weight[3], float r, float g, float b)
 {
-    const uint32_t bits = (uint32_t) bin << 22;
-    float v;
-    memcpy(&v, &bits, sizeof v);
-    return v;
+    return weight[0] * lit(r) + weight[1] * lit(g) + weight[2] * lit(b);
 }
+
+// -- bad pixels, counts, darkness ----------------------------------------------
 
 static inline __attribute__((always_inline)) float clean(float v, float max)
 {
@@ -102,7 +123,7 @@ GP_CLONES static void count_row(const float *restrict r,
                           ((vb > max) & (vb <= FLT_MAX));
         bad += !finite;
         over += large;
-        lit_up += gp_lit_luminance(weight, vr, vg, vb) > open;
+        lit_up += lit_luminance(weight, vr, vg, vb) > open;
     }
     *nonfinite = bad;
     *clamped = over;
@@ -122,7 +143,7 @@ static void sample_row(const struct sense *s, size_t at, uint32_t *count)
     const size_t end = at + (size_t) s->w;
     for (size_t i = (at + s->step - 1) / s->step * s->step; i < end;
          i += s->step) {
-        const float y = gp_lit_luminance(s->rule.weight, s->rgb[0][i],
+        const float y = lit_luminance(s->rule.weight, s->rgb[0][i],
                                          s->rgb[1][i], s->rgb[2][i]);
         if (!(y > 0.0f))
             continue;
@@ -151,19 +172,106 @@ static void clean_block(void *ctx, int i, int thread)
                       s->rule.open, &none, &none, &bright);
         }
         sample_row(s, at, s->dark[thread]);
-        s->out->row[y + 1] = (uint32_t) bright;
+        s->bright[y] = (uint32_t) bright;
         s->block[i].nonfinite += bad;
         s->block[i].clamped += over;
     }
 }
 
-/* -- the list ---------------------------------------------------------------*/
+// -- the bright pixels of a row -----------------------------------------------
 
-static void apply_knee(const struct sense *s, int n, struct gp_bright *c)
+/* Pixels [from, n), after `at` that were found before. */
+static int find_plain(const struct bright_rule *rule,
+                      const float *const rgb[3], int x0, int from, int n,
+                      int at, struct bright_piece *out)
+{
+    for (int i = from; i < n; i++) {
+        const float c[3] = {lit(rgb[0][i]), lit(rgb[1][i]),
+                            lit(rgb[2][i])};
+        if (!(lit_luminance(rule->weight, c[0], c[1], c[2]) > rule->open))
+            continue;
+        for (int k = 0; k < 3; k++)
+            out->rgb[k][at] = c[k];
+        out->x[at++] = x0 + i;
+    }
+    return at;
+}
+
+#ifdef __x86_64__
+/* The same, eight pixels at a time: those that are bright move to the front
+ * of their vector, and the next vector overwrites the rest. */
+GP_X86_AVX2 static int find_avx2(const struct bright_rule *rule,
+                                 const float *const rgb[3], int x0, int n,
+                                 struct bright_piece *out)
+{
+    const __m256 zero = _mm256_setzero_ps(), open = _mm256_set1_ps(rule->open);
+    const __m256 weight[3] = {_mm256_set1_ps(rule->weight[0]),
+                              _mm256_set1_ps(rule->weight[1]),
+                              _mm256_set1_ps(rule->weight[2])};
+    __m256i x = _mm256_add_epi32(_mm256_set1_epi32(x0),
+                                 _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
+    int i = 0, at = 0;
+    for (; i + LANES <= n; i += LANES) {
+        __m256 c[3];
+        for (int k = 0; k < 3; k++)
+            c[k] = _mm256_max_ps(_mm256_loadu_ps(rgb[k] + i), zero);
+        const __m256 y = _mm256_add_ps(
+            _mm256_add_ps(_mm256_mul_ps(weight[0], c[0]),
+                          _mm256_mul_ps(weight[1], c[1])),
+            _mm256_mul_ps(weight[2], c[2]));
+        const int bright =
+            _mm256_movemask_ps(_mm256_cmp_ps(y, open, _CMP_GT_OQ));
+        if (bright) {
+            const __m256i order = _mm256_cvtepu8_epi32(
+                _mm_loadl_epi64((const __m128i *) rule->order[bright]));
+            for (int k = 0; k < 3; k++)
+                _mm256_storeu_ps(out->rgb[k] + at,
+                                 _mm256_permutevar8x32_ps(c[k], order));
+            _mm256_storeu_si256((__m256i *) (void *) (out->x + at),
+                                _mm256_permutevar8x32_epi32(x, order));
+            at += __builtin_popcount((unsigned) bright);
+        }
+        x = _mm256_add_epi32(x, _mm256_set1_epi32(LANES));
+    }
+    return find_plain(rule, rgb, x0, i, n, at, out);
+}
+#endif
+
+static void make_rule(float open, const float weight[3],
+                      struct bright_rule *out)
+{
+    out->open = open;
+    memcpy(out->weight, weight, sizeof out->weight);
+    out->avx2 = gp_cpu_has_avx2();
+    for (int m = 0; m < 1 << LANES; m++) {
+        int n = 0;
+        for (int i = 0; i < LANES; i++) {
+            if (m >> i & 1)
+                out->order[m][n++] = (uint8_t) i;
+        }
+    }
+}
+
+/* Finds the bright ones of n <= PIECE cleaned pixels whose first is at column
+ * x0; returns how many. The same bits with AVX2 and without. */
+static int find_bright(const struct bright_rule *rule,
+                       const float *const rgb[3], int x0, int n,
+                       struct bright_piece *out)
+{
+#ifdef __x86_64__
+    if (rule->avx2)
+        return find_avx2(rule, rgb, x0, n, out);
+#endif
+    return find_plain(rule, rgb, x0, 0, n, 0, out);
+}
+
+// -- the list -----------------------------------------------------------------
+
+static void apply_knee(const struct sense *s, int n, struct bright_piece *c)
 {
     for (int i = 0; i < n; i++) {
         const float pass = gp_bright_pass(
-            s->p, gp_lit_luminance(s->rule.weight, c->rgb[0][i],
+            s->p, lit_luminance(s->rule.weight, c->rgb[0][i],
                                    c->rgb[1][i], c->rgb[2][i]));
         for (int k = 0; k < 3; k++)
             c->rgb[k][i] *= pass;
@@ -178,7 +286,7 @@ static inline __attribute__((always_inline)) narrow larger(narrow a, narrow b)
 
 /* Adds n sources to the sums, each lane by itself, in the order of the row:
  * the same bits with any vectors. */
-GP_CLONES static void sum_row(struct gp_bright *c, int n, float *largest,
+GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
                               struct block_sum *sum)
 {
     for (int i = n; i % WIDE; i++) // dark lanes fill the last vector
@@ -212,16 +320,16 @@ static void list_row(const struct sense *s, int y, struct block_sum *sum,
 {
     const struct gp_sources *const o = s->out;
     uint32_t at = o->row[y];
-    struct gp_bright c;
-    float largest[GP_BRIGHT_MOST + GP_BRIGHT_LANES]; // channel of each
-    for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += GP_BRIGHT_MOST) {
+    struct bright_piece c;
+    float largest[PIECE + LANES]; // channel of each
+    for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += PIECE) {
         const size_t first = (size_t) y * (size_t) s->w + (size_t) x0;
         const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
                                      s->rgb[2] + first};
         const int rest = s->w - x0;
-        const int n = gp_bright_find(
+        const int n = find_bright(
             &s->rule, rgb, x0,
-            rest < GP_BRIGHT_MOST ? rest : GP_BRIGHT_MOST, &c);
+            rest < PIECE ? rest : PIECE, &c);
         if (!n)
             continue;
         if (s->p->knee > 0.0f)
@@ -229,8 +337,6 @@ static void list_row(const struct sense *s, int y, struct block_sum *sum,
         sum_row(&c, n, largest, sum);
         for (int i = 0; i < n; i++)
             count[i % TABLES][gp_source_bin(largest[i])]++;
-        sum->x0 = c.x[0] < sum->x0 ? c.x[0] : sum->x0;
-        sum->x1 = c.x[n - 1] + 1 > sum->x1 ? c.x[n - 1] + 1 : sum->x1;
         memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
         for (int k = 0; k < 3; k++)
             memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
@@ -244,7 +350,6 @@ static void list_block(void *ctx, int i, int thread)
     (void) thread;
     struct block_sum *const sum = &s->block[i];
     uint32_t count[TABLES][GP_SOURCE_BINS];
-    sum->x0 = s->w;
     const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
     if (s->out->row[end] == s->out->row[i * BLOCK])
         return;
@@ -289,7 +394,6 @@ static double total(wide v)
 static void add_up(const struct sense *s, int blocks)
 {
     struct gp_sources *const o = s->out;
-    struct gp_rect box = {s->w, s->h, 0, 0};
     for (int i = 0; i < blocks; i++) {
         const struct block_sum *const b = &s->block[i];
         o->nonfinite += b->nonfinite;
@@ -303,16 +407,7 @@ static void add_up(const struct sense *s, int blocks)
                                                           : o->brightest;
         for (int k = 0; k < GP_SOURCE_BINS; k++)
             o->count[k] += b->count[k];
-        box.x0 = b->x0 < box.x0 ? b->x0 : box.x0;
-        box.x1 = b->x1 > box.x1 ? b->x1 : box.x1;
     }
-    for (int y = 0; y < s->h; y++) {
-        if (o->row[y + 1] > o->row[y]) {
-            box.y0 = y < box.y0 ? y : box.y0;
-            box.y1 = y + 1;
-        }
-    }
-    o->box = o->n ? box : (struct gp_rect) {0};
 }
 
 gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
@@ -320,74 +415,46 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
 {
     gp_status st;
     void *v;
-    struct gp_sources o = {
+    const struct gp_sources like = {
         .w = gp_frame_w(f), .h = gp_frame_h(f),
         .x0 = f->data.x0, .y0 = f->data.y0,
         .luminance = {f->luminance[0], f->luminance[1], f->luminance[2]},
     };
+    struct gp_sources o = {0};
     struct sense s = {
-        .p = p, .w = o.w, .h = o.h, .out = &o,
+        .p = p, .w = like.w, .h = like.h, .out = &o,
         .rgb = {f->rgb.c[0], f->rgb.c[1], f->rgb.c[2]},
+        .step = (size_t) like.w * (size_t) like.h / GRID + 1,
     };
-    const int blocks = (o.h + BLOCK - 1) / BLOCK, threads = gp_threads();
-    s.step = (size_t) o.w * (size_t) o.h / GRID + 1;
-    gp_bright_rule_make(p->knee > 0.0f ? p->threshold * (1.0f - p->knee)
-                                       : p->threshold,
-                        f->luminance, &s.rule);
+    const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
+    make_rule(p->knee > 0.0f ? p->threshold * (1.0f - p->knee) : p->threshold,
+              f->luminance, &s.rule);
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
                          sizeof *s.block, &v));
     s.block = v;
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
                          &v));
     s.dark = v;
-    GP_TRY(gp_alloc_zero(log, "sensors", (size_t) o.h + 1, sizeof *o.row, &v));
-    o.row = v;
+    GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &v));
+    s.bright = v;
     gp_parallel_do(blocks, clean_block, &s);
-    for (int y = 0; y < o.h; y++) // counts become offsets
-        o.row[y + 1] += o.row[y];
-    o.n = o.row[o.h];
-    GP_TRY(gp_alloc(log, "sources", o.n, sizeof *o.x, &v));
-    o.x = v;
-    for (int k = 0; k < 3; k++) {
-        GP_TRY(gp_alloc(log, "sources", o.n, sizeof *o.rgb[k], &v));
-        o.rgb[k] = v;
-    }
-    if (o.n)
+    size_t n = 0;
+    for (int y = 0; y < s.h; y++)
+        n += s.bright[y];
+    GP_TRY(gp_sources_make(log, &like, n, &o));
+    for (int y = 0; y < s.h; y++) // counts become offsets
+        o.row[y + 1] = o.row[y] + s.bright[y];
+    if (n)
         gp_parallel_do(blocks, list_block, &s);
     add_up(&s, blocks);
     o.darkest = darkest(&s, threads);
+    gp_sources_finish(&o);
     *out = o;
     o = (struct gp_sources) {0};
 out:
     gp_free(s.block);
     gp_free(s.dark);
+    gp_free(s.bright);
     gp_sources_free(&o);
     return st;
-}
-
-void gp_sources_free(struct gp_sources *s)
-{
-    gp_free(s->row);
-    gp_free(s->x);
-    for (int k = 0; k < 3; k++)
-        gp_free(s->rgb[k]);
-    *s = (struct gp_sources) {0};
-}
-
-gp_status gp_sources_planes(const struct gp_log *log,
-                            const struct gp_sources *s, struct gp_planes *p)
-{
-    const size_t n = (size_t) s->w * (size_t) s->h;
-    gp_status st = gp_planes_make(log, "sources", n, p);
-    if (st)
-        return st;
-    for (int k = 0; k < 3; k++) {
-        memset(p->c[k], 0, n * sizeof(float));
-        for (int y = 0; y < s->h; y++) {
-            float *const row = p->c[k] + (size_t) y * (size_t) s->w;
-            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
-                row[s->x[i]] = s->rgb[k][i];
-        }
-    }
-    return GP_OK;
 }

@@ -45,7 +45,7 @@ struct gp_flare_image {
     int w, h;
     double cx, cy;
     struct gp_planes rgb; // owned
-    unsigned serial;      // differs between images; 0 none
+    unsigned long serial; // gp_serial_next(); 0 none
 };
 
 struct gp_flare_element {

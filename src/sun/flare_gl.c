@@ -14,7 +14,7 @@ enum gp_flare_program {
 
 /* An image on the context, in a border of one texel of 0. */
 struct image_slot {
-    unsigned serial;
+    unsigned long serial;
     int level;
     struct gp_texture texture;
 };
@@ -95,7 +95,7 @@ static gp_status find_image(const struct gp_log *log, const struct gp_gl *gl,
                             const struct gp_flare_level *l,
                             struct image_slot *slot)
 {
-    const unsigned serial = l->image.serial;
+    const unsigned long serial = l->image.serial;
     for (int i = 0; serial && i < s->slots; i++) {
         if (s->slot[i].serial != serial || s->slot[i].level != l->level ||
             !s->slot[i].texture.id)

@@ -4,7 +4,7 @@
 #ifndef GP_TESTS_HARD_SCENES_H
 #define GP_TESTS_HARD_SCENES_H
 
-#include "glare/extra.h"
+#include "glare/sources.h"
 #include "sky.h"
 
 /* Summed over the sun's disc when nothing hides it; about what all other light
@@ -36,7 +36,7 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
     const struct gp_light l = hard_light_of(h);
     const double r = fmax(l.radius, 1e-3);
     const struct gp_rect d = s->f.data, box = hard_box_of(d, &l);
-    struct gp_extra *const list = scene_alloc(gp_frame_pixels(&s->f),
+    struct gp_source *const list = scene_alloc(gp_frame_pixels(&s->f),
                                               sizeof *list);
     struct gp_sources all;
     size_t n = 0;
@@ -44,13 +44,13 @@ static inline void hard_add_sun(const struct hard_case *h, double share,
         for (int x = box.x0; x < box.x1; x++) {
             const double part = share * gp_disc_pixel_area(l.x, l.y, r, x, y) /
                                 (M_PI * r * r);
-            struct gp_extra *const e = &list[n++];
-            *e = (struct gp_extra) {.x = x - d.x0, .y = y - d.y0};
+            struct gp_source *const e = &list[n++];
+            *e = (struct gp_source) {.x = x - d.x0, .y = y - d.y0};
             for (int c = 0; c < 3; c++)
                 e->rgb[c] = (float) (part * hard_flux[c]);
         }
     }
-    if (gp_sources_with(NULL, &s->src, list, n, &all))
+    if (gp_sources_join(NULL, &s->src, list, n, &all))
         abort();
     gp_sources_free(&s->src);
     s->src = all;

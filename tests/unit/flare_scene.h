@@ -127,7 +127,7 @@ static const struct gp_flare_element laws[] = {
 static inline struct gp_flare_image image_make(int w, int h, double cx,
                                                double cy, bool hot)
 {
-    static unsigned serial;
+    static unsigned long serial;
     struct gp_flare_image m = {.w = w, .h = h, .cx = cx, .cy = cy,
                                .serial = ++serial};
     assert_int_equal(gp_planes_make(&log_kept, "test",

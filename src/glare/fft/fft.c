@@ -317,7 +317,7 @@ static gp_status run(const struct gp_glare_job *job, void **state)
         job->stats->bound =
             bound_of(job, s, &p, &split, gp_fft_least(src, &s->quarters));
     if (split.hot_count) {
-        GP_TRY(gp_fft_split_sources(job->log, src, split.hot, &hot, &rest));
+        GP_TRY(gp_sources_split(job->log, src, split.hot, &hot, &rest));
         src = &rest;
         p = src->n ? gp_fft_place(src, job->kernel) : (struct gp_fft_placing) {0};
     }

@@ -1,10 +1,8 @@
 #include "glare/fft/split.h"
 
-#include "core/memory.h"
 #include "glare/direct/direct.h"
 
 #include <math.h>
-#include <string.h>
 
 const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
 
@@ -35,11 +33,6 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
             norm[i] = fmax(norm[i], sqrt(fmax(left, 0.0)));
         }
     }
-}
-
-static float largest(const struct gp_sources *s, size_t i)
-{
-    return fmaxf(s->rgb[0][i], fmaxf(s->rgb[1][i], s->rgb[2][i]));
 }
 
 /* What the squares of a bin's sources add up to, about: the mean square of
@@ -157,64 +150,4 @@ void gp_fft_split_choose(const struct gp_sources *src,
             return;
     }
     *out = found;
-}
-
-/* The sources for which (largest channel >= hot) == want. */
-static gp_status filter(const struct gp_log *log, const struct gp_sources *src,
-                        float hot, int want, struct gp_sources *out)
-{
-    gp_status st;
-    void *v;
-    struct gp_sources o = {
-        .w = src->w, .h = src->h, .x0 = src->x0, .y0 = src->y0,
-        .luminance = {src->luminance[0], src->luminance[1],
-                      src->luminance[2]},
-    };
-    GP_TRY(gp_alloc_zero(log, "sources", (size_t) src->h + 1, sizeof *o.row,
-                         &v));
-    o.row = v;
-    GP_TRY(gp_alloc(log, "sources", src->n, sizeof *o.x, &v));
-    o.x = v;
-    for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc(log, "sources", src->n, sizeof *o.rgb[c], &v));
-        o.rgb[c] = v;
-    }
-    struct gp_rect box = {src->w, src->h, 0, 0};
-    for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            if ((largest(src, i) >= hot) != want)
-                continue;
-            const int x = src->x[i];
-            o.x[o.n] = x;
-            for (int c = 0; c < 3; c++)
-                o.rgb[c][o.n] = src->rgb[c][i];
-            o.n++;
-            box.x0 = x < box.x0 ? x : box.x0;
-            box.x1 = x + 1 > box.x1 ? x + 1 : box.x1;
-            box.y0 = y < box.y0 ? y : box.y0;
-            box.y1 = y + 1;
-        }
-        o.row[y + 1] = (uint32_t) o.n;
-    }
-    if (o.n)
-        o.box = box;
-    *out = o;
-    o = (struct gp_sources) {0};
-out:
-    gp_sources_free(&o);
-    return st;
-}
-
-gp_status gp_fft_split_sources(const struct gp_log *log,
-                               const struct gp_sources *src, float hot,
-                               struct gp_sources *hottest,
-                               struct gp_sources *rest)
-{
-    gp_status st = filter(log, src, hot, 1, hottest);
-    if (st)
-        return st;
-    st = filter(log, src, hot, 0, rest);
-    if (st)
-        gp_sources_free(hottest);
-    return st;
 }

@@ -48,13 +48,4 @@ void gp_fft_split_choose(const struct gp_sources *src,
                          double fft_ms, double gain,
                          struct gp_fft_split *out);
 
-/* Parts the sources into those with a channel of at least `hot` and the rest. Both
- * are whole lists of their own; free with gp_sources_free().
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_fft_split_sources(const struct gp_log *log,
-                                             const struct gp_sources *src,
-                                             float hot,
-                                             struct gp_sources *hottest,
-                                             struct gp_sources *rest);
-
 #endif

@@ -152,7 +152,7 @@ static void parts_hold_all(void **state)
     struct scene s = hard_sense(&hard_cases[6]);
     for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
         struct gp_sources part[2];
-        assert_int_equal(gp_fft_split_sources(NULL, &s.src, limits[k],
+        assert_int_equal(gp_sources_split(NULL, &s.src, limits[k],
                                               &part[0], &part[1]), GP_OK);
         assert_int_equal(part[0].n, count_hot(&s.src, limits[k]));
         assert_int_equal(part[0].n + part[1].n, s.src.n);

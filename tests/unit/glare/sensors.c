@@ -4,7 +4,7 @@
  */
 #include "unit.h"
 #include "core/parallel.h"
-#include "glare/bright.h"
+#include "glare/sensors.h"
 #include "hard_cases.h"
 #include "pair.h"
 
@@ -353,33 +353,31 @@ static void weights_are_the_frames(void **state)
     gp_frame_free(&f);
 }
 
-/* With AVX2 and without, pieces of any length hold the same pixels. */
-static void vectors_find_the_same(void **state)
+/* Pieces of a row of any length hold the same pixels, whole vectors or not. */
+static void pieces_of_any_length(void **state)
 {
-    static const float weight[3] = {0.25f, 0.5f, 0.25f};
-    static const float odd[] = {0.0f, -0.0f, 1.0f, -3.0f, 1e-41f, 65504.0f};
-    static struct gp_bright_rule rule;
-    static struct gp_bright plain, wide;
-    float rgb[3][GP_BRIGHT_MOST];
+    enum { MOST = 600 };
+    static const float odd[] = {0.0f, -0.0f, 1.0f, -3.0f, 2.0f, 65504.0f};
+    static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
+    float rgb[3][MOST], fast[3 * MOST];
+    double words[3 * MOST];
     uint32_t seed = 3u;
     (void) state;
-    gp_bright_rule_make(1.0f, weight, &rule);
-    if (!rule.avx2)
-        skip();
-    for (int n = 0; n <= GP_BRIGHT_MOST; n += n < 40 ? 1 : 36) {
+    pair_params = &usual;
+    for (int n = 1; n <= MOST; n += n < 40 ? 1 : 36) {
         for (int i = 0; i < 3 * n; i++) {
             const float v = 2.0f * scene_random(&seed);
             rgb[i % 3][i / 3] = i % 11 ? v : odd[i / 11 % 6];
         }
-        const float *const at[3] = {rgb[0], rgb[1], rgb[2]};
-        rule.avx2 = true;
-        const int found = gp_bright_find(&rule, at, 77, n, &wide);
-        rule.avx2 = false;
-        assert_int_equal(gp_bright_find(&rule, at, 77, n, &plain), found);
-        assert_memory_equal(plain.x, wide.x, (size_t) found * sizeof *wide.x);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(plain.rgb[c], wide.rgb[c],
-                                (size_t) found * sizeof(float));
+        struct pair_input in = {
+            .w = n, .h = 1, .rgb = {rgb[0], rgb[1], rgb[2]},
+        };
+        void *const both = open_pair(&in);
+        run_plain(both, words);
+        run_sense(both, fast);
+        close_pair(both);
+        for (int i = 0; i < 3 * n; i++)
+            assert_true((double) fast[i] == words[i]);
     }
 }
 
@@ -395,7 +393,7 @@ SUITE(sensors)
         cmocka_unit_test(darkest_is_robust),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(weights_are_the_frames),
-        cmocka_unit_test(vectors_find_the_same),
+        cmocka_unit_test(pieces_of_any_length),
     };
     const int failed = cmocka_run_group_tests(tests, NULL, NULL);
     const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;

@@ -8,7 +8,7 @@
 #include "gl/context.h"
 #include "glare/bound/bound.h"
 #include "glare/compose.h"
-#include "glare/extra.h"
+#include "glare/sources.h"
 #include "glare/eye.h"
 #include "glare/splat/outline.h"
 #include "glare/plan.h"
@@ -140,10 +140,10 @@ static gp_status run_compose(void)
 
 static gp_status run_extra(void)
 {
-    struct gp_extra extra[] = {{5, 6, {1, 2, 3}}, {2, 3, {4, 5, 6}},
+    struct gp_source extra[] = {{5, 6, {1, 2, 3}}, {2, 3, {4, 5, 6}},
                                {5, 6, {7, 8, 9}}};
     struct gp_sources s = {0};
-    const gp_status st = gp_sources_with(&said_log, &scene.src, extra, 3, &s);
+    const gp_status st = gp_sources_join(&said_log, &scene.src, extra, 3, &s);
     hash = st ? 0 : hash_more(HASH_NONE, s.rgb[0], s.n * sizeof(float));
     gp_sources_free(&s);
     return st;

@@ -3,7 +3,7 @@
  * questions fail, jobs that take too long, and CPUs without AVX2. */
 #include "unit.h"
 #include "core/memory.h"
-#include "glare/extra.h"
+#include "glare/sources.h"
 #include "glare/fft/lib.h"
 #include "glare/plan.h"
 #include "glare/splat/state.h"
@@ -144,7 +144,7 @@ static void wisdom_is_not_kept(void **state)
 
 static void extra_light_is_checked(void **state)
 {
-    static const struct gp_extra outside[] = {
+    static const struct gp_source outside[] = {
         {-1, 0, {1, 1, 1}}, {20, 0, {1, 1, 1}}, {0, -1, {1, 1, 1}},
         {0, 10, {1, 1, 1}}, {INT_MIN, INT_MAX, {1, 1, 1}},
     };
@@ -152,24 +152,24 @@ static void extra_light_is_checked(void **state)
     (void) state;
     for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
         struct gp_sources out = {0};
-        struct gp_extra one = outside[i];
+        struct gp_source one = outside[i];
         said_nothing();
-        assert_int_equal(gp_sources_with(&said_log, &s.src, &one, 1, &out),
+        assert_int_equal(gp_sources_join(&said_log, &s.src, &one, 1, &out),
                          GP_ERR_BUG);
         assert_int_equal(said_errors, 1);
         assert_null(out.row);
     }
     static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
     for (int turn = 0; turn < 4; turn++) { // any order gives the same sum
-        struct gp_extra list[9];
+        struct gp_source list[9];
         struct gp_sources out = {0};
         for (int i = 0; i < 9; i++) {
             const float v = lights[(i + turn) % 4];
-            list[i] = (struct gp_extra) {i < 4 ? 7 : i % 2 ? 3 : 19,
+            list[i] = (struct gp_source) {i < 4 ? 7 : i % 2 ? 3 : 19,
                                          i < 4 ? 5 : 2, {v, v, v}};
         }
-        list[8] = (struct gp_extra) {3, 2, {0, 0, 0}};
-        assert_int_equal(gp_sources_with(&said_log, &s.src, list, 9, &out),
+        list[8] = (struct gp_source) {3, 2, {0, 0, 0}};
+        assert_int_equal(gp_sources_join(&said_log, &s.src, list, 9, &out),
                          GP_OK);
         assert_int_equal(out.n, 3);
         assert_int_equal(out.x[0], 3);
@@ -179,7 +179,7 @@ static void extra_light_is_checked(void **state)
         gp_sources_free(&out);
     }
     struct gp_sources same = {0};
-    assert_int_equal(gp_sources_with(&said_log, &s.src, NULL, 0, &same),
+    assert_int_equal(gp_sources_join(&said_log, &s.src, NULL, 0, &same),
                      GP_OK);
     assert_int_equal(same.n, 0);
     gp_sources_free(&same);

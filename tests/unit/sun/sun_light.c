@@ -1,4 +1,4 @@
-/* glare/extra.c and app/sun_light.c: lights that join the sources. */
+/* glare/sources.c and app/sun_light.c: lights that join the sources. */
 #include "unit.h"
 #include "app/sun.h"
 #include "core/memory.h"
@@ -17,10 +17,10 @@ enum { W = 40, H = 30, MOST = 4096 };
 
 /* The sources of a small frame that scene_extra pixels made. */
 static struct gp_sources with(const struct gp_sources *src,
-                              struct gp_extra *list, size_t n)
+                              struct gp_source *list, size_t n)
 {
     struct gp_sources out;
-    assert_int_equal(gp_sources_with(NULL, src, list, n, &out), GP_OK);
+    assert_int_equal(gp_sources_join(NULL, src, list, n, &out), GP_OK);
     return out;
 }
 
@@ -68,13 +68,13 @@ static void pixels_join(void **state)
     const struct gp_sources empty = none(row);
     struct gp_sources start = empty;
     start.row = row;
-    struct gp_extra first[] = {
+    struct gp_source first[] = {
         {5, 2, {1, 2, 3}}, {7, 2, {4, 4, 4}}, {0, 29, {9, 0, 0}},
     };
     struct gp_sources src = with(&start, first, 3);
     assert_int_equal(src.n, 3);
     check_sums(&src);
-    struct gp_extra more[] = {
+    struct gp_source more[] = {
         {7, 2, {1, 1, 1}},  {39, 0, {2, 0, 0}}, {6, 2, {0, 5, 0}},
         {7, 2, {2, 0, 1}},  {3, 3, {0, 0, 0}},  {8, 29, {1, 1, 1}},
     };
@@ -98,10 +98,10 @@ static void order_does_not_matter(void **state)
     uint32_t row[H + 1];
     struct gp_sources start = none(row);
     start.row = row;
-    struct gp_extra a[60], b[60];
+    struct gp_source a[60], b[60];
     for (int i = 0; i < 60; i++) {
         const float v = 0.1f + (float) (i * 7 % 13) * 0.37f;
-        a[i] = b[59 - i] = (struct gp_extra) {
+        a[i] = b[59 - i] = (struct gp_source) {
             i * 11 % 5, i * 5 % 3, {v, 1.0f / v, v * v},
         };
     }
@@ -123,8 +123,8 @@ static void outside_is_refused(void **state)
     struct gp_sources start = none(row), out;
     start.row = row;
     for (int i = 0; i < 4; i++) {
-        struct gp_extra one = {at[i][0], at[i][1], {1, 1, 1}};
-        assert_int_equal(gp_sources_with(NULL, &start, &one, 1, &out),
+        struct gp_source one = {at[i][0], at[i][1], {1, 1, 1}};
+        assert_int_equal(gp_sources_join(NULL, &start, &one, 1, &out),
                          GP_ERR_BUG);
     }
     struct gp_sources same = with(&start, NULL, 0);
@@ -136,7 +136,7 @@ static void outside_is_refused(void **state)
 /* -- discs ---------------------------------------------------------------- */
 
 /* Total and centroid of a light's pixels, from the frame's corner. */
-static void moments(const struct gp_extra *list, size_t n, double m[3])
+static void moments(const struct gp_source *list, size_t n, double m[3])
 {
     m[0] = m[1] = m[2] = 0.0;
     for (size_t i = 0; i < n; i++) {
@@ -158,7 +158,7 @@ static void a_disc_keeps_flux_and_place(void **state)
         struct gp_disc_pixels d;
         assert_int_equal(gp_disc_pixels_make(NULL, radius[r], &d), GP_OK);
         for (int step = 0; step < 64; step++) {
-            struct gp_extra list[MOST];
+            struct gp_source list[MOST];
             size_t n = 0;
             double m[3];
             const struct gp_light l = {
@@ -187,7 +187,7 @@ static void a_disc_is_cut_to_the_frame(void **state)
     struct gp_disc_pixels d;
     assert_int_equal(gp_disc_pixels_make(NULL, 6.0, &d), GP_OK);
     for (int i = 0; i < 6; i++) {
-        struct gp_extra list[MOST];
+        struct gp_source list[MOST];
         size_t n = 0;
         double total = 0.0;
         const struct gp_light l = {

@@ -1,0 +1,232 @@
+#include "glare/sources.h"
+
+#include "core/memory.h"
+
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+int gp_source_bin(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
+}
+
+float gp_source_bin_start(int bin)
+{
+    const uint32_t bits = (uint32_t) bin << 22;
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
+}
+
+static float larger(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static float largest_channel(const float rgb[3])
+{
+    return larger(rgb[0], larger(rgb[1], rgb[2]));
+}
+
+// -- a list: make, add, finish, free ------------------------------------------
+
+gp_status gp_sources_make(const struct gp_log *log,
+                          const struct gp_sources *like, size_t room,
+                          struct gp_sources *out)
+{
+    gp_status st;
+    void *v;
+    struct gp_sources s = {
+        .w = like->w, .h = like->h, .x0 = like->x0, .y0 = like->y0,
+        .luminance = {like->luminance[0], like->luminance[1],
+                      like->luminance[2]},
+        .nonfinite = like->nonfinite, .clamped = like->clamped,
+        .darkest = like->darkest,
+    };
+    GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row, &v));
+    s.row = v;
+    GP_TRY(gp_alloc(log, "sources", room, sizeof *s.x, &v));
+    s.x = v;
+    for (int k = 0; k < 3; k++) {
+        GP_TRY(gp_alloc(log, "sources", room, sizeof *s.rgb[k], &v));
+        s.rgb[k] = v;
+    }
+    *out = s;
+    s = (struct gp_sources) {0};
+out:
+    gp_sources_free(&s);
+    return st;
+}
+
+void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
+{
+    const float most = largest_channel(rgb);
+    if (!(most > 0.0f))
+        return;
+    s->x[s->n] = x;
+    for (int k = 0; k < 3; k++) {
+        s->rgb[k][s->n] = rgb[k];
+        s->flux[k] += (double) rgb[k];
+        s->energy[k] += (double) rgb[k] * (double) rgb[k];
+    }
+    s->brightest = larger(s->brightest, most);
+    s->count[gp_source_bin(most)]++;
+    s->row[y + 1] = (uint32_t) ++s->n;
+}
+
+void gp_sources_finish(struct gp_sources *s)
+{
+    struct gp_rect box = {s->w, s->h, 0, 0};
+    for (int y = 0; y < s->h; y++) {
+        if (s->row[y + 1] <= s->row[y]) { // a row that got no source
+            s->row[y + 1] = s->row[y];
+            continue;
+        }
+        const int first = s->x[s->row[y]], last = s->x[s->row[y + 1] - 1];
+        box.x0 = first < box.x0 ? first : box.x0;
+        box.x1 = last >= box.x1 ? last + 1 : box.x1;
+        box.y0 = y < box.y0 ? y : box.y0;
+        box.y1 = y + 1;
+    }
+    s->n = s->row[s->h];
+    s->box = s->n ? box : (struct gp_rect) {0};
+}
+
+void gp_sources_free(struct gp_sources *s)
+{
+    gp_free(s->row);
+    gp_free(s->x);
+    for (int k = 0; k < 3; k++)
+        gp_free(s->rgb[k]);
+    *s = (struct gp_sources) {0};
+}
+
+// -- two lists to one ---------------------------------------------------------
+
+/* Row order; of one pixel, the darker first: sums do not depend on the order
+ * that they were given in. */
+static int by_place(const void *a, const void *b)
+{
+    const struct gp_source *const p = a, *const q = b;
+    if (p->y != q->y)
+        return p->y < q->y ? -1 : 1;
+    if (p->x != q->x)
+        return p->x < q->x ? -1 : 1;
+    for (int k = 0; k < 3; k++) {
+        if (p->rgb[k] != q->rgb[k])
+            return p->rgb[k] < q->rgb[k] ? -1 : 1;
+    }
+    return 0;
+}
+
+/* Sorts, and puts those of one pixel together; returns how many are left. */
+static size_t sort_and_merge(struct gp_source *s, size_t n)
+{
+    size_t kept = 0;
+    if (n)
+        qsort(s, n, sizeof *s, by_place);
+    for (size_t i = 0; i < n; i++) {
+        struct gp_source *const last = kept ? &s[kept - 1] : NULL;
+        if (!(largest_channel(s[i].rgb) > 0.0f))
+            continue;
+        if (last && last->x == s[i].x && last->y == s[i].y) {
+            for (int k = 0; k < 3; k++)
+                last->rgb[k] += s[i].rgb[k];
+        } else {
+            s[kept++] = s[i];
+        }
+    }
+    return kept;
+}
+
+gp_status gp_sources_join(const struct gp_log *log,
+                          const struct gp_sources *src,
+                          struct gp_source *more, size_t n,
+                          struct gp_sources *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        if (more[i].x < 0 || more[i].x >= src->w || more[i].y < 0 ||
+            more[i].y >= src->h)
+            return gp_fail_bare(log, GP_ERR_BUG,
+                                "light at %d,%d: outside the frame (%dx%d); "
+                                "report this", more[i].x, more[i].y,
+                                src->w, src->h);
+    }
+    n = sort_and_merge(more, n);
+    struct gp_sources all;
+    gp_status st = gp_sources_make(log, src, src->n + n, &all);
+    if (st)
+        return st;
+    size_t at = 0;
+    for (int y = 0; y < src->h; y++) { // both lists in step
+        uint32_t i = src->row[y];
+        while (i < src->row[y + 1] || (at < n && more[at].y == y)) {
+            const int mx = at < n && more[at].y == y ? more[at].x : src->w;
+            const int sx = i < src->row[y + 1] ? src->x[i] : src->w;
+            float rgb[3];
+            for (int k = 0; k < 3; k++)
+                rgb[k] = (sx <= mx ? src->rgb[k][i] : 0.0f) +
+                         (mx <= sx ? more[at].rgb[k] : 0.0f);
+            gp_sources_add(&all, sx < mx ? sx : mx, y, rgb);
+            i += sx <= mx;
+            at += mx <= sx;
+        }
+    }
+    gp_sources_finish(&all);
+    *out = all;
+    return GP_OK;
+}
+
+// -- one list to two, and to planes -------------------------------------------
+
+gp_status gp_sources_split(const struct gp_log *log,
+                           const struct gp_sources *src, float hot,
+                           struct gp_sources *hottest, struct gp_sources *rest)
+{
+    gp_status st;
+    struct gp_sources part[2] = {{0}};
+    size_t n = 0; // of the hot ones
+    for (size_t i = 0; i < src->n; i++)
+        n += larger(src->rgb[0][i],
+                    larger(src->rgb[1][i], src->rgb[2][i])) >= hot;
+    GP_TRY(gp_sources_make(log, src, src->n - n, &part[0]));
+    GP_TRY(gp_sources_make(log, src, n, &part[1]));
+    for (int y = 0; y < src->h; y++) {
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const float rgb[3] = {src->rgb[0][i], src->rgb[1][i],
+                                  src->rgb[2][i]};
+            gp_sources_add(&part[largest_channel(rgb) >= hot], src->x[i], y,
+                           rgb);
+        }
+    }
+    gp_sources_finish(&part[0]);
+    gp_sources_finish(&part[1]);
+    *rest = part[0];
+    *hottest = part[1];
+    memset(part, 0, sizeof part);
+out:
+    gp_sources_free(&part[0]);
+    gp_sources_free(&part[1]);
+    return st;
+}
+
+gp_status gp_sources_planes(const struct gp_log *log,
+                            const struct gp_sources *s, struct gp_planes *p)
+{
+    const size_t n = (size_t) s->w * (size_t) s->h;
+    gp_status st = gp_planes_make(log, "sources", n, p);
+    if (st)
+        return st;
+    for (int k = 0; k < 3; k++) {
+        memset(p->c[k], 0, n * sizeof(float));
+        for (int y = 0; y < s->h; y++) {
+            float *const row = p->c[k] + (size_t) y * (size_t) s->w;
+            for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+                row[s->x[i]] = s->rgb[k][i];
+        }
+    }
+    return GP_OK;
+}

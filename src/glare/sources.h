@@ -1,0 +1,87 @@
+/* Sources: the light that glare spreads, as a sparse list of pixels. Sensors
+ * make one from a frame; lights whose flux was given join it.
+ */
+#ifndef GP_GLARE_SOURCES_H
+#define GP_GLARE_SOURCES_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+/* Sources are counted by their largest channel, two bins an octave. */
+enum { GP_SOURCE_BINS = 512 };
+
+/* The bin of a value > 0, and where a bin starts; bin b ends where b + 1
+ * starts. From the exponent and the first bit of the mantissa. */
+int gp_source_bin(float v);
+float gp_source_bin_start(int bin);
+
+/* Light on one pixel of the frame. */
+struct gp_source {
+    int x, y;      // from the data window's corner, inside the frame
+    float rgb[3];  // finite, >= 0
+};
+
+/* Sources in row order: those of row y are [row[y], row[y + 1]). Coordinates
+ * count from the data window's corner. Colours are finite and >= 0. */
+struct gp_sources {
+    int w, h;             // of the frame
+    int x0, y0;           // the data window's corner, EXR pixel space
+    float luminance[3];   // weights of the frame's primaries
+    size_t n;             // sources
+    uint32_t *row;        // h + 1 offsets
+    int32_t *x;           // n columns, ascending in a row
+    float *rgb[3];        // n colours, after knee
+    struct gp_rect box;   // smallest that holds all; empty when n is 0
+    double flux[3];       // sum of each channel
+    double energy[3];     // sum of squares of each channel
+    float brightest;      // largest channel value
+    uint32_t count[GP_SOURCE_BINS];
+    long long nonfinite;  // pixels with NaN or Inf in rgb
+    long long clamped;    // pixels with a finite value over max_value
+    double darkest;       // a low percentile (0.1 %) of the cleaned frame's
+                          // positive luminance; 0 when all is black
+};
+
+/* Makes a list without sources, with room for `room` of them, for a frame like
+ * that of `like`: its sizes, window, weights, nonfinite, clamped, darkest.
+ * Written only on GP_OK; free with gp_sources_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
+                                        const struct gp_sources *like,
+                                        size_t room, struct gp_sources *out);
+
+/* Appends a source that stands after all others in row order, and counts it
+ * into flux, energy, brightest and count; a black one is left out. There must
+ * be room. */
+void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
+
+/* Completes row[] and box once all sources are in the list. */
+void gp_sources_finish(struct gp_sources *s);
+void gp_sources_free(struct gp_sources *s);
+
+/* `src` and `n` more sources together: where several have the same pixel,
+ * their light adds up.
+ *
+ *   more  put into row order, equal ones together; the sums do not depend on
+ *         the order given
+ *   out   as gp_sources_make() of src
+ * Errors: GP_ERR_BUG out of memory, or a pixel outside the frame. */
+GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
+                                        const struct gp_sources *src,
+                                        struct gp_source *more, size_t n,
+                                        struct gp_sources *out);
+
+/* Parts the sources into those with a channel of at least `hot` and the rest,
+ * two lists as gp_sources_make() of src. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_split(const struct gp_log *log,
+                                         const struct gp_sources *src,
+                                         float hot, struct gp_sources *hottest,
+                                         struct gp_sources *rest);
+
+/* The sources as full planes (w * h, 0 where dark), for engines that need
+ * an image and for --debug sensors. `p` is made. */
+GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,
+                                          const struct gp_sources *s,
+                                          struct gp_planes *p);
+
+#endif
