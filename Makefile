@@ -90,7 +90,7 @@ $(B)/%.o: src/%.c
 # GLSL stays in real files; this lists their bytes for the program
 $(B)/gl/shaders.c: $(SHADERS) Makefile
 	@mkdir -p $(@D)
-	@{ echo '#include "gl/shaders.h"'; \
+	@{ echo '#include "gl/gl_priv.h"'; \
 	   echo 'const struct gp_shader_file gp_shader_files[] = {'; \
 	   for f in $(SHADERS); do \
 	     printf '{"%s", (const char[]) {' "$${f##*/}"; \

@@ -162,7 +162,7 @@ static gp_status measure(struct bench *b, struct row *r)
         r->worst = fmax(r->worst, off);
     }
     if (b->suns.gl)
-        snprintf(b->gl, sizeof b->gl, "%s", gp_gl_name(b->suns.gl));
+        snprintf(b->gl, sizeof b->gl, "%s", gp_gl_info(b->suns.gl)->name);
 out:
     return st == GP_ERR_GL ? GP_OK : st;
 }

@@ -153,7 +153,7 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
         return st;
     fs->facts.sun_way = gp_suns_way(r->s, &r->suns);
     if (r->suns.gl)
-        fs->facts.sun_gl = gp_gl_name(r->suns.gl);
+        fs->facts.sun_gl = gp_gl_info(r->suns.gl)->name;
     return GP_OK;
 }
 
@@ -334,7 +334,8 @@ static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
     if (st)
         return st;
     for (int c = 0; c < 3; c++) {
-        struct row_sums s = {fs->frame.layer.c[c], gp_frame_w(&fs->frame), sums};
+        struct row_sums s = {fs->frame.layer.c[c], gp_frame_w(&fs->frame),
+                             sums};
         gp_parallel_do(h, sum_row, &s);
         for (int y = 0; y < h; y++)
             fs->facts.flux_out[c] += s.sum[y];

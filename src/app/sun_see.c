@@ -8,15 +8,11 @@
 
 // -- how much shows -----------------------------------------------------------
 
-static gp_status open_gl(const struct gp_log *log, enum gp_gl_choice choice,
+static gp_status open_gl(const struct gp_log *log, enum gp_gl_api api,
                          struct gp_suns *suns)
 {
-    static const enum gp_gl_api api[] = {
-        [GP_GL_AUTO] = GP_GL_API_AUTO, [GP_GL_OSMESA] = GP_GL_API_OSMESA,
-        [GP_GL_EGL] = GP_GL_API_EGL,
-    };
     return suns->gl ? gp_gl_use(log, suns->gl)
-                    : gp_gl_open(log, api[choice], &suns->gl);
+                    : gp_gl_open(log, api, &suns->gl);
 }
 
 /* Whether the shares are read right after they are found. A software context
@@ -25,7 +21,7 @@ static gp_status open_gl(const struct gp_log *log, enum gp_gl_choice choice,
 static bool read_early(const struct gp_sun_params *p, const struct gp_gl *gl)
 {
     return p->draw == GP_DRAW_CPU ||
-           (p->draw == GP_DRAW_AUTO && gp_gl_is_software(gl));
+           (p->draw == GP_DRAW_AUTO && gp_gl_info(gl)->software);
 }
 
 gp_status gp_suns_see(const struct gp_log *log, const struct gp_settings *s,

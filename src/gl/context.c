@@ -1,4 +1,4 @@
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -8,38 +8,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { GL_NEED = 45 }; // OpenGL 4.5, as 10 * major + minor
+enum {
+    GL_NEED = 45,     // OpenGL 4.5, as 10 * major + minor
+    LINE_BYTES = 512, // of a message
+};
 
 static _Thread_local const struct gp_gl *current;
 
-/* What dlerror() says, without the name that the caller prints already. */
-static void dl_reason(const char *name, char *why, size_t size)
+/* Opens the system's library: the first of its names that opens, or only the
+ * file that its environment variable names. */
+static gp_status open_library(const struct gp_log *log,
+                              const struct gp_gl_system *system, void **out)
 {
-    const char *text = dlerror();
-    size_t n = strlen(name);
-    if (text && strncmp(text, name, n) == 0 && text[n] == ':')
-        text += n + 2;
-    snprintf(why, size, "%s", text ? text : "no reason given");
-}
-
-void *gp_gl_library(const struct gp_log *log, const char *env,
-                    const char *const name[], const char *package)
-{
-    const char *forced = getenv(env);
+    const char *forced = getenv(system->env);
     const char *const only[] = {forced, NULL};
-    const char *const *list = forced && *forced ? only : name;
-    char why[256] = "";
+    const char *const *list = forced && *forced ? only : system->file;
+    char why[256] = "no reason given";
     for (const char *const *n = list; *n; n++) {
-        void *library = dlopen(*n, RTLD_NOW | RTLD_LOCAL);
-        if (library)
-            return library;
-        if (n == list) // the first is the one that should be there
-            dl_reason(*n, why, sizeof why);
+        *out = dlopen(*n, RTLD_NOW | RTLD_LOCAL);
+        if (*out)
+            return GP_OK;
+        const char *text = dlerror();
+        const size_t length = strlen(*n);
+        if (n != list || !text) // the first is the one that should be there
+            continue;
+        // the message names the file, and so does ours
+        if (strncmp(text, *n, length) == 0 && text[length] == ':')
+            text += length + 2;
+        snprintf(why, sizeof why, "%s", text);
     }
-    (void) gp_fail(log, GP_ERR_GL,
+    return gp_fail(log, GP_ERR_GL,
                    "%s: the library does not open (%s); install the Debian "
-                   "package %s, or take --engine fft", list[0], why, package);
-    return NULL;
+                   "package %s, or take --engine fft", list[0], why,
+                   system->package);
 }
 
 /* -- making a context current --------------------------------------------- */
@@ -84,8 +85,9 @@ static int version_of(const char *text)
     if (major < 1 || major > 99 || *dot != '.')
         return 0;
     const long minor = strtol(dot + 1, &end, 10);
-    return end == dot + 1 || minor < 0 || minor > 9 ? 0
-                                                    : (int) (major * 10 + minor);
+    return end == dot + 1 || minor < 0 || minor > 9
+               ? 0
+               : (int) (major * 10 + minor);
 }
 
 static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
@@ -103,11 +105,11 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
                        "%s: OpenGL 4.5 is needed (%s found); install a newer "
                        "Mesa or driver, or take --engine fft",
                        gl->system->name, version ? version : "nothing");
-    snprintf(gl->name, sizeof gl->name, "%s: %s", gl->system->name,
+    char *const name = gl->info.name;
+    snprintf(name, sizeof gl->info.name, "%s: %s", gl->system->name,
              renderer ? renderer : "unnamed renderer");
-    gl->software = strstr(gl->name, "llvmpipe") ||
-                   strstr(gl->name, "softpipe") || strstr(gl->name, "swrast") ||
-                   strstr(gl->name, "SwiftShader");
+    gl->info.software = strstr(name, "llvmpipe") || strstr(name, "softpipe") ||
+                        strstr(name, "swrast") || strstr(name, "SwiftShader");
     return GP_OK;
 }
 
@@ -118,33 +120,31 @@ static gp_status load_functions(const struct gp_log *log, struct gp_gl *gl)
     if (!gl->f.function)                                                      \
         return gp_fail(log, GP_ERR_GL,                                        \
                        "%s: gl" #function " is missing; install a newer "     \
-                       "Mesa or driver, or take --engine fft", gl->name);
+                       "Mesa or driver, or take --engine fft", gl->info.name);
     GP_GL_FUNCTIONS(LOAD)
 #undef LOAD
     return GP_OK;
 }
 
-static int least(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-static void find_limits(struct gp_gl *gl)
+static void find_limits(const struct gp_gl_functions *f,
+                        struct gp_gl_info *info)
 {
     GLint texture = 0, viewport[2] = {0};
-    gl->f.GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
-    gl->f.GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    gl->max_size = least(texture, least(viewport[0], viewport[1]));
+    f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    f->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    info->max_size = texture < viewport[0] ? texture : viewport[0];
+    if (viewport[1] < info->max_size)
+        info->max_size = viewport[1];
     const char *lower = getenv("GLAREPP_GL_MAX_SIZE");
     long asked = lower ? strtol(lower, NULL, 10) : 0;
-    if (asked > 0 && asked < gl->max_size)
-        gl->max_size = (int) asked;
+    if (asked > 0 && asked < info->max_size)
+        info->max_size = (int) asked;
 
     GLfloat point[2] = {0};
-    gl->f.GetFloatv(GL_POINT_SIZE_RANGE, point);
-    gl->max_point = point[1];
-    gl->f.GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->max_block);
-    gl->f.GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->max_list);
+    f->GetFloatv(GL_POINT_SIZE_RANGE, point);
+    info->max_point = point[1];
+    f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &info->max_block);
+    f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &info->max_texel_buffer);
 }
 
 /* State that holds for the context's whole life: what this program draws has
@@ -193,13 +193,15 @@ static gp_status open_system(const struct gp_log *log,
     if (st)
         return st;
     struct gp_gl *gl = block;
+    void *library;
     gl->system = system;
     limit_threads();
-    GP_TRY(system->open(log, &gl->window));
+    GP_TRY(open_library(log, system, &library));
+    GP_TRY(system->open(log, library, &gl->window));
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(check_version(log, gl));
     GP_TRY(load_functions(log, gl));
-    find_limits(gl);
+    find_limits(&gl->f, &gl->info);
     set_up(gl);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
@@ -209,40 +211,34 @@ out:
     return st;
 }
 
-struct capture {
-    char line[512];
-};
-
 static void keep_line(void *user, enum gp_level level, const char *line)
 {
-    struct capture *c = user;
     (void) level;
-    snprintf(c->line, sizeof c->line, "%s", line);
+    snprintf(user, LINE_BYTES, "%s", line);
 }
 
 /* Only when both systems fail is there an error, with both reasons. */
 static gp_status open_any(const struct gp_log *log, struct gp_gl **out)
 {
-    struct capture why[2] = {{""}, {""}};
     const struct gp_gl_system *const systems[] = {&gp_gl_osmesa, &gp_gl_egl};
+    char why[2][LINE_BYTES] = {"", ""};
     for (int i = 0; i < 2; i++) {
-        struct gp_log quiet = {keep_line, &why[i], GP_LEVEL_ERROR};
+        struct gp_log quiet = {keep_line, why[i], GP_LEVEL_ERROR};
         if (open_system(&quiet, systems[i], out) == GP_OK)
             return GP_OK;
     }
-    return gp_fail(log, GP_ERR_GL, "no GL context: %s; %s",
-                   why[0].line, why[1].line);
+    return gp_fail(log, GP_ERR_GL, "no GL context: %s; %s", why[0], why[1]);
 }
 
 gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
                      struct gp_gl **out)
 {
     switch (api) {
-    case GP_GL_API_OSMESA:
+    case GP_GL_OSMESA:
         return open_system(log, &gp_gl_osmesa, out);
-    case GP_GL_API_EGL:
+    case GP_GL_EGL:
         return open_system(log, &gp_gl_egl, out);
-    case GP_GL_API_AUTO:
+    case GP_GL_AUTO:
         break;
     }
     return open_any(log, out);
@@ -265,34 +261,9 @@ void gp_gl_close(struct gp_gl **gl)
 
 /* -- asking a context ------------------------------------------------------ */
 
-const char *gp_gl_name(const struct gp_gl *gl)
+const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl)
 {
-    return gl->name;
-}
-
-bool gp_gl_is_software(const struct gp_gl *gl)
-{
-    return gl->software;
-}
-
-int gp_gl_max_size(const struct gp_gl *gl)
-{
-    return gl->max_size;
-}
-
-float gp_gl_point_size_max(const struct gp_gl *gl)
-{
-    return gl->max_point;
-}
-
-int gp_gl_block_max(const struct gp_gl *gl)
-{
-    return gl->max_block;
-}
-
-int gp_gl_list_max(const struct gp_gl *gl)
-{
-    return gl->max_list;
+    return &gl->info;
 }
 
 static const char *error_name(GLenum error)
@@ -325,5 +296,5 @@ gp_status gp_gl_check(const struct gp_log *log, const struct gp_gl *gl,
     for (int i = 0; i < FLAGS && gl->f.GetError() != GL_NO_ERROR; i++)
         continue;
     return gp_fail(log, GP_ERR_GL, "%s: %s while %s; take --engine fft",
-                   gl->name, error_name(first), what);
+                   gl->info.name, error_name(first), what);
 }

@@ -1,6 +1,6 @@
 /* Contexts of EGL without a window: on a GPU through the device platform, or
  * on Mesa's surfaceless platform. */
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 
 #include "core/memory.h"
 
@@ -50,13 +50,9 @@ static bool has(const char *list, const char *name)
     return false;
 }
 
-static gp_status load(const struct gp_log *log, struct egl_functions *f)
+static gp_status load_functions(const struct gp_log *log, void *library,
+                                struct egl_functions *f)
 {
-    static const char *const names[] = {"libEGL.so.1", "libEGL.so", NULL};
-    void *library = gp_gl_library(log, "GLAREPP_EGL", names,
-                                  "libegl1 (and libegl-mesa0)");
-    if (!library)
-        return GP_ERR_GL;
     f->proc = (PFNEGLGETPROCADDRESSPROC) dlsym(library, "eglGetProcAddress");
 #define LOAD(type, field, name)                                               \
     f->field = (type) dlsym(library, name);                                   \
@@ -170,7 +166,8 @@ static void close_egl(void *window)
     gp_free(e);
 }
 
-static gp_status open_egl(const struct gp_log *log, void **window)
+static gp_status open_egl(const struct gp_log *log, void *library,
+                          void **window)
 {
     void *block;
     gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof(struct egl),
@@ -178,7 +175,7 @@ static gp_status open_egl(const struct gp_log *log, void **window)
     if (st)
         return st;
     struct egl *e = block;
-    GP_TRY(load(log, &e->f));
+    GP_TRY(load_functions(log, library, &e->f));
     GP_TRY(find_display(log, e));
     *window = e;
     return GP_OK;
@@ -209,5 +206,13 @@ static void (*proc(void *window, const char *name))(void)
 }
 
 const struct gp_gl_system gp_gl_egl = {
-    "EGL", open_egl, make_current, release, close_egl, proc,
+    .name = "EGL",
+    .env = "GLAREPP_EGL",
+    .package = "libegl1 (and libegl-mesa0)",
+    .file = (const char *const[]) {"libEGL.so.1", "libEGL.so", NULL},
+    .open = open_egl,
+    .make_current = make_current,
+    .release = release,
+    .close = close_egl,
+    .proc = proc,
 };

@@ -1,20 +1,17 @@
-/* gl: headless OpenGL 4.5 core contexts, programs, textures, framebuffers.
+/* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * Float planes in, float planes out; nothing here knows what is drawn.
- *   gl.h       a context                     context.c, osmesa.c, egl.c
- *   texture.h  float textures and targets    texture.c, target.c
- *   block.h    uniform blocks                block.c
- *   list.h     long lists for shaders        list.c
- *   program.h  shaders and draws             program.c, shaders/
- * Libraries come by dlopen, functions by the context's own GetProcAddress,
- * from one list of names (functions.h).
+ *   context.c  opens a context          osmesa.c, egl.c: where it comes from
+ *   texture.c  textures, targets, buffers
+ *   program.c  shaders (files of shaders/), and the one way to draw
+ * Libraries come by dlopen, functions by the context's own GetProcAddress.
  *
  * A context belongs to the thread that opened it. Several may live at once;
  * gp_gl_use() says which one the calls that follow are for.
  *
  * Environment:
  *   GLAREPP_OSMESA, GLAREPP_EGL  file to open in place of libOSMesa / libEGL
- *   GLAREPP_GL_MAX_SIZE          lowers gp_gl_max_size(), for tests of tiling
+ *   GLAREPP_GL_MAX_SIZE          lowers info's max_size, for tests of tiling
  *   LP_NUM_THREADS               Mesa's own: threads of its CPU rasterizer;
  *                                gp_threads() when it is not set
  *   EGL_LOG_LEVEL                Mesa's own: "fatal" when it is not set
@@ -22,21 +19,25 @@
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
 
+#include "core/frame.h"
 #include "core/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
+
+/* -- contexts -------------------------------------------------------------- */
 
 struct gp_gl; // a context with its function table
 
 /* AUTO takes OSMesa, and EGL where there is no OSMesa: frames then come out
  * with the same bytes on every machine of a farm, with or without a GPU. A
  * GPU is used when it is asked for, by EGL. */
-enum gp_gl_api { GP_GL_API_AUTO, GP_GL_API_OSMESA, GP_GL_API_EGL };
+enum gp_gl_api { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
 
-/* Puts what Mesa reads of the environment into it, where the user did not:
- * after gp_set_threads() and before any other thread, since one that asks for a
- * variable while another is added may read memory that is gone. Without it
- * Mesa takes as many threads as there are processors, and warns on stderr. */
+/* Sets the variables that Mesa reads, where the user did not: after
+ * gp_set_threads() and before any other thread, since one that asks for a
+ * variable while another is added may read freed memory. Without it Mesa takes
+ * as many threads as there are processors, and warns on stderr. */
 void gp_gl_prepare(void);
 
 /* Makes a context and makes it current on the calling thread.
@@ -60,30 +61,194 @@ void gp_gl_close(struct gp_gl **gl);
 GP_MUST_CHECK gp_status gp_gl_use(const struct gp_log *log,
                                   const struct gp_gl *gl);
 
-/* "OSMesa: llvmpipe (LLVM 15.0.6, 256 bits)", owned by the context. */
-const char *gp_gl_name(const struct gp_gl *gl);
-
-/* True for a rasterizer that runs on the CPU (llvmpipe, softpipe, swrast). */
-bool gp_gl_is_software(const struct gp_gl *gl);
-
-/* The widest and highest texture and target, in pixels: the least of
- * GL_MAX_TEXTURE_SIZE, GL_MAX_VIEWPORT_DIMS and GLAREPP_GL_MAX_SIZE. */
-int gp_gl_max_size(const struct gp_gl *gl);
-
-/* The widest point in pixels, >= 1: gl_PointSize over it is drawn smaller.
- * GL_POINT_SIZE_RANGE. */
-float gp_gl_point_size_max(const struct gp_gl *gl);
-
-/* The largest uniform block in bytes, at least 16384, which is what every GL
- * of 4.5 has; GL_MAX_UNIFORM_BLOCK_SIZE. */
-int gp_gl_block_max(const struct gp_gl *gl);
-
-/* The most texels of a list, at least 65536; GL_MAX_TEXTURE_BUFFER_SIZE. */
-int gp_gl_list_max(const struct gp_gl *gl);
+/* Properties of a context, owned by it. */
+struct gp_gl_info {
+    char name[160];       // "OSMesa: llvmpipe (LLVM 15.0.6, 256 bits)"
+    bool software;        // rasterizes on the CPU: llvmpipe, softpipe, swrast
+    int max_size;         // of textures and targets, in pixels: the least of
+                          // GL_MAX_TEXTURE_SIZE, GL_MAX_VIEWPORT_DIMS and
+                          // GLAREPP_GL_MAX_SIZE
+    float max_point;      // of gl_PointSize, in pixels, >= 1: larger points
+                          // are drawn smaller; GL_POINT_SIZE_RANGE
+    int max_block;        // of a uniform block, in bytes, >= 16384;
+                          // GL_MAX_UNIFORM_BLOCK_SIZE
+    int max_texel_buffer; // in texels, >= 65536; GL_MAX_TEXTURE_BUFFER_SIZE
+};
+const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl);
 
 /* GP_ERR_GL with a line that says what GL's error flag holds and while doing
  * `what`; clears the flag. */
 GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
                                     const struct gp_gl *gl, const char *what);
+
+/* -- textures and targets --------------------------------------------------
+ *
+ * Row 0 of a texture is the first row given: images keep y down, and nothing
+ * is flipped on the way in or out. All calls are for the current context;
+ * `what` names the object in messages; `out` is written only on GP_OK.
+ */
+
+/* Four numbers a texel, red first.
+ *   FLOAT   RGBA32F, not clamped; read by texelFetch or imageLoad only
+ *   LINEAR  RGBA32F, also sampled: GL_LINEAR between texel centres, and
+ *           clamped to the edge
+ *   BYTE    RGBA8: [0, 1] in 255ths, and sums are rounded too; texelFetch */
+enum gp_texel { GP_TEXEL_FLOAT, GP_TEXEL_LINEAR, GP_TEXEL_BYTE };
+
+struct gp_texture {
+    unsigned id; // 0: empty
+    int w, h;
+};
+
+/* Makes a texture of w x h texels, not cleared; free with gp_texture_free().
+ * Errors: GP_ERR_GL sizes under 1 or over max_size (names the limit), out of
+ * memory. */
+GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
+                                        const struct gp_gl *gl,
+                                        const char *what, enum gp_texel kind,
+                                        int w, int h, struct gp_texture *out);
+
+/* Writes the texels of `rect`, which lies inside the texture, from packed
+ * rows of rgba: 4 * w * h floats. */
+void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
+                      struct gp_rect rect, const float *rgba);
+void gp_texture_free(const struct gp_gl *gl, struct gp_texture *t);
+
+enum { GP_ATTACHMENTS = 8 }; // of a target, at most; every GL of 4.5 has 8
+
+/* Textures of one size that can be drawn to. */
+struct gp_target {
+    unsigned framebuffer; // 0: empty
+    struct gp_texture colour;                    // attachment 0
+    struct gp_texture more[GP_ATTACHMENTS - 1];  // attachments 1, 2, ...
+    int n;                                       // attachments in use
+};
+
+/* Makes a target of w x h pixels with n attachments (1 to GP_ATTACHMENTS; a
+ * fragment's outputs at locations 0 to n - 1 go to them), not cleared; free
+ * with gp_target_free(). Errors as for textures, and GP_ERR_GL when the driver
+ * cannot draw to such texels. */
+GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
+                                       const struct gp_gl *gl,
+                                       const char *what, enum gp_texel kind,
+                                       int n, int w, int h,
+                                       struct gp_target *out);
+
+/* Sets the pixels of `rect`, cut to the target, to 0 in all attachments. */
+void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
+                     struct gp_rect rect);
+
+/* Waits for the drawing, then copies `rect` of an attachment, which lies
+ * inside the target, to rgba: 4 * w * h floats, rows packed. */
+void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
+                    int attachment, struct gp_rect rect, float *rgba);
+void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
+
+/* -- buffers that shaders read by index ------------------------------------ */
+
+/* A uniform block: faster than a texture. Shaders declare it std140; arrays of
+ * vec4 lie there as in C. */
+struct gp_uniform_block {
+    unsigned id; // 0: empty
+    size_t bytes;
+};
+
+/* Makes a block, not cleared; free with gp_uniform_block_free().
+ * Errors: GP_ERR_GL 0 bytes or over max_block, out of memory. */
+GP_MUST_CHECK gp_status gp_uniform_block_make(const struct gp_log *log,
+                                              const struct gp_gl *gl,
+                                              const char *what, size_t bytes,
+                                              struct gp_uniform_block *out);
+
+/* Writes the first `bytes`, no more than the block has; draws that were asked
+ * for before see what was there then. */
+void gp_uniform_block_write(const struct gp_gl *gl,
+                            const struct gp_uniform_block *b,
+                            const void *data, size_t bytes);
+void gp_uniform_block_free(const struct gp_gl *gl, struct gp_uniform_block *b);
+
+/* A buffer texture: RGBA32F texels in one row, more than a texture or a
+ * uniform block holds, read by imageLoad. */
+struct gp_texel_buffer {
+    unsigned id, buffer; // 0: empty
+    int n;
+};
+
+/* Makes n texels, not cleared; free with gp_texel_buffer_free().
+ * Errors: GP_ERR_GL n under 1 or over max_texel_buffer, out of memory. */
+GP_MUST_CHECK gp_status gp_texel_buffer_make(const struct gp_log *log,
+                                             const struct gp_gl *gl,
+                                             const char *what, int n,
+                                             struct gp_texel_buffer *out);
+
+/* Writes texels [first, first + n), which the buffer has, from 4 * n floats;
+ * draws that were asked for before see what was there then. */
+void gp_texel_buffer_write(const struct gp_gl *gl,
+                           const struct gp_texel_buffer *b, int first, int n,
+                           const float *rgba);
+void gp_texel_buffer_free(const struct gp_gl *gl, struct gp_texel_buffer *b);
+
+/* -- programs and draws ---------------------------------------------------- */
+
+struct gp_program {
+    unsigned id; // 0: empty
+};
+
+/* Compiles and links two files of src/gl/shaders. The driver gets "#version
+ * 450 core", `defines` ("" or lines such as "#define COLOUR\n": one file can
+ * so be several programs), common.glsl, and the file from "#line 1" on, so
+ * that its messages point at the file.
+ *   out  written only on GP_OK; free with gp_program_free()
+ * Errors: GP_ERR_BUG no such file; GP_ERR_GL with the driver's log.
+ */
+GP_MUST_CHECK gp_status gp_program_make(const struct gp_log *log,
+                                        const struct gp_gl *gl,
+                                        const char *defines, const char *vert,
+                                        const char *frag,
+                                        struct gp_program *out);
+void gp_program_free(const struct gp_gl *gl, struct gp_program *p);
+
+/* One uniform of a program. The member that is set, one at most, decides:
+ *   texture  sampler2D
+ *   image    layout(rgba32f) readonly image2D
+ *   texels   layout(rgba32f) readonly imageBuffer
+ *   block    uniform block of that name (the block's, not the instance's)
+ *   floats   1, 2 or 4: float, vec2 or vec4 from f
+ *   else     ivec2 from v */
+struct gp_uniform {
+    const char *name;
+    int v[2];
+    int floats;
+    float f[4];
+    const struct gp_texture *texture, *image;
+    const struct gp_texel_buffer *texels;
+    const struct gp_uniform_block *block;
+};
+
+/* Triangles (or points) without vertex buffers: shaders make all from
+ * gl_VertexID and gl_InstanceID. Fragments add to the target: GL_ONE, GL_ONE;
+ * with `replace` they are written as they are.
+ *
+ * `view` is what clip coordinates -1 to 1 span, in pixels of the target; all
+ * zero is the target. It may reach beyond the target, up to max_size wide and
+ * high: a point whose centre is outside of it is not drawn at all.
+ */
+struct gp_draw {
+    const struct gp_program *program;
+    const struct gp_target *target;
+    struct gp_rect cut;                // pixels outside stay; cut to target
+    struct gp_rect view;
+    const struct gp_uniform *uniform;  // name NULL ends
+    int vertices, instances;
+    bool replace;
+    bool points; // a vertex is a square of gl_PointSize pixels, at most
+                 // max_point; pixels know theirs by gl_FragCoord
+};
+
+/* Errors: GP_ERR_BUG a uniform that the program does not use. The caller looks
+ * at GL's own error flag, once for many draws. */
+GP_MUST_CHECK gp_status gp_draw_run(const struct gp_log *log,
+                                    const struct gp_gl *gl,
+                                    const struct gp_draw *draw);
 
 #endif

@@ -1,6 +1,6 @@
 /* Contexts of OSMesa, Mesa's off-screen library: a rasterizer on the CPU that
  * needs no display, no device and no driver. */
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 
 #include "core/memory.h"
 
@@ -28,13 +28,9 @@ struct osmesa {
     unsigned char pixel[4]; // the window that OSMesa wants; never drawn to
 };
 
-static gp_status load(const struct gp_log *log, struct osmesa *o)
+static gp_status load_functions(const struct gp_log *log, void *library,
+                                struct osmesa *o)
 {
-    static const char *const names[] = {"libOSMesa.so.8", "libOSMesa.so.6",
-                                        "libOSMesa.so", NULL};
-    void *library = gp_gl_library(log, "GLAREPP_OSMESA", names, "libosmesa6");
-    if (!library)
-        return GP_ERR_GL;
 #define LOAD(field, symbol)                                                   \
     *(void **) &o->field = dlsym(library, symbol);                            \
     if (!o->field)                                                            \
@@ -58,7 +54,8 @@ static void close_osmesa(void *window)
     gp_free(o);
 }
 
-static gp_status open_osmesa(const struct gp_log *log, void **window)
+static gp_status open_osmesa(const struct gp_log *log, void *library,
+                             void **window)
 {
     static const int core[] = {OSMESA_FORMAT, OSMESA_RGBA,
                                OSMESA_PROFILE, OSMESA_CORE_PROFILE,
@@ -71,7 +68,7 @@ static gp_status open_osmesa(const struct gp_log *log, void **window)
     if (st)
         return st;
     struct osmesa *o = block;
-    GP_TRY(load(log, o));
+    GP_TRY(load_functions(log, library, o));
     o->context = o->create(core, NULL);
     if (!o->context)
         o->context = o->create(any, NULL);
@@ -108,5 +105,14 @@ static void (*proc(void *window, const char *name))(void)
 }
 
 const struct gp_gl_system gp_gl_osmesa = {
-    "OSMesa", open_osmesa, make_current, release, close_osmesa, proc,
+    .name = "OSMesa",
+    .env = "GLAREPP_OSMESA",
+    .package = "libosmesa6",
+    .file = (const char *const[]) {"libOSMesa.so.8", "libOSMesa.so.6",
+                                   "libOSMesa.so", NULL},
+    .open = open_osmesa,
+    .make_current = make_current,
+    .release = release,
+    .close = close_osmesa,
+    .proc = proc,
 };

@@ -1,6 +1,4 @@
-#include "gl/program.h"
-
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 
 #include <string.h>
 
@@ -35,26 +33,11 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
         gl->f.DeleteShader(shader);
         return gp_fail(log, GP_ERR_GL,
                        "%s: shader %s does not compile (%s); report it with "
-                       "this line, or take --engine fft", gp_gl_name(gl),
+                       "this line, or take --engine fft", gl->info.name,
                        file->name, text);
     }
     *out = shader;
     return GP_OK;
-}
-
-static gp_status link_program(const struct gp_log *log, const struct gp_gl *gl,
-                              const char *name, GLuint program)
-{
-    GLint linked = 0;
-    gl->f.LinkProgram(program);
-    gl->f.GetProgramiv(program, GL_LINK_STATUS, &linked);
-    if (linked)
-        return GP_OK;
-    char text[LOG_BYTES] = "";
-    gl->f.GetProgramInfoLog(program, sizeof text, NULL, text);
-    return gp_fail(log, GP_ERR_GL,
-                   "%s: program %s does not link (%s); report it with this "
-                   "line, or take --engine fft", gp_gl_name(gl), name, text);
 }
 
 gp_status gp_program_from_text(const struct gp_log *log,
@@ -65,13 +48,24 @@ gp_status gp_program_from_text(const struct gp_log *log,
 {
     gp_status st;
     GLuint v = 0, f = 0;
+    GLint linked = 0;
     struct gp_program p = {0};
     GP_TRY(compile(log, gl, defines, GL_VERTEX_SHADER, vert, &v));
     GP_TRY(compile(log, gl, defines, GL_FRAGMENT_SHADER, frag, &f));
     p.id = gl->f.CreateProgram();
     gl->f.AttachShader(p.id, v);
     gl->f.AttachShader(p.id, f);
-    GP_TRY(link_program(log, gl, vert->name, p.id));
+    gl->f.LinkProgram(p.id);
+    gl->f.GetProgramiv(p.id, GL_LINK_STATUS, &linked);
+    if (!linked) {
+        char text[LOG_BYTES] = "";
+        gl->f.GetProgramInfoLog(p.id, sizeof text, NULL, text);
+        st = gp_fail(log, GP_ERR_GL,
+                     "%s: program %s does not link (%s); report it with this "
+                     "line, or take --engine fft", gl->info.name, vert->name,
+                     text);
+        goto out;
+    }
     GP_TRY(gp_gl_check(log, gl, vert->name));
     *out = p;
     p.id = 0;
@@ -82,9 +76,9 @@ out:
     return st;
 }
 
-gp_status gp_program_make_as(const struct gp_log *log, const struct gp_gl *gl,
-                             const char *defines, const char *vert,
-                             const char *frag, struct gp_program *out)
+gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
+                          const char *defines, const char *vert,
+                          const char *frag, struct gp_program *out)
 {
     const struct gp_shader_file *v = find_file(vert), *f = find_file(frag);
     if (!v || !f)
@@ -92,13 +86,6 @@ gp_status gp_program_make_as(const struct gp_log *log, const struct gp_gl *gl,
                        "%s: no such shader file in this build; report it",
                        v ? frag : vert);
     return gp_program_from_text(log, gl, defines, v, f, out);
-}
-
-gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
-                          const char *vert, const char *frag,
-                          struct gp_program *out)
-{
-    return gp_program_make_as(log, gl, "", vert, frag, out);
 }
 
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
@@ -122,78 +109,49 @@ static gp_status no_uniform(const struct gp_log *log, const char *name)
                    name);
 }
 
-static gp_status set_block(const struct gp_log *log, const struct gp_gl *gl,
-                           GLuint program, const struct gp_uniform *u,
-                           struct units *next)
-{
-    GLuint at = gl->f.GetUniformBlockIndex(program, u->name);
-    if (at == GL_INVALID_INDEX)
-        return no_uniform(log, u->name);
-    gl->f.UniformBlockBinding(program, at, next->block);
-    gl->f.BindBufferBase(GL_UNIFORM_BUFFER, next->block++, u->block->id);
-    return GP_OK;
-}
-
-static void set_floats(const struct gp_gl *gl, GLint at,
-                       const struct gp_uniform *u)
-{
-    if (u->floats == 1)
-        gl->f.Uniform1fv(at, 1, u->f);
-    else if (u->floats == 2)
-        gl->f.Uniform2fv(at, 1, u->f);
-    else
-        gl->f.Uniform4fv(at, 1, u->f);
-}
-
 static gp_status set_uniform(const struct gp_log *log, const struct gp_gl *gl,
                              GLuint program, const struct gp_uniform *u,
                              struct units *next)
 {
-    if (u->block)
-        return set_block(log, gl, program, u, next);
-    GLint at = gl->f.GetUniformLocation(program, u->name);
+    if (u->block) {
+        const GLuint at = gl->f.GetUniformBlockIndex(program, u->name);
+        if (at == GL_INVALID_INDEX)
+            return no_uniform(log, u->name);
+        gl->f.UniformBlockBinding(program, at, next->block);
+        gl->f.BindBufferBase(GL_UNIFORM_BUFFER, next->block++, u->block->id);
+        return GP_OK;
+    }
+    const GLint at = gl->f.GetUniformLocation(program, u->name);
     if (at < 0)
         return no_uniform(log, u->name);
     if (u->texture) {
         gl->f.BindTextureUnit(next->texture, u->texture->id);
         gl->f.Uniform1i(at, (GLint) next->texture++);
-    } else if (u->image || u->list) {
+    } else if (u->image || u->texels) {
         gl->f.BindImageTexture(next->image,
-                               u->image ? u->image->id : u->list->id, 0,
+                               u->image ? u->image->id : u->texels->id, 0,
                                GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
         gl->f.Uniform1i(at, (GLint) next->image++);
+    } else if (u->floats == 1) {
+        gl->f.Uniform1fv(at, 1, u->f);
+    } else if (u->floats == 2) {
+        gl->f.Uniform2fv(at, 1, u->f);
     } else if (u->floats) {
-        set_floats(gl, at, u);
+        gl->f.Uniform4fv(at, 1, u->f);
     } else {
         gl->f.Uniform2iv(at, 1, u->v);
     }
     return GP_OK;
 }
 
-/* What clip coordinates span: the target when nothing else is said. */
-static void set_view(const struct gp_gl *gl, const struct gp_draw *draw)
-{
-    struct gp_rect v = draw->view;
-    if (gp_rect_empty(v))
-        v = (struct gp_rect) {0, 0, draw->target->colour.w,
-                              draw->target->colour.h};
-    gl->f.Viewport(v.x0, v.y0, gp_rect_w(v), gp_rect_h(v));
-}
-
-static void set_state(const struct gp_gl *gl, GLenum what, bool on)
-{
-    if (on)
-        gl->f.Enable(what);
-    else
-        gl->f.Disable(what);
-}
-
 gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
                       const struct gp_draw *draw)
 {
-    const struct gp_texture *to = &draw->target->colour;
-    struct gp_rect cut = gp_rect_meet(draw->cut,
-                                      (struct gp_rect) {0, 0, to->w, to->h});
+    const struct gp_rect target = {0, 0, draw->target->colour.w,
+                                   draw->target->colour.h};
+    const struct gp_rect cut = gp_rect_meet(draw->cut, target);
+    const struct gp_rect view = gp_rect_empty(draw->view) ? target
+                                                          : draw->view;
     struct units next = {0};
     gp_status st = GP_OK;
     if (gp_rect_empty(cut))
@@ -204,17 +162,17 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
     if (st)
         return st;
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, draw->target->framebuffer);
-    set_view(gl, draw);
+    gl->f.Viewport(view.x0, view.y0, gp_rect_w(view), gp_rect_h(view));
     gl->f.Enable(GL_SCISSOR_TEST);
     gl->f.Scissor(cut.x0, cut.y0, gp_rect_w(cut), gp_rect_h(cut));
-    set_state(gl, GL_BLEND, !draw->replace);
-    set_state(gl, GL_PROGRAM_POINT_SIZE, draw->points);
+    (draw->replace ? gl->f.Disable : gl->f.Enable)(GL_BLEND);
+    (draw->points ? gl->f.Enable : gl->f.Disable)(GL_PROGRAM_POINT_SIZE);
     gl->f.DrawArraysInstanced(draw->points ? GL_POINTS : GL_TRIANGLES, 0,
                               draw->vertices, draw->instances);
     gl->f.Disable(GL_SCISSOR_TEST);
     // llvmpipe (Mesa 22.3) does not know that a draw still reads an image or a
-    // list: a later write to it, or its end, would be seen too early
-    if (gl->software && next.image > 0)
+    // texel buffer: a later write to it, or its end, would be seen too early
+    if (gl->info.software && next.image > 0)
         gl->f.Finish();
     return GP_OK;
 }

@@ -11,12 +11,12 @@
 
 #include "core/frame.h"
 #include "core/status.h"
+#include "gl/gl.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"
 
 #include <stdbool.h>
 
-enum gp_gl_choice { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
 /* How a group stands for its pixels.
@@ -58,7 +58,7 @@ struct gp_glare_params {
     const char *engine;        // "auto" or the name of an engine
     float gain;                // of the layer in the composite, >= 0
     float tolerance;           // of rel_l2, for auto, >= 0
-    enum gp_gl_choice gl;
+    enum gp_gl_api gl;
     enum gp_fft_plan fft_plan;
     const char *wisdom;        // file for measured plans; NULL keeps none
     struct gp_splat_params splat;

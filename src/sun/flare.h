@@ -31,7 +31,6 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "gl/gl.h"
-#include "gl/texture.h"
 #include "sun/lights.h"
 
 enum gp_flare_shape {

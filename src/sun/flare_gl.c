@@ -2,7 +2,7 @@
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
-#include "gl/program.h"
+#include "gl/gl.h"
 
 #include <string.h>
 
@@ -67,7 +67,8 @@ static gp_status upload_image(const struct gp_log *log, const struct gp_gl *gl,
 {
     const int w = m->w + 2, h = m->h + 2;
     void *block;
-    gp_status st = gp_texture_make(log, gl, "a flare image", w, h, out);
+    gp_status st =
+        gp_texture_make(log, gl, "a flare image", GP_TEXEL_FLOAT, w, h, out);
     if (st)
         return st;
     st = gp_alloc_zero(log, "a flare image", (size_t) w * (size_t) h,
@@ -222,12 +223,12 @@ static gp_status make_batches(const struct gp_log *log, struct gp_flare_gl *s,
 static gp_status fit_texels(const struct gp_log *log, const struct gp_gl *gl,
                             struct gp_flare_gl *s)
 {
-    const int most = gp_gl_max_size(gl), n = s->items.n;
+    const int most = gp_gl_info(gl)->max_size, n = s->items.n;
     const int rows = n < most ? n : most;
     if (s->texels.w / TEXELS * s->texels.h >= n)
         return GP_OK;
     gp_texture_free(gl, &s->texels);
-    return gp_texture_make(log, gl, "flare elements",
+    return gp_texture_make(log, gl, "flare elements", GP_TEXEL_FLOAT,
                            (n + rows - 1) / rows * TEXELS, rows, &s->texels);
 }
 
@@ -262,8 +263,8 @@ static gp_status upload_edges(const struct gp_log *log, const struct gp_gl *gl,
     gp_status st = GP_OK;
     if (s->edges.h < rows) {
         gp_texture_free(gl, &s->edges);
-        st = gp_texture_make(log, gl, "flare polygons", GP_FLARE_SIDES, rows,
-                             &s->edges);
+        st = gp_texture_make(log, gl, "flare polygons", GP_TEXEL_FLOAT,
+                             GP_FLARE_SIDES, rows, &s->edges);
     }
     if (!st)
         st = gp_alloc_zero(log, "flare polygons", (size_t) rows,
@@ -389,7 +390,7 @@ static gp_status draw_tile(const struct gp_log *log, const struct gp_gl *gl,
 static gp_status fit_target(const struct gp_log *log, const struct gp_gl *gl,
                             struct gp_flare_gl *s)
 {
-    const int limit = gp_gl_max_size(gl);
+    const int limit = gp_gl_info(gl)->max_size;
     const int most = limit < TILE_MAX ? limit : TILE_MAX;
     const int w = gp_rect_w(s->reach) < most ? gp_rect_w(s->reach) : most;
     const int h = gp_rect_h(s->reach) < most ? gp_rect_h(s->reach) : most;
@@ -399,8 +400,9 @@ static gp_status fit_target(const struct gp_log *log, const struct gp_gl *gl,
     if (had.w >= w && had.h >= h)
         return GP_OK;
     gp_target_free(gl, &s->target);
-    return gp_target_make(log, gl, "a lens flare", had.w > w ? had.w : w,
-                          had.h > h ? had.h : h, &s->target);
+    return gp_target_make(log, gl, "a lens flare", GP_TEXEL_FLOAT, 1,
+                          had.w > w ? had.w : w, had.h > h ? had.h : h,
+                          &s->target);
 }
 
 static gp_status fit_programs(const struct gp_log *log, const struct gp_gl *gl,
@@ -410,7 +412,7 @@ static gp_status fit_programs(const struct gp_log *log, const struct gp_gl *gl,
     for (int i = 0; !st && i < s->batches; i++) {
         const enum gp_flare_program p = s->batch[i].program;
         if (!s->program[p].id)
-            st = gp_program_make_as(log, gl, defines[p], "flare.vert",
+            st = gp_program_make(log, gl, defines[p], "flare.vert",
                                     "flare.frag", &s->program[p]);
     }
     return st;
@@ -483,7 +485,7 @@ static void read_tile(const struct gp_gl *gl, const struct gp_flare_gl *s,
         const struct gp_rect band = band_of(s, tile, y);
         if (gp_rect_empty(band))
             continue;
-        gp_target_read(gl, &s->target, rect_within(band, tile), rgba);
+        gp_target_read(gl, &s->target, 0, rect_within(band, tile), rgba);
         add_band(band, frame, rgba, layer);
     }
 }

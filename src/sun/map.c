@@ -60,7 +60,7 @@ gp_status gp_map_use(const struct gp_log *log, const struct gp_gl *gl,
     };
     if (s->program[which].id)
         return GP_OK;
-    return gp_program_make_as(log, gl, files[which].defines,
+    return gp_program_make(log, gl, files[which].defines,
                               files[which].vert, files[which].frag,
                               &s->program[which]);
 }
@@ -78,11 +78,11 @@ static gp_status check(const struct gp_log *log, const struct gp_gl *gl,
         return gp_fail_bare(log, GP_ERR_BUG,
                             "sun map: %d texels wide (2 to 256, even, can be "
                             "drawn); report it", p->map);
-    if (n > gp_gl_max_size(gl))
+    if (n > gp_gl_info(gl)->max_size)
         return gp_fail_bare(log, GP_ERR_GL,
                             "sun map: %d lights do not go into a texture (%d "
                             "texels wide is the limit); use --sun-method exact",
-                            n, gp_gl_max_size(gl));
+                            n, gp_gl_info(gl)->max_size);
     return GP_OK;
 }
 
@@ -99,7 +99,8 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
     gp_status st = GP_OK;
     if (s->lights.h < n) {
         gp_texture_free(gl, &s->lights);
-        st = gp_texture_make(log, gl, "lights", LIGHT_TEXELS, n, &s->lights);
+        st = gp_texture_make(log, gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS, n,
+                             &s->lights);
     }
     for (int i = 0; i < n; i++) {
         const struct gp_map_light *const spot = &s->spot[i];
@@ -125,7 +126,8 @@ static gp_status fit_intensity(const struct gp_log *log,
     if (s->intensity.colour.w == n)
         return GP_OK;
     gp_target_free(gl, &s->intensity);
-    return gp_target_make(log, gl, "intensity map", n, 1, &s->intensity);
+    return gp_target_make(log, gl, "intensity map", GP_TEXEL_FLOAT, 1, n, 1,
+                          &s->intensity);
 }
 
 gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
@@ -144,7 +146,7 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     s->n = 0; // nothing is drawn until all is
     for (int i = 0; i < n; i++)
         s->spot[i] = gp_map_light_of(o, p->map, &light[i]);
-    int most = gp_gl_max_size(gl);
+    int most = gp_gl_info(gl)->max_size;
     most = most < GP_SUN_BAND ? most : GP_SUN_BAND; // a row is a band at most
     GP_TRY(gp_map_pack(log, o, s->spot, n, most, &upload));
     GP_TRY(gp_map_send_pixels(log, gl, o, &upload, s, n));
@@ -177,7 +179,7 @@ static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
     enum { MOST = 1 << 24 }; // texels, 256 MiB
     const int columns = columns_for(n), rows = (n + columns - 1) / columns;
     int w = power_of_two(columns * p->map), h = power_of_two(rows * p->map);
-    const int limit = gp_gl_max_size(gl);
+    const int limit = gp_gl_info(gl)->max_size;
     if (w > limit || h > limit || (long long) w * h > MOST)
         return gp_fail_bare(log, GP_ERR_GL,
                             "sun map: %d maps of %dx%d texels do not go into "
@@ -190,7 +192,8 @@ static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
     if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
         return GP_OK;
     gp_target_free(gl, &s->atlas);
-    return gp_target_make_linear(log, gl, "sun maps", w, h, &s->atlas);
+    return gp_target_make(log, gl, "sun maps", GP_TEXEL_LINEAR, 1, w, h,
+                          &s->atlas);
 }
 
 static int rows_of(const struct gp_sun_map *s, int n)
@@ -238,8 +241,9 @@ static gp_status fit_sums(const struct gp_log *log, const struct gp_gl *gl,
     if (t->colour.w == w && t->colour.h == h)
         return GP_OK;
     gp_target_free(gl, t);
-    return byte ? gp_target_make_byte(log, gl, "8-bit sums", w, h, t)
-                : gp_target_make(log, gl, "sums", w, h, t);
+    return byte ? gp_target_make(log, gl, "8-bit sums", GP_TEXEL_BYTE, 1, w, h,
+                                 t)
+                : gp_target_make(log, gl, "sums", GP_TEXEL_FLOAT, 1, w, h, t);
 }
 
 static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
@@ -249,7 +253,7 @@ static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
     const enum gp_sun_program which = GP_SUN_POINTS + sum;
     const int count = s->map * s->map;
     const int w = to->colour.w, h = to->colour.h;
-    const float widest = gp_gl_point_size_max(gl);
+    const float widest = gp_gl_info(gl)->max_point;
     const int tile = widest < (float) w ? (int) widest : w; // w >= h
     const int across = (w + tile - 1) / tile, down = (h + tile - 1) / tile;
     struct gp_uniform uniform[] = {
@@ -336,7 +340,7 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
         return gp_fail_bare(log, GP_ERR_BUG,
                             "sun map: %d lights were drawn and %d are read; "
                             "report it", s ? s->n : 0, n);
-    gp_target_read(gl, &s->intensity, (struct gp_rect) {0, 0, n, 1}, rgba);
+    gp_target_read(gl, &s->intensity, 0, (struct gp_rect) {0, 0, n, 1}, rgba);
     for (int i = 0; i < n; i++) {
         const double shown = (double) rgba[4 * i];
         const double weight = (double) rgba[4 * i + 1];
@@ -376,7 +380,7 @@ gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
                     (void **) &rgba));
     GP_TRY(gp_alloc(log, "picture of the sun map", n, sizeof(float),
                     (void **) &grey));
-    gp_target_read(gl, from, r, rgba);
+    gp_target_read(gl, from, 0, r, rgba);
     GP_TRY(gp_gl_check(log, gl, "picture of the sun map"));
     for (size_t i = 0; i < n; i++)
         grey[i] = is_drawn(s, intensity, i, gp_rect_w(r)) &&

@@ -22,7 +22,6 @@
 
 #include "core/status.h"
 #include "gl/gl.h"
-#include "gl/texture.h"
 #include "sun/occluder.h"
 
 enum gp_sun_method {

@@ -282,8 +282,8 @@ static gp_status fit_pixels(const struct gp_log *log, const struct gp_gl *gl,
     if (s->pixels.w >= u->w && s->pixels.h >= u->h)
         return GP_OK;
     gp_texture_free(gl, &s->pixels);
-    return gp_texture_make(log, gl, "pixels under the lights", u->w, u->h,
-                           &s->pixels);
+    return gp_texture_make(log, gl, "pixels under the lights", GP_TEXEL_FLOAT,
+                           u->w, u->h, &s->pixels);
 }
 
 gp_status gp_map_send_pixels(const struct gp_log *log, const struct gp_gl *gl,

@@ -103,7 +103,8 @@ static gp_status fit_region(const struct gp_log *log, const struct gp_gl *gl,
     if (t->colour.w >= w && t->colour.h >= h)
         return GP_OK;
     gp_target_free(gl, t);
-    return gp_target_make(log, gl, "region under a light", w, h, t);
+    return gp_target_make(log, gl, "region under a light", GP_TEXEL_FLOAT, 1, w,
+                          h, t);
 }
 
 static gp_status draw_region(const struct gp_log *log, const struct gp_gl *gl,
@@ -145,7 +146,7 @@ static gp_status look_at(const struct gp_log *log, const struct gp_gl *gl,
         GP_TRY(draw_region(log, gl, s, i));
         GP_TRY(gp_alloc(log, "region under a light", (size_t) w * (size_t) h,
                         4 * sizeof(float), (void **) &rgba));
-        gp_target_read(gl, &s->region, (struct gp_rect) {0, 0, w, h}, rgba);
+        gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h}, rgba);
     }
     *visibility = count(spot, o, p, rgba);
 out:

@@ -4,7 +4,7 @@
 #ifndef GP_SUN_PRIV_H
 #define GP_SUN_PRIV_H
 
-#include "gl/program.h"
+#include "gl/gl.h"
 #include "sun/flare.h"
 #include "sun/map.h"
 
@@ -48,7 +48,8 @@ static inline float gp_float_of(int32_t k)
     return v;
 }
 
-// -- discs (exact.c) ------------------------------------------------------------
+// -- discs (exact.c)
+// ------------------------------------------------------------
 
 /* Where (u, v) in [0, 1)^2 falls: the square [-1, 1]^2, or the unit disc by
  * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios. Texel
@@ -105,7 +106,8 @@ GP_MUST_CHECK gp_status gp_map_pack(const struct gp_log *log,
                                     struct gp_map_light *spot, int n, int most,
                                     struct gp_map_pixels *out);
 
-// -- what the sun map keeps on a context (map.c) -------------------------------
+// -- what the sun map keeps on a context (map.c)
+// -------------------------------
 
 enum gp_sun_program {
     GP_SUN_TEXELS,          // sun map
@@ -152,7 +154,8 @@ GP_MUST_CHECK gp_status gp_map_send_pixels(const struct gp_log *log,
                                       const struct gp_map_pixels *u,
                                       struct gp_sun_map *s, int n);
 
-// -- flare: elements made ready for the lights of one frame (flare.c) -----------
+// -- flare: elements made ready for the lights of one frame (flare.c)
+// -----------
 
 /* What the CPU and GL forms evaluate alike, in float, pixel by pixel.
  *

@@ -178,7 +178,7 @@ static void open_gl(void)
 {
     if (hard_quick)
         return;
-    const gp_status st = gp_gl_open(&scene_log, GP_GL_API_AUTO, &machine.gl);
+    const gp_status st = gp_gl_open(&scene_log, GP_GL_AUTO, &machine.gl);
     if (st && !strstr(scene_line, "install the Debian"))
         hard_die("GL", scene_line);
 }

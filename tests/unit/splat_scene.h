@@ -158,7 +158,7 @@ static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
 static struct gp_glare_stats stats; // of the last run
 static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next
 
-static inline gp_status splat(enum gp_gl_choice gl,
+static inline gp_status splat(enum gp_gl_api gl,
                               const struct gp_sources *src,
                               const struct gp_kernel *k,
                               struct gp_planes *layer, void **state)

@@ -44,7 +44,7 @@ static int machine_count __attribute__((unused));
 
 static inline int open_machines(void **state)
 {
-    static const enum gp_gl_api apis[2] = {GP_GL_API_OSMESA, GP_GL_API_EGL};
+    static const enum gp_gl_api apis[2] = {GP_GL_OSMESA, GP_GL_EGL};
     (void) state;
     machine_count = 0;
     for (int i = 0; i < 2; i++) {

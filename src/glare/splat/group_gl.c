@@ -100,7 +100,7 @@ static gp_status fit_cells(const struct gp_log *log, struct gp_splat *s, int w,
     w = t->colour.w > w ? t->colour.w : w;
     h = t->colour.h > h ? t->colour.h : h;
     gp_target_free(s->gl, t);
-    return gp_target_make_many(log, s->gl, "groups", w, h, 2, t);
+    return gp_target_make(log, s->gl, "groups", GP_TEXEL_FLOAT, 2, w, h, t);
 }
 
 gp_status gp_splat_group(const struct gp_log *log, struct gp_splat *s,

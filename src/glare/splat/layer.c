@@ -27,7 +27,7 @@ static void read_tile(const struct gp_splat_work *k)
     const int rows = GP_SPLAT_BAND_TEXELS / w;
     for (int y0 = 0; y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, least(y0 + rows, h)};
-        gp_target_read(s->gl, &s->total, band, s->band);
+        gp_target_read(s->gl, &s->total, 0, band, s->band);
         for (int y = band.y0; y < band.y1; y++) {
             const size_t to = (size_t) (k->tile.y0 + y) *
                                   (size_t) k->job->src->w +
@@ -154,7 +154,7 @@ static int turned_radius(const struct gp_unturned *u)
  * ones, whose kernel would need too large a view, are not turned there. */
 static void place_view(struct gp_splat_work *k)
 {
-    const int most = gp_gl_max_size(k->s->gl);
+    const int most = gp_gl_info(k->s->gl)->max_size;
     const int radius = k->plan->turned && !k->points
                            ? turned_radius(k->job->kernel->unturned) : 0;
     k->turned = radius > 0 && radius <= TURNED_MAX &&
@@ -165,19 +165,20 @@ static void place_view(struct gp_splat_work *k)
 
 static gp_status check_limits(const struct gp_splat_work *k)
 {
-    const float most = gp_gl_point_size_max(k->s->gl);
+    const float most = gp_gl_info(k->s->gl)->max_point;
     if ((float) k->sprite > most)
         return gp_fail_bare(k->job->log, GP_ERR_GL,
                             "%s: point sprites of %d pixels are needed (%.0f "
                             "is the limit); use --primitive quad or tile, a "
                             "smaller kernel, or more --shrink",
-                            gp_gl_name(k->s->gl), k->sprite, (double) most);
+                            gp_gl_info(k->s->gl)->name, k->sprite,
+                            (double) most);
     if (k->side / k->span < 1 || k->tile_side < 1)
         return gp_fail_bare(k->job->log, GP_ERR_GL,
                             "%s: polygons of %d pixels, groups of %d, do not "
                             "go into one texture (%d pixels are the limit); "
                             "use --engine fft or direct",
-                            gp_gl_name(k->s->gl), k->sprite, k->span,
+                            gp_gl_info(k->s->gl)->name, k->sprite, k->span,
                             k->side);
     return GP_OK;
 }
@@ -188,13 +189,13 @@ static gp_status upload_reaches(const struct gp_splat_work *k)
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)
-        st = gp_block_make(k->job->log, s->gl, "reaches", sizeof reach,
+        st = gp_uniform_block_make(k->job->log, s->gl, "reaches", sizeof reach,
                            &s->reaches);
     if (st)
         return st;
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) gp_splat_reach(k->plan, gp_source_bin_start(i));
-    gp_block_write(s->gl, &s->reaches, reach, sizeof reach);
+    gp_uniform_block_write(s->gl, &s->reaches, reach, sizeof reach);
     return GP_OK;
 }
 
@@ -206,7 +207,7 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
         .job = job, .s = s, .plan = p, .points = points,
         .span = p->params.cluster > p->params.group ? p->params.cluster
                                                     : p->params.group,
-        .side = least(gp_gl_max_size(s->gl), TILE_MAX),
+        .side = least(gp_gl_info(s->gl)->max_size, TILE_MAX),
         .group_blurs = blurs_of(p->polygons.at + p->polygons.clusters,
                                 p->polygons.groups),
         .cluster_blurs = blurs_of(p->polygons.at, p->polygons.clusters),

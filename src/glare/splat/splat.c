@@ -142,7 +142,7 @@ static enum gp_primitive form_of(const struct gp_splat *s)
     const enum gp_primitive asked = s->plan.params.primitive;
     if (asked != GP_PRIMITIVE_AUTO)
         return asked;
-    return gp_gl_is_software(s->gl) ? GP_PRIMITIVE_TILE : GP_PRIMITIVE_QUAD;
+    return gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE : GP_PRIMITIVE_QUAD;
 }
 
 static void publish(const struct gp_glare_job *job, const struct gp_splat *s)
@@ -163,7 +163,7 @@ static void publish(const struct gp_glare_job *job, const struct gp_splat *s)
     stats->polygon_pixels = p->polygon_pixels;
     stats->form = forms[form_of(s)];
     stats->bound = p->bound;
-    stats->gl = gp_gl_name(s->gl);
+    stats->gl = gp_gl_info(s->gl)->name;
 }
 
 static gp_status run(const struct gp_glare_job *job, void **state)

@@ -25,7 +25,7 @@ static void close_context(struct gp_splat *s)
         for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
             gp_target_free(s->gl, targets[i]);
         gp_texture_free(s->gl, &s->sources);
-        gp_block_free(s->gl, &s->reaches);
+        gp_uniform_block_free(s->gl, &s->reaches);
         drop_kernels(s);
         gp_tiles_free(s->gl, &s->tiles);
     }
@@ -63,28 +63,15 @@ gp_status gp_splat_make(const struct gp_log *log, void **state)
     return st;
 }
 
-static enum gp_gl_api api_of(enum gp_gl_choice choice)
-{
-    switch (choice) {
-    case GP_GL_OSMESA:
-        return GP_GL_API_OSMESA;
-    case GP_GL_EGL:
-        return GP_GL_API_EGL;
-    case GP_GL_AUTO:
-        break;
-    }
-    return GP_GL_API_AUTO;
-}
-
 gp_status gp_splat_open(const struct gp_log *log, struct gp_splat *s,
-                        enum gp_gl_choice choice)
+                        enum gp_gl_api choice)
 {
     if (s->gl && s->choice != choice)
         close_context(s);
     if (s->gl)
         return gp_gl_use(log, s->gl);
     s->choice = choice;
-    return gp_gl_open(log, api_of(choice), &s->gl);
+    return gp_gl_open(log, choice, &s->gl);
 }
 
 gp_status gp_splat_use(const struct gp_log *log, struct gp_splat *s,
@@ -95,7 +82,7 @@ gp_status gp_splat_use(const struct gp_log *log, struct gp_splat *s,
 #undef FILES
     if (s->program[which].id)
         return GP_OK;
-    return gp_program_make(log, s->gl, files[which][0], files[which][1],
+    return gp_program_make(log, s->gl, "", files[which][0], files[which][1],
                            &s->program[which]);
 }
 
@@ -110,7 +97,7 @@ gp_status gp_splat_fit_sources(const struct gp_log *log, struct gp_splat *s,
     w = t->w > w ? t->w : w; // the box of a moving light changes each frame
     h = t->h > h ? t->h : h;
     gp_texture_free(s->gl, t);
-    return gp_texture_make(log, s->gl, "sensors", w, h, t);
+    return gp_texture_make(log, s->gl, "sensors", GP_TEXEL_FLOAT, w, h, t);
 }
 
 static gp_status fit_target(const struct gp_log *log, struct gp_splat *s,
@@ -119,7 +106,7 @@ static gp_status fit_target(const struct gp_log *log, struct gp_splat *s,
     if (t->colour.w == w && t->colour.h == h)
         return GP_OK;
     gp_target_free(s->gl, t);
-    return gp_target_make(log, s->gl, "layer", w, h, t);
+    return gp_target_make(log, s->gl, "layer", GP_TEXEL_FLOAT, 1, w, h, t);
 }
 
 gp_status gp_splat_fit_targets(const struct gp_log *log, struct gp_splat *s,
@@ -149,8 +136,9 @@ void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
 }
 
 /* Rows [y0, y1) of the texture, border included, into the band. */
-static void fill_band(const struct gp_planes *k, const struct gp_splat_kernel *o,
-                      float *band, int y0, int y1)
+static void fill_band(const struct gp_planes *k,
+                      const struct gp_splat_kernel *o, float *band, int y0,
+                      int y1)
 {
     const int b = o->border;
     const size_t width = (size_t) o->w + 2 * (size_t) b;
@@ -172,7 +160,8 @@ static gp_status upload(const struct gp_log *log, struct gp_splat *s,
 {
     const int w = o->w + 2 * o->border, h = o->h + 2 * o->border;
     const int rows = GP_SPLAT_BAND_TEXELS / w;
-    gp_status st = gp_texture_make(log, s->gl, "kernel", w, h, &o->texture);
+    gp_status st = gp_texture_make(log, s->gl, "kernel", GP_TEXEL_FLOAT, w, h,
+                                   &o->texture);
     for (int y0 = 0; !st && y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, h - y0 > rows ? y0 + rows : h};
         fill_band(k, o, s->band, band.y0, band.y1);

@@ -3,8 +3,7 @@
 #ifndef GP_GLARE_SPLAT_STATE_H
 #define GP_GLARE_SPLAT_STATE_H
 
-#include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/gl.h"
 #include "glare/bound/bound.h"
 #include "glare/engine.h"
 #include "glare/splat/group.h"
@@ -45,12 +44,12 @@ struct gp_splat_kernel {
 
 struct gp_splat {
     struct gp_gl *gl;               // NULL before the first drawing
-    enum gp_gl_choice choice;       // what was asked for when gl was opened
+    enum gp_gl_api choice;       // what was asked for when gl was opened
     struct gp_program program[GP_SPLAT_PROGRAM_COUNT];
     struct gp_target total, chunk;  // of one size; chunk only for many polygons
     struct gp_target groups, clusters;
     struct gp_texture sources;
-    struct gp_block reaches;        // of polygons, by gp_source_bin()
+    struct gp_uniform_block reaches;        // of polygons, by gp_source_bin()
     struct gp_tiles *tiles;
     float *band; // GP_SPLAT_BAND_TEXELS texels on their way in or out
 
@@ -72,7 +71,7 @@ GP_MUST_CHECK gp_status gp_splat_make(const struct gp_log *log, void **state);
  * afterwards. Errors: GP_ERR_GL; no context is open then. */
 GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
                                       struct gp_splat *s,
-                                      enum gp_gl_choice choice);
+                                      enum gp_gl_api choice);
 void gp_splat_close(void **state);
 
 /* Makes a program when it is not there. Errors: GP_ERR_GL. */

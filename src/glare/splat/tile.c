@@ -12,9 +12,7 @@
 #include "glare/splat/tile.h"
 
 #include "core/memory.h"
-#include "gl/list.h"
-#include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/gl.h"
 #include "glare/splat/tile_list.h"
 
 #include <math.h>
@@ -39,7 +37,7 @@ struct packed {
 struct gp_tiles {
     struct gp_program program[VARIANTS];
     struct gp_target target;
-    struct gp_list list;
+    struct gp_texel_buffer list;
     float *texel; // GP_TILE_TEXELS, the list's and pixels on their way out
 
     // what `packed` was made from
@@ -81,7 +79,7 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
     for (int i = 0; i < VARIANTS; i++)
         gp_program_free(gl, &t->program[i]);
     gp_target_free(gl, &t->target);
-    gp_list_free(gl, &t->list);
+    gp_texel_buffer_free(gl, &t->list);
     gp_free(t->texel);
     GP_FREE(*state);
 }
@@ -100,7 +98,7 @@ static gp_status open_state(const struct gp_log *log, struct gp_gl *gl,
         GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
                         4 * sizeof(float), &block));
         (*state)->texel = block;
-        GP_TRY(gp_list_make(log, gl, "lists of tiles", GP_TILE_TEXELS,
+        GP_TRY(gp_texel_buffer_make(log, gl, "lists of tiles", GP_TILE_TEXELS,
                             &(*state)->list));
     }
     struct gp_tiles *t = *state;
@@ -128,7 +126,7 @@ static gp_status fit_program(const struct gp_log *log, const struct gp_gl *gl,
     *out = &t->program[i];
     if (t->program[i].id)
         return GP_OK;
-    return gp_program_make_as(log, gl, defines[i], "add.vert", "tile.frag",
+    return gp_program_make(log, gl, defines[i], "add.vert", "tile.frag",
                               &t->program[i]);
 }
 
@@ -143,7 +141,8 @@ static gp_status fit_target(const struct work *k)
     w = to->colour.w > w ? to->colour.w : w;
     h = to->colour.h > h ? to->colour.h : h;
     gp_target_free(k->gl, to);
-    return gp_target_make_many(k->log, k->gl, "layer", w, h, ATTACHMENTS, to);
+    return gp_target_make(k->log, k->gl, "layer", GP_TEXEL_FLOAT, ATTACHMENTS,
+                          w, h, to);
 }
 
 /* -- kernels --------------------------------------------------------------- */
@@ -169,8 +168,8 @@ static gp_status pack(const struct work *k, const struct gp_blur *blur,
     int w = blur->grey ? (blur->w - 1) / BLOCK_W + 1 : blur->w;
     int rows = BAND_TEXELS / w + 1;
     size_t pitch = 4 * (size_t) w;
-    gp_status st = gp_texture_make(k->log, k->gl, "kernel", w, blur->h,
-                                   &p->texture);
+    gp_status st = gp_texture_make(k->log, k->gl, "kernel", GP_TEXEL_FLOAT, w,
+                                   blur->h, &p->texture);
     void *block = NULL;
     if (!st)
         st = gp_alloc_zero(k->log, "kernel rows", pitch * (size_t) rows,
@@ -224,7 +223,7 @@ static gp_status draw_list(const struct work *k, const struct gp_program *p,
 {
     int columns = list->side - 2, rows = list->side - 1; // log2 of blocks
     const struct gp_uniform uniform[] = {
-        {.name = "list", .list = &k->t->list},
+        {.name = "list", .texels = &k->t->list},
         {.name = "tile", .v = {columns, rows}},
         {.name = "sums", .v = {list->across,
                                2 * gp_tile_inner((size_t) list->most)}},
@@ -237,7 +236,7 @@ static gp_status draw_list(const struct work *k, const struct gp_program *p,
                 list->lit.x1 << columns, list->lit.y1 << rows},
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_list_write(k->gl, &k->t->list, 0, list->texels, list->texel);
+    gp_texel_buffer_write(k->gl, &k->t->list, 0, list->texels, list->texel);
     return gp_draw_run(k->log, k->gl, &draw);
 }
 
@@ -278,7 +277,7 @@ static void read_plane(const struct work *k, int c, int lower)
     int h = (gp_rect_h(k->field) + BLOCK_H - 1 - lower) / BLOCK_H;
     if (h < 1)
         return;
-    gp_target_read_from(k->gl, &k->t->target, BLOCK_H * c + lower,
+    gp_target_read(k->gl, &k->t->target, BLOCK_H * c + lower,
                         (struct gp_rect) {0, 0, w, h}, k->t->texel);
     for (int y = 0; y < h; y++)
         memcpy(k->layer->c[c] +
@@ -330,7 +329,7 @@ static int field_size(int size, int limit, int block)
 
 static gp_status draw_fields(struct work *k)
 {
-    int max = gp_gl_max_size(k->gl), limit = GP_TILE_FIELD;
+    int max = gp_gl_info(k->gl)->max_size, limit = GP_TILE_FIELD;
     int w = field_size(k->w, max < limit / BLOCK_W ? max * BLOCK_W : limit,
                        BLOCK_W);
     int h = field_size(k->h, max < limit / BLOCK_H ? max * BLOCK_H : limit,

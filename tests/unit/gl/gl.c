@@ -3,25 +3,24 @@
 #include "unit.h"
 #include "gl_open.h"
 
-#include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/gl.h"
 
 #include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const enum gp_gl_api apis[] = {GP_GL_API_OSMESA, GP_GL_API_EGL,
-                                      GP_GL_API_AUTO};
+static const enum gp_gl_api apis[] = {GP_GL_OSMESA, GP_GL_EGL,
+                                      GP_GL_AUTO};
 
 static void opens_and_closes(void **state)
 {
     (void) state;
     for (int i = 0; i < 9; i++) {
         struct gp_gl *gl = open_or_skip(apis[i % 3]);
-        assert_non_null(strstr(gp_gl_name(gl), ": "));
-        assert_true(gp_gl_max_size(gl) >= 4096);
-        if (strstr(gp_gl_name(gl), "llvmpipe"))
-            assert_true(gp_gl_is_software(gl));
+        assert_non_null(strstr(gp_gl_info(gl)->name, ": "));
+        assert_true(gp_gl_info(gl)->max_size >= 4096);
+        if (strstr(gp_gl_info(gl)->name, "llvmpipe"))
+            assert_true(gp_gl_info(gl)->software);
         gp_gl_close(&gl);
         assert_null(gl);
         gp_gl_close(&gl);
@@ -34,8 +33,8 @@ static void missing_library_is_named(void **state)
         enum gp_gl_api api;
         const char *env, *package;
     } rows[] = {
-        {GP_GL_API_OSMESA, "GLAREPP_OSMESA", "libosmesa6"},
-        {GP_GL_API_EGL, "GLAREPP_EGL", "libegl1"},
+        {GP_GL_OSMESA, "GLAREPP_OSMESA", "libosmesa6"},
+        {GP_GL_EGL, "GLAREPP_EGL", "libegl1"},
     };
     (void) state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
@@ -52,14 +51,15 @@ static void missing_library_is_named(void **state)
 static void auto_falls_back(void **state)
 {
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_EGL);
+    struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
     setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl), GP_OK);
-    assert_ptr_equal(strstr(gp_gl_name(gl), "EGL: "), gp_gl_name(gl));
+    assert_int_equal(gp_gl_open(&log_kept, GP_GL_AUTO, &gl), GP_OK);
+    assert_ptr_equal(strstr(gp_gl_info(gl)->name, "EGL: "),
+                     gp_gl_info(gl)->name);
     gp_gl_close(&gl);
     setenv("GLAREPP_EGL", "/nonexistent/lib.so", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl), GP_ERR_GL);
+    assert_int_equal(gp_gl_open(&log_kept, GP_GL_AUTO, &gl), GP_ERR_GL);
     assert_said("libosmesa6");
     assert_said("libegl1");
     unsetenv("GLAREPP_OSMESA");
@@ -72,11 +72,11 @@ static void wrong_library_fails(void **state)
     struct gp_gl *gl = NULL;
     (void) state;
     setenv("GLAREPP_OSMESA", "libm.so.6", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_API_OSMESA, &gl), GP_ERR_GL);
+    assert_int_equal(gp_gl_open(&log_kept, GP_GL_OSMESA, &gl), GP_ERR_GL);
     assert_said("OSMesaCreateContextAttribs");
     unsetenv("GLAREPP_OSMESA");
     setenv("GLAREPP_EGL", "libm.so.6", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_API_EGL, &gl), GP_ERR_GL);
+    assert_int_equal(gp_gl_open(&log_kept, GP_GL_EGL, &gl), GP_ERR_GL);
     assert_said("eglBindAPI");
     unsetenv("GLAREPP_EGL");
     assert_null(gl);
@@ -92,7 +92,7 @@ static int open_as_33(enum gp_gl_api api)
     if (strstr(last_line, "does not open"))
         return 77;
     return st == GP_ERR_GL && !gl && strstr(last_line, "4.5 is needed (3.")
-               ? 0 : gl && !gp_gl_is_software(gl) ? 77 : 1;
+               ? 0 : gl && !gp_gl_info(gl)->software ? 77 : 1;
 }
 
 /* Mesa can be told to be older than it is, but hears it only once. */
@@ -118,9 +118,9 @@ static void limit_can_be_lowered(void **state)
 {
     (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     unsetenv("GLAREPP_GL_MAX_SIZE");
-    assert_int_equal(gp_gl_max_size(gl), 16);
+    assert_int_equal(gp_gl_info(gl)->max_size, 16);
     static const struct {
         int w, h;
         gp_status want;
@@ -132,10 +132,13 @@ static void limit_can_be_lowered(void **state)
         struct gp_texture t = {0};
         struct gp_target g = {0};
         last_line[0] = '\0';
-        assert_int_equal(gp_texture_make(&log_kept, gl, "kernel", rows[i].w,
-                                         rows[i].h, &t), rows[i].want);
-        assert_int_equal(gp_target_make(&log_kept, gl, "layer", rows[i].w,
-                                        rows[i].h, &g), rows[i].want);
+        assert_int_equal(gp_texture_make(&log_kept, gl, "kernel",
+                                         GP_TEXEL_FLOAT, rows[i].w, rows[i].h,
+                                         &t),
+                         rows[i].want);
+        assert_int_equal(gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT,
+                                        1, rows[i].w, rows[i].h, &g),
+                         rows[i].want);
         if (rows[i].want)
             assert_said("16x16 is the limit");
         gp_texture_free(gl, &t);
@@ -203,18 +206,22 @@ static void draw_in(struct gp_gl *gl)
     const struct gp_rect all = {0, 0, W, H};
     fill(px, 20071u);
     assert_int_equal(gp_gl_use(&log_kept, gl), GP_OK);
-    assert_int_equal(gp_program_make(&log_kept, gl, "add.vert", "add.frag",
+    assert_int_equal(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag",
                                      &p), GP_OK);
-    assert_int_equal(gp_texture_make(&log_kept, gl, "a", W, H, &from), GP_OK);
-    assert_int_equal(gp_target_make(&log_kept, gl, "b", W, H, &to), GP_OK);
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, W, H, &from),
+        GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to),
+        GP_OK);
     gp_texture_write(gl, &from, (struct gp_rect) {0, 0, W, 9}, px);
     gp_texture_write(gl, &from, (struct gp_rect) {0, 9, W, H}, px + 4 * W * 9);
     gp_target_clear(gl, &to, (struct gp_rect) {-9, -9, 999, 999});
     add_twice(gl, &p, &from, &to);
-    gp_target_read(gl, &to, all, got);
+    gp_target_read(gl, &to, 0, all, got);
     check_sum(px, got);
     gp_target_clear(gl, &to, (struct gp_rect) {0, 3, W, 4});
-    gp_target_read(gl, &to, (struct gp_rect) {0, 3, W, 5}, got);
+    gp_target_read(gl, &to, 0, (struct gp_rect) {0, 3, W, 5}, got);
     for (int i = 0; i < 4 * W; i++) {
         assert_true(got[i] == 0.0f);
         assert_true(got[4 * W + i] == 2 * px[4 * W * 4 + i]);
@@ -247,10 +254,11 @@ static void contexts_live_side_by_side(void **state)
 static void errors_are_named_and_cleared(void **state)
 {
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_texture t = {0};
     const float px[4] = {0};
-    assert_int_equal(gp_texture_make(&log_kept, gl, "a", 1, 1, &t), GP_OK);
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t), GP_OK);
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, -1, 1}, px);
     gp_texture_write(gl, &t, (struct gp_rect) {5, 0, 6, 1}, px);
     assert_int_equal(gp_gl_check(&log_kept, gl, "writing"), GP_ERR_GL);
@@ -263,24 +271,28 @@ static void errors_are_named_and_cleared(void **state)
 static void blocks_and_lists_have_limits(void **state)
 {
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
-    struct gp_block b = {0};
-    struct gp_list l = {0};
-    assert_true(gp_gl_block_max(gl) >= 16384);
-    assert_true(gp_gl_list_max(gl) >= 65536);
-    assert_int_equal(gp_block_make(&log_kept, gl, "a", 0, &b), GP_ERR_GL);
-    assert_int_equal(gp_block_make(&log_kept, gl, "a",
-                                   (size_t) gp_gl_block_max(gl) + 1, &b),
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_uniform_block b = {0};
+    struct gp_texel_buffer l = {0};
+    assert_true(gp_gl_info(gl)->max_block >= 16384);
+    assert_true(gp_gl_info(gl)->max_texel_buffer >= 65536);
+    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a", 0, &b),
+                     GP_ERR_GL);
+    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a",
+                                   (size_t) gp_gl_info(gl)->max_block + 1, &b),
                      GP_ERR_GL);
     assert_said("one uniform block");
-    assert_int_equal(gp_list_make(&log_kept, gl, "a", 0, &l), GP_ERR_GL);
+    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "a", 0, &l),
+                     GP_ERR_GL);
     assert_said("one buffer texture");
     assert_int_equal(b.id, 0);
     assert_int_equal(l.id, 0);
-    assert_int_equal(gp_block_make(&log_kept, gl, "a", 16384, &b), GP_OK);
-    assert_int_equal(gp_list_make(&log_kept, gl, "a", 65536, &l), GP_OK);
-    gp_block_free(gl, &b);
-    gp_list_free(gl, &l);
+    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a", 16384, &b),
+                     GP_OK);
+    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "a", 65536, &l),
+                     GP_OK);
+    gp_uniform_block_free(gl, &b);
+    gp_texel_buffer_free(gl, &l);
     gp_gl_close(&gl);
 }
 

@@ -3,11 +3,7 @@
  * are tests/faults/broken_gl.c and broken_egl.c. */
 #include "unit.h"
 #include "core/memory.h"
-#include "gl/block.h"
-#include "gl/context.h"
-#include "gl/list.h"
-#include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/gl_priv.h"
 
 #include <limits.h>
 #include <setjmp.h>
@@ -74,7 +70,8 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
     }
 }
 
-// -- systems --------------------------------------------------------------------
+// -- systems
+// --------------------------------------------------------------------
 
 /* What breaks, and the line that says so; NULL: a context all the same. */
 struct broken {
@@ -92,16 +89,16 @@ static void osmesa_refuses(void **state)
         {"core", NULL}, {"unnamed", NULL},
     };
     (void) state;
-    use_broken(GP_GL_API_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
+    use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         setenv("BROKEN_GL", rows[i].what, 1);
-        const gp_status st = try_open(GP_GL_API_OSMESA);
+        const gp_status st = try_open(GP_GL_OSMESA);
         assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
         if (rows[i].said)
             assert_said(rows[i].what, rows[i].said);
         unsetenv("BROKEN_GL");
     }
-    assert_int_equal(try_open(GP_GL_API_OSMESA), GP_OK);
+    assert_int_equal(try_open(GP_GL_OSMESA), GP_OK);
     unsetenv("GLAREPP_OSMESA");
 }
 
@@ -111,12 +108,12 @@ static void missing_functions_are_named(void **state)
     static const char *const names[] = {"glGetString", GP_GL_FUNCTIONS(NAME)};
 #undef NAME
     (void) state;
-    use_broken(GP_GL_API_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
+    use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char said[96];
         snprintf(said, sizeof said, "%s is missing", names[i]);
         setenv("BROKEN_GL_MISSING", names[i], 1);
-        assert_int_equal(try_open(GP_GL_API_OSMESA), GP_ERR_GL);
+        assert_int_equal(try_open(GP_GL_OSMESA), GP_ERR_GL);
         assert_said(names[i], said);
     }
     unsetenv("BROKEN_GL_MISSING");
@@ -136,10 +133,10 @@ static void egl_refuses(void **state)
         {"device", NULL}, {"nameless", NULL}, {"core", NULL},
     };
     (void) state;
-    use_broken(GP_GL_API_EGL, "GLAREPP_EGL", "broken_egl.so");
+    use_broken(GP_GL_EGL, "GLAREPP_EGL", "broken_egl.so");
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         setenv("BROKEN_EGL", rows[i].what, 1);
-        const gp_status st = try_open(GP_GL_API_EGL);
+        const gp_status st = try_open(GP_GL_EGL);
         // Mesa's older contexts are of a version that may be enough, or not
         if (strcmp(rows[i].what, "core") != 0 || st == GP_OK)
             assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
@@ -149,11 +146,12 @@ static void egl_refuses(void **state)
             assert_said(rows[i].what, rows[i].said);
         unsetenv("BROKEN_EGL");
     }
-    assert_int_equal(try_open(GP_GL_API_EGL), GP_OK);
+    assert_int_equal(try_open(GP_GL_EGL), GP_OK);
     unsetenv("GLAREPP_EGL");
 }
 
-// -- a driver's answers -----------------------------------------------------------
+// -- a driver's answers
+// -----------------------------------------------------------
 
 static GLenum flag; // what glGetError() says
 static int times;   // so many times, then that all is well
@@ -174,7 +172,7 @@ static struct gp_gl *open_or_skip(void)
 {
     struct gp_gl *gl = NULL;
     lines = 0;
-    if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK) {
+    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK) {
         print_message("no context: %s\n", last_line);
         skip();
     }
@@ -220,8 +218,8 @@ static void objects_are_refused(void **state)
     for (int broken = 1; broken >= 0; broken--) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
-        struct gp_list l = {0};
-        struct gp_block b = {0};
+        struct gp_texel_buffer l = {0};
+        struct gp_uniform_block b = {0};
         struct gp_program p = {0};
         const gp_status want = broken ? GP_ERR_GL : GP_OK;
         gl->f.GetError = broken ? broken_error : real;
@@ -231,11 +229,11 @@ static void objects_are_refused(void **state)
         assert_int_equal(call, want);                                         \
         if (broken)                                                           \
             assert_said(#call, "GL_OUT_OF_MEMORY")
-        MAKES(gp_texture_make(&log_kept, gl, "a", 2, 2, &t));
-        MAKES(gp_target_make(&log_kept, gl, "b", 2, 2, &g));
-        MAKES(gp_list_make(&log_kept, gl, "c", 2, &l));
-        MAKES(gp_block_make(&log_kept, gl, "d", 16, &b));
-        MAKES(gp_program_make(&log_kept, gl, "add.vert", "add.frag", &p));
+        MAKES(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
+        MAKES(gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
+        MAKES(gp_texel_buffer_make(&log_kept, gl, "c", 2, &l));
+        MAKES(gp_uniform_block_make(&log_kept, gl, "d", 16, &b));
+        MAKES(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag", &p));
 #undef MAKES
         assert_true((t.id && g.framebuffer && l.id && l.buffer && b.id &&
                      p.id) == !broken);
@@ -243,8 +241,8 @@ static void objects_are_refused(void **state)
                      l.buffer || b.id || p.id) == !broken);
         gp_texture_free(gl, &t);
         gp_target_free(gl, &g);
-        gp_list_free(gl, &l);
-        gp_block_free(gl, &b);
+        gp_texel_buffer_free(gl, &l);
+        gp_uniform_block_free(gl, &b);
         gp_program_free(gl, &p);
     }
     gp_gl_close(&gl);
@@ -259,21 +257,24 @@ static void targets_are_refused(void **state)
     struct gp_target t = {0};
     (void) state;
     gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
-    assert_int_equal(gp_target_make(&log_kept, gl, "layer", 2, 2, &t),
-                     GP_ERR_GL);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT, 1, 2, 2, &t),
+        GP_ERR_GL);
     assert_said("unsupported", "framebuffer status 0x8cdd");
     gl->f.CheckNamedFramebufferStatus = check;
     // a byte target that memory cannot hold
     gl->f.GetError = broken_error;
     flag = GL_OUT_OF_MEMORY;
     times = 1;
-    assert_int_equal(gp_target_make_byte(&log_kept, gl, "layer", 2, 2, &t),
-                     GP_ERR_GL);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_BYTE, 1, 2, 2, &t),
+        GP_ERR_GL);
     assert_said("byte", "GL_OUT_OF_MEMORY");
     gl->f.GetError = error;
     assert_int_equal(t.framebuffer, 0);
-    assert_int_equal(gp_target_make_many(&log_kept, gl, "layer", 2, 2, 4, &t),
-                     GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t),
+        GP_OK);
     const struct gp_rect nothing = {5, 5, 9, 9}; // outside: nothing to do
     gp_target_clear(gl, &t, nothing);
     assert_int_equal(gp_gl_check(&log_kept, gl, "clearing"), GP_OK);
@@ -287,11 +288,13 @@ static void unknown_files_are_named(void **state)
     struct gp_gl *gl = open_or_skip();
     struct gp_program p = {0};
     (void) state;
-    assert_int_equal(gp_program_make(&log_kept, gl, "add.vert", "no.frag", &p),
-                     GP_ERR_BUG);
+    assert_int_equal(
+        gp_program_make(&log_kept, gl, "", "add.vert", "no.frag", &p),
+        GP_ERR_BUG);
     assert_said("fragment", "no.frag");
-    assert_int_equal(gp_program_make(&log_kept, gl, "no.vert", "add.frag", &p),
-                     GP_ERR_BUG);
+    assert_int_equal(
+        gp_program_make(&log_kept, gl, "", "no.vert", "add.frag", &p),
+        GP_ERR_BUG);
     assert_said("vertex", "no.vert");
     assert_int_equal(p.id, 0);
     gp_gl_close(&gl);
@@ -302,13 +305,13 @@ static void limit_is_only_lowered(void **state)
 {
     static const char *const rows[] = {"", "none", "-5", "0", "999999999"};
     struct gp_gl *gl = open_or_skip();
-    const int most = gp_gl_max_size(gl);
+    const int most = gp_gl_info(gl)->max_size;
     (void) state;
     gp_gl_close(&gl);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         setenv("GLAREPP_GL_MAX_SIZE", rows[i], 1);
         gl = open_or_skip();
-        assert_int_equal(gp_gl_max_size(gl), most);
+        assert_int_equal(gp_gl_info(gl)->max_size, most);
         gp_gl_close(&gl);
     }
     unsetenv("GLAREPP_GL_MAX_SIZE");

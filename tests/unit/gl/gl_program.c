@@ -3,8 +3,7 @@
 #include "unit.h"
 #include "gl_open.h"
 
-#include "gl/program.h"
-#include "gl/texture.h"
+#include "gl/gl_priv.h"
 
 static const struct gp_shader_file good_vert = {
     "good.vert", "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, "
@@ -19,19 +18,20 @@ static void compiler_speaks_of_the_file(void **state)
                          "void main() { c = absent; }\n"};
     (void) state;
     for (int i = 0; i < 2; i++) {
-        struct gp_gl *gl = open_or_skip(i ? GP_GL_API_EGL : GP_GL_API_OSMESA);
+        struct gp_gl *gl = open_or_skip(i ? GP_GL_EGL : GP_GL_OSMESA);
         struct gp_program p = {0};
         assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
                                               &bad, &p), GP_ERR_GL);
         assert_said("bad.frag");
         assert_said("nothing");
-        if (strstr(gp_gl_name(gl), "llvmpipe"))
+        if (strstr(gp_gl_info(gl)->name, "llvmpipe"))
             assert_said("0:4"); // line 4 of the file, not of what is before
         assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
                                               &unlinked, &p), GP_ERR_GL);
         assert_said("absent");
-        assert_int_equal(gp_program_make(&log_kept, gl, "no.vert", "add.frag",
-                                         &p), GP_ERR_BUG);
+        assert_int_equal(
+            gp_program_make(&log_kept, gl, "", "no.vert", "add.frag", &p),
+            GP_ERR_BUG);
         assert_said("no.vert");
         assert_int_equal(p.id, 0);
         assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
@@ -98,20 +98,21 @@ static void attachments_are_apart(void **state)
     static float px[4 * 5 * 3];
     const struct gp_rect all = {0, 0, 5, 3};
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, eight);
     const struct gp_uniform u[] = {{.name = "first", .floats = 1,
                                     .f = {0.25f}}, {0}};
     for (int n = 1; n <= GP_ATTACHMENTS; n++) {
         struct gp_target t = {0};
-        assert_int_equal(gp_target_make_many(&log_kept, gl, "t", 5, 3, n, &t),
-                         GP_OK);
+        assert_int_equal(
+            gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, n, 5, 3, &t),
+            GP_OK);
         assert_int_equal(t.n, n);
         draw_once(gl, &p, &t, u, true);
         draw_once(gl, &p, &t, u, true);
         draw_once(gl, &p, &t, u, false);
         for (int i = 0; i < n; i++) {
-            gp_target_read_from(gl, &t, i, all, px);
+            gp_target_read(gl, &t, i, all, px);
             for (int k = 0; k < 15; k++) {
                 assert_true(px[4 * k] == 2.0f * (float) (k % 5) + 1.0f);
                 assert_true(px[4 * k + 1] == 2.0f * (float) (k / 5) + 1.0f);
@@ -121,7 +122,7 @@ static void attachments_are_apart(void **state)
         }
         gp_target_clear(gl, &t, all);
         for (int i = 0; i < n; i++) {
-            gp_target_read_from(gl, &t, i, all, px);
+            gp_target_read(gl, &t, i, all, px);
             for (int k = 0; k < 60; k++)
                 assert_true(px[k] == 0.0f);
         }
@@ -156,27 +157,31 @@ static void uniforms_arrive(void **state)
     static const float entries[12] = {[7] = 12.0f, [8] = 11.0f};
     const struct gp_rect square = {0, 0, 2, 2};
     struct gp_texture sharp = {0}, smooth = {0};
-    struct gp_list list = {0};
-    struct gp_block block = {0};
+    struct gp_texel_buffer list = {0};
+    struct gp_uniform_block block = {0};
     struct gp_target t = {0};
     float got[12];
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "#define VALUE 13.0\n",
                                      good_vert.text, frag);
-    assert_int_equal(gp_texture_make(&log_kept, gl, "a", 2, 2, &sharp), GP_OK);
-    assert_int_equal(gp_texture_make_linear(&log_kept, gl, "b", 2, 2, &smooth),
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp),
+        GP_OK);
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth),
+        GP_OK);
+    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "c", 3, &list), GP_OK);
+    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "d", 32, &block),
                      GP_OK);
-    assert_int_equal(gp_list_make(&log_kept, gl, "c", 3, &list), GP_OK);
-    assert_int_equal(gp_block_make(&log_kept, gl, "d", 32, &block), GP_OK);
-    assert_int_equal(gp_target_make_many(&log_kept, gl, "e", 1, 1, 3, &t),
-                     GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t), GP_OK);
     gp_texture_write(gl, &sharp, square, texels);
     float rows[16] = {0};
     rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
     gp_texture_write(gl, &smooth, square, rows);
-    gp_list_write(gl, &list, 1, 2, entries + 4);
-    gp_block_write(gl, &block, entries, 32);
+    gp_texel_buffer_write(gl, &list, 1, 2, entries + 4);
+    gp_uniform_block_write(gl, &block, entries, 32);
     const struct gp_uniform u[] = {
         {.name = "one", .floats = 1, .f = {0.5f}},
         {.name = "two", .floats = 2, .f = {0.25f, 0.75f}},
@@ -184,11 +189,11 @@ static void uniforms_arrive(void **state)
         {.name = "whole", .v = {-4, 5}},
         {.name = "smooth0", .texture = &smooth},
         {.name = "texture0", .texture = &sharp},
-        {.name = "image0", .image = &sharp}, {.name = "list0", .list = &list},
+        {.name = "image0", .image = &sharp}, {.name = "list0", .texels = &list},
         {.name = "Block", .block = &block}, {0}};
     draw_once(gl, &p, &t, u, true);
     for (int i = 0; i < 3; i++)
-        gp_target_read_from(gl, &t, i, (struct gp_rect) {0, 0, 1, 1},
+        gp_target_read(gl, &t, i, (struct gp_rect) {0, 0, 1, 1},
                             got + 4 * i);
     for (int i = 0; i < 12; i++)
         assert_true(got[i] == want[i]);
@@ -202,10 +207,10 @@ static void uniforms_arrive(void **state)
     assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
     gp_texture_free(gl, &sharp);
     gp_texture_free(gl, &smooth);
-    gp_list_free(gl, &list);
-    gp_list_free(gl, &list);
-    gp_block_free(gl, &block);
-    gp_block_free(gl, &block);
+    gp_texel_buffer_free(gl, &list);
+    gp_texel_buffer_free(gl, &list);
+    gp_uniform_block_free(gl, &block);
+    gp_uniform_block_free(gl, &block);
     gp_target_free(gl, &t);
     gp_program_free(gl, &p);
     gp_gl_close(&gl);
@@ -228,18 +233,20 @@ static void linear_textures_mix(void **state)
     struct gp_target to = {0};
     float px[4];
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_int_equal(gp_texture_make_linear(&log_kept, gl, "t", 2, 2, &t),
-                     GP_OK);
-    assert_int_equal(gp_target_make(&log_kept, gl, "to", 1, 1, &to), GP_OK);
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t), GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "to", GP_TEXEL_FLOAT, 1, 1, 1, &to),
+        GP_OK);
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         const struct gp_uniform u[] = {
             {.name = "t", .texture = &t},
             {.name = "at", .floats = 2, .f = {rows[i].x, rows[i].y}}, {0}};
         draw_once(gl, &p, &to, u, true);
-        gp_target_read(gl, &to, (struct gp_rect) {0, 0, 1, 1}, px);
+        gp_target_read(gl, &to, 0, (struct gp_rect) {0, 0, 1, 1}, px);
         assert_float_equal(px[0], rows[i].want, 0.02); // GPUs have 8 bits
     }
     gp_texture_free(gl, &t);
@@ -270,10 +277,11 @@ static void points_are_squares(void **state)
     struct gp_target t = {0};
     float px[4 * 64];
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
-    assert_true(gp_gl_point_size_max(gl) >= 40.0f);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    assert_true(gp_gl_info(gl)->max_point >= 40.0f);
     struct gp_program p = program_of(gl, "", vert, frag);
-    assert_int_equal(gp_target_make(&log_kept, gl, "t", 8, 8, &t), GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, 8, 8, &t), GP_OK);
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
         int more = rows[i].view, found = 0;
         float size = (float) (8 + 2 * more);
@@ -288,7 +296,7 @@ static void points_are_squares(void **state)
             .vertices = 1, .instances = 1, .points = true};
         gp_target_clear(gl, &t, (struct gp_rect) {0, 0, 8, 8});
         assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_OK);
-        gp_target_read(gl, &t, (struct gp_rect) {0, 0, 8, 8}, px);
+        gp_target_read(gl, &t, 0, (struct gp_rect) {0, 0, 8, 8}, px);
         for (int k = 0; k < 64; k++)
             found += px[4 * k] == 1.0f;
         if (found != rows[i].want)
@@ -310,29 +318,30 @@ static void lists_wait_for_draws(void **state)
         "    for (int i = 0; i < 64; i++) c += imageLoad(list, i); }\n";
     static float px[4 * SIDE * SIDE];
     float entries[4 * 64];
-    struct gp_list list = {0};
+    struct gp_texel_buffer list = {0};
     struct gp_target t = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_int_equal(gp_target_make(&log_kept, gl, "t", SIDE, SIDE, &t),
-                     GP_OK);
+    assert_int_equal(
+        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, SIDE, SIDE, &t),
+        GP_OK);
     gp_target_clear(gl, &t, all);
     for (int d = 0; d < DRAWS; d++) {
-        const struct gp_uniform u[] = {{.name = "list", .list = &list}, {0}};
+        const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
         if (d % 2 == 0) {
-            gp_list_free(gl, &list);
-            assert_int_equal(gp_list_make(&log_kept, gl, "l", 64, &list),
-                             GP_OK);
+            gp_texel_buffer_free(gl, &list);
+            assert_int_equal(
+                gp_texel_buffer_make(&log_kept, gl, "l", 64, &list), GP_OK);
         }
         for (int i = 0; i < 4 * 64; i++)
             entries[i] = (float) (1 << d);
-        gp_list_write(gl, &list, 0, 64, entries);
+        gp_texel_buffer_write(gl, &list, 0, 64, entries);
         draw_once(gl, &p, &t, u, false);
     }
-    gp_list_free(gl, &list);
-    gp_target_read(gl, &t, all, px);
+    gp_texel_buffer_free(gl, &list);
+    gp_target_read(gl, &t, 0, all, px);
     for (int i = 0; i < 4 * SIDE * SIDE; i++)
         assert_true(px[i] == 64.0f * (float) ((1 << DRAWS) - 1));
     gp_target_free(gl, &t);

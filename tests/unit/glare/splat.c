@@ -20,7 +20,7 @@
 
 #include <cmocka.h>
 
-static gp_status splat_or_skip(enum gp_gl_choice gl,
+static gp_status splat_or_skip(enum gp_gl_api gl,
                                const struct gp_sources *src,
                                const struct gp_kernel *k,
                                struct gp_planes *layer, void **state)
@@ -70,7 +70,7 @@ static const struct row rows[] = {
 };
 enum { ROWS = sizeof rows / sizeof rows[0] };
 
-static void run_row(enum gp_gl_choice gl, const struct row *r, void **state)
+static void run_row(enum gp_gl_api gl, const struct row *r, void **state)
 {
     seed = 20071u;
     struct gp_sources src = make_sources(r->w, r->h, r->light);
@@ -94,7 +94,7 @@ static void run_row(enum gp_gl_choice gl, const struct row *r, void **state)
 
 /* One state for all rows: frames and kernels change size under way, and how
  * they are drawn. */
-static void rows_equal_the_sum(enum gp_gl_choice gl)
+static void rows_equal_the_sum(enum gp_gl_api gl)
 {
     static const enum gp_primitive primitives[] = {
         GP_PRIMITIVE_QUAD, GP_PRIMITIVE_POINT, GP_PRIMITIVE_TILE,

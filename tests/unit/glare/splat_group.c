@@ -63,8 +63,8 @@ static struct cells read_cells(struct gp_splat *s, struct gp_cells grid,
     const struct gp_rect all = {0, 0, grid.w, grid.h};
     const size_t n = (size_t) grid.w * (size_t) grid.h;
     struct cells c = {grid, malloc(n * 16), malloc(n * 16)};
-    gp_target_read_from(s->gl, t, 0, all, c.light);
-    gp_target_read_from(s->gl, t, 1, all, c.place);
+    gp_target_read(s->gl, t, 0, all, c.light);
+    gp_target_read(s->gl, t, 1, all, c.place);
     return c;
 }
 

@@ -13,7 +13,7 @@ static void large_points_are_refused(void **state)
     struct gp_planes layer;
     assert_int_equal(open_or_skip(&kept), GP_OK);
     const int most =
-        (int) gp_gl_point_size_max(((struct gp_splat *) kept)->gl);
+        (int) gp_gl_info(((struct gp_splat *) kept)->gl)->max_point;
     if (most > 2000)
         skip();
     struct gp_sources src = make_sources(40, 30, CORNERS);

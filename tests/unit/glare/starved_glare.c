@@ -5,7 +5,7 @@
 #include "unit.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 #include "glare/bound/bound.h"
 #include "glare/compose.h"
 #include "glare/sources.h"
@@ -46,7 +46,8 @@ static struct gp_kernel other;    // takes the place of what is kept
 static struct gp_glare glare;
 static uint64_t hash;             // of what was made
 
-/* -- the engines ------------------------------------------------------------ */
+/* -- the engines ------------------------------------------------------------
+ */
 
 static gp_status run_with(const struct gp_kernel *k)
 {
@@ -101,7 +102,8 @@ static gp_status run_bound(void)
     return GP_ERR_USAGE;
 }
 
-/* -- the parts --------------------------------------------------------------- */
+/* -- the parts ---------------------------------------------------------------
+ */
 
 static gp_status hash_planes(gp_status st, struct gp_planes *p, size_t n)
 {
@@ -191,12 +193,14 @@ static gp_status run_group_reference(void)
     return st;
 }
 
-/* -- kernels ------------------------------------------------------------------ */
+/* -- kernels ------------------------------------------------------------------
+ */
 
 static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 {
-    hash = st ? 0 : hash_more(HASH_NONE, k->k.c[0], (size_t) k->w * (size_t) k->h *
-                                           sizeof(float));
+    hash = st ? 0
+              : hash_more(HASH_NONE, k->k.c[0],
+                          (size_t) k->w * (size_t) k->h * sizeof(float));
     if (!st)
         gp_kernel_free(k);
     return st;
@@ -238,7 +242,8 @@ static gp_status run_from_frame(void)
     return hash_kernel(st, &k);
 }
 
-/* -- every n ------------------------------------------------------------------- */
+/* -- every n
+ * ------------------------------------------------------------------- */
 
 #define EXACT GP_SPLAT_EXACT
 #define GROUPS(how, form, few)                                                \

@@ -7,7 +7,7 @@
 #include "glare/fft/lib.h"
 #include "glare/plan.h"
 #include "glare/splat/state.h"
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 #include "glare_scene.h"
 #include "fail.h"
 #include "said.h"
@@ -20,7 +20,8 @@
 
 #include <cmocka.h>
 
-// -- FFTW -------------------------------------------------------------------------
+// -- FFTW
+// -------------------------------------------------------------------------
 
 /* Before any other test: what is loaded once stays. */
 static void fftw_is_missing(void **state)
@@ -140,7 +141,8 @@ static void wisdom_is_not_kept(void **state)
     assert_true(gp_fft_cost(1) == 1.0);
 }
 
-// -- extra light ------------------------------------------------------------------
+// -- extra light
+// ------------------------------------------------------------------
 
 static void extra_light_is_checked(void **state)
 {
@@ -186,7 +188,8 @@ static void extra_light_is_checked(void **state)
     scene_free(&s);
 }
 
-// -- engines ----------------------------------------------------------------------
+// -- engines
+// ----------------------------------------------------------------------
 
 /* Light that falls beside the frame leaves it black, at no cost. */
 static void kernels_that_reach_nothing(void **state)
@@ -282,7 +285,8 @@ static void patience_is_asked_for(void **state)
     scene_free(&s);
 }
 
-// -- a driver's limits --------------------------------------------------------------
+// -- a driver's limits
+// --------------------------------------------------------------
 
 static gp_status draw_points(struct scene *s, struct gp_glare *g,
                              enum gp_primitive form)
@@ -313,23 +317,24 @@ static void limits_are_named(void **state)
             splat = g.state[i];
     }
     assert_non_null(splat);
-    const float point = splat->gl->max_point;
-    const int size = splat->gl->max_size;
-    splat->gl->max_point = 7.0f;
+    const float point = splat->gl->info.max_point;
+    const int size = splat->gl->info.max_size;
+    splat->gl->info.max_point = 7.0f;
     assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_POINT), GP_ERR_GL);
     assert_non_null(strstr(said_line, "(7 is the limit)"));
-    splat->gl->max_point = point;
-    splat->gl->max_size = 4; // less than a group
+    splat->gl->info.max_point = point;
+    splat->gl->info.max_size = 4; // less than a group
     assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_ERR_GL);
     assert_non_null(strstr(said_line, "4 pixels are the limit"));
     assert_int_equal(said_errors, 2);
-    splat->gl->max_size = size;
+    splat->gl->info.max_size = size;
     assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_OK);
     gp_glare_close(&g);
     scene_free(&s);
 }
 
-// -- choices ------------------------------------------------------------------------
+// -- choices
+// ------------------------------------------------------------------------
 
 struct question {
     const double *bound;

@@ -157,13 +157,13 @@ static void rows_equal_the_sum(enum gp_gl_api api)
 static void osmesa_equals_the_sum(void **state)
 {
     (void) state;
-    rows_equal_the_sum(GP_GL_API_OSMESA);
+    rows_equal_the_sum(GP_GL_OSMESA);
 }
 
 static void egl_equals_the_sum(void **state)
 {
     (void) state;
-    rows_equal_the_sum(GP_GL_API_EGL);
+    rows_equal_the_sum(GP_GL_EGL);
 }
 
 /* Targets far smaller than the frame. */
@@ -185,7 +185,7 @@ static void small_fields_equal_the_sum(void **state)
     for (size_t i = 0; i < sizeof small / sizeof small[0]; i++) {
         struct gp_tiles *kept = NULL;
         setenv("GLAREPP_GL_MAX_SIZE", small[i].side, 1);
-        struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+        struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
         unsetenv("GLAREPP_GL_MAX_SIZE");
         run_row(gl, &small[i].row, &kept, (int) i);
         gp_tiles_free(gl, &kept);
@@ -203,7 +203,7 @@ static void over_the_limit_fails_with_words(void **state)
     double roundings;
     (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     unsetenv("GLAREPP_GL_MAX_SIZE");
     struct scene s = make_scene(&large);
     assert_int_equal(draw(gl, &s, &kept, &roundings), GP_ERR_GL);
@@ -326,7 +326,7 @@ static int print_times(void)
         double pixels = lay_out(&s, t);
         double quads = t->reach ? NAN : time_quads(&s.kernel, &s.layer);
         double start = gp_now_ms();
-        if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK)
+        if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK)
             return 77;
         double frame = time_tiles(gl, &s, 1, &state);
         double first = gp_now_ms() - start - 3 * frame;

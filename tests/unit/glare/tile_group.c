@@ -102,7 +102,7 @@ static void run_row(struct gp_gl *gl, const struct row *r,
 static void groups_equal_the_plain_form(void **state)
 {
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_tiles *kept = NULL;
     for (int i = 0; i < (int) (sizeof rows / sizeof rows[0]); i++)
         run_row(gl, &rows[i], &kept, i);

@@ -58,7 +58,7 @@ static void batches_equal_the_sum(void **state)
     static const struct row row = {SIDE, SIDE, N, WHOLE, 1, 0, 1, 1, 0, 0,
                                    GREY, {0}, false};
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_tiles *kept = NULL;
     double roundings;
     seed = 5u;
@@ -90,7 +90,7 @@ static void no_stale_kernel(void **state)
     static const struct row row = {61, 47, 50, MIXED, 4, 252, 33, 35, 16, 17,
                                    GREY, {0}, false};
     (void) state;
-    struct gp_gl *gl = open_or_skip(GP_GL_API_AUTO);
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_tiles *kept = NULL;
     for (int i = 0; i < 8; i++) {
         struct gp_tiles *fresh = NULL;
@@ -128,7 +128,7 @@ static int print_hash(void)
     struct gp_gl *gl;
     struct gp_tiles *kept = NULL;
     double roundings;
-    if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK)
+    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK)
         return 77;
     seed = 5u;
     struct scene s = make_scene(&row);

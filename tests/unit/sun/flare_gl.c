@@ -10,7 +10,7 @@
 static struct gp_gl *open_or_skip(void)
 {
     struct gp_gl *gl = NULL;
-    if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK) {
+    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK) {
         print_message("no context: %s\n", last_line);
         skip();
     }
@@ -28,7 +28,9 @@ static void draw(struct gp_gl *gl, struct picture *p, const struct gp_flare *f,
         rgba[4 * i] = (float) light[i].visibility * 0.5f;
         rgba[4 * i + 1] = 0.5f;
     }
-    assert_int_equal(gp_texture_make(&log_kept, gl, "test", n, 1, &t), GP_OK);
+    assert_int_equal(
+        gp_texture_make(&log_kept, gl, "test", GP_TEXEL_FLOAT, n, 1, &t),
+        GP_OK);
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, n, 1}, rgba);
     assert_int_equal(gp_flare_draw(&log_kept, gl, f, light, n, &t, p->frame,
                                    p->display, state), GP_OK);
@@ -112,7 +114,7 @@ static void tiles_agree(void **state)
     const struct gp_flare all = all_shapes(e);
     const struct gp_light l[2] = {light_at(60.3, 41.7), light_at(-20, 180)};
     const struct gp_rect frame = {-3, 2, 450, 321};
-    assert_int_equal(gp_gl_max_size(gl), 128);
+    assert_int_equal(gp_gl_info(gl)->max_size, 128);
     check_pair(gl, &all, l, 2, frame, frame, &kept, 0);
     gp_flare_close(gl, &kept);
     free_images(e, all.n);
@@ -195,9 +197,9 @@ static void time_all(void)
     struct gp_light light[64];
     for (int i = 0; i < 64; i++)
         light[i] = light_at(640.3 + 17.0 * i, 300.7 + 7.0 * i);
-    if (gp_gl_open(&log_kept, GP_GL_API_AUTO, &gl) != GP_OK)
+    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK)
         return;
-    printf("%s\n", gp_gl_name(gl));
+    printf("%s\n", gp_gl_info(gl)->name);
     for (int with_gl = 0; with_gl < 2; with_gl++) {
         for (int i = 0; i < f.n; i++) {
             const struct gp_flare one = {&e[i], 1};

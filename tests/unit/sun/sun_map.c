@@ -4,7 +4,7 @@
 #include "sun_maps.h"
 
 #include "core/memory.h"
-#include "gl/context.h"
+#include "gl/gl_priv.h"
 #include "sun/sun_priv.h"
 
 static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100
@@ -49,7 +49,7 @@ static void assert_map(const struct machine *m, const struct sun_frame *f,
         if (fabs((double) (got[0] - want[2 * t])) > 1e-6 ||
             fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
             fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
-                     "%.9g %.9g is %.9g %.9g", gp_gl_name(m->gl), i,
+                     "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
                      p->pattern, size, p->outside, t, (double) want[2 * t],
                      (double) want[2 * t + 1], (double) got[0],
                      (double) got[1]);
@@ -65,7 +65,8 @@ static void assert_maps(const struct machine *m, const struct sun_frame *f,
     const int h = (n + m->map->columns - 1) / m->map->columns * p->map;
     float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
     assert_non_null(atlas);
-    gp_target_read(m->gl, &m->map->atlas, (struct gp_rect) {0, 0, w, h}, atlas);
+    gp_target_read(m->gl, &m->map->atlas, 0, (struct gp_rect){0, 0, w, h},
+                   atlas);
     for (int i = 0; i < n; i++)
         assert_map(m, f, p, atlas, i, &l[i]);
     free(atlas);
@@ -81,8 +82,9 @@ static void assert_sums(const struct machine *m, const struct sun_frame *f,
         const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
         if (!(fabs(l[i].visibility - want) <= 1e-6))
             fail_msg("%s, light %d, pattern %d, map %d, sum %d, outside %d: "
-                     "%.9g is %.9g", gp_gl_name(m->gl), i, p->pattern, p->map,
-                     p->sum, p->outside, want, l[i].visibility);
+                     "%.9g is %.9g",
+                     gp_gl_info(m->gl)->name, i, p->pattern, p->map, p->sum,
+                     p->outside, want, l[i].visibility);
     }
 }
 
@@ -214,7 +216,7 @@ static void bytes_saturate(void **state)
         float texel[4];
         assert_ok(gp_sun_map_draw(&log_kept, m->gl, &clear, &p, &l, 1,
                                   &m->map));
-        gp_target_read(m->gl, &m->map->byte_sums,
+        gp_target_read(m->gl, &m->map->byte_sums, 0,
                        (struct gp_rect) {0, 0, 1, 1}, texel);
         assert_true(texel[0] == 1.0f && texel[1] == 1.0f);
     }
@@ -263,10 +265,10 @@ static void points_may_be_small(void **state)
     for (int k = 0; k < 3 * machine_count; k++) {
         struct machine *const m = machine_at(k / 3);
         const struct gp_sun_params p = {.map = 8};
-        const float limit = m->gl->max_point;
-        m->gl->max_point = most[k % 3];
+        const float limit = m->gl->info.max_point;
+        m->gl->info.max_point = most[k % 3];
         assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, N, &m->map));
-        m->gl->max_point = limit;
+        m->gl->info.max_point = limit;
         assert_sums(m, &f, &p, l, N);
     }
     free_frame(&f);
@@ -290,14 +292,14 @@ static void textures_may_be_small(void **state)
     for (int k = 0; k < 4 * machine_count; k++) {
         struct machine *const m = machine_at(k / 4);
         const struct gp_sun_params p = {.map = 8};
-        const int limit = m->gl->max_size;
+        const int limit = m->gl->info.max_size;
         struct gp_light l[2] = {light_at(40.3, 75.2, rows[k % 4].radius),
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
-        m->gl->max_size = rows[k % 4].most;
+        m->gl->info.max_size = rows[k % 4].most;
         gp_sun_map_close(m->gl, &m->map); // its textures may be larger
         const gp_status st = gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, 2,
                                              &m->map);
-        m->gl->max_size = limit;
+        m->gl->info.max_size = limit;
         assert_int_equal(st, rows[k % 4].want);
         if (!rows[k % 4].want)
             assert_sums(m, &f, &p, l, 2);

@@ -1,11 +1,31 @@
-/* The GL functions that this program calls: one list makes the table, and
- * context.c fills it by walking the same list. Only src/gl includes this. */
-#ifndef GP_GL_FUNCTIONS_H
-#define GP_GL_FUNCTIONS_H
+/* Parts of a context, and shader files. */
+#ifndef GP_GL_GL_PRIV_H
+#define GP_GL_GL_PRIV_H
+
+#include "gl/gl.h"
 
 #include <GL/glcorearb.h>
 
-/* X(type, name without "gl") */
+/* A library that gives headless contexts. `file` lists its names, NULL ends;
+ * the environment variable `env` names another, and `package` is Debian's. */
+struct gp_gl_system {
+    const char *name, *env, *package;
+    const char *const *file;
+
+    /* Makes a context, 4.5 core where that can be had, else of any version
+     * so that the caller can say which one was found. Not yet current.
+     * *window is the system's own, and freed by close(). */
+    gp_status (*open)(const struct gp_log *log, void *library, void **window);
+    bool (*make_current)(void *window); // false: the system refused
+    void (*release)(void *window);      // no context is current after it
+    void (*close)(void *window);        // it is not current then
+    void (*(*proc)(void *window, const char *name))(void);
+};
+extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
+
+/* The GL functions that this program calls: one list makes the table, and
+ * context.c fills it by walking the same list.
+ * X(type, name without "gl") */
 #define GP_GL_FUNCTIONS(X)                                                    \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                    \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                \
@@ -70,5 +90,33 @@ struct gp_gl_functions {
     GP_GL_FUNCTIONS(GP_GL_FIELD)
 #undef GP_GL_FIELD
 };
+
+struct gp_gl {
+    const struct gp_gl_system *system;
+    void *window;
+    struct gp_gl_functions f;
+    GLuint vertex_array; // core profile draws nothing without one
+    struct gp_gl_info info;
+};
+
+/* Makes `gl` current before its objects are deleted: their names may be those
+ * of another context's. False where the system refuses it; objects end with
+ * their context all the same. */
+bool gp_gl_reach(const struct gp_gl *gl);
+
+/* The files of src/gl/shaders, byte for byte; the Makefile makes the list. */
+struct gp_shader_file {
+    const char *name; // "splat.vert"
+    const char *text; // GLSL without #version
+};
+extern const struct gp_shader_file gp_shader_files[]; // name NULL ends
+
+/* gp_program_make() from texts that need not be files. */
+GP_MUST_CHECK gp_status gp_program_from_text(const struct gp_log *log,
+                                             const struct gp_gl *gl,
+                                             const char *defines,
+                                             const struct gp_shader_file *vert,
+                                             const struct gp_shader_file *frag,
+                                             struct gp_program *out);
 
 #endif
