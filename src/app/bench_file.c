@@ -1,8 +1,7 @@
 /* The table as CSV and as JSON. */
 #include "app/bench_table.h"
 
-#include "app/json_name.h"
-#include "core/json_memory.h"
+#include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -211,7 +210,6 @@ static json_t *json_frame(const struct gp_bench_frame *f)
 gp_status gp_bench_json(const struct gp_log *log,
                         const struct gp_bench_table *t, const char *path)
 {
-    gp_json_memory_watch();
     json_t *o = json_object(), *frames = json_array();
     for (int i = 0; i < t->frames; i++)
         json_array_append_new(frames, json_frame(&t->frame[i]));

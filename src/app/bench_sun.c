@@ -1,10 +1,9 @@
 #include "app/bench_sun.h"
 
 #include "app/bench_table.h"
-#include "app/json_name.h"
+#include "core/json.h"
 #include "app/sun.h"
 #include "core/clock.h"
-#include "core/json_memory.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
@@ -256,7 +255,6 @@ static json_t *row_json(const struct row *r)
 
 static gp_status write_json(const struct bench *b, const char *path)
 {
-    gp_json_memory_watch();
     json_t *const rows = json_array();
     for (int i = 0; i < b->rows; i++)
         json_array_append_new(rows, row_json(&b->row[i]));

@@ -1,8 +1,7 @@
 #include "app/compare_flip.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
-#include "core/srgb.h"
 
 #include <math.h>
 #include <string.h>

@@ -1,7 +1,6 @@
 #include "app/compare_print.h"
 
-#include "app/json_name.h"
-#include "core/json_memory.h"
+#include "core/json.h"
 #include "core/memory.h"
 
 #include <jansson.h>
@@ -171,7 +170,6 @@ static void put_figures(json_t *o, const struct gp_compare_row *r)
 
 bool gp_compare_json(const struct gp_compare_row *r, FILE *to)
 {
-    gp_json_memory_watch();
     json_t *const o = json_object();
     json_object_set_new(o, "a", gp_json_name(r->a));
     json_object_set_new(o, "b", gp_json_name(r->b));

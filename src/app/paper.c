@@ -1,6 +1,6 @@
 #include "app/paper.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 
 #include <math.h>

@@ -1,7 +1,6 @@
 #include "app/report.h"
 
-#include "app/json_name.h"
-#include "core/json_memory.h"
+#include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file_name.h"
@@ -376,7 +375,6 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
                            const struct gp_facts *facts, const char *error)
 {
-    gp_json_memory_watch();
     struct object o = {.json = json_object()};
     if (facts->numbered)
         put(&o, "frame", json_integer(facts->frame));
@@ -390,7 +388,6 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
-    gp_json_memory_watch();
     struct object o = {.json = json_object()};
     add_names(&o, facts);
     add_engine(&o, &facts->glare);

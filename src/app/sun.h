@@ -6,7 +6,6 @@
 #include "app/jobs.h"
 #include "app/settings.h"
 #include "core/frame.h"
-#include "core/plane.h"
 #include "glare/sources.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"

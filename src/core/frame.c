@@ -2,6 +2,7 @@
 
 #include "core/memory.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 gp_status gp_planes_make(const struct gp_log *log, const char *what,
@@ -51,4 +52,11 @@ const struct gp_channel *gp_frame_channel(const struct gp_frame *f,
             return &f->channel[i];
     }
     return NULL;
+}
+
+void gp_plane_free(struct gp_plane *p)
+{
+    gp_free(p->v);
+    free(p->name);
+    *p = (struct gp_plane) {0};
 }

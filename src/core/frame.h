@@ -47,6 +47,15 @@ struct gp_planes {
     float *c[3];
 };
 
+/* One plane of samples with its own window: depth, coverage. w * h floats of
+ * `window`, rows from the top, no padding; NaN and Inf stay as they were read.
+ * Empty: v is NULL. */
+struct gp_plane {
+    struct gp_rect window; // EXR pixel space
+    float *v;              // owned
+    char *name;            // channel it came from, for the report; owned
+};
+
 enum gp_pixel_type { GP_UINT, GP_HALF, GP_FLOAT };
 
 /* Bytes of one sample: 4, 2, 4. */
@@ -124,6 +133,9 @@ GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
                                        const char *what, size_t samples,
                                        struct gp_planes *p);
 void gp_planes_free(struct gp_planes *p);
+
+/* Frees what it owns and clears it; an empty one is fine. */
+void gp_plane_free(struct gp_plane *p);
 
 /* Frees all that the frame owns and clears it; an empty frame is fine. */
 void gp_frame_free(struct gp_frame *f);

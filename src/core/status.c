@@ -39,6 +39,18 @@ gp_status (gp_fail_bare)(const struct gp_log *log, gp_status status,
     return status;
 }
 
+static const char no_memory[] = "%s: out of memory; close other programs";
+
+gp_status (gp_no_memory)(const struct gp_log *log, const char *file)
+{
+    return gp_fail(log, GP_ERR_BUG, no_memory, file);
+}
+
+gp_status (gp_no_memory_bare)(const struct gp_log *log, const char *what)
+{
+    return gp_fail_bare(log, GP_ERR_BUG, no_memory, what);
+}
+
 void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
             ...)
 {

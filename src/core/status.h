@@ -56,11 +56,20 @@ gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
 gp_status gp_fail_bare(const struct gp_log *log, gp_status status,
                        const char *fmt, ...) GP_PRINTF(3, 4);
 
+/* The one line for a full memory: "FILE: out of memory; close other programs".
+ * Returns GP_ERR_BUG. gp_no_memory_bare() is for a `what` that names no file:
+ * "frame list". */
+gp_status gp_no_memory(const struct gp_log *log, const char *file);
+gp_status gp_no_memory_bare(const struct gp_log *log, const char *what);
+
 #ifdef __clang_analyzer__ // which cannot see that they return what they got
 #define gp_fail(log, status, ...)                                             \
     ((void) (gp_fail)(log, status, __VA_ARGS__), (status))
 #define gp_fail_bare(log, status, ...)                                        \
     ((void) (gp_fail_bare)(log, status, __VA_ARGS__), (status))
+#define gp_no_memory(log, file) ((void) (gp_no_memory)(log, file), GP_ERR_BUG)
+#define gp_no_memory_bare(log, what)                                          \
+    ((void) (gp_no_memory_bare)(log, what), GP_ERR_BUG)
 #endif
 
 /* Prints a warning or a note; same form, never ends the run. */

@@ -1,6 +1,6 @@
 #include "glare/kernel.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/builtin.h"

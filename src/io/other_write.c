@@ -1,6 +1,6 @@
 #include "io/other_write.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "io/bridge_write.h"
 #include "io/file.h"

@@ -3,7 +3,7 @@
  * can be made in parallel when they look at one row only. */
 #include "io/png_write.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "io/file.h"
 #include "io/picture.h"

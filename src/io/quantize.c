@@ -2,7 +2,7 @@
 
 #include "core/cpu.h"
 #include "core/memory.h"
-#include "core/srgb.h"
+#include "core/colour.h"
 
 #include <math.h>
 #include <string.h>

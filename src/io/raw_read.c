@@ -1,6 +1,6 @@
 #include "io/raw_read.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/colour.h"

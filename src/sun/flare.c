@@ -1,7 +1,7 @@
 #include "sun/json.h"
 #include "sun/sun_priv.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 
 #include <math.h>

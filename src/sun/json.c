@@ -1,6 +1,5 @@
 #include "sun/json.h"
 
-#include "core/json_memory.h"
 #include "core/memory.h"
 
 #include <errno.h>
@@ -100,15 +99,10 @@ static gp_status parse(const struct gp_log *log, const char *path,
                        "%s: not JSON (the file is empty); write an array or "
                        "an object", path);
     json_error_t e;
-    gp_json_memory_watch();
     json_t *root = json_loadb(
         text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
-    if (gp_json_memory_full()) {
-        json_decref(root);
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory (%zu bytes of JSON); use a machine "
-                       "with more memory", path, bytes);
-    }
+    if (!root && json_error_code(&e) == json_error_out_of_memory)
+        return gp_no_memory(log, path);
     if (!root)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: not JSON at line %d, column %d (%s); correct it "

@@ -22,7 +22,7 @@
 #ifndef GP_SUN_OCCLUDER_H
 #define GP_SUN_OCCLUDER_H
 
-#include "core/plane.h"
+#include "core/frame.h"
 #include "core/status.h"
 #include "sun/lights.h"
 

@@ -3,7 +3,7 @@
  * the other. */
 #include "tone/flip.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "tone/flip_filter.h"

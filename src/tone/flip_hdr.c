@@ -1,7 +1,7 @@
 /* HDR-FLIP: LDR-FLIP at many exposures, the largest of which counts. */
 #include "tone/flip.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 

@@ -3,7 +3,7 @@
 #include "tone/tone.h"
 
 #include "core/cpu.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 
 #include <math.h>

@@ -43,7 +43,7 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
 
 /* Makes f->shown from f->lit: primaries to BT.709 (Bradford adaptation of the
  * white when it differs; degenerate primaries count as BT.709, as in
- * core/luminance.h), exposure, operator. `none` copies f->lit as it is,
+ * core/colour.h), exposure, operator. `none` copies f->lit as it is,
  * primaries and exposure untouched. f->shown is made when it is empty, else it
  * has the frame's size and is written over.
  *   scale   the factor that exposure and auto-exposure made, within 2^-60 and

@@ -2,7 +2,7 @@
 #ifndef GP_BENCH_COSTS_SCENE_H
 #define GP_BENCH_COSTS_SCENE_H
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "costs.h"
 #include "glare/engine.h"
 

@@ -1,5 +1,5 @@
 /* A file of its own for depth or coverage, from disk. */
-#include "core/plane.h"
+#include "core/frame.h"
 #include "harness.h"
 #include "io/plane.h"
 

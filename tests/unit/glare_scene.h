@@ -3,7 +3,7 @@
 #ifndef GP_TESTS_GLARE_SCENE_H
 #define GP_TESTS_GLARE_SCENE_H
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "glare/engine.h"
 #include "hash.h"
 

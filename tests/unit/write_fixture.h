@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 #include "core/frame.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "io/half.h"
 #include "io/oiio/oiio.h"

@@ -1,6 +1,6 @@
 #include "io/exr/exr_priv.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -1,7 +1,7 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/cpu.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/half.h"

@@ -1,6 +1,6 @@
 #include "io/exr/exr_priv.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/window.h"

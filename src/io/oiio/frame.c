@@ -1,9 +1,8 @@
 #include "io/oiio/frame.h"
 
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "core/srgb.h"
 #include "io/channels.h"
 #include "io/colour.h"
 #include "io/exr/exr.h"

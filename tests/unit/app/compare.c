@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "app/compare_figures.h"
 #include "app/compare_flip.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 
 #include <math.h>

@@ -4,14 +4,12 @@
 #include "core/bridge.h"
 #include "core/cpu.h"
 #include "core/frame.h"
-#include "core/json_memory.h"
+#include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "core/plane.h"
 #include "fail.h"
 #include "said.h"
 
-#include <jansson.h>
 #include <limits.h>
 #include <pthread.h>
 #include <sched.h>
@@ -135,27 +133,41 @@ static void memory_is_full(void **state)
     assert_int_equal(fail_blocks(), blocks);
 }
 
-static void json_tells_of_memory(void **state)
+static void no_memory_is_one_line(void **state)
 {
     (void) state;
-    gp_json_memory_watch();
-    void *p = gp_json_allocate(8);
-    assert_non_null(p);
-    assert_false(gp_json_memory_full());
+    said_nothing();
+    assert_int_equal(gp_no_memory(&said_log, "a.exr"), GP_ERR_BUG);
+    assert_string_equal(said_line,
+                        "a.exr: out of memory; close other programs");
+    assert_int_equal(gp_no_memory_bare(&said_log, "names"), GP_ERR_BUG);
+    assert_string_equal(said_line,
+                        "names: out of memory; close other programs");
+    assert_int_equal(said_errors, 2);
+}
+
+static void json_is_whole_or_null(void **state)
+{
+    static const struct { const char *bytes, *text; } rows[] = {
+        {"", "\"\""}, {"a", "\"a\""},
+        {"\xc3\xa4\xff", "\"\xc3\xa4\xef\xbf\xbd\""},
+        {"\xe0\x80\x80", // overlong: three bytes that are none
+         "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
+        {"\xf0\x9f\x8c\x9e", "\"\xf0\x9f\x8c\x9e\""},
+        {"\xed\xa0\x80", // half of a surrogate pair
+         "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char *const text = gp_json_print(gp_json_name(rows[i].bytes),
+                                         JSON_ENCODE_ANY);
+        assert_string_equal(text, rows[i].text);
+        free(text);
+    }
+    assert_null(gp_json_print(NULL, 0));
     fail_at(FAIL_ALLOC, 1);
-    assert_null(gp_json_allocate(8));
-    fail_end();
-    assert_true(gp_json_memory_full());
-    void *q = gp_json_allocate(8); // one that has memory forgives nothing
-    assert_true(gp_json_memory_full());
-    gp_json_memory_watch();
-    assert_false(gp_json_memory_full());
-    fail_at(FAIL_ALLOC, 1);
-    assert_null(json_object());
-    fail_end();
-    assert_true(gp_json_memory_full());
-    gp_free(p);
-    gp_free(q);
+    assert_null(gp_json_name("a"));
+    assert_true(fail_end());
 }
 
 // -- frames -----------------------------------------------------------------------
@@ -307,7 +319,8 @@ SUITE(starved_core)
         cmocka_unit_test(threads_do_not_start),
         cmocka_unit_test(sizes_are_checked),
         cmocka_unit_test(memory_is_full),
-        cmocka_unit_test(json_tells_of_memory),
+        cmocka_unit_test(no_memory_is_one_line),
+        cmocka_unit_test(json_is_whole_or_null),
         cmocka_unit_test(frames_own_what_they_hold),
         cmocka_unit_test(messages_are_one_line),
         cmocka_unit_test(statuses_have_texts),

@@ -1,6 +1,6 @@
 /* glare/kernel.c: centre, cutting, normalisation, bad images. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 #include "glare/eye.h"
 #include "glare/kernel.h"

@@ -1,6 +1,6 @@
 /* io/read of EXR: every layout that the library can write. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"

@@ -1,6 +1,6 @@
 /* io/luma_chroma: laws; test_data compares it with OpenEXR's own results. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 #include "io/half.h"
 #include "io/exr/exr_priv.h"

@@ -1,7 +1,7 @@
 /* io: what the bridge read, made a frame. Needs no bridge: the images are
  * made here. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "io/half.h"
 #include "io/oiio/frame.h"
 

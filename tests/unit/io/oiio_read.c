@@ -1,7 +1,6 @@
 /* io: formats other than EXR, through the bridge. Skipped without it. */
 #include "unit.h"
-#include "core/luminance.h"
-#include "core/srgb.h"
+#include "core/colour.h"
 #include "io/exr/exr.h"
 
 #include "oiio_here.h"

@@ -3,7 +3,7 @@
 #include "write_fixture.h"
 
 #include "core/parallel.h"
-#include "core/srgb.h"
+#include "core/colour.h"
 #include "io/oiio/oiio.h"
 #include "io/read.h"
 

@@ -6,7 +6,7 @@
 #include <cmocka.h>
 
 #include "unit.h"
-#include "core/srgb.h"
+#include "core/colour.h"
 #include "io/quantize.h"
 
 #include <math.h>

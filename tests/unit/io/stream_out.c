@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "write_fixture.h"
 
-#include "core/srgb.h"
+#include "core/colour.h"
 #include "io/members.h"
 
 #include <fcntl.h>

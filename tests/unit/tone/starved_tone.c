@@ -1,7 +1,7 @@
 /* tone with a memory that is full at the n-th allocation, for every n: one
  * line, no block lost, and the same numbers when memory is back. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "fail.h"

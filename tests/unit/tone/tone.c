@@ -1,6 +1,6 @@
 /* tone/map.c: exposure, primaries, white, the stage as a whole. */
 #include "unit.h"
-#include "core/luminance.h"
+#include "core/colour.h"
 #include "core/parallel.h"
 #include "tone/tone.h"
 

@@ -1,6 +1,4 @@
-#include "app/json_name.h"
-
-#include "core/json_memory.h"
+#include "core/json.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -27,7 +25,7 @@ static size_t utf8_length(const unsigned char *s)
 json_t *gp_json_name(const char *s)
 {
     static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
-    char *clean = gp_json_allocate(3 * strlen(s) + 1), *to = clean;
+    char *clean = malloc(3 * strlen(s) + 1), *to = clean;
     if (!clean)
         return NULL;
     while (*s) {
@@ -46,9 +44,5 @@ char *gp_json_print(json_t *o, size_t flags)
 {
     char *text = o ? json_dumps(o, flags) : NULL;
     json_decref(o);
-    if (gp_json_memory_full()) {
-        free(text);
-        return NULL;
-    }
     return text;
 }

@@ -1,4 +1,4 @@
-#include "core/luminance.h"
+#include "core/colour.h"
 
 #include <math.h>
 #include <string.h>
@@ -60,4 +60,24 @@ void gp_luminance_weights(const float ch[8], float weight[3])
         return;
     for (int c = 0; c < 3; c++)
         weight[c] = (float) m[3 + c];
+}
+
+float gp_srgb_encode(float linear)
+{
+    if (!(linear > 0.0f))
+        return 0.0f;
+    if (linear >= 1.0f)
+        return 1.0f;
+    return linear <= 0.0031308f ? 12.92f * linear
+                                : 1.055f * powf(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+float gp_srgb_decode(float encoded)
+{
+    if (!(encoded > 0.0f))
+        return 0.0f;
+    if (encoded >= 1.0f)
+        return 1.0f;
+    return encoded <= 0.04045f ? encoded / 12.92f
+                               : powf((encoded + 0.055f) / 1.055f, 2.4f);
 }

@@ -1,9 +1,9 @@
-/* Luminance from a frame's own primaries. */
-#ifndef GP_CORE_LUMINANCE_H
-#define GP_CORE_LUMINANCE_H
+/* Luminance from a frame's own primaries, and the sRGB transfer curve. */
+#ifndef GP_CORE_COLOUR_H
+#define GP_CORE_COLOUR_H
 
-/* ITU-R BT.709 primaries and D65 white: rx ry gx gy bx by wx wy. What a file
- * without a chromaticities attribute means (ImfStandardAttributes.h). */
+/* ITU-R BT.709 primaries and D65 white: rx ry gx gy bx by wx wy. A file
+ * without a chromaticities attribute has these (ImfStandardAttributes.h). */
 extern const float gp_rec709_chromaticities[8];
 
 /* Luminance weights of BT.709, the ones all papers print. */
@@ -20,5 +20,11 @@ void gp_luminance_weights(const float chromaticities[8], float weight[3]);
 /* RGB to CIE XYZ of these primaries, row-major, white has Y = 1; false (and
  * nothing written) when they are degenerate. */
 int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
+
+/* The sRGB transfer curve, IEC 61966-2-1:1999: linear to encoded and back,
+ * both in [0,1]; values outside are clamped, NaN becomes 0. The plain forms
+ * that faster ones are tested against. */
+float gp_srgb_encode(float linear);
+float gp_srgb_decode(float encoded);
 
 #endif

@@ -1,7 +1,6 @@
-/* core/luminance.c and core/srgb.c against the numbers that standards print. */
+/* core/colour.c against the numbers that standards print. */
 #include "unit.h"
-#include "core/luminance.h"
-#include "core/srgb.h"
+#include "core/colour.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -170,7 +169,7 @@ static void srgb_goes_and_comes_back(void **state)
     }
 }
 
-SUITE(luminance)
+SUITE(colour)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(weights_are_the_published_ones),
