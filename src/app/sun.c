@@ -330,7 +330,7 @@ gp_status gp_suns_place(const struct gp_log *log, const struct gp_settings *s,
         .mask = suns->mask.v ? &suns->mask : NULL,
         .type = s->sun.depth_type, .frame = both(f->data, f->display),
     };
-    GP_TRY(gp_occluders_count(log, &suns->occluders));
+    gp_occluders_count(&suns->occluders);
 out:
     return st;
 }

@@ -30,9 +30,10 @@ gp_status gp_suns_see(const struct gp_log *log, const struct gp_settings *s,
     const struct gp_sun_params *const p = &s->sun.params;
     if (!suns->n)
         return GP_OK;
-    if (p->method == GP_SUN_EXACT)
-        return gp_sun_exact(log, &suns->occluders, p->outside, suns->light,
-                            suns->n);
+    if (p->method == GP_SUN_EXACT) {
+        gp_sun_exact(&suns->occluders, p->outside, suns->light, suns->n);
+        return GP_OK;
+    }
     gp_status st = open_gl(log, s->glare.gl, suns);
     if (st)
         return st;

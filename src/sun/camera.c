@@ -1,3 +1,4 @@
+/* Cameras: from matrices, from JSON, and where they put a place or a disc. */
 #include "sun/camera.h"
 #include "sun/json.h"
 
@@ -125,30 +126,6 @@ static gp_status tell_ndc(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* [-1, 1] with y up to [0, 1] with y down, before the division by w. */
-static void clip_to_spec(double m[16])
-{
-    for (int row = 0; row < 16; row += 4) {
-        m[row] = 0.5 * (m[row + 3] + m[row]);
-        m[row + 1] = 0.5 * (m[row + 3] - m[row + 1]);
-    }
-}
-
-static gp_status check_camera(const struct gp_log *log, const char *path,
-                              const double m[16])
-{
-    gp_status st = check_finite(log, path, "worldToCamera", m);
-    if (st)
-        return st;
-    const double most = largest(m, 16);
-    if (most > 1e30 || !spans(column(m, 0), column(m, 1), column(m, 2)))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToCamera is singular (its largest entry is "
-                       "%g); write the file anew or give --camera", path,
-                       most);
-    return GP_OK;
-}
-
 gp_status gp_camera_make(const struct gp_log *log, const char *path,
                          const double *to_camera, const double to_ndc[16],
                          enum gp_ndc ndc, struct gp_camera *out)
@@ -159,10 +136,21 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     GP_TRY(scale_to_axis(log, path, to_ndc, c.to_ndc));
     if (ndc == GP_NDC_AUTO)
         GP_TRY(tell_ndc(log, path, c.to_ndc, &ndc));
-    if (ndc == GP_NDC_CLIP)
-        clip_to_spec(c.to_ndc);
+    // [-1, 1] with y up to [0, 1] with y down, before the division by w
+    for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {
+        double *const m = c.to_ndc + row;
+        m[0] = 0.5 * (m[3] + m[0]);
+        m[1] = 0.5 * (m[3] - m[1]);
+    }
     if (to_camera) {
-        GP_TRY(check_camera(log, path, to_camera));
+        GP_TRY(check_finite(log, path, "worldToCamera", to_camera));
+        const double most = largest(to_camera, 16);
+        if (most > 1e30 || !spans(column(to_camera, 0), column(to_camera, 1),
+                                  column(to_camera, 2)))
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: worldToCamera is singular (its largest entry "
+                           "is %g); write the file anew or give --camera",
+                           path, most);
         memcpy(c.to_camera, to_camera, sizeof c.to_camera);
     }
     *out = c;
@@ -253,31 +241,6 @@ enum { MOST_BYTES = 8 << 20, MOST_FRAMES = 1 << 20 };
 static const double MOST_FRAME = 9007199254740992.0; // 2^53: exact in double
 static const double MOST_VALUE = 1e300;
 
-/* Every frame has its number: messages go by it once it is known. */
-static gp_status read_number(const struct gp_json_place *p, json_t *o,
-                             long long *out)
-{
-    double number = 0.0;
-    bool found;
-    gp_status st = gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME,
-                                  &number, &found);
-    if (st)
-        return st;
-    if (!found || number != floor(number))
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d in order has no number (found %s); give "
-                       "\"frame\" a whole one", p->path, p->what, p->index,
-                       found ? "a fraction" : "no \"frame\"");
-    *out = (long long) number;
-    return GP_OK;
-}
-
-static void transpose(const double in[16], double out[16])
-{
-    for (int i = 0; i < 16; i++)
-        out[i] = in[i % 4 * 4 + i / 4];
-}
-
 static gp_status read_camera(const struct gp_json_place *p, json_t *o,
                              const char *frame, struct gp_camera *out)
 {
@@ -295,8 +258,8 @@ static gp_status read_camera(const struct gp_json_place *p, json_t *o,
                        "%s: no projection (found neither \"worldToNDC_rowmajor"
                        "\" nor \"worldToNDC_blender_colvec\"); give one of "
                        "them", frame);
-    if (!spec)
-        transpose(columns, ndc);
+    for (int i = 0; !spec && i < 16; i++)
+        ndc[i] = columns[i % 4 * 4 + i / 4];
     GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
                           spec ? GP_NDC_SPEC : GP_NDC_CLIP, out));
 out:
@@ -326,12 +289,22 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     gp_status st;
     char frame[2048]; // "cameras.json: frame 1001"
     struct gp_json_place at = *p;
+    double number = 0.0;
+    bool found;
     if (!json_is_object(o))
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: %s %d in order is no object; give {\"frame\": "
                        "..., \"worldToNDC_rowmajor\": [...]}", p->path,
                        p->what, p->index);
-    GP_TRY(read_number(p, o, &out->frame));
+    // messages name a frame by its number once that is known
+    GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number,
+                          &found));
+    if (!found || number != floor(number))
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d in order has no number (found %s); give "
+                       "\"frame\" a whole one", p->path, p->what, p->index,
+                       found ? "a fraction" : "no \"frame\"");
+    out->frame = (long long) number;
     snprintf(frame, sizeof frame, "%s: frame %lld", p->path, out->frame);
     at.path = frame;
     at.index = 0;
@@ -347,19 +320,6 @@ static int by_number(const void *a, const void *b)
     return (x->frame > y->frame) - (x->frame < y->frame);
 }
 
-static gp_status sort_frames(const struct gp_json_place *p,
-                             struct gp_camera_file *f)
-{
-    qsort(f->at, (size_t) f->n, sizeof *f->at, by_number);
-    for (int i = 1; i < f->n; i++) {
-        if (f->at[i].frame == f->at[i - 1].frame)
-            return gp_fail(p->log, GP_ERR_DATA,
-                           "%s: frame %lld is there twice; leave one out",
-                           p->path, f->at[i].frame);
-    }
-    return GP_OK;
-}
-
 gp_status gp_camera_read(const struct gp_log *log, const char *path,
                          struct gp_camera_file *out)
 {
@@ -370,12 +330,10 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
     GP_TRY(gp_json_read_most(log, path, MOST_BYTES, &root));
     GP_TRY(gp_json_array(&place, root, "frames", MOST_FRAMES, &frames));
     f.n = (int) json_array_size(frames);
-    if (f.n == 0) {
-        st = gp_fail(log, GP_ERR_DATA,
-                     "%s: no frames (\"frames\" is empty); give each frame's "
-                     "matrices", path);
-        goto out;
-    }
+    if (f.n == 0)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: no frames (\"frames\" is empty); give each "
+                       "frame's matrices", path));
     GP_TRY(gp_alloc_zero(log, path, (size_t) f.n, sizeof *f.at,
                          (void **) &f.at));
     for (int i = 0; i < f.n; i++) {
@@ -383,7 +341,13 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
         GP_TRY(read_frame(&place, json_array_get(frames, (size_t) i),
                           &f.at[i]));
     }
-    GP_TRY(sort_frames(&place, &f));
+    qsort(f.at, (size_t) f.n, sizeof *f.at, by_number);
+    for (int i = 1; i < f.n; i++) {
+        if (f.at[i].frame == f.at[i - 1].frame)
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: frame %lld is there twice; leave one out",
+                           path, f.at[i].frame));
+    }
     place.index = 0;
     if (json_is_object(root))
         GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width,

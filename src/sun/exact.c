@@ -1,3 +1,5 @@
+/* Discs: equal-area samples, the area in a rectangle, and the share of a light
+ * by the area of each pixel under it. */
 #include "sun/sun_priv.h"
 
 #include "core/parallel.h"
@@ -224,7 +226,7 @@ struct sums {
     double area, shown;
 };
 
-/* -- the pixels of a rectangle --------------------------------------------- */
+// -- the pixels of a rectangle -----------------------------------------------
 
 /* Rows go in bands, and the sums of the bands in order: the same bits for any
  * number of threads, and no memory that grows with the frame. */
@@ -325,7 +327,7 @@ static struct sums sum_rect(const struct gp_occluders *o,
     return s;
 }
 
-/* -- the frame ------------------------------------------------------------- */
+// -- the frame ---------------------------------------------------------------
 
 /* Where a plane has samples within the frame; empty for NULL. */
 static struct gp_rect known(const struct gp_plane *p, struct gp_rect frame)
@@ -386,29 +388,22 @@ static struct sums sum_frame(const struct gp_occluders *o,
     return all;
 }
 
-static double visibility_of(const struct gp_occluders *o,
-                            enum gp_sun_outside outside,
-                            const struct gp_light *l)
+void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+                  struct gp_light *light, int n)
 {
-    const double r = fmin(fmax(l->radius, least_radius), most_radius);
-    const double disc = M_PI * r * r;
-    struct sums s = sum_frame(o, l, r);
-    const double beyond = disc - area_in(l, r, o->frame);
-    if (outside != GP_OUTSIDE_IGNORE && beyond > 1e-12 * disc) {
-        s.area += beyond;
-        s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond : 0.0;
-    }
-    return s.area > 0.0 ? fmin(s.shown / s.area, 1.0) : 0.0;
-}
-
-gp_status gp_sun_exact(const struct gp_log *log, const struct gp_occluders *o,
-                       enum gp_sun_outside outside, struct gp_light *light,
-                       int n)
-{
-    (void) log;
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
-        l->visibility = l->behind ? 0.0 : visibility_of(o, outside, l);
+        l->visibility = 0.0;
+        if (l->behind)
+            continue;
+        const double r = fmin(fmax(l->radius, least_radius), most_radius);
+        const double disc = M_PI * r * r;
+        struct sums s = sum_frame(o, l, r);
+        const double beyond = disc - area_in(l, r, o->frame);
+        if (outside != GP_OUTSIDE_IGNORE && beyond > 1e-12 * disc) {
+            s.area += beyond;
+            s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond : 0.0;
+        }
+        l->visibility = s.area > 0.0 ? fmin(s.shown / s.area, 1.0) : 0.0;
     }
-    return GP_OK;
 }

@@ -1,10 +1,14 @@
-#include "sun/json.h"
+/* Elements from JSON; where they lie, how far they reach, and how much light a
+ * pixel that they cover whole gets; and the sum of all of them on the CPU. */
 #include "sun/sun_priv.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/parallel.h"
+#include "sun/json.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -19,9 +23,7 @@ static const double pi = 3.14159265358979323846;
  * less than 1e-3. */
 enum { SUMMED = 128 };
 
-enum { FAR = 1 << 30 }; // pixels; no window goes beyond
-
-/* -- sizes ----------------------------------------------------------------- */
+// -- sizes -------------------------------------------------------------------
 
 /* Shape of one channel, in pixels. */
 struct shape {
@@ -57,19 +59,9 @@ static struct shape shape_of(const struct gp_flare_element *e, double radius)
     return s;
 }
 
-static double largest_scale(const struct gp_flare_element *e)
-{
-    return (double) fmaxf(e->scale[0], fmaxf(e->scale[1], e->scale[2]));
-}
-
 static double least_scale(const struct gp_flare_element *e)
 {
     return (double) fminf(e->scale[0], fminf(e->scale[1], e->scale[2]));
-}
-
-static bool is_dispersed(const struct gp_flare_element *e)
-{
-    return e->scale[0] != e->scale[1] || e->scale[1] != e->scale[2];
 }
 
 static double diameter_of(const struct gp_flare_element *e,
@@ -78,11 +70,52 @@ static double diameter_of(const struct gp_flare_element *e,
     return e->size * ((double) display.y1 - (double) display.y0);
 }
 
-/* -- reach ----------------------------------------------------------------- */
+/* Pixels of an image's texel; 1 for a plain one. */
+static double texel_size(const struct gp_flare_element *e, double diameter)
+{
+    const int longer = e->image.w > e->image.h ? e->image.w : e->image.h;
+    return e->plain ? 1.0 : fmax(diameter, 1.0) / (double) longer;
+}
+
+// -- reach -------------------------------------------------------------------
 
 struct box {
     double x0, y0, x1, y1;
 };
+
+/* Around the place, for the channel of the largest scale. */
+static struct box box_of(const struct gp_flare_element *e, double diameter)
+{
+    const double largest =
+        (double) fmaxf(e->scale[0], fmaxf(e->scale[1], e->scale[2]));
+    const double angle = e->plain ? 0.0 : e->rotation * pi / 180.0;
+    if (e->shape != GP_FLARE_IMAGE) {
+        const struct shape s = shape_of(e, 0.5 * diameter * largest);
+        double x = s.radius + 1.0, y = x;
+        if (e->shape == GP_FLARE_STREAK) {
+            const double c = fabs(cos(angle)), d = fabs(sin(angle));
+            x = c * (s.radius + 1.0) + d * (s.inner + 1.0);
+            y = d * (s.radius + 1.0) + c * (s.inner + 1.0);
+        }
+        return (struct box) {-x, -y, x, y};
+    }
+    // half a texel of the level, which may be as much as two pixels, beyond the
+    // corners; whole pixels cover that of a plain one
+    const double texel = texel_size(e, diameter * largest);
+    const double more = e->plain ? 0.0
+                                 : 0.5 + largest / least_scale(e) * 2.0 / texel;
+    const double u[2] = {-more - e->image.cx, e->image.w + more - e->image.cx};
+    const double v[2] = {-more - e->image.cy, e->image.h + more - e->image.cy};
+    const double c = cos(angle), s = sin(angle);
+    struct box b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < 4; i++) {
+        const double x = u[i & 1] * c + v[i >> 1] * s;
+        const double y = v[i >> 1] * c - u[i & 1] * s;
+        b = (struct box) {fmin(b.x0, x * texel), fmin(b.y0, y * texel),
+                          fmax(b.x1, x * texel), fmax(b.y1, y * texel)};
+    }
+    return b;
+}
 
 static void place_of(const struct gp_flare_element *e,
                      const struct gp_light *l, struct gp_rect display,
@@ -94,56 +127,9 @@ static void place_of(const struct gp_flare_element *e,
     *y = l->y + e->at * (cy - l->y);
 }
 
-/* Pixels of an image's texel; 1 for a plain one. */
-static double texel_size(const struct gp_flare_element *e, double diameter)
+static int to_pixel(double v)
 {
-    const int longer = e->image.w > e->image.h ? e->image.w : e->image.h;
-    return e->plain ? 1.0 : fmax(diameter, 1.0) / (double) longer;
-}
-
-/* Around the place, from the image's corners and `more` texels beyond. */
-static struct box image_box(const struct gp_flare_element *e, double texel,
-                            double more)
-{
-    const double u[2] = {-more - e->image.cx, e->image.w + more - e->image.cx};
-    const double v[2] = {-more - e->image.cy, e->image.h + more - e->image.cy};
-    const double turn = e->plain ? 0.0 : e->rotation * pi / 180.0;
-    const double c = cos(turn), s = sin(turn);
-    struct box b = {INFINITY, INFINITY, -INFINITY, -INFINITY};
-    for (int i = 0; i < 4; i++) {
-        const double x = u[i & 1] * c + v[i >> 1] * s;
-        const double y = v[i >> 1] * c - u[i & 1] * s;
-        b = (struct box) {fmin(b.x0, x * texel), fmin(b.y0, y * texel),
-                          fmax(b.x1, x * texel), fmax(b.y1, y * texel)};
-    }
-    return b;
-}
-
-/* Around the place, for the channel of the largest scale. */
-static struct box box_of(const struct gp_flare_element *e, double diameter)
-{
-    const double largest = largest_scale(e);
-    if (e->shape == GP_FLARE_IMAGE) {
-        // half a texel of the level, which may be as much as two pixels;
-        // whole pixels cover that of a plain one
-        const double texel = texel_size(e, diameter * largest);
-        const double spread = largest / least_scale(e);
-        return image_box(e, texel, e->plain ? 0.0
-                                            : 0.5 + spread * 2.0 / texel);
-    }
-    const struct shape s = shape_of(e, 0.5 * diameter * largest);
-    double x = s.radius + 1.0, y = x;
-    if (e->shape == GP_FLARE_STREAK) {
-        const double turn = e->rotation * pi / 180.0;
-        const double c = fabs(cos(turn)), d = fabs(sin(turn));
-        x = c * (s.radius + 1.0) + d * (s.inner + 1.0);
-        y = d * (s.radius + 1.0) + c * (s.inner + 1.0);
-    }
-    return (struct box) {-x, -y, x, y};
-}
-
-static int to_int(double v)
-{
+    enum { FAR = 1 << 30 }; // no window goes beyond
     return v < -FAR ? -FAR : v > FAR ? FAR : (int) v;
 }
 
@@ -160,8 +146,8 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
         return (struct gp_rect) {0};
     const struct box b = box_of(e, diameter_of(e, display));
     return (struct gp_rect) {
-        to_int(floor(x + b.x0)), to_int(floor(y + b.y0)),
-        to_int(ceil(x + b.x1)), to_int(ceil(y + b.y1)),
+        to_pixel(floor(x + b.x0)), to_pixel(floor(y + b.y0)),
+        to_pixel(ceil(x + b.x1)), to_pixel(ceil(y + b.y1)),
     };
 }
 
@@ -172,67 +158,53 @@ struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
     return gp_rect_meet(whole_reach(e, l, display), frame);
 }
 
-/* -- images at half sizes, so that bilinear samples a pixel apart miss no texel */
+// -- images at half sizes: samples a pixel apart then miss no texel ----------
 
-/* Four texels' mean; those outside are 0. The picture keeps its corner, so a
- * place u in texels is u / 2. */
-static void halve_plane(const struct gp_flare_image *in, int c, int w, int h,
-                        float *out)
-{
-    for (int y = 0; y < h; y++) {
-        for (int x = 0; x < w; x++) {
-            float sum = 0.0f;
-            for (int j = 2 * y; j < in->h && j < 2 * y + 2; j++) {
-                for (int i = 2 * x; i < in->w && i < 2 * x + 2; i++)
-                    sum += in->rgb.c[c][(size_t) j * (size_t) in->w +
-                                        (size_t) i];
-            }
-            out[(size_t) y * (size_t) w + (size_t) x] = 0.25f * sum;
-        }
-    }
-}
-
+/* Each texel is the mean of four; those outside are 0. The picture keeps its
+ * corner, so a place u in texels is u / 2. */
 static gp_status halve(const struct gp_log *log,
                        const struct gp_flare_image *in,
                        struct gp_flare_image *out)
 {
-    struct gp_flare_image half = {
-        .w = (in->w + 1) / 2, .h = (in->h + 1) / 2, .cx = in->cx / 2.0,
-        .cy = in->cy / 2.0, .serial = in->serial,
-    };
+    const int w = (in->w + 1) / 2, h = (in->h + 1) / 2;
+    *out = (struct gp_flare_image) {.w = w, .h = h, .cx = in->cx / 2.0,
+                                    .cy = in->cy / 2.0, .serial = in->serial};
     const gp_status st = gp_planes_make(log, "a flare image at half size",
-                                        (size_t) half.w * (size_t) half.h,
-                                        &half.rgb);
-    if (st)
-        return st;
-    for (int c = 0; c < 3; c++)
-        halve_plane(in, c, half.w, half.h, half.rgb.c[c]);
-    *out = half;
-    return GP_OK;
-}
-
-static void sum_up(struct gp_flare_level *l)
-{
-    const size_t n = (size_t) l->image.w * (size_t) l->image.h;
-    for (int c = 0; c < 3; c++) {
-        const float *const v = l->image.rgb.c[c];
-        l->sum[c] = 0.0;
-        for (size_t i = 0; i < n; i++)
-            l->sum[c] += (double) v[i];
-        l->luminance += l->sum[c] * (double) gp_rec709_luminance[c];
+                                        (size_t) w * (size_t) h, &out->rgb);
+    for (int c = 0; !st && c < 3; c++) {
+        float *to = out->rgb.c[c];
+        for (int y = 0; y < h; y++) {
+            for (int x = 0; x < w; x++) {
+                float sum = 0.0f;
+                for (int j = 2 * y; j < in->h && j < 2 * y + 2; j++) {
+                    for (int i = 2 * x; i < in->w && i < 2 * x + 2; i++)
+                        sum += in->rgb.c[c][(size_t) j * (size_t) in->w +
+                                            (size_t) i];
+                }
+                *to++ = 0.25f * sum;
+            }
+        }
     }
-    if (!(l->luminance > 0.0) || !isfinite(l->luminance))
-        l->luminance = 0.0;
+    return st;
 }
 
-static gp_status level_make(const struct gp_log *log,
-                              const struct gp_flare_image *image, double size,
-                              struct gp_flare_level *out)
+/* The level at which `size` of the longer side in pixels is not under a pixel
+ * a texel, with its sums. Errors: GP_ERR_BUG memory. */
+static gp_status make_level(const struct gp_log *log,
+                            const struct gp_flare_image *image, double size,
+                            struct gp_flare_level *out)
 {
-    struct gp_flare_level l = {.image = *image};
-    sum_up(&l);
+    const size_t n = (size_t) image->w * (size_t) image->h;
     double longer = image->w > image->h ? image->w : image->h;
+    struct gp_flare_level l = {.image = *image};
     gp_status st = GP_OK;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = 0; i < n; i++)
+            l.sum[c] += (double) image->rgb.c[c][i];
+        l.luminance += l.sum[c] * (double) gp_rec709_luminance[c];
+    }
+    if (!(l.luminance > 0.0) || !isfinite(l.luminance))
+        l.luminance = 0.0;
     while (!st && l.luminance > 0.0 && longer > size &&
            (l.image.w > 1 || l.image.h > 1)) {
         struct gp_flare_image half = {0};
@@ -247,144 +219,132 @@ static gp_status level_make(const struct gp_log *log,
     return st;
 }
 
-static void level_free(struct gp_flare_level *l)
-{
-    if (l->level > 0)
-        gp_planes_free(&l->image.rgb);
-    *l = (struct gp_flare_level) {0};
-}
+// -- quads -------------------------------------------------------------------
 
-/* -- items ----------------------------------------------------------------- */
-
-/* What an item is made from. */
-struct making {
+/* One element of one light, of which quads are made. */
+struct pair {
     const struct gp_flare_element *e;
     const struct gp_light *light;
-    const struct gp_flare_level *level;
+    const struct gp_flare_level *level; // of an image, else NULL
     struct gp_rect whole, frame;
     double diameter;
 };
 
-static void put_rect(struct gp_flare_quad *i, struct gp_rect rect)
+static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
 {
-    i->rect = rect;
-    i->base[0] = (float) ((double) rect.x0 + 0.5 - i->x);
-    i->base[1] = (float) ((double) rect.y0 + 0.5 - i->y);
-    if (!i->plain)
+    q->rect = rect;
+    q->base[0] = (float) ((double) rect.x0 + 0.5 - q->x);
+    q->base[1] = (float) ((double) rect.y0 + 0.5 - q->y);
+    if (!q->plain)
         return;
-    const double q[2] = {rect.x0 - i->x + i->image->cx,
-                         rect.y0 - i->y + i->image->cy};
+    const double corner[2] = {rect.x0 - q->x + q->image->cx,
+                              rect.y0 - q->y + q->image->cy};
     for (int k = 0; k < 2; k++) {
-        i->corner[k] = (int) floor(q[k]);
-        i->fraction[k] = (float) (q[k] - floor(q[k]));
+        q->corner[k] = (int) floor(corner[k]);
+        q->fraction[k] = (float) (corner[k] - floor(corner[k]));
     }
 }
 
 /* Sum over all pixels of what channel c draws with an amount of 1. */
-static double sum_of(const struct gp_flare_quad *item, struct gp_rect whole,
+static double sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                      int c)
 {
-    struct gp_flare_quad i = *item;
+    struct gp_flare_quad q = *quad;
     double sum = 0.0;
-    put_rect(&i, whole);
+    place_quad(&q, whole);
     for (int y = whole.y0; y < whole.y1; y++) {
         float row[4 * SUMMED] = {0};
         int x0, x1;
-        if (!gp_flare_span(&i, y, y + 1, &x0, &x1))
+        if (!gp_flare_span(&q, y, y + 1, &x0, &x1))
             continue;
-        gp_flare_add_row(&i, c, y, x0, x1, 1.0f, row);
+        gp_flare_add_row(&q, c, y, x0, x1, 1.0f, row);
         for (int x = 0; x < x1 - x0; x++)
             sum += (double) row[x];
     }
     return sum;
 }
 
-static bool is_summed(const struct making *m, double scale)
+static bool is_summed(const struct pair *p, double scale)
 {
-    return m->diameter * scale <= SUMMED &&
-           gp_rect_w(m->whole) <= 4 * SUMMED &&
-           gp_rect_h(m->whole) <= 4 * SUMMED;
+    return p->diameter * scale <= SUMMED &&
+           gp_rect_w(p->whole) <= 4 * SUMMED &&
+           gp_rect_h(p->whole) <= 4 * SUMMED;
 }
 
-static double light_of(const struct making *m, int c)
+static double light_of(const struct pair *p, int c)
 {
-    return (double) m->e->colour[c] * (double) m->light->flux[c];
+    return (double) p->e->colour[c] * (double) p->light->flux[c];
 }
 
-static void measure_shape(const struct making *m, struct gp_flare_quad *i)
+/* Sizes and amounts of all channels. */
+static void measure_shape(const struct pair *p, struct gp_flare_quad *q)
 {
     double area[3] = {0};
     for (int c = 0; c < 3; c++) {
-        const double scale = (double) m->e->scale[c];
-        const struct shape s = shape_of(m->e, 0.5 * m->diameter * scale);
-        i->radius[c] = (float) s.radius;
-        i->inner[c] = (float) s.inner;
+        const double scale = (double) p->e->scale[c];
+        const struct shape s = shape_of(p->e, 0.5 * p->diameter * scale);
+        q->radius[c] = (float) s.radius;
+        q->inner[c] = (float) s.inner;
         area[c] = s.area;
-        if (c > 0 && i->radius[c] == i->radius[c - 1])
+        if (c > 0 && q->radius[c] == q->radius[c - 1])
             area[c] = area[c - 1];
-        else if (is_summed(m, scale))
-            area[c] = sum_of(i, m->whole, c);
-        i->amount[c] = area[c] > 0.0 ? (float) (light_of(m, c) / area[c])
+        else if (is_summed(p, scale))
+            area[c] = sum_of(q, p->whole, c);
+        q->amount[c] = area[c] > 0.0 ? (float) (light_of(p, c) / area[c])
                                      : 0.0f;
     }
 }
 
 /* Amounts of the channels in [first, end), which have one scale. */
-static void measure_image(const struct making *m, struct gp_flare_quad *i,
+static void measure_image(const struct pair *p, struct gp_flare_quad *q,
                           int first, int end)
 {
-    const struct gp_flare_level *const l = m->level;
-    const double scale = (double) m->e->scale[first];
-    const double of_level = ldexp(texel_size(m->e, m->diameter * scale),
+    const struct gp_flare_level *const l = p->level;
+    const double scale = (double) p->e->scale[first];
+    const double of_level = ldexp(texel_size(p->e, p->diameter * scale),
                                   l->level); // pixels of its texel
-    i->radius[0] = (float) (1.0 / of_level);
-    i->inner[0] = (float) l->image.cx;
-    i->inner[1] = (float) l->image.cy;
+    q->radius[0] = (float) (1.0 / of_level);
+    q->inner[0] = (float) l->image.cx;
+    q->inner[1] = (float) l->image.cy;
     for (int c = first; c < end; c++) {
         const double even = ldexp(l->sum[c], -2 * l->level) * of_level *
                             of_level;
-        const double sum = is_summed(m, scale) ? sum_of(i, m->whole, c) : even;
+        const double sum = is_summed(p, scale) ? sum_of(q, p->whole, c) : even;
         const double fit = sum > 0.5 * even && sum < 2.0 * even ? even / sum
                                                                 : 1.0;
         if (l->luminance > 0.0 && even > 0.0)
-            i->amount[c] = (float) (light_of(m, c) * fit * l->sum[c] /
+            q->amount[c] = (float) (light_of(p, c) * fit * l->sum[c] /
                                     (l->luminance * even));
     }
 }
 
-static void measure(const struct making *m, struct gp_flare_quad *i, int first,
-                    int end)
-{
-    if (i->plain)
-        memcpy(i->amount, m->light->flux, sizeof i->amount);
-    else if (i->image)
-        measure_image(m, i, first, end);
-    else
-        measure_shape(m, i);
-}
-
-/* Adds an item for channels [first, end), unless it is dark. */
-static void add_item(struct gp_flare_quads *items, const struct making *m,
+/* Adds a quad for channels [first, end), unless it is dark. */
+static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
                      int element, int light, struct gp_rect display, int first,
                      int end)
 {
-    const double turn = m->e->rotation * pi / 180.0;
-    struct gp_flare_quad i = {
-        .shape = m->e->shape, .plain = m->e->plain && m->level,
+    const double angle = p->e->rotation * pi / 180.0;
+    struct gp_flare_quad q = {
+        .shape = p->e->shape, .plain = p->e->plain && p->level,
         .element = element, .light = light,
-        .turn = {(float) cos(turn), (float) sin(turn)},
-        .sides = m->e->sides, .edge = items->edge + GP_FLARE_EDGE * element,
-        .image = m->level ? &m->level->image : NULL,
+        .turn = {(float) cos(angle), (float) sin(angle)},
+        .sides = p->e->sides, .edge = quads->edge + GP_FLARE_EDGE * element,
+        .image = p->level ? &p->level->image : NULL,
     };
-    place_of(m->e, m->light, display, &i.x, &i.y);
-    put_rect(&i, gp_rect_meet(m->whole, m->frame));
-    measure(m, &i, first, end);
-    if (i.amount[0] != 0.0f || i.amount[1] != 0.0f || i.amount[2] != 0.0f)
-        items->at[items->n++] = i;
+    place_of(p->e, p->light, display, &q.x, &q.y);
+    place_quad(&q, gp_rect_meet(p->whole, p->frame));
+    if (q.plain)
+        memcpy(q.amount, p->light->flux, sizeof q.amount);
+    else if (q.image)
+        measure_image(p, &q, first, end);
+    else
+        measure_shape(p, &q);
+    if (q.amount[0] != 0.0f || q.amount[1] != 0.0f || q.amount[2] != 0.0f)
+        quads->at[quads->n++] = q;
 }
 
-/* `clear`: hidden lights have none. */
-static int items_of(const struct gp_flare_element *e, const struct gp_light *l,
+/* Quads that an element of a light needs; `clear`: hidden lights need none. */
+static int quads_of(const struct gp_flare_element *e, const struct gp_light *l,
                     bool clear, struct gp_rect frame, struct gp_rect display)
 {
     const bool dark = l->flux[0] <= 0.0f && l->flux[1] <= 0.0f &&
@@ -392,74 +352,48 @@ static int items_of(const struct gp_flare_element *e, const struct gp_light *l,
     if (dark || (clear && !(l->visibility > 0.0)) ||
         gp_rect_empty(gp_flare_reach(e, l, frame, display)))
         return 0;
-    return e->shape == GP_FLARE_IMAGE && !e->plain && is_dispersed(e) ? 3 : 1;
-}
-
-/* -- the whole list -------------------------------------------------------- */
-
-static void fill_edges(const struct gp_flare_element *e, float *edge)
-{
-    for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
-        const double a = e->rotation * pi / 180.0 +
-                         (i + 0.5) * 2.0 * pi / e->sides;
-        const double x = cos(a), y = -sin(a); // counter-clockwise, y down
-        edge[3 * i] = (float) x;
-        edge[3 * i + 1] = (float) y;
-        edge[3 * i + 2] = (float) (1.0 / fmax(fabs(x), fabs(y)));
-    }
+    const bool dispersed = e->scale[0] != e->scale[1] ||
+                           e->scale[1] != e->scale[2];
+    return e->shape == GP_FLARE_IMAGE && !e->plain && dispersed ? 3 : 1;
 }
 
 /* Edges of all polygons, and images at the sizes that they are drawn in. */
-static gp_status prepare(const struct gp_log *log, const struct gp_flare *f,
-                         struct gp_rect display, struct gp_flare_quads *items)
+static gp_status prepare_elements(const struct gp_log *log,
+                                  const struct gp_flare *f,
+                                  struct gp_rect display,
+                                  struct gp_flare_quads *quads)
 {
-    void *edge, *level;
-    gp_status st = gp_alloc_zero(log, "flare polygons", (size_t) f->n,
-                                 GP_FLARE_EDGE * sizeof(float), &edge);
-    if (st)
-        return st;
-    items->edge = edge;
-    st = gp_alloc_zero(log, "flare images", (size_t) f->n,
-                       sizeof *items->level, &level);
-    if (st)
-        return st;
-    items->level = level;
-    items->elements = f->n;
-    for (int i = 0; !st && i < f->n; i++) {
-        const struct gp_flare_element *const e = &f->element[i];
-        fill_edges(e, items->edge + GP_FLARE_EDGE * i);
+    void *block;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "flare polygons", (size_t) f->n,
+                         GP_FLARE_EDGE * sizeof(float), &block));
+    quads->edge = block;
+    GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
+                         sizeof *quads->level, &block));
+    quads->level = block;
+    quads->elements = f->n;
+    for (int k = 0; k < f->n; k++) {
+        const struct gp_flare_element *const e = &f->element[k];
+        float *const edge = quads->edge + GP_FLARE_EDGE * k;
+        for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
+            const double a = e->rotation * pi / 180.0 +
+                             (i + 0.5) * 2.0 * pi / e->sides;
+            const double x = cos(a), y = -sin(a); // counter-clockwise, y down
+            edge[3 * i] = (float) x;
+            edge[3 * i + 1] = (float) y;
+            edge[3 * i + 2] = (float) (1.0 / fmax(fabs(x), fabs(y)));
+        }
         if (e->shape != GP_FLARE_IMAGE || e->image.w < 1 || e->image.h < 1)
             continue;
         if (e->plain)
-            items->level[i].image = e->image;
+            quads->level[k].image = e->image;
         else
-            st = level_make(
-                log, &e->image, fmax(diameter_of(e, display) * least_scale(e),
-                                     1.0), &items->level[i]);
+            GP_TRY(make_level(log, &e->image,
+                              fmax(diameter_of(e, display) * least_scale(e),
+                                   1.0), &quads->level[k]));
     }
+out:
     return st;
-}
-
-static void fill(const struct gp_flare *f, const struct gp_light *light, int n,
-                 bool clear, struct gp_rect frame, struct gp_rect display,
-                 struct gp_flare_quads *items)
-{
-    for (int l = 0; l < n; l++) {
-        for (int k = 0; k < f->n; k++) {
-            const struct gp_flare_element *const e = &f->element[k];
-            const int parts = items_of(e, &light[l], clear, frame,
-                                       display);
-            const bool image = e->shape == GP_FLARE_IMAGE;
-            const struct making m = {
-                .e = e, .light = &light[l],
-                .level = image ? &items->level[k] : NULL,
-                .whole = whole_reach(e, &light[l], display), .frame = frame,
-                .diameter = diameter_of(e, display),
-            };
-            for (int i = 0; i < parts; i++)
-                add_item(items, &m, k, l, display, i, parts == 1 ? 3 : i + 1);
-        }
-    }
 }
 
 gp_status gp_flare_quads_make(const struct gp_log *log,
@@ -469,41 +403,106 @@ gp_status gp_flare_quads_make(const struct gp_log *log,
                               struct gp_rect display,
                               struct gp_flare_quads *out)
 {
-    *out = (struct gp_flare_quads) {0};
     size_t most = 0;
+    void *at;
+    gp_status st;
+    *out = (struct gp_flare_quads) {0};
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++)
-            most += (size_t) items_of(&f->element[k], &light[l], clear,
-                                      frame, display);
+            most += (size_t) quads_of(&f->element[k], &light[l], clear, frame,
+                                      display);
     }
     if (most == 0)
         return GP_OK;
-    void *at;
-    gp_status st = gp_alloc(log, "flare of the lights", most, sizeof *out->at,
-                            &at);
-    if (st)
-        return st;
+    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at, &at));
     out->at = at;
-    st = prepare(log, f, display, out);
-    if (!st)
-        fill(f, light, n, clear, frame, display, out);
+    GP_TRY(prepare_elements(log, f, display, out));
+    for (int l = 0; l < n; l++) {
+        for (int k = 0; k < f->n; k++) {
+            const struct gp_flare_element *const e = &f->element[k];
+            const int quads = quads_of(e, &light[l], clear, frame, display);
+            const bool image = e->shape == GP_FLARE_IMAGE;
+            const struct pair p = {
+                .e = e, .light = &light[l],
+                .level = image ? &out->level[k] : NULL,
+                .whole = whole_reach(e, &light[l], display), .frame = frame,
+                .diameter = diameter_of(e, display),
+            };
+            for (int i = 0; i < quads; i++)
+                add_quad(out, &p, k, l, display, i, quads == 1 ? 3 : i + 1);
+        }
+    }
+out:
     return st;
 }
 
-void gp_flare_quads_free(struct gp_flare_quads *items)
+void gp_flare_quads_free(struct gp_flare_quads *quads)
 {
-    for (int i = 0; i < items->elements; i++)
-        level_free(&items->level[i]);
-    gp_free(items->at);
-    gp_free(items->edge);
-    gp_free(items->level);
-    *items = (struct gp_flare_quads) {0};
+    for (int i = 0; i < quads->elements; i++) {
+        if (quads->level[i].level > 0)
+            gp_planes_free(&quads->level[i].image.rgb);
+    }
+    gp_free(quads->at);
+    gp_free(quads->edge);
+    gp_free(quads->level);
+    *quads = (struct gp_flare_quads) {0};
 }
 
-enum { MOST_ELEMENTS = 1024 };
+// -- on the CPU --------------------------------------------------------------
 
-static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
-                                     "image", NULL};
+enum { ROWS = 16 }; // of a task
+
+struct adding {
+    const struct gp_flare_quads *quads;
+    const struct gp_light *light;
+    struct gp_rect frame;
+    struct gp_planes *layer;
+};
+
+static void add_rows(void *ctx, int i, int thread)
+{
+    const struct adding *const a = ctx;
+    const struct gp_rect f = a->frame;
+    const int y0 = f.y0 + i * ROWS;
+    const int y1 = f.y1 - y0 < ROWS ? f.y1 : y0 + ROWS;
+    (void) thread;
+    for (int k = 0; k < a->quads->n; k++) {
+        const struct gp_flare_quad *const q = &a->quads->at[k];
+        const float visible = (float) a->light[q->light].visibility;
+        int x0, x1;
+        if (q->rect.y0 >= y1 || q->rect.y1 <= y0)
+            continue;
+        for (int y = y0; y < y1; y++) {
+            if (!gp_flare_span(q, y, y + 1, &x0, &x1))
+                continue;
+            const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
+                              (size_t) (x0 - f.x0);
+            for (int c = 0; c < 3; c++) {
+                if (q->amount[c] != 0.0f)
+                    gp_flare_add_row(q, c, y, x0, x1, q->amount[c] * visible,
+                                     a->layer->c[c] + at);
+            }
+        }
+    }
+}
+
+gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
+                       const struct gp_light *light, int n,
+                       struct gp_rect frame, struct gp_rect display,
+                       struct gp_planes *layer)
+{
+    struct gp_flare_quads quads = {0};
+    gp_status st = gp_flare_quads_make(log, f, light, n, true, frame, display,
+                                       &quads);
+    if (!st && quads.n > 0) {
+        struct adding a = {&quads, light, frame, layer};
+        gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
+    }
+    gp_flare_quads_free(&quads);
+    return st;
+}
+
+// -- reading -----------------------------------------------------------------
 
 #define COMMON_KEYS "shape", "position", "size", "color", "rotation", "scale"
 static const char *const all_keys[] = {COMMON_KEYS, "width", "sides", "image",
@@ -520,25 +519,6 @@ static const char *const *const keys_of[] = {
     [GP_FLARE_IMAGE] = image_keys,
 };
 
-/* -- one element ----------------------------------------------------------- */
-
-/* The shape, and that no key is unknown, or of another shape. */
-static gp_status read_shape(const struct gp_json_place *p, json_t *o,
-                            enum gp_flare_shape *out)
-{
-    int shape = 0;
-    bool found = false;
-    gp_status st = gp_json_keys(p, o, all_keys);
-    if (!st)
-        st = gp_json_choice(p, o, "shape", shapes, &shape, &found);
-    if (!st && !found)
-        st = gp_fail(p->log, GP_ERR_DATA,
-                     "%s: %s %d: no shape; add \"shape\": disc, ring, polygon, "
-                     "streak or image", p->path, p->what, p->index);
-    *out = (enum gp_flare_shape) shape;
-    return st ? st : gp_json_keys(p, o, keys_of[shape]);
-}
-
 static gp_status read_floats(const struct gp_json_place *p, json_t *o,
                              const char *key, bool grey, double lo, double hi,
                              float out[3])
@@ -550,17 +530,25 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     return st;
 }
 
-/* A name beside the JSON file, unless it is absolute. */
-static gp_status resolve(const struct gp_json_place *p, const char *name,
-                         char **out)
+/* The path of an image: beside the JSON file, unless it is absolute. */
+static gp_status read_image_path(const struct gp_json_place *p, json_t *o,
+                                 char **out)
 {
+    const char *name = NULL;
+    bool found = false;
+    gp_status st = gp_json_text(p, o, "image", &name, &found);
+    if (!st && (!found || !*name))
+        st = gp_fail(p->log, GP_ERR_DATA,
+                     "%s: %s %d: no image; add \"image\": its file",
+                     p->path, p->what, p->index);
+    if (st)
+        return st;
     const char *const slash = strrchr(p->path, '/');
     const size_t folder = name[0] != '/' && slash
                               ? (size_t) (slash - p->path) + 1 : 0;
     const size_t bytes = folder + strlen(name) + 1;
     void *path;
-    const gp_status st = gp_alloc(p->log, "a flare image's path", bytes, 1,
-                                  &path);
+    st = gp_alloc(p->log, "a flare image's path", bytes, 1, &path);
     if (st)
         return st;
     memcpy(path, p->path, folder);
@@ -569,30 +557,27 @@ static gp_status resolve(const struct gp_json_place *p, const char *name,
     return GP_OK;
 }
 
-static gp_status read_image(const struct gp_json_place *p, json_t *o,
-                            char **out)
-{
-    const char *name = NULL;
-    bool found = false;
-    const gp_status st = gp_json_text(p, o, "image", &name, &found);
-    if (st)
-        return st;
-    if (!found || !*name)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: no image; add \"image\": its file",
-                       p->path, p->what, p->index);
-    return resolve(p, name, out);
-}
-
 static gp_status read_element(const struct gp_json_place *p, json_t *o,
                               struct gp_flare_element *e)
 {
+    static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
+                                         "image", NULL};
+    int shape = 0;
+    bool found = false;
+    gp_status st;
     *e = (struct gp_flare_element) {
         .size = 0.1, .width = 0.1, .sides = 6,
         .colour = {0.01f, 0.01f, 0.01f}, .scale = {1.0f, 1.0f, 1.0f},
     };
-    gp_status st;
-    GP_TRY(read_shape(p, o, &e->shape));
+    GP_TRY(gp_json_keys(p, o, all_keys));
+    GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
+    if (!found)
+        GP_TRY(gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: no shape; add \"shape\": disc, ring, "
+                       "polygon, streak or image", p->path, p->what,
+                       p->index));
+    GP_TRY(gp_json_keys(p, o, keys_of[shape]));
+    e->shape = (enum gp_flare_shape) shape;
     if (e->shape == GP_FLARE_STREAK)
         e->width = 0.01;
     GP_TRY(gp_json_number(p, o, "position", -10.0, 10.0, &e->at, NULL));
@@ -604,16 +589,15 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     GP_TRY(read_floats(p, o, "color", true, 0.0, 1e6, e->colour));
     GP_TRY(read_floats(p, o, "scale", false, 0.01, 100.0, e->scale));
     if (e->shape == GP_FLARE_IMAGE)
-        GP_TRY(read_image(p, o, &e->path));
+        GP_TRY(read_image_path(p, o, &e->path));
 out:
     return st;
 }
 
-/* -- the file -------------------------------------------------------------- */
-
 gp_status gp_flare_read(const struct gp_log *log, const char *path,
                         struct gp_flare *out)
 {
+    enum { MOST_ELEMENTS = 1024 };
     struct gp_json_place place = {log, path, "element", 0};
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;

@@ -2,18 +2,16 @@
 #include "sun/sun_priv.h"
 
 #include "core/cpu.h"
-#include "core/parallel.h"
 
 #include <math.h>
-#include <stddef.h>
 
 enum { RUN = 64 }; // pixels of a polygon at a time
 
-/* -- columns that are reached ---------------------------------------------- */
+// -- columns that are reached ------------------------------------------------
 
 /* Adds to [*lo, *hi] the values of (limit - a * y) / b at four corners. */
-static void cross(double limit, double a, double b, const double y[2],
-                  double *lo, double *hi)
+static void widen_span(double limit, double a, double b, const double y[2],
+                       double *lo, double *hi)
 {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -30,16 +28,6 @@ static float largest(const float v[3])
     return fmaxf(v[0], fmaxf(v[1], v[2]));
 }
 
-/* Columns around the place, for rows' centres from y[0] to y[1] around it. */
-static void round_span(double radius, const double y[2], double *lo,
-                       double *hi)
-{
-    const double d = y[0] > 0.0 ? y[0] : y[1] < 0.0 ? -y[1] : 0.0;
-    const double x = d < radius ? sqrt(radius * radius - d * d) : -1.0;
-    *lo = -x;
-    *hi = x;
-}
-
 static void streak_span(const struct gp_flare_quad *i, const double y[2],
                         double *lo, double *hi)
 {
@@ -47,9 +35,9 @@ static void streak_span(const struct gp_flare_quad *i, const double y[2],
     *lo = -INFINITY;
     *hi = INFINITY;
     if (fabs(s) > 1e-6)
-        cross((double) largest(i->inner) + 1.0, c, s, y, lo, hi);
+        widen_span((double) largest(i->inner) + 1.0, c, s, y, lo, hi);
     if (fabs(c) > 1e-6)
-        cross((double) largest(i->radius) + 1.0, -s, c, y, lo, hi);
+        widen_span((double) largest(i->radius) + 1.0, -s, c, y, lo, hi);
 }
 
 bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
@@ -65,10 +53,14 @@ bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
         return true;
     const double y[2] = {top + 0.5 - i->y, bottom - 0.5 - i->y};
     double lo, hi;
-    if (i->shape == GP_FLARE_STREAK)
+    if (i->shape == GP_FLARE_STREAK) {
         streak_span(i, y, &lo, &hi);
-    else
-        round_span((double) largest(i->radius) + 1.0, y, &lo, &hi);
+    } else { // around the place, for the rows' centre nearest to it
+        const double radius = (double) largest(i->radius) + 1.0;
+        const double d = y[0] > 0.0 ? y[0] : y[1] < 0.0 ? -y[1] : 0.0;
+        hi = d < radius ? sqrt(radius * radius - d * d) : -1.0;
+        lo = -hi;
+    }
     lo += i->x - 1.0;
     hi += i->x + 1.0;
     if (lo > *x0)
@@ -78,7 +70,7 @@ bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
     return *x0 < *x1;
 }
 
-/* -- shapes ---------------------------------------------------------------- */
+// -- shapes ------------------------------------------------------------------
 
 /* Columns `from`, ... of a row, counted from the rect's corner. */
 struct run {
@@ -94,32 +86,32 @@ GP_CLONES static void add_flat(const struct run *r)
         r->out[i] += r->amount;
 }
 
-static inline float least(float a, float b)
+static inline float minf(float a, float b)
 {
     return a < b ? a : b;
 }
 
-static inline float most(float a, float b)
+static inline float maxf(float a, float b)
 {
     return a > b ? a : b;
 }
 
 static inline float clamp1(float v)
 {
-    return least(most(v, 0.0f), 1.0f);
+    return minf(maxf(v, 0.0f), 1.0f);
 }
 
 GP_CLONES static void add_round(const struct run *r, float radius, float inner)
 {
     const float x0 = r->x, y = r->y, tiny = 1e-20f, amount = r->amount;
-    const float edge = least(radius, 0.5f), hole = least(inner, 0.5f);
+    const float edge = minf(radius, 0.5f), hole = minf(inner, 0.5f);
     const int from = r->from;
     float *const out = r->out;
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float rho = sqrtf(x * x + y * y);
-        const float m = most(fabsf(x), fabsf(y));
-        const float slope = most(rho, tiny) / most(m, tiny);
+        const float m = maxf(fabsf(x), fabsf(y));
+        const float slope = maxf(rho, tiny) / maxf(m, tiny);
         const float cover = clamp1(edge + (radius - rho) * slope) -
                             clamp1(hole + (inner - rho) * slope);
         out[i] += amount * cover;
@@ -135,11 +127,11 @@ GP_CLONES static void meet_side(const struct run *r, const float *side,
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float c = 0.5f + (apothem - (nx * x + ny * y)) * steep;
-        cover[i] = least(cover[i], c);
+        cover[i] = minf(cover[i], c);
     }
 }
 
-static void add_polygon(const struct run *r, const struct gp_flare_quad *item,
+static void add_polygon(const struct run *r, const struct gp_flare_quad *q,
                         float apothem)
 {
     for (int at = 0; at < r->n; at += RUN) {
@@ -149,10 +141,10 @@ static void add_polygon(const struct run *r, const struct gp_flare_quad *item,
         part.n = r->n - at < RUN ? r->n - at : RUN;
         for (int i = 0; i < part.n; i++)
             cover[i] = 1.0f;
-        for (int s = 0; s < item->sides; s++)
-            meet_side(&part, item->edge + 3 * s, apothem, cover);
+        for (int s = 0; s < q->sides; s++)
+            meet_side(&part, q->edge + 3 * s, apothem, cover);
         for (int i = 0; i < part.n; i++)
-            r->out[at + i] += r->amount * most(cover[i], 0.0f);
+            r->out[at + i] += r->amount * maxf(cover[i], 0.0f);
     }
 }
 
@@ -161,21 +153,21 @@ GP_CLONES static void add_streak(const struct run *r, const float turn[2],
 {
     const float x0 = r->x, y = r->y, amount = r->amount;
     const float c = turn[0], s = turn[1];
-    const float steep = 1.0f / most(fabsf(c), fabsf(s));
+    const float steep = 1.0f / maxf(fabsf(c), fabsf(s));
     const float share = 1.0f / radius;
     const int from = r->from;
     float *const out = r->out;
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float v = fabsf(x * s + y * c);
-        const float fade = most(1.0f - fabsf(x * c - y * s) * share, 0.0f);
+        const float fade = maxf(1.0f - fabsf(x * c - y * s) * share, 0.0f);
         const float cover = clamp1(0.5f + (half - v) * steep) -
                             clamp1(0.5f - (half + v) * steep);
         out[i] += amount * (cover * (fade * fade));
     }
 }
 
-/* -- images ---------------------------------------------------------------- */
+// -- images ------------------------------------------------------------------
 
 static float texel(const struct gp_flare_image *m, int c, int x, int y)
 {
@@ -192,19 +184,19 @@ static float blend(float a, float b, float t)
 /* Far outside, where this texel and the next are none. */
 static int clamp_texel(float v, int size)
 {
-    return (int) most(-2.0f, least(v, (float) size));
+    return (int) maxf(-2.0f, minf(v, (float) size));
 }
 
-static void add_image(const struct run *r, const struct gp_flare_quad *item,
+static void add_image(const struct run *r, const struct gp_flare_quad *q,
                       int c)
 {
-    const struct gp_flare_image *const m = item->image;
-    const float cosine = item->turn[0] * item->radius[0];
-    const float sine = item->turn[1] * item->radius[0];
+    const struct gp_flare_image *const m = q->image;
+    const float cosine = q->turn[0] * q->radius[0];
+    const float sine = q->turn[1] * q->radius[0];
     for (int i = 0; i < r->n; i++) {
         const float x = r->x + (float) (r->from + i);
-        const float u = x * cosine - r->y * sine + item->inner[0] - 0.5f;
-        const float v = x * sine + r->y * cosine + item->inner[1] - 0.5f;
+        const float u = x * cosine - r->y * sine + q->inner[0] - 0.5f;
+        const float v = x * sine + r->y * cosine + q->inner[1] - 0.5f;
         const float left = floorf(u), top = floorf(v);
         const int tx = clamp_texel(left, m->w), ty = clamp_texel(top, m->h);
         const float upper = blend(texel(m, c, tx, ty),
@@ -228,13 +220,13 @@ GP_CLONES static void add_taps(const struct run *r, const float *upper,
 }
 
 /* At its own pixels: all of a run have the same weights. */
-static void add_plain(const struct run *r, const struct gp_flare_quad *item,
+static void add_plain(const struct run *r, const struct gp_flare_quad *q,
                       int c, int row)
 {
-    const struct gp_flare_image *const m = item->image;
-    const float s = item->fraction[0], t = item->fraction[1];
-    const int ty = item->corner[1] + row;
-    const int tx = item->corner[0] + r->from; // texel of weight 1 - s
+    const struct gp_flare_image *const m = q->image;
+    const float s = q->fraction[0], t = q->fraction[1];
+    const int ty = q->corner[1] + row;
+    const int tx = q->corner[0] + r->from; // texel of weight 1 - s
     const bool inside = ty >= 0 && ty + 1 < m->h;
     const int first = tx < 0 ? -tx : 0;
     const int end = m->w - 1 - tx < r->n ? m->w - 1 - tx : r->n;
@@ -258,20 +250,7 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *item,
     }
 }
 
-/* -- a row ----------------------------------------------------------------- */
-
-/* The part of a run whose pixels lie all within `radius` of the place: what
- * is inside of an edge needs no ramp. */
-static void middle(const struct run *r, float radius, int *first, int *end)
-{
-    const double d = (double) radius * (double) radius -
-                     (double) r->y * (double) r->y;
-    const double h = radius > 0.0f && d > 0.0 ? sqrt(d) : -1.0;
-    const double x = (double) r->x + r->from; // of the run's first pixel
-    const double lo = ceil(-h - x), hi = floor(h - x) + 1.0;
-    *first = lo < 0.0 ? 0 : lo > r->n ? r->n : (int) lo;
-    *end = hi > r->n ? r->n : hi < *first ? *first : (int) hi;
-}
+// -- a row -------------------------------------------------------------------
 
 static struct run cut(const struct run *r, int first, int end)
 {
@@ -282,103 +261,47 @@ static struct run cut(const struct run *r, int first, int end)
     return part;
 }
 
-static void add_ramps(const struct run *r, const struct gp_flare_quad *item,
-                      int c)
-{
-    if (item->shape == GP_FLARE_POLYGON)
-        add_polygon(r, item, item->inner[c]);
-    else
-        add_round(r, item->radius[c], item->inner[c]);
-}
-
 /* Ramps, what lies between them, ramps: all that is not within a pixel of an
  * edge is flat light, or the hole of a ring. */
-static void add_closed(const struct run *r, const struct gp_flare_quad *item,
+static void add_closed(const struct run *r, const struct gp_flare_quad *q,
                        int c)
 {
-    const float flat = item->shape == GP_FLARE_DISC ? item->radius[c]
-                                                    : item->inner[c];
-    int first, end;
-    middle(r, flat - 1.0f, &first, &end);
-    const struct run left = cut(r, 0, first), right = cut(r, end, r->n);
-    const struct run between = cut(r, first, end);
-    add_ramps(&left, item, c);
-    if (item->shape != GP_FLARE_RING)
-        add_flat(&between);
-    add_ramps(&right, item, c);
+    const float flat = q->shape == GP_FLARE_DISC ? q->radius[c] : q->inner[c];
+    const float radius = flat - 1.0f;
+    // the part whose pixels lie all within the radius
+    const double d = (double) radius * (double) radius -
+                     (double) r->y * (double) r->y;
+    const double half = radius > 0.0f && d > 0.0 ? sqrt(d) : -1.0;
+    const double x = (double) r->x + r->from; // of the run's first pixel
+    const double lo = ceil(-half - x), hi = floor(half - x) + 1.0;
+    const int first = lo < 0.0 ? 0 : lo > r->n ? r->n : (int) lo;
+    const int end = hi > r->n ? r->n : hi < first ? first : (int) hi;
+    const struct run flat_run = cut(r, first, end);
+    const struct run ramps[2] = {cut(r, 0, first), cut(r, end, r->n)};
+    for (int i = 0; i < 2; i++) {
+        if (q->shape == GP_FLARE_POLYGON)
+            add_polygon(&ramps[i], q, q->inner[c]);
+        else
+            add_round(&ramps[i], q->radius[c], q->inner[c]);
+    }
+    if (q->shape != GP_FLARE_RING)
+        add_flat(&flat_run);
 }
 
-void gp_flare_add_row(const struct gp_flare_quad *item, int c, int y, int x0,
-                  int x1, float amount, float *out)
+void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
+                      int x1, float amount, float *out)
 {
-    const int row = y - item->rect.y0;
+    const int row = y - q->rect.y0;
     const struct run r = {
-        .from = x0 - item->rect.x0, .n = x1 - x0, .x = item->base[0],
-        .y = item->base[1] + (float) row, .amount = amount, .out = out,
+        .from = x0 - q->rect.x0, .n = x1 - x0, .x = q->base[0],
+        .y = q->base[1] + (float) row, .amount = amount, .out = out,
     };
-    if (item->shape == GP_FLARE_STREAK)
-        add_streak(&r, item->turn, item->radius[c], item->inner[c]);
-    else if (item->plain)
-        add_plain(&r, item, c, row);
-    else if (item->shape == GP_FLARE_IMAGE)
-        add_image(&r, item, c);
+    if (q->shape == GP_FLARE_STREAK)
+        add_streak(&r, q->turn, q->radius[c], q->inner[c]);
+    else if (q->plain)
+        add_plain(&r, q, c, row);
+    else if (q->shape == GP_FLARE_IMAGE)
+        add_image(&r, q, c);
     else
-        add_closed(&r, item, c);
-}
-
-enum { ROWS = 16 }; // of a task
-
-struct adding {
-    const struct gp_flare_quads *items;
-    const struct gp_light *light;
-    struct gp_rect frame;
-    struct gp_planes *layer;
-};
-
-static void add_item_rows(const struct adding *a,
-                          const struct gp_flare_quad *item, int y0, int y1)
-{
-    const float visible = (float) a->light[item->light].visibility;
-    const struct gp_rect f = a->frame;
-    for (int y = y0; y < y1; y++) {
-        int x0, x1;
-        if (!gp_flare_span(item, y, y + 1, &x0, &x1))
-            continue;
-        const size_t at = (size_t) (y - f.y0) * (size_t) gp_rect_w(f) +
-                          (size_t) (x0 - f.x0);
-        for (int c = 0; c < 3; c++) {
-            if (item->amount[c] != 0.0f)
-                gp_flare_add_row(item, c, y, x0, x1, item->amount[c] * visible,
-                             a->layer->c[c] + at);
-        }
-    }
-}
-
-static void add_rows(void *ctx, int i, int thread)
-{
-    const struct adding *const a = ctx;
-    const int y0 = a->frame.y0 + i * ROWS;
-    const int y1 = a->frame.y1 - y0 < ROWS ? a->frame.y1 : y0 + ROWS;
-    (void) thread;
-    for (int k = 0; k < a->items->n; k++) {
-        const struct gp_flare_quad *const item = &a->items->at[k];
-        if (item->rect.y0 < y1 && item->rect.y1 > y0)
-            add_item_rows(a, item, y0, y1);
-    }
-}
-
-gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
-                       const struct gp_light *light, int n,
-                       struct gp_rect frame, struct gp_rect display,
-                       struct gp_planes *layer)
-{
-    struct gp_flare_quads items = {0};
-    gp_status st = gp_flare_quads_make(log, f, light, n, true, frame,
-                                       display, &items);
-    if (!st && items.n > 0) {
-        struct adding a = {&items, light, frame, layer};
-        gp_parallel_do((gp_rect_h(frame) + ROWS - 1) / ROWS, add_rows, &a);
-    }
-    gp_flare_quads_free(&items);
-    return st;
+        add_closed(&r, q, c);
 }

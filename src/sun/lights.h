@@ -1,6 +1,6 @@
 /* sun: lights, what hides them, and the flare they make in a lens.
  *
- *   lights    suns and lamps: from JSON, and their places in a frame (this file)
+ *   lights    suns and lamps: from JSON, their places in a frame (this file)
  *   camera    from a direction or a place in the world to the frame
  *   occluder  depth and coverage, and the share of a light that they leave, by
  *             area, in double (exact.c)

@@ -1,3 +1,5 @@
+/* The sun map and the intensity map on GL: what a context keeps, drawing,
+ * reading back. */
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
@@ -6,22 +8,7 @@
 
 enum { LIGHT_TEXELS = 3 }; // of a row of `lights`
 
-/* -- making -----------------------------------------------------------------*/
-
-static gp_status make_state(const struct gp_log *log, struct gp_sun_map **out)
-{
-    struct gp_sun_map *s = NULL;
-    gp_status st = gp_alloc_zero(log, "sun map", 1, sizeof *s, (void **) &s);
-    // zeroed: what lies between boxes is uploaded too
-    if (!st)
-        st = gp_alloc_zero(log, "sun map's upload", GP_SUN_BAND,
-                           4 * sizeof(float), (void **) &s->band);
-    if (st)
-        gp_free(s);
-    else
-        *out = s;
-    return st;
-}
+// -- making ------------------------------------------------------------------
 
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
 {
@@ -65,28 +52,10 @@ gp_status gp_map_use(const struct gp_log *log, const struct gp_gl *gl,
                               &s->program[which]);
 }
 
-/* -- each frame -------------------------------------------------------------*/
+// -- each frame --------------------------------------------------------------
 
-static gp_status check(const struct gp_log *log, const struct gp_gl *gl,
-                       const struct gp_sun_params *p, int n)
-{
-    if (n < 1 || n > GP_LIGHTS_MAX)
-        return gp_fail_bare(log, GP_ERR_BUG,
-                            "sun map: %d lights (1 to %d can be drawn); "
-                            "report it", n, GP_LIGHTS_MAX);
-    if (p->map < 2 || p->map > 256 || p->map % 2)
-        return gp_fail_bare(log, GP_ERR_BUG,
-                            "sun map: %d texels wide (2 to 256, even, can be "
-                            "drawn); report it", p->map);
-    if (n > gp_gl_info(gl)->max_size)
-        return gp_fail_bare(log, GP_ERR_GL,
-                            "sun map: %d lights do not go into a texture (%d "
-                            "texels wide is the limit); use --sun-method exact",
-                            n, gp_gl_info(gl)->max_size);
-    return GP_OK;
-}
-
-static void put_two(double v, float out[2])
+/* The sum of two floats, for places that one is too short for. */
+static void split_float(double v, float out[2])
 {
     out[0] = (float) v;
     out[1] = (float) (v - (double) out[0]);
@@ -103,14 +72,14 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
                              &s->lights);
     }
     for (int i = 0; i < n; i++) {
-        const struct gp_map_light *const spot = &s->spot[i];
-        put_two(spot->x, row[i]);
-        put_two(spot->y, row[i] + 2);
-        put_two(spot->radius, row[i] + 4);
-        row[i][6] = (float) spot->k;
-        row[i][7] = spot->limit;
-        row[i][8] = (float) (spot->slot_x - spot->box.x0);
-        row[i][9] = (float) (spot->slot_y - spot->box.y0);
+        const struct gp_map_light *const l = &s->light[i];
+        split_float(l->x, row[i]);
+        split_float(l->y, row[i] + 2);
+        split_float(l->radius, row[i] + 4);
+        row[i][6] = (float) l->k;
+        row[i][7] = l->limit;
+        row[i][8] = (float) (l->slot_x - l->box.x0);
+        row[i][9] = (float) (l->slot_y - l->box.y0);
         row[i][10] = row[i][11] = 0.0f;
     }
     if (!st)
@@ -119,50 +88,54 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
     return st;
 }
 
-static gp_status fit_intensity(const struct gp_log *log,
-                               const struct gp_gl *gl, struct gp_sun_map *s,
-                               int n)
-{
-    if (s->intensity.colour.w == n)
-        return GP_OK;
-    gp_target_free(gl, &s->intensity);
-    return gp_target_make(log, gl, "intensity map", GP_TEXEL_FLOAT, 1, n, 1,
-                          &s->intensity);
-}
-
 gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
                        const struct gp_occluders *o,
                        const struct gp_sun_params *p,
                        const struct gp_light *light, int n,
                        struct gp_sun_map **state)
 {
-    struct gp_map_pixels upload;
-    gp_status st = check(log, gl, p, n);
-    if (!st && !*state)
-        st = make_state(log, state);
+    const int limit = gp_gl_info(gl)->max_size;
+    struct gp_map_pixels pixels;
+    gp_status st = GP_OK;
+    if (n < 1 || n > GP_LIGHTS_MAX)
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "sun map: %d lights (1 to %d can be drawn); "
+                            "report it", n, GP_LIGHTS_MAX);
+    if (p->map < 2 || p->map > 256 || p->map % 2)
+        return gp_fail_bare(log, GP_ERR_BUG,
+                            "sun map: %d texels wide (2 to 256, even, can be "
+                            "drawn); report it", p->map);
+    if (n > limit)
+        return gp_fail_bare(log, GP_ERR_GL,
+                            "sun map: %d lights do not go into a texture (%d "
+                            "texels wide is the limit); use --sun-method exact",
+                            n, limit);
+    if (!*state)
+        st = gp_alloc_zero(log, "sun map", 1, sizeof **state,
+                           (void **) state);
     if (st)
         return st;
     struct gp_sun_map *const s = *state;
     s->n = 0; // nothing is drawn until all is
+    if (!s->band) // zeroed: what lies between boxes is written too
+        GP_TRY(gp_alloc_zero(log, "sun map's pixels", GP_SUN_BAND,
+                             4 * sizeof(float), (void **) &s->band));
     for (int i = 0; i < n; i++)
-        s->spot[i] = gp_map_light_of(o, p->map, &light[i]);
-    int most = gp_gl_info(gl)->max_size;
-    most = most < GP_SUN_BAND ? most : GP_SUN_BAND; // a row is a band at most
-    GP_TRY(gp_map_pack(log, o, s->spot, n, most, &upload));
-    GP_TRY(gp_map_send_pixels(log, gl, o, &upload, s, n));
+        s->light[i] = gp_map_light_of(o, p->map, &light[i]);
+    GP_TRY(gp_map_pack(log, o, s->light, n,
+                       limit < GP_SUN_BAND ? limit : GP_SUN_BAND, &pixels));
+    GP_TRY(gp_map_write_pixels(log, gl, o, &pixels, s, n));
     GP_TRY(write_lights(log, gl, s, n));
-    GP_TRY(fit_intensity(log, gl, s, n));
+    if (s->intensity.colour.w != n) {
+        gp_target_free(gl, &s->intensity);
+        GP_TRY(gp_target_make(log, gl, "intensity map", GP_TEXEL_FLOAT, 1, n, 1,
+                              &s->intensity));
+    }
 out:
     return st;
 }
 
-/* -- atlas ------------------------------------------------------------------*/
-
-/* Maps in a row, so that the atlas is about square. */
-static int columns_for(int n)
-{
-    return (int) ceil(sqrt((double) n));
-}
+// -- atlas -------------------------------------------------------------------
 
 static int power_of_two(int v)
 {
@@ -177,7 +150,8 @@ static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
                            struct gp_sun_map *s)
 {
     enum { MOST = 1 << 24 }; // texels, 256 MiB
-    const int columns = columns_for(n), rows = (n + columns - 1) / columns;
+    const int columns = (int) ceil(sqrt((double) n)); // about square
+    const int rows = (n + columns - 1) / columns;
     int w = power_of_two(columns * p->map), h = power_of_two(rows * p->map);
     const int limit = gp_gl_info(gl)->max_size;
     if (w > limit || h > limit || (long long) w * h > MOST)
@@ -228,23 +202,7 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
     return st ? st : gp_draw_run(log, gl, &draw);
 }
 
-/* -- intensity --------------------------------------------------------------*/
-
-/* A pixel for each light, in rows as the maps of the atlas. */
-static gp_status fit_sums(const struct gp_log *log, const struct gp_gl *gl,
-                          bool byte, int n, struct gp_sun_map *s,
-                          struct gp_target **out)
-{
-    struct gp_target *const t = byte ? &s->byte_sums : &s->sums;
-    const int w = s->columns, h = rows_of(s, n);
-    *out = t;
-    if (t->colour.w == w && t->colour.h == h)
-        return GP_OK;
-    gp_target_free(gl, t);
-    return byte ? gp_target_make(log, gl, "8-bit sums", GP_TEXEL_BYTE, 1, w, h,
-                                 t)
-                : gp_target_make(log, gl, "sums", GP_TEXEL_FLOAT, 1, w, h, t);
-}
+// -- intensity ---------------------------------------------------------------
 
 static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
                              enum gp_sun_sum sum, struct gp_sun_map *s,
@@ -307,15 +265,22 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
                           struct gp_sun_map **state)
 {
     const bool byte = p->sum == GP_SUM_BYTE;
-    struct gp_target *sums = NULL;
     gp_status st;
     GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
     GP_TRY(fit_atlas(log, gl, p, n, s));
     GP_TRY(draw_maps(log, gl, o, p, n, s));
-    GP_TRY(fit_sums(log, gl, byte, n, s, &sums));
-    gp_target_clear(gl, sums, (struct gp_rect) {0, 0, sums->colour.w,
-                                                sums->colour.h});
+    // a pixel for each light, in rows as the maps of the atlas
+    struct gp_target *const sums = byte ? &s->byte_sums : &s->sums;
+    const int w = s->columns, h = rows_of(s, n);
+    if (sums->colour.w != w || sums->colour.h != h) {
+        gp_target_free(gl, sums);
+        GP_TRY(byte ? gp_target_make(log, gl, "8-bit sums", GP_TEXEL_BYTE, 1, w,
+                                     h, sums)
+                    : gp_target_make(log, gl, "sums", GP_TEXEL_FLOAT, 1, w, h,
+                                     sums));
+    }
+    gp_target_clear(gl, sums, (struct gp_rect) {0, 0, w, h});
     GP_TRY(draw_points(log, gl, p->sum, s, sums));
     GP_TRY(draw_intensity(log, gl, byte, n, s, sums));
     GP_TRY(gp_gl_check(log, gl, "sun map"));
@@ -324,7 +289,7 @@ out:
     return st;
 }
 
-/* -- results ----------------------------------------------------------------*/
+// -- results -----------------------------------------------------------------
 
 const struct gp_texture *gp_sun_intensity(const struct gp_sun_map *s)
 {
@@ -350,14 +315,6 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
     return gp_gl_check(log, gl, "sun map");
 }
 
-/* Cells of the atlas after the last light's hold what was there before. */
-static bool is_drawn(const struct gp_sun_map *s, bool intensity, size_t texel,
-                     int w)
-{
-    const int x = (int) (texel % (size_t) w), y = (int) (texel / (size_t) w);
-    return intensity || y / s->map * s->columns + x / s->map < s->n;
-}
-
 gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
                              const struct gp_sun_map *s, bool intensity,
                              int *w, int *h, float **out)
@@ -371,7 +328,7 @@ gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
     struct gp_rect r = {0, 0, s->n, 1};
     if (!intensity) {
         r.x1 = s->columns * s->map;
-        r.y1 = (s->n + s->columns - 1) / s->columns * s->map;
+        r.y1 = rows_of(s, s->n) * s->map;
     }
     const size_t n = (size_t) gp_rect_w(r) * (size_t) gp_rect_h(r);
     float *rgba = NULL, *grey = NULL;
@@ -382,12 +339,16 @@ gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
                     (void **) &grey));
     gp_target_read(gl, from, 0, r, rgba);
     GP_TRY(gp_gl_check(log, gl, "picture of the sun map"));
-    for (size_t i = 0; i < n; i++)
-        grey[i] = is_drawn(s, intensity, i, gp_rect_w(r)) &&
-                          rgba[4 * i + 1] > 0.0f
-                      ? rgba[4 * i] / rgba[4 * i + 1] : 0.0f;
     *w = gp_rect_w(r);
     *h = gp_rect_h(r);
+    for (size_t i = 0; i < n; i++) {
+        // cells of the atlas after the last light's hold what was there before
+        const int x = (int) (i % (size_t) *w), y = (int) (i / (size_t) *w);
+        const bool drawn = intensity ||
+                           y / s->map * s->columns + x / s->map < s->n;
+        grey[i] = drawn && rgba[4 * i + 1] > 0.0f
+                      ? rgba[4 * i] / rgba[4 * i + 1] : 0.0f;
+    }
     *out = grey;
     grey = NULL;
 out:

@@ -1,3 +1,4 @@
+/* Lights in pixels of the frame, and the texture of the pixels under them. */
 #include "sun/sun_priv.h"
 
 #include "core/parallel.h"
@@ -5,7 +6,7 @@
 #include <float.h>
 #include <math.h>
 
-/* -- one light --------------------------------------------------------------*/
+// -- one light ---------------------------------------------------------------
 
 enum { K_MAX = 16 }; // samples along a texel's side
 
@@ -41,7 +42,7 @@ int gp_map_pixel_at(double at, int size)
     return at < 0.0 ? -1 : at >= size ? size : (int) at;
 }
 
-static void span(double at, double radius, int size, int *from, int *to)
+static void pixel_span(double at, double radius, int size, int *from, int *to)
 {
     const int first = gp_map_pixel_at(at - radius, size);
     const int last = gp_map_pixel_at(at + radius, size);
@@ -50,7 +51,7 @@ static void span(double at, double radius, int size, int *from, int *to)
 }
 
 struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
-                                  const struct gp_light *l)
+                                    const struct gp_light *l)
 {
     struct gp_map_light s = {.limit = limit_of(l)};
     if (l->behind || !isfinite(l->x) || !isfinite(l->y) ||
@@ -61,8 +62,8 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
     s.radius = two_floats(l->radius);
     const double side = ceil(2.0 * s.radius / map);
     s.k = side < 1.0 ? 1 : side > K_MAX ? K_MAX : (int) side;
-    span(s.x, s.radius, gp_rect_w(o->frame), &s.box.x0, &s.box.x1);
-    span(s.y, s.radius, gp_rect_h(o->frame), &s.box.y0, &s.box.y1);
+    pixel_span(s.x, s.radius, gp_rect_w(o->frame), &s.box.x0, &s.box.x1);
+    pixel_span(s.y, s.radius, gp_rect_h(o->frame), &s.box.y0, &s.box.y1);
     return s;
 }
 
@@ -72,7 +73,7 @@ void gp_map_outside(enum gp_sun_outside outside, float count[2])
     count[1] = outside == GP_OUTSIDE_IGNORE ? 0.0f : 1.0f;
 }
 
-/* -- all of them ------------------------------------------------------------*/
+// -- all of them -------------------------------------------------------------
 
 /* Texels of n pixels in a row; room for a pixel without one. */
 static int texels(int n)
@@ -82,22 +83,22 @@ static int texels(int n)
 
 /* Boxes side by side until a row is `wide` texels; returns the height, or the
  * first one over `most`. */
-static int pack_rows(struct gp_map_light *spot, int n, int wide, int most,
+static int pack_rows(struct gp_map_light *light, int n, int wide, int most,
                      int *used)
 {
     int x = 0, y = 0, high = 0;
     *used = 1;
     for (int i = 0; i < n && y + high <= most; i++) {
-        if (gp_rect_empty(spot[i].box))
+        if (gp_rect_empty(light[i].box))
             continue;
-        const int w = texels(gp_rect_w(spot[i].box));
-        const int h = gp_rect_h(spot[i].box);
+        const int w = texels(gp_rect_w(light[i].box));
+        const int h = gp_rect_h(light[i].box);
         if (x + w > wide) {
             y += high;
             x = high = 0;
         }
-        spot[i].slot_x = 2 * x;
-        spot[i].slot_y = y;
+        light[i].slot_x = 2 * x;
+        light[i].slot_y = y;
         x += w;
         high = h > high ? h : high;
         *used = x > *used ? x : *used;
@@ -106,15 +107,15 @@ static int pack_rows(struct gp_map_light *spot, int n, int wide, int most,
 }
 
 /* A width that makes rows of boxes about as wide as high. */
-static int pack_width(const struct gp_map_light *spot, int n, int most)
+static int pack_width(const struct gp_map_light *light, int n, int most)
 {
     double area = 0.0;
     int widest = 1;
     for (int i = 0; i < n; i++) {
-        if (gp_rect_empty(spot[i].box))
+        if (gp_rect_empty(light[i].box))
             continue;
-        const int w = texels(gp_rect_w(spot[i].box));
-        area += (double) w * gp_rect_h(spot[i].box);
+        const int w = texels(gp_rect_w(light[i].box));
+        area += (double) w * gp_rect_h(light[i].box);
         widest = w > widest ? w : widest;
     }
     const double even = ceil(sqrt(area));
@@ -122,23 +123,16 @@ static int pack_width(const struct gp_map_light *spot, int n, int most)
     return wide > widest ? wide : widest;
 }
 
-static void share_frame(struct gp_map_light *spot, int n)
-{
-    for (int i = 0; i < n; i++) {
-        spot[i].slot_x = spot[i].box.x0;
-        spot[i].slot_y = spot[i].box.y0;
-    }
-}
-
 gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
-                      struct gp_map_light *spot, int n, int most,
+                      struct gp_map_light *light, int n, int most,
                       struct gp_map_pixels *out)
 {
     enum { EXACT_IN_FLOAT = 1 << 24 };
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int frame_w = w ? texels(w) : 1, frame_h = h ? h : 1;
     int used;
-    const int high = pack_rows(spot, n, pack_width(spot, n, most), most, &used);
+    const int high = pack_rows(light, n, pack_width(light, n, most), most,
+                               &used);
     const bool fits = used <= most && high <= most;
     const bool frame_fits = frame_w <= most && frame_h <= most;
     if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || (!fits && !frame_fits))
@@ -149,20 +143,22 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
                             n, w, h, most, most);
     const bool less = (double) frame_w * frame_h < (double) used * high;
     *out = (struct gp_map_pixels) {!fits || (less && frame_fits), used, high};
-    if (out->whole) {
-        share_frame(spot, n);
-        out->w = frame_w;
-        out->h = frame_h;
+    if (!out->whole)
+        return GP_OK;
+    out->w = frame_w;
+    out->h = frame_h;
+    for (int i = 0; i < n; i++) {
+        light[i].slot_x = light[i].box.x0;
+        light[i].slot_y = light[i].box.y0;
     }
     return GP_OK;
 }
 
 
-/* -- pixels under the lights -------------------------------------------------
- *
- * What sun_map.frag reads of a pixel is made so that one rule does for every
- * pair of planes: hidden is the coverage, where a surface is nearer or where
- * there is none. */
+// -- pixels under the lights -------------------------------------------------
+//
+// One rule does for every pair of planes: a pixel is hidden by its coverage,
+// where a surface is nearer or where there is none.
 
 /* Pixels under which threads cost more than they save. */
 enum { ALONE = 1 << 15 };
@@ -184,8 +180,8 @@ static const float *row_of(const struct gp_plane *p, int y, int *x0, int *x1)
 
 /* gp_depth_place() of n samples to every other float of `out`. Types of depth
  * that are places already stay exact. */
-static void put_places(const struct gp_occluders *o, const float *v, int n,
-                       float *out)
+static void write_places(const struct gp_occluders *o, const float *v, int n,
+                         float *out)
 {
     const bool turned = o->facts.reversed;
     const struct gp_depth_range s = gp_depth_range_of(o->type, turned);
@@ -203,57 +199,47 @@ static void put_places(const struct gp_occluders *o, const float *v, int n,
     }
 }
 
-static void put_mask(const float *m, int n, float *out)
-{
-    for (int i = 0; i < n; i++)
-        out[2 * i] = m[i] > 0.0f ? (m[i] < 1.0f ? m[i] : 1.0f) : 0.0f;
-}
-
-/* Columns [x0, x1) of row y, EXR pixel space. */
-static void put_row(const struct gp_occluders *o, int y, int x0, int x1,
-                    float *out)
-{
-    int from = x0, to = x1;
-    for (int i = 0; i < x1 - x0; i++) {
-        out[2 * i] = GP_SUN_EMPTY;
-        out[2 * i + 1] = 0.0f;
-    }
-    const float *row = row_of(o->depth, y, &from, &to);
-    if (row)
-        put_places(o, row, to - from, out + 2 * (from - x0));
-    if (!o->mask || !o->mask->v) {
-        for (int i = 0; i < x1 - x0; i++)
-            out[2 * i + 1] = out[2 * i] < GP_SUN_EMPTY ? 1.0f : 0.0f;
-        return;
-    }
-    from = x0;
-    to = x1;
-    row = row_of(o->mask, y, &from, &to);
-    if (row)
-        put_mask(row, to - from, out + 2 * (from - x0) + 1);
-}
-
 /* Where the rows of a box go: `to` is the band's row 0. */
-struct fill {
+struct box_rows {
     const struct gp_occluders *o;
     struct gp_rect box;  // of the frame, those rows that go into the band
     float *to;
     size_t stride;       // floats
 };
 
-static void fill_row(void *ctx, int i, int thread)
+static void write_row(void *ctx, int i, int thread)
 {
-    const struct fill *const f = ctx;
-    const struct gp_rect frame = f->o->frame;
+    const struct box_rows *const b = ctx;
+    const struct gp_occluders *const o = b->o;
+    const int y = b->box.y0 + i + o->frame.y0; // EXR pixel space
+    const int x0 = b->box.x0 + o->frame.x0, x1 = b->box.x1 + o->frame.x0;
+    float *const out = b->to + (size_t) i * b->stride;
+    int from = x0, to = x1;
     (void) thread;
-    put_row(f->o, f->box.y0 + i + frame.y0, f->box.x0 + frame.x0,
-            f->box.x1 + frame.x0, f->to + (size_t) i * f->stride);
+    for (int k = 0; k < x1 - x0; k++) {
+        out[2 * k] = GP_SUN_EMPTY;
+        out[2 * k + 1] = 0.0f;
+    }
+    const float *row = row_of(o->depth, y, &from, &to);
+    if (row)
+        write_places(o, row, to - from, out + 2 * (from - x0));
+    if (!o->mask || !o->mask->v) {
+        for (int k = 0; k < x1 - x0; k++)
+            out[2 * k + 1] = out[2 * k] < GP_SUN_EMPTY ? 1.0f : 0.0f;
+        return;
+    }
+    from = x0;
+    to = x1;
+    row = row_of(o->mask, y, &from, &to);
+    for (int x = from; row && x < to; x++, row++)
+        out[2 * (x - x0) + 1] = *row > 0.0f ? (*row < 1.0f ? *row : 1.0f)
+                                            : 0.0f;
 }
 
-/* The rows of a box that lie in rows [y0, y1) of what is uploaded. */
-static void fill_box(const struct gp_occluders *o, struct gp_rect box,
-                     int slot_x, int slot_y, int y0, int y1, int w,
-                     float *band)
+/* The rows of a box that lie in rows [y0, y1) of the texture, w texels wide. */
+static void write_box(const struct gp_occluders *o, struct gp_rect box,
+                      int slot_x, int slot_y, int y0, int y1, int w,
+                      float *band)
 {
     const int down = slot_y - box.y0; // a row of the frame, plus this
     struct gp_rect part = box;
@@ -261,48 +247,42 @@ static void fill_box(const struct gp_occluders *o, struct gp_rect box,
     part.y1 = y1 - down < box.y1 ? y1 - down : box.y1;
     if (gp_rect_empty(part))
         return;
-    struct fill f = {
+    struct box_rows b = {
         .o = o, .box = part, .stride = 4 * (size_t) w,
         .to = band + (size_t) (part.y0 + down - y0) * 4 * (size_t) w +
               2 * slot_x,
     };
     const int h = gp_rect_h(part);
     if ((long long) h * gp_rect_w(part) >= ALONE) {
-        gp_parallel_do(h, fill_row, &f);
+        gp_parallel_do(h, write_row, &b);
         return;
     }
     for (int i = 0; i < h; i++)
-        fill_row(&f, i, 0);
+        write_row(&b, i, 0);
 }
 
-static gp_status fit_pixels(const struct gp_log *log, const struct gp_gl *gl,
-                            const struct gp_map_pixels *u,
-                            struct gp_sun_map *s)
-{
-    if (s->pixels.w >= u->w && s->pixels.h >= u->h)
-        return GP_OK;
-    gp_texture_free(gl, &s->pixels);
-    return gp_texture_make(log, gl, "pixels under the lights", GP_TEXEL_FLOAT,
-                           u->w, u->h, &s->pixels);
-}
-
-gp_status gp_map_send_pixels(const struct gp_log *log, const struct gp_gl *gl,
-                        const struct gp_occluders *o,
-                        const struct gp_map_pixels *u, struct gp_sun_map *s,
-                        int n)
+gp_status gp_map_write_pixels(const struct gp_log *log, const struct gp_gl *gl,
+                              const struct gp_occluders *o,
+                              const struct gp_map_pixels *pixels,
+                              struct gp_sun_map *s, int n)
 {
     const struct gp_rect frame = {0, 0, gp_rect_w(o->frame),
                                   gp_rect_h(o->frame)};
-    const int rows = GP_SUN_BAND / u->w;
-    gp_status st = fit_pixels(log, gl, u, s);
-    for (int y0 = 0; !st && y0 < u->h; y0 += rows) {
-        const int y1 = u->h - y0 > rows ? y0 + rows : u->h;
-        if (u->whole)
-            fill_box(o, frame, 0, 0, y0, y1, u->w, s->band);
-        for (int i = 0; !u->whole && i < n; i++)
-            fill_box(o, s->spot[i].box, s->spot[i].slot_x, s->spot[i].slot_y,
-                     y0, y1, u->w, s->band);
-        gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, y0, u->w, y1},
+    const int w = pixels->w, h = pixels->h, rows = GP_SUN_BAND / w;
+    gp_status st = GP_OK;
+    if (s->pixels.w < w || s->pixels.h < h) {
+        gp_texture_free(gl, &s->pixels);
+        st = gp_texture_make(log, gl, "pixels under the lights", GP_TEXEL_FLOAT,
+                             w, h, &s->pixels);
+    }
+    for (int y0 = 0; !st && y0 < h; y0 += rows) {
+        const int y1 = h - y0 > rows ? y0 + rows : h;
+        if (pixels->whole)
+            write_box(o, frame, 0, 0, y0, y1, w, s->band);
+        for (int i = 0; !pixels->whole && i < n; i++)
+            write_box(o, s->light[i].box, s->light[i].slot_x,
+                      s->light[i].slot_y, y0, y1, w, s->band);
+        gp_texture_write(gl, &s->pixels, (struct gp_rect) {0, y0, w, y1},
                          s->band);
     }
     return st;

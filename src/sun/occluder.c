@@ -1,3 +1,5 @@
+/* Depth and coverage: which samples are surfaces, what they leave of a light,
+ * and the kinds of samples that a plane holds. */
 #include "sun/sun_priv.h"
 
 #include "core/cpu.h"
@@ -9,14 +11,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* -- which samples are surfaces, and where --------------------------------- */
+// -- which samples are surfaces, and where -----------------------------------
 
 struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
 {
     const float least = FLT_TRUE_MIN, half = GP_DEPTH_HALF;
     const float deepest = nextafterf(GP_DEPTH_HUGE, 0.0f);
-    const struct gp_depth_range inverse = {nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f),
-                                        INFINITY, NAN, true};
+    const struct gp_depth_range inverse = {
+        nextafterf(1.0f / GP_DEPTH_HUGE, 1.0f), INFINITY, NAN, true};
     const struct gp_depth_range turned = {least, INFINITY, NAN, true};
     const struct gp_depth_range share = {-INFINITY, nextafterf(1.0f, 0.0f), NAN,
                                       false};
@@ -65,7 +67,7 @@ static bool hides(const struct gp_light *l, double place)
                            : place < l->depth * (1.0 - l->bias);
 }
 
-/* -- samples of planes ----------------------------------------------------- */
+// -- samples of planes -------------------------------------------------------
 
 static bool has(const struct gp_plane *p)
 {
@@ -107,11 +109,11 @@ double gp_occluders_show(const struct gp_occluders *o,
     return hit || (empty && has(o->mask)) ? 1.0 - hidden : 1.0;
 }
 
-/* -- many pixels at a time ------------------------------------------------
- *
- * Places grow or fall with the samples, so what a light's depth means for a
- * sample is two comparisons of floats: the surfaces that hide the light are an
- * interval, and those behind it are another. */
+// -- many pixels at a time ---------------------------------------------------
+//
+// Places grow or fall with the samples, so what a light's depth means for a
+// sample is two comparisons of floats: the surfaces that hide the light are an
+// interval, and those behind it are another.
 
 struct rule {
     float near_lo, near_hi; // hide the light; none: lo > hi
@@ -232,11 +234,13 @@ double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
     return count - sum;
 }
 
+// -- the kinds of samples ----------------------------------------------------
+
 /* Parts are the same for any number of threads. */
 enum { PARTS = 64 };
 
 /* Counts of a share of the rows. */
-struct tally {
+struct counts {
     long long zero, nan, inf, huge, half_max, negative, one;
     long long fore, back; // surfaces as they are, and turned
     long long over;       // 1 and more, +Inf too
@@ -244,14 +248,14 @@ struct tally {
     int32_t lo, hi;       // of the huge, in gp_float_order()
 };
 
-struct survey {
+struct counting {
     const struct gp_plane *plane;
     struct gp_depth_range fore, back;
-    struct tally part[PARTS];
+    struct counts part[PARTS];
 };
 
 /* From the least to the most of a row's huge values. */
-GP_CLONES static void span_huge(const float *v, int n, struct tally *t)
+GP_CLONES static void span_huge(const float *v, int n, struct counts *t)
 {
     const int32_t far = gp_float_order(GP_DEPTH_HUGE);
     const int32_t endless = gp_float_order(INFINITY);
@@ -282,8 +286,8 @@ static struct span span_of(struct gp_depth_range s)
 
 /* One row's kinds. Whole numbers throughout, as wide as a float: then the
  * compiler makes vectors of it, which is 8 times as fast. */
-GP_CLONES static void count_row(const struct survey *s, const float *v, int n,
-                                struct tally *t)
+GP_CLONES static void count_row(const struct counting *s, const float *v, int n,
+                                struct counts *t)
 {
     const struct span f = span_of(s->fore), b = span_of(s->back);
     const int32_t half = gp_float_order(GP_DEPTH_HALF);
@@ -321,58 +325,28 @@ GP_CLONES static void count_row(const struct survey *s, const float *v, int n,
         span_huge(v, n, t);
 }
 
-static void survey_part(void *ctx, int i, int thread)
+static void count_part(void *ctx, int i, int thread)
 {
     (void) thread;
-    struct survey *const s = ctx;
+    struct counting *const s = ctx;
     const int64_t h = gp_rect_h(s->plane->window);
     const int w = gp_rect_w(s->plane->window);
-    s->part[i] = (struct tally) {.lo = INT32_MAX, .hi = INT32_MIN};
+    s->part[i] = (struct counts) {.lo = INT32_MAX, .hi = INT32_MIN};
     for (int64_t y = h * i / PARTS; y < h * (i + 1) / PARTS; y++)
         count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->part[i]);
 }
 
-static struct tally total_of(const struct survey *s)
-{
-    struct tally t = {.lo = INT32_MAX, .hi = INT32_MIN};
-    for (int i = 0; i < PARTS; i++) {
-        const struct tally *const p = &s->part[i];
-        t.zero += p->zero;
-        t.nan += p->nan;
-        t.inf += p->inf;
-        t.huge += p->huge;
-        t.half_max += p->half_max;
-        t.negative += p->negative;
-        t.one += p->one;
-        t.over += p->over;
-        t.tiny += p->tiny;
-        t.fore += p->fore;
-        t.back += p->back;
-        t.lo = p->lo < t.lo ? p->lo : t.lo;
-        t.hi = p->hi > t.hi ? p->hi : t.hi;
-    }
-    return t;
-}
-
-/* The text of the huge values: one, or from the least to the most. */
-static void name_huge(const struct tally *t, char text[32])
+/* Lists the kinds of empty samples that occur. */
+static void name_empty(enum gp_depth_type type, const struct counts *t,
+                       struct gp_depth_facts *f)
 {
     const double lo = (double) gp_float_of(t->lo);
     const double hi = (double) gp_float_of(t->hi);
-    if (t->huge == 0)
-        text[0] = '\0';
-    else if (t->lo == t->hi)
-        snprintf(text, 32, "%g", lo);
+    char huge[32]; // one, or from the least to the most
+    if (t->lo == t->hi)
+        snprintf(huge, sizeof huge, "%g", lo);
     else
-        snprintf(text, 32, "%g to %g", lo, hi);
-}
-
-/* Lists the kinds of empty samples that occur. */
-static void name_empty(enum gp_depth_type type, const struct tally *t,
-                       struct gp_depth_facts *f)
-{
-    char huge[32];
-    name_huge(t, huge);
+        snprintf(huge, sizeof huge, "%g to %g", lo, hi);
     const bool axis = type == GP_DEPTH_Z || type == GP_DEPTH_RAY;
     const bool share = type == GP_DEPTH_NORMALIZED;
     const bool first = !share || f->reversed; // 0 and less is empty
@@ -399,17 +373,32 @@ static void name_empty(enum gp_depth_type type, const struct tally *t,
     }
 }
 
-gp_status gp_occluders_count(const struct gp_log *log, struct gp_occluders *o)
+void gp_occluders_count(struct gp_occluders *o)
 {
-    (void) log;
     o->facts = (struct gp_depth_facts) {.empty = "none"};
     if (!o->depth || !o->depth->v || gp_rect_empty(o->depth->window))
-        return GP_OK;
-    struct survey s = {.plane = o->depth,
+        return;
+    struct counting s = {.plane = o->depth,
                        .fore = gp_depth_range_of(o->type, false),
                        .back = gp_depth_range_of(o->type, true)};
-    gp_parallel_do(PARTS, survey_part, &s);
-    const struct tally t = total_of(&s);
+    gp_parallel_do(PARTS, count_part, &s);
+    struct counts t = {.lo = INT32_MAX, .hi = INT32_MIN};
+    for (int i = 0; i < PARTS; i++) {
+        const struct counts *const p = &s.part[i];
+        t.zero += p->zero;
+        t.nan += p->nan;
+        t.inf += p->inf;
+        t.huge += p->huge;
+        t.half_max += p->half_max;
+        t.negative += p->negative;
+        t.one += p->one;
+        t.over += p->over;
+        t.tiny += p->tiny;
+        t.fore += p->fore;
+        t.back += p->back;
+        t.lo = p->lo < t.lo ? p->lo : t.lo;
+        t.hi = p->hi > t.hi ? p->hi : t.hi;
+    }
     struct gp_depth_facts *const f = &o->facts;
     if (o->type == GP_DEPTH_NORMALIZED)
         f->reversed = t.over == 0 && t.zero > 0;
@@ -424,5 +413,4 @@ gp_status gp_occluders_count(const struct gp_log *log, struct gp_occluders *o)
     f->one = t.one;
     f->surface = f->reversed ? t.back : t.fore;
     name_empty(o->type, &t, f);
-    return GP_OK;
 }

@@ -51,10 +51,8 @@ struct gp_occluders {
 };
 
 /* Counts o->depth's samples (in parallel, same counts for any number of
- * threads) and fills o->facts. Call before anything below; no depth is fine.
- * Cannot fail. */
-GP_MUST_CHECK gp_status gp_occluders_count(const struct gp_log *log,
-                                            struct gp_occluders *o);
+ * threads) and fills o->facts. Call before anything below; no depth is fine. */
+void gp_occluders_count(struct gp_occluders *o);
 
 /* Whether depth sample v is empty, and else its place on the light's scale:
  * distance for z, ray and inverse, 0 near to 1 far for normalized. INFINITY
@@ -83,12 +81,9 @@ enum gp_sun_outside {
  * 1e9; one behind the camera has 0. All hidden is exactly 0, all clear exactly
  * 1. Rows are summed in order: the same bits for any threads.
  * Time grows with the disc's area inside the planes' windows; what of the
- * frame is outside of them is clear, and costs one closed form.
- * Cannot fail. */
-GP_MUST_CHECK gp_status gp_sun_exact(const struct gp_log *log,
-                                     const struct gp_occluders *o,
-                                     enum gp_sun_outside outside,
-                                     struct gp_light *light, int n);
+ * frame is outside of them is clear, and costs one closed form. */
+void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+                  struct gp_light *light, int n);
 
 /* Area of the disc of radius r around (cx, cy) within [x, x+1) x [y, y+1), in
  * closed form; 0 to 1. Exact to 1e-12 for r up to 1e5. */

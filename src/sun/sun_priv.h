@@ -11,7 +11,16 @@
 #include <stdint.h>
 #include <string.h>
 
-// -- depth samples (occluder.c) -----------------------------------------------
+/* The smallest rectangle that holds both. */
+static inline struct gp_rect gp_rect_join(struct gp_rect a, struct gp_rect b)
+{
+    return (struct gp_rect) {
+        a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0,
+        a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1,
+    };
+}
+
+// -- depth samples (occluder.c) ----------------------------------------------
 
 /* Blender's 1e10 and 1e30 are backgrounds; no scene is this deep. */
 #define GP_DEPTH_HUGE 1e9f
@@ -48,8 +57,7 @@ static inline float gp_float_of(int32_t k)
     return v;
 }
 
-// -- discs (exact.c)
-// ------------------------------------------------------------
+// -- discs (exact.c) ---------------------------------------------------------
 
 /* Where (u, v) in [0, 1)^2 falls: the square [-1, 1]^2, or the unit disc by
  * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios. Texel
@@ -63,7 +71,7 @@ void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
                          double x1, double y1);
 
-// -- lights in pixels of the frame, and the pixels under them (map_pixels.c) --
+// -- lights in pixels of the frame, and the pixels under them (map_pixels.c) -
 
 /* Place on the scale of depth of a pixel without surface, and of a light
  * beyond everything; surfaces lie under it. Known to sun_map.frag as EMPTY. */
@@ -81,7 +89,7 @@ struct gp_map_light {
                          // it is behind the camera or its place is no number
     float limit;         // surfaces at a place under it hide the light
     struct gp_rect box;  // pixels that its samples read; may be empty
-    int slot_x, slot_y;  // where box lies in what is uploaded, pixels; even x
+    int slot_x, slot_y;  // where box lies in the texture, pixels; even x
 };
 
 struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
@@ -93,7 +101,7 @@ int gp_map_pixel_at(double at, int size);
 /* What counts for samples outside the frame: shown times weight, weight. */
 void gp_map_outside(enum gp_sun_outside outside, float count[2]);
 
-/* What is uploaded: two pixels a texel, w x h texels. */
+/* The texture of pixels under the lights: two a texel, w x h texels. */
 struct gp_map_pixels {
     bool whole; // the frame once; else each light's box
     int w, h;
@@ -103,11 +111,10 @@ struct gp_map_pixels {
  * that is less. Errors: GP_ERR_GL over `most` texels wide or high. */
 GP_MUST_CHECK gp_status gp_map_pack(const struct gp_log *log,
                                     const struct gp_occluders *o,
-                                    struct gp_map_light *spot, int n, int most,
+                                    struct gp_map_light *light, int n, int most,
                                     struct gp_map_pixels *out);
 
-// -- what the sun map keeps on a context (map.c)
-// -------------------------------
+// -- what the sun map keeps on a context (map.c) -----------------------------
 
 enum gp_sun_program {
     GP_SUN_TEXELS,          // sun map
@@ -119,7 +126,7 @@ enum gp_sun_program {
     GP_SUN_PROGRAMS,
 };
 
-enum { GP_SUN_BAND = 1 << 18 }; // texels that are uploaded at a time
+enum { GP_SUN_BAND = 1 << 18 }; // texels that are written at a time
 
 struct gp_sun_map {
     struct gp_program program[GP_SUN_PROGRAMS]; // made when first used
@@ -129,13 +136,13 @@ struct gp_sun_map {
     struct gp_target region;     // for readback
     struct gp_target sums, byte_sums; // a pixel for each map of the atlas
     struct gp_target intensity;       // n x 1
-    struct gp_map_light spot[GP_LIGHTS_MAX];
+    struct gp_map_light light[GP_LIGHTS_MAX];
     float *band;                 // GP_SUN_BAND texels; owned
     int n, map, columns;         // of the last draw; map 0: a readback
 };
 
-/* Makes *state and what a frame of n lights needs but the atlas: spots packed
- * and uploaded, intensity of n x 1. Errors: as gp_sun_map_draw(). */
+/* Makes *state and what a frame of n lights needs but the atlas: lights and
+ * pixels written, intensity of n x 1. Errors: as gp_sun_map_draw(). */
 GP_MUST_CHECK gp_status gp_map_begin(const struct gp_log *log,
                                      const struct gp_gl *gl,
                                      const struct gp_occluders *o,
@@ -147,15 +154,14 @@ GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
                                    struct gp_sun_map *s,
                                    enum gp_sun_program which);
 
-/* Uploads all boxes to s->pixels (map_upload.c), which is made to fit. */
-GP_MUST_CHECK gp_status gp_map_send_pixels(const struct gp_log *log,
+/* Writes all boxes to s->pixels, which is made to fit. */
+GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
                                       const struct gp_gl *gl,
                                       const struct gp_occluders *o,
-                                      const struct gp_map_pixels *u,
+                                      const struct gp_map_pixels *pixels,
                                       struct gp_sun_map *s, int n);
 
-// -- flare: elements made ready for the lights of one frame (flare.c)
-// -----------
+// -- flare: elements made ready for the lights of one frame (flare.c) --------
 
 /* What the CPU and GL forms evaluate alike, in float, pixel by pixel.
  *
@@ -170,9 +176,10 @@ GP_MUST_CHECK gp_status gp_map_send_pixels(const struct gp_log *log,
  *   polygon  least of the ramps of its sides, at `inner` from the middle
  *   streak   (1 - |t|)^2 along, times the ramp at +inner less that at -inner
  *            across
- *   image    bilinear sample, 0 outside; one item a channel where their
+ *   image    bilinear sample, 0 outside; one quad a channel where their
  *            scales differ
  */
+
 /* Texture of an image at half size, `level` times. */
 struct gp_flare_level {
     struct gp_flare_image image; // rgb owned when level > 0, else borrowed
@@ -181,7 +188,7 @@ struct gp_flare_level {
                                  // finite or not over 0: draws nothing
 };
 
-/* One element of one light. */
+/* The quad of one element of one light. */
 struct gp_flare_quad {
     enum gp_flare_shape shape;
     bool plain;
@@ -199,7 +206,7 @@ struct gp_flare_quad {
     float amount[3];      // light where coverage or sample is 1, when clear
     int sides;
     const float *edge;    // polygon: nx, ny, 1 / m of each side
-    const struct gp_flare_image *image; // of the item's level
+    const struct gp_flare_image *image; // of the quad's level
 };
 
 struct gp_flare_quads {
@@ -223,16 +230,16 @@ GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
                                             struct gp_rect frame,
                                             struct gp_rect display,
                                             struct gp_flare_quads *out);
-void gp_flare_quads_free(struct gp_flare_quads *items);
+void gp_flare_quads_free(struct gp_flare_quads *quads);
 
-/* Columns [*x0, *x1) outside of which the item reaches nothing in rows
+/* Columns [*x0, *x1) outside of which the quad reaches nothing in rows
  * [y0, y1); cut to its rect. false: nothing at all. */
-bool gp_flare_span(const struct gp_flare_quad *item, int y0, int y1, int *x0,
+bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
                    int *x1);
 
 /* Adds amount * coverage of channel c in row y to out[0] = column x0, and on
- * to x1; both inside the item's rect. */
-void gp_flare_add_row(const struct gp_flare_quad *item, int c, int y, int x0,
-                  int x1, float amount, float *out);
+ * to x1; both inside the quad's rect. */
+void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
+                      int x1, float amount, float *out);
 
 #endif

@@ -36,8 +36,7 @@ static inline double visibility(const struct gp_occluders *o, int outside,
                                 struct gp_light l)
 {
     l.visibility = -1.0; // must be written
-    assert_int_equal(gp_sun_exact(NULL, o, (enum gp_sun_outside) outside, &l,
-                                  1), GP_OK);
+    gp_sun_exact(o, (enum gp_sun_outside) outside, &l, 1);
     return l.visibility;
 }
 
@@ -58,7 +57,7 @@ static inline struct gp_occluders occluders(const struct gp_plane *depth,
                                             struct gp_rect frame)
 {
     struct gp_occluders o = {.depth = depth, .mask = mask, .frame = frame};
-    assert_int_equal(gp_occluders_count(NULL, &o), GP_OK);
+    gp_occluders_count(&o);
     return o;
 }
 

@@ -2,19 +2,19 @@
 // light is hidden (Maughan 2002: the intensity map is fetched, and nothing is
 // read back).
 //
-// in   items      five texels each, columns after columns of them:
+// in   quads      five texels each, columns after columns of them:
 //                 0  target pixels of the element's rect, before `tile`
 //                 1  first pixel's centre less the place; cosine and sine
 //                 2  radius of each channel; the light's number
 //                 3  inner of each channel (sun/sun_priv.h); polygon's sides
 //                 4  amount of each channel; row of `edges`
 //      intensity  texel (i, 0) of light i: visibility = r / g, 0 where g is 0
-//      first      x: first item of the draw
+//      first      x: first quad of the draw
 //      tile       pixel of the rects' coordinates at the target's corner
 //      size       of the target
 // out  quads cut to the target; streaks' are turned
 // CPU twin: flare_cpu.c
-uniform sampler2D items;
+uniform sampler2D quads;
 uniform sampler2D intensity;
 uniform ivec2 first;
 uniform ivec2 tile;
@@ -30,20 +30,20 @@ flat out ivec2 sides;  // of a polygon; row of its edges
 
 const int TEXELS = 5; // the same as in flare_gl.c
 
-vec4 item_texel(int item, int k)
+vec4 quad_texel(int quad, int k)
 {
-    int rows = textureSize(items, 0).y;
-    return texelFetch(items, ivec2(item / rows * TEXELS + k, item % rows), 0);
+    int rows = textureSize(quads, 0).y;
+    return texelFetch(quads, ivec2(quad / rows * TEXELS + k, quad % rows), 0);
 }
 
 void main()
 {
-    int item = first.x + gl_InstanceID;
-    vec4 rect = item_texel(item, 0);
-    vec4 place = item_texel(item, 1);
-    vec4 far = item_texel(item, 2);
-    vec4 near = item_texel(item, 3);
-    vec4 amount = item_texel(item, 4);
+    int quad = first.x + gl_InstanceID;
+    vec4 rect = quad_texel(quad, 0);
+    vec4 place = quad_texel(quad, 1);
+    vec4 far = quad_texel(quad, 2);
+    vec4 near = quad_texel(quad, 3);
+    vec4 amount = quad_texel(quad, 4);
     vec2 shown = texelFetch(intensity, ivec2(int(far.a), 0), 0).rg;
     float visibility = shown.g > 0.0 ? shown.r / shown.g : 0.0;
 

@@ -261,15 +261,13 @@ static void test_many_lights(void **state)
         light[i].behind = i % 9 == 4;
         light[i].visibility = (double) NAN;
     }
-    assert_int_equal(gp_sun_exact(NULL, &o, GP_OUTSIDE_IGNORE, light, N),
-                     GP_OK);
+    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, light, N);
     for (int i = 0; i < N; i++) {
         const double alone = visibility(&o, 0, light[i]);
         assert_true(light[i].visibility == alone);
         assert_true(!light[i].behind || alone == 0.0);
     }
-    assert_int_equal(gp_sun_exact(NULL, &o, GP_OUTSIDE_IGNORE, NULL, 0),
-                     GP_OK);
+    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, NULL, 0);
     gp_plane_free(&depth);
 }
 

@@ -142,7 +142,7 @@ static void depth_types(void **state)
             if (type >= GP_DEPTH_INVERSE && f.depth.v[i] < 1e9f)
                 f.depth.v[i] = f.depth.v[i] / 25.0f;
         f.o.type = type;
-        assert_ok(gp_occluders_count(&log_kept, &f.o));
+        gp_occluders_count(&f.o);
         for (int i = 0; i < machine_count; i++)
             try_params(machine_at(i), &f, (struct gp_sun_params) {.map = 16});
         free_frame(&f);
