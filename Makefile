@@ -59,7 +59,7 @@ BRIDGE_SRC := $(wildcard src/io/oiio/*.cpp)
 UNIT := $(wildcard tests/unit/*/*.c)
 TEST_SRC := $(sort $(shell find tests -name '*.[ch]' -o -name '*.cpp'))
 
-OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o $(B)/app/manual_text.o
+OBJ := $(SRC:src/%.c=$(B)/%.o) $(B)/gl/shaders.o
 LIB_OBJ := $(filter-out $(B)/app/main.o,$(OBJ))
 OCIO_SRC := src/tone/ocio_bridge.cpp
 BRIDGES := $(B)/glarepp-oiio.so $(B)/glarepp-ocio.so
@@ -98,17 +98,6 @@ $(B)/gl/shaders.c: $(SHADERS) Makefile
 	     echo '0}},'; done; echo '{0, 0}};'; } > $@
 
 $(B)/gl/shaders.o: $(B)/gl/shaders.c
-	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
-
-# `glarepp help` prints from the man page
-$(B)/app/manual_text.c: man/glarepp.1.in Makefile
-	@mkdir -p $(@D)
-	@{ echo '#include "app/manual.h"'; \
-	   echo 'const char gp_manual_text[] = {'; \
-	   od -An -v -tx1 $< | sed 's/ \([0-9a-f]*\)/0x\1,/g'; \
-	   echo '0};'; } > $@
-
-$(B)/app/manual_text.o: $(B)/app/manual_text.c
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
 # C++ lives in these shared objects, opened only when something needs them

@@ -37,6 +37,20 @@ $help
 page:
 $man"
 
+# sections that `glarepp help` names
+sections()
+{
+    "$glarepp" help | sed -n '/^a section/,/^$/s/^  [a-z]*  *//p'
+    for topic in $("$glarepp" help |
+        sed -n '/^options for/,/^$/s/^  \([a-z]*\)  *.*/\1/p'); do
+        "$glarepp" help "$topic" | sed -n 's/.* in its section "\(.*\)"\.$/\1/p'
+    done
+}
+[ "$(sections | wc -l)" -ge 12 ] || fail "help names too few sections"
+sections | while read -r title; do
+    grep -qx "\.S[hs] $title" "$page" || echo "$title"
+done | grep . && fail "help names sections that $page does not have"
+
 for command in '' bench compare; do
     for option in $(options_of $command); do
         # (an option out of range behind it: nothing that it asks for is run)

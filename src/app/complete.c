@@ -1,8 +1,6 @@
 /* Completions for shells, made from the option table. */
 #include "app/options.h"
 
-#include "app/manual.h"
-
 #include <stdbool.h>
 #include <string.h>
 
@@ -55,22 +53,13 @@ static bool has_values(const struct gp_option *o)
     return gp_option_value(o, 0, &text) != NULL;
 }
 
-/* Commands, words of groups and subjects; options complete by themselves. */
-static void topics(FILE *f)
+/* Topics of help; options complete by themselves. */
+static void print_topics(FILE *f)
 {
-    enum gp_command command;
-    struct gp_section section;
+    char name[GP_TOPIC_BYTES];
     const char *word;
-    for (int i = 1; (word = gp_command_at(i, &command)); i++)
+    for (int i = 0; (word = gp_help_topic_at(i, name)); i++)
         fprintf(f, "%s ", word);
-    for (int g = 0; g < GP_GROUPS; g++)
-        fprintf(f, "%s ", gp_option_groups[g].word);
-    for (const char *at = gp_manual_text; gp_section_next(at, &section);
-         at = section.text) {
-        char name[32];
-        gp_section_word(&section, name, sizeof name);
-        fprintf(f, "%s ", name);
-    }
 }
 
 static void command_words(FILE *f)
@@ -160,7 +149,7 @@ static void bash(FILE *f)
         fprintf(f, "' ;;\n");
     }
     fprintf(f, "    :help:*) kind=word words='");
-    topics(f);
+    print_topics(f);
     fprintf(f, "' ;;\n    :*)\n        kind=file\n"
                "        ((n > 1)) || words='");
     command_words(f);
@@ -238,7 +227,7 @@ static void zsh(FILE *f)
         }
         if (command == GP_COMMAND_HELP) {
             fprintf(f, "        ':topic:(");
-            topics(f);
+            print_topics(f);
             fprintf(f, ")'\n");
         } else {
             fprintf(f, "        '*:input:_files'\n");
@@ -293,7 +282,7 @@ static void fish(FILE *f)
                "complete -c glarepp -n __glarepp_first -a '");
     command_words(f);
     fprintf(f, "'\ncomplete -c glarepp -n '__glarepp_in help' -f -a '");
-    topics(f);
+    print_topics(f);
     fprintf(f, "'\n");
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if (is_shown(o, ~0u))

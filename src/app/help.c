@@ -3,8 +3,13 @@
 #include "io/versions.h"
 
 #include <ctype.h>
+#include <errno.h>
 #include <jansson.h>
+#include <signal.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 enum {
     WIDTH = 79,   // columns of --help
@@ -49,26 +54,21 @@ static void default_text(const struct gp_option *o, char *text, size_t size)
         snprintf(text, size, "%s", word);
 }
 
-static bool is_number(const struct gp_option *o)
+/* An option's text, its values if wanted, range and default. */
+static void option_text(const struct gp_option *o, bool values, char *text,
+                        size_t size)
 {
-    return o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-           o->kind == GP_KIND_COUNT;
-}
-
-/* What stands behind an option's text: its values, range and default. */
-static void remarks(const struct gp_option *o, bool values, char *text,
-                    size_t size)
-{
+    const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
+                        o->kind == GP_KIND_COUNT;
     char value[64];
     const char *name, *line;
-    size_t at = 0;
-    text[0] = '\0';
+    size_t at = (size_t) snprintf(text, size, "%s", o->help);
     for (int i = 0; values && at < size &&
                     (name = gp_option_value(o, i, &line)); i++)
         at += (size_t) snprintf(text + at, size - at, "%s%s",
                                 i ? ", " : o->open ? ", or " : ": ", name);
     default_text(o, value, sizeof value);
-    if (value[0] && at < size && is_number(o))
+    if (value[0] && at < size && number)
         snprintf(text + at, size - at, " (%s; default %s)",
                  gp_option_range(o).text, value);
     else if (value[0] && at < size)
@@ -77,15 +77,15 @@ static void remarks(const struct gp_option *o, bool values, char *text,
 
 // -- --help ------------------------------------------------------------------
 
-/* Prints `text` from column `column` on, wrapped and indented. */
-static void wrap(FILE *f, int column, const char *text)
+/* Prints `text` from column INDENT on, wrapped; the line is `column` long. */
+static void print_text(FILE *f, int column, const char *text)
 {
-    while (*text) {
-        int n = (int) strcspn(text, " ");
-        if (column + n > WIDTH && column > INDENT) {
-            fprintf(f, "\n%*s", INDENT, "");
-            column = INDENT;
-        }
+    if (column >= INDENT - 1)
+        fprintf(f, "\n%*s", INDENT, "");
+    else
+        fprintf(f, "%*s", INDENT - column, "");
+    for (column = INDENT; *text;) {
+        const int n = (int) strcspn(text, " ");
         fprintf(f, "%.*s", n, text);
         column += n;
         text += n;
@@ -103,34 +103,19 @@ static void wrap(FILE *f, int column, const char *text)
     putc('\n', f);
 }
 
-void gp_help_option(FILE *f, const struct gp_option *o)
+static void print_option(FILE *f, const struct gp_option *o)
 {
-    char text[1024], more[768];
+    char text[1536];
     int column = o->letter ? fprintf(f, "  -%c, --%s", o->letter, o->name)
                            : fprintf(f, "      --%s", o->name);
     if (o->arg)
         column += fprintf(f, " %s", o->arg);
-    if (column >= INDENT - 1)
-        fprintf(f, "\n%*s", INDENT, "");
-    else
-        fprintf(f, "%*s", INDENT - column, "");
-    remarks(o, true, more, sizeof more);
-    snprintf(text, sizeof text, "%s%s", o->help, more);
-    wrap(f, INDENT, text);
+    option_text(o, true, text, sizeof text);
+    print_text(f, column, text);
 }
 
-void gp_help_value(FILE *f, const char *name, const char *text)
-{
-    const int column = fprintf(f, "      %s", name);
-    if (column >= INDENT - 1)
-        fprintf(f, "\n%*s", INDENT, "");
-    else
-        fprintf(f, "%*s", INDENT - column, "");
-    wrap(f, INDENT, text);
-}
-
-/* What a command is for, and how it is called. */
-static void help_head(FILE *f, enum gp_command command)
+/* Prints what a command is for, and how it is called. */
+static void print_usage(FILE *f, enum gp_command command)
 {
     if (command == GP_COMMAND_BENCH) {
         fprintf(f, "Measures speed against error on a frame, for every "
@@ -160,7 +145,7 @@ static void help_head(FILE *f, enum gp_command command)
                "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; %%V in them is a view.\n");
 }
 
-/* An example stands where its own command is explained. */
+/* True when the example is explained by the --help of that command. */
 static bool is_example_of(const char *line, enum gp_command command)
 {
     const char *const word = gp_command_word(command);
@@ -171,36 +156,37 @@ static bool is_example_of(const char *line, enum gp_command command)
     return strncmp(second, word, n) == 0 && second[n] == ' ';
 }
 
-bool gp_help_group(FILE *f, int group, unsigned commands)
+/* Prints the heading of a group with its example, and those of its options
+ * that one of the commands (bits) takes. False, and prints nothing, when there
+ * are none. */
+static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
-    bool headed = false;
+    bool headed = false, shown = false;
+    enum gp_command command;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if ((int) o->group != group || o->hidden || !(o->commands & commands))
             continue;
-        if (!headed) {
+        if (!headed)
             fprintf(f, "%s\n", head->title);
-            enum gp_command command;
-            bool shown = false;
-            for (int i = 0; gp_command_at(i, &command) && !shown; i++) {
-                shown = (commands & command) &&
-                        is_example_of(head->example, command);
-                if (shown)
-                    fprintf(f, "    %s\n", head->example);
-            }
-        }
         headed = true;
-        gp_help_option(f, o);
+        for (int i = 0; !shown && gp_command_at(i, &command); i++) {
+            shown = (commands & command) &&
+                    is_example_of(head->example, command);
+            if (shown)
+                fprintf(f, "    %s\n", head->example);
+        }
+        print_option(f, o);
     }
     return headed;
 }
 
 void gp_help(FILE *f, enum gp_command command)
 {
-    help_head(f, command);
+    print_usage(f, command);
     putc('\n', f);
     for (int g = 0; g < GP_GROUPS; g++) {
-        if (gp_help_group(f, g, command))
+        if (print_group(f, g, command))
             putc('\n', f);
     }
     fprintf(f, "The first command to try: %s\n",
@@ -208,111 +194,6 @@ void gp_help(FILE *f, enum gp_command command)
             : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
                                         : "glarepp -o out.png frame.exr");
 }
-
-// -- the man page ------------------------------------------------------------
-
-/* Prints one word as roff: no character of it is a command. */
-static void roff_word(FILE *f, const char *word, int n)
-{
-    for (int i = 0; i < n; i++) {
-        if (i == 0 && (word[i] == '.' || word[i] == '\''))
-            fputs("\\&", f);
-        if (word[i] == '\\')
-            fputs("\\e", f);
-        else if (word[i] == '-' && isdigit((unsigned char) word[i + 1]))
-            fputs("\\-", f); // a minus
-        else
-            putc(word[i], f);
-    }
-}
-
-/* Prints text as roff lines of at most 80 characters. */
-static void roff(FILE *f, const char *text)
-{
-    for (int column = 0; *text;) {
-        int n = (int) strcspn(text, " ");
-        if (column && column + n > 70) { // room for escapes
-            putc('\n', f);
-            column = 0;
-        } else if (column) {
-            putc(' ', f);
-        }
-        roff_word(f, text, n);
-        column += n + 1;
-        text += n;
-        text += strspn(text, " ");
-    }
-    putc('\n', f);
-}
-
-static void man_values(FILE *f, const struct gp_option *o)
-{
-    const char *name, *text;
-    if (!gp_option_value(o, 0, &text))
-        return;
-    fprintf(f, ".Bl -tag -width Ds -compact\n");
-    for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
-        fprintf(f, ".It Cm ");
-        roff(f, name);
-        if (text)
-            roff(f, text);
-    }
-    fprintf(f, ".El\n");
-}
-
-static void man_option(FILE *f, const struct gp_option *o)
-{
-    char text[1024], more[128];
-    fprintf(f, ".It ");
-    if (o->letter)
-        fprintf(f, "Fl %c , ", o->letter);
-    fprintf(f, "Fl \\-%s", o->name);
-    if (o->arg)
-        fprintf(f, " Ar %s", o->arg);
-    putc('\n', f);
-    remarks(o, false, more, sizeof more);
-    snprintf(text, sizeof text, "%s%s.", o->help, more);
-    roff(f, text);
-    man_values(f, o);
-}
-
-/* The options of pictures that bench takes too, in one sentence. */
-static void man_bench(FILE *f)
-{
-    const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
-    const char *before = NULL;
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (o->hidden || (o->commands & both) != both)
-            continue;
-        if (before)
-            fprintf(f, ".Fl \\-%s ,\n", before);
-        before = o->name;
-    }
-    if (before)
-        fprintf(f, "and\n.Fl \\-%s .\n", before);
-}
-
-void gp_help_man(FILE *f)
-{
-    fprintf(f, "@OPTIONS@\n");
-    for (int g = 0; g < GP_GROUPS; g++) {
-        fprintf(f, ".Ss %s\n.Dl %s\n.Bl -tag -width Ds\n",
-                gp_option_groups[g].title, gp_option_groups[g].example);
-        for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group == g && !o->hidden)
-                man_option(f, o);
-        }
-        fprintf(f, ".El\n");
-    }
-    fprintf(f, "@BENCH@\n");
-    man_bench(f);
-    fprintf(f, "@EXIT@\n");
-#define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
-    GP_STATUS_LIST(ITEM)
-#undef ITEM
-}
-
-// -- --version -----------------------------------------------------------------
 
 void gp_version(FILE *f)
 {
@@ -322,4 +203,322 @@ void gp_version(FILE *f)
                "with %s, jansson %s\n"
                "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
+}
+
+// -- the man page ------------------------------------------------------------
+
+/* Prints text as roff lines of at most 80 characters; no character of it is a
+ * command. */
+static void print_roff(FILE *f, const char *text)
+{
+    for (int column = 0; *text;) {
+        int n = (int) strcspn(text, " ");
+        if (column && column + n > 70) { // room for escapes
+            putc('\n', f);
+            column = 0;
+        } else if (column) {
+            putc(' ', f);
+        }
+        if (*text == '.' || *text == '\'')
+            fputs("\\&", f);
+        for (int i = 0; i < n; i++) {
+            if (text[i] == '\\')
+                fputs("\\e", f);
+            else if (text[i] == '-' && isdigit((unsigned char) text[i + 1]))
+                fputs("\\-", f); // a minus
+            else
+                putc(text[i], f);
+        }
+        column += n + 1;
+        text += n;
+        text += strspn(text, " ");
+    }
+    putc('\n', f);
+}
+
+static void print_roff_option(FILE *f, const struct gp_option *o)
+{
+    char text[1024];
+    const char *name, *line;
+    fprintf(f, ".It ");
+    if (o->letter)
+        fprintf(f, "Fl %c , ", o->letter);
+    fprintf(f, "Fl \\-%s", o->name);
+    if (o->arg)
+        fprintf(f, " Ar %s", o->arg);
+    putc('\n', f);
+    option_text(o, false, text, sizeof text - 1);
+    print_roff(f, strcat(text, "."));
+    if (!gp_option_value(o, 0, &line))
+        return;
+    fprintf(f, ".Bl -tag -width Ds -compact\n");
+    for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
+        fprintf(f, ".It Cm ");
+        print_roff(f, name);
+        if (line)
+            print_roff(f, line);
+    }
+    fprintf(f, ".El\n");
+}
+
+void gp_help_man(FILE *f)
+{
+    const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
+    const char *before = NULL;
+    fprintf(f, "@OPTIONS@\n");
+    for (int g = 0; g < GP_GROUPS; g++) {
+        fprintf(f, ".Ss %s\n.Dl %s\n.Bl -tag -width Ds\n",
+                gp_option_groups[g].title, gp_option_groups[g].example);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if ((int) o->group == g && !o->hidden)
+                print_roff_option(f, o);
+        }
+        fprintf(f, ".El\n");
+    }
+    // the options of pictures that bench takes too, in one sentence
+    fprintf(f, "@BENCH@\n");
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (o->hidden || (o->commands & both) != both)
+            continue;
+        if (before)
+            fprintf(f, ".Fl \\-%s ,\n", before);
+        before = o->name;
+    }
+    if (before)
+        fprintf(f, "and\n.Fl \\-%s .\n", before);
+    fprintf(f, "@EXIT@\n");
+#define ITEM(name, code, text) fprintf(f, ".It %d\n%s.\n", code, text);
+    GP_STATUS_LIST(ITEM)
+#undef ITEM
+}
+
+// -- topics ------------------------------------------------------------------
+
+/* Sections of the man page that are topics: words that name one, the first
+ * for the list, and its heading. check-man compares them with the page. */
+static const struct section {
+    const char *words, *title;
+} sections[] = {
+    {"sequences", "Sequences"},
+    {"views", "Views"},
+    {"layers parts stereo cryptomatte",
+     "Layers, parts, stereo and Cryptomatte"},
+    {"farms pipes", "Pipes and farms"},
+    {"numbers", "What the numbers mean"},
+    {"kernels", "Kernels"},
+    {"lights suns lamps flare", "Suns, lamps and lens flare"},
+    {"measuring speed error", "Measuring speed against error"},
+    {"comparing images", "Comparing images"},
+    {"completions", "Help and completions"},
+    {"report", "THE REPORT"},
+    {"environment", "ENVIRONMENT"},
+    {"files", "FILES"},
+    {"status exit", "EXIT STATUS"},
+    {"examples", "EXAMPLES"},
+    {"diagnostics", "DIAGNOSTICS"},
+};
+enum { SECTIONS = sizeof sections / sizeof *sections };
+
+/* True when one of the words is the topic, ignoring case and an "s" at the end
+ * of either. */
+static bool is_topic(const char *topic, const char *words)
+{
+    size_t m = strlen(topic);
+    m -= m > 1 && topic[m - 1] == 's';
+    while (*words) {
+        const size_t whole = strcspn(words, " ");
+        const size_t n = whole - (whole > 1 && words[whole - 1] == 's');
+        if (n == m && strncasecmp(words, topic, n) == 0)
+            return true;
+        words += whole;
+        words += strspn(words, " ");
+    }
+    return false;
+}
+
+/* True when the section's first word is a group's too. */
+static bool is_group(const struct section *s)
+{
+    const size_t n = strcspn(s->words, " ");
+    for (int g = 0; g < GP_GROUPS; g++) {
+        const char *const word = gp_option_groups[g].word;
+        if (strlen(word) == n && strncmp(word, s->words, n) == 0)
+            return true;
+    }
+    return false;
+}
+
+const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
+{
+    enum gp_command command;
+    int commands = 0;
+    while (gp_command_at(commands + 1, &command))
+        commands++;
+    if (i < commands)
+        return gp_command_at(i + 1, &command);
+    i -= commands;
+    if (i < GP_GROUPS)
+        return gp_option_groups[i].word;
+    i -= GP_GROUPS;
+    for (int k = 0; k < SECTIONS; k++) {
+        if (is_group(&sections[k]) || i-- > 0)
+            continue;
+        snprintf(word, GP_TOPIC_BYTES, "%.*s",
+                 (int) strcspn(sections[k].words, " "), sections[k].words);
+        return word;
+    }
+    return NULL;
+}
+
+static void print_topics(FILE *f)
+{
+    enum gp_command command;
+    const char *word;
+    fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
+               "TOPIC is a command:\n");
+    for (int i = 1; (word = gp_command_at(i, &command)); i++) {
+        if (command != GP_COMMAND_HELP)
+            fprintf(f, "  %s\n", word);
+    }
+    fprintf(f, "\noptions for a task:\n");
+    for (int g = 0; g < GP_GROUPS; g++)
+        fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
+                gp_option_groups[g].title);
+    fprintf(f, "\na section of the manual, shown by man:\n");
+    for (int i = 0; i < SECTIONS; i++) {
+        if (!is_group(&sections[i]))
+            fprintf(f, "  %-14.*s%s\n", (int) strcspn(sections[i].words, " "),
+                    sections[i].words, sections[i].title);
+    }
+    fprintf(f, "\nor an option or one of its values:\n"
+               "  glarepp help --kernel\n  glarepp help splat\n");
+}
+
+static gp_status unknown_topic(const struct gp_log *log, const char *topic)
+{
+    const char *const bare = topic + strspn(topic, "-");
+    struct gp_nearest near = gp_nearest_to(bare, strlen(bare), 3);
+    const char *word;
+    char name[GP_TOPIC_BYTES], kept[GP_TOPIC_BYTES] = "";
+    for (int i = 0; (word = gp_help_topic_at(i, name)); i++) {
+        gp_nearest_try(&near, word);
+        if (near.name == name) // `name` is another topic's next
+            near.name = memcpy(kept, name, sizeof kept);
+    }
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        if (!o->hidden)
+            gp_nearest_try(&near, o->name);
+    }
+    if (near.name)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "help: no such topic (found \"%s\"); did you mean "
+                       "glarepp help %s?", topic, near.name);
+    return gp_fail(log, GP_ERR_USAGE,
+                   "help: no such topic (found \"%s\"); glarepp help lists "
+                   "them", topic);
+}
+
+/* Shows a section of the manual by man(1), in place of this program. Returns
+ * when it cannot: GP_ERR_IO, with a line that says where the page is. */
+static gp_status show_section(const struct gp_log *log, const char *title)
+{
+    // beside an installed program, then beside its source
+    static const char *const places[] = {
+        "../share/man/man1/glarepp.1", "../share/man/man1/glarepp.1.gz",
+        "../man/glarepp.1",
+    };
+    char page[4096 + 40], pager[256];
+    const ssize_t n = readlink("/proc/self/exe", page, 4096);
+    char *const slash = n > 0 ? memrchr(page, '/', (size_t) n) : NULL;
+    for (size_t i = 0; slash && i < sizeof places / sizeof *places; i++) {
+        strcpy(slash + 1, places[i]);
+        if (access(page, R_OK) != 0)
+            continue;
+        // a pager starts at the heading; its pattern has no blank, at which
+        // some man(1) split the pager's command line
+        snprintf(pager, sizeof pager, "less -R +/^[[:blank:]]*%s$", title);
+        for (char *c = pager + strlen("less -R "); *c; c++)
+            *c = *c == ' ' ? '.' : *c;
+        if (isatty(STDOUT_FILENO))
+            setenv("MANPAGER", pager, 0);
+        signal(SIGPIPE, SIG_DFL);
+        fflush(stdout);
+        execlp("man", "man", page, (char *) NULL);
+        return gp_fail(log, GP_ERR_IO,
+                       "help: cannot run man (%s); see section \"%s\" in %s",
+                       strerror(errno), title, page);
+    }
+    return gp_fail(log, GP_ERR_IO,
+                   "help: no man page beside the program; see section \"%s\" "
+                   "in man/glarepp.1 of the source", title);
+}
+
+/* Prints the options that the topic names, exactly or but for an "s", or of
+ * which it names a value; each with a line for each of its values. Returns how
+ * many. */
+enum match { EXACT, LOOSE, VALUE };
+static int print_options_of(FILE *f, const char *topic, enum match match)
+{
+    int found = 0;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        const char *name, *text;
+        bool is = match == EXACT   ? (topic[0] == o->letter && !topic[1]) ||
+                                         strcasecmp(topic, o->name) == 0
+                  : match == LOOSE ? is_topic(topic, o->name) : false;
+        for (int i = 0; match == VALUE && !is &&
+                        (name = gp_option_value(o, i, &text)); i++) {
+            const char *const colon = strchr(name, ':');
+            is = strcasecmp(name, topic) == 0 ||
+                 (colon && strcasecmp(colon + 1, topic) == 0);
+        }
+        if (o->hidden || !is)
+            continue;
+        if (found++)
+            putc('\n', f);
+        print_option(f, o);
+        for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
+            if (text)
+                print_text(f, fprintf(f, "      %s", name), text);
+        }
+    }
+    return found;
+}
+
+gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
+{
+    const struct section *section = NULL;
+    enum gp_command command;
+    const char *word;
+    bool found = false;
+    if (!topic) {
+        print_topics(f);
+        return GP_OK;
+    }
+    const char *const bare = topic + strspn(topic, "-");
+    const bool dashed = bare > topic;
+    if (!*bare)
+        return unknown_topic(log, topic);
+    for (int i = 1; !found && (word = gp_command_at(i, &command)); i++) {
+        found = command != GP_COMMAND_HELP && strcasecmp(word, bare) == 0;
+        if (found)
+            gp_help(f, command);
+    }
+    for (int g = 0; !found && !dashed && g < GP_GROUPS; g++) {
+        found = strcasecmp(gp_option_groups[g].word, bare) == 0;
+        if (found)
+            print_group(f, g, ~0u);
+    }
+    for (int i = 0; !dashed && i < SECTIONS && !section; i++)
+        section = is_topic(bare, sections[i].words) ? &sections[i] : NULL;
+    found = found || print_options_of(f, bare, EXACT) > 0;
+    if (!found && !section)
+        found = print_options_of(f, bare, LOOSE) > 0 ||
+                print_options_of(f, bare, VALUE) > 0;
+    if (!found)
+        return section ? show_section(log, section->title)
+                       : unknown_topic(log, topic);
+    if (section)
+        fprintf(f, "\nman glarepp says more in its section \"%s\".\n",
+                section->title);
+    return GP_OK;
 }

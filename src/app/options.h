@@ -144,24 +144,19 @@ void gp_nearest_try(struct gp_nearest *search, const char *name);
  * distance); 99 when one of them is longer than 31 bytes. */
 int gp_edits(const char *word, size_t n, const char *name);
 
-/* An option with its text, values, range and default, at most 79 columns. */
-void gp_help_option(FILE *f, const struct gp_option *o);
-
-/* A value of an option with its line, under the option's. */
-void gp_help_value(FILE *f, const char *name, const char *text);
-
-/* The heading of a group with its example, and those of its options that one
- * of the commands (bits of enum gp_command) takes. False, and prints nothing,
- * when there are none. */
-bool gp_help_group(FILE *f, int group, unsigned commands);
-
 /* What `glarepp help TOPIC` prints, to `f`; a NULL topic lists the topics. A
  * topic is a command, the word of a group, an option's name or letter with or
- * without dashes, a word of a heading of the man page, or a value's name.
- * Errors: GP_ERR_USAGE, with the nearest topic when there is one; GP_ERR_BUG
- * out of memory. */
+ * without dashes, a value's name, or a section of the manual, which man(1)
+ * shows in place of this program.
+ * Errors: GP_ERR_USAGE no such topic, with the nearest when there is one;
+ * GP_ERR_IO no manual, with where its page is. */
 GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
                                       const char *topic);
+
+/* The i-th topic, in `word` or a constant: commands, groups, sections of
+ * other names; NULL after the last. */
+enum { GP_TOPIC_BYTES = 32 };
+const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES]);
 
 /* What `glarepp help --completion SHELL` prints: a script for the shell that
  * completes commands, options, their values and topics. */

@@ -120,7 +120,7 @@ dpkg_into_root()
         'install ok installed' 'it counts as installed'
     is "$(cd fresh && md5sum -c var/lib/dpkg/info/glarepp.md5sums 2>&1 |
         grep -vc ': OK$')" 0 'its sums hold'
-    like "$(fresh/usr/bin/glarepp help report)" 'THE REPORT*' \
+    like "$(fresh/usr/bin/glarepp help report)" 'What was done*' \
         'the program runs from there'
     ok 'dpkg removes it' dpkg --root="$tmp/fresh" --log=/dev/null \
         --force-script-chrootless -P glarepp
@@ -236,7 +236,14 @@ run help --gain
 quiet_success 'help --gain is about the option'
 like "$(cat out)" '*-g, --gain G*' 'it names it'
 run help sequences
-quiet_success 'help sequences'
+if command -v man >/dev/null; then
+    quiet_success 'help sequences: man shows the manual'
+else
+    fails_with 3 Sequences 'help sequences without man'
+fi
+(PATH=.; exec "$glarepp" help sequences) >out 2>err
+status=$?
+fails_with 3 man/glarepp.1 'help sequences without man: where the page is'
 run help kernsl
 fails_with 2 kernel 'a topic that is none'
 run bnech f.exr
