@@ -5,6 +5,21 @@
 #include <float.h>
 #include <string.h>
 
+const struct gp_settings gp_defaults = {
+    .read = GP_READ_DEFAULTS,
+    .sensor = GP_SENSOR_DEFAULTS,
+    .kernel = GP_KERNEL_DEFAULTS,
+    .glare = GP_GLARE_DEFAULTS,
+    .compose = GP_COMPOSE_DEFAULTS,
+    .tone = GP_TONE_DEFAULTS,
+    .write = GP_WRITE_DEFAULTS,
+    .bench = GP_BENCH_DEFAULTS,
+    .compare = GP_COMPARE_DEFAULTS,
+    .sun = GP_SUN_SETTINGS_DEFAULTS,
+    .command = GP_COMMAND_MAIN,
+    .level = GP_LEVEL_WARN,
+};
+
 static const struct gp_option_choice gp_normalizes[] = {
     {"luminance", GP_NORMALIZE_LUMINANCE, "the luminance of its sum is 1, the "
      "ratios of its channels stay"},
@@ -313,7 +328,6 @@ const struct gp_option gp_options[] = {
         .arg = "FILE", .list = kernel_name, .open = true,
         .help = "What one bright pixel becomes: an image"),
     OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
-        .given = offsetof(struct gp_settings, kernel.centered),
         .lo = -1e6, .hi = 1e6,
         .help = "The kernel's centre in its own pixels, whose centres are at "
                 "halves; without it, pixel (w/2, h/2) rounded down"),
@@ -333,34 +347,43 @@ const struct gp_option gp_options[] = {
         .help = "Sun's centre and radius in pixels (radius 0.5 when left "
                 "out); with bench, the table of its visibility"),
     OPT(sun.dir, .name = "sun-dir", BOTH(SUN), .arg = "X,Y,Z", .least = 3,
+        .needs = GP_NEED_NO_PLACE,
         .most = 3, .lo = -1e9, .hi = 1e9,
         .help = "Direction towards the sun in the world, placed by the "
                 "frame's worldToNDC matrix or --camera"),
     OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
         .hi = 90, .help = "Degrees across, for --sun-dir and --camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
+        .needs = GP_NEED_LIGHT | GP_NEED_SUN,
         .most = 3, .hi = 1e12,
         .help = "Flux of the sun, scene-linear, summed over pixels: it gets "
                 "glare of its own and lights the flare; without it the frame's "
                 "bright pixels alone glare"),
-    OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN),
+    OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN), .needs = GP_NEED_LIGHT,
         .help = "The frame's pixels show the lights already and glare by "
                 "themselves: flux lights the flare alone"),
     CHOICE(sun.params.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
+           .needs = GP_NEED_LIGHT,
            .choices = gp_sun_methods, .help = "How the visible share is found"),
     OPT(sun.params.map, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
+        .needs = GP_NEED_LIGHT | GP_NEED_MAP,
         .hi = 256, .help = "mask: texels of a sun map's side; even"),
     CHOICE(sun.params.pattern, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
+           .needs = GP_NEED_LIGHT | GP_NEED_MAP,
            .choices = gp_patterns, .help = "mask: what the texels sample"),
     CHOICE(sun.params.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
+           .needs = GP_NEED_LIGHT | GP_NEED_MASK,
            .choices = gp_sums, .help = "mask: how texels add up"),
     CHOICE(sun.params.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
+           .needs = GP_NEED_LIGHT | GP_NEED_MASK,
            .choices = gp_sun_draws,
            .help = "mask: where glare and flare of the lights are drawn"),
     CHOICE(sun.params.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
+           .needs = GP_NEED_LIGHT,
            .choices = gp_outsides,
            .help = "What the part of a light outside the frame counts as"),
     OPT(sun.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
+        .needs = GP_NEED_LIGHT,
         .help = "Dims the picture by F times the visible share, as the pupil "
                 "does"),
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
@@ -370,48 +393,59 @@ const struct gp_option gp_options[] = {
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "JSON with suns and lamps"),
     OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
+        .needs = GP_NEED_LIGHT | GP_NEED_FLUX,
         .help = "JSON with lens-flare elements, drawn for each light that has "
                 "flux, scaled by its visible share"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Depth channel, in any part; without it, Z, depth.Z, "
                 "Depth.Z, *.Depth.Z or *.Z is looked for"),
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
+        .needs = GP_NEED_LIGHT,
         .help = "File (or pattern) that holds the depth"),
     CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
            .choices = gp_depth_types, .help = "What its values say"),
     OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
+        .needs = GP_NEED_LIGHT,
         .help = "Channel with the coverage of what hides the lights, 0 clear "
                 "to 1 opaque: A, say"),
     OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
+        .needs = GP_NEED_LIGHT,
         .help = "File (or pattern) that holds the coverage"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = engine_name,
         .help = "Method; all give the same layer within their error"),
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
+        .needs = GP_NEED_AUTO,
         .hi = 1,
         .help = "Error that auto may make: the norm of the layer's error over "
                 "that of the exact layer"),
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
+        .needs = GP_NEED_SPLAT,
         .hi = 64,
         .help = "splat: NxN pixels are one polygon; a power of two, 1 for "
                 "none"),
     CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
+           .needs = GP_NEED_SPLAT,
            .arg = "HOW", .choices = gp_methods,
            .help = "splat: how a group stands for its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
-        .hi = 64, .given = offsetof(struct gp_settings, clustered),
+        .needs = GP_NEED_SPLAT,
+        .hi = 64,
         .help = "splat: filled areas of NxN pixels are one polygon; a power "
                 "of two over that of --group, 0 for none; without it, none "
                 "where --group is as large"),
     OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
+        .needs = GP_NEED_SPLAT,
         .arg = "F", .lo = FLT_MIN, .hi = 1,
         .help = "splat: share of bright pixels from which an area is filled"),
     OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
+        .needs = GP_NEED_SPLAT,
         .hi = 0.99,
         .help = "splat: share of the light that may be left out where the "
                 "kernel is too dim to see; 0 for none"),
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
+           .needs = GP_NEED_SPLAT,
            .arg = "WHAT", .choices = gp_primitives,
            .help = "splat: what is drawn for a polygon"),
     CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API", .choices = gp_gls,
@@ -427,14 +461,17 @@ const struct gp_option gp_options[] = {
                 "on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
-        .given = offsetof(struct gp_settings, toned),
+        .needs = GP_NEED_NO_CONFIG,
         .list = curve_name, .help = "Operator"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
+        .needs = GP_NEED_CURVE,
         .hi = 32, .help = "Scales the light by 2 to the EV first"),
     OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
+        .needs = GP_NEED_CURVE,
         .help = "Scales so that the frame's log-average becomes middle grey; "
                 "EV comes on top"),
     OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
+        .needs = GP_NEED_TONES | GP_NEED_EXTENDED,
         .help = "Luminance that burns out with reinhard-extended, in scaled "
                 "units; 0 takes the frame's maximum"),
 
@@ -443,17 +480,23 @@ const struct gp_option gp_options[] = {
                 "--tonemap: a file, env for $OCIO, or ocio://NAME of a library "
                 "that has built-in ones"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
+        .needs = GP_NEED_CONFIG,
         .help = "The config's colour space or role that the frame is in; "
                 "without it, scene_linear"),
     OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
+        .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "The config's display; without it, its default"),
     OPT(ocio.view, .name = "view", IN(TONE), .arg = "V",
+        .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "The display's view; without it, its default"),
     OPT(ocio.look, .name = "look", IN(TONE), .arg = "L",
+        .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Looks in place of those of the view: A, or -A,+B"),
     OPT(ocio.output, .name = "output-space", IN(TONE), .arg = "S",
+        .needs = GP_NEED_CONFIG | GP_NEED_HDR,
         .help = "The config's colour space that --hdr is converted to"),
     OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
+        .needs = GP_NEED_CONFIG,
         .help = "Context variable of the config; may be given more than once"),
 
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
@@ -468,22 +511,23 @@ const struct gp_option gp_options[] = {
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
            .choices = gp_alphas, .help = "Alpha of -o pictures"),
     OPT(write.no_clobber, .name = "no-clobber", IN(FILE),
+        .needs = GP_NEED_FILES,
         .help = "Leaves frames alone whose outputs are all there, to resume a "
                 "run; says how many at the end"),
     CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
+           .needs = GP_NEED_STREAM,
            .arg = "FORMAT", .choices = gp_stdout_formats,
-           .given = offsetof(struct gp_settings, stdout_given),
            .help = "What - is as an output"),
     CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
+           .needs = GP_NEED_RAW | GP_NEED_STREAM,
            .choices = gp_raws,
-           .given = offsetof(struct gp_settings, raw_given),
            .help = "Pixels of --stdout-format raw, which it stands for too"),
     OPT(write.create_dir, .name = "create-dir", IN(FILE),
         .help = "Makes the folders of output files that are missing"),
 
     OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
         .help = "JSON, one object a line for each frame; - is stdout"),
-    OPT(verify, .name = "verify", IN(REPORT),
+    OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measures the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
@@ -503,6 +547,7 @@ const struct gp_option gp_options[] = {
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
         .help = "Error over time with the Pareto front, as SVG, by gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,
+        .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
         .help = "Three frames after the paper, made here: few points, "
                 "windows, and a sky that fills the frame"),
     OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
@@ -584,6 +629,17 @@ const struct gp_option *gp_option_find(const char *name, size_t length)
             return o;
     }
     return NULL;
+}
+
+/* Rows of the table, and bits for them. */
+enum { ROWS = sizeof gp_options / sizeof *gp_options };
+_Static_assert(ROWS <= 8 * sizeof gp_defaults.given, "a bit for each option");
+
+bool gp_option_given(const struct gp_settings *s, const char *name)
+{
+    const struct gp_option *const o = gp_option_find(name, strlen(name));
+    const size_t i = o ? (size_t) (o - gp_options) : 0;
+    return o && (s->given[i / 64] >> i % 64 & 1);
 }
 
 const struct gp_option *gp_option_letter(char letter)

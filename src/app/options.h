@@ -51,6 +51,32 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name says it
 };
 
+/* What an option needs of the other settings; check.c has the messages. */
+enum gp_need {
+    GP_NEED_OWN_FRAMES = 1 << 0,  // no input
+    GP_NEED_NO_LIGHT = 1 << 1,
+    GP_NEED_REPORT = 1 << 2,      // --report or --verbose
+    GP_NEED_RAW = 1 << 3,         // --stdout-format raw, or none given
+    GP_NEED_LIGHT = 1 << 4,       // a sun or lamp
+    GP_NEED_NO_PLACE = 1 << 5,    // no --sun
+    GP_NEED_SUN = 1 << 6,         // a sun of the command line
+    GP_NEED_FLUX = 1 << 7,        // a light with flux
+    GP_NEED_CONFIG = 1 << 8,      // --ocio
+    GP_NEED_NO_CONFIG = 1 << 9,
+    GP_NEED_PICTURE = 1 << 10,    // a picture that is shown
+    GP_NEED_HDR = 1 << 11,        // --hdr
+    // without these the option does nothing: a warning
+    GP_NEED_MASK = 1 << 12,       // --sun-method mask
+    GP_NEED_MAP = 1 << 13,        // the same, or a picture of the map
+    GP_NEED_TONES = 1 << 14,      // no --ocio
+    GP_NEED_CURVE = 1 << 15,      // a view, or a curve that is not none
+    GP_NEED_EXTENDED = 1 << 16,   // --tonemap reinhard-extended
+    GP_NEED_SPLAT = 1 << 17,      // an engine that draws polygons
+    GP_NEED_AUTO = 1 << 18,       // --engine auto
+    GP_NEED_STREAM = 1 << 19,     // an output without an ending
+    GP_NEED_FILES = 1 << 20,      // a picture that is written
+};
+
 struct gp_option {
     const char *name;      // without "--"
     char letter;           // 0: none
@@ -58,7 +84,7 @@ struct gp_option {
     enum gp_option_group group;
     unsigned commands;     // that take it: bits of enum gp_command
     size_t at;             // offset of the field in struct gp_settings
-    size_t given;          // offset of a bool set along with it; 0: none
+    unsigned needs;        // of other options: bits of enum gp_need
     double lo, hi;         // numbers: inclusive range; NaN is outside
     int set;               // GP_KIND_SET
     int least, most;       // GP_KIND_NUMBERS
@@ -87,6 +113,9 @@ struct gp_range_text gp_option_range(const struct gp_option *o);
 /* The option of that name or letter, or NULL. */
 const struct gp_option *gp_option_find(const char *name, size_t length);
 const struct gp_option *gp_option_letter(char letter);
+
+/* True when the command line gave that option, at its default or not. */
+bool gp_option_given(const struct gp_settings *s, const char *name);
 
 /* The word that asks for a command, for the first of several bits; "" for
  * GP_COMMAND_MAIN. */

@@ -10,21 +10,6 @@
 #include <string.h>
 #include <unistd.h>
 
-const struct gp_settings gp_defaults = {
-    .read = GP_READ_DEFAULTS,
-    .sensor = GP_SENSOR_DEFAULTS,
-    .kernel = GP_KERNEL_DEFAULTS,
-    .glare = GP_GLARE_DEFAULTS,
-    .compose = GP_COMPOSE_DEFAULTS,
-    .tone = GP_TONE_DEFAULTS,
-    .write = GP_WRITE_DEFAULTS,
-    .bench = GP_BENCH_DEFAULTS,
-    .compare = GP_COMPARE_DEFAULTS,
-    .sun = GP_SUN_SETTINGS_DEFAULTS,
-    .command = GP_COMMAND_MAIN,
-    .level = GP_LEVEL_WARN,
-};
-
 /* The lists of words. */
 enum { LISTS = 4 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
@@ -311,8 +296,8 @@ static gp_status set_texts(const struct use *u)
 
 static gp_status set_option(const struct use *u)
 {
-    if (u->option->given)
-        *(bool *) ((char *) u->s + u->option->given) = true;
+    const size_t row = (size_t) (u->option - gp_options);
+    u->s->given[row / 64] |= UINT64_C(1) << row % 64;
     if (!u->value) {
         if (u->option->kind == GP_KIND_SET)
             memcpy(field(u), &u->option->set, sizeof u->option->set);

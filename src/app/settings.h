@@ -18,6 +18,7 @@
 
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
 
 /* Values of --progress. AUTO draws on a terminal only. */
 enum gp_progress_when {
@@ -133,13 +134,12 @@ struct gp_settings {
     int frame_jobs;                    // frames in flight; 0: as fits
     bool verify;
     bool skip_bad_frames;              // goes on behind a frame that fails
-    bool clustered;                    // --cluster was given
-    bool toned;                        // --tonemap was given
-    bool stdout_given, raw_given;      // --stdout-format, --raw were given
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;
     enum gp_shell completion;          // help --completion
+
+    uint64_t given[2];                 // a bit for each option of the table
 };
 
 /* The values that hold where the command line says nothing. */

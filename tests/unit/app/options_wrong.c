@@ -81,6 +81,12 @@ static const struct error_row errors[] = {
     {"-o a i --mask A", "--mask: there is no light"},
     {"-o a i --sun-method mask", "--sun-method: there is no light"},
     {"-o a i --debug sunmap=f", "--debug sunmap: there is no light"},
+    {"-o a i --sun-map 16", "--sun-map: there is no light"}, // its default
+    {"-o a i --sun-adapt 0", "--sun-adapt: there is no light"},
+    {"-o a i --view v", "--view: there is no config"},
+    {"--hdr h i --ocio c --view v", "--view: there is no picture to show"},
+    {"-o a i --ocio c --output-space s", "there is no frame to convert"},
+    {"-o a i --ocio c --tonemap reinhard", "--tonemap: --ocio takes its"},
     {"bench --paper --sun 1,2", "--paper: its frames have no depth"},
     {"bench --sun 1,2 --flare f i", "--flare: not for glarepp bench"},
     {"-o a i --group 0", "--group: out of range (found 0); give 1 to 64"},
@@ -146,6 +152,9 @@ static void warnings(void **state)
     gp_settings_free(&s);
     assert_int_equal(parse("-o a i -e direct --cluster 8", &s), GP_OK);
     assert_non_null(strstr(said, "--cluster: does nothing"));
+    gp_settings_free(&s);
+    assert_int_equal(parse("-o a i -e fft --group 4", &s), GP_OK);
+    assert_non_null(strstr(said, "--group: does nothing")); // its default
     gp_settings_free(&s);
     assert_int_equal(parse("-o a i -e splat --tolerance 0.1", &s), GP_OK);
     assert_non_null(strstr(said, "--tolerance: does nothing"));
