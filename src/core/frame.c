@@ -36,6 +36,11 @@ void gp_frame_free(struct gp_frame *f)
         gp_free(f->channel[i].data);
     }
     gp_free(f->channel);
+    for (int i = 0; i < f->attributes; i++) {
+        gp_free(f->attribute[i].name);
+        gp_free(f->attribute[i].text);
+    }
+    gp_free(f->attribute);
     gp_free(f->path);
     gp_planes_free(&f->rgb);
     gp_planes_free(&f->layer);

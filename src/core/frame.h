@@ -89,6 +89,16 @@ enum gp_colour_model {
     GP_COLOUR_YC,    // luminance-chroma: Y, RY, BY
 };
 
+/* What a file that is not EXR says of its picture, for the EXR that is made
+ * of it. An EXR's own attributes stay in its header. */
+struct gp_attribute {
+    char *name;
+    enum { GP_ATTRIBUTE_TEXT, GP_ATTRIBUTE_INT, GP_ATTRIBUTE_FLOAT } kind;
+    char *text;   // TEXT; else NULL
+    int whole;    // INT
+    float real;   // FLOAT
+};
+
 struct gp_frame {
     char *path;                    // for messages; "-" is stdin
     struct gp_rect data, display;  // windows in EXR pixel space
@@ -108,7 +118,10 @@ struct gp_frame {
     struct gp_channel *channel;  // all channels of the part, file order
     int channels;
 
-    void *input;                    // io's own: attributes, other parts
+    struct gp_attribute *attribute;  // owned, names and texts too; not of EXR
+    int attributes;
+
+    void *input;                    // io's own: an EXR's header, other parts
     void (*input_free)(void *input);
 };
 

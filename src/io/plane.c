@@ -3,7 +3,6 @@
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
-#include "io/oiio/frame.h"
 #include "io/plane_find.h"
 #include "io/read_open.h"
 
@@ -262,12 +261,24 @@ out:
     return st;
 }
 
-static void one_of(const struct gp_oiio_image *image, int channel, float *to)
+/* One channel of a picture, a block of rows at a time. */
+static gp_status read_channel(const struct gp_log *log, struct gp_image *image,
+                              int channel, float *to)
 {
-    const size_t pixels = (size_t) image->w * (size_t) image->h;
+    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
     const size_t step = (size_t) image->channels;
-    for (size_t i = 0; i < pixels; i++)
-        to[i] = image->pixels[i * step + (size_t) channel];
+    void *block;
+    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
+                            step * sizeof *to, &block);
+    for (int y = 0; !st && y < h; y += image->block) {
+        const int rows = h - y < image->block ? h - y : image->block;
+        const float *const from = (const float *) block + channel;
+        st = image->rows(log, image, y, block);
+        for (size_t i = 0; !st && i < (size_t) rows * (size_t) w; i++)
+            *to++ = from[i * step];
+    }
+    gp_free(block);
+    return st;
 }
 
 static gp_status from_other(const struct wanted *w,
@@ -275,22 +286,20 @@ static gp_status from_other(const struct wanted *w,
                             struct gp_plane *out)
 {
     gp_status st;
-    struct gp_oiio_image image = {0};
+    struct gp_image image = {0};
     struct gp_plane_list list = {0};
     struct gp_plane_place at;
-    GP_TRY(gp_read_image(w->log, w->p, w->path, stream, &image));
+    GP_TRY(gp_read_image(w->log, w->p, w->path, stream, 0, &image));
     GP_TRY(gp_plane_list_one(w->log, w->path, false, image.channels, &list));
     for (int i = 0; i < image.channels; i++)
         list.channel[i].name = (char *) (uintptr_t) image.channel_name[i];
     GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
     GP_TRY(make_name(w->log, &list, &at, out));
-    const struct gp_rect window = {image.x, image.y, image.x + image.w,
-                                   image.y + image.h};
-    GP_TRY(make_samples(w->log, window, out));
-    one_of(&image, at.channel, out->v);
+    GP_TRY(make_samples(w->log, image.data, out));
+    GP_TRY(read_channel(w->log, &image, at.channel, out->v));
 out:
     gp_plane_list_free(&list);
-    gp_image_free(&image);
+    gp_image_close(&image);
     return st;
 }
 

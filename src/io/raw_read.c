@@ -5,7 +5,6 @@
 #include "io/channels.h"
 #include "io/colour.h"
 #include "io/exr/exr.h"
-#include "io/oiio/frame.h"
 #include "io/read_open.h"
 
 #include <stdlib.h>
@@ -145,10 +144,11 @@ static gp_status read_exr(const struct gp_log *log,
 /* -- other formats --------------------------------------------------------- */
 
 static gp_status split(const struct gp_log *log,
-                       const struct gp_oiio_image *image,
+                       const struct gp_image *image,
                        struct gp_raw_image *out)
 {
-    const size_t pixels = (size_t) image->w * (size_t) image->h;
+    const size_t pixels = (size_t) gp_rect_w(image->data) *
+                          (size_t) gp_rect_h(image->data);
     const size_t n = (size_t) image->channels;
     gp_status st = make_list(log, image->channels, out);
     for (size_t c = 0; c < n && !st; c++) {
@@ -167,10 +167,11 @@ static gp_status read_other(const struct gp_log *log,
                             struct gp_raw_image *out)
 {
     gp_status st;
-    struct gp_oiio_image image = {0};
+    struct gp_image image = {0};
     struct gp_frame frame = {0};
-    GP_TRY(gp_read_image(log, p, f->path, &f->stream, &image));
-    GP_TRY(gp_frame_of_image(log, f->path, NULL, &image, &frame));
+    GP_TRY(gp_read_image(log, p, f->path, &f->stream, 0, &image));
+    GP_TRY(gp_image_load(log, &image));
+    GP_TRY(gp_image_frame(log, NULL, &image, &frame));
     out->data = frame.data;
     out->display = frame.display;
     out->integers = image.bits > 0;
@@ -184,7 +185,7 @@ static gp_status read_other(const struct gp_log *log,
     GP_TRY(split(log, &image, out));
 out:
     gp_frame_free(&frame);
-    gp_image_free(&image);
+    gp_image_close(&image);
     return st;
 }
 

@@ -2,7 +2,9 @@
 
 #include "io/exr/exr.h"
 #include "io/format.h"
-#include "io/oiio/frame.h"
+#include "io/image.h"
+#include "io/oiio/image.h"
+#include "io/png.h"
 #include "io/read_open.h"
 
 #include <stdio.h>
@@ -82,6 +84,59 @@ gp_status gp_read_open(const struct gp_log *log,
     return st ? st : gp_stream_fill(log, path, pipe_limit(p), stream);
 }
 
+gp_status gp_read_image(const struct gp_log *log,
+                        const struct gp_read_params *p, const char *path,
+                        const struct gp_stream *stream, int part,
+                        struct gp_image *out)
+{
+    uint8_t first[4] = {0};
+    if (gp_stream_read(stream, first, sizeof first, 0) == sizeof first &&
+        memcmp(first, "\x89PNG", sizeof first) == 0)
+        return gp_png_open(log, path, stream, part, p->max_pixels, out);
+    return gp_oiio_image_open(log, path, stream, part, p->max_pixels, out);
+}
+
+/* What formats other than EXR have of parts and views. */
+static gp_status choose_part(const struct gp_log *log,
+                             const struct gp_read_params *p, const char *path,
+                             int *part)
+{
+    *part = 0;
+    if (p->view)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: has no view %.200s: only EXR has views; give the "
+                       "file of that view", path, p->view);
+    for (const char *c = p->part; c && (*c || c == p->part); c++) {
+        if (*c < '0' || *c > '9' || *part > 99999)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: has no part %.200s: parts of formats other "
+                           "than EXR have numbers alone; give one from 0",
+                           path, p->part);
+        *part = 10 * *part + (*c - '0');
+    }
+    return GP_OK;
+}
+
+static gp_status read_other(const struct gp_log *log,
+                            const struct gp_read_params *p, const char *path,
+                            const struct gp_stream *stream,
+                            struct gp_frame *out)
+{
+    gp_status st;
+    struct gp_image image = {0};
+    int part;
+    GP_TRY(choose_part(log, p, path, &part));
+    GP_TRY(gp_read_image(log, p, path, stream, part, &image));
+    const struct gp_rect show = image.display;
+    if (!gp_rect_empty(show)) // else it is the data window
+        GP_TRY(gp_window_check(log, path, "display", gp_rect_w(show),
+                               gp_rect_h(show), p->max_pixels));
+    GP_TRY(gp_image_frame(log, p->layer, &image, out));
+out:
+    gp_image_close(&image);
+    return st;
+}
+
 gp_status gp_read_stream(const struct gp_log *log,
                          const struct gp_read_params *p, const char *path,
                          struct gp_stream *stream, struct gp_frame *out)
@@ -92,7 +147,7 @@ gp_status gp_read_stream(const struct gp_log *log,
         return st;
     if (exr)
         return gp_read_exr(log, p, path, stream, out);
-    st = gp_read_other(log, p, path, stream, out);
+    st = read_other(log, p, path, stream, out);
     gp_stream_close(stream);
     return st;
 }

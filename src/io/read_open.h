@@ -2,6 +2,7 @@
 #ifndef GP_IO_READ_OPEN_H
 #define GP_IO_READ_OPEN_H
 
+#include "io/image.h"
 #include "io/read.h"
 #include "io/stream.h"
 
@@ -21,6 +22,16 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
                                      const struct gp_read_params *p,
                                      const char *path,
                                      struct gp_stream *stream, bool *exr);
+
+/* Opens picture `part` of a stream of any format but EXR, by its first bytes;
+ * the stream stays the caller's and must live until gp_image_close().
+ * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, cut off, over
+ * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_stream *stream, int part,
+                                      struct gp_image *out);
 
 /* gp_read_frame() for an open stream, from its first bytes on; takes the
  * stream over: it is closed, or lives on in the frame. */

@@ -1,7 +1,6 @@
 #include "io/whole.h"
 
 #include "io/whole_iff.h"
-#include "io/whole_png.h"
 #include "io/whole_tiff.h"
 
 #include <errno.h>
@@ -143,13 +142,11 @@ gp_status gp_whole_check(const struct gp_log *log, const char *path,
                          const struct gp_stream *s, int part,
                          long long max_pixels)
 {
-    static const uint8_t png[4] = "\x89PNG", jpeg[3] = "\xff\xd8\xff";
+    static const uint8_t jpeg[3] = "\xff\xd8\xff";
     uint8_t magic[8] = {0};
     if (gp_stream_read(s, magic, sizeof magic, 0) < (int64_t) sizeof jpeg)
         return GP_OK;
     struct reader r = {.log = log, .path = path, .s = s};
-    if (memcmp(magic, png, sizeof png) == 0)
-        return gp_whole_png(log, path, s, max_pixels);
     if (memcmp(magic, "II*\0", 4) == 0 || memcmp(magic, "II+\0", 4) == 0 ||
         memcmp(magic, "MM\0*", 4) == 0 || memcmp(magic, "MM\0+", 4) == 0)
         return gp_whole_tiff(log, path, s, part, max_pixels);

@@ -5,7 +5,7 @@
 #include "io/file.h"
 #include "io/file_name.h"
 #include "io/other_write.h"
-#include "io/png_write.h"
+#include "io/png.h"
 #include "io/raw_write.h"
 
 #include <string.h>

@@ -3,6 +3,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/half.h"
+#include "io/oiio/oiio.h"
 
 #include <libdeflate.h>
 #include <pthread.h>

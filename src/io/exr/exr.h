@@ -10,7 +10,6 @@
 
 #include "core/frame.h"
 #include "core/status.h"
-#include "io/oiio/oiio.h"
 #include "io/read.h"
 #include "io/stream.h"
 #include "io/write.h"
@@ -21,20 +20,19 @@
 
 /* -- an open file ---------------------------------------------------------- */
 
-/* The file that a frame came from, for the writer: gp_frame.input.
+/* The EXR that a frame came from, for the writer: gp_frame.input.
  *
- * Of an EXR it is the open read context: attributes, other parts and their
- * raw chunks are read from there when gp_write_hdr() needs them, so nothing
- * that nobody asks for is ever read. Of other formats it is the list of
- * attributes that the bridge gave.
+ * It is the open read context: attributes, other parts and their raw chunks
+ * are read from there when gp_write_hdr() needs them, so nothing that nobody
+ * asks for is ever read.
  */
 struct gp_input {
-    /* Open for reading with the whole header parsed; NULL when the input is
-     * not EXR. Safe to read from many threads at once. Its errors are return
-     * values only; nothing is printed. */
+    /* Open for reading with the whole header parsed. Safe to read from many
+     * threads at once. Its errors are return values only; nothing is
+     * printed. */
     exr_context_t exr;
     struct gp_stream stream; // the bytes of exr
-    int part, parts;         // colour part and number of parts; exr only
+    int part, parts;         // colour part and number of parts
     /* Bytes from the magic number to the end of the last chunk, by the offset
      * tables of all parts; 0 when the tables do not give it: the file was not
      * finished, or is damaged. At most stream.size. */
@@ -42,16 +40,10 @@ struct gp_input {
     uint64_t hidden;            // byte that the library gets another for; 0
     uint64_t tables;            // where the offset tables begin; 0: not found
     bool multi;                 // chunks begin with the number of their part
-
-    /* Attributes of an input that is not EXR, as the bridge named them; 0 and
-     * NULL for EXR. Owned. */
-    struct gp_oiio_attribute *attribute;
-    int attributes;
-
     char reason[256]; // the library's last words about a bad header
 };
 
-/* The input of a frame, or NULL for one that came from no file. */
+/* The input of a frame, or NULL for one that came from no EXR. */
 static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
 {
     return f->input;
@@ -73,12 +65,6 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
 GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log,
                                     const char *path, struct gp_stream *stream,
                                     struct gp_input **out);
-
-/* Keeps copies of the attributes of a bridge image, for an input that is not
- * EXR. Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_input_keep(const struct gp_log *log,
-                                      const struct gp_oiio_image *image,
-                                      struct gp_input **out);
 
 /* Closes and frees; for gp_frame.input_free. NULL is fine. */
 void gp_input_free(void *input);

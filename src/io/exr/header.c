@@ -218,20 +218,20 @@ static bool about_storage(const char *name)
     return listed(name, whole);
 }
 
-static void put_foreign(struct gp_exr_header *h, const struct gp_input *o,
+static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
                         enum gp_exr_kept kept)
 {
-    for (int i = 0; o && i < o->attributes; i++) {
-        const struct gp_oiio_attribute *a = &o->attribute[i];
+    for (int i = 0; i < f->attributes; i++) {
+        const struct gp_attribute *a = &f->attribute[i];
         const size_t n = strlen(a->name);
         if (n == 0 || n > 255 || about_storage(a->name) ||
             !is_kept(a->name, kept))
             continue;
-        if (a->kind == 0 && a->text)
+        if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
             gp_exr_header_put(h, a->name, "string", a->text, strlen(a->text));
-        else if (a->kind == 1)
+        else if (a->kind == GP_ATTRIBUTE_INT)
             gp_exr_header_put(h, a->name, "int", &a->whole, 4);
-        else if (a->kind == 2)
+        else if (a->kind == GP_ATTRIBUTE_FLOAT)
             gp_exr_header_put(h, a->name, "float", &a->real, 4);
     }
 }
@@ -252,7 +252,8 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
         gp_exr_header_put(h, "version", "int", &version, 4);
     put_carried(h, raw, kept, false);
-    put_foreign(h, raw ? NULL : gp_input_of(f), kept);
+    if (!raw)
+        put_foreign(h, f, kept);
     const bool carried = raw && gp_exr_raw_find(raw, "chromaticities",
                                                 "chromaticities");
     if (in_own_light(kept) && !carried &&

@@ -1,7 +1,7 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/window.h"
+#include "io/image.h"
 
 #include <limits.h>
 #include <string.h>

@@ -148,36 +148,6 @@ enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)
            : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
 }
 
-gp_status gp_input_keep(const struct gp_log *log,
-                         const struct gp_oiio_image *image,
-                         struct gp_input **out)
-{
-    struct gp_input *o;
-    void *list;
-    gp_status st = new_origin(log, &o);
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "attributes", (size_t) image->attributes,
-                       sizeof *o->attribute, &list);
-    o->attribute = list;
-    for (int i = 0; !st && i < image->attributes; i++) {
-        const struct gp_oiio_attribute *from = &image->attribute[i];
-        struct gp_oiio_attribute *to = &o->attribute[o->attributes++];
-        *to = *from;
-        to->name = gp_strdup(from->name);
-        to->text = from->text ? gp_strdup(from->text) : NULL;
-        if (!to->name || (from->text && !to->text))
-            st = gp_fail_bare(log, GP_ERR_BUG,
-                              "attributes: out of memory; close other programs");
-    }
-    if (st) {
-        gp_input_free(o);
-        return st;
-    }
-    *out = o;
-    return GP_OK;
-}
-
 /* How many tiles cover so many pixels. */
 static int64_t tiles_of(int32_t pixels, uint32_t tile)
 {
@@ -248,10 +218,5 @@ void gp_input_free(void *input)
     if (o->exr)
         (void) exr_finish(&o->exr);
     gp_stream_close(&o->stream);
-    for (int i = 0; i < o->attributes; i++) {
-        gp_free((void *) (uintptr_t) o->attribute[i].name);
-        gp_free((void *) (uintptr_t) o->attribute[i].text);
-    }
-    gp_free(o->attribute);
     gp_free(o);
 }

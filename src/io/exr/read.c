@@ -3,7 +3,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/window.h"
+#include "io/image.h"
 
 #include <string.h>
 

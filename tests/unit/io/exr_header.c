@@ -36,8 +36,8 @@ static const struct gp_exr_source one_source = {
     .name = "Y", .type = GP_HALF, .xs = 1, .ys = 1, .linear = true,
 };
 
-/* A header's only part, of a frame with that input. */
-static struct gp_exr_header make_header(struct gp_input *input,
+/* A header's only part, of a frame with that attribute. */
+static struct gp_exr_header make_header(struct gp_attribute *attribute,
                                         const struct gp_exr_raw_part *raw,
                                         enum gp_exr_kept kept, uint32_t flags,
                                         enum gp_compression compression)
@@ -46,11 +46,13 @@ static struct gp_exr_header make_header(struct gp_input *input,
     struct gp_frame f = wf_frame(r, r, wf_rgb);
     const struct gp_exr_image img = {r, compression, &one_source, 1};
     struct gp_exr_header h;
-    f.input = input;
+    f.attribute = attribute;
+    f.attributes = attribute != NULL;
     gp_exr_header_start(&h, flags);
     gp_exr_header_part(&h, &f, &img, raw, kept, NULL, 0);
     assert_int_equal(gp_exr_header_done(&wf_log, "h.exr", &h), GP_OK);
-    f.input = NULL;
+    f.attribute = NULL;
+    f.attributes = 0;
     gp_frame_free(&f);
     return h;
 }
@@ -61,7 +63,7 @@ static void attributes_of_other_formats(void **state)
     (void) state;
     static char longest[257], longer[258];
     const struct {
-        struct gp_oiio_attribute a;
+        struct gp_attribute a;
         const char *type; // NULL: not carried
         bool shown;       // carried to a display-referred picture too
     } row[] = {
@@ -84,10 +86,9 @@ static void attributes_of_other_formats(void **state)
     memset(longer, 'b', 256);
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         for (int shown = 0; shown < 2; shown++) {
-            struct gp_oiio_attribute a = row[i].a;
-            struct gp_input o = {.attribute = &a, .attributes = 1};
+            struct gp_attribute a = row[i].a;
             struct gp_exr_header h = make_header(
-                &o, NULL, shown ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0,
+                &a, NULL, shown ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0,
                 GP_COMPRESSION_ZIP);
             int count;
             const struct gp_exr_attr got = find(&h, a.name, &count);

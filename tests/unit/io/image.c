@@ -1,9 +1,8 @@
-/* io: what the bridge read, made a frame. Needs no bridge: the images are
- * made here. */
+/* io/image: pictures of other formats than EXR, made frames. */
 #include "unit.h"
 #include "core/colour.h"
 #include "io/half.h"
-#include "io/oiio/frame.h"
+#include "io/image.h"
 
 #include "reading.h"
 
@@ -12,22 +11,23 @@
 static const char *const rgba[] = {"R", "G", "B", "A"};
 
 /* A row of pixels; its windows are right. */
-static struct gp_oiio_image row_of(const char *const *names, int channels,
-                                   float *pixels, int w)
+static struct gp_image row_of(const char *const *names, int channels,
+                              float *pixels, int w)
 {
-    return (struct gp_oiio_image) {
-        .w = w, .h = 1, .full_w = w, .full_h = 1, .channels = channels,
-        .channel_name = names, .pixels = pixels, .colour_space = "",
+    return (struct gp_image) {
+        .path = "a.tif", .data = {0, 0, w, 1}, .display = {0, 0, w, 1},
+        .channels = channels, .channel_name = names, .pixels = pixels,
+        .colour_space = "",
     };
 }
 
-static gp_status make(const char *layer, const struct gp_oiio_image *image,
+static gp_status make(const char *layer, struct gp_image *image,
                       struct gp_frame *f)
 {
     heard.line[0] = '\0';
     heard.count = 0;
     *f = (struct gp_frame) {0};
-    return gp_frame_of_image(&hear, "a.tif", layer, image, f);
+    return gp_image_frame(&hear, layer, image, f);
 }
 
 /* Values from the curves' definitions, by another program. 0.5 lies between
@@ -60,7 +60,7 @@ static void curves(void **state)
     };
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         float pixels[] = {0.5f, 0.5f, 0.5f, 0.5f, code, code, code, code};
-        struct gp_oiio_image image = row_of(rgba, 4, pixels, 2);
+        struct gp_image image = row_of(rgba, 4, pixels, 2);
         struct gp_frame f;
         image.colour_space = row[i].space;
         image.bits = row[i].bits;
@@ -84,7 +84,7 @@ static void values_outside(void **state)
 {
     (void) state;
     float pixels[] = {-0.1f, 2.0f, NAN, 0.0f, 1.0f, INFINITY};
-    struct gp_oiio_image image = row_of(rgba, 3, pixels, 2);
+    struct gp_image image = row_of(rgba, 3, pixels, 2);
     struct gp_frame f;
     image.colour_space = "Rec709";
     image.bits = 16;
@@ -125,7 +125,7 @@ static void names(void **state)
     };
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         float pixels[] = {1.0f, 2.0f, 3.0f, 4.0f};
-        const struct gp_oiio_image image =
+        struct gp_image image =
             row_of(row[i].name, row[i].channels, pixels, 1);
         struct gp_frame f;
         if (make(row[i].layer, &image, &f))
@@ -150,7 +150,7 @@ static void no_such_layer(void **state)
     static char text[200][64];
     const char *many[200];
     struct gp_frame f;
-    struct gp_oiio_image image = row_of(rgba, 4, pixels, 1);
+    struct gp_image image = row_of(rgba, 4, pixels, 1);
     assert_int_equal(make("sky", &image, &f), GP_ERR_USAGE);
     assert_int_equal(heard.count, 1);
     assert_non_null(strstr(heard.line, "a.tif: has no layer sky "
@@ -180,33 +180,27 @@ static void windows_and_attributes(void **state)
     (void) state;
     static const float weird[] = {0.713f, 0.293f, 0.165f, 0.83f,
                                   0.128f, 0.044f, 0.32168f, 0.33767f};
-    const struct {
-        const struct gp_oiio_attribute a;
-        float want;
-    } row[] = {
-        {{"PixelAspectRatio", 2, NULL, 0, 2.0f}, 2.0f},
-        {{"PixelAspectRatio", 2, NULL, 0, 0.0f}, 1.0f},
-        {{"PixelAspectRatio", 2, NULL, 0, -1.0f}, 1.0f},
-        {{"PixelAspectRatio", 2, NULL, 0, 1e9f}, 1.0f},
-        {{"PixelAspectRatio", 2, NULL, 0, NAN}, 1.0f},
-        {{"PixelAspectRatio", 1, NULL, 2, 0.0f}, 1.0f},
-        {{"Exposure", 2, NULL, 0, 2.0f}, 1.0f},
+    static const float aspect[] = {2.0f, 0.0f, -1.0f, 1e9f, NAN, 1.0f};
+    static const struct gp_attribute attribute[] = {
+        {(char *) "owner", GP_ATTRIBUTE_TEXT, (char *) "me", 0, 0.0f},
+        {(char *) "shots", GP_ATTRIBUTE_INT, NULL, 7, 0.0f},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < sizeof aspect / sizeof *aspect; i++) {
         float pixels[] = {1.0f, 2.0f, 3.0f, 0.333333f};
-        struct gp_oiio_image image = row_of(rgba, 4, pixels, 1);
+        struct gp_image image = row_of(rgba, 4, pixels, 1);
         struct gp_frame f;
-        image.x = -7;
-        image.y = 3;
-        image.half = 1;
-        image.full_w = i % 2 ? 40 : 0; // none: the data window
-        image.full_h = 30;
-        image.attribute = &row[i].a;
-        image.attributes = 1;
-        image.has_chromaticities = i % 2;
-        memcpy(image.chromaticities, weird, sizeof weird);
+        image.data = (struct gp_rect) {-7, 3, -6, 4};
+        image.half = true;
+        image.display.x1 = i % 2 ? 40 : 0; // none: the data window
+        image.pixel_aspect = aspect[i];
+        image.attribute = attribute;
+        image.attributes = 2;
+        image.chromaticities = i % 2 ? weird : NULL;
         assert_int_equal(make(NULL, &image, &f), GP_OK);
-        assert_true(f.pixel_aspect == row[i].want);
+        assert_true(f.pixel_aspect == (i == 0 ? 2.0f : 1.0f));
+        assert_int_equal(f.attributes, 2);
+        assert_string_equal(f.attribute[0].text, "me");
+        assert_int_equal(f.attribute[1].whole, 7);
         assert_int_equal(f.data.x0, -7);
         assert_int_equal(f.data.y1, 4);
         assert_int_equal(f.display.x0, i % 2 ? 0 : -7);
@@ -230,29 +224,30 @@ static void parts_and_views(void **state)
     static const struct {
         const char *part, *view, *says;
     } row[] = {
-        {NULL, "left", "a.tif: has no view left"},
-        {"beauty", NULL, "a.tif: has no part beauty"},
-        {"", NULL, "a.tif: has no part "},
-        {"1b", NULL, "a.tif: has no part 1b"},
-        {"-1", NULL, "a.tif: has no part -1"},
-        {"123456789", NULL, "a.tif: has no part 123456789"},
+        {NULL, "left", "has no view left"},
+        {"beauty", NULL, "has no part beauty"},
+        {"", NULL, "has no part "},
+        {"1b", NULL, "has no part 1b"},
+        {"-1", NULL, "has no part -1"},
+        {"123456789", NULL, "has no part 123456789"},
     };
-    const struct gp_stream none = GP_STREAM_EMPTY;
+    snprintf(path, sizeof path, "%s/a.tif", folder);
+    FILE *const file = fopen(path, "w");
+    assert_true(file && fputs("II*", file) > 0 && fclose(file) == 0);
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         struct gp_read_params p = GP_READ_DEFAULTS;
         struct gp_frame f = {0};
         p.part = row[i].part;
         p.view = row[i].view;
         heard.line[0] = '\0';
-        assert_int_equal(gp_read_other(&hear, &p, "a.tif", &none, &f),
-                         GP_ERR_USAGE);
+        assert_int_equal(gp_read_frame(&hear, &p, path, &f), GP_ERR_USAGE);
         if (!strstr(heard.line, row[i].says))
             fail_msg("\"%s\" is not in: %s", row[i].says, heard.line);
         assert_null(f.rgb.c[0]);
     }
 }
 
-SUITE(oiio_frame)
+SUITE(image)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(curves),
@@ -262,5 +257,5 @@ SUITE(oiio_frame)
         cmocka_unit_test(windows_and_attributes),
         cmocka_unit_test(parts_and_views),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -1,0 +1,350 @@
+#include "io/image.h"
+
+#include "core/colour.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/channels.h"
+#include "io/colour.h"
+#include "io/half.h"
+
+#include <limits.h>
+#include <math.h>
+#include <string.h>
+#include <strings.h>
+
+/* -- transfer curves ------------------------------------------------------ */
+
+/* ITU-R BT.709-6, item 1.2, turned round. */
+static float decode_rec709(float v)
+{
+    return v < 0.081f ? v / 4.5f : powf((v + 0.099f) / 1.099f, 1.0f / 0.45f);
+}
+
+/* Kodak, "Grayscale Transformations of Cineon Digital Film Data", 1993:
+ * white at code 685 of 1023, black at 95, 0.002 density a code, gamma 0.6. */
+static float decode_cineon(float v)
+{
+    const float step = 0.002f / 0.6f;
+    float black = powf(10.0f, (95.0f - 685.0f) * step);
+    float light = powf(10.0f, (v * 1023.0f - 685.0f) * step);
+    return (light - black) / (1.0f - black);
+}
+
+enum curve { LINEAR, SRGB, REC709, CINEON, GAMMA };
+
+static enum curve curve_of(const struct gp_image *image, float *gamma)
+{
+    const char *space = image->colour_space;
+    *gamma = 1.0f;
+    if (image->bits == 0) // floats are light, whatever the file calls them
+        return LINEAR;
+    // nobody keeps light in 8 bits without a curve
+    if (strcasecmp(space, "sRGB") == 0 || (!space[0] && image->bits == 8))
+        return SRGB;
+    if (strcasecmp(space, "Rec709") == 0)
+        return REC709;
+    if (strcasecmp(space, "KodakLog") == 0 || strcasecmp(space, "Cineon") == 0)
+        return CINEON;
+    if (strncasecmp(space, "Gamma", 5) == 0) {
+        for (const char *c = space + 5; *c; c++) { // "Gamma2.2", no locale
+            if (*c < '0' || *c > '9')
+                continue;
+            *gamma = (float) (*c - '0');
+            float unit = 0.1f;
+            for (const char *d = c + 2; c[1] == '.' && *d >= '0' && *d <= '9';
+                 d++, unit *= 0.1f)
+                *gamma += unit * (float) (*d - '0');
+            return GAMMA;
+        }
+    }
+    return LINEAR;
+}
+
+static float decode(enum curve curve, float gamma, float v)
+{
+    switch (curve) {
+    case SRGB:
+        return gp_srgb_decode(v);
+    case REC709:
+        return decode_rec709(v);
+    case CINEON:
+        return decode_cineon(v);
+    case GAMMA:
+        return powf(v, gamma);
+    case LINEAR:
+        break;
+    }
+    return v;
+}
+
+/* Codes of 8 and 16 bits are multiples of 1/65535: their curve is a table. */
+enum { CODES = 65536 };
+
+/* -- planes --------------------------------------------------------------- */
+
+struct split {
+    const struct gp_image *image;
+    const float *pixels; // rows from y0 on
+    int y0;
+    struct gp_frame *f;
+    const float *table;  // NULL when linear
+    enum curve curve;
+    float gamma;
+    float *row;          // w floats a thread
+};
+
+static void linear_row(const struct split *s, float *row, int w)
+{
+    for (int x = 0; s->table && x < w; x++) {
+        float code = row[x] * 65535.0f, whole = nearbyintf(code);
+        bool tabled = whole >= 0.0f && whole < (float) CODES &&
+                      fabsf(code - whole) < 0.02f;
+        row[x] = tabled ? s->table[(int) whole]
+                        : decode(s->curve, s->gamma, row[x]);
+    }
+}
+
+static void split_row(void *ctx, int y, int thread)
+{
+    const struct split *s = ctx;
+    const int w = gp_rect_w(s->image->data), n = s->image->channels;
+    const size_t at = (size_t) (s->y0 + y) * (size_t) w;
+    const float *const pixels =
+        s->pixels + (size_t) y * (size_t) w * (size_t) n;
+    float *row = s->row + (size_t) thread * (size_t) w;
+    for (int i = 0; i < n; i++) {
+        const struct gp_channel *c = &s->f->channel[i];
+        const float *from = pixels + i;
+        for (int x = 0; x < w; x++)
+            row[x] = from[(size_t) x * (size_t) n];
+        if (c->colour >= 0) {
+            linear_row(s, row, w);
+            memcpy(s->f->rgb.c[c->colour] + at, row, (size_t) w * sizeof *row);
+        } else if (c->type == GP_HALF) {
+            (void) gp_float_to_half(row, (uint16_t *) c->data + at,
+                                    (size_t) w);
+        } else {
+            memcpy((float *) c->data + at, row, (size_t) w * sizeof *row);
+        }
+    }
+}
+
+/* Splits an image that is still in its file, a block at a time. */
+static gp_status split_blocks(const struct gp_log *log, struct gp_image *image,
+                              struct split *s)
+{
+    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
+    void *block = NULL;
+    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
+                            (size_t) image->channels * sizeof(float), &block);
+    s->pixels = block;
+    for (; !st && s->y0 < h; s->y0 += image->block) {
+        const int left = h - s->y0;
+        st = image->rows(log, image, s->y0, block);
+        if (!st)
+            gp_parallel_do(left < image->block ? left : image->block,
+                           split_row, s);
+    }
+    gp_free(block);
+    return st;
+}
+
+static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
+                              struct gp_frame *f)
+{
+    gp_status st;
+    struct split s = {.image = image, .f = f, .pixels = image->pixels};
+    void *table = NULL, *row = NULL;
+    s.curve = curve_of(image, &s.gamma);
+    if (s.curve != LINEAR) {
+        GP_TRY(gp_alloc(log, "curve", CODES, sizeof *s.table, &table));
+        for (int i = 0; i < CODES; i++)
+            ((float *) table)[i] = decode(s.curve, s.gamma,
+                                          (float) i / 65535.0f);
+    }
+    s.table = table;
+    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(),
+                    (size_t) gp_rect_w(image->data) * sizeof(float), &row));
+    s.row = row;
+    if (image->pixels)
+        gp_parallel_do(gp_rect_h(image->data), split_row, &s);
+    else
+        GP_TRY(split_blocks(log, image, &s));
+out:
+    gp_free(row);
+    gp_free(table);
+    return st;
+}
+
+gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
+{
+    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
+    const size_t row = (size_t) w * (size_t) image->channels;
+    const size_t rows = ((size_t) h + (size_t) image->block - 1) /
+                        (size_t) image->block * (size_t) image->block;
+    void *pixels;
+    if (image->pixels)
+        return GP_OK;
+    gp_status st = gp_alloc(log, "picture", rows, row * sizeof(float),
+                            &pixels);
+    for (int y = 0; !st && y < h; y += image->block)
+        st = image->rows(log, image, y, (float *) pixels + (size_t) y * row);
+    if (st)
+        gp_free(pixels);
+    else
+        image->pixels = pixels;
+    return st;
+}
+
+void gp_image_close(struct gp_image *image)
+{
+    gp_free(image->pixels);
+    if (image->close)
+        image->close(image);
+    *image = (struct gp_image) {0};
+}
+
+/* -- the frame ------------------------------------------------------------ */
+
+/* The colour of a layer by its name. */
+static gp_status choose_layer(const struct gp_log *log, const char *layer,
+                              const struct gp_image *image,
+                              struct gp_colour_choice *out)
+{
+    const char *const *name = image->channel_name;
+    char list[GP_CHANNEL_LIST] = "";
+    for (int lone = 0; lone < 2; lone++) {
+        if (gp_find_layer_colour(name, image->channels, layer, lone, out) &&
+            out->model != GP_COLOUR_YC)
+            return GP_OK;
+    }
+    for (int i = 0; i < image->channels; i++) {
+        if (!gp_channel_list_add(list, NULL, name[i]))
+            break;
+    }
+    return gp_fail(log, GP_ERR_USAGE,
+                   "%s: has no layer %.200s (channels: %s); give one of its "
+                   "layers", image->path, layer, list);
+}
+
+/* Names decide; without a name that means colour, the first three channels
+ * are RGB, or the first one is grey. */
+static struct gp_colour_choice choose(const struct gp_image *image)
+{
+    struct gp_colour_choice c;
+    if (gp_find_colour(image->channel_name, image->channels, true, &c) &&
+        c.model != GP_COLOUR_YC)
+        return c;
+    if (image->channels >= 3)
+        return (struct gp_colour_choice) {GP_COLOUR_RGB, {0, 1, 2}};
+    return (struct gp_colour_choice) {GP_COLOUR_GREY, {0, -1, -1}};
+}
+
+static gp_status make_channels(const struct gp_log *log,
+                               const struct gp_image *image,
+                               const struct gp_colour_choice *colour,
+                               struct gp_frame *f)
+{
+    void *list;
+    gp_status st = gp_alloc_zero(log, "channels", (size_t) image->channels,
+                                 sizeof *f->channel, &list);
+    f->channel = list;
+    for (int i = 0; !st && i < image->channels; i++) {
+        struct gp_channel *c = &f->channel[i];
+        *c = (struct gp_channel) {
+            .type = f->colour_type, .xs = 1, .ys = 1,
+            .w = gp_frame_w(f), .h = gp_frame_h(f), .colour = -1,
+            .name = gp_strdup(image->channel_name[i]),
+        };
+        f->channels = i + 1;
+        for (int k = 0; k < 3; k++) {
+            if (colour->index[k] == i)
+                c->colour = k;
+        }
+        if (!c->name)
+            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                           "programs", f->path);
+        if (c->colour < 0)
+            st = gp_alloc(log, c->name, gp_frame_pixels(f),
+                          gp_type_size(c->type), &c->data);
+    }
+    return st;
+}
+
+static gp_status keep_attributes(const struct gp_log *log,
+                                 const struct gp_image *image,
+                                 struct gp_frame *f)
+{
+    void *list;
+    gp_status st = gp_alloc_zero(log, "attributes", (size_t) image->attributes,
+                                 sizeof *f->attribute, &list);
+    f->attribute = list;
+    for (int i = 0; !st && i < image->attributes; i++) {
+        const struct gp_attribute *from = &image->attribute[i];
+        struct gp_attribute *to = &f->attribute[f->attributes++];
+        *to = *from;
+        to->name = gp_strdup(from->name);
+        to->text = from->text ? gp_strdup(from->text) : NULL;
+        if (!to->name || (from->text && !to->text))
+            st = gp_fail_bare(log, GP_ERR_BUG, "attributes: out of memory; "
+                              "close other programs");
+    }
+    return st;
+}
+
+gp_status gp_image_frame(const struct gp_log *log, const char *layer,
+                         struct gp_image *image, struct gp_frame *out)
+{
+    gp_status st;
+    struct gp_frame f = {0};
+    struct gp_colour_choice colour = choose(image);
+    if (layer)
+        GP_TRY(choose_layer(log, layer, image, &colour));
+    f = (struct gp_frame) {
+        .path = gp_strdup(image->path), .data = image->data,
+        .display = gp_rect_empty(image->display) ? image->data
+                                                 : image->display,
+        .pixel_aspect = image->pixel_aspect > 1e-6f &&
+                        image->pixel_aspect < 1e6f ? image->pixel_aspect
+                                                   : 1.0f,
+        .model = colour.model, .parts = 1,
+        .colour_type = image->half ? GP_HALF : GP_FLOAT,
+    };
+    if (!f.path)
+        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
+                       "programs", image->path));
+    memcpy(f.chromaticities, image->chromaticities ? image->chromaticities
+                                                   : gp_rec709_chromaticities,
+           sizeof f.chromaticities);
+    gp_luminance_weights(f.chromaticities, f.luminance);
+    GP_TRY(make_channels(log, image, &colour, &f));
+    GP_TRY(keep_attributes(log, image, &f));
+    GP_TRY(gp_planes_make(log, "frame", gp_frame_pixels(&f), &f.rgb));
+    GP_TRY(split_planes(log, image, &f));
+    const size_t bytes = gp_frame_pixels(&f) * sizeof(float);
+    for (int k = 0; k < 3; k++) {
+        if (f.model == GP_COLOUR_GREY && k > 0)
+            memcpy(f.rgb.c[k], f.rgb.c[0], bytes);
+        else if (f.model == GP_COLOUR_RGB && colour.index[k] < 0)
+            memset(f.rgb.c[k], 0, bytes);
+    }
+out:
+    if (st)
+        gp_frame_free(&f);
+    else
+        *out = f;
+    return st;
+}
+
+gp_status gp_window_check(const struct gp_log *log, const char *path,
+                          const char *which, int64_t w, int64_t h,
+                          long long max_pixels)
+{
+    if (w >= 1 && h >= 1 && w <= INT_MAX / 4 && h <= INT_MAX / 4 &&
+        w * h <= max_pixels)
+        return GP_OK;
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: the %s window is too large (%lld x %lld pixels, at "
+                   "most %lld); crop it, or raise --max-pixels", path, which,
+                   (long long) w, (long long) h, max_pixels);
+}

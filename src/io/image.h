@@ -1,0 +1,68 @@
+/* A picture as its file stores it, of any format but EXR, and the frame that
+ * is made of it.
+ */
+#ifndef GP_IO_IMAGE_H
+#define GP_IO_IMAGE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+/* An open picture. What it points to is the reader's, until close(). */
+struct gp_image {
+    const char *path;            // for messages
+    struct gp_rect data, display; // display empty: it is `data`
+    float pixel_aspect;          // of width to height; not in (1e-6, 1e6): 1
+    const float *chromaticities; // as in struct gp_frame; NULL: BT.709's
+    int channels;
+    const char *const *channel_name;
+    bool half;                   // stored as half
+    int bits;                    // of the integers that it is stored as, which
+                                 // the samples have scaled to [0, 1]; 0: floats
+    const char *colour_space;    // "sRGB", "Rec709", "KodakLog", "Gamma2.2",
+                                 // "linear"; "" unknown
+    const struct gp_attribute *attribute;
+    int attributes;
+
+    /* Samples as stored, w * channels for each row, interleaved. Either the
+     * whole picture, or NULL, and then rows() gives rows [y, y + block), or as
+     * many as there are, from y = 0 at the top: blocks are asked for in their
+     * order, each once; `to` has room for a whole one.
+     * Errors: GP_ERR_DATA, GP_ERR_IO, GP_ERR_BUG out of memory. */
+    float *pixels;
+    int block;
+    gp_status (*rows)(const struct gp_log *log, struct gp_image *image, int y,
+                      float *to);
+    void (*close)(struct gp_image *image);
+    void *own;
+};
+
+/* Frees a picture; one that is all zero is fine. */
+void gp_image_close(struct gp_image *image);
+
+/* Reads all rows into image->pixels, where they are not there yet. Errors:
+ * those of rows(). */
+GP_MUST_CHECK gp_status gp_image_load(const struct gp_log *log,
+                                      struct gp_image *image);
+
+/* Makes a frame of a picture, which stays the caller's. Colour is chosen and
+ * made linear as io/read.h says.
+ *
+ *   layer  as in gp_read_params
+ *   out    written only on GP_OK
+ *
+ * Errors: those of rows(); GP_ERR_USAGE no such layer.
+ */
+GP_MUST_CHECK gp_status gp_image_frame(const struct gp_log *log,
+                                       const char *layer,
+                                       struct gp_image *image,
+                                       struct gp_frame *out);
+
+/* Refuses a window of `w` x `h` pixels that is empty, has more than
+ * max_pixels, or edges that int cannot hold four times. `which` is "data" or
+ * "display", for the line. Errors: GP_ERR_DATA. */
+GP_MUST_CHECK gp_status gp_window_check(const struct gp_log *log,
+                                        const char *path, const char *which,
+                                        int64_t w, int64_t h,
+                                        long long max_pixels);
+
+#endif
