@@ -1,56 +1,237 @@
+/* Which part of an EXR is the frame, and which of its channels the colour. */
 #include "io/exr/exr_priv.h"
 
+#include "core/memory.h"
+#include "io/colour_name.h"
 
 #include <limits.h>
+#include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
-/* What is looked for, and where. */
-struct search {
-    const struct gp_log *log;
-    const struct gp_input *o;
-    struct gp_crypto crypto;
-    int first;  // this part before the others
-    int only;   // this part alone, or -1
-};
+/* -- parts and views -------------------------------------------------------- */
 
-/* The channels of a part that may be colour: ids have no name. */
-static gp_status make_names(const struct search *s, int part,
-                            const char *view, struct gp_exr_names *out)
+bool gp_exr_is_deep(const struct gp_input *in, int part)
+{
+    exr_storage_t storage;
+    return exr_get_storage(in->exr, part, &storage) ||
+           storage == EXR_STORAGE_DEEP_SCANLINE ||
+           storage == EXR_STORAGE_DEEP_TILED;
+}
+
+const char *gp_exr_part_name(const struct gp_input *in, int part)
+{
+    const char *name = NULL;
+    if (exr_get_name(in->exr, part, &name) || !name || !name[0])
+        return NULL;
+    return name;
+}
+
+const char *gp_exr_part_view(const struct gp_input *in, int part)
+{
+    int32_t length;
+    const char *view;
+    return exr_attr_get_string(in->exr, part, "view", &length, &view) ? NULL
+                                                                      : view;
+}
+
+size_t gp_exr_part_layer(const struct gp_input *in, int part,
+                         const char **name)
+{
+    const char *own = gp_exr_part_name(in, part);
+    const char *view = gp_exr_part_view(in, part);
+    *name = own ? own : "";
+    const size_t n = strlen(*name), end = view ? strlen(view) : 0;
+    if (end == 0 || n < end + 2 || strcmp(own + n - end, view) != 0)
+        return n;
+    const char before = own[n - end - 1];
+    return before == '.' || before == '_' ? n - end - 1 : n;
+}
+
+/* The views of a part with several: how many; 0 for other parts. The first
+ * VIEWS count: no file of use has more, and a hostile one would cost that many
+ * comparisons for each channel. */
+enum { VIEWS = 64 };
+static int views_of(const struct gp_input *in, int part,
+                    const char *view[VIEWS])
+{
+    const exr_attribute_t *a;
+    if (exr_get_attribute_by_name(in->exr, part, "multiView", &a) ||
+        a->type != EXR_ATTR_STRING_VECTOR)
+        return 0;
+    const exr_attr_string_vector_t *const v = a->stringvector;
+    const int n = v->n_strings < VIEWS ? v->n_strings : VIEWS;
+    for (int i = 0; i < n; i++)
+        view[i] = v->strings[i].str ? v->strings[i].str : "";
+    return n;
+}
+
+/* True when the part is of that view, or has channels of it. */
+static bool has_view(const struct gp_input *in, int part, const char *wanted)
+{
+    const char *own = gp_exr_part_view(in, part), *view[VIEWS];
+    if (own)
+        return strcmp(own, wanted) == 0;
+    for (int i = views_of(in, part, view) - 1; i >= 0; i--) {
+        if (strcmp(view[i], wanted) == 0)
+            return true;
+    }
+    return false;
+}
+
+static bool is_word(const char *from, size_t n, const char *word)
+{
+    return strlen(word) == n && strncmp(from, word, n) == 0;
+}
+
+bool gp_exr_bare_name(const struct gp_input *in, int part, const char *wanted,
+                      const char *name, char *to)
+{
+    const char *dot = strrchr(name, '.'), *start = dot, *view[VIEWS];
+    const int n = gp_exr_part_view(in, part) ? 0 : views_of(in, part, view);
+    strcpy(to, name);
+    if (n == 0)
+        return true;
+    while (start && start > name && start[-1] != '.')
+        start--;
+    for (int i = 0; dot && i < n; i++) {
+        if (!is_word(start, (size_t) (dot - start), view[i]))
+            continue;
+        strcpy(to + (start - name), dot + 1);
+        return strcmp(view[i], wanted) == 0;
+    }
+    return strcmp(view[0], wanted) == 0;
+}
+
+const char *gp_exr_view_of(const struct gp_input *in, int part,
+                           const char *name)
+{
+    char bare[GP_CHANNEL_NAME + 1];
+    const char *view[VIEWS];
+    const int n = strlen(name) < sizeof bare ? views_of(in, part, view) : 0;
+    for (int i = 1; i < n; i++) {
+        if (gp_exr_bare_name(in, part, view[i], name, bare) &&
+            strlen(bare) < strlen(name))
+            return view[i];
+    }
+    return NULL;
+}
+
+void gp_exr_names_free(struct gp_exr_names *names)
+{
+    gp_free(names->name);
+    gp_free(names->text);
+    *names = (struct gp_exr_names) {0};
+}
+
+gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
+                          int part, const char *view, struct gp_exr_names *out)
 {
     const exr_attr_chlist_t *list;
-    gp_status st = gp_exr_names_in(s->log, s->o, part, view, out);
-    if (st || exr_get_channels(s->o->exr, part, &list))
-        return st;
+    void *name = NULL, *text = NULL;
+    size_t bytes = 1;
+    *out = (struct gp_exr_names) {0};
+    if (exr_get_channels(in->exr, part, &list))
+        return GP_OK;
+    for (int i = 0; i < list->num_channels; i++)
+        bytes += strlen(list->entries[i].name.str) + 1;
+    gp_status st = gp_alloc(log, "channel names", (size_t) list->num_channels,
+                            sizeof(char *), &name);
+    if (!st)
+        st = gp_alloc(log, "channel names", bytes, 1, &text);
+    *out = (struct gp_exr_names) {name, text, st ? 0 : list->num_channels};
+    char *to = text;
     for (int i = 0; i < out->n; i++) {
-        if (gp_exr_crypto_channel(&s->crypto, s->o, part,
-                              list->entries[i].name.str))
-            out->name[i] = "";
+        const char *const own = list->entries[i].name.str;
+        out->name[i] = own;
+        if (view)
+            out->name[i] = gp_exr_bare_name(in, part, view, own, to) ? to : "";
+        to += strlen(own) + 1;
     }
-    return GP_OK;
+    if (st)
+        gp_exr_names_free(out);
+    return st;
 }
 
-/* The part's name, or that without its view. */
-static bool is_called(const struct gp_input *o, int part, const char *layer)
+/* -- Cryptomatte ------------------------------------------------------------ */
+
+/* cryptomatte/HASH/name */
+static bool names_layer(const exr_attribute_t *a)
 {
-    const char *name;
-    const size_t n = gp_exr_part_layer(o, part, &name);
-    return n > 0 && (strcmp(name, layer) == 0 ||
-                     (strlen(layer) == n && strncmp(name, layer, n) == 0));
+    static const char first[] = "cryptomatte/", last[] = "/name";
+    const size_t len = strlen(a->name), end = sizeof last - 1;
+    return a->type == EXR_ATTR_STRING && len > sizeof first - 1 + end &&
+           strncmp(a->name, first, sizeof first - 1) == 0 &&
+           strcmp(a->name + len - end, last) == 0;
 }
 
-static gp_status look_in_part(const struct search *s, int part,
-                              const char *layer, const char *view, bool lone,
-                              struct gp_colour_choice *out, bool *found)
+void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
 {
+    *out = (struct gp_crypto) {0};
+    for (int part = 0; in && in->exr && part < in->parts; part++) {
+        int32_t n = 0;
+        if (exr_get_attribute_count(in->exr, part, &n))
+            continue;
+        for (int32_t i = 0; i < n && out->n < GP_CRYPTO_LAYERS; i++) {
+            const exr_attribute_t *a;
+            if (!exr_get_attribute_by_index(in->exr, part,
+                                            EXR_ATTR_LIST_FILE_ORDER, i, &a) &&
+                names_layer(a) && a->string->str && a->string->str[0])
+                out->layer[out->n++] = a->string->str;
+        }
+    }
+}
+
+enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
+                                          const struct gp_input *in, int part,
+                                          const char *name)
+{
+    const size_t len = gp_layer_length(name);
+    const char *layer;
+    if (len > 0)
+        return gp_crypto_layer(c, name, len - 1);
+    if (!in || !in->exr)
+        return GP_CRYPTO_NONE;
+    const size_t n = gp_exr_part_layer(in, part, &layer);
+    return gp_crypto_layer(c, layer, n);
+}
+
+/* -- the search ------------------------------------------------------------- */
+
+struct search {
+    const struct gp_log *log;
+    const struct gp_input *in;
+    struct gp_crypto crypto;
+    int first; // this part before the others
+    int only;  // this part and no other, or -1
+};
+
+/* Looks among a part's channels of a view; those of ids are no colour. */
+static gp_status search_part(const struct search *s, int part,
+                             const char *layer, const char *view, bool lone,
+                             struct gp_colour_choice *out, bool *found)
+{
+    const exr_attr_chlist_t *list;
     struct gp_exr_names names;
-    gp_status st = make_names(s, part, view, &names);
+    gp_status st = gp_exr_names_in(s->log, s->in, part, view, &names);
     if (st)
         return st;
+    const bool none = exr_get_channels(s->in->exr, part, &list);
+    for (int i = 0; !none && i < names.n; i++) {
+        if (gp_exr_crypto_channel(&s->crypto, s->in, part,
+                                  list->entries[i].name.str))
+            names.name[i] = "";
+    }
     if (!layer) {
         *found = gp_find_colour(names.name, names.n, lone, out);
     } else {
+        // the layer of that name, or the part: with or without its view
+        const char *called;
+        const size_t n = gp_exr_part_layer(s->in, part, &called);
+        const bool own = n > 0 && (strcmp(called, layer) == 0 ||
+                                   is_word(called, n, layer));
         *found = gp_find_layer_colour(names.name, names.n, layer, lone, out) ||
-                 (!lone && is_called(s->o, part, layer) &&
+                 (!lone && own &&
                   gp_find_layer_colour(names.name, names.n, "", false, out));
     }
     gp_exr_names_free(&names);
@@ -60,23 +241,24 @@ static gp_status look_in_part(const struct search *s, int part,
 /* All parts in their order; those without a lone channel, which is more likely
  * depth than colour, before those with one. Without a layer's name a deep part
  * comes before a lone channel too, so that its reader says what is wrong. */
-static gp_status look(const struct search *s, const char *layer,
-                      const char *view, struct gp_exr_choice *out, bool *found)
+static gp_status search_parts(const struct search *s, const char *layer,
+                              const char *view, struct gp_exr_choice *out,
+                              bool *found)
 {
     int deep = -1;
     *found = false;
     for (int lone = 0; lone < 2; lone++) {
-        for (int i = -1; i < s->o->parts; i++) {
+        for (int i = -1; i < s->in->parts; i++) {
             const int part = i < 0 ? s->first : i;
-            if ((i == s->first) || (s->only >= 0 && part != s->only) ||
-                (view && !gp_exr_part_has_view(s->o, part, view)))
+            if (i == s->first || (s->only >= 0 && part != s->only) ||
+                (view && !has_view(s->in, part, view)))
                 continue;
-            if (gp_exr_is_deep(s->o, part)) {
+            if (gp_exr_is_deep(s->in, part)) {
                 deep = deep < 0 ? part : deep;
                 continue;
             }
-            gp_status st = look_in_part(s, part, layer, view, lone,
-                                        &out->colour, found);
+            gp_status st = search_part(s, part, layer, view, lone,
+                                       &out->colour, found);
             if (st)
                 return st;
             if (*found) {
@@ -94,66 +276,202 @@ static gp_status look(const struct search *s, const char *layer,
 }
 
 /* VIEW.LAYER, LAYER.VIEW or VIEW, when there is nothing of the whole name. */
-static gp_status look_for_view(const struct search *s, const char *layer,
-                               struct gp_exr_choice *out, bool *found)
+static gp_status search_view_in_name(const struct search *s, const char *layer,
+                                     struct gp_exr_choice *out, bool *found)
 {
     char word[GP_CHANNEL_NAME + 1];
     const char *first = strchr(layer, '.'), *last = strrchr(layer, '.');
     *found = false;
     if (strlen(layer) >= sizeof word)
         return GP_OK;
-    gp_status st = look(s, NULL, layer, out, found);
+    gp_status st = search_parts(s, NULL, layer, out, found);
     strcpy(word, layer);
     if (!st && !*found && first) {
         word[first - layer] = '\0';
-        st = look(s, first + 1, word, out, found);
+        st = search_parts(s, first + 1, word, out, found);
         word[first - layer] = '.';
     }
     if (!st && !*found && last) {
         word[last - layer] = '\0';
-        st = look(s, word, last + 1, out, found);
+        st = search_parts(s, word, last + 1, out, found);
     }
     return st;
 }
 
-int gp_exr_part_number(const struct gp_input *o, const char *part)
+/* The number of the part of that number or name, or -1. */
+static int part_number(const struct gp_input *in, const char *part)
 {
     long long number = 0;
     const char *c = part;
     for (; *c >= '0' && *c <= '9' && number < INT_MAX; c++)
         number = number * 10 + (*c - '0');
     if (*c == '\0' && c > part)
-        return number < o->parts ? (int) number : -1;
-    for (int i = 0; i < o->parts; i++) {
-        const char *name = gp_exr_part_name(o, i);
+        return number < in->parts ? (int) number : -1;
+    for (int i = 0; i < in->parts; i++) {
+        const char *name = gp_exr_part_name(in, i);
         if (name && strcmp(name, part) == 0)
             return i;
     }
     return -1;
 }
 
+/* -- what a file has, for the line about what it has not -------------------- */
+
+/* Names, cut after so many bytes or names. */
+enum { NAMES_BYTES = 400, NAMES_MOST = 32 };
+struct names {
+    char text[NAMES_BYTES];
+    struct {
+        size_t at, len;
+    } name[NAMES_MOST];
+    int n;
+    bool cut;
+};
+
+/* Adds a name that is not there yet; `number` >= 0 goes before it. */
+static void add_name(struct names *to, int number, const char *name,
+                     size_t len)
+{
+    const size_t used = strlen(to->text), room = sizeof to->text - used;
+    char head[16] = "";
+    if (to->cut || len == 0)
+        return;
+    for (int i = 0; number < 0 && i < to->n; i++) {
+        if (to->name[i].len == len &&
+            strncmp(to->text + to->name[i].at, name, len) == 0)
+            return;
+    }
+    if (number >= 0)
+        snprintf(head, sizeof head, "%d ", number);
+    to->cut = to->n == NAMES_MOST || len + strlen(head) + 10 > room;
+    if (to->cut) {
+        snprintf(to->text + used, room, ", ...");
+        return;
+    }
+    snprintf(to->text + used, room, "%s%s%.*s", to->n ? ", " : "", head,
+             (int) len, name);
+    to->name[to->n].at = strlen(to->text) - len;
+    to->name[to->n++].len = len;
+}
+
+/* The layers of a part that hold light. */
+static void add_layers(const struct search *s, int part, struct names *to)
+{
+    const exr_attr_chlist_t *list;
+    const char *name;
+    if (exr_get_channels(s->in->exr, part, &list))
+        return;
+    for (int i = 0; !to->cut && i < list->num_channels; i++) {
+        const char *const channel = list->entries[i].name.str;
+        size_t len = gp_layer_length(channel);
+        const char *const own = channel + len;
+        if ((strcmp(own, "R") != 0 && strcmp(own, "Y") != 0 &&
+             strcasecmp(own, "red") != 0) ||
+            gp_exr_crypto_channel(&s->crypto, s->in, part, channel))
+            continue;
+        if (len > 0) {
+            add_name(to, -1, channel, len - 1);
+        } else if (s->in->parts > 1) {
+            len = gp_exr_part_layer(s->in, part, &name);
+            add_name(to, -1, name, len);
+        }
+    }
+}
+
+static void add_views(const struct gp_input *in, int part, struct names *to)
+{
+    const char *own = gp_exr_part_view(in, part), *view[VIEWS];
+    if (own)
+        add_name(to, -1, own, strlen(own));
+    const int n = own ? 0 : views_of(in, part, view);
+    for (int i = 0; i < n; i++)
+        add_name(to, -1, view[i], strlen(view[i]));
+}
+
+/* True when `layer` is one of ids: CryptoObject00, CryptoObject, or one of its
+ * channels. */
+static bool is_layer_of_ids(const struct search *s, const char *layer)
+{
+    const size_t len = strlen(layer);
+    for (int part = 0; part < s->in->parts; part++) {
+        const exr_attr_chlist_t *list;
+        const char *name;
+        size_t n = gp_exr_part_layer(s->in, part, &name);
+        if (gp_crypto_layer(&s->crypto, name, n) &&
+            (n == len || n == len + 2) && strncmp(name, layer, len) == 0)
+            return true;
+        if (exr_get_channels(s->in->exr, part, &list))
+            continue;
+        for (int i = 0; i < list->num_channels; i++) {
+            name = list->entries[i].name.str;
+            if (strncmp(name, layer, len) != 0 ||
+                !gp_exr_crypto_channel(&s->crypto, s->in, part, name))
+                continue;
+            n = gp_layer_length(name);
+            if (!name[len] || n == len + 1 || n == len + 3)
+                return true;
+        }
+    }
+    return false;
+}
+
+/* The line for what p asks for and the file has not. */
+static gp_status not_there(const struct search *s,
+                           const struct gp_read_params *p, const char *path)
+{
+    struct names layers = {0}, parts = {0}, views = {0};
+    char what[700];
+    bool known = !p->view;
+    for (int part = 0; part < s->in->parts; part++) {
+        const char *name = gp_exr_part_name(s->in, part);
+        add_layers(s, part, &layers);
+        add_views(s->in, part, &views);
+        add_name(&parts, part, name ? name : "-", name ? strlen(name) : 1);
+        known = known || has_view(s->in, part, p->view);
+    }
+    const char *has_layers = layers.n ? layers.text : "none";
+    if (p->layer && is_layer_of_ids(s, p->layer))
+        return gp_fail(s->log, GP_ERR_USAGE,
+                       "%s: layer %.200s is Cryptomatte: ids are no light and "
+                       "are never filtered (layers of light: %s); give one of "
+                       "those", path, p->layer, has_layers);
+    if (p->part && part_number(s->in, p->part) < 0)
+        snprintf(what, sizeof what, "part %.200s", p->part);
+    else if (!known)
+        snprintf(what, sizeof what, "view %.200s", p->view);
+    else // as "layer a in part 2 of view left"
+        snprintf(what, sizeof what, "%s%.200s%s%.200s%s%.200s",
+                 p->layer ? "layer " : "colour", p->layer ? p->layer : "",
+                 p->part ? " in part " : "", p->part ? p->part : "",
+                 p->view ? " of view " : "", p->view ? p->view : "");
+    return gp_fail(s->log, GP_ERR_USAGE,
+                   "%s: has no %s (layers: %s; parts: %s; views: %s); give one "
+                   "of those", path, what, has_layers, parts.text,
+                   views.n ? views.text : "none");
+}
+
 gp_status gp_exr_choose(const struct gp_log *log,
                         const struct gp_read_params *p, const char *path,
-                        const struct gp_input *o, int first,
+                        const struct gp_input *in, int first,
                         struct gp_exr_choice *out)
 {
-    struct search s = {.log = log, .o = o, .first = first, .only = -1};
+    struct search s = {.log = log, .in = in, .first = first, .only = -1};
     bool found = false;
+    gp_exr_crypto(in, &s.crypto);
     if (p->part) {
-        s.only = gp_exr_part_number(o, p->part);
+        s.only = part_number(in, p->part);
         if (s.only < 0)
-            return gp_exr_not_there(log, p, path, o);
+            return not_there(&s, p, path);
     }
-    gp_exr_crypto(o, &s.crypto);
-    gp_status st = look(&s, p->layer, p->view, out, &found);
+    gp_status st = search_parts(&s, p->layer, p->view, out, &found);
     if (!st && !found && p->layer && !p->view)
-        st = look_for_view(&s, p->layer, out, &found);
+        st = search_view_in_name(&s, p->layer, out, &found);
     if (st || found)
         return st;
     if (p->layer || p->part || p->view)
-        return gp_exr_not_there(log, p, path, o);
+        return not_there(&s, p, path);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: no colour channels (looked for R,G,B, Y and "
                    "LAYER.R,G,B in %d part%s); rename or add them", path,
-                   o->parts, o->parts == 1 ? "" : "s");
+                   in->parts, in->parts == 1 ? "" : "s");
 }

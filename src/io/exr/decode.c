@@ -1,14 +1,244 @@
+/* Pixels of one part of an EXR: first everything that could be a lie is
+ * checked against the file, then the chunks are decoded in parallel straight
+ * into the planes. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/half.h"
+#include "io/image.h"
 #include "io/oiio/oiio.h"
 
 #include <libdeflate.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+
+/* -- which chunks there are ------------------------------------------------- */
+
+/* The most bytes that one byte of a chunk can become, by compression, rounded
+ * up. DEFLATE: a 2-bit code can stand for 258 bytes, and there is nothing
+ * shorter (1032). RLE: 2 bytes for 128. PIZ: a run code of 1 bit and a count
+ * of 8 bits give 255 samples of 2 bytes (454). PXR24: DEFLATE, then 3 bytes
+ * become 4. B44: 3 bytes for 4x4 halfs. DWA: an 8x8 block of 128 bytes is at
+ * least one AC code of 2 bytes in DEFLATE.
+ */
+static uint64_t most_expansion(exr_compression_t compression)
+{
+    switch (compression) {
+    case EXR_COMPRESSION_NONE:
+        return 1;
+    case EXR_COMPRESSION_RLE:
+        return 64;
+    case EXR_COMPRESSION_ZIPS:
+    case EXR_COMPRESSION_ZIP:
+        return 1032;
+    case EXR_COMPRESSION_PIZ:
+        return 454;
+    case EXR_COMPRESSION_PXR24:
+        return 1376;
+    case EXR_COMPRESSION_B44:
+    case EXR_COMPRESSION_B44A:
+        return 11;
+    default:
+        return 64 * 1032;
+    }
+}
+
+/* Unpacked bytes of a chunk, and whether the library divides its rows and
+ * columns as the channels' sampling asks. 3.1.5 does not where a block of
+ * lines is no multiple of the sampling. */
+static bool unpacked_bytes(const struct gp_exr_chunks *cs,
+                           const exr_chunk_info_t *c, uint64_t *bytes)
+{
+    *bytes = 0;
+    for (int i = 0; i < cs->channel->num_channels; i++) {
+        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
+        int xs = e->x_sampling, ys = e->y_sampling;
+        // where the first block's height divides, the others' start does
+        if (c->width % xs || (c->height > 1 && c->height % ys))
+            return false;
+        bool none = c->height == 1 && (c->start_y - cs->y0) % ys;
+        uint64_t rows = none ? 0 : (uint64_t) (c->height + ys - 1) /
+                                       (uint64_t) ys;
+        *bytes += rows * (uint64_t) (c->width / xs) *
+                  (e->pixel_type == EXR_PIXEL_HALF ? 2 : 4);
+    }
+    return true;
+}
+
+/* Pixels of block `i` of those of `size` that cover `all`. */
+static int64_t block_pixels(int all, int size, int i)
+{
+    const int64_t left = all - (int64_t) i * size;
+    return left < size ? left : size;
+}
+
+/* Asks the library for chunk `index`. Its rectangle must be the one that its
+ * index says: together they cover the window, each pixel once. Returns what
+ * is wrong, or NULL. */
+static const char *find_chunk(const struct gp_exr_chunks *cs, int index,
+                              exr_chunk_info_t *c)
+{
+    const exr_context_t exr = cs->input->exr;
+    exr_result_t r;
+    int64_t x = 0, y, w, h;
+    if (cs->lines) {
+        y = cs->y0 + (int64_t) index * cs->lines;
+        w = cs->w;
+        h = block_pixels(cs->h, cs->lines, index);
+        r = exr_read_scanline_chunk_info(exr, cs->part, (int) y, c);
+    } else {
+        const int across = (cs->w - 1) / cs->tile_w + 1;
+        x = index % across;
+        y = index / across;
+        w = block_pixels(cs->w, cs->tile_w, (int) x);
+        h = block_pixels(cs->h, cs->tile_h, (int) y);
+        r = exr_read_tile_chunk_info(exr, cs->part, (int) x, (int) y, 0, 0, c);
+    }
+    if (r)
+        return exr_get_default_error_message(r);
+    if (c->idx != index || (!cs->lines && c->start_x != x) ||
+        c->start_y != y || c->width != w || c->height != h)
+        return "it is not where it belongs";
+    return NULL;
+}
+
+static gp_status read_chunks(const struct gp_log *log,
+                             struct gp_exr_chunks *cs)
+{
+    const uint64_t size = cs->input->stream.size;
+    gp_exr_fault_clear();
+    for (int i = 0; i < cs->chunks; i++) {
+        exr_chunk_info_t *c = &cs->chunk[i];
+        uint64_t bytes = 0;
+        const char *wrong = find_chunk(cs, i, c);
+        if (!wrong && (!unpacked_bytes(cs, c, &bytes) ||
+                       bytes != c->unpacked_size))
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: channels are subsampled in a way that its "
+                           "blocks of lines do not hold (chunk %d); write the "
+                           "file without subsampling", cs->path, i + 1);
+        if (!wrong && c->packed_size > size)
+            wrong = "it ends after the file";
+        if (!wrong && cs->compression == EXR_COMPRESSION_NONE &&
+            c->packed_size != bytes)
+            wrong = "its size is wrong";
+        // the 64 are for headers and for the last, unfinished unit
+        if (!wrong &&
+            bytes > (c->packed_size + 64) * most_expansion(cs->compression))
+            wrong = "it is too small for its pixels";
+        if (wrong && gp_exr_fault())
+            return gp_exr_fault_print(log, cs->path, gp_exr_fault());
+        if (wrong)
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: cut off or damaged (chunk %d of %d: %s); copy "
+                           "or render the file again", cs->path, i + 1,
+                           cs->chunks, wrong);
+        if (bytes > cs->largest)
+            cs->largest = bytes;
+    }
+    return GP_OK;
+}
+
+/* The data window, and the number of chunks of level 0, which come first in
+ * the table. */
+static gp_status read_window(const struct gp_log *log, long long max_pixels,
+                             struct gp_exr_chunks *cs)
+{
+    const exr_context_t exr = cs->input->exr;
+    const uint64_t size = cs->input->stream.size;
+    const int all = cs->input->index->part[cs->part].chunks;
+    exr_attr_box2i_t d;
+    exr_tile_level_mode_t mode;
+    exr_tile_round_mode_t round;
+    uint32_t tw = 0, th = 0;
+    int32_t lines = 0;
+    int64_t n = 0;
+    if (exr_get_data_window(exr, cs->part, &d))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: has no data window; render the file again",
+                       cs->path);
+    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
+    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
+    gp_status st = gp_window_check(log, cs->path, "data", w, h, max_pixels);
+    if (st)
+        return st;
+    cs->x0 = d.min.x;
+    cs->y0 = d.min.y;
+    cs->w = (int) w;
+    cs->h = (int) h;
+    if (cs->storage == EXR_STORAGE_TILED) {
+        if (!exr_get_tile_descriptor(exr, cs->part, &tw, &th, &mode, &round) &&
+            tw > 0 && th > 0 && tw < INT_MAX && th < INT_MAX)
+            n = ((w + tw - 1) / tw) * ((h + th - 1) / th);
+        cs->tile_w = (int) tw;
+        cs->tile_h = (int) th;
+    } else if (!exr_get_scanlines_per_chunk(exr, cs->part, &lines) &&
+               lines > 0) {
+        n = (h + lines - 1) / lines;
+        cs->lines = lines;
+    }
+    // each chunk has 8 bytes in the offset table, so the file bounds the list
+    if (n < 1 || n > all || (uint64_t) n > size / 8)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: cut off or damaged (%d chunks in a file of %llu "
+                       "bytes, %lld needed); copy or render the file again",
+                       cs->path, all, (unsigned long long) size,
+                       (long long) n);
+    cs->chunks = (int) n;
+    return GP_OK;
+}
+
+gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
+                             const struct gp_input *in, int part,
+                             long long max_pixels, struct gp_exr_chunks *out)
+{
+    gp_status st;
+    void *list = NULL;
+    *out = (struct gp_exr_chunks) {.input = in, .path = path, .part = part};
+    if (exr_get_storage(in->exr, part, &out->storage) ||
+        exr_get_compression(in->exr, part, &out->compression) ||
+        exr_get_channels(in->exr, part, &out->channel))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR header is damaged (part %d lacks "
+                       "channels, compression or type); render the file again",
+                       path, part);
+    if (gp_exr_is_deep(in, part))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: deep data has no single colour per pixel (part "
+                       "%d); flatten it first, with e.g. oiiotool --flatten",
+                       path, part);
+    GP_TRY(read_window(log, max_pixels, out));
+    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) out->chunks,
+                         sizeof *out->chunk, &list));
+    out->chunk = list;
+    GP_TRY(read_chunks(log, out));
+out:
+    return st;
+}
+
+void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
+{
+    gp_free(chunks->chunk);
+    *chunks = (struct gp_exr_chunks) {0};
+}
+
+/* -- one chunk -------------------------------------------------------------- */
+
+/* What one thread needs; its pipeline is reused for all its chunks. */
+struct worker {
+    const struct gp_exr_chunks *chunks;
+    const struct gp_exr_sink *sink;
+    exr_decode_pipeline_t pipe;
+    exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
+    struct libdeflate_decompressor *inflate;
+    uint8_t *split;  // chunks->largest bytes
+    bool is_split;   // the chunk at hand is in `split`
+    bool is_stored;  // ... or is in the file as it is
+    bool ready;
+};
 
 /* Unpacked bytes of a chunk: either in order, or split by even and odd
  * places with the halves at `bytes` and `odd`. */
@@ -17,99 +247,69 @@ struct packed {
     const uint8_t *odd;  // NULL when in order
 };
 
-/* What one thread needs; its pipeline is reused for all its chunks. */
-struct worker {
-    const struct gp_exr_chunks *layout;
-    const struct gp_exr_sink *sink;
-    exr_decode_pipeline_t pipe;
-    exr_result_t (*library_decompress)(exr_decode_pipeline_t *);
-    struct libdeflate_decompressor *inflate;
-    uint8_t *split;  // layout->largest bytes
-    bool is_split;   // the chunk at hand is in `split`
-    bool is_stored;  // ... or lies in the file as it is
-    bool ready;
-};
-
-struct job {
-    const struct gp_exr_chunks *layout;
-    struct worker *worker;
-};
-
-/* -- one row of one channel ----------------------------------------------- */
-
-static void uints_to_floats(float *v, size_t n)
+/* One row of one channel: n samples that are `at` bytes into the chunk; `at`
+ * is even always. */
+static void unpack_row(const struct packed *p, size_t at,
+                       exr_pixel_type_t type, bool as_float, void *to,
+                       size_t n)
 {
-    for (size_t i = 0; i < n; i++) {
-        uint32_t u;
-        memcpy(&u, &v[i], sizeof u);
-        v[i] = (float) u;
+    const bool half = type == EXR_PIXEL_HALF;
+    if (p->odd && half && as_float)
+        gp_split_half_to_float(p->bytes + at / 2, p->odd + at / 2, to, n);
+    else if (p->odd)
+        gp_interleave(p->bytes + at / 2, p->odd + at / 2, to, half ? n : 2 * n);
+    else if (half && as_float)
+        gp_half_to_float((const uint16_t *) (const void *) (p->bytes + at), to,
+                         n);
+    else
+        memcpy(to, p->bytes + at, n * (half ? 2 : 4));
+    if (type == EXR_PIXEL_UINT && as_float) {
+        for (size_t i = 0; i < n; i++) {
+            float *const v = (float *) to + i;
+            uint32_t u;
+            memcpy(&u, v, sizeof u);
+            *v = (float) u;
+        }
     }
 }
 
-static void put_in_order(const uint8_t *from, exr_pixel_type_t type,
-                         bool as_float, void *to, size_t n)
+/* The samples of a chunk to the sinks; for unpack_and_convert_fn. */
+static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
 {
-    if (type == EXR_PIXEL_HALF && as_float)
-        gp_half_to_float((const uint16_t *) (const void *) from, to, n);
-    else
-        memcpy(to, from, n * (type == EXR_PIXEL_HALF ? 2 : 4));
-}
-
-static void put_split(const uint8_t *even, const uint8_t *odd,
-                      exr_pixel_type_t type, bool as_float, void *to, size_t n)
-{
-    if (type == EXR_PIXEL_HALF && as_float)
-        gp_split_half_to_float(even, odd, to, n);
-    else
-        gp_interleave(even, odd, to, type == EXR_PIXEL_HALF ? n : 2 * n);
-}
-
-/* Samples that lie `at` bytes into the chunk; `at` is even always. */
-static void put_row(const struct packed *p, size_t at, exr_pixel_type_t type,
-                    bool as_float, void *to, size_t n)
-{
-    if (p->odd)
-        put_split(p->bytes + at / 2, p->odd + at / 2, type, as_float, to, n);
-    else
-        put_in_order(p->bytes + at, type, as_float, to, n);
-    if (type == EXR_PIXEL_UINT && as_float)
-        uints_to_floats(to, n);
-}
-
-/* -- one chunk ------------------------------------------------------------ */
-
-/* Where channel samples of chunk row `y` of the window begin in the sink. */
-static void *sink_row(const struct gp_exr_chunks *l,
-                      const struct gp_exr_sink *s,
-                      const exr_attr_chlist_entry_t *e, int x, int y)
-{
-    size_t width = (size_t) (l->w / e->x_sampling);
-    size_t index = (size_t) (y / e->y_sampling) * width +
-                   (size_t) (x / e->x_sampling);
-    bool wide = s->as_float || e->pixel_type != EXR_PIXEL_HALF;
-    return (uint8_t *) s->to + index * (wide ? 4 : 2);
-}
-
-static void unpack(const struct worker *w, const struct packed *p)
-{
-    const struct gp_exr_chunks *l = w->layout;
-    const exr_chunk_info_t *c = &w->pipe.chunk;
-    int x0 = l->tile_w ? c->start_x * l->tile_w : 0;
-    int y0 = l->tile_w ? c->start_y * l->tile_h : c->start_y - l->y0;
+    const struct worker *w = pipe->decoding_user_data;
+    const struct gp_exr_chunks *cs = w->chunks;
+    const exr_chunk_info_t *c = &pipe->chunk;
+    const int x0 = cs->tile_w ? c->start_x * cs->tile_w : 0;
+    const int y0 = cs->tile_w ? c->start_y * cs->tile_h : c->start_y - cs->y0;
+    struct packed p = {.bytes = pipe->unpacked_buffer};
     size_t at = 0;
+    if (w->is_split) {
+        p.bytes = w->split;
+        p.odd = w->split + (c->unpacked_size + 1) / 2;
+    }
+    if (w->is_stored)
+        p.bytes = pipe->packed_buffer;
+    if (!p.bytes)
+        return EXR_ERR_CORRUPT_CHUNK;
     for (int y = y0; y < y0 + c->height; y++) {
-        for (int i = 0; i < l->channel->num_channels; i++) {
-            const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
+        for (int i = 0; i < cs->channel->num_channels; i++) {
+            const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
             const struct gp_exr_sink *s = &w->sink[i];
             if (y % e->y_sampling)
                 continue;
-            size_t n = (size_t) (c->width / e->x_sampling);
+            const bool half = e->pixel_type == EXR_PIXEL_HALF;
+            const size_t n = (size_t) (c->width / e->x_sampling);
+            const size_t width = (size_t) (cs->w / e->x_sampling);
+            const size_t index = (size_t) (y / e->y_sampling) * width +
+                                 (size_t) (x0 / e->x_sampling);
             if (s->to)
-                put_row(p, at, e->pixel_type, s->as_float,
-                        sink_row(l, s, e, x0, y), n);
-            at += n * (e->pixel_type == EXR_PIXEL_HALF ? 2 : 4);
+                unpack_row(&p, at, e->pixel_type, s->as_float,
+                           (uint8_t *) s->to +
+                               index * (s->as_float || !half ? 4 : 2), n);
+            at += n * (half ? 2 : 4);
         }
     }
+    return EXR_ERR_SUCCESS;
 }
 
 /* Takes the place of the library's zlib and run lengths. What does not
@@ -119,16 +319,13 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
     struct worker *w = pipe->decoding_user_data;
     const exr_chunk_info_t *c = &pipe->chunk;
     size_t in = c->packed_size, out = c->unpacked_size;
-    exr_compression_t method = w->layout->compression;
     if (in == out) // stored
         return w->library_decompress(pipe);
-    if (method == EXR_COMPRESSION_RLE)
+    if (w->chunks->compression == EXR_COMPRESSION_RLE)
         w->is_split = gp_unrle(pipe->packed_buffer, in, w->split, out);
-    else
-        w->is_split = libdeflate_zlib_decompress(w->inflate,
-                                                 pipe->packed_buffer, in,
-                                                 w->split, out, NULL) ==
-                      LIBDEFLATE_SUCCESS;
+    else // without a place for the size, another one than `out` is a failure
+        w->is_split = !libdeflate_zlib_decompress(
+            w->inflate, pipe->packed_buffer, in, w->split, out, NULL);
     if (!w->is_split)
         return w->library_decompress(pipe);
     gp_undo_delta(w->split, out);
@@ -145,253 +342,206 @@ static exr_result_t decompress_b44(exr_decode_pipeline_t *pipe)
     return w->is_stored ? EXR_ERR_SUCCESS : w->library_decompress(pipe);
 }
 
-static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
-{
-    const struct worker *w = pipe->decoding_user_data;
-    struct packed p = {.bytes = pipe->unpacked_buffer};
-    if (w->is_split) {
-        p.bytes = w->split;
-        p.odd = w->split + (pipe->chunk.unpacked_size + 1) / 2;
-    }
-    if (w->is_stored)
-        p.bytes = pipe->packed_buffer;
-    if (!p.bytes)
-        return EXR_ERR_CORRUPT_CHUNK;
-    unpack(w, &p);
-    return EXR_ERR_SUCCESS;
-}
-
 static exr_result_t run_chunk(struct worker *w, int index)
 {
-    const struct gp_exr_chunks *l = w->layout;
-    const exr_context_t exr = l->input->exr;
+    const struct gp_exr_chunks *cs = w->chunks;
+    const exr_context_t exr = cs->input->exr;
     w->is_split = false;
     w->is_stored = false;
-    if (l->chunk[index].unpacked_size == 0) // lines that no channel samples
+    if (cs->chunk[index].unpacked_size == 0) // lines that no channel samples
         return EXR_ERR_SUCCESS;
     exr_result_t r =
-        exr_decoding_update(exr, l->part, &l->chunk[index], &w->pipe);
-    return r ? r : exr_decoding_run(exr, l->part, &w->pipe);
+        exr_decoding_update(exr, cs->part, &cs->chunk[index], &w->pipe);
+    return r ? r : exr_decoding_run(exr, cs->part, &w->pipe);
 }
-
-/* -- all chunks ----------------------------------------------------------- */
 
 static void close_worker(struct worker *w)
 {
     if (w->ready)
-        (void) exr_decoding_destroy(w->layout->input->exr, &w->pipe);
+        (void) exr_decoding_destroy(w->chunks->input->exr, &w->pipe);
     if (w->inflate)
         libdeflate_free_decompressor(w->inflate);
-    GP_FREE(w->split);
-    *w = (struct worker) {0};
-}
-
-static bool is_zip(exr_compression_t c)
-{
-    return c == EXR_COMPRESSION_ZIP || c == EXR_COMPRESSION_ZIPS;
-}
-
-/* The library chooses its routines on first use without a lock; frames may be
- * read by several threads at once. */
-static exr_result_t choose_routines(const struct gp_exr_chunks *l,
-                                    exr_decode_pipeline_t *pipe)
-{
-    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
-    pthread_mutex_lock(&lock);
-    const exr_result_t r =
-        exr_decoding_choose_default_routines(l->input->exr, l->part, pipe);
-    pthread_mutex_unlock(&lock);
-    return r;
+    gp_free(w->split);
 }
 
 static gp_status open_worker(const struct gp_log *log,
-                             const struct gp_exr_chunks *l,
+                             const struct gp_exr_chunks *cs,
                              const struct gp_exr_sink *sink, struct worker *w)
 {
-    const exr_context_t exr = l->input->exr;
-    *w = (struct worker) {.layout = l, .sink = sink};
+    // the library chooses its routines on first use without a lock, and
+    // frames may be read by several threads at once
+    static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
+    const exr_context_t exr = cs->input->exr;
+    *w = (struct worker) {.chunks = cs, .sink = sink, .ready = true};
     gp_exr_fault_clear();
     exr_result_t r =
-        exr_decoding_initialize(exr, l->part, &l->chunk[0], &w->pipe);
-    w->ready = true;
-    if (!r)
-        r = choose_routines(l, &w->pipe);
-    const gp_status fault = gp_exr_fault();
-    if (fault)
-        return gp_exr_fault_print(log, l->path, fault);
+        exr_decoding_initialize(exr, cs->part, &cs->chunk[0], &w->pipe);
+    if (!r) {
+        pthread_mutex_lock(&lock);
+        r = exr_decoding_choose_default_routines(exr, cs->part, &w->pipe);
+        pthread_mutex_unlock(&lock);
+    }
+    if (gp_exr_fault())
+        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
     if (r)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR library cannot decode it (%s); write the "
-                       "file with another compression", l->path,
+                       "file with another compression", cs->path,
                        exr_get_default_error_message(r));
     w->pipe.decoding_user_data = w;
     w->pipe.unpack_and_convert_fn = unpack_chunk;
     w->library_decompress = w->pipe.decompress_fn;
-    if (l->compression == EXR_COMPRESSION_B44 ||
-        l->compression == EXR_COMPRESSION_B44A)
+    if (cs->compression == EXR_COMPRESSION_B44 ||
+        cs->compression == EXR_COMPRESSION_B44A)
         w->pipe.decompress_fn = decompress_b44;
-    if (!is_zip(l->compression) && l->compression != EXR_COMPRESSION_RLE)
+    if (cs->compression != EXR_COMPRESSION_ZIP &&
+        cs->compression != EXR_COMPRESSION_ZIPS &&
+        cs->compression != EXR_COMPRESSION_RLE)
         return GP_OK;
     w->pipe.decompress_fn = decompress;
     w->inflate = libdeflate_alloc_decompressor();
     void *split;
-    gp_status st = gp_alloc(log, "chunk", l->largest, 1, &split);
+    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &split);
     w->split = split;
-    if (!st && !w->inflate)
-        st = gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                     "programs", l->path);
-    return st;
+    return st || w->inflate ? st : gp_no_memory(log, cs->path);
 }
 
-static gp_status decode_body(void *ctx, int index, int thread)
-{
-    const struct job *job = ctx;
-    gp_exr_fault_clear();
-    const exr_result_t r = run_chunk(&job->worker[thread], index);
-    const gp_status fault = gp_exr_fault();
-    return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
-}
+/* -- DWAA and DWAB, by OpenImageIO ------------------------------------------ */
 
-/* -- DWAA and DWAB --------------------------------------------------------- */
-
-static int image_channel(const struct gp_oiio_image *image, const char *name)
+static gp_status sort_channels(const struct gp_log *log,
+                               const struct gp_exr_chunks *cs,
+                               const struct gp_oiio_image *image,
+                               const struct gp_exr_sink *sink)
 {
-    for (int i = 0; i < image->channels; i++) {
-        if (strcmp(image->channel_name[i], name) == 0)
-            return i;
-    }
-    return -1;
-}
-
-/* Row `y` of one channel, `row` being w floats of scratch. */
-static void put_bridge_row(const struct gp_exr_chunks *l,
-                    const struct gp_oiio_image *image, int from,
-                    exr_pixel_type_t type, const struct gp_exr_sink *s, int y,
-                    float *row)
-{
-    const size_t w = (size_t) l->w, at = (size_t) y * w;
-    const size_t step = (size_t) image->channels;
-    const float *p = image->pixels + at * step + (size_t) from;
-    for (size_t x = 0; x < w; x++) {
-        uint32_t u;
-        row[x] = p[x * step];
-        if (type == EXR_PIXEL_UINT && s->as_float) {
-            memcpy(&u, &row[x], sizeof u);
-            row[x] = (float) u;
+    const size_t w = (size_t) cs->w, step = (size_t) image->channels;
+    void *block;
+    gp_status st = gp_alloc(log, "row", w, sizeof(float), &block);
+    if (st)
+        return st;
+    float *const row = block;
+    for (int i = 0; i < cs->channel->num_channels; i++) {
+        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
+        const struct gp_exr_sink *s = &sink[i];
+        const bool half = e->pixel_type == EXR_PIXEL_HALF;
+        int from = 0;
+        while (from < image->channels &&
+               strcmp(image->channel_name[from], e->name.str) != 0)
+            from++;
+        if (!s->to)
+            continue;
+        if (from == image->channels)
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: OpenImageIO did not find channel %s; write "
+                           "the file with zip compression", cs->path,
+                           e->name.str));
+        for (size_t y = 0, at = 0; y < (size_t) cs->h; y++, at += w) {
+            const float *p = image->pixels + at * step + (size_t) from;
+            for (size_t x = 0; x < w; x++) {
+                uint32_t u;
+                row[x] = p[x * step];
+                if (e->pixel_type == EXR_PIXEL_UINT && s->as_float) {
+                    memcpy(&u, &row[x], sizeof u);
+                    row[x] = (float) u;
+                }
+            }
+            if (half && !s->as_float)
+                (void) gp_float_to_half(row, (uint16_t *) s->to + at, w);
+            else
+                memcpy((float *) s->to + at, row, w * sizeof *row);
         }
     }
-    if (type == EXR_PIXEL_HALF && !s->as_float)
-        (void) gp_float_to_half(row, (uint16_t *) s->to + at, w);
-    else
-        memcpy((float *) s->to + at, row, w * sizeof *row);
-}
-
-static gp_status put_channels(const struct gp_log *log,
-                              const struct gp_exr_chunks *l,
-                              const struct gp_oiio_image *image,
-                              const struct gp_exr_sink *sink)
-{
-    void *row;
-    gp_status st = gp_alloc(log, "row", (size_t) l->w, sizeof(float), &row);
-    for (int i = 0; !st && i < l->channel->num_channels; i++) {
-        const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
-        int from = image_channel(image, e->name.str);
-        if (!sink[i].to)
-            continue;
-        if (from < 0)
-            st = gp_fail(log, GP_ERR_DATA,
-                         "%s: OpenImageIO did not find channel %s; write the "
-                         "file with zip compression", l->path, e->name.str);
-        for (int y = 0; !st && y < l->h; y++)
-            put_bridge_row(l, image, from, e->pixel_type, &sink[i], y, row);
-    }
-    gp_free(row);
+out:
+    gp_free(block);
     return st;
 }
 
 static gp_status decode_by_bridge(const struct gp_log *log,
-                                  const struct gp_exr_chunks *l,
+                                  const struct gp_exr_chunks *cs,
                                   const struct gp_exr_sink *sink)
 {
-    const struct gp_stream *s = &l->input->stream;
+    const struct gp_stream *s = &cs->input->stream;
     struct gp_oiio_image image;
     char why[512];
-    for (int i = 0; i < l->channel->num_channels; i++) {
-        const exr_attr_chlist_entry_t *e = &l->channel->entries[i];
+    for (int i = 0; i < cs->channel->num_channels; i++) {
+        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         if (e->x_sampling != 1 || e->y_sampling != 1)
             return gp_fail(log, GP_ERR_DATA,
                            "%s: channel %s is subsampled and DWA compressed, "
                            "which nothing here decodes; write the file with "
-                           "another compression", l->path, e->name.str);
+                           "another compression", cs->path, e->name.str);
     }
     const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "%s: DWA compression needs the OpenImageIO bridge "
                        "(%s); install it, or write the file with zip",
-                       l->path, why);
-    const int got = api->read(l->path, s->data, s->size, l->part,
-                              (long long) l->w * l->h, &image, why,
+                       cs->path, why);
+    const int got = api->read(cs->path, s->data, s->size, cs->part,
+                              (long long) cs->w * cs->h, &image, why,
                               sizeof why);
     if (got == GP_OIIO_MEMORY)
-        return gp_oiio_no_memory(log, l->path, why);
+        return gp_oiio_no_memory(log, cs->path, why);
     if (got)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the pixels are damaged (%s); copy or render the "
-                       "file again", l->path, why);
+                       "file again", cs->path, why);
     gp_status st;
-    if (image.w == l->w && image.h == l->h)
-        st = put_channels(log, l, &image, sink);
+    if (image.w == cs->w && image.h == cs->h)
+        st = sort_channels(log, cs, &image, sink);
     else
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: OpenImageIO found %d x %d pixels (%d x %d in the "
-                     "header); render the file again", l->path, image.w,
-                     image.h, l->w, l->h);
+                     "header); render the file again", cs->path, image.w,
+                     image.h, cs->w, cs->h);
     api->image_free(&image);
     return st;
 }
 
-/* -- in parallel ----------------------------------------------------------- */
+/* -- all chunks ------------------------------------------------------------- */
 
-/* zlib takes its memory behind the library's back, and the library says the
- * same of a full one and of blocks that end early. */
-static bool is_memory_full(const struct gp_exr_chunks *l)
+static gp_status decode_body(void *ctx, int index, int thread)
 {
-    enum { ZLIB_BYTES = 1 << 16 };
-    void *p;
-    const bool full = gp_alloc(NULL, l->path, ZLIB_BYTES, 1, &p);
-    gp_free(p);
-    return full;
+    struct worker *const worker = ctx;
+    gp_exr_fault_clear();
+    const exr_result_t r = run_chunk(&worker[thread], index);
+    const gp_status fault = gp_exr_fault();
+    return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
 }
 
 /* Decodes the chunk that failed once more to learn why; it fails again when
- * the file is to blame. DWA is left to the bridge: OpenEXRCore 3.1.5 lacks
- * it. */
-static gp_status explain(const struct gp_log *log, const struct job *job,
-                         int index, gp_status st)
+ * the file is to blame. What OpenEXRCore 3.1.5 lacks (DWA) is left to
+ * OpenImageIO. */
+static gp_status explain(const struct gp_log *log, struct worker *w, int index,
+                         gp_status st)
 {
-    const struct gp_exr_chunks *l = job->layout;
-    const exr_chunk_info_t *c = &l->chunk[index];
-    if (st != GP_ERR_DATA)
-        return gp_exr_fault_print(log, l->path, st);
-    gp_exr_fault_clear();
-    exr_result_t r = run_chunk(&job->worker[0], index);
-    if (gp_exr_fault())
-        return gp_exr_fault_print(log, l->path, gp_exr_fault());
-    const bool cut = gp_exr_fault_short();
-    if (r == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
-        return decode_by_bridge(log, l, job->worker[0].sink);
-    if ((!r && !cut) || (r == EXR_ERR_OUT_OF_MEMORY && is_memory_full(l)))
-        return gp_exr_fault_print(log, l->path, GP_ERR_BUG);
+    enum { ZLIB_BYTES = 1 << 16 };
+    const struct gp_exr_chunks *cs = w->chunks;
+    const exr_chunk_info_t *c = &cs->chunk[index];
     char place[64];
-    if (l->tile_w)
+    void *p = NULL;
+    if (st != GP_ERR_DATA)
+        return gp_exr_fault_print(log, cs->path, st);
+    gp_exr_fault_clear();
+    exr_result_t r = run_chunk(w, index);
+    if (gp_exr_fault())
+        return gp_exr_fault_print(log, cs->path, gp_exr_fault());
+    if (r == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
+        return decode_by_bridge(log, cs, w->sink);
+    const bool cut = gp_exr_fault_short();
+    // zlib takes its memory without the library's knowledge, which says the
+    // same of a full one and of blocks that end early
+    const bool full = r == EXR_ERR_OUT_OF_MEMORY &&
+                      gp_alloc(NULL, cs->path, ZLIB_BYTES, 1, &p);
+    gp_free(p);
+    if ((!r && !cut) || full)
+        return gp_no_memory(log, cs->path);
+    if (cs->tile_w)
         snprintf(place, sizeof place, "tile %d,%d", c->start_x, c->start_y);
     else
         snprintf(place, sizeof place, "line %d", c->start_y);
     return gp_fail(log, GP_ERR_DATA,
                    "%s: the pixels are damaged at %s (%s); copy or render the "
-                   "file again", l->path, place,
-                   // which the library also says of blocks that end early
+                   "file again", cs->path, place,
                    r == EXR_ERR_OUT_OF_MEMORY
                        ? "a block does not fit its pixels"
                    : cut ? "the file ends before them"
@@ -399,24 +549,25 @@ static gp_status explain(const struct gp_log *log, const struct job *job,
 }
 
 gp_status gp_exr_decode(const struct gp_log *log,
-                        const struct gp_exr_chunks *l,
+                        const struct gp_exr_chunks *cs,
                         const struct gp_exr_sink *sink)
 {
-    int team = gp_threads() < l->chunks ? gp_threads() : l->chunks, failed;
+    const int team = gp_threads() < cs->chunks ? gp_threads() : cs->chunks;
+    int failed;
     void *list;
     gp_status st = gp_alloc_zero(log, "decoders", (size_t) team,
                                  sizeof(struct worker), &list);
     if (st)
         return st;
-    struct job job = {.layout = l, .worker = list};
+    struct worker *const worker = list;
     for (int i = 0; i < team; i++)
-        GP_TRY(open_worker(log, l, sink, &job.worker[i]));
-    st = gp_parallel(l->chunks, decode_body, &job, &failed);
+        GP_TRY(open_worker(log, cs, sink, &worker[i]));
+    st = gp_parallel(cs->chunks, decode_body, worker, &failed);
     if (st)
-        st = explain(log, &job, failed, st);
+        st = explain(log, worker, failed, st);
 out:
     for (int i = 0; i < team; i++)
-        close_worker(&job.worker[i]);
+        close_worker(&worker[i]);
     gp_free(list);
     return st;
 }

@@ -6,8 +6,9 @@
 #include "io/bridge_write.h"
 #include "io/half.h"
 
-#include <stdio.h>
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* `n` samples of `size` bytes from a row to every `step` bytes of `to`. */
@@ -98,23 +99,24 @@ static gp_status lost(const struct gp_exr_out *out, int chunk)
 static gp_status take_chunks(struct gp_exr_out *out, int part,
                              const struct gp_input *from)
 {
+    const char *const path = gp_file_path(out->file);
+    struct gp_exr_chunks cs;
     void *data = NULL;
-    gp_status st = GP_OK;
-    for (int i = 0; !st && i < out->table[part].chunks; i++) {
-        exr_chunk_info_t info;
-        gp_free(data);
-        data = NULL;
+    gp_status st;
+    GP_TRY(gp_exr_chunks_find(out->log, path, from, 0, LLONG_MAX, &cs));
+    for (int i = 0; i < cs.chunks && i < out->table[part].chunks; i++) {
+        const exr_chunk_info_t *c = &cs.chunk[i];
+        GP_FREE(data);
+        GP_TRY(gp_alloc(out->log, "chunk", c->packed_size, 1, &data));
         gp_exr_fault_clear();
-        if (gp_input_chunk(from, 0, i, &info))
-            return lost(out, i);
-        st = gp_alloc(out->log, "chunk", info.packed_size, 1, &data);
-        if (!st && exr_read_chunk(from->exr, 0, &info, data))
-            st = lost(out, i);
-        if (!st)
-            st = gp_exr_out_scanlines(out, part, i, info.start_y, data,
-                                      info.packed_size);
+        if (exr_read_chunk(from->exr, 0, c, data))
+            GP_TRY(lost(out, i));
+        GP_TRY(gp_exr_out_scanlines(out, part, i, c->start_y, data,
+                                    c->packed_size));
     }
+out:
     gp_free(data);
+    gp_exr_chunks_free(&cs);
     return st;
 }
 

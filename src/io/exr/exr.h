@@ -37,9 +37,7 @@ struct gp_input {
      * tables of all parts; 0 when the tables do not give it: the file was not
      * finished, or is damaged. At most stream.size. */
     uint64_t end;
-    uint64_t hidden;            // byte that the library gets another for; 0
-    uint64_t tables;            // where the offset tables begin; 0: not found
-    bool multi;                 // chunks begin with the number of their part
+    struct gp_exr_index *index; // where all is in the file
     char reason[256]; // the library's last words about a bad header
 };
 

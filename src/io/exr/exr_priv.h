@@ -42,61 +42,64 @@ bool gp_exr_fault_short(void);
 gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                              gp_status fault);
 
-/* -- the header's bytes (header.c) ----------------------------------------- */
+/* -- the header's bytes (header.c) -----------------------------------------
+ *
+ * A walk over them comes before the library: it bounds the lists, holds every
+ * value to its type, and keeps where everything is. OpenEXRCore 3.1.5 leaves
+ * out values that it cannot parse and reports nothing; OpenEXR's C++ library
+ * refuses the file, and would refuse one that they are carried to.
+ */
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
-/* A value in the file. */
-struct gp_exr_value {
-    const struct gp_stream *stream;
-    uint64_t at, size; // bytes [at, at + size)
+/* Where an attribute is in the file. */
+struct gp_exr_place {
+    uint64_t name, type, value;
+    uint32_t size; // of the value
 };
 
-/* False when these bytes are no value of that type. Of a type that OpenEXR
- * does not know any bytes are. Bytes that cannot be read are the library's to
- * complain about: true. OpenEXRCore 3.1.5 leaves out values that it cannot
- * parse and reports nothing; OpenEXR's C++ library refuses the file, and would
- * refuse one that they are carried to. */
-bool gp_exr_value_is(const struct gp_exr_value *v, const char *type);
+struct gp_exr_index_part {
+    uint64_t from, to; // its attributes, with the null byte that ends them
+    int attr, attrs;   // they are attr[attr], ...
+    uint64_t table;    // its offset table, once the library is asked
+    int chunks;        // entries of that
+};
 
-/* The type that the attribute of that name must have, or NULL when it may have
- * any. `multi`: in a file of several parts. */
-const char *gp_exr_type_of(const char *name, bool multi);
+struct gp_exr_index {
+    bool multi, flat; // several parts; one that is not deep
+    uint64_t type;    // where the attribute "type" of a flat file begins; or 0
+    uint64_t tables;  // where the header ends and the offset tables begin; 0:
+                      // it is damaged or could not be read
+    struct gp_exr_index_part *part;
+    int parts;
+    struct gp_exr_place *attr; // of all parts
+    int attrs;
+};
 
-/* Walks a list of channels, as far as `most` of them; returns how many there
- * are.
+/* Walks the header at the start of `s`. GP_OK also of one that is damaged
+ * (out->tables is 0 then), about which the library knows more to say.
  *
- *   whole  written: the list ends where the value does, or the file before
+ *   out  written always; free with gp_exr_index_free()
+ *
+ * Errors: GP_ERR_DATA a value is none of its type, which the library may leave
+ * out without a word, or there are more channels, attributes or parts than it
+ * could sort in time; GP_ERR_BUG out of memory.
  */
-uint64_t gp_exr_count_channels(const struct gp_exr_value *v, uint64_t most,
-                               bool *whole);
+GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
+                                          const char *path,
+                                          const struct gp_stream *s,
+                                          struct gp_exr_index *out);
+void gp_exr_index_free(struct gp_exr_index *index);
 
-/* OpenEXRCore (3.1.5) puts every channel and attribute into its sorted list by
- * a walk from one end: lists of n take it n^2 / 2 comparisons of names. So
- * the squares of the lengths of all channel lists together are bounded by the
- * square of this, and so are those of attributes. */
-enum { GP_EXR_LIST_MOST = 8192 };
+/* False when all bytes of `s` are no value of that type. */
+bool gp_exr_value_is(const struct gp_stream *s, const char *type);
 
-struct gp_exr_scan {
-    /* Where the attribute "type" of a file with one flat part begins; 0 when
-     * it has none. */
-    uint64_t type;
-    uint64_t tables;      // where the offset tables begin; 0: the header is
-                          // damaged, or could not be read
-    bool multi;           // the version says that there are several parts
-    const char *too_long; // what there is too much of: "channels",
-                          // "attributes", "parts"; NULL: nothing
-    uint64_t count;       // how many of these were counted until then, or
-                          // the bytes of the attribute below
-    bool damaged;         // this attribute's value is none of the type
-                          // that it says or must have
-    char name[GP_EXR_NAME], kind[GP_EXR_NAME];
-};
-
-/* Walks the header. What is damaged ends the walk, and is the library's to
- * complain about but for values of attributes, which it may leave out without
- * a word; so does a list that is too long. */
-struct gp_exr_scan gp_exr_scan_header(const struct gp_stream *s);
+/* -- what is carried from input to output (open.c) --------------------------
+ *
+ * It is carried as bytes: attributes of any type, known or not, and whole
+ * headers of other parts. (OpenEXRCore 3.1.5 refuses to copy attributes whose
+ * type it does not know.)
+ */
 
 /* Flags of the version field, openexr file layout, "Version Field". */
 enum {
@@ -108,62 +111,53 @@ enum {
     GP_EXR_MULTIPART = 0x1000,
 };
 
-/* One attribute; pointers go into gp_exr_raw.bytes. */
+/* One attribute; pointers go into gp_exr_carried.bytes. */
 struct gp_exr_attr {
     const char *name, *type;
     const uint8_t *data; // `size` bytes, little-endian, not aligned
     uint32_t size;
 };
 
-struct gp_exr_raw_part {
+struct gp_exr_carried_part {
     const uint8_t *bytes; // all attributes, with the null byte that ends them
     size_t size;
     const struct gp_exr_attr *attr;
     int attrs;
 };
 
-struct gp_exr_raw {
+struct gp_exr_carried {
     uint32_t version; // with its flags
     uint8_t *bytes;   // from the magic number to the first offset table
-    size_t size;
-    struct gp_exr_raw_part *part;
-    int parts;
+    struct gp_exr_carried_part *part;
     struct gp_exr_attr *attr; // those of all parts
 };
 
-/* Reads the header of an EXR input. `out` is empty on failure; free with
- * gp_exr_raw_free(). Errors: GP_ERR_DATA cannot be read or parsed;
- * GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_exr_raw_read(const struct gp_log *log,
-                                        const char *path,
-                                        const struct gp_input *in,
-                                        struct gp_exr_raw *out);
-void gp_exr_raw_free(struct gp_exr_raw *raw);
+/* Reads the header of an EXR input again. `out` is empty on failure; free with
+ * gp_exr_carried_free(). Errors: GP_ERR_DATA it has changed since;
+ * GP_ERR_IO a read failed; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_carried_read(const struct gp_log *log,
+                                            const char *path,
+                                            const struct gp_input *in,
+                                            struct gp_exr_carried *out);
+void gp_exr_carried_free(struct gp_exr_carried *carried);
 
 /* The attribute of that name and type, or NULL. */
-const struct gp_exr_attr *gp_exr_raw_find(const struct gp_exr_raw_part *part,
-                                          const char *name, const char *type);
+const struct gp_exr_attr *
+gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
+                 const char *type);
 
-/* -- chunks (open.c) ------------------------------------------------------- */
+/* -- chunks as bytes (open.c) ---------------------------------------------- */
 
-/* Finds chunk `index` of [0, exr_get_chunk_count()) of any part, in the
- * order of its offset table: scanline blocks from the top, or tiles by
- * level (rip maps: x level fastest), then row, then column.
- *
- *   info  written only on success; its sizes and offset are checked against
- *         the file's size, so packed_size (and for deep parts
- *         sample_count_table_size) bytes may be allocated and read with
- *         exr_read_chunk() or exr_read_deep_chunk()
- *
- * Returns EXR_ERR_SUCCESS or the library's code. OpenEXRCore 3.1.5 cannot
- * find the smaller levels of rip maps: EXR_ERR_BAD_CHUNK_LEADER.
- * Safe in parallel bodies.
- */
-exr_result_t gp_input_chunk(const struct gp_input *in, int part, int index,
-                            exr_chunk_info_t *info);
+/* Reads `n` entries of a part's offset table, from `first` on. False when
+ * they are not all there. */
+bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
+                         uint64_t *offset);
 
-/* gp_input.end, of an input that is open. */
-uint64_t gp_exr_end(const struct gp_input *in);
+/* Bytes of the chunk at `offset`, leader included; offset and bytes together
+ * are more than the file has where it is cut off. 0 when no chunk of that part
+ * begins there, or a read failed. */
+uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
+                            uint64_t offset);
 
 /* -- which part and which channels (choose.c) ------------------------------ */
 
@@ -172,17 +166,6 @@ uint64_t gp_exr_end(const struct gp_input *in);
  * the part has no name. */
 size_t gp_exr_part_layer(const struct gp_input *in, int part,
                          const char **name);
-
-/* The views of a part with several: how many, and each one's name; 0 for
- * other parts. The first GP_EXR_VIEWS count: no file of use has more, and a
- * hostile one would cost that many comparisons for each channel. */
-enum { GP_EXR_VIEWS = 64 };
-int gp_exr_views(const struct gp_input *in, int part);
-const char *gp_exr_view_name(const struct gp_input *in, int part, int i);
-
-/* True when the part is of that view, or has channels of it. */
-bool gp_exr_part_has_view(const struct gp_input *in, int part,
-                          const char *view);
 
 /* The channel's name without its view, into `to`, which has room for it: its
  * own name in parts of one view. False when it belongs to another view.
@@ -219,15 +202,6 @@ GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
                                       const char *path,
                                       const struct gp_input *in, int first,
                                       struct gp_exr_choice *out);
-
-/* The number of the part that p->part names, or -1. */
-int gp_exr_part_number(const struct gp_input *in, const char *part);
-
-/* The line for what is not there: what p asks for, and what the file has.
- * Returns GP_ERR_USAGE. */
-gp_status gp_exr_not_there(const struct gp_log *log,
-                           const struct gp_read_params *p, const char *path,
-                           const struct gp_input *in);
 
 /* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
  *
@@ -475,7 +449,7 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                         const struct gp_exr_image *img,
-                        const struct gp_exr_raw_part *raw,
+                        const struct gp_exr_carried_part *raw,
                         enum gp_exr_kept kept, const char *name, int chunks);
 
 /* Bytes as they are: another part's header. */
@@ -532,16 +506,14 @@ GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
 /* Copies all chunks of a part of the input, flat or deep, scanlines or tiles
  * of all levels, byte by byte and in the order in which they are in the file.
  *
- *   raw    the input's header; raw->size is where its offset tables start
- *   part   has the same number in both files
+ *   part  has the same number in both files
  *
  * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file (`path`
  * is the input, for the line); GP_ERR_IO; GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
                                         const char *path,
-                                        const struct gp_input *in,
-                                        const struct gp_exr_raw *raw);
+                                        const struct gp_input *in);
 
 /* Fills in the offset tables. Errors: GP_ERR_IO; GP_ERR_BUG a chunk was
  * never written. */
@@ -591,7 +563,7 @@ GP_MUST_CHECK gp_status gp_exr_write_file(const struct gp_log *log,
 /* The compression of a part of the input: --compression, or its own when that
  * is AUTO and loses nothing, or zip. `raw` may be NULL. */
 enum gp_compression gp_exr_compression(const struct gp_write_params *p,
-                                       const struct gp_exr_raw_part *raw);
+                                       const struct gp_exr_carried_part *raw);
 
 /* The sample type of colour channels that --type asks for. */
 enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,

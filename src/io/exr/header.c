@@ -1,265 +1,399 @@
+/* The bytes of a header: one walk over them, before the library sees any. */
 #include "io/exr/exr_priv.h"
 
-#include "core/colour.h"
+#include "core/memory.h"
 
-#include <stdlib.h>
+#include <limits.h>
 #include <string.h>
 
-_Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-               "EXR is little-endian and is written from memory as it is");
+enum {
+    NAME = GP_EXR_NAME,
+    CHANNEL = 16, // bytes after a channel's name
+    /* OpenEXRCore (3.1.5) puts every channel and attribute into its sorted list
+     * by a walk from one end: lists of n take it n^2 / 2 comparisons of names.
+     * So the squares of the lengths of all channel lists together are bounded
+     * by the square of this, and so are those of attributes, and the parts. */
+    LIST_MOST = 8192,
+};
 
-enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
+/* A block of the file, so that what is short is not read one by one. */
+struct window {
+    const struct gp_stream *stream;
+    uint64_t from, to; // the bytes of the file that are in b
+    uint8_t b[16 * NAME];
+};
 
-static void put(struct gp_exr_header *h, const void *data, size_t n)
+/* Up to `n` bytes, at most NAME, at `at`; *left is how many there are. NULL
+ * when there is none. */
+static const uint8_t *window_at(struct window *w, uint64_t at, uint64_t n,
+                                size_t *left)
 {
-    if (h->full || n == 0)
-        return;
-    if (n > h->room - h->size) {
-        size_t room = (h->room + n) * 2;
-        uint8_t *more = room > n ? realloc(h->bytes, room) : NULL;
-        if (!more) {
-            h->full = true;
-            return;
-        }
-        h->bytes = more;
-        h->room = room;
+    if (at < w->from || at + n > w->to) {
+        const int64_t got = gp_stream_read(w->stream, w->b, sizeof w->b, at);
+        w->from = at;
+        w->to = at + (uint64_t) (got > 0 ? got : 0);
     }
-    memcpy(h->bytes + h->size, data, n);
-    h->size += n;
+    *left = (size_t) (w->to - at < n ? w->to - at : n);
+    return *left > 0 ? w->b + (at - w->from) : NULL;
 }
 
-static void put_name(struct gp_exr_header *h, const char *name)
+static uint32_t get32(const uint8_t *p)
 {
-    if (strlen(name) > SHORT_NAME)
-        h->flags |= GP_EXR_LONG_NAMES;
-    put(h, name, strlen(name) + 1);
+    return (uint32_t) p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16 |
+           (uint32_t) p[3] << 24;
 }
 
-void gp_exr_header_start(struct gp_exr_header *h, uint32_t flags)
+/* -- values ----------------------------------------------------------------- */
+
+/* A value in the file: bytes [at, at + size). */
+struct value {
+    struct window *w;
+    uint64_t at, size;
+};
+
+/* Walks a list of channels, as far as `most` of them; returns how many there
+ * are.
+ *
+ *   whole  written: the list ends where the value does, or the file before
+ */
+static uint64_t count_channels(const struct value *v, uint64_t most,
+                               bool *whole)
 {
-    const uint32_t magic = GP_EXR_MAGIC;
-    *h = (struct gp_exr_header) {.flags = flags};
-    put(h, &magic, 4);
-    put(h, &flags, 4);
+    const uint64_t end = v->at + v->size;
+    uint64_t n = 0;
+    *whole = false;
+    for (uint64_t at = v->at; at < end && n < most; n++) {
+        const uint64_t room = end - at < NAME ? end - at : NAME;
+        size_t left;
+        const uint8_t *const name = window_at(v->w, at, room, &left);
+        const uint8_t *const null = name ? memchr(name, 0, left) : NULL;
+        if (!null || null == name) { // no more, or the list's end
+            *whole = null ? at + 1 == end : left < NAME && at + left < end;
+            break;
+        }
+        at += (uint64_t) (null - name) + 1 + CHANNEL;
+    }
+    return n;
 }
 
-void gp_exr_header_put(struct gp_exr_header *h, const char *name,
-                       const char *type, const void *data, size_t size)
+static bool is_chlist(const struct value *v)
 {
-    const int32_t bytes = (int32_t) size;
-    put_name(h, name);
-    put_name(h, type);
-    put(h, &bytes, 4);
-    put(h, data, size);
+    bool whole;
+    (void) count_channels(v, UINT64_MAX, &whole);
+    return whole;
 }
 
-void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes, size_t size)
+static bool is_floatvector(const struct value *v)
 {
-    put(h, bytes, size);
+    return v->size % 4 == 0;
 }
 
-gp_status gp_exr_header_done(const struct gp_log *log, const char *path,
-                             struct gp_exr_header *h)
+/* The size of what is packed after it, then that. */
+static bool is_idmanifest(const struct value *v)
 {
-    const uint32_t version = GP_EXR_VERSION | h->flags;
-    if (h->full)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory for the header",
-                       path);
-    memcpy(h->bytes + 4, &version, 4);
+    return v->size >= 8;
+}
+
+/* Film codes within the ranges of SMPTE 254. */
+static bool is_keycode(const struct value *v)
+{
+    static const struct {
+        uint32_t lo, hi;
+    } range[] = {
+        {0, 99},    // manufacturer
+        {0, 99},    // type
+        {0, 999999}, // prefix
+        {0, 9999},  // count
+        {0, 119},   // perforation offset
+        {1, 15},    // perforations a frame
+        {20, 120},  // perforations a count
+    };
+    enum { N = sizeof range / sizeof *range };
+    size_t left;
+    if (v->size != 4 * N)
+        return false;
+    const uint8_t *const b = window_at(v->w, v->at, 4 * N, &left);
+    for (size_t i = 0; left == 4 * N && i < N; i++) {
+        const uint32_t code = get32(b + 4 * i);
+        if (code < range[i].lo || code > range[i].hi)
+            return false;
+    }
+    return true;
+}
+
+/* Width, height and as many RGBA bytes. */
+static bool is_preview(const struct value *v)
+{
+    size_t left;
+    if (v->size < 8)
+        return false;
+    const uint8_t *const b = window_at(v->w, v->at, 8, &left);
+    if (left < 8)
+        return true;
+    const uint64_t w = get32(b), h = get32(b + 4);
+    return w <= INT32_MAX && h <= INT32_MAX && v->size == 8 + 4 * w * h;
+}
+
+/* Strings, each after its length. */
+static bool is_stringvector(const struct value *v)
+{
+    const uint64_t end = v->at + v->size;
+    for (uint64_t at = v->at; at < end;) {
+        size_t left;
+        if (end - at < 4)
+            return false;
+        const uint8_t *const b = window_at(v->w, at, 4, &left);
+        if (left < 4)
+            return true;
+        at += 4;
+        if (get32(b) > end - at)
+            return false;
+        at += get32(b);
+    }
+    return true;
+}
+
+/* False when the bytes are no value of that type. Of a type that OpenEXR does
+ * not know any bytes are; bytes that cannot be read are the library's to
+ * complain about. */
+static bool value_is(const struct value *v, const char *type)
+{
+    // those of OpenEXR's C++ library; "string" and "bytes" may be any bytes
+    static const struct {
+        const char *name;
+        uint64_t size;
+        bool (*is)(const struct value *v); // where it is not one size
+    } types[] = {
+        {"box2f", 16, NULL},         {"box2i", 16, NULL},
+        {"chlist", 0, is_chlist},    {"chromaticities", 32, NULL},
+        {"compression", 1, NULL},    {"deepImageState", 1, NULL},
+        {"double", 8, NULL},         {"envmap", 1, NULL},
+        {"float", 4, NULL},          {"floatvector", 0, is_floatvector},
+        {"idmanifest", 0, is_idmanifest}, {"int", 4, NULL},
+        {"keycode", 0, is_keycode},  {"lineOrder", 1, NULL},
+        {"m33d", 72, NULL},          {"m33f", 36, NULL},
+        {"m44d", 128, NULL},         {"m44f", 64, NULL},
+        {"preview", 0, is_preview},  {"rational", 8, NULL},
+        {"stringvector", 0, is_stringvector}, {"tiledesc", 9, NULL},
+        {"timecode", 8, NULL},       {"v2d", 16, NULL},
+        {"v2f", 8, NULL},            {"v2i", 8, NULL},
+        {"v3d", 24, NULL},           {"v3f", 12, NULL},
+        {"v3i", 12, NULL},
+    };
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
+        if (strcmp(type, types[i].name) == 0)
+            return types[i].is ? types[i].is(v) : v->size == types[i].size;
+    }
+    return true;
+}
+
+bool gp_exr_value_is(const struct gp_stream *s, const char *type)
+{
+    struct window w = {.stream = s};
+    return value_is(&(struct value) {&w, 0, s->size}, type);
+}
+
+/* The type that the attribute of that name must have, or NULL when it may have
+ * any. `multi`: in a file of several parts. */
+static const char *type_of(const char *name, bool multi)
+{
+    static const struct {
+        const char *name, *type;
+        bool multi; // only there
+    } known[] = {
+        {"channels", "chlist", false},
+        {"compression", "compression", false},
+        {"dataWindow", "box2i", false},
+        {"displayWindow", "box2i", false},
+        {"lineOrder", "lineOrder", false},
+        {"pixelAspectRatio", "float", false},
+        {"screenWindowCenter", "v2f", false},
+        {"screenWindowWidth", "float", false},
+        {"type", "string", false},
+        {"name", "string", true},
+        {"chunkCount", "int", true},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (strcmp(name, known[i].name) == 0 && (multi || !known[i].multi))
+            return known[i].type;
+    }
+    return NULL;
+}
+
+/* -- the walk --------------------------------------------------------------- */
+
+struct walk {
+    const struct gp_log *log;
+    const char *path;
+    struct window w;
+    struct gp_exr_index *index;
+    uint64_t channels, attributes; // squares of the lists that have ended
+    // the attribute at hand
+    char name[NAME], type[NAME];
+    struct gp_exr_place at;
+};
+
+/* Copies the name at *at, of up to 255 bytes and its null, and steps over it.
+ * False when it does not end in time. */
+static bool read_name(struct window *w, uint64_t *at, char to[NAME])
+{
+    size_t left;
+    const uint8_t *const from = window_at(w, *at, NAME, &left);
+    const uint8_t *const null = from ? memchr(from, 0, left) : NULL;
+    if (!null)
+        return false;
+    memcpy(to, from, (size_t) (null - from) + 1);
+    *at += (uint64_t) (null - from) + 1;
+    return true;
+}
+
+enum found { ATTRIBUTE, END_OF_PART, DAMAGED };
+
+/* Reads name, type and size of the attribute at `at`. */
+static enum found read_attribute(struct walk *walk, uint64_t at)
+{
+    struct gp_exr_place *const to = &walk->at;
+    size_t left;
+    const uint8_t *b = window_at(&walk->w, at, 1, &left);
+    if (!b)
+        return DAMAGED;
+    if (*b == 0)
+        return END_OF_PART;
+    to->name = at;
+    if (!read_name(&walk->w, &at, walk->name))
+        return DAMAGED;
+    to->type = at;
+    if (!read_name(&walk->w, &at, walk->type))
+        return DAMAGED;
+    b = window_at(&walk->w, at, 4, &left);
+    if (left < 4)
+        return DAMAGED;
+    to->size = get32(b);
+    to->value = at + 4;
+    return ATTRIBUTE;
+}
+
+/* Fails when a list of n is too long after lists of one kind whose squares
+ * were `before`. */
+static gp_status check_length(const struct walk *walk, uint64_t before,
+                              const char *what, uint64_t n)
+{
+    if (before + n * n <= (uint64_t) LIST_MOST * LIST_MOST)
+        return GP_OK;
+    return gp_fail(walk->log, GP_ERR_DATA,
+                   "%s: the EXR header lists too many %s (%llu or more; at "
+                   "most %d, fewer in several parts); spread them over "
+                   "several files", walk->path, what, (unsigned long long) n,
+                   LIST_MOST);
+}
+
+/* Makes room for one more than n in a list, which doubles at powers of two. */
+static gp_status grow_list(const struct walk *walk, void **list, int n,
+                           size_t size)
+{
+    if (n & (n - 1))
+        return GP_OK;
+    return gp_resize(walk->log, walk->path, (n ? 2 * (size_t) n : 1) * size,
+                     list);
+}
+
+/* Checks the attribute at hand, and puts it into the index. */
+static gp_status add_attribute(struct walk *walk,
+                               struct gp_exr_index_part *part)
+{
+    struct gp_exr_index *const index = walk->index;
+    const struct value v = {&walk->w, walk->at.value, walk->at.size};
+    void *list = index->attr;
+    gp_status st;
+    GP_TRY(check_length(walk, walk->attributes, "attributes",
+                        (uint64_t) ++part->attrs));
+    if (strcmp(walk->type, "chlist") == 0) {
+        bool whole;
+        const uint64_t n = count_channels(&v, LIST_MOST + 1, &whole);
+        GP_TRY(check_length(walk, walk->channels, "channels", n));
+        walk->channels += n * n;
+    }
+    const char *const must = type_of(walk->name, index->multi);
+    if ((must && strcmp(must, walk->type) != 0) || !value_is(&v, walk->type)) {
+        for (char *c = walk->name; *c; c++) // damage may have made any bytes
+            *c = *c > ' ' && *c <= '~' ? *c : '?';
+        for (char *c = walk->type; *c; c++)
+            *c = *c > ' ' && *c <= '~' ? *c : '?';
+        GP_TRY(gp_fail(walk->log, GP_ERR_DATA,
+                       "%s: the attribute %s is damaged (its %u bytes are no "
+                       "%s); copy or render the file again", walk->path,
+                       walk->name, walk->at.size, must ? must : walk->type));
+    }
+    GP_TRY(grow_list(walk, &list, index->attrs, sizeof *index->attr));
+    index->attr = list;
+    index->attr[index->attrs++] = walk->at;
+out:
+    return st;
+}
+
+/* Walks a part's header from `at` on, to *end; 0 where it is damaged. */
+static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
+{
+    struct gp_exr_index *const index = walk->index;
+    struct gp_exr_index_part part = {.from = at, .attr = index->attrs};
+    enum found found;
+    *end = 0;
+    while ((found = read_attribute(walk, at)) == ATTRIBUTE) {
+        const uint64_t size = walk->w.stream->size;
+        gp_status st = add_attribute(walk, &part);
+        if (st)
+            return st;
+        if (!index->type && index->flat && strcmp(walk->name, "type") == 0)
+            index->type = at;
+        at = walk->at.value + walk->at.size;
+        if (walk->at.size > INT_MAX || at > size)
+            return GP_OK;
+    }
+    if (found == DAMAGED)
+        return GP_OK;
+    *end = part.to = at + 1;
+    walk->attributes += (uint64_t) part.attrs * (uint64_t) part.attrs;
+    if (index->multi && part.attrs == 0) // the null that ends all parts
+        return GP_OK;
+    void *list = index->part;
+    gp_status st = check_length(walk, 0, "parts", (uint64_t) index->parts + 1);
+    if (!st)
+        st = grow_list(walk, &list, index->parts, sizeof part);
+    index->part = list;
+    if (!st)
+        index->part[index->parts++] = part;
+    return st;
+}
+
+gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
+                            const struct gp_stream *s,
+                            struct gp_exr_index *out)
+{
+    enum { PARTS = 0x10, DEEP = 0x08 }; // flags in byte 5 of the file
+    struct walk walk = {.log = log, .path = path, .index = out};
+    uint8_t head[8];
+    uint64_t at = sizeof head, end;
+    *out = (struct gp_exr_index) {0};
+    if (gp_stream_read(s, head, sizeof head, 0) < (int64_t) sizeof head)
+        return GP_OK;
+    walk.w.stream = s;
+    out->multi = head[5] & PARTS;
+    out->flat = !(head[5] & (DEEP | PARTS));
+    for (int parts = 0;; parts++) {
+        gp_status st = walk_part(&walk, at, &end);
+        if (st || end == 0)
+            return st;
+        at = end;
+        if (!out->multi || out->parts == parts)
+            break;
+    }
+    out->tables = end;
     return GP_OK;
 }
 
-void gp_exr_header_free(struct gp_exr_header *h)
+void gp_exr_index_free(struct gp_exr_index *index)
 {
-    free(h->bytes);
-    *h = (struct gp_exr_header) {0};
-}
-
-// -- the colour part ----------------------------------------------------------
-
-static void put_channels(struct gp_exr_header *h,
-                         const struct gp_exr_image *img)
-{
-    struct gp_exr_header list = {0};
-    // the bridge has no way to tell the DWA compressor of the flag, and a
-    // reader must not believe what the chunks are not made for
-    const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
-                     img->compression == GP_COMPRESSION_DWAB;
-    for (int i = 0; i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
-        const int32_t type = (int32_t) s->type; // GP_UINT.. number as EXR does
-        const uint8_t linear[4] = {s->linear && !dwa};
-        const int32_t step[2] = {s->xs, s->ys};
-        put_name(&list, s->name);
-        put(&list, &type, 4);
-        put(&list, linear, 4);
-        put(&list, step, 8);
-    }
-    put(&list, "", 1);
-    h->flags |= list.flags;
-    h->full |= list.full;
-    gp_exr_header_put(h, "channels", "chlist", list.bytes, list.size);
-    gp_exr_header_free(&list);
-}
-
-static void put_window(struct gp_exr_header *h, const char *name,
-                       struct gp_rect r)
-{
-    const int32_t box[4] = {r.x0, r.y0, r.x1 - 1, r.y1 - 1};
-    gp_exr_header_put(h, name, "box2i", box, sizeof box);
-}
-
-/* An attribute of the input, or its default. */
-static void put_or(struct gp_exr_header *h, const struct gp_exr_raw_part *raw,
-                   const char *name, const char *type, const void *data,
-                   size_t size)
-{
-    const struct gp_exr_attr *a = raw ? gp_exr_raw_find(raw, name, type) : NULL;
-    if (a && a->size == size)
-        data = a->data;
-    gp_exr_header_put(h, name, type, data, size);
-}
-
-static bool listed(const char *name, const char *const *list)
-{
-    for (; *list; list++) {
-        if (strcmp(name, *list) == 0)
-            return true;
-    }
-    return false;
-}
-
-/* True when the pixels still are in the input's primaries. */
-static bool in_own_light(enum gp_exr_kept kept)
-{
-    return kept == GP_EXR_KEEP_ALL || kept == GP_EXR_KEEP_SCENE;
-}
-
-static bool is_kept(const char *name, enum gp_exr_kept kept)
-{
-    static const char *const own[] = {
-        "channels", "compression", "dataWindow", "displayWindow", "lineOrder",
-        "pixelAspectRatio", "screenWindowCenter", "screenWindowWidth", "name",
-        "type", "chunkCount", "tiles", "maxSamplesPerPixel", NULL,
-    };
-    // of the input's pixels, not of this picture's
-    static const char *const scene[] = {"preview", "multiView", NULL};
-    // how the input's colours are meant to be turned into what this shows
-    static const char *const shown[] = {
-        "chromaticities", "adoptedNeutral", "whiteLuminance",
-        "renderingTransform", "lookModTransform", NULL,
-    };
-    if (listed(name, own))
-        return false;
-    if (kept != GP_EXR_KEEP_ALL && listed(name, scene) &&
-        !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
-        return false;
-    return in_own_light(kept) || !listed(name, shown);
-}
-
-/* The attributes of the input that are kept: manifests of ids, or all but
- * those. */
-static void put_carried(struct gp_exr_header *h,
-                        const struct gp_exr_raw_part *raw,
-                        enum gp_exr_kept kept, bool manifests)
-{
-    for (int i = 0; raw && i < raw->attrs; i++) {
-        const struct gp_exr_attr *a = &raw->attr[i];
-        if ((strcmp(a->type, "idmanifest") == 0) == manifests &&
-            is_kept(a->name, kept) &&
-            !(h->flags & GP_EXR_DEEP && strcmp(a->name, "version") == 0))
-            gp_exr_header_put(h, a->name, a->type, a->data, a->size);
-    }
-}
-
-/* What the part says of itself, whatever the input said. lineOrder is that
- * of the chunks as they are written; tiled inputs are written as scanlines
- * and mip-mapped ones without their smaller levels, which would have to be
- * made anew from the picture with glare.
- *
- * OpenEXR 3.1.5 takes 4 bytes too many for a manifest, and so the start of the
- * next attribute's name. It writes lineOrder there, whose default is ours too.
- */
-static void put_required(struct gp_exr_header *h, const struct gp_frame *f,
-                         const struct gp_exr_image *img,
-                         const struct gp_exr_raw_part *raw,
-                         enum gp_exr_kept kept)
-{
-    static const float centre[2] = {0, 0}, width = 1;
-    const uint8_t compression = (uint8_t) img->compression;
-    put_channels(h, img);
-    gp_exr_header_put(h, "compression", "compression", &compression, 1);
-    put_window(h, "dataWindow", img->data);
-    put_window(h, "displayWindow", f->display);
-    put_carried(h, raw, kept, true);
-    gp_exr_header_put(h, "lineOrder", "lineOrder", "", 1); // increasing y
-    gp_exr_header_put(h, "pixelAspectRatio", "float", &f->pixel_aspect, 4);
-    put_or(h, raw, "screenWindowCenter", "v2f", centre, sizeof centre);
-    put_or(h, raw, "screenWindowWidth", "float", &width, sizeof width);
-}
-
-/* Attributes that OpenImageIO makes of another format's header say how that
- * file was stored; only those about the picture are carried. */
-static bool about_storage(const char *name)
-{
-    static const char *const whole[] = {
-        "compression", "Compression", "CompressionQuality", "Orientation",
-        "ResolutionUnit", "XResolution", "YResolution", "planarconfig",
-        "PixelAspectRatio", "ICCProfile", "chromaticities", "gamma", NULL,
-    };
-    static const char *const start[] = {
-        "oiio:", "tiff:", "jpeg:", "png:", "dpx:", "bmp:", "pnm:", "hdr:",
-        "targa:", "gif:", "webp:", "sgi:", "openexr:", "ICCProfile:", NULL,
-    };
-    for (int i = 0; start[i]; i++) {
-        if (strncmp(name, start[i], strlen(start[i])) == 0)
-            return true;
-    }
-    return listed(name, whole);
-}
-
-static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
-                        enum gp_exr_kept kept)
-{
-    for (int i = 0; i < f->attributes; i++) {
-        const struct gp_attribute *a = &f->attribute[i];
-        const size_t n = strlen(a->name);
-        if (n == 0 || n > 255 || about_storage(a->name) ||
-            !is_kept(a->name, kept))
-            continue;
-        if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
-            gp_exr_header_put(h, a->name, "string", a->text, strlen(a->text));
-        else if (a->kind == GP_ATTRIBUTE_INT)
-            gp_exr_header_put(h, a->name, "int", &a->whole, 4);
-        else if (a->kind == GP_ATTRIBUTE_FLOAT)
-            gp_exr_header_put(h, a->name, "float", &a->real, 4);
-    }
-}
-
-void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
-                        const struct gp_exr_image *img,
-                        const struct gp_exr_raw_part *raw,
-                        enum gp_exr_kept kept, const char *name, int chunks)
-{
-    const int32_t count = chunks, version = 1;
-    put_required(h, f, img, raw, kept);
-    if (name)
-        gp_exr_header_put(h, "name", "string", name, strlen(name));
-    if (chunks > 0) {
-        gp_exr_header_put(h, "type", "string", "scanlineimage", 13);
-        gp_exr_header_put(h, "chunkCount", "int", &count, 4);
-    }
-    if (h->flags & GP_EXR_DEEP) // OpenEXRCore asks it of all parts then
-        gp_exr_header_put(h, "version", "int", &version, 4);
-    put_carried(h, raw, kept, false);
-    if (!raw)
-        put_foreign(h, f, kept);
-    const bool carried = raw && gp_exr_raw_find(raw, "chromaticities",
-                                                "chromaticities");
-    if (in_own_light(kept) && !carried &&
-        memcmp(f->chromaticities, gp_rec709_chromaticities,
-               sizeof f->chromaticities) != 0)
-        gp_exr_header_put(h, "chromaticities", "chromaticities",
-                          f->chromaticities, sizeof f->chromaticities);
-    put(h, "", 1);
+    gp_free(index->part);
+    gp_free(index->attr);
+    *index = (struct gp_exr_index) {0};
 }

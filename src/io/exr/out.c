@@ -89,25 +89,15 @@ static int by_offset(const void *a, const void *b)
     return p->index - q->index;
 }
 
-/* The part's offset table, sorted by where the chunks stand. */
+/* The part's offset table, sorted by where the chunks are. */
 static gp_status read_places(const struct gp_exr_out *out, int part,
-                             const struct gp_input *o,
-                             const struct gp_exr_raw *raw, struct place *place)
+                             const struct gp_input *in, struct place *place)
 {
     const int n = out->table[part].chunks;
-    const size_t bytes = (size_t) n * sizeof(uint64_t);
     void *offset;
-    uint64_t at = raw->size;
-    gp_status st = gp_alloc(out->log, "offset table", bytes, 1, &offset);
-    for (int p = 0; !st && p < part; p++) { // not as many as in the output
-        int32_t before;
-        if (exr_get_chunk_count(o->exr, p, &before) || before < 0)
-            st = GP_ERR_DATA;
-        else
-            at += (uint64_t) before * sizeof(uint64_t);
-    }
-    if (!st && gp_exr_read_bytes(&o->stream, offset, bytes, at) !=
-                   (int64_t) bytes)
+    gp_status st = gp_alloc(out->log, "offset table", (size_t) n,
+                            sizeof(uint64_t), &offset);
+    if (!st && !gp_exr_offsets_read(in, part, 0, n, offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
         place[i] = (struct place) {((uint64_t *) offset)[i], i};
@@ -115,37 +105,6 @@ static gp_status read_places(const struct gp_exr_out *out, int part,
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     return st;
-}
-
-/* Bytes of the chunk at `offset`, leader included, or 0 when it is not one of
- * this part or reaches out of the file. Leaders are, all numbers little-
- * endian: part, then y or tile x, tile y, level x, level y, then the size;
- * in deep parts the sizes of count table, samples and unpacked samples. */
-static uint64_t chunk_size(const struct gp_input *o, int part, uint64_t offset,
-                           exr_storage_t storage)
-{
-    const bool deep = storage == EXR_STORAGE_DEEP_SCANLINE ||
-                      storage == EXR_STORAGE_DEEP_TILED;
-    const bool tiled = storage == EXR_STORAGE_TILED ||
-                       storage == EXR_STORAGE_DEEP_TILED;
-    const size_t head = 4 + (tiled ? 16 : 4), lead = head + (deep ? 24 : 4);
-    uint8_t leader[44];
-    int32_t number, flat;
-    uint64_t deep_size[2], size;
-    if (gp_exr_read_bytes(&o->stream, leader, lead, offset) != (int64_t) lead)
-        return 0;
-    memcpy(&number, leader, 4);
-    memcpy(&flat, leader + head, 4);
-    if (number != part || (!deep && flat < 0))
-        return 0;
-    size = (uint64_t) flat;
-    if (deep) {
-        memcpy(deep_size, leader + head, 16);
-        if (__builtin_add_overflow(deep_size[0], deep_size[1], &size))
-            return 0;
-    }
-    const uint64_t left = o->stream.size - offset - lead;
-    return size <= left ? lead + size : 0;
 }
 
 /* Copies `size` bytes at `at`, a block at a time. */
@@ -167,28 +126,25 @@ static gp_status copy_bytes(const struct gp_exr_out *out,
 }
 
 gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
-                          const struct gp_input *o,
-                          const struct gp_exr_raw *raw)
+                          const struct gp_input *in)
 {
     enum { BLOCK_BYTES = 1 << 18 };
     gp_status st;
     struct gp_exr_table *t = &out->table[part];
     void *block = NULL, *mem = NULL;
-    exr_storage_t storage;
-    if (exr_get_storage(o->exr, part, &storage))
-        return gp_fail(out->log, GP_ERR_BUG, "%s: no part %d", path, part);
     GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
     GP_TRY(gp_alloc(out->log, path, (size_t) t->chunks, sizeof(struct place),
                     &mem));
     const struct place *place = mem;
     gp_exr_fault_clear();
-    st = read_places(out, part, o, raw, mem);
+    st = read_places(out, part, in, mem);
     for (int i = 0; !st && i < t->chunks; i++) {
-        const uint64_t size = chunk_size(o, part, place[i].offset, storage);
+        const uint64_t at = place[i].offset;
+        const uint64_t size = gp_exr_chunk_bytes(in, part, at);
         t->offset[place[i].index] = gp_file_size(out->file);
-        st = size ? copy_bytes(out, o, place[i].offset, size, block,
-                               BLOCK_BYTES)
-                  : GP_ERR_DATA;
+        st = size && at + size <= in->stream.size
+                 ? copy_bytes(out, in, at, size, block, BLOCK_BYTES)
+                 : GP_ERR_DATA;
     }
     if (st == GP_ERR_DATA && gp_exr_fault())
         st = gp_exr_fault_print(out->log, path, gp_exr_fault());

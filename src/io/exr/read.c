@@ -1,3 +1,4 @@
+/* A part of an EXR as a frame, and further layers of the same file. */
 #include "io/exr/exr_priv.h"
 
 #include "core/colour.h"
@@ -12,88 +13,60 @@ struct reading {
     const struct gp_log *log;
     const char *path;
     struct gp_frame *f;
-    struct gp_exr_chunks layout;
-    struct gp_colour_choice colour;
+    struct gp_exr_chunks chunks;
+    const struct gp_exr_choice *choice;
     struct gp_exr_sink *sink; // one a channel
     float *yc[3];             // RY, Y, BY before they are RGB
 };
 
-/* -- the frame around the pixels ------------------------------------------ */
-
-static struct gp_rect rect_of(exr_attr_box2i_t b)
+enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type)
 {
-    return (struct gp_rect) {b.min.x, b.min.y, b.max.x + 1, b.max.y + 1};
+    return type == EXR_PIXEL_HALF ? GP_HALF
+           : type == EXR_PIXEL_UINT ? GP_UINT : GP_FLOAT;
 }
 
-void gp_exr_frame_header(const struct gp_exr_chunks *l, struct gp_frame *f)
+void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
 {
-    const exr_context_t exr = l->input->exr;
-    exr_attr_box2i_t box;
+    const exr_context_t exr = cs->input->exr;
+    exr_attr_box2i_t b;
     exr_attr_chromaticities_t c;
-    f->data = (struct gp_rect) {l->x0, l->y0, l->x0 + l->w, l->y0 + l->h};
+    f->data = (struct gp_rect) {cs->x0, cs->y0, cs->x0 + cs->w,
+                                cs->y0 + cs->h};
     f->display = f->data;
-    if (!exr_get_display_window(exr, l->part, &box))
-        f->display = rect_of(box);
-    if (exr_get_pixel_aspect_ratio(exr, l->part, &f->pixel_aspect))
+    if (!exr_get_display_window(exr, cs->part, &b))
+        f->display = (struct gp_rect) {b.min.x, b.min.y, b.max.x + 1,
+                                       b.max.y + 1};
+    if (exr_get_pixel_aspect_ratio(exr, cs->part, &f->pixel_aspect))
         f->pixel_aspect = 1.0f;
     memcpy(f->chromaticities, gp_rec709_chromaticities,
            sizeof f->chromaticities);
-    if (!exr_attr_get_chromaticities(exr, l->part, "chromaticities", &c)) {
+    if (!exr_attr_get_chromaticities(exr, cs->part, "chromaticities", &c)) {
         const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
                                 c.blue_x, c.blue_y, c.white_x, c.white_y};
         memcpy(f->chromaticities, given, sizeof given);
     }
     gp_luminance_weights(f->chromaticities, f->luminance);
-    f->part = l->part;
-    f->parts = l->input->parts;
+    f->part = cs->part;
+    f->parts = cs->input->parts;
 }
 
-static gp_status make_channel(const struct reading *r, int index)
-{
-    const struct gp_exr_chunks *l = &r->layout;
-    const exr_attr_chlist_entry_t *e = &l->channel->entries[index];
-    struct gp_channel *c = &r->f->channel[index];
-    *c = (struct gp_channel) {
-        .type = gp_exr_pixel_type(e->pixel_type),
-        .xs = e->x_sampling,
-        .ys = e->y_sampling,
-        .w = l->w / e->x_sampling,
-        .h = l->h / e->y_sampling,
-        .linear = e->p_linear,
-        .colour = -1,
-    };
-    r->f->channels = index + 1;
-    for (int k = 0; k < 3; k++) {
-        if (r->colour.index[k] == index)
-            c->colour = k;
-    }
-    c->name = gp_strdup(e->name.str);
-    if (!c->name)
-        return gp_fail(r->log, GP_ERR_BUG,
-                       "%s: out of memory; close other "
-                       "programs",
-                       r->path);
-    if (c->colour >= 0)
-        return GP_OK;
-    return gp_alloc(r->log, c->name, (size_t) c->w * (size_t) c->h,
-                    gp_type_size(c->type), &c->data);
-}
+/* -- channels --------------------------------------------------------------- */
 
 /* Full resolution for all but chroma, which may be halved in both ways. */
 static gp_status check_sampling(const struct reading *r)
 {
-    const struct gp_exr_chunks *l = &r->layout;
+    const struct gp_colour_choice *colour = &r->choice->colour;
     const exr_attr_chlist_entry_t *chroma = NULL;
     for (int k = 0; k < 3; k++) {
-        if (r->colour.index[k] < 0)
+        if (colour->index[k] < 0)
             continue;
         const exr_attr_chlist_entry_t *e =
-            &l->channel->entries[r->colour.index[k]];
+            &r->chunks.channel->entries[colour->index[k]];
         int xs = e->x_sampling, ys = e->y_sampling;
         bool whole = xs == 1 && ys == 1;
-        if (r->colour.model == GP_COLOUR_YC && k != 1) {
-            bool same = !chroma ||
-                        (chroma->x_sampling == xs && chroma->y_sampling == ys);
+        if (colour->model == GP_COLOUR_YC && k != 1) {
+            bool same = !chroma || (chroma->x_sampling == xs &&
+                                    chroma->y_sampling == ys);
             chroma = e;
             if (same && (whole || (xs == 2 && ys == 2)))
                 continue;
@@ -102,57 +75,66 @@ static gp_status check_sampling(const struct reading *r)
         }
         return gp_fail(r->log, GP_ERR_DATA,
                        "%s: channel %s is subsampled %d x %d, which no colour "
-                       "has; write it at full resolution",
-                       r->path, e->name.str, xs, ys);
+                       "has; write it at full resolution", r->path,
+                       e->name.str, xs, ys);
     }
     return GP_OK;
 }
 
+/* The list of channels, with samples of those that are not colour. */
 static gp_status make_channels(struct reading *r)
 {
-    const int n = r->layout.channel->num_channels;
-    void *channels, *sinks;
-    gp_status st = gp_alloc_zero(r->log, "channels", (size_t) n,
-                                 sizeof *r->f->channel, &channels);
-    r->f->channel = channels;
-    if (!st)
-        st = gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *r->sink,
-                           &sinks);
-    if (st)
-        return st;
-    r->sink = sinks;
-    r->f->colour_type = GP_HALF;
+    const struct gp_exr_chunks *cs = &r->chunks;
+    struct gp_frame *const f = r->f;
+    const int n = cs->channel->num_channels;
+    gp_status st;
+    void *mem;
+    GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *f->channel,
+                         &mem));
+    f->channel = mem;
+    GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *r->sink,
+                         &mem));
+    r->sink = mem;
+    f->colour_type = GP_HALF;
     for (int i = 0; i < n; i++) {
-        st = make_channel(r, i);
-        if (st)
-            return st;
-        const struct gp_channel *c = &r->f->channel[i];
+        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
+        struct gp_channel *c = &f->channel[f->channels++];
+        *c = (struct gp_channel) {
+            .type = gp_exr_pixel_type(e->pixel_type), .xs = e->x_sampling,
+            .ys = e->y_sampling, .w = cs->w / e->x_sampling,
+            .h = cs->h / e->y_sampling, .linear = e->p_linear, .colour = -1,
+        };
+        for (int k = 0; k < 3; k++) {
+            if (r->choice->colour.index[k] == i)
+                c->colour = k;
+        }
+        c->name = gp_strdup(e->name.str);
+        if (!c->name)
+            GP_TRY(gp_no_memory(r->log, r->path));
+        if (c->colour < 0)
+            GP_TRY(gp_alloc(r->log, c->name, (size_t) c->w * (size_t) c->h,
+                            gp_type_size(c->type), &c->data));
+        else if (c->type != GP_HALF)
+            f->colour_type = GP_FLOAT;
         r->sink[i].to = c->data;
-        if (c->colour >= 0 && c->type != GP_HALF)
-            r->f->colour_type = GP_FLOAT;
     }
-    return GP_OK;
-}
-
-/* -- pixels --------------------------------------------------------------- */
-
-static size_t channel_samples(const struct reading *r, int index)
-{
-    const struct gp_channel *c = &r->f->channel[index];
-    return (size_t) c->w * (size_t) c->h;
+out:
+    return st;
 }
 
 /* Colour goes to the planes; luminance and chroma to planes of their own. */
 static gp_status make_planes(struct reading *r)
 {
     struct gp_frame *f = r->f;
-    gp_status st = gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
+    gp_status st =
+        gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
     for (int k = 0; !st && k < 3; k++) {
-        int index = r->colour.index[k];
+        const int index = r->choice->colour.index[k];
         float *to = f->rgb.c[k];
         if (index >= 0 && f->model == GP_COLOUR_YC) {
+            const struct gp_channel *c = &f->channel[index];
             void *p;
-            st = gp_alloc(r->log, "chroma", channel_samples(r, index),
+            st = gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
                           sizeof(float), &p);
             to = r->yc[k] = p;
         }
@@ -162,95 +144,79 @@ static gp_status make_planes(struct reading *r)
     return st;
 }
 
+/* -- colour ----------------------------------------------------------------- */
+
 /* RGB from luminance and chroma. A chroma channel that is missing is 0. */
 static gp_status finish_yc(struct reading *r)
 {
     struct gp_frame *f = r->f;
-    const int some = r->colour.index[r->colour.index[0] >= 0 ? 0 : 2];
-    const struct gp_channel *chroma = &f->channel[some];
+    const int *const index = r->choice->colour.index;
+    const struct gp_channel *chroma =
+        &f->channel[index[0] >= 0 ? index[0] : index[2]];
     for (int k = 0; k < 3; k += 2) {
         if (r->yc[k])
             continue;
         void *p;
-        gp_status st = gp_alloc_zero(r->log, "chroma", channel_samples(r, some),
+        gp_status st = gp_alloc_zero(r->log, "chroma",
+                                     (size_t) chroma->w * (size_t) chroma->h,
                                      sizeof(float), &p);
         if (st)
             return st;
         r->yc[k] = p;
     }
     struct gp_yc yc = {
-        .w = r->layout.w,
-        .h = r->layout.h,
-        .xs = chroma->xs,
-        .ys = chroma->ys,
-        .y = r->yc[1],
-        .ry = r->yc[0],
-        .by = r->yc[2],
+        .w = r->chunks.w, .h = r->chunks.h, .xs = chroma->xs,
+        .ys = chroma->ys, .y = r->yc[1], .ry = r->yc[0], .by = r->yc[2],
         .half = f->colour_type == GP_HALF,
     };
     gp_yc_weights(f->chromaticities, yc.weight);
     return gp_yc_to_rgb(r->log, &yc, &f->rgb);
 }
 
-static gp_status finish_colour(struct reading *r)
+/* Plane k of a colour that has no channel for it: grey's first, or black. */
+static void fill_missing_plane(struct gp_frame *f, int k)
 {
-    struct gp_frame *f = r->f;
     const size_t bytes = gp_frame_pixels(f) * sizeof(float);
-    if (f->model == GP_COLOUR_YC)
-        return finish_yc(r);
-    for (int k = 0; k < 3; k++) {
-        if (r->colour.index[k] >= 0)
-            continue;
-        if (f->model == GP_COLOUR_GREY)
-            memcpy(f->rgb.c[k], f->rgb.c[0], bytes);
-        else
-            memset(f->rgb.c[k], 0, bytes);
-    }
-    return GP_OK;
+    if (f->model == GP_COLOUR_GREY)
+        memcpy(f->rgb.c[k], f->rgb.c[0], bytes);
+    else
+        memset(f->rgb.c[k], 0, bytes);
 }
 
-static gp_status read_part(struct reading *r)
-{
-    gp_status st;
-    GP_TRY(check_sampling(r));
-    GP_TRY(make_channels(r));
-    GP_TRY(make_planes(r));
-    GP_TRY(gp_exr_decode(r->log, &r->layout, r->sink));
-    GP_TRY(finish_colour(r));
-out:
-    return st;
-}
-
+/* The frame of one part and its colour, without an input. */
 static gp_status read_choice(const struct gp_log *log,
                              const struct gp_read_params *p, const char *path,
-                             const struct gp_input *o,
+                             const struct gp_input *in,
                              const struct gp_exr_choice *choice,
                              struct gp_frame *out)
 {
     gp_status st;
-    struct gp_frame f = {0};
+    struct gp_frame f = {.model = choice->colour.model};
     struct reading r = {
-        .log = log,
-        .path = path,
-        .f = &f,
-        .colour = choice->colour,
+        .log = log, .path = path, .f = &f, .choice = choice,
     };
-    GP_TRY(gp_exr_chunks_find(log, path, o, choice->part, p->max_pixels,
-                              &r.layout));
-    gp_exr_frame_header(&r.layout, &f);
-    f.model = choice->colour.model;
-    GP_TRY(gp_window_check(
-        log, path, "display", (int64_t) f.display.x1 - f.display.x0,
-        (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
-    GP_TRY(read_part(&r));
+    GP_TRY(gp_exr_chunks_find(log, path, in, choice->part, p->max_pixels,
+                              &r.chunks));
+    gp_exr_frame_header(&r.chunks, &f);
+    GP_TRY(gp_window_check(log, path, "display",
+                           (int64_t) f.display.x1 - f.display.x0,
+                           (int64_t) f.display.y1 - f.display.y0,
+                           p->max_pixels));
+    GP_TRY(check_sampling(&r));
+    GP_TRY(make_channels(&r));
+    GP_TRY(make_planes(&r));
+    GP_TRY(gp_exr_decode(log, &r.chunks, r.sink));
+    if (f.model == GP_COLOUR_YC)
+        GP_TRY(finish_yc(&r));
+    for (int k = 0; f.model != GP_COLOUR_YC && k < 3; k++) {
+        if (choice->colour.index[k] < 0)
+            fill_missing_plane(&f, k);
+    }
     f.path = gp_strdup(path);
     if (!f.path)
-        st = gp_fail(log, GP_ERR_BUG,
-                     "%s: out of memory; close other "
-                     "programs",
-                     path);
+        st = gp_no_memory(log, path);
 out:
-    gp_exr_chunks_free(&r.layout);
+    gp_exr_chunks_free(&r.chunks);
     gp_free(r.sink);
     for (int k = 0; k < 3; k++)
         gp_free(r.yc[k]);
@@ -265,51 +231,46 @@ gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
                       const char *path, struct gp_stream *stream,
                       struct gp_frame *out)
 {
-    struct gp_input *o = NULL;
+    gp_status st;
+    struct gp_input *in = NULL;
     struct gp_exr_choice choice;
-    gp_status st = gp_exr_open(log, path, stream, &o);
-    if (!st)
-        st = gp_exr_choose(log, p, path, o, 0, &choice);
-    if (!st) {
-        o->part = choice.part;
-        st = read_choice(log, p, path, o, &choice, out);
-    }
-    if (st) {
-        gp_input_free(o);
-        return st;
-    }
-    out->input = o;
+    GP_TRY(gp_exr_open(log, path, stream, &in));
+    GP_TRY(gp_exr_choose(log, p, path, in, 0, &choice));
+    in->part = choice.part;
+    GP_TRY(read_choice(log, p, path, in, &choice, out));
+    out->input = in;
     out->input_free = gp_input_free;
     return GP_OK;
+out:
+    gp_input_free(in);
+    return st;
 }
 
-/* -- other layers of a file that is open ----------------------------------- */
+/* -- other layers of a file that is open ------------------------------------ */
 
-/* The view that is asked for; else that of f's part first, since a layer of
- * the other eye is the last that is meant. */
+/* Chooses in the view that is asked for; else in that of f's part first, since
+ * a layer of the other eye is the last that is meant. */
 static gp_status choose_layer(const struct gp_log *log,
                               const struct gp_read_params *p,
                               const struct gp_frame *f, const char *layer,
                               struct gp_exr_choice *out)
 {
-    const struct gp_input *o = gp_input_of(f);
+    const struct gp_input *in = gp_input_of(f);
     struct gp_read_params q = {
-        .max_pixels = p->max_pixels,
-        .layer = layer,
-        .view = p->view,
+        .max_pixels = p->max_pixels, .layer = layer, .view = p->view,
     };
     if (!p->view) {
-        q.view = gp_exr_part_view(o, f->part);
-        if (q.view && !gp_exr_choose(NULL, &q, f->path, o, f->part, out))
+        q.view = gp_exr_part_view(in, f->part);
+        if (q.view && !gp_exr_choose(NULL, &q, f->path, in, f->part, out))
             return GP_OK;
         q.view = NULL;
     }
-    return gp_exr_choose(log, &q, f->path, o, f->part, out);
+    return gp_exr_choose(log, &q, f->path, in, f->part, out);
 }
 
-/* True when every channel of the colour lies in f as it was read. */
-static bool is_in_frame(const struct gp_frame *f,
-                        const struct gp_exr_choice *choice)
+/* True when f holds the samples of every channel of the colour. */
+static bool holds_choice(const struct gp_frame *f,
+                         const struct gp_exr_choice *choice)
 {
     const exr_attr_chlist_t *list;
     if (choice->part != f->part || choice->colour.model == GP_COLOUR_YC ||
@@ -318,90 +279,51 @@ static bool is_in_frame(const struct gp_frame *f,
         return false;
     for (int k = 0; k < 3; k++) {
         const int i = choice->colour.index[k];
-        if (i < 0)
-            continue;
-        const struct gp_channel *c = &f->channel[i];
-        if (!c->data || c->xs != 1 || c->ys != 1)
+        const struct gp_channel *c = i < 0 ? NULL : &f->channel[i];
+        if (c && (!c->data || c->xs != 1 || c->ys != 1))
             return false;
     }
     return true;
 }
 
-/* A frame like f without pixels and channels. */
-static gp_status start_layer(const struct gp_log *log, const struct gp_frame *f,
-                             struct gp_frame *out)
-{
-    *out = (struct gp_frame) {
-        .path = gp_strdup(f->path),
-        .data = f->data,
-        .display = f->display,
-        .pixel_aspect = f->pixel_aspect,
-        .part = f->part,
-        .parts = f->parts,
-        .colour_type = GP_HALF,
-    };
-    memcpy(out->chromaticities, f->chromaticities, sizeof f->chromaticities);
-    memcpy(out->luminance, f->luminance, sizeof f->luminance);
-    if (!out->path)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory; close other "
-                       "programs",
-                       f->path);
-    return gp_planes_make(log, "layer", gp_frame_pixels(f), &out->rgb);
-}
-
-/* Channel `index` of f as colour k. */
-static gp_status copy_channel(const struct gp_log *log,
-                              const struct gp_frame *f, int index, int k,
-                              struct gp_frame *out)
-{
-    const struct gp_channel *from = &f->channel[index];
-    struct gp_channel *to = &out->channel[out->channels++];
-    *to = *from;
-    to->data = NULL;
-    to->colour = k;
-    to->name = gp_strdup(from->name);
-    if (!to->name)
-        return gp_fail(log, GP_ERR_BUG,
-                       "%s: out of memory; close other "
-                       "programs",
-                       f->path);
-    if (to->type != GP_HALF)
-        out->colour_type = GP_FLOAT;
-    gp_channel_floats(f, index, out->rgb.c[k]);
-    return GP_OK;
-}
-
+/* A frame like f, with the colour that f's channels hold. */
 static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
                             const struct gp_colour_choice *colour,
                             struct gp_frame *out)
 {
     gp_status st;
     void *channels;
-    const size_t bytes = gp_frame_pixels(f) * sizeof(float);
-    GP_TRY(start_layer(log, f, out));
-    out->model = colour->model;
+    *out = (struct gp_frame) {
+        .path = gp_strdup(f->path), .data = f->data, .display = f->display,
+        .pixel_aspect = f->pixel_aspect, .part = f->part, .parts = f->parts,
+        .model = colour->model, .colour_type = GP_HALF,
+    };
+    memcpy(out->chromaticities, f->chromaticities, sizeof f->chromaticities);
+    memcpy(out->luminance, f->luminance, sizeof f->luminance);
+    if (!out->path)
+        GP_TRY(gp_no_memory(log, f->path));
+    GP_TRY(gp_planes_make(log, "layer", gp_frame_pixels(f), &out->rgb));
     GP_TRY(gp_alloc_zero(log, "channels", 3, sizeof *out->channel, &channels));
     out->channel = channels;
     for (int k = 0; k < 3; k++) {
-        if (colour->index[k] >= 0)
-            GP_TRY(copy_channel(log, f, colour->index[k], k, out));
-        else if (colour->model == GP_COLOUR_GREY)
-            memcpy(out->rgb.c[k], out->rgb.c[0], bytes);
-        else
-            memset(out->rgb.c[k], 0, bytes);
+        const int index = colour->index[k];
+        if (index < 0) {
+            fill_missing_plane(out, k);
+            continue;
+        }
+        struct gp_channel *to = &out->channel[out->channels++];
+        *to = f->channel[index];
+        to->data = NULL;
+        to->colour = k;
+        to->name = gp_strdup(f->channel[index].name);
+        if (!to->name)
+            GP_TRY(gp_no_memory(log, f->path));
+        if (to->type != GP_HALF)
+            out->colour_type = GP_FLOAT;
+        gp_channel_floats(f, index, out->rgb.c[k]);
     }
 out:
     return st;
-}
-
-static bool same_window(const struct gp_input *o, int part,
-                        const struct gp_frame *f)
-{
-    exr_attr_box2i_t d;
-    return !exr_get_data_window(o->exr, part, &d) && d.min.x == f->data.x0 &&
-           d.min.y == f->data.y0 && d.max.x == f->data.x1 - 1 &&
-           d.max.y == f->data.y1 - 1;
 }
 
 gp_status gp_read_layer(const struct gp_log *log,
@@ -409,32 +331,30 @@ gp_status gp_read_layer(const struct gp_log *log,
                         const struct gp_frame *f, const char *layer,
                         struct gp_frame *out)
 {
-    struct gp_input *const o = f->input;
+    struct gp_input *const in = f->input;
     struct gp_exr_choice choice;
-    struct gp_frame made = {0};
-    if (!o || !o->exr)
+    struct gp_frame frame = {0};
+    exr_attr_box2i_t d;
+    gp_status st;
+    if (!in || !in->exr)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: layers beside the frame are read from EXR alone; "
-                       "convert it, with e.g. oiiotool",
-                       f->path);
-    gp_status st = choose_layer(log, p, f, layer, &choice);
-    if (st)
-        return st;
-    if (!same_window(o, choice.part, f))
-        return gp_fail(log, GP_ERR_DATA,
+                       "convert it, with e.g. oiiotool", f->path);
+    GP_TRY(choose_layer(log, p, f, layer, &choice));
+    if (exr_get_data_window(in->exr, choice.part, &d) ||
+        d.min.x != f->data.x0 || d.min.y != f->data.y0 ||
+        d.max.x != f->data.x1 - 1 || d.max.y != f->data.y1 - 1)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: the data window of %s (part %d) is not that of the "
-                       "frame (part %d); render both with one window",
-                       f->path, layer ? layer : "the view", choice.part,
-                       f->part);
-    if (is_in_frame(f, &choice))
-        st = copy_layer(log, f, &choice.colour, &made);
-    else
-        st = read_choice(log, p, f->path, o, &choice, &made);
-    if (st) {
-        gp_frame_free(&made);
-        return st;
-    }
-    made.input = o;
-    *out = made;
+                       "frame (part %d); render both with one window", f->path,
+                       layer ? layer : "the view", choice.part, f->part));
+    GP_TRY(holds_choice(f, &choice)
+               ? copy_layer(log, f, &choice.colour, &frame)
+               : read_choice(log, p, f->path, in, &choice, &frame));
+    frame.input = in;
+    *out = frame;
     return GP_OK;
+out:
+    gp_frame_free(&frame);
+    return st;
 }

@@ -14,23 +14,23 @@ enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
 }
 
 enum gp_compression gp_exr_compression(const struct gp_write_params *p,
-                                       const struct gp_exr_raw_part *raw)
+                                       const struct gp_exr_carried_part *raw)
 {
     if (p->compression != GP_COMPRESSION_AUTO)
         return p->compression;
     const struct gp_exr_attr *a =
-        raw ? gp_exr_raw_find(raw, "compression", "compression") : NULL;
+        raw ? gp_exr_attr_find(raw, "compression", "compression") : NULL;
     if (a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ)
         return (enum gp_compression) a->data[0];
     return GP_COMPRESSION_ZIP;
 }
 
 /* The quality that the input was written with, or OpenEXR's default. */
-static float dwa_quality(const struct gp_exr_raw_part *raw)
+static float dwa_quality(const struct gp_exr_carried_part *raw)
 {
     float quality = 45.0f;
     const struct gp_exr_attr *a =
-        raw ? gp_exr_raw_find(raw, "dwaCompressionLevel", "float") : NULL;
+        raw ? gp_exr_attr_find(raw, "dwaCompressionLevel", "float") : NULL;
     if (a && a->size == sizeof quality)
         memcpy(&quality, a->data, sizeof quality);
     return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
@@ -40,13 +40,13 @@ static float dwa_quality(const struct gp_exr_raw_part *raw)
 struct made {
     const struct gp_exr_part *from;
     struct gp_exr_image img;
-    const struct gp_exr_raw_part *own;  // of the input, or NULL
+    const struct gp_exr_carried_part *own;  // of the input, or NULL
 };
 
 /* A file on its way: what is open at once, so that one place closes it. */
 struct writing {
     const struct gp_exr_job *job;
-    struct gp_exr_raw raw;
+    struct gp_exr_carried raw;
     struct made *made;  // one for each part of the file; `from` is NULL for
                         // those that are carried
     struct gp_exr_header header;
@@ -86,7 +86,7 @@ static gp_status plan(const struct gp_log *log, struct writing *w,
     gp_status st = GP_OK;
     w->parts = all ? o->parts : 1;
     if (exr)
-        st = gp_exr_raw_read(log, job->part[0].f->path, o, &w->raw);
+        st = gp_exr_carried_read(log, job->part[0].f->path, o, &w->raw);
     if (st)
         return st;
     st = gp_alloc_zero(log, "parts", (size_t) w->parts, sizeof *w->made,
@@ -122,7 +122,7 @@ static gp_status count_chunks(const struct gp_log *log, struct writing *w,
         // the offset table has 8 bytes for each chunk: the file bounds them
         if (w->made[i].from)
             n = gp_exr_chunk_count(&w->made[i].img);
-        else if (exr_get_chunk_count(o->exr, i, &n) || n < 1 ||
+        else if ((n = o->index->part[i].chunks) < 1 ||
                  (uint64_t) n > o->stream.size / 8)
             st = gp_fail(log, GP_ERR_DATA,
                          "%s: part %d has a wrong number of chunks (damaged "
@@ -139,7 +139,7 @@ static void put_made(struct writing *w, int i)
     const bool multi = w->parts > 1;
     const struct gp_exr_attr *name =
         m->own && keeps_parts(w->job)
-            ? gp_exr_raw_find(m->own, "name", "string") : NULL;
+            ? gp_exr_attr_find(m->own, "name", "string") : NULL;
     char text[256] = "";
     if (name) // the attribute has no null byte
         memcpy(text, name->data,
@@ -183,8 +183,7 @@ static gp_status write_parts(const struct gp_log *log, struct writing *w,
             st = gp_exr_encode(&w->out, i, &m->img, dwa_quality(m->own),
                                stats);
         else
-            st = gp_exr_out_copy(&w->out, i, w->job->part[0].f->path, o,
-                                 &w->raw);
+            st = gp_exr_out_copy(&w->out, i, w->job->part[0].f->path, o);
     }
     return st ? st : gp_exr_out_end(&w->out);
 }
@@ -208,7 +207,7 @@ out:
     gp_file_discard(&w.file);
     gp_exr_out_free(&w.out);
     gp_exr_header_free(&w.header);
-    gp_exr_raw_free(&w.raw);
+    gp_exr_carried_free(&w.raw);
     gp_free(w.made);
     gp_free(w.chunks);
     return st;

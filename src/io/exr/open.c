@@ -1,0 +1,355 @@
+/* An EXR on its way in: its bytes, the library's context, where it ends. */
+#include "io/exr/exr_priv.h"
+
+#include "core/memory.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* -- what went wrong -------------------------------------------------------- */
+
+static _Thread_local bool full;  // an allocation failed
+static _Thread_local int unread; // errno of a read that failed
+static _Thread_local bool cut;   // a read came short
+
+void *gp_exr_allocate(size_t size)
+{
+    void *const p = malloc(size);
+    full = full || !p;
+    return p;
+}
+
+int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
+                          uint64_t offset)
+{
+    const int64_t got = gp_stream_read(s, to, n, offset);
+    if (got < 0)
+        unread = errno;
+    cut = cut || got < (int64_t) n;
+    return got;
+}
+
+void gp_exr_fault_clear(void)
+{
+    full = false;
+    unread = 0;
+    cut = false;
+}
+
+gp_status gp_exr_fault(void)
+{
+    return full ? GP_ERR_BUG : unread ? GP_ERR_IO : GP_OK;
+}
+
+bool gp_exr_fault_short(void)
+{
+    return cut;
+}
+
+gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
+                             gp_status fault)
+{
+    if (fault == GP_ERR_BUG)
+        return gp_no_memory(log, path);
+    return gp_fail(log, fault, "%s: cannot read (%s); check the disk", path,
+                   strerror(unread ? unread : EIO));
+}
+
+/* -- the library's context -------------------------------------------------- */
+
+/* Some files of one part carry the "type" of another file along: OpenEXR's own
+ * readers go by the flags of the version there; OpenEXRCore 3.1.5 believes the
+ * attribute, and finds the header damaged. So it does not get to see it. */
+static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
+                                uint64_t n, uint64_t offset,
+                                exr_stream_error_func_ptr_t error)
+{
+    (void) ctxt;
+    (void) error; // what went wrong is kept above
+    const struct gp_input *in = user;
+    const uint64_t hidden = in->index->type;
+    const int64_t got = gp_exr_read_bytes(&in->stream, to, n, offset);
+    if (got > 0 && hidden && hidden >= offset &&
+        hidden - offset < (uint64_t) got)
+        ((char *) to)[hidden - offset] = '-'; // "-ype", a name of no use
+    return got;
+}
+
+static int64_t query_size(exr_const_context_t ctxt, void *user)
+{
+    (void) ctxt;
+    const struct gp_input *in = user;
+    return (int64_t) in->stream.size;
+}
+
+/* Only while the header is parsed, by one thread. */
+static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
+                        const char *message)
+{
+    (void) code;
+    void *user;
+    if (!ctxt || exr_get_user_data(ctxt, &user))
+        return;
+    struct gp_input *in = user;
+    if (!in->exr)
+        snprintf(in->reason, sizeof in->reason, "%s", message);
+}
+
+static gp_status damaged_header(const struct gp_log *log, const char *path,
+                                const char *why)
+{
+    return gp_fail(log, GP_ERR_DATA,
+                   "%s: the EXR header is damaged or cut off (%s); copy or "
+                   "render the file again", path, why);
+}
+
+/* Parses the header with the library, and finds the offset tables. */
+static gp_status parse(const struct gp_log *log, const char *path,
+                       struct gp_input *in)
+{
+    struct gp_exr_index *const index = in->index;
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    init.error_handler_fn = keep_reason;
+    init.user_data = in;
+    init.alloc_fn = gp_exr_allocate;
+    init.read_fn = read_for_library;
+    init.size_fn = query_size;
+    // a table that points outside the file means lost pixels: that is an
+    // error, and no guess where they are
+    init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
+    gp_exr_fault_clear();
+    exr_result_t r = exr_start_read(&in->exr, path, &init);
+    if (!r)
+        r = exr_get_count(in->exr, &in->parts);
+    if (gp_exr_fault())
+        return gp_exr_fault_print(log, path, gp_exr_fault());
+    if (r || in->parts < 1)
+        return damaged_header(log, path,
+                              in->reason[0] ? in->reason
+                                            : exr_get_default_error_message(r));
+    if (!index->tables || index->parts != in->parts)
+        return damaged_header(log, path, "its parts do not end");
+    uint64_t at = index->tables;
+    for (int i = 0; i < in->parts; i++) {
+        struct gp_exr_index_part *const part = &index->part[i];
+        int32_t chunks;
+        part->table = at;
+        if (!exr_get_chunk_count(in->exr, i, &chunks) && chunks > 0)
+            part->chunks = chunks;
+        at += (uint64_t) part->chunks * sizeof(uint64_t);
+    }
+    return GP_OK;
+}
+
+/* -- chunks as bytes -------------------------------------------------------- */
+
+bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
+                         uint64_t *offset)
+{
+    const uint64_t bytes = (uint64_t) n * sizeof *offset;
+    const uint64_t at = in->index->part[part].table +
+                        (uint64_t) first * sizeof *offset;
+    return gp_exr_read_bytes(&in->stream, offset, bytes, at) ==
+           (int64_t) bytes;
+}
+
+/* The leader has, all numbers little-endian: the part in files of several; y,
+ * or tile x and y and level x and y; the bytes that follow, in deep parts of
+ * count table, samples and unpacked samples. */
+uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
+                            uint64_t offset)
+{
+    exr_storage_t storage;
+    uint8_t leader[44];
+    int32_t number = part;
+    uint32_t flat;
+    uint64_t size, deep_size[2];
+    if (exr_get_storage(in->exr, part, &storage))
+        return 0;
+    const bool deep = gp_exr_is_deep(in, part);
+    const bool tiled = storage == EXR_STORAGE_TILED ||
+                       storage == EXR_STORAGE_DEEP_TILED;
+    const size_t head = (in->index->multi ? 4u : 0u) + (tiled ? 16u : 4u);
+    const size_t lead = head + (deep ? 24u : 4u);
+    const int64_t got = gp_exr_read_bytes(&in->stream, leader, lead, offset);
+    if (got != (int64_t) lead)
+        return got < 0 ? 0 : lead;
+    if (in->index->multi)
+        memcpy(&number, leader, sizeof number);
+    memcpy(&flat, leader + head, sizeof flat);
+    size = flat;
+    if (deep) {
+        memcpy(deep_size, leader + head, sizeof deep_size);
+        if (__builtin_add_overflow(deep_size[0], deep_size[1], &size))
+            return 0;
+    }
+    // the sum must not wrap around for who adds the offset
+    if (number != part || __builtin_add_overflow(size, lead, &size) ||
+        size > UINT64_MAX - offset)
+        return 0;
+    return size;
+}
+
+/* gp_input.end, or more where the file is cut off. */
+static uint64_t find_end(const struct gp_input *in)
+{
+    enum { BLOCK = 512 };
+    uint64_t offset[BLOCK], last = 0, tables = 0;
+    int last_part = 0;
+    for (int p = 0; p < in->parts; p++) {
+        const struct gp_exr_index_part *const part = &in->index->part[p];
+        if (part->chunks < 1)
+            return 0;
+        tables = part->table + (uint64_t) part->chunks * sizeof *offset;
+        if (tables > in->stream.size)
+            return tables;
+        for (int i = 0; i < part->chunks; i += BLOCK) {
+            const int n = part->chunks - i < BLOCK ? part->chunks - i : BLOCK;
+            if (!gp_exr_offsets_read(in, p, i, n, offset))
+                return 0;
+            for (int k = 0; k < n; k++) {
+                if (offset[k] == 0) // never written
+                    return 0;
+                if (offset[k] > last) {
+                    last = offset[k];
+                    last_part = p;
+                }
+            }
+        }
+    }
+    const uint64_t bytes =
+        last >= tables ? gp_exr_chunk_bytes(in, last_part, last) : 0;
+    return bytes ? last + bytes : 0;
+}
+
+/* -- opening and closing ---------------------------------------------------- */
+
+gp_status gp_exr_open(const struct gp_log *log, const char *path,
+                      struct gp_stream *stream, struct gp_input **out)
+{
+    struct gp_input *in = NULL;
+    void *mem;
+    gp_status st = gp_alloc_zero(log, "input", 1, sizeof *in, &mem);
+    if (st) {
+        gp_stream_close(stream);
+        return st;
+    }
+    in = mem;
+    in->stream = *stream;
+    *stream = (struct gp_stream) GP_STREAM_EMPTY;
+    GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &mem));
+    in->index = mem;
+    GP_TRY(gp_exr_index_make(log, path, &in->stream, in->index));
+    GP_TRY(parse(log, path, in));
+    // parts and levels that nobody reads must be whole as well
+    in->end = find_end(in);
+    if (in->end > in->stream.size)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: cut off or damaged (its chunks end at byte %llu "
+                       "of %llu); copy or render the file again", path,
+                       (unsigned long long) in->end,
+                       (unsigned long long) in->stream.size));
+    *out = in;
+    return GP_OK;
+out:
+    gp_input_free(in);
+    return st;
+}
+
+void gp_input_free(void *input)
+{
+    struct gp_input *in = input;
+    if (!in)
+        return;
+    if (in->exr)
+        (void) exr_finish(&in->exr);
+    gp_stream_close(&in->stream);
+    if (in->index)
+        gp_exr_index_free(in->index);
+    gp_free(in->index);
+    gp_free(in);
+}
+
+/* -- what is carried to the output ------------------------------------------ */
+
+/* Points `carried` into its bytes as the index says. False when they are not
+ * those that were indexed: names and types must end where they did. */
+static bool point_into(const struct gp_exr_index *index,
+                       struct gp_exr_carried *carried)
+{
+    const uint8_t *const b = carried->bytes;
+    for (int i = 0; i < index->attrs; i++) {
+        const struct gp_exr_place *p = &index->attr[i];
+        carried->attr[i] = (struct gp_exr_attr) {
+            (const char *) b + p->name, (const char *) b + p->type,
+            b + p->value, p->size,
+        };
+        if (b[p->type - 1] || b[p->value - 5] ||
+            memcmp(b + p->value - 4, &p->size, 4) != 0)
+            return false;
+    }
+    for (int i = 0; i < index->parts; i++) {
+        const struct gp_exr_index_part *p = &index->part[i];
+        carried->part[i] = (struct gp_exr_carried_part) {
+            b + p->from, (size_t) (p->to - p->from), carried->attr + p->attr,
+            p->attrs,
+        };
+        if (b[p->to - 1])
+            return false;
+    }
+    memcpy(&carried->version, b + 4, 4);
+    return true;
+}
+
+gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
+                              const struct gp_input *in,
+                              struct gp_exr_carried *out)
+{
+    const struct gp_exr_index *const index = in->index;
+    gp_status st;
+    void *mem = NULL;
+    *out = (struct gp_exr_carried) {0};
+    GP_TRY(gp_alloc(log, path, index->tables, 1, &mem));
+    out->bytes = mem;
+    GP_TRY(gp_alloc(log, path, (size_t) index->attrs, sizeof *out->attr,
+                    &mem));
+    out->attr = mem;
+    GP_TRY(gp_alloc(log, path, (size_t) index->parts, sizeof *out->part,
+                    &mem));
+    out->part = mem;
+    gp_exr_fault_clear();
+    const int64_t got = gp_exr_read_bytes(&in->stream, out->bytes,
+                                          index->tables, 0);
+    if (gp_exr_fault())
+        GP_TRY(gp_exr_fault_print(log, path, gp_exr_fault()));
+    if (got != (int64_t) index->tables || !point_into(index, out))
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR header cannot be read again (cut off or "
+                       "damaged); copy or render the file again", path));
+    return GP_OK;
+out:
+    gp_exr_carried_free(out);
+    return st;
+}
+
+void gp_exr_carried_free(struct gp_exr_carried *carried)
+{
+    gp_free(carried->bytes);
+    gp_free(carried->part);
+    gp_free(carried->attr);
+    *carried = (struct gp_exr_carried) {0};
+}
+
+const struct gp_exr_attr *
+gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
+                 const char *type)
+{
+    for (int i = 0; i < part->attrs; i++) {
+        const struct gp_exr_attr *a = &part->attr[i];
+        if (strcmp(a->name, name) == 0 && strcmp(a->type, type) == 0)
+            return a;
+    }
+    return NULL;
+}
