@@ -1,5 +1,7 @@
-/* io/exr_raw and io/exr_end: headers walked as bytes, and where a file ends
- * inside a longer stream. */
+/* io/exr/header.c and open.c: the bytes of a header are bounded and indexed, a
+ * value that is none of its type is refused whatever its name and part,
+ * nothing that OpenEXR reads is; and where a file ends inside a longer
+ * stream. */
 #include "unit.h"
 #include "io/exr/exr_priv.h"
 
@@ -9,83 +11,326 @@
 #define HALVES EXR_PIXEL_HALF
 #define W(n) FIXTURE_WINDOW(0, 0, n, n)
 
-static const struct fixture two = {
+static gp_status index_of(uint8_t *bytes, size_t size,
+                          struct gp_exr_index *index)
+{
+    const struct gp_stream s = {.fd = -1, .data = bytes, .size = size,
+                                .borrowed = true};
+    heard.count = 0;
+    return gp_exr_index_make(&hear, "a.exr", &s, index);
+}
+
+/* -- values --------------------------------------------------------------------*/
+
+static bool is(const char *type, const void *bytes, size_t size)
+{
+    const struct gp_stream s = {.fd = -1, .size = size, .borrowed = true,
+                                .data = (uint8_t *) (uintptr_t) bytes};
+    return gp_exr_value_is(&s, type);
+}
+
+/* Types of one size, as OpenEXR's sources have them. */
+static const struct {
+    const char *type;
+    size_t size;
+} fixed[] = {
+    {"box2f", 16}, {"box2i", 16}, {"chromaticities", 32}, {"compression", 1},
+    {"deepImageState", 1}, {"double", 8}, {"envmap", 1}, {"float", 4},
+    {"int", 4}, {"lineOrder", 1}, {"m33d", 72}, {"m33f", 36}, {"m44d", 128},
+    {"m44f", 64}, {"rational", 8}, {"tiledesc", 9}, {"timecode", 8},
+    {"v2d", 16}, {"v2f", 8}, {"v2i", 8}, {"v3d", 24}, {"v3f", 12}, {"v3i", 12},
+};
+enum { FIXED = sizeof fixed / sizeof *fixed };
+
+static void one_size(void **state)
+{
+    (void) state;
+    uint8_t bytes[300];
+    for (int fill = 0; fill < 256; fill += 85) {
+        memset(bytes, fill, sizeof bytes);
+        for (size_t n = 0; n <= sizeof bytes; n++) {
+            for (size_t i = 0; i < FIXED; i++)
+                assert_int_equal(is(fixed[i].type, bytes, n),
+                                 n == fixed[i].size);
+            assert_int_equal(is("floatvector", bytes, n), n % 4 == 0);
+            assert_int_equal(is("idmanifest", bytes, n), n >= 8);
+            assert_true(is("string", bytes, n));
+            assert_true(is("bytes", bytes, n));
+            assert_true(is("mine", bytes, n));
+        }
+    }
+}
+
+static void previews(void **state)
+{
+    (void) state;
+    static const struct {
+        uint32_t w, h;
+        size_t size;
+        bool good;
+    } row[] = {
+        {0, 0, 8, true},            {0, 5, 8, true},
+        {2, 3, 32, true},           {2, 3, 31, false},
+        {2, 3, 33, false},          {0, 0, 12, false},
+        {65535, 65535, 8, false},   {0x10000, 0x10000, 8, false},
+        {0x80000000u, 1, 8, false}, {0x80000000u, 0, 8, false},
+        {0xffffffffu, 0, 8, false}, {0x40000000, 4, 8, false},
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        uint8_t bytes[64] = {0};
+        memcpy(bytes, &row[i].w, 4);
+        memcpy(bytes + 4, &row[i].h, 4);
+        assert_int_equal(is("preview", bytes, row[i].size), row[i].good);
+    }
+    for (size_t n = 0; n < 8; n++)
+        assert_false(is("preview", "\0\0\0\0\0\0\0", n));
+}
+
+static void keycodes(void **state)
+{
+    (void) state;
+    static const int32_t lo[7] = {0, 0, 0, 0, 0, 1, 20};
+    static const int32_t hi[7] = {99, 99, 999999, 9999, 119, 15, 120};
+    assert_true(is("keycode", lo, sizeof lo));
+    assert_true(is("keycode", hi, sizeof hi));
+    assert_false(is("keycode", lo, sizeof lo - 1));
+    assert_false(is("keycode", lo, 0));
+    for (int i = 0; i < 7; i++) {
+        int32_t code[8];
+        memcpy(code, lo, sizeof lo);
+        code[i] = lo[i] - 1;
+        assert_false(is("keycode", code, sizeof lo));
+        code[i] = hi[i] + 1;
+        assert_false(is("keycode", code, sizeof lo));
+    }
+}
+
+#define LIST(text) text, sizeof text - 1
+#define CHANNEL "\1\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0"
+
+static void lists(void **state)
+{
+    (void) state;
+    assert_true(is("stringvector", "", 0));
+    assert_true(is("stringvector", LIST("\0\0\0\0")));
+    assert_true(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0d")));
+    assert_false(is("stringvector", LIST("\3\0\0\0ab")));
+    assert_false(is("stringvector", LIST("\3\0\0\0abcd")));
+    assert_false(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0")));
+    assert_false(is("stringvector", LIST("\xff\xff\xff\xff")));
+    assert_true(is("chlist", LIST("\0")));
+    assert_true(is("chlist", LIST("R\0" CHANNEL "\0")));
+    assert_true(is("chlist", LIST("B\0" CHANNEL "R\0" CHANNEL "\0")));
+    assert_false(is("chlist", "", 0));
+    assert_false(is("chlist", LIST("\0\0")));
+    assert_false(is("chlist", LIST("R\0" CHANNEL)));
+    assert_false(is("chlist", LIST("R\0" CHANNEL "\0\0")));
+    assert_false(is("chlist", LIST("R\0" CHANNEL "G")));
+    assert_false(is("chlist", LIST("R\0abc")));
+}
+
+/* More than the walks look at in one go. */
+static void long_lists(void **state)
+{
+    (void) state;
+    enum { N = 3000 };
+    static uint8_t list[N * 19 + 1], strings[N * 5];
+    for (int i = 0; i < N; i++) {
+        memcpy(list + i * 19, "ab\0" CHANNEL, 19);
+        memcpy(strings + i * 5, "\1\0\0\0x", 5);
+    }
+    assert_true(is("chlist", list, sizeof list));
+    assert_false(is("chlist", list, sizeof list - 1));
+    assert_true(is("stringvector", strings, sizeof strings));
+    assert_false(is("stringvector", strings, sizeof strings - 1));
+}
+
+/* -- attributes of files --------------------------------------------------------*/
+
+/* Writes `f` with one more attribute at the end of a part's header. */
+static void write_with(const struct fixture *f, int part, const char *type,
+                       const void *value, uint32_t size)
+{
+    size_t all;
+    uint8_t *bytes = fixture_make(f, &all), head[64];
+    struct gp_exr_index index;
+    assert_int_equal(index_of(bytes, all, &index), GP_OK);
+    const size_t at = index.part[part].to - 1;
+    const size_t named = sizeof "shot" + strlen(type) + 1, more = named + 4;
+    snprintf((char *) head, sizeof head, "shot%c%s", 0, type);
+    memcpy(head + named, &size, 4);
+    uint64_t offset, last = UINT64_MAX; // the tables end where chunks begin
+    for (size_t i = index.tables; i < last; i += sizeof offset) {
+        memcpy(&offset, bytes + i, sizeof offset);
+        last = offset < last ? offset : last;
+        offset += more + size;
+        memcpy(bytes + i, &offset, sizeof offset);
+    }
+    FILE *to = fopen(path, "wb");
+    assert_non_null(to);
+    fwrite(bytes, 1, at, to);
+    fwrite(head, 1, more, to);
+    fwrite(value, 1, size, to);
+    fwrite(bytes + at, 1, all - at, to);
+    assert_int_equal(fclose(to), 0);
+    gp_exr_index_free(&index);
+    free(bytes);
+}
+
+static void assert_read_or_not(bool good, const char *type, uint32_t size)
+{
+    struct gp_frame frame;
+    char line[100];
+    snprintf(line, sizeof line, "the attribute shot is damaged (its %u bytes "
+             "are no %s); copy or render", size, type);
+    if (!good) {
+        assert_refused(path, GP_ERR_DATA, line);
+        return;
+    }
+    assert_int_equal(read_file(path, &frame), GP_OK);
+    gp_frame_free(&frame);
+}
+
+/* The same file with another name of four bytes. */
+static void break_name(const char *name)
+{
+    char bytes[4096];
+    FILE *file = fopen(path, "rb+");
+    assert_non_null(file);
+    const size_t n = fread(bytes, 1, sizeof bytes, file);
+    char *const at = memmem(bytes, n, "shot", sizeof "shot");
+    assert_non_null(at);
+    assert_int_equal(fseek(file, at - bytes, SEEK_SET), 0);
+    assert_int_equal(fwrite(name, 1, 4, file), 4);
+    assert_int_equal(fclose(file), 0);
+}
+
+static void files(void **state)
+{
+    (void) state;
+    static const uint8_t bytes[200] = {0};
+    static const struct fixture one = {.part = {{
+        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
+    }}};
+    static const struct fixture two = {.parts = 2, .part = {
+        {.name = "a", .channel = {RGB(EXR_PIXEL_HALF)},
+         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
+        {.name = "b", .channel = {HALF_CH("Z")},
+         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
+    }};
+    snprintf(path, sizeof path, "%s/shot.exr", folder);
+    for (size_t i = 0; i < FIXED; i++) {
+        const char *const type = fixed[i].type;
+        const uint32_t size = (uint32_t) fixed[i].size;
+        const uint32_t tried[] = {0, size - 1, size, size + 1, 200};
+        for (size_t k = 0; k < sizeof tried / sizeof *tried; k++) {
+            write_with(&one, 0, type, bytes, tried[k]);
+            assert_read_or_not(tried[k] == size, type, tried[k]);
+            for (int part = 0; part < 2; part++) {
+                write_with(&two, part, type, bytes, tried[k]);
+                assert_read_or_not(tried[k] == size, type, tried[k]);
+            }
+        }
+    }
+    write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
+    assert_read_or_not(false, "preview", 8);
+    write_with(&one, 0, "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
+    break_name("\xff\x80 t");
+    assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
+    write_with(&two, 1, "v2f", bytes, 8); // beside the one that is there
+    break_name("name");
+    assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (its 8 "
+                                      "bytes are no string); ");
+    write_with(&two, 1, "stringvector", "\5\0\0\0abc", 7);
+    assert_read_or_not(false, "stringvector", 7);
+    write_with(&two, 1, "mine", "\5\0\0\0abc", 7);
+    assert_read_or_not(true, "mine", 7);
+}
+
+/* -- headers -------------------------------------------------------------------*/
+
+static const struct fixture two_parts = {
     .parts = 2,
     .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
              {.name = "b", .channel = {HALF_CH("Z")}, .data = W(3)}},
 };
 
-static gp_status raw_of(uint8_t *bytes, size_t size, int parts,
-                        struct gp_exr_raw *raw)
-{
-    const struct gp_input o = {
-        .parts = parts,
-        .stream = {.fd = -1, .data = bytes, .size = size, .borrowed = true},
-    };
-    heard.count = 0;
-    *raw = (struct gp_exr_raw) {0};
-    return gp_exr_raw_read(&hear, "a.exr", &o, raw);
-}
-
-/* Cut anywhere within the header, it is refused with one line. */
+/* Every attribute is found, and of a header that is cut anywhere no end. */
 static void cut_headers(void **state)
 {
     (void) state;
     size_t size;
-    uint8_t *bytes = fixture_make(&two, &size);
-    struct gp_exr_raw raw;
-    assert_int_equal(raw_of(bytes, size, 2, &raw), GP_OK);
-    const size_t header = raw.size;
-    assert_true(header < size);
-    assert_true(raw.version & GP_EXR_MULTIPART);
-    assert_non_null(gp_exr_raw_find(&raw.part[1], "channels", "chlist"));
-    assert_null(gp_exr_raw_find(&raw.part[1], "channels", "string"));
-    assert_null(gp_exr_raw_find(&raw.part[1], "colour", "chlist"));
-    gp_exr_raw_free(&raw);
-    for (size_t n = 0; n < header; n++) {
-        assert_int_equal(raw_of(bytes, n, 2, &raw), GP_ERR_DATA);
-        assert_int_equal(heard.count, 1);
-        assert_null(raw.bytes);
+    uint8_t *bytes = fixture_make(&two_parts, &size);
+    struct gp_exr_index index;
+    assert_int_equal(index_of(bytes, size, &index), GP_OK);
+    const size_t header = index.tables;
+    assert_true(header > 0 && header < size);
+    assert_true(index.multi && !index.flat);
+    assert_int_equal(index.parts, 2);
+    assert_int_equal(index.part[0].from, 8);
+    assert_int_equal(index.part[1].from, index.part[0].to);
+    assert_int_equal(index.part[1].to + 1, header);
+    assert_int_equal(index.part[1].attr + index.part[1].attrs, index.attrs);
+    for (int i = 0; i < index.attrs; i++) {
+        const struct gp_exr_place *p = &index.attr[i];
+        const char *const name = (const char *) bytes + p->name;
+        const char *const type = (const char *) bytes + p->type;
+        assert_int_equal(p->type, p->name + strlen(name) + 1);
+        assert_int_equal(p->value, p->type + strlen(type) + 1 + 4);
+        assert_memory_equal(bytes + p->value - 4, &p->size, 4);
     }
-    assert_int_equal(raw_of(bytes, header, 2, &raw), GP_OK);
-    gp_exr_raw_free(&raw);
+    gp_exr_index_free(&index);
+    for (size_t n = 0; n < header; n++) {
+        assert_int_equal(index_of(bytes, n, &index), GP_OK);
+        assert_int_equal(index.tables, 0);
+        assert_int_equal(heard.count, 0);
+        gp_exr_index_free(&index);
+    }
+    assert_int_equal(index_of(bytes, header, &index), GP_OK);
+    assert_int_equal(index.tables, header);
+    gp_exr_index_free(&index);
     free(bytes);
 }
 
-static uint8_t *find(uint8_t *bytes, size_t size, const char *text)
-{
-    uint8_t *at = memmem(bytes, size, text, strlen(text));
-    assert_non_null(at);
-    return at;
-}
-
-/* A file that came after the library had read another. */
-static void damaged_headers(void **state)
+/* A header that has changed since it was indexed is not carried. */
+static void changed_headers(void **state)
 {
     (void) state;
-    enum { NO_END, HUGE_SIZE, NO_LAST_NULL, KINDS };
+    enum { NO_CHANGE, NO_END, OTHER_SIZE, NO_LAST_NULL, CUT, KINDS };
     for (int kind = 0; kind < KINDS; kind++) {
         size_t size;
-        struct gp_exr_raw raw;
-        uint8_t *bytes = fixture_make(&two, &size);
-        uint8_t *at = find(bytes, size, "compression");
-        assert_int_equal(raw_of(bytes, size, 2, &raw), GP_OK);
-        const size_t header = raw.size;
-        gp_exr_raw_free(&raw);
-        bytes = realloc(bytes, size + 4096);
-        assert_non_null(bytes);
-        memset(bytes + size, 'x', 4096);
-        at = find(bytes, size, "compression");
+        uint8_t *bytes = fixture_make(&two_parts, &size);
+        struct gp_exr_index index;
+        struct gp_exr_carried carried;
+        struct gp_input in = {.parts = 2, .index = &index};
+        assert_int_equal(index_of(bytes, size, &index), GP_OK);
+        const struct gp_exr_place *p = &index.attr[1];
         if (kind == NO_END) // a name of thousands of bytes
-            memset(at, 'x', size - (size_t) (at - bytes));
-        if (kind == HUGE_SIZE)
-            memset(at + 2 * sizeof "compression", 0xff, 4);
+            memset(bytes + p->name, 'x', index.tables - p->name);
+        if (kind == OTHER_SIZE)
+            bytes[p->value - 4]++;
         if (kind == NO_LAST_NULL)
-            bytes[header - 1] = 1;
-        assert_int_equal(raw_of(bytes, size + 4096, 2, &raw), GP_ERR_DATA);
-        assert_int_equal(heard.count, 1);
-        assert_non_null(strstr(heard.line, "cut off or damaged"));
-        assert_null(raw.bytes);
+            bytes[index.part[1].to - 1] = 1;
+        in.stream = (struct gp_stream) {
+            .fd = -1, .data = bytes, .borrowed = true,
+            .size = kind == CUT ? index.tables - 1 : size,
+        };
+        const gp_status want = kind == NO_CHANGE ? GP_OK : GP_ERR_DATA;
+        assert_int_equal(gp_exr_carried_read(&hear, "a.exr", &in, &carried),
+                         want);
+        assert_int_equal(heard.count, want != GP_OK);
+        assert_int_equal(carried.bytes != NULL, want == GP_OK);
+        if (want == GP_OK) {
+            assert_true(carried.version & GP_EXR_MULTIPART);
+            assert_non_null(gp_exr_attr_find(&carried.part[1], "channels",
+                                             "chlist"));
+            assert_null(gp_exr_attr_find(&carried.part[1], "channels",
+                                         "string"));
+            assert_null(gp_exr_attr_find(&carried.part[1], "colour",
+                                         "chlist"));
+        }
+        gp_exr_carried_free(&carried);
+        gp_exr_index_free(&index);
         free(bytes);
     }
 }
@@ -105,7 +350,7 @@ static uint64_t end_of(const uint8_t *bytes, size_t size)
         assert_non_null(strstr(heard.line, "a.exr: "));
         return cut_off;
     }
-    const uint64_t end = gp_exr_end(o);
+    const uint64_t end = o->end;
     assert_true(end <= size);
     gp_input_free(o);
     return end;
@@ -153,17 +398,17 @@ static uint64_t deep_end(uint64_t table, uint64_t samples, bool written,
                   .deep = true, .compression = EXR_COMPRESSION_ZIPS}},
     };
     size_t size;
-    struct gp_exr_raw raw;
+    struct gp_exr_index index;
     uint8_t *made = fixture_make(&deep, &size), bytes[4096] = {0};
     assert_true(size < 2048);
     memcpy(bytes, made, size);
     free(made);
-    assert_int_equal(raw_of(bytes, sizeof bytes, 1, &raw), GP_OK);
-    const uint64_t chunk = raw.size + 8, sizes[3] = {table, samples, samples};
+    assert_int_equal(index_of(bytes, sizeof bytes, &index), GP_OK);
+    const uint64_t chunk = index.tables + 8, sizes[3] = {table, samples, samples};
     if (written)
-        memcpy(bytes + raw.size, &chunk, 8);
+        memcpy(bytes + index.tables, &chunk, 8);
     memcpy(bytes + chunk + 4, sizes, sizeof sizes);
-    gp_exr_raw_free(&raw);
+    gp_exr_index_free(&index);
     *whole = chunk + 28 + table + samples;
     return end_of(bytes, sizeof bytes);
 }
@@ -184,10 +429,11 @@ static void deep_ends(void **state)
 SUITE(exr_bytes)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cut_headers),
-        cmocka_unit_test(damaged_headers),
-        cmocka_unit_test(ends),
-        cmocka_unit_test(deep_ends),
+        cmocka_unit_test(one_size),    cmocka_unit_test(previews),
+        cmocka_unit_test(keycodes),    cmocka_unit_test(lists),
+        cmocka_unit_test(long_lists),  cmocka_unit_test(files),
+        cmocka_unit_test(cut_headers), cmocka_unit_test(changed_headers),
+        cmocka_unit_test(ends),        cmocka_unit_test(deep_ends),
     };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -38,7 +38,7 @@ static const struct gp_exr_source one_source = {
 
 /* A header's only part, of a frame with that attribute. */
 static struct gp_exr_header make_header(struct gp_attribute *attribute,
-                                        const struct gp_exr_raw_part *raw,
+                                        const struct gp_exr_carried_part *raw,
                                         enum gp_exr_kept kept, uint32_t flags,
                                         enum gp_compression compression)
 {
@@ -135,7 +135,7 @@ static void attributes_of_another_exr(void **state)
         const bool wide = strcmp(row[i].name, "screenWindowWidth") == 0;
         const struct gp_exr_attr a = {row[i].name, wide ? "float" : "opaque",
                                       data, sizeof data};
-        const struct gp_exr_raw_part raw = {.attr = &a, .attrs = 1};
+        const struct gp_exr_carried_part raw = {.attr = &a, .attrs = 1};
         for (int kept = 0; kept < 4; kept++) {
             struct gp_exr_header h = make_header(
                 NULL, &raw, (enum gp_exr_kept) kept, row[i].flags,
@@ -195,37 +195,6 @@ static void chunks_that_nobody_wrote(void **state)
     gp_exr_out_free(&out); // one that is empty
     gp_file_discard(&file);
     gp_exr_header_free(&h);
-}
-
-static void chunks_by_number(void **state)
-{
-    (void) state;
-    static const struct {
-        int tile, chunks; // of 20 x 40 pixels, a block 16 lines
-    } row[] = {{0, 3}, {16, 6}, {8, 15}};
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
-        const struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = row[i].tile,
-            .data = FIXTURE_WINDOW(-3, 5, 20, 40),
-            .compression = EXR_COMPRESSION_ZIP}}};
-        fixture_write_file(wf_path("c.exr"), &f);
-        struct gp_frame frame = wf_read_back(wf_path("c.exr"));
-        const struct gp_input *const o = gp_input_of(&frame);
-        exr_chunk_info_t c;
-        for (int k = 0; k < row[i].chunks; k++) {
-            assert_int_equal(gp_input_chunk(o, 0, k, &c), EXR_ERR_SUCCESS);
-            assert_int_equal(c.idx, k);
-        }
-        assert_int_equal(gp_input_chunk(o, 0, row[i].chunks, &c),
-                         EXR_ERR_ARGUMENT_OUT_OF_RANGE);
-        assert_int_equal(gp_input_chunk(o, 0, INT32_MAX, &c),
-                         EXR_ERR_ARGUMENT_OUT_OF_RANGE);
-        if (!row[i].tile)
-            assert_int_equal(gp_input_chunk(o, 0, -1, &c),
-                             EXR_ERR_ARGUMENT_OUT_OF_RANGE);
-        assert_int_not_equal(gp_input_chunk(o, 1, 0, &c), EXR_ERR_SUCCESS);
-        gp_frame_free(&frame);
-    }
 }
 
 /* -- pictures ----------------------------------------------------------------- */
@@ -288,8 +257,7 @@ SUITE(exr_header)
     const struct CMUnitTest tests[] = {
         TEST(attributes_of_other_formats), TEST(attributes_of_another_exr),
         TEST(linear_flag),                 TEST(chunks_that_nobody_wrote),
-        TEST(chunks_by_number),            TEST(windows_that_are_no_picture),
-        TEST(floats_with_alpha),
+        TEST(windows_that_are_no_picture), TEST(floats_with_alpha),
     };
     (void) lossless;
     return cmocka_run_group_tests(tests, NULL, NULL);

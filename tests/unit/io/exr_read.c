@@ -236,20 +236,16 @@ static void colour_part_of_many(void **state)
     assert_int_equal(frame.part, 1);
     assert_int_equal(frame.parts, 3);
     assert_frame_is(&frame, &f.part[1]);
-    const struct gp_input *o = gp_input_of(&frame);
-    assert_int_equal(o->part, 1);
+    const struct gp_input *in = gp_input_of(&frame);
+    assert_int_equal(in->part, 1);
     for (int part = 0; part < 3; part++) {
-        int32_t chunks;
-        exr_chunk_info_t info;
-        assert_int_equal(exr_get_chunk_count(o->exr, part, &chunks),
-                         EXR_ERR_SUCCESS);
-        for (int i = 0; i < chunks; i++) {
-            assert_int_equal(gp_input_chunk(o, part, i, &info),
-                             EXR_ERR_SUCCESS);
-            assert_int_equal(info.idx, i);
-        }
-        assert_int_not_equal(gp_input_chunk(o, part, chunks, &info),
-                             EXR_ERR_SUCCESS);
+        struct gp_exr_chunks cs;
+        assert_int_equal(gp_exr_chunks_find(&hear, path, in, part, 1 << 20,
+                                            &cs), GP_OK);
+        assert_int_equal(cs.chunks, in->index->part[part].chunks);
+        for (int i = 0; i < cs.chunks; i++)
+            assert_int_equal(cs.chunk[i].idx, i);
+        gp_exr_chunks_free(&cs);
     }
     assert_int_equal(gp_find_channel(&hear, &frame, "Z", &found),
                      GP_ERR_USAGE);

@@ -24,25 +24,25 @@ static bool is_own(const char *name)
 
 static void assert_headers(const struct gp_frame *a, const struct gp_frame *b)
 {
-    struct gp_exr_raw p, q;
-    assert_int_equal(gp_exr_raw_read(&wf_log, a->path, gp_input_of(a), &p),
+    struct gp_exr_carried p, q;
+    assert_int_equal(gp_exr_carried_read(&wf_log, a->path, gp_input_of(a), &p),
                      GP_OK);
-    assert_int_equal(gp_exr_raw_read(&wf_log, b->path, gp_input_of(b), &q),
+    assert_int_equal(gp_exr_carried_read(&wf_log, b->path, gp_input_of(b), &q),
                      GP_OK);
-    assert_int_equal(p.parts, q.parts);
-    for (int i = 0; i < p.parts; i++) {
+    assert_int_equal(gp_input_of(a)->parts, gp_input_of(b)->parts);
+    for (int i = 0; i < gp_input_of(a)->parts; i++) {
         for (int k = 0; k < p.part[i].attrs; k++) {
             const struct gp_exr_attr *x = &p.part[i].attr[k];
             const struct gp_exr_attr *y =
-                gp_exr_raw_find(&q.part[i], x->name, x->type);
+                gp_exr_attr_find(&q.part[i], x->name, x->type);
             if (i == a->part && is_own(x->name))
                 continue;
             if (!y || x->size != y->size || memcmp(x->data, y->data, x->size))
                 fail_msg("%s: attribute %s of part %d", a->path, x->name, i);
         }
     }
-    gp_exr_raw_free(&p);
-    gp_exr_raw_free(&q);
+    gp_exr_carried_free(&p);
+    gp_exr_carried_free(&q);
 }
 
 static void assert_pixels(const struct gp_frame *a, const struct gp_frame *b)
