@@ -4,8 +4,6 @@
 
 #include "app/bench_gnuplot.h"
 
-#include "io/file.h"
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -226,7 +224,7 @@ gp_status gp_bench_plot(const struct gp_log *log, const struct gp_bench_table *t
                      "gnuplot: made no SVG (%zu bytes); install the Debian "
                      "package gnuplot-nox", size);
     if (!st)
-        st = gp_file_save(log, path, svg, size);
+        st = gp_bench_write(log, path, svg, size);
     free(script);
     free(svg);
     return st;

@@ -36,6 +36,8 @@ struct gp_facts {
     int width, height;           // of the data window
     long long sources;           // bright pixels, and those of lights
     double flux_in[3];           // of the sources, by channel
+    double flux_faint[3];        // light under FLT_MIN, which counts as 0
+    double kernel_faint[3];      // the same of the kernel: sums of magnitudes
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
     long long nonfinite;         // pixels of the input
@@ -94,5 +96,8 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 
 /* The same for a reader, in one line without its end: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
+
+/* Largest memory that the process ever held, MiB. */
+double gp_peak_rss_mib(void);
 
 #endif

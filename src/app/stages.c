@@ -166,6 +166,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
     struct gp_sources all = {0};
     void *block;
     size_t n = 0;
+    memset(src->faint, 0, sizeof src->faint);
     for (int i = 0; i < fs->groups; i++) {
         struct gp_sources *const own = &fs->group[i].sources;
         gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->group[i].frame,
@@ -174,6 +175,8 @@ static gp_status sense_light_groups(const struct gp_run *r,
             return st;
         src->nonfinite += own->nonfinite;
         src->clamped += own->clamped;
+        for (int c = 0; c < 3; c++)
+            src->faint[c] += own->faint[c];
         n += own->n;
     }
     gp_status st = gp_alloc(fs->log, "light of the groups", n,
@@ -219,6 +222,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
     fs->facts.nonfinite = fs->sources.nonfinite;
     fs->facts.clamped = fs->sources.clamped;
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
+    memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     return GP_OK;
 }
 
@@ -265,6 +269,8 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_sources *const light = all_light(fs);
     fs->facts.sources = (long long) light->n;
     memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
+    memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
+    memcpy(fs->facts.kernel_faint, r->kernel.faint, sizeof r->kernel.faint);
     if (light->n > 0)
         return gp_glare_run(fs->log, &r->glare, &r->engines, light,
                             &r->kernel, &fs->frame, &fs->facts.glare);

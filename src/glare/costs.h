@@ -1,10 +1,8 @@
-/* What things cost on one core of this machine: the numbers behind the
- * predictions.
+/* What things cost on one core: the numbers behind the predictions.
  *
- * `make bench` measures them and writes them here in place (tests/bench/costs.c
- * changes the numbers alone), so that the next build predicts for the machine
- * it was made on. What `auto` takes depends on them, so they are part of the
- * build and never measured by the program itself.
+ * Measured at 2.5 GHz with AVX2; `make bench` prints what they are on another
+ * machine. What `auto` takes depends on them, so they are part of the build and
+ * never measured by the program itself.
  *
  * {a, b, c} are values at sizes a factor of 16 apart (named by each); between
  * them the logarithm of the size decides, beyond them they stay. One core: all
@@ -27,7 +25,12 @@
 #define GP_COST_DIRECT_NEAR_ROW {5.43e-06, 5.33e-06, 6.38e-06}
 #define GP_COST_DIRECT_FAR_ROW {7.58e-06, 9.96e-06, 2.83e-05}
 /* ms of one tile of one quad of sources, its listing and making included */
-#define GP_COST_DIRECT_QUAD_TILE 1.02e-05
+#define GP_COST_DIRECT_QUAD_TILE (3.0 * 3.2e-6)
+/* ms of one tap of all three channels, where sources share nothing: one 512 x
+ * 512 source takes 0.063 ms */
+#define GP_COST_DIRECT_TAP (0.063 / (512.0 * 512.0))
+/* ms of one pixel of a layer that a direct part is added to */
+#define GP_COST_DIRECT_PIXEL 2.5e-6
 /* ms of one source listed for one strip */
 #define GP_COST_DIRECT_LIST 3.93e-05
 /* ms of one kernel sample laid out, beside the memory's own */
@@ -36,30 +39,18 @@
 /* -- fft -- */
 
 /* Picoseconds of a complex transform of n points, over n log2 n, by the odd
- * factor of n and by floor(log2 n) from 6 to 13; planned by estimate, and by
- * measuring. The last is every other odd factor, as measured for 7. */
-#define GP_COST_FFT_ESTIMATE_1 {334, 258, 154, 140, 135, 140, 197, 266}
-#define GP_COST_FFT_ESTIMATE_3 {191, 167, 151, 228, 226, 217, 227, 231}
-#define GP_COST_FFT_ESTIMATE_5 {206, 170, 156, 141, 139, 185, 201, 228}
-#define GP_COST_FFT_ESTIMATE_9 {480, 177, 380, 341, 317, 338, 224, 345}
-#define GP_COST_FFT_ESTIMATE_15 {250, 158, 363, 228, 217, 196, 201, 261}
-#define GP_COST_FFT_ESTIMATE_25 {336, 226, 153, 260, 263, 272, 242, 264}
-#define GP_COST_FFT_ESTIMATE_OTHER {411, 380, 330, 316, 263, 306, 323, 321}
-#define GP_COST_FFT_MEASURE_1 {196, 153, 129, 124, 128, 131, 136, 183}
-#define GP_COST_FFT_MEASURE_3 {179, 144, 128, 125, 178, 179, 196, 191}
-#define GP_COST_FFT_MEASURE_5 {186, 147, 131, 134, 129, 177, 192, 185}
-#define GP_COST_FFT_MEASURE_9 {272, 176, 221, 199, 199, 191, 191, 203}
-#define GP_COST_FFT_MEASURE_15 {228, 137, 187, 180, 178, 179, 177, 185}
-#define GP_COST_FFT_MEASURE_25 {329, 202, 129, 194, 186, 185, 176, 186}
-#define GP_COST_FFT_MEASURE_OTHER {231, 215, 204, 228, 206, 209, 204, 196}
+ * factor of n: 1, 3, 5 (from 4096 points on the next), 9, 15, 25, others; of
+ * FFTW 3.3.10, planned by measuring. gp_fft_length() and what fft sends direct
+ * follow from these, and with them the last bits of a layer. */
+#define GP_COST_FFT_PS {135, 190, 140, 190, 190, 190, 215}
+#define GP_COST_FFT_PS_LARGE_5 185
+/* How many times as long it takes planned by estimate, by the same factors */
+#define GP_COST_FFT_ESTIMATED {1.2, 1.2, 1.1, 1.65, 1.15, 1.4, 1.4}
+/* ms of a pass for each nanosecond of its transforms: moved, placed,
+ * multiplied */
+#define GP_COST_FFT_PASS 1.35e-6
 /* ms of any run */
 #define GP_COST_FFT_RUN 0.00553
-/* ms of one point of a pair of rows beside its transform: loaded or stored, and
- * moved to or from the matrix; for matrices of 256 KiB, 4 MiB, 64 MiB */
-#define GP_COST_FFT_ROW_POINT {5.96e-07, 8.72e-07, 2.17e-06}
-/* ms of one point of a column beside its two transforms: placed, multiplied,
- * kept; for spectra of 256 KiB, 4 MiB, 64 MiB */
-#define GP_COST_FFT_COLUMN_POINT {7.53e-07, 1.29e-06, 1.99e-06}
 /* ms of one source loaded, in one channel */
 #define GP_COST_FFT_SOURCE 1.31e-06
 /* ms to load the library, and to plan one length by estimate */

@@ -13,7 +13,7 @@
 #include "core/status.h"
 #include "gl/gl.h"
 #include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 
 #include <stdbool.h>
 
@@ -91,8 +91,7 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
-    int exponent;  // the layer is 2^exponent times what it is to be (scale.h)
-    double floor;  // beside an engine's bound (gp_scale_floor)
+    double floor;  // that values under the range of float add to a bound
     double enough; // predict() may stop counting at more than this, where it
                    // is over 0: another engine takes less
 };
@@ -142,14 +141,14 @@ struct gp_plan_past {
 struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     struct gp_plan_past past;
-    struct gp_scale *scale; // NULL at first
+    struct gp_floor *floor; // NULL at first
 };
 
 /* Computes f->layer from sources. No source: the layer is zero, no engine is
  * opened.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
- * whose bound is within the tolerance (plan.h); a warning says so when there is
+ * whose bound is within the tolerance ; a warning says so when there is
  * none. The choice may depend on the frames before, so a frame of a sequence
  * and the same frame by itself may come from different engines: their layers
  * then differ by no more than the tolerance, in rel_l2. An engine that is named

@@ -1,17 +1,12 @@
+#include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/engine.h"
-#include "glare/plan.h"
-#include "glare/scale.h"
+#include "glare/glare_priv.h"
 
 #include <stdio.h>
 #include <string.h>
 
-const struct gp_engine *const gp_engines[] = {
-    &gp_engine_direct, &gp_engine_fft, &gp_engine_splat, NULL,
-};
-
 /* The index in gp_engines, or -1. */
-static int find(const char *name)
+static int find_engine(const char *name)
 {
     for (int i = 0; gp_engines[i]; i++) {
         if (strcmp(gp_engines[i]->name, name) == 0)
@@ -45,42 +40,11 @@ static void warn_of_patience(const struct gp_glare_job *job,
                gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
 }
 
-struct clear {
-    const struct gp_planes *p;
-    size_t n;
-};
-
 static void clear_plane(void *ctx, int c, int thread)
 {
-    const struct clear *const s = ctx;
+    const struct gp_frame *const f = ctx;
     (void) thread;
-    memset(s->p->c[c], 0, s->n * sizeof(float));
-}
-
-/* The engine that was named, or that the plan takes. */
-static gp_status run_engine(struct gp_glare_job job, struct gp_glare *g,
-                            int named, const char *path)
-{
-    struct gp_glare_params params = *job.params;
-    struct gp_glare_stats *const stats = job.stats;
-    struct gp_candidate taken;
-    gp_status st = GP_OK;
-    if (named >= 0) {
-        snprintf(stats->why, sizeof stats->why, "asked for");
-        warn_of_patience(&job, g, named, path);
-        taken = (struct gp_candidate) {.engine = named};
-    } else {
-        st = gp_plan(&job, g, path, &taken);
-        if (st)
-            return st;
-        params.splat = taken.splat;
-        stats->bound = taken.bound;
-        job.params = &params;
-    }
-    stats->engine = gp_engines[taken.engine]->name;
-    st = gp_engines[taken.engine]->run(&job, &g->state[taken.engine]);
-    stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
-    return st;
+    memset(f->layer.c[c], 0, gp_frame_pixels(f) * sizeof(float));
 }
 
 gp_status gp_glare_run(const struct gp_log *log,
@@ -89,36 +53,44 @@ gp_status gp_glare_run(const struct gp_log *log,
                        const struct gp_kernel *kernel, struct gp_frame *f,
                        struct gp_glare_stats *stats)
 {
+    gp_status st = GP_OK;
+    const char *const path = f->path ? f->path : "frame";
+    const int named = find_engine(p->engine);
+    struct gp_candidate taken = {.engine = named, .splat = p->splat};
     *stats = (struct gp_glare_stats) {0};
-    const int named = find(p->engine);
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine has this name; use auto, direct, fft or "
                        "splat", p->engine);
-    const size_t n = gp_frame_pixels(f);
-    if (!f->layer.c[0]) {
-        gp_status st = gp_planes_make(log, "layer", n, &f->layer);
-        if (st)
-            return st;
-    }
+    if (!f->layer.c[0])
+        st = gp_planes_make(log, "layer", gp_frame_pixels(f), &f->layer);
+    if (st)
+        return st;
     if (!src->n) {
-        struct clear all = {&f->layer, n};
-        gp_parallel_do(3, clear_plane, &all);
+        gp_parallel_do(3, clear_plane, f);
         return GP_OK;
     }
-    struct gp_sources light = {0};
+    struct gp_glare_params params = *p;
     struct gp_glare_job job = {
-        .log = log, .params = p, .src = src, .kernel = kernel,
+        .log = log, .params = &params, .src = src, .kernel = kernel,
         .layer = &f->layer, .stats = stats,
     };
-    gp_status st = gp_scale_job(&job, &g->scale, &light);
-    if (!st)
-        st = gp_scale_floor(&job, &g->scale, &job.floor);
-    if (!st)
-        st = run_engine(job, g, named, f->path ? f->path : "frame");
-    if (!st)
-        gp_scale_back(&job);
-    gp_scale_light_free(&light);
+    st = gp_floor_find(&job, &g->floor, &job.floor);
+    if (st)
+        return st;
+    if (named >= 0) {
+        snprintf(stats->why, sizeof stats->why, "asked for");
+        warn_of_patience(&job, g, named, path);
+    } else {
+        st = gp_plan(&job, g, path, &taken);
+        if (st)
+            return st;
+        stats->bound = taken.bound;
+    }
+    params.splat = taken.splat;
+    stats->engine = gp_engines[taken.engine]->name;
+    st = gp_engines[taken.engine]->run(&job, &g->state[taken.engine]);
+    stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
     return st;
 }
 
@@ -126,5 +98,45 @@ void gp_glare_close(struct gp_glare *g)
 {
     for (int i = 0; gp_engines[i]; i++)
         gp_engines[i]->close(&g->state[i]);
-    gp_scale_free(&g->scale);
+    gp_floor_free(&g->floor);
+}
+
+// -- a kernel spread over a disc: the layer of a frame that is the disc -------
+
+gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
+                           int reach, const float *weight,
+                           struct gp_spread_kernel *out)
+{
+    gp_status st;
+    const int w = k->w + 2 * reach, h = k->h + 2 * reach;
+    const int side = 2 * reach + 1;
+    const struct gp_sources frame = {
+        .w = w, .h = h, .luminance = {0.3f, 0.6f, 0.1f},
+    };
+    struct gp_frame f = {.data = {0, 0, w, h}, .display = {0, 0, w, h}};
+    struct gp_glare_params p = GP_GLARE_DEFAULTS;
+    struct gp_glare engines = {0};
+    struct gp_glare_stats stats;
+    struct gp_sources disc = {0};
+    p.engine = reach > 3 ? "fft" : "direct";
+    GP_TRY(gp_sources_make(log, &frame, (size_t) side * (size_t) side, &disc));
+    // the kernel's centre may lie outside it, and pixels of the disc with it
+    for (int i = 0; i < side * side; i++) {
+        const int x = k->cx + i % side, y = k->cy + i / side;
+        const float rgb[3] = {weight[i], weight[i], weight[i]};
+        if (x >= 0 && x < w && y >= 0 && y < h)
+            gp_sources_add(&disc, x, y, rgb);
+    }
+    gp_sources_finish(&disc);
+    GP_TRY(gp_glare_run(log, &p, &engines, &disc, k, &f, &stats));
+    *out = (struct gp_spread_kernel) {
+        .w = w, .h = h, .cx = k->cx + reach + 0.5, .cy = k->cy + reach + 0.5,
+        .k = f.layer, .serial = gp_serial_next(),
+    };
+    f.layer = (struct gp_planes) {0};
+out:
+    gp_glare_close(&engines);
+    gp_sources_free(&disc);
+    gp_planes_free(&f.layer);
+    return st;
 }

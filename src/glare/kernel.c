@@ -1,23 +1,19 @@
+/* Making kernels: checked, rotated, normalised, cut to what is not zero. */
 #include "glare/kernel.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/builtin.h"
-#include "glare/turn.h"
+#include "glare/glare_priv.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
-enum {
-    MAX_BUILTIN = 16383,   // pixels wide; 3 GiB
-    MAX_CENTER = 1 << 20,  // pixels; a centre farther away meets no frame
-};
+enum { MAX_CENTER = 1 << 20 }; // pixels; a centre farther away meets no frame
 
 /* A kernel before it is cut and normalised. */
-struct raw {
+struct raw_kernel {
     const char *name;            // for messages
     int w, h;
     struct gp_planes in;
@@ -26,11 +22,11 @@ struct raw {
     int cx, cy;                  // the centre's pixel
 };
 
-// -- survey: what is in it ----------------------------------------------------
+// -- what is in it ------------------------------------------------------------
 
-/* Rows are summed alone and added up in order, so that the sum is the same
- * for any number of threads. */
-struct row {
+/* Rows are summed by themselves and added up in order, so that the sum is the
+ * same for any number of threads. */
+struct row_sums {
     double sum[3];
     float peak;                  // largest magnitude
     int x0, x1;                  // columns that are not zero, half-open
@@ -38,12 +34,12 @@ struct row {
     bool coloured;               // the channels differ
 };
 
-struct survey {
-    const struct raw *raw;
-    struct row *row;
+struct raw_sums {
+    const struct raw_kernel *raw;
+    struct row_sums *row;
 };
 
-static void survey_channel(const float *v, int w, int c, struct row *r)
+static void sum_raw_channel(const float *v, int w, int c, struct row_sums *r)
 {
     double sum = 0.0;
     for (int x = 0; x < w; x++) {
@@ -65,44 +61,51 @@ static void survey_channel(const float *v, int w, int c, struct row *r)
     r->x1 = x1;
 }
 
-static void survey_row(void *ctx, int y, int thread)
+static void sum_raw_row(void *ctx, int y, int thread)
 {
-    const struct survey *s = ctx;
+    const struct raw_sums *const s = ctx;
     const int w = s->raw->w;
     const size_t at = (size_t) y * (size_t) w;
-    const float *first = s->raw->in.c[0] + at;
-    struct row r = {.x0 = w, .x1 = 0, .bad_x = -1};
+    const float *const first = s->raw->in.c[0] + at;
+    struct row_sums r = {.x0 = w, .x1 = 0, .bad_x = -1};
     (void) thread;
-    survey_channel(first, w, 0, &r);
+    sum_raw_channel(first, w, 0, &r);
     for (int c = 1; c < 3; c++) {
-        const float *v = s->raw->in.c[c] + at;
+        const float *const v = s->raw->in.c[c] + at;
         if (memcmp(v, first, (size_t) w * sizeof *v) == 0) {
             r.sum[c] = r.sum[0]; // most kernels are grey
             continue;
         }
         r.coloured = true;
-        survey_channel(v, w, c, &r);
+        sum_raw_channel(v, w, c, &r);
     }
     s->row[y] = r;
 }
 
-/* Adds the rows up into `all`, whose x0, x1 are not used; *box gets the
+/* Adds all rows up into *all, whose x0, x1 are not used; *box gets the
  * smallest rectangle that holds all that is not zero.
  * Errors: GP_ERR_DATA a sample is not finite. */
-static gp_status add_rows(const struct gp_log *log, const struct survey *s,
-                          struct row *all, struct gp_rect *box)
+static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
+                         struct row_sums *all, struct gp_rect *box)
 {
-    *all = (struct row) {0};
-    *box = (struct gp_rect) {s->raw->w, s->raw->h, 0, 0};
-    for (int y = 0; y < s->raw->h; y++) {
-        const struct row *r = &s->row[y];
+    void *rows;
+    gp_status st =
+        gp_alloc(log, raw->name, (size_t) raw->h, sizeof *all, &rows);
+    if (st)
+        return st;
+    struct raw_sums s = {raw, rows};
+    gp_parallel_do(raw->h, sum_raw_row, &s);
+    *all = (struct row_sums) {0};
+    *box = (struct gp_rect) {raw->w, raw->h, 0, 0};
+    for (int y = 0; y < raw->h && !st; y++) {
+        const struct row_sums *const r = &s.row[y];
         if (r->bad_x >= 0) {
-            size_t at = (size_t) y * (size_t) s->raw->w + (size_t) r->bad_x;
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: the kernel has a value that is not finite "
-                           "(%g in channel %c, column %d, row %d); repair it",
-                           s->raw->name, (double) s->raw->in.c[r->bad_c][at],
-                           "RGB"[r->bad_c], r->bad_x, y);
+            const size_t at = (size_t) y * (size_t) raw->w + (size_t) r->bad_x;
+            st = gp_fail(log, GP_ERR_DATA,
+                         "%s: the kernel has a value that is not finite (%g in "
+                         "channel %c, column %d, row %d); repair it", raw->name,
+                         (double) raw->in.c[r->bad_c][at], "RGB"[r->bad_c],
+                         r->bad_x, y);
         }
         for (int c = 0; c < 3; c++)
             all->sum[c] += r->sum[c];
@@ -115,106 +118,28 @@ static gp_status add_rows(const struct gp_log *log, const struct survey *s,
             box->y1 = y + 1;
         }
     }
-    return GP_OK;
-}
-
-static gp_status survey(const struct gp_log *log, const struct raw *raw,
-                        struct row *all, struct gp_rect *box)
-{
-    void *rows;
-    gp_status st =
-        gp_alloc(log, raw->name, (size_t) raw->h, sizeof(struct row), &rows);
-    if (st)
-        return st;
-    struct survey s = {raw, rows};
-    gp_parallel_do(raw->h, survey_row, &s);
-    st = add_rows(log, &s, all, box);
-    GP_FREE(rows);
+    gp_free(rows);
     return st;
 }
 
-// -- making: cut and scaled ---------------------------------------------------
-
-struct norms {
-    double sum[3], square[3], magnitude[3];
-};
-
-struct making {
-    const struct raw *raw;
-    struct gp_rect box;
-    double factor;
-    struct gp_kernel *k;
-    struct norms *row;
-};
-
-/* Samples that lie in the raw kernel's own memory are scaled in place. */
-static void scale_row(void *ctx, int y, int thread)
-{
-    const struct making *m = ctx;
-    const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
-                        (size_t) m->box.x0;
-    const size_t to = (size_t) y * (size_t) m->k->w;
-    struct norms n = {0};
-    (void) thread;
-    for (int c = 0; c < 3; c++) {
-        const float *in = m->raw->in.c[c] + from;
-        float *out = m->k->k.c[c] + to;
-        if (c > 0 && m->k->grey) {
-            memcpy(out, m->k->k.c[0] + to, (size_t) m->k->w * sizeof *out);
-            n.sum[c] = n.sum[0];
-            n.square[c] = n.square[0];
-            n.magnitude[c] = n.magnitude[0];
-            continue;
-        }
-        for (int x = 0; x < m->k->w; x++) {
-            out[x] = (float) ((double) in[x] * m->factor);
-            double v = (double) out[x];
-            n.sum[c] += v;
-            n.square[c] += v * v;
-            n.magnitude[c] += fabs(v);
-        }
-    }
-    m->row[y] = n;
-}
-
-static gp_status scale(const struct gp_log *log, const struct raw *raw,
-                       struct gp_rect box, double factor, struct gp_kernel *k)
-{
-    void *rows;
-    gp_status st =
-        gp_alloc(log, raw->name, (size_t) k->h, sizeof(struct norms), &rows);
-    if (st)
-        return st;
-    struct making m = {raw, box, factor, k, rows};
-    gp_parallel_do(k->h, scale_row, &m);
-    struct norms all = {0};
-    for (int y = 0; y < k->h; y++) {
-        for (int c = 0; c < 3; c++) {
-            all.sum[c] += m.row[y].sum[c];
-            all.square[c] += m.row[y].square[c];
-            all.magnitude[c] += m.row[y].magnitude[c];
-        }
-    }
-    for (int c = 0; c < 3; c++) {
-        k->sum[c] = all.sum[c];
-        k->norm2[c] = sqrt(all.square[c]);
-        k->norm1[c] = all.magnitude[c];
-    }
-    GP_FREE(rows);
-    return GP_OK;
-}
-
-static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
-                             enum gp_normalize normalize, const struct row *all,
-                             double *factor)
+static gp_status find_factor(const struct gp_log *log,
+                             const struct raw_kernel *raw,
+                             enum gp_normalize normalize,
+                             const struct row_sums *all, double *factor)
 {
     *factor = 1.0;
     if (!(all->peak > 0.0f))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the kernel is zero everywhere (%dx%d); use an "
                        "image with light in it", raw->name, raw->w, raw->h);
-    if (normalize == GP_NORMALIZE_NONE)
-        return GP_OK;
+    if (normalize == GP_NORMALIZE_NONE) {
+        if (all->peak >= FLT_MIN)
+            return GP_OK;
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the kernel is too faint (its largest value is %g, "
+                       "those under %.2g count as 0); normalise it", raw->name,
+                       (double) all->peak, (double) FLT_MIN);
+    }
     double sum = 0.0;
     for (int c = 0; c < 3; c++)
         sum += (double) raw->luminance[c] * all->sum[c];
@@ -228,17 +153,98 @@ static gp_status find_factor(const struct gp_log *log, const struct raw *raw,
     return GP_OK;
 }
 
+// -- cut and scaled -----------------------------------------------------------
+
+struct row_norms {
+    double sum[3], square[3], magnitude[3], faint[3];
+    bool negative;
+};
+
+struct cutting {
+    const struct raw_kernel *raw;
+    struct gp_rect box;
+    double factor;
+    struct gp_kernel *k;
+    struct row_norms *row;
+};
+
+/* Samples that lie in the raw kernel's own memory are scaled in place. */
+static void cut_row(void *ctx, int y, int thread)
+{
+    const struct cutting *const m = ctx;
+    const size_t w = (size_t) m->k->w, to = (size_t) y * w;
+    const size_t from = (size_t) (m->box.y0 + y) * (size_t) m->raw->w +
+                        (size_t) m->box.x0;
+    struct row_norms n = {0};
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const float *const in = m->raw->in.c[c] + from;
+        float *const out = m->k->k.c[c] + to;
+        if (c > 0 && m->k->grey) {
+            memcpy(out, m->k->k.c[0] + to, w * sizeof *out);
+            n.sum[c] = n.sum[0];
+            n.square[c] = n.square[0];
+            n.magnitude[c] = n.magnitude[0];
+            n.faint[c] = n.faint[0];
+            continue;
+        }
+        for (size_t x = 0; x < w; x++) {
+            const float scaled = (float) ((double) in[x] * m->factor);
+            out[x] = fabsf(scaled) < FLT_MIN ? 0.0f : scaled;
+            const double v = (double) out[x];
+            n.sum[c] += v;
+            n.square[c] += v * v;
+            n.magnitude[c] += fabs(v);
+            n.faint[c] += fabs((double) scaled - v);
+            n.negative |= out[x] < 0.0f;
+        }
+    }
+    m->row[y] = n;
+}
+
+/* Cuts and scales the raw kernel to *k, whose planes are made. */
+static gp_status cut(const struct gp_log *log, const struct raw_kernel *raw,
+                     struct gp_rect box, double factor, struct gp_kernel *k)
+{
+    void *rows;
+    gp_status st = gp_alloc(log, raw->name, (size_t) k->h,
+                            sizeof(struct row_norms), &rows);
+    if (st)
+        return st;
+    struct cutting m = {raw, box, factor, k, rows};
+    gp_parallel_do(k->h, cut_row, &m);
+    struct row_norms all = {0};
+    for (int y = 0; y < k->h; y++) {
+        for (int c = 0; c < 3; c++) {
+            all.sum[c] += m.row[y].sum[c];
+            all.square[c] += m.row[y].square[c];
+            all.magnitude[c] += m.row[y].magnitude[c];
+            all.faint[c] += m.row[y].faint[c];
+        }
+        k->negative |= m.row[y].negative;
+    }
+    for (int c = 0; c < 3; c++) {
+        k->sum[c] = all.sum[c];
+        k->norm2[c] = sqrt(all.square[c]);
+        k->norm1[c] = all.magnitude[c];
+        k->faint[c] = all.faint[c];
+    }
+    gp_free(rows);
+    return GP_OK;
+}
+
 /* Takes raw->in when it is owned, also on failure. */
-static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
-                      struct raw *raw, struct gp_kernel *out)
+static gp_status make_kernel(const struct gp_log *log,
+                             enum gp_normalize normalize,
+                             struct raw_kernel *raw, struct gp_kernel *out)
 {
     gp_status st;
     struct gp_kernel k = {0};
-    struct row all;
+    struct row_sums all;
     struct gp_rect box;
     double factor;
 
-    GP_TRY(survey(log, raw, &all, &box));
+    GP_TRY(sum_raw(log, raw, &all, &box));
     GP_TRY(find_factor(log, raw, normalize, &all, &factor));
     k.w = gp_rect_w(box);
     k.h = gp_rect_h(box);
@@ -252,7 +258,7 @@ static gp_status make(const struct gp_log *log, enum gp_normalize normalize,
     else
         GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
                               &k.k));
-    st = scale(log, raw, box, factor, &k);
+    st = cut(log, raw, box, factor, &k);
     if (take)
         raw->owned = false; // they are the kernel's
     if (st)
@@ -266,18 +272,18 @@ out:
     return st;
 }
 
-// -- turning ------------------------------------------------------------------
+// -- rotated ------------------------------------------------------------------
 
-/* Makes u scaled so that its turned form, *t, is normalised; both stay
+/* Makes u scaled so that its rotated form, *t, is normalised; both stay
  * samples of the same float values. */
-static gp_status normalise_turned(const struct gp_log *log, bool grey,
-                                  struct raw *t, struct gp_unturned *u)
+static gp_status normalise_rotated(const struct gp_log *log, bool grey,
+                                   struct raw_kernel *t, struct gp_unturned *u)
 {
-    struct row all;
+    struct row_sums all;
     struct gp_rect box;
     double factor;
-    struct gp_turned turned;
-    gp_status st = survey(log, t, &all, &box);
+    struct gp_rotated rotated;
+    gp_status st = sum_raw(log, t, &all, &box);
     if (!st)
         st = find_factor(log, t, GP_NORMALIZE_LUMINANCE, &all, &factor);
     if (st)
@@ -288,42 +294,41 @@ static gp_status normalise_turned(const struct gp_log *log, bool grey,
             u->k.c[c][i] = (float) ((double) u->k.c[c][i] * factor);
     }
     gp_planes_free(&t->in);
-    st = gp_turn(log, t->name, u, grey, &turned);
+    st = gp_rotate(log, t->name, u, grey, &rotated);
     if (!st)
-        t->in = turned.k;
+        t->in = rotated.k;
     return st;
 }
 
-/* Makes the kernel, turned when p->rotate says so. Takes raw->in when it is
+/* Makes the kernel, rotated when p->rotate says so. Takes raw->in when it is
  * owned, also on failure. */
-static gp_status make_turned(const struct gp_log *log,
-                             const struct gp_kernel_params *p, struct raw *raw,
-                             struct gp_kernel *out)
+static gp_status make_rotated(const struct gp_log *log,
+                              const struct gp_kernel_params *p,
+                              struct raw_kernel *raw, struct gp_kernel *out)
 {
     gp_status st;
-    int quarters;
     struct gp_kernel flat = {0};
-    struct gp_turned turned = {0};
-    struct raw t = {.name = raw->name, .owned = true,
-                    .luminance = raw->luminance};
+    struct gp_rotated rotated = {0};
+    struct raw_kernel t = {.name = raw->name, .owned = true,
+                           .luminance = raw->luminance};
+    struct gp_unturned u;
     void *block = NULL;
-    const bool right = gp_turn_is_right(p->rotate, &quarters);
-    if (right && quarters == 0)
-        return make(log, p->normalize, raw, out);
-    GP_TRY(make(log, GP_NORMALIZE_NONE, raw, &flat));
-    struct gp_unturned u = {flat.w, flat.h, flat.cx, flat.cy, flat.k, 0, 0};
-    gp_turn_angle(p->rotate, &u);
-    GP_TRY(gp_turn(log, raw->name, &u, flat.grey, &turned));
-    t.w = turned.w, t.h = turned.h, t.cx = turned.cx, t.cy = turned.cy;
-    t.in = turned.k;
+    const bool right = gp_rotate_angle(p->rotate, &u);
+    if (right && u.cos == 1.0)
+        return make_kernel(log, p->normalize, raw, out);
+    GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
+    u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
+    GP_TRY(gp_rotate(log, raw->name, &u, flat.grey, &rotated));
+    t.w = rotated.w, t.h = rotated.h, t.cx = rotated.cx, t.cy = rotated.cy;
+    t.in = rotated.k;
     if (right) {
-        st = make(log, p->normalize, &t, out);
+        st = make_kernel(log, p->normalize, &t, out);
         goto out;
     }
     GP_TRY(gp_alloc(log, raw->name, 1, sizeof u, &block));
     if (p->normalize == GP_NORMALIZE_LUMINANCE)
-        GP_TRY(normalise_turned(log, flat.grey, &t, &u));
-    GP_TRY(make(log, GP_NORMALIZE_NONE, &t, out));
+        GP_TRY(normalise_rotated(log, flat.grey, &t, &u));
+    GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, &t, out));
     out->unturned = block;
     *out->unturned = u;
     block = NULL;
@@ -338,11 +343,11 @@ out:
 
 // -- the two ways in ----------------------------------------------------------
 
-/* The pixel of the centre, counted from a window that starts at x0, y0; and
- * whether the angle is one. */
+/* Finds the pixel of the centre, counted from a window that starts at x0, y0,
+ * and checks the angle. */
 static gp_status find_center(const struct gp_log *log,
                              const struct gp_kernel_params *p,
-                             struct gp_rect window, struct raw *raw)
+                             struct gp_rect window, struct raw_kernel *raw)
 {
     if (!isfinite(p->rotate))
         return gp_fail(log, GP_ERR_USAGE,
@@ -368,25 +373,15 @@ gp_status gp_kernel_builtin(const struct gp_log *log,
                             const struct gp_kernel_params *p,
                             struct gp_kernel *out)
 {
-    const struct gp_builtin_kernel *b = gp_builtin_find(p->source);
     const int size = p->builtin_size;
-    struct raw raw = {
+    struct raw_kernel raw = {
         .name = p->source, .w = size, .h = size, .owned = true,
         .luminance = gp_rec709_luminance,
     };
-    if (!b)
-        return gp_builtin_unknown(log, p->source);
-    if (size < 1 || size > MAX_BUILTIN || size % 2 == 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: a builtin kernel cannot be %d pixels wide; use an "
-                       "odd number from 1 to %d", p->source, size, MAX_BUILTIN);
     gp_status st = find_center(log, p, (struct gp_rect) {0}, &raw);
     if (!st)
-        st = b->make(log, size, &raw.in);
-    if (st)
-        return st;
-    gp_builtin_fade(size, &raw.in);
-    return make_turned(log, p, &raw, out);
+        st = gp_builtin_make(log, p->source, size, &raw.in);
+    return st ? st : make_rotated(log, p, &raw, out);
 }
 
 gp_status gp_kernel_from_frame(const struct gp_log *log,
@@ -394,7 +389,7 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
                                const struct gp_frame *image,
                                struct gp_kernel *out)
 {
-    struct raw raw = {
+    struct raw_kernel raw = {
         .name = image->path ? image->path : "kernel",
         .w = gp_frame_w(image), .h = gp_frame_h(image),
         .in = image->rgb, .luminance = image->luminance,
@@ -404,7 +399,7 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
                        "%s: the kernel has no pixels (%dx%d); use another "
                        "image", raw.name, raw.w, raw.h);
     gp_status st = find_center(log, p, image->data, &raw);
-    return st ? st : make_turned(log, p, &raw, out);
+    return st ? st : make_rotated(log, p, &raw, out);
 }
 
 void gp_kernel_free(struct gp_kernel *k)

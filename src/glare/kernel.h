@@ -36,7 +36,8 @@ struct gp_unturned {
 
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
- * Negative lobes are allowed. Zero borders are cut off on making.
+ * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
+ * under FLT_MIN, 1.2e-38, are 0.
  */
 struct gp_kernel {
     int w, h;
@@ -46,7 +47,9 @@ struct gp_kernel {
     double sum[3];        // of each channel
     double norm2[3];      // sqrt of the sum of squares of each channel
     double norm1[3];      // sum of magnitudes of each channel
+    double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
+    bool negative;        // a sample is under 0
     unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
                           // is never taken for known
     struct gp_unturned *unturned; // NULL when the kernel was not turned, or
@@ -56,9 +59,9 @@ struct gp_kernel {
 /* Names of the builtin kernels with one line each, NULL-terminated. */
 struct gp_builtin_kernel {
     const char *name, *text;
-    /* Fills a size x size kernel with the centre at pixel (size/2, size/2);
-     * returns GP_OK or out of memory. Not normalised. */
-    gp_status (*make)(const struct gp_log *log, int size, struct gp_planes *k);
+    /* Its value in each channel, >= 0, `dx`, `dy` pixels from its centre; `r`
+     * is half its width. NULL: the eye, which is integrated, not sampled. */
+    void (*formula)(double dx, double dy, double r, double v[3]);
 };
 extern const struct gp_builtin_kernel gp_builtin_kernels[];
 
@@ -66,7 +69,7 @@ extern const struct gp_builtin_kernel gp_builtin_kernels[];
  * normalised. Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is
  * even or out of range, a centre that is not finite or over 2^20 pixels, an
- * angle that is not finite, and what gp_turn() says. */
+ * angle that is not finite, a rotated kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
                                           const struct gp_kernel_params *p,
                                           struct gp_kernel *out);
@@ -77,13 +80,13 @@ GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
  *   out        written only on GP_OK; free with gp_kernel_free()
  *
  * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
- * p->centered. Turned about it by p->rotate (turn.h). Normalised then so that
+ * p->centered. Rotated about it by p->rotate. Normalised then so that
  * each channel's sum keeps the file's ratios and the luminance sum is 1,
  * unless GP_NORMALIZE_NONE.
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
- * or a luminance sum that is not positive when normalising; GP_ERR_USAGE a
- * centre that is not finite or over 2^20 pixels, an angle that is not finite,
- * and what gp_turn() says.
+ * or faint, or a luminance sum that is not positive when normalising;
+ * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
+ * is not finite, a rotated kernel of over 2^28 pixels.
  */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
                                              const struct gp_kernel_params *p,

@@ -1,9 +1,17 @@
-#include "glare/plan.h"
+/* Choosing an engine, and what no engine's bound says. */
+#include "core/memory.h"
+#include "glare/bound/bound.h"
+#include "glare/fft/fft.h"
+#include "glare/glare_priv.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
+
+const struct gp_engine *const gp_engines[] = {
+    &gp_engine_direct, &gp_engine_fft, &gp_engine_splat, NULL,
+};
 
 /* Another technique is worth a change from this share of the old one's time
  * on. */
@@ -37,7 +45,7 @@ static gp_status ask_bound(struct asking *a, int i)
 }
 
 /* Fewest ms first; of equals, the first in the list. */
-static void sort(struct asking *a)
+static void sort_by_ms(struct asking *a)
 {
     for (int i = 0; i < a->n; i++) {
         if (!(a->c[i].ms < INFINITY)) // NAN too
@@ -149,7 +157,7 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
         .c = c, .n = n, .tolerance = tolerance, .ask = ask, .ctx = ctx,
     };
     int fastest, taken;
-    sort(&a);
+    sort_by_ms(&a);
     // an approximation rounds as well: it is not asked when that is too much
     gp_status st = first_within(&a, true, &fastest);
     const bool within = fastest >= 0;
@@ -216,11 +224,6 @@ static bool splat_setting(const struct gp_glare_params *p, int i,
     return true;
 }
 
-static bool is_exact(const struct gp_splat_params *s)
-{
-    return s->group == 1 && s->cluster == 0 && !(s->shrink > 0.0f);
-}
-
 /* One splat. A context is never opened in hope of frames to come: what it
  * takes counts in full until it is open. */
 static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
@@ -229,7 +232,8 @@ static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
 {
     const struct gp_prediction p = predict(job, g, engine, s, enough);
     *c = (struct gp_candidate) {
-        .engine = engine, .splat = *s, .exact = is_exact(s), .bound = NAN,
+        .engine = engine, .splat = *s, .bound = NAN,
+        .exact = s->group == 1 && s->cluster == 0 && !(s->shrink > 0.0f),
         .ms = p.ms, .later_ms = p.ms, .more = p.more,
     };
 }
@@ -285,7 +289,7 @@ struct words {
 };
 
 __attribute__((format(printf, 2, 3))) static void
-say(struct words *w, const char *format, ...)
+add_words(struct words *w, const char *format, ...)
 {
     va_list args;
     va_start(args, format);
@@ -298,19 +302,19 @@ say(struct words *w, const char *format, ...)
 }
 
 /* "fft", "splat 4/8". */
-static void say_name(struct words *w, const struct gp_candidate *c)
+static void add_name(struct words *w, const struct gp_candidate *c)
 {
     const struct gp_splat_params *const s = &c->splat;
     if (is_splat(c->engine))
-        say(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group, s->cluster,
+        add_words(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group, s->cluster,
             s->shrink > 0.0f ? " shrunk" : "");
     else
-        say(w, "%s", gp_engines[c->engine]->name);
+        add_words(w, "%s", gp_engines[c->engine]->name);
 }
 
 /* Every candidate whose bound was asked, the exact engines, and the splat of
  * fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03". */
-static void tell(const struct gp_candidate *c, int n,
+static void explain(const struct gp_candidate *c, int n,
                  const struct gp_choice *choice, double tolerance,
                  struct words w)
 {
@@ -321,24 +325,95 @@ static void tell(const struct gp_candidate *c, int n,
             (splat < 0 || c[i].ms < c[splat].ms))
             splat = i;
     }
-    say_name(&w, t);
-    say(&w, " %.3g ms of bound %.2g", t->ms, t->bound);
+    add_name(&w, t);
+    add_words(&w, " %.3g ms of bound %.2g", t->ms, t->bound);
     if (!choice->within)
-        say(&w, ", the least there is, not %.2g", tolerance);
+        add_words(&w, ", the least there is, not %.2g", tolerance);
     if (choice->kept)
-        say(&w, ", as before");
+        add_words(&w, ", as before");
     const char *between = "; ";
     for (int i = 0; i < n; i++) {
         if (i == choice->taken || !(c[i].ms < INFINITY) ||
             (is_splat(c[i].engine) && isnan(c[i].bound) && i != splat))
             continue;
-        say(&w, "%s", between);
-        say_name(&w, &c[i]);
-        say(&w, c[i].more ? " over %.3g" : " %.3g", c[i].ms);
+        add_words(&w, "%s", between);
+        add_name(&w, &c[i]);
+        add_words(&w, c[i].more ? " over %.3g" : " %.3g", c[i].ms);
         if (!isnan(c[i].bound) && !(c[i].bound <= tolerance))
-            say(&w, " of bound %.2g", c[i].bound);
+            add_words(&w, " of bound %.2g", c[i].bound);
         between = ", ";
     }
+}
+
+// -- what is lost below the range of float ------------------------------------
+
+struct gp_floor {
+    struct gp_fft_quarters quarters; // of this kernel, for frames of w x h
+    unsigned long kernel;            // serial; 0 none that is known
+    int w, h;
+    struct gp_bound_cache least;
+};
+
+void gp_floor_free(struct gp_floor **f)
+{
+    if (*f)
+        gp_bound_cache_free(&(*f)->least);
+    GP_FREE(*f);
+}
+
+/* A value under 2^-126 is lost: of the kernel it costs a pixel up to that much
+ * of all light, of the light that much of the kernel's sum, of the products and
+ * sums that much each. 2^6 of them: engines have more steps than one. */
+gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
+                        double *floor)
+{
+    static const double NEGLIGIBLE = 1e-12;
+    const struct gp_sources *const src = job->src;
+    const struct gp_kernel *const k = job->kernel;
+    const double flux = fmax(src->flux[0], fmax(src->flux[1], src->flux[2]));
+    const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
+    const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
+                        sqrt(3.0 * src->w * src->h);
+    const double enough = lost / NEGLIGIBLE;
+    double least = 0.0; // that the layer's norm can be
+    *floor = 0.0;
+    if (k->negative) // no engine guarantees anything
+        return GP_OK;
+    // what each source leaves in its own pixel
+    if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h) {
+        const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
+        for (int c = 0; c < 3; c++)
+            least += src->energy[c] * (double) k->k.c[c][at] *
+                     (double) k->k.c[c][at];
+        least = sqrt(least);
+    }
+    if (least < enough) { // what sources anywhere leave
+        if (!*keep) {
+            void *v;
+            gp_status st = gp_alloc_zero(job->log, "bound", 1, sizeof **keep,
+                                         &v);
+            if (st)
+                return st;
+            *keep = v;
+        }
+        struct gp_floor *const f = *keep;
+        if (!f->kernel || f->kernel != k->serial || f->w != src->w ||
+            f->h != src->h) {
+            gp_fft_find_quarters(k, src->w, src->h, &f->quarters);
+            f->kernel = k->serial;
+            f->w = src->w;
+            f->h = src->h;
+        }
+        least = gp_fft_least(src, &f->quarters);
+    }
+    if (least < enough) { // what these do
+        gp_status st =
+            gp_layer_least(job->log, src, k, &(*keep)->least, &least);
+        if (st)
+            return st;
+    }
+    *floor = least > 0.0 ? lost / least : INFINITY;
+    return GP_OK;
 }
 
 // -- the plan -----------------------------------------------------------------
@@ -378,7 +453,7 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
     if (st)
         return st;
     const struct words w = {job->stats->why, sizeof job->stats->why};
-    tell(p.c, n, &choice, tolerance, w);
+    explain(p.c, n, &choice, tolerance, w);
     *out = p.c[choice.taken];
     if (!choice.within && !g->past.warned) {
         g->past.warned = true;

@@ -2,7 +2,7 @@
 
 #include "core/memory.h"
 
-#include <stdbool.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -43,6 +43,7 @@ gp_status gp_sources_make(const struct gp_log *log,
         .w = like->w, .h = like->h, .x0 = like->x0, .y0 = like->y0,
         .luminance = {like->luminance[0], like->luminance[1],
                       like->luminance[2]},
+        .faint = {like->faint[0], like->faint[1], like->faint[2]},
         .nonfinite = like->nonfinite, .clamped = like->clamped,
         .darkest = like->darkest,
     };
@@ -64,13 +65,18 @@ out:
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
 {
     const float most = largest_channel(rgb);
-    if (!(most > 0.0f))
+    float v[3];
+    for (int k = 0; k < 3; k++) {
+        v[k] = rgb[k] < FLT_MIN ? 0.0f : rgb[k];
+        s->faint[k] += (double) rgb[k] - (double) v[k];
+    }
+    if (!(most >= FLT_MIN))
         return;
     s->x[s->n] = x;
     for (int k = 0; k < 3; k++) {
-        s->rgb[k][s->n] = rgb[k];
-        s->flux[k] += (double) rgb[k];
-        s->energy[k] += (double) rgb[k] * (double) rgb[k];
+        s->rgb[k][s->n] = v[k];
+        s->flux[k] += (double) v[k];
+        s->energy[k] += (double) v[k] * (double) v[k];
     }
     s->brightest = larger(s->brightest, most);
     s->count[gp_source_bin(most)]++;

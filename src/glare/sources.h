@@ -22,7 +22,8 @@ struct gp_source {
 };
 
 /* Sources in row order: those of row y are [row[y], row[y + 1]). Coordinates
- * count from the data window's corner. Colours are finite and >= 0. */
+ * count from the data window's corner. Colours are finite, and 0 or at least
+ * FLT_MIN, 1.2e-38: less light counts as 0. */
 struct gp_sources {
     int w, h;             // of the frame
     int x0, y0;           // the data window's corner, EXR pixel space
@@ -33,6 +34,7 @@ struct gp_sources {
     float *rgb[3];        // n colours, after knee
     struct gp_rect box;   // smallest that holds all; empty when n is 0
     double flux[3];       // sum of each channel
+    double faint[3];      // what was under FLT_MIN in each channel
     double energy[3];     // sum of squares of each channel
     float brightest;      // largest channel value
     uint32_t count[GP_SOURCE_BINS];
@@ -43,7 +45,8 @@ struct gp_sources {
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
- * that of `like`: its sizes, window, weights, nonfinite, clamped, darkest.
+ * that of `like`: its sizes, window, weights, faint, nonfinite, clamped,
+ * darkest.
  * Written only on GP_OK; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
@@ -51,8 +54,8 @@ GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
                                         size_t room, struct gp_sources *out);
 
 /* Appends a source that stands after all others in row order, and counts it
- * into flux, energy, brightest and count; a black one is left out. There must
- * be room. */
+ * into flux, energy, brightest and count; channels under FLT_MIN count as 0 and
+ * go to `faint`, and a black source is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
 /* Completes row[] and box once all sources are in the list. */

@@ -12,6 +12,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "glare/engine.h"
+#include "glare/sensors.h"
 #include "io/read.h"
 
 #include <math.h>

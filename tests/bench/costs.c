@@ -1,6 +1,7 @@
-/* Measures src/glare/costs.h on this machine and writes the numbers there.
+/* Measures the numbers of src/glare/costs.h on this machine and prints them
+ * beside those that are built in.
  *
- *   costs FILE [NAME]    FILE is costs.h; NAME starts those to measure
+ *   costs [NAME]    NAME starts those to measure
  *
  * All on one thread, by the process' own time, of many runs nearly the least:
  * what else the machine does must not decide what `auto` takes.
@@ -18,7 +19,6 @@
 #include <sys/mman.h>
 #include <time.h>
 
-static char *text;        // of FILE
 static const char *wanted;
 
 void costs_die(const char *what)
@@ -61,39 +61,14 @@ bool costs_wants(const char *name)
     return strncmp(name, wanted, strlen(wanted)) == 0;
 }
 
-/* Puts n values in place of what the line of `name` defines. */
-void costs_put(const char *name, const double *value, int n)
+void costs_print(const char *name, const char *built_in, const double *value,
+                 int n)
 {
-    char line[256] = "", define[80];
-    size_t used = 0;
-    snprintf(define, sizeof define, "#define %s ", name);
-    char *const at = strstr(text, define);
-    if (!at)
-        costs_die(name);
-    for (int i = 0; i < n; i++) {
-        // a difference of two times may come out under nothing
-        const double v = value[i] > 0.0 ? value[i] : 0.0;
-        used += (size_t) snprintf(line + used, sizeof line - used, "%s%.3g",
-                                  i ? ", " : n > 1 ? "{" : "", v);
-    }
-    if (n > 1)
-        snprintf(line + used, sizeof line - used, "}");
-    char *const from = at + strlen(define);
-    const char *const rest = strchr(from, '\n');
-    if (!rest)
-        costs_die(name);
-    printf("%-26s %.*s -> %s\n", name, (int) (rest - from), from, line);
+    printf("%-26s %s -> %s", name, built_in, n > 1 ? "{" : "");
+    for (int i = 0; i < n; i++) // a difference of two times may be negative
+        printf("%s%.3g", i ? ", " : "", fmax(value[i], 0.0));
+    printf("%s\n", n > 1 ? "}" : "");
     fflush(stdout);
-    char *whole;
-    if (asprintf(&whole, "%.*s%s%s", (int) (from - text), text, line, rest) < 0)
-        costs_die("out of memory");
-    free(text);
-    text = whole;
-}
-
-void costs_put_one(const char *name, double value)
-{
-    costs_put(name, &value, 1);
 }
 
 // -- memory -------------------------------------------------------------------
@@ -115,46 +90,17 @@ static void measure_memory(void)
         least = fmin(least, costs_now() - t);
         munmap((void *) (uintptr_t) p, BYTES);
     }
-    costs_put_one("GP_COST_FRESH_BYTE", least / BYTES);
-}
-
-// -- the file -----------------------------------------------------------------
-
-static char *read_all(const char *path)
-{
-    enum { MOST = 1 << 16 };
-    FILE *const f = fopen(path, "r");
-    char *const s = calloc(1, MOST);
-    if (!f || !s)
-        costs_die(path);
-    const size_t n = fread(s, 1, MOST - 1, f);
-    fclose(f);
-    s[n] = '\0';
-    return s;
-}
-
-static void write_all(const char *path)
-{
-    char temporary[4096];
-    snprintf(temporary, sizeof temporary, "%.4000s.new", path);
-    FILE *const f = fopen(temporary, "w");
-    if (!f || fputs(text, f) < 0 || fclose(f) != 0 ||
-        rename(temporary, path) != 0)
-        costs_die(temporary);
+    COSTS_PRINT(GP_COST_FRESH_BYTE, least / BYTES);
 }
 
 int main(int argc, char **argv)
 {
-    if (argc < 2)
-        costs_die("usage: costs src/glare/costs.h [NAME]");
-    text = read_all(argv[1]);
-    wanted = argc > 2 ? argv[2] : "";
+    wanted = argc > 1 ? argv[1] : "";
     gp_set_threads(1);
     measure_memory();
     gp_keep_memory();
     costs_direct();
     costs_fft();
     costs_splat();
-    write_all(argv[1]);
     return 0;
 }

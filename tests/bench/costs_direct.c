@@ -58,7 +58,7 @@ static void measure_rows(double run)
     for (int i = 0; i < 3; i++)
         row[i] = (empty_ms(side[i], side[i]) - run) /
                  ((side[i] + STRIP - 1) / STRIP * side[i]);
-    costs_put("GP_COST_DIRECT_STRIP_ROW", row, 3);
+    COSTS_PRINT(GP_COST_DIRECT_STRIP_ROW, row[0], row[1], row[2]);
 }
 
 /* ms of a tile of a quad, where kernels of 64 x 64 hardly leave the frame. */
@@ -87,7 +87,7 @@ void costs_direct(void)
         return;
     const double run =
         costs_engine_ms(&gp_engine_direct, 8, 8, 1, 1, 1, NULL);
-    costs_put_one("GP_COST_DIRECT_RUN", run);
+    COSTS_PRINT(GP_COST_DIRECT_RUN, run);
     measure_rows(run);
     // with its padding a kernel of n * n has 12 (n + 64) n bytes
     const double near[3] = {
@@ -98,16 +98,18 @@ void costs_direct(void)
         row_ms(400, 300, 39, 2000, 1), row_ms(400, 300, 226, 600, 1),
         row_ms(1000, 750, 992, 300, 1),
     };
-    costs_put("GP_COST_DIRECT_NEAR_ROW", near, 3);
-    costs_put("GP_COST_DIRECT_FAR_ROW", far, 3);
-    costs_put_one("GP_COST_DIRECT_QUAD_TILE", tile_ms());
+    COSTS_PRINT(GP_COST_DIRECT_NEAR_ROW, near[0], near[1], near[2]);
+    COSTS_PRINT(GP_COST_DIRECT_FAR_ROW, far[0], far[1], far[2]);
+    COSTS_PRINT(GP_COST_DIRECT_QUAD_TILE, tile_ms());
+    COSTS_PRINT(GP_COST_DIRECT_TAP, row_ms(512, 512, 512, 40, 1) / STRIP);
+    COSTS_PRINT(GP_COST_DIRECT_PIXEL, empty_ms(1920, 1080) / (1920.0 * 1080));
     double sources;
     const double listed =
         costs_engine_ms(&gp_engine_direct, 400, 300, 5000, 1, 1, &sources);
-    costs_put_one("GP_COST_DIRECT_LIST",
+    COSTS_PRINT(GP_COST_DIRECT_LIST,
                   (listed - empty_ms(400, 300)) / sources - far[0]);
     struct gp_kernel k = costs_kernel(256);
-    costs_put_one("GP_COST_DIRECT_LAYOUT",
+    COSTS_PRINT(GP_COST_DIRECT_LAYOUT,
                   costs_time(lay_out, &k) /
                       (3.0 * (k.w + 2.0 * GP_TAPS_PAD) * k.h));
     gp_kernel_free(&k);

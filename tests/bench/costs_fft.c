@@ -2,12 +2,9 @@
 #include "costs_scene.h"
 
 #include "core/memory.h"
-#include "glare/fft/lib.h"
-#include "glare/fft/pass.h"
-#include "glare/fft/place.h"
+#include "glare/fft/fft_priv.h"
 
 #include <math.h>
-#include <stdio.h>
 
 // -- transforms ---------------------------------------------------------------
 
@@ -57,121 +54,60 @@ static double transform_ms(int n, enum gp_fft_plan how)
     return ms;
 }
 
+/* Picoseconds over n log2 n of lengths `odd` times a power of two, the mean of
+ * those from `first` to `last`. */
+static double mean_ps(int odd, int first, int last, enum gp_fft_plan how)
+{
+    double logs = 0.0;
+    int count = 0, n = odd;
+    while (n < first)
+        n *= 2;
+    for (; n < last; n *= 2, count++)
+        logs += log(transform_ms(n, how) * 1e9 / (n * log2(n)));
+    return exp(logs / count);
+}
+
 static void measure_transforms(void)
 {
-    enum { ODDS = 7, OCTAVES = 8 };
-    static const char *const how_name[] = {"ESTIMATE", "MEASURE"};
-    static const struct { int odd; const char *name; } class[ODDS] = {
-        {1, "1"}, {3, "3"}, {5, "5"}, {9, "9"}, {15, "15"}, {25, "25"},
-        {7, "OTHER"},
-    };
-    for (int i = 0; i < 2 * ODDS; i++) {
-        char name[64];
-        double ps[OCTAVES];
-        const int how = i / ODDS;
-        snprintf(name, sizeof name, "GP_COST_FFT_%s_%s", how_name[how],
-                 class[i % ODDS].name);
-        if (!costs_wants(name))
-            continue;
-        for (int o = 0; o < OCTAVES; o++) {
-            int n = class[i % ODDS].odd;
-            while (n < 64 << o)
-                n *= 2;
-            ps[o] = transform_ms(n, (enum gp_fft_plan) how) * 1e9 /
-                    (n * log2(n));
-        }
-        costs_put(name, ps, OCTAVES);
+    enum { ODDS = 7 };
+    static const int odd[ODDS] = {1, 3, 5, 9, 15, 25, 7};
+    double ps[2][ODDS];
+    if (!costs_wants("GP_COST_FFT_PS"))
+        return;
+    for (int how = 0; how < 2; how++) { // estimates first: FFTW remembers
+        for (int i = 0; i < ODDS; i++)
+            ps[how][i] = mean_ps(odd[i], 256, odd[i] == 5 ? 4096 : 16384,
+                                 (enum gp_fft_plan) how);
     }
+    const double *const e = ps[GP_FFT_PLAN_ESTIMATE];
+    const double *const m = ps[GP_FFT_PLAN_MEASURE];
+    COSTS_PRINT(GP_COST_FFT_PS, m[0], m[1], m[2], m[3], m[4], m[5], m[6]);
+    COSTS_PRINT(GP_COST_FFT_PS_LARGE_5,
+                mean_ps(5, 4096, 16384, GP_FFT_PLAN_MEASURE));
+    COSTS_PRINT(GP_COST_FFT_ESTIMATED, e[0] / m[0], e[1] / m[1], e[2] / m[2],
+                e[3] / m[3], e[4] / m[4], e[5] / m[5], e[6] / m[6]);
 }
 
 // -- passes -------------------------------------------------------------------
 
-/* Square matrices, all rows used. */
-struct passes {
-    int n;
-    struct gp_fft_job job;
-    struct gp_fft_matrix m, kernel;
-    int *place;
-    float *layer;
-};
-
-static void load(const void *ctx, int c, int j, float *z)
-{
-    (void) ctx, (void) c;
-    z[2 * (j % 7)] = 1.0f;
-}
-
-static void store(const void *ctx, int c, int j, const float *z)
-{
-    const struct passes *const p = ctx;
-    float *const row = p->layer + (size_t) j * (size_t) p->n;
-    (void) c;
-    for (int x = 0; x < p->n * 3 / 4; x++)
-        row[x] = z[2 * x];
-}
-
-static void rows(void *ctx)
-{
-    struct passes *const p = ctx;
-    if (gp_fft_rows_in(&p->job, p->n, load, p, &p->m) ||
-        gp_fft_rows_out(&p->job, &p->m, p->n, store, p))
-        costs_die("rows");
-}
-
-static void columns(void *ctx)
-{
-    struct passes *const p = ctx;
-    if (gp_fft_multiply(&p->job, &p->m, p->n, p->place, &p->kernel, 1, 0,
-                        p->n))
-        costs_die("columns");
-}
-
-static struct passes make_passes(int n, const struct gp_fft_plan_pair *plan)
-{
-    struct passes p = {
-        .n = n, .job = {.x = plan, .y = plan, .channels = 1},
-    };
-    void *place, *layer;
-    if (gp_fft_matrix_make(NULL, 1, n, n, &p.m) ||
-        gp_fft_matrix_make(NULL, 1, n, n, &p.kernel) ||
-        gp_alloc_zero(NULL, "place", (size_t) n, sizeof(int), &place) ||
-        gp_alloc_zero(NULL, "layer", (size_t) n * (size_t) n, 4, &layer))
-        costs_die("out of memory");
-    p.place = place;
-    p.layer = layer;
-    const size_t floats = (size_t) p.m.columns * p.m.pitch * 2;
-    for (size_t i = 0; i < floats; i++)
-        p.m.z[0][i] = p.kernel.z[0][i] = 1e-3f * (float) (i % 11);
-    for (int i = 0; i < n; i++)
-        p.place[i] = i;
-    return p;
-}
-
+/* Few sources, so that loading them takes no time, in most rows; nothing goes
+ * direct, as a gain of nearly 0 needs no exact light. */
 static void measure_passes(void)
 {
-    static const int size[3] = {256, 1024, 4096};
-    double row[3], column[3];
-    if (!costs_wants("GP_COST_FFT_ROW_POINT") &&
-        !costs_wants("GP_COST_FFT_COLUMN_POINT"))
+    static const int size[3][2] = {{320, 240}, {1024, 768}, {3840, 2160}};
+    double pass[3];
+    if (!costs_wants("GP_COST_FFT_PASS"))
         return;
     for (int i = 0; i < 3; i++) {
-        const int n = size[i];
-        struct transform t = make_transform(n, GP_FFT_PLAN_ESTIMATE);
-        const double one =
-            costs_time(there_and_back, &t) / (2.0 * TRANSFORMS);
-        struct passes p = make_passes(n, &t.plan);
-        row[i] = (costs_time(rows, &p) / n - one) / n;
-        columns(&p); // leaves numbers that stay in range
-        memset(p.m.z[0], 0, (size_t) p.m.columns * p.m.pitch * 8);
-        column[i] = (costs_time(columns, &p) / (n / 2 + 1) - 2.0 * one) / n;
-        gp_fft_matrix_free(&p.m);
-        gp_fft_matrix_free(&p.kernel);
-        gp_free(p.place);
-        gp_free(p.layer);
-        free_transform(&t);
+        struct costs_job j = costs_make(&gp_engine_fft, size[i][0], size[i][1],
+                                        4000, 1, 129);
+        const struct gp_fft_placing p = gp_fft_place(&j.src, &j.k);
+        j.params.gain = 1e-30f;
+        pass[i] = costs_time(costs_run, &j) * GP_COST_FFT_PASS /
+                  gp_fft_passes_ms(&j.src, &p, GP_FFT_PLAN_ESTIMATE);
+        costs_free(&j);
     }
-    costs_put("GP_COST_FFT_ROW_POINT", row, 3);
-    costs_put("GP_COST_FFT_COLUMN_POINT", column, 3);
+    COSTS_PRINT(GP_COST_FFT_PASS, pass[0], pass[1], pass[2]);
 }
 
 // -- the rest -----------------------------------------------------------------
@@ -187,18 +123,16 @@ static void measure_library(void)
         costs_die("libfftw3f");
     gp_fft_plan_free(&plan);
     if (costs_wants("GP_COST_FFT_LIBRARY"))
-        costs_put_one("GP_COST_FFT_LIBRARY", costs_now() - start);
+        COSTS_PRINT(GP_COST_FFT_LIBRARY, costs_now() - start);
 }
 
 /* FFTW remembers what it measured: estimates come first, and measuring is
  * tried on lengths that no one else here asks for. */
-static void measure_plans(enum gp_fft_plan how, const char *name)
+static double plan_ms(enum gp_fft_plan how)
 {
     static const int length[2][4] = {
         {320, 640, 1280, 2304}, {784, 1120, 1344, 2016},
     };
-    if (!costs_wants(name))
-        return;
     const double t = costs_now();
     for (int i = 0; i < 4; i++) {
         struct gp_fft_plan_pair plan;
@@ -206,7 +140,7 @@ static void measure_plans(enum gp_fft_plan how, const char *name)
             costs_die("plan");
         gp_fft_plan_free(&plan);
     }
-    costs_put_one(name, (costs_now() - t) / 4.0);
+    return (costs_now() - t) / 4.0;
 }
 
 static volatile double sink;
@@ -221,11 +155,12 @@ static void norms(void *ctx)
 void costs_fft(void)
 {
     measure_library();
-    measure_plans(GP_FFT_PLAN_ESTIMATE, "GP_COST_FFT_PLAN_ESTIMATE");
+    if (costs_wants("GP_COST_FFT_PLAN_ESTIMATE"))
+        COSTS_PRINT(GP_COST_FFT_PLAN_ESTIMATE, plan_ms(GP_FFT_PLAN_ESTIMATE));
     measure_transforms();
     measure_passes();
     if (costs_wants("GP_COST_FFT_RUN"))
-        costs_put_one("GP_COST_FFT_RUN", costs_engine_ms(&gp_engine_fft, 8, 8,
+        COSTS_PRINT(GP_COST_FFT_RUN, costs_engine_ms(&gp_engine_fft, 8, 8,
                                                          1, 1, 3, NULL));
     if (costs_wants("GP_COST_FFT_SOURCE")) {
         double few, many; // the same box, nearly the same rows
@@ -233,13 +168,14 @@ void costs_fft(void)
             costs_engine_ms(&gp_engine_fft, 640, 480, 400, 2, 65, &few);
         const double b =
             costs_engine_ms(&gp_engine_fft, 640, 480, 400, 40, 65, &many);
-        costs_put_one("GP_COST_FFT_SOURCE", (b - a) / (3.0 * (many - few)));
+        COSTS_PRINT(GP_COST_FFT_SOURCE, (b - a) / (3.0 * (many - few)));
     }
     if (costs_wants("GP_COST_FFT_NORMS")) {
         struct gp_kernel k = costs_kernel(512);
-        costs_put_one("GP_COST_FFT_NORMS",
+        COSTS_PRINT(GP_COST_FFT_NORMS,
                       costs_time(norms, &k) / (3.0 * k.w * k.h));
         gp_kernel_free(&k);
     }
-    measure_plans(GP_FFT_PLAN_MEASURE, "GP_COST_FFT_PLAN_MEASURE");
+    if (costs_wants("GP_COST_FFT_PLAN_MEASURE"))
+        COSTS_PRINT(GP_COST_FFT_PLAN_MEASURE, plan_ms(GP_FFT_PLAN_MEASURE));
 }

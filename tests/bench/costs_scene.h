@@ -5,6 +5,7 @@
 #include "core/colour.h"
 #include "costs.h"
 #include "glare/engine.h"
+#include "glare/sensors.h"
 
 #include <stdlib.h>
 #include <string.h>

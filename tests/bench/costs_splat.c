@@ -35,22 +35,22 @@ void costs_splat(void)
     const double first = first_ms(&tile, 64, 64, 1, 1, 1, &small, &n);
     if (first < 0.0)
         return;
-    costs_put_one("GP_COST_GL_START", first - small);
+    COSTS_PRINT(GP_COST_GL_START, first - small);
     first_ms(&tile, 1024, 768, 1, 1, 1, &base, &n);
-    costs_put_one("GP_COST_GL_TRANSFER",
+    COSTS_PRINT(GP_COST_GL_TRANSFER,
                   (base - small) / (1024.0 * 768 - 64 * 64));
     first_ms(&tile, 1024, 768, 2000, 6, 1, &many, &n);
-    costs_put_one("GP_COST_GL_SOURCE", (many - base) / n);
+    COSTS_PRINT(GP_COST_GL_SOURCE, (many - base) / n);
     // kernels of 129 x 129 that hardly leave the frame
     first_ms(&tile, 1024, 768, 300, 1, 129, &large, &n);
-    costs_put_one("GP_COST_GL_TILE", (large - base) / (n * 129 * 129));
+    COSTS_PRINT(GP_COST_GL_TILE, (large - base) / (n * 129 * 129));
     first_ms(&quad, 1024, 768, 2, 1, 1, &small, &n);
     const double sensor = (small - base) / (1024.0 * 768);
-    costs_put_one("GP_COST_GL_SENSOR", sensor);
+    COSTS_PRINT(GP_COST_GL_SENSOR, sensor);
     first_ms(&quad, 1024, 768, 2000, 1, 1, &lamps, &n);
-    costs_put_one("GP_COST_GL_POLYGON",
+    COSTS_PRINT(GP_COST_GL_POLYGON,
                   (lamps - base - sensor * 1024 * 768) / n);
     first_ms(&quad, 1024, 768, 300, 1, 129, &large, &n);
-    costs_put_one("GP_COST_GL_BLEND",
+    COSTS_PRINT(GP_COST_GL_BLEND,
                   (large - base - sensor * 1024 * 768) / (n * 129 * 129));
 }

@@ -123,5 +123,5 @@ for n in 1 64; do
     sun_ms "glare of $n lamps, exact" --lights "$tmp/lamps.$n.1000"
 done
 
-echo "# what things cost here, for the next build's predictions"
-"$build/bench/costs" "$here/../../src/glare/costs.h"
+echo "# what things cost here, beside what predictions take (src/glare/costs.h)"
+"$build/bench/costs"

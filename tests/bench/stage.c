@@ -13,6 +13,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/engine.h"
+#include "glare/sensors.h"
 #include "io/read.h"
 
 #include <fftw3.h>

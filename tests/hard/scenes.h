@@ -74,6 +74,13 @@ static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)
     struct scene s = scene_sense(hard_frame(h), hard_kernel(h), &p);
     if (hard_is_sunny(h))
         hard_add_sun(h, hard_share(h, plain), &s);
+    double faint = 0.0;
+    for (int c = 0; c < 3; c++)
+        faint += s.src.faint[c] + s.k.faint[c];
+    if (h->faint != (faint > 0.0)) {
+        fprintf(stderr, "%s: %g counts as 0\n", h->name, faint);
+        abort();
+    }
     return s;
 }
 

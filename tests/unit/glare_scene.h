@@ -5,6 +5,7 @@
 
 #include "core/colour.h"
 #include "glare/engine.h"
+#include "glare/sensors.h"
 #include "hash.h"
 
 #include <float.h>

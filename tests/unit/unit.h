@@ -11,6 +11,20 @@
 #ifndef GP_TESTS_UNIT_H
 #define GP_TESTS_UNIT_H
 
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define COUNT(a) (sizeof(a) / sizeof *(a))
+
 #define SUITE(name)                                                           \
     int suite_##name(int argc, char **argv);                                  \
     int suite_##name(int argc __attribute__((unused)),                        \

@@ -3,7 +3,7 @@
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/fft/pass.h"
+#include "glare/fft/fft.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -11,7 +11,7 @@
 
 #include "core/frame.h"
 #include "core/status.h"
-#include "glare/fft/lib.h"
+#include "glare/fft/fft.h"
 #include "glare/splat/group.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"

@@ -2,9 +2,7 @@
 
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/cost.h"
-#include "glare/direct/quad.h"
-#include "glare/direct/sum.h"
+#include "glare/costs.h"
 #include "glare/engine.h"
 
 #include <limits.h>
@@ -61,8 +59,6 @@ gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
             memcpy(row,
                    k->k.c[c] + (size_t) (y + cut.y0) * (size_t) k->w + cut.x0,
                    (size_t) t.w * sizeof(float));
-            for (int x = 0; x < t.w; x++)
-                t.lobes |= row[x] < 0.0f;
         }
     }
     *out = t;
@@ -232,18 +228,10 @@ gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
 
 /* GROUP terms, each within 2^-24; then groups, whose sum is within 2 * 2^-24
  * and n 2^-48 (Higham 2002, eq. 4.8); then the sum to the layer. */
-double gp_direct_bound(const struct gp_taps *taps, size_t n)
+double gp_direct_bound(const struct gp_kernel *k, size_t n)
 {
-    return taps->lobes ? INFINITY
+    return k->negative ? INFINITY
                        : (GROUP + 4.0) * 0x1p-24 + (double) n * 0x1p-48;
-}
-
-bool gp_direct_lobes(const struct gp_kernel *kernel)
-{
-    bool lobes = false;
-    for (int c = 0; c < 3; c++)
-        lobes |= !(kernel->norm1[c] <= kernel->sum[c]);
-    return lobes;
 }
 
 /* Length of the overlap of [at - c, at - c + n) and [0, limit). */
@@ -286,50 +274,50 @@ struct strip_work {
     double near, far, listed, tiles;
 };
 
-static bool has_neighbour(const struct gp_sources *s, uint32_t i, int y)
+/* A cost at `size` from its values at first, 16 * first and 256 * first. */
+static double cost_at(const double value[3], double size, double first)
 {
-    enum { NEAR = 8 }; // pixels: half a cache line
-    const int x = s->x[i];
-    if (i > s->row[y] && s->x[i - 1] >= x - NEAR)
-        return true;
-    if (y == 0)
-        return false;
-    const uint32_t above =
-        gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
-    return above < s->row[y] && s->x[above] <= x + NEAR;
-}
-
-enum { TILE_W = 16 }; // pixels; as high as a quad
-
-static void add_source(const struct gp_glare_job *job, uint32_t i, int y,
-                       struct strip_work *work)
-{
-    const struct gp_sources *const s = job->src;
-    const struct gp_kernel *const k = job->kernel;
-    const int x = s->x[i], from = x - k->cx > 0 ? x - k->cx : 0;
-    const int cols = overlap(x, k->cx, k->w, s->w);
-    if (cols == 0)
-        return;
-    const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
-    const int rows = overlap(y, k->cy, k->h, s->h);
-    work->listed += strips;
-    *(has_neighbour(s, i, y) ? &work->near : &work->far) +=
-        (double) strips * rows;
-    work->tiles += (cols + TILE_W - 1.0) / TILE_W *
-                   (rows + GP_QUAD - 1.0) / GP_QUAD;
+    const double at = log2(fmax(size, 1.0) / first) / 4.0;
+    if (at <= 0.0)
+        return value[0];
+    if (at >= 2.0)
+        return value[2];
+    const int i = at < 1.0 ? 0 : 1;
+    return value[i] + (at - i) * (value[i + 1] - value[i]);
 }
 
 /* From every k-th source: with many of them direct loses anyway. */
-static struct strip_work count_work(const struct gp_glare_job *job)
+static struct strip_work count_work(const struct gp_sources *s,
+                                    const struct gp_kernel *k)
 {
     static const size_t WANTED = 2048;
-    const struct gp_sources *const s = job->src;
+    enum {
+        NEAR = 8,    // pixels: half a cache line
+        TILE_W = 16, // pixels; as high as a quad
+    };
     const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
     struct strip_work work = {0};
     uint32_t i = step / 2, taken = 0;
     for (int y = 0; y < s->h; y++) {
-        for (; i < s->row[y + 1]; i += step, taken++)
-            add_source(job, i, y, &work);
+        const int rows = overlap(y, k->cy, k->h, s->h);
+        for (; i < s->row[y + 1]; i += step, taken++) {
+            const int x = s->x[i], from = x - k->cx > 0 ? x - k->cx : 0;
+            const int cols = overlap(x, k->cx, k->w, s->w);
+            if (cols == 0)
+                continue;
+            // a source just before it, or just above it, used its taps
+            bool near = i > s->row[y] && s->x[i - 1] >= x - NEAR;
+            if (!near && y > 0) {
+                const uint32_t above =
+                    gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
+                near = above < s->row[y] && s->x[above] <= x + NEAR;
+            }
+            const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
+            work.listed += strips;
+            *(near ? &work.near : &work.far) += (double) strips * rows;
+            work.tiles += (cols + TILE_W - 1.0) / TILE_W *
+                          (rows + GP_QUAD - 1.0) / GP_QUAD;
+        }
     }
     const double share = taken ? (double) s->n / taken : 0.0;
     work.near *= share;
@@ -355,15 +343,15 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
         .pitch = (size_t) k->w + 2 * GP_TAPS_PAD, .h = k->h,
     };
     const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
-    const struct strip_work work = count_work(job);
+    const struct strip_work work = count_work(s, k);
     double later = GP_COST_DIRECT_RUN +
-                   gp_cost_at(empty, layer, 0x1p19) * strips * s->h;
+                   cost_at(empty, layer, 0x1p19) * strips * s->h;
     if (quads > 0.0)
         later += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
     else
         later += GP_COST_DIRECT_LIST * work.listed +
-                 gp_cost_at(near, bytes, 48 * 1024.0) * work.near +
-                 gp_cost_at(far, bytes, 48 * 1024.0) * work.far;
+                 cost_at(near, bytes, 48 * 1024.0) * work.near +
+                 cost_at(far, bytes, 48 * 1024.0) * work.far;
     double ms = later;
     if (!is_laid_out(state, k))
         ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
@@ -393,16 +381,15 @@ static gp_status run(const struct gp_glare_job *job, void **state)
             return st;
         s->kernel = job->kernel->serial;
     }
-    job->stats->bound = gp_direct_bound(&s->taps, job->src->n);
+    job->stats->bound = gp_direct_bound(job->kernel, job->src->n);
     return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
 }
 
 static gp_status bound(const struct gp_glare_job *job, void **state,
                        double *out)
 {
-    const struct gp_taps taps = {.lobes = gp_direct_lobes(job->kernel)};
     (void) state;
-    *out = gp_direct_bound(&taps, job->src->n);
+    *out = gp_direct_bound(job->kernel, job->src->n);
     return GP_OK;
 }
 

@@ -2,17 +2,15 @@
 #ifndef GP_GLARE_DIRECT_DIRECT_H
 #define GP_GLARE_DIRECT_DIRECT_H
 
+#include "core/cpu.h"
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/kernel.h"
-#include "glare/sensors.h"
+#include "glare/sources.h"
 
 #include <stdbool.h>
-
-/* A tap of all three channels on one core: one 512 x 512 source takes 0.063 ms
- * at 2.5 GHz with AVX2 (1542 sources over the whole kernel in 97 ms). Pieces
- * narrower than a strip pay for the strip. */
-#define GP_DIRECT_MS_PER_TAP (0.063 / (512.0 * 512.0))
+#include <stddef.h>
+#include <stdint.h>
 
 /* A kernel laid out for direct sums: each row has GP_TAPS_PAD zeros on both
  * sides, so that a strip of that many pixels never needs a border case. */
@@ -21,7 +19,6 @@ struct gp_taps {
     int w, h, cx, cy;  // as in gp_kernel
     size_t pitch;      // floats from row to row
     float *k[3];
-    bool lobes;        // a sample is under 0
 };
 
 /* Copies the part of the kernel within `radius` pixels of its centre in x
@@ -41,23 +38,103 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
                                       const struct gp_taps *taps, bool add,
                                       struct gp_planes *layer);
 
-/* Quads (direct_quad.h) that gp_direct_sum() makes of the sources when the
+/* Quads that gp_direct_sum() makes of the sources when the
  * kernel is small, about; 0 when it takes them one by one, as they stand too
  * far apart. */
 double gp_direct_quads(const struct gp_sources *src);
 
 /* What rel_l2 of the sum of n sources cannot exceed: float rounding, as long
- * as no product is under the range of float. INFINITY for taps with lobes,
- * whose light can cancel while the rounding stays. */
-double gp_direct_bound(const struct gp_taps *taps, size_t n);
-
-/* Whether the kernel has samples under 0: where magnitudes add up to more than
- * samples do, as both are summed in one order. */
-bool gp_direct_lobes(const struct gp_kernel *kernel);
+ * as no product is under the range of float. INFINITY for a kernel that is
+ * negative somewhere, whose light can cancel while the rounding stays. */
+double gp_direct_bound(const struct gp_kernel *k, size_t n);
 
 /* Multiply-adds that gp_direct_sum makes on a channel: each source's kernel,
  * cut to the frame. */
 double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
                       int cy);
+
+// -- quad.c -------------------------------------------------------------------
+//
+// Light that lies together, as in lamps, windows, skies, in columns of four:
+// four sources one above the other shine through one row of the kernel on four
+// pixels one above the other, so that a sample of the kernel that was loaded
+// once serves four products.
+
+enum { GP_QUAD = 4 };
+
+/* Sources (x, y), (x, y + 1), (x, y + 2), (x, y + 3) for each x and y where one
+ * of them is light; dark ones are 0. Those of y are [row[y + 3], row[y + 4]),
+ * from y = -3 on, x ascending. */
+struct gp_quads {
+    size_t n;
+    uint32_t *row;   // h + GP_QUAD offsets
+    int32_t *x;      // n columns
+    float *light[3]; // GP_QUAD * n each
+};
+
+/* How many there are, counted in every `step`-th row and multiplied: n to
+ * 4 n for n sources. */
+size_t gp_quads_count(const struct gp_sources *src, int step);
+
+/* Errors: GP_ERR_BUG out of memory. Free with gp_quads_free(). */
+GP_MUST_CHECK gp_status gp_quads_make(const struct gp_log *log,
+                                      const struct gp_sources *src,
+                                      struct gp_quads *out);
+void gp_quads_free(struct gp_quads *q);
+
+/* gp_direct_sum() of w x h pixels, in the same order of the sources and within
+ * the same bound. (h + taps->h) * taps->pitch must fit an int; best when the
+ * taps fit the second-level cache. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
+                                     const struct gp_quads *quads,
+                                     const struct gp_taps *taps, int w, int h,
+                                     bool add, struct gp_planes *layer);
+
+// -- what both forms of the sum are made of -------------------------------------
+
+enum {
+    GP_DIRECT_LANES = 8,
+    GP_DIRECT_GROUP = 32, // sources summed before the sum is put aside
+};
+
+typedef float gp_vec __attribute__((vector_size(4 * GP_DIRECT_LANES)));
+typedef float gp_loose __attribute__((vector_size(4 * GP_DIRECT_LANES),
+                                      aligned(4), may_alias));
+
+/* Fused multiply-add where the CPU has it: half the instructions of the loops
+ * that all direct work spends its time in. Such functions inline none but
+ * macros. */
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) &&        \
+    !defined(GP_SANITIZED)
+#define GP_FUSED                                                              \
+    __attribute__((target_clones("fma", "default"),                           \
+                   optimize("fp-contract=fast")))
+#else
+#define GP_FUSED
+#endif
+
+/* Adds a group's sum to the total; `lost` keeps what rounding loses (Kahan
+ * 1965). */
+#define GP_ADD_KEPT(total, lost, group)                                       \
+    do {                                                                      \
+        const gp_vec more_ = (group) - (lost);                                \
+        const gp_vec next_ = (total) + more_;                                 \
+        (lost) = (next_ - (total)) - more_;                                   \
+        (total) = next_;                                                      \
+    } while (0)
+
+/* First index in [lo, hi) whose column is >= x. */
+static inline uint32_t gp_first_from(const int32_t *col, uint32_t lo,
+                                     uint32_t hi, int x)
+{
+    while (lo < hi) {
+        const uint32_t mid = lo + (hi - lo) / 2;
+        if (col[mid] < x)
+            lo = mid + 1;
+        else
+            hi = mid;
+    }
+    return lo;
+}
 
 #endif

@@ -1,9 +1,6 @@
-#include "glare/direct/quad.h"
-
-#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/direct/sum.h"
+#include "glare/direct/direct.h"
 
 #include <limits.h>
 #include <stdbool.h>
@@ -67,32 +64,28 @@ size_t gp_quads_count(const struct gp_sources *src, int step)
     return n < src->n ? src->n : n < GP_QUAD * src->n ? n : GP_QUAD * src->n;
 }
 
-struct making {
+struct quading {
     const struct gp_sources *src;
     struct gp_quads *q;
+    int rows; // where quads may start
 };
 
-static int task_end(const struct making *m, int task)
+static void count_quads(void *ctx, int task, int thread)
 {
-    const int rows = m->src->h + GP_QUAD - 1;
+    const struct quading *const m = ctx;
     const int end = (task + 1) * ROWS_OF_TASK;
-    return end < rows ? end : rows;
-}
-
-static void count_rows(void *ctx, int task, int thread)
-{
-    const struct making *const m = ctx;
     (void) thread;
-    for (int r = task * ROWS_OF_TASK; r < task_end(m, task); r++)
+    for (int r = task * ROWS_OF_TASK; r < end && r < m->rows; r++)
         m->q->row[r + 1] = count_row(m->src, r + 1 - GP_QUAD);
 }
 
-static void fill_rows(void *ctx, int task, int thread)
+static void write_quads(void *ctx, int task, int thread)
 {
-    const struct making *const m = ctx;
+    const struct quading *const m = ctx;
     const struct gp_sources *const s = m->src;
+    const int end = (task + 1) * ROWS_OF_TASK;
     (void) thread;
-    for (int r = task * ROWS_OF_TASK; r < task_end(m, task); r++) {
+    for (int r = task * ROWS_OF_TASK; r < end && r < m->rows; r++) {
         struct heads h = open_rows(s, r + 1 - GP_QUAD);
         for (uint32_t n = m->q->row[r]; n < m->q->row[r + 1]; n++) {
             const int x = next_column(&h);
@@ -114,12 +107,12 @@ gp_status gp_quads_make(const struct gp_log *log, const struct gp_sources *src,
     gp_status st;
     void *v;
     struct gp_quads q = {0};
-    struct making m = {src, &q};
     const int rows = src->h + GP_QUAD - 1;
+    struct quading m = {src, &q, rows};
     const int tasks = (rows + ROWS_OF_TASK - 1) / ROWS_OF_TASK;
     GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q.row, &v));
     q.row = v;
-    gp_parallel_do(tasks, count_rows, &m);
+    gp_parallel_do(tasks, count_quads, &m);
     for (int r = 0; r < rows; r++) // counts become offsets
         q.row[r + 1] += q.row[r];
     q.n = q.row[rows];
@@ -129,7 +122,7 @@ gp_status gp_quads_make(const struct gp_log *log, const struct gp_sources *src,
         GP_TRY(gp_alloc(log, "direct", GP_QUAD * q.n, sizeof(float), &v));
         q.light[c] = v;
     }
-    gp_parallel_do(tasks, fill_rows, &m);
+    gp_parallel_do(tasks, write_quads, &m);
     *out = q;
     q = (struct gp_quads) {0};
 out:
@@ -153,7 +146,7 @@ void gp_quads_free(struct gp_quads *q)
 
 /* The quads that reach a strip of a band, in their order. k[at + y * pitch] is
  * the kernel's sample for the strip's first pixel of row y. */
-struct list {
+struct quad_list {
     int32_t *at;
     uint32_t *quad;
     uint32_t *row; // where the quads of a row start: first to last row
@@ -168,7 +161,7 @@ struct summing {
     struct gp_planes *layer;
     int w, h, panels;
     bool add;
-    struct list *list; // scratch of each thread
+    struct quad_list *list; // scratch of each thread
 };
 
 static int clamp(int v, int most)
@@ -186,21 +179,6 @@ static void rows_of(const struct summing *s, int y, int *from, int *to)
     *from = clamp(last + 1 - s->taps->h, *to);
 }
 
-static void open_band(const struct summing *s, int x0, int y0, int y1,
-                      struct list *l)
-{
-    int from, to, unused;
-    rows_of(s, y0, &from, &unused);
-    rows_of(s, y1 - 1, &unused, &to);
-    l->first = from;
-    l->rows = to - from;
-    // reached pixels of a source at x: [x - cx, x - cx + w)
-    const int x = x0 + s->taps->cx - s->taps->w + 1;
-    for (int r = from; r < to; r++)
-        l->from[r - from] =
-            gp_first_from(s->in->x, s->in->row[r], s->in->row[r + 1], x);
-}
-
 GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
                                uint32_t n, int32_t base, int32_t *restrict at,
                                uint32_t *restrict quad)
@@ -212,7 +190,7 @@ GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
 }
 
 /* Lists the quads that reach pixels [x0, x0 + STRIP) of the band. */
-static void list_strip(const struct summing *s, int x0, struct list *l)
+static void list_strip(const struct summing *s, int x0, struct quad_list *l)
 {
     const struct gp_quads *const in = s->in;
     const struct gp_taps *const t = s->taps;
@@ -283,21 +261,8 @@ GP_FUSED static void sum_quads(struct part p, const float *light,
     }
 }
 
-/* Adds or writes rows y to y + 3 of one strip and channel. */
-static void store_tile(const struct summing *s, int c, int x0, int y,
-                       const float sum[GP_QUAD * STRIP])
-{
-    const int cols = s->w - x0 < STRIP ? s->w - x0 : STRIP;
-    for (int r = 0; r < GP_QUAD && y + r < s->h; r++) {
-        float *const out =
-            s->layer->c[c] + (size_t) (y + r) * (size_t) s->w + x0;
-        for (int x = 0; x < cols; x++)
-            out[x] = s->add ? out[x] + sum[r * STRIP + x] : sum[r * STRIP + x];
-    }
-}
-
-/* Rows y to y + 3 of one strip. */
-static void sum_tile(const struct summing *s, const struct list *l, int x0,
+/* Adds or writes rows y to y + 3 of one strip. */
+static void sum_tile(const struct summing *s, const struct quad_list *l, int x0,
                      int y)
 {
     int from, to;
@@ -318,18 +283,36 @@ static void sum_tile(const struct summing *s, const struct list *l, int x0,
     for (int c = 0; c < 3; c++)
         sum_quads(p, s->in->light[c], s->taps->k[c],
                   (ptrdiff_t) y * (ptrdiff_t) s->taps->pitch, sum[c]);
-    for (int c = 0; c < 3; c++)
-        store_tile(s, c, x0, y, sum[c]);
+    const int cols = s->w - x0 < STRIP ? s->w - x0 : STRIP;
+    for (int i = 0; i < 3 * GP_QUAD; i++) {
+        const int c = i / GP_QUAD, r = i % GP_QUAD;
+        if (y + r >= s->h)
+            continue;
+        const float *const from_row = sum[c] + r * STRIP;
+        float *const out =
+            s->layer->c[c] + (size_t) (y + r) * (size_t) s->w + x0;
+        for (int x = 0; x < cols; x++)
+            out[x] = s->add ? out[x] + from_row[x] : from_row[x];
+    }
 }
 
 static void run_task(void *ctx, int i, int thread)
 {
     const struct summing *const s = ctx;
-    struct list *const l = &s->list[thread];
+    struct quad_list *const l = &s->list[thread];
     const int x0 = i % s->panels * PANEL, y0 = i / s->panels * BAND;
     const int x1 = x0 + PANEL < s->w ? x0 + PANEL : s->w;
     const int y1 = y0 + BAND < s->h ? y0 + BAND : s->h;
-    open_band(s, x0, y0, y1, l);
+    int from, to, unused;
+    rows_of(s, y0, &from, &unused);
+    rows_of(s, y1 - 1, &unused, &to);
+    l->first = from;
+    l->rows = to - from;
+    // reached pixels of a source at x: [x - cx, x - cx + w)
+    const int left = x0 + s->taps->cx - s->taps->w + 1;
+    for (int r = from; r < to; r++)
+        l->from[r - from] =
+            gp_first_from(s->in->x, s->in->row[r], s->in->row[r + 1], left);
     for (int x = x0; x < x1; x += STRIP) {
         list_strip(s, x, l);
         for (int y = y0; y < y1; y += GP_QUAD)
@@ -337,7 +320,7 @@ static void run_task(void *ctx, int i, int thread)
     }
 }
 
-static void list_free(struct list *l)
+static void free_list(struct quad_list *l)
 {
     gp_free(l->at);
     gp_free(l->quad);
@@ -346,8 +329,8 @@ static void list_free(struct list *l)
 }
 
 /* Room for n quads of `rows` rows. */
-static gp_status list_make(const struct gp_log *log, size_t n, int rows,
-                           struct list *l)
+static gp_status make_list(const struct gp_log *log, size_t n, int rows,
+                           struct quad_list *l)
 {
     gp_status st;
     void *v;
@@ -378,11 +361,11 @@ gp_status gp_quads_sum(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list, &v));
     s.list = v;
     for (int i = 0; i < threads; i++)
-        GP_TRY(list_make(log, quads->n, rows, &s.list[i]));
+        GP_TRY(make_list(log, quads->n, rows, &s.list[i]));
     gp_parallel_do(s.panels * ((h + BAND - 1) / BAND), run_task, &s);
 out:
     for (int i = 0; i < threads && s.list; i++)
-        list_free(&s.list[i]);
+        free_list(&s.list[i]);
     gp_free(s.list);
     return st;
 }

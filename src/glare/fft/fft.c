@@ -1,25 +1,45 @@
-#include "glare/engine.h"
-
+/* The engine fft: see split.c for what goes direct, pass.c for the transforms. */
 #include "core/memory.h"
-#include "core/parallel.h"
+#include "glare/bound/bound.h"
 #include "glare/direct/direct.h"
-#include "glare/fft/pass.h"
-#include "glare/fft/place.h"
-#include "glare/fft/spectrum.h"
-#include "glare/fft/state.h"
-#include "glare/fft/split.h"
+#include "glare/fft/fft_priv.h"
 
 #include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
 #include <string.h>
 
-static int max(int a, int b)
+/* Kept from frame to frame; each part is made anew when its key differs. */
+struct fft_state {
+    struct gp_fft_plan_pair plan[8]; // of the lengths used last, latest last
+    int plans;
+    unsigned long kernel; // serial of the spectrum's
+    struct gp_fft_placing placing;
+    int core;
+    struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
+    struct gp_fft_matrix work;     // of one channel: three leave the cache
+    size_t work_rows;
+    unsigned long taps_kernel; // serial of the taps'
+    struct gp_taps core_taps, all_taps;
+    int core_taps_radius;
+    unsigned long norms_kernel; // serial and frame of what follows
+    int norms_w, norms_h;
+    double tail[GP_FFT_CORES];
+    struct gp_fft_quarters quarters;
+    struct gp_bound_cache least;
+};
+
+static bool is_known(unsigned long serial, const struct gp_kernel *k)
 {
-    return a > b ? a : b;
+    return serial && serial == k->serial;
 }
 
-static int min(int a, int b)
+static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
+                         const struct gp_fft_placing *p, int core)
 {
-    return a < b ? a : b;
+    return s->spectrum.z[0] && is_known(s->kernel, k) && s->core == core &&
+           s->placing.nx == p->nx && s->placing.ny == p->ny &&
+           memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
 }
 
 /* v modulo n, in [0, n). */
@@ -30,7 +50,7 @@ static int wrap(int v, int n)
 
 static void close_state(void **state)
 {
-    struct gp_fft_state *const s = *state;
+    struct fft_state *const s = *state;
     if (s) {
         for (int i = 0; i < s->plans; i++)
             gp_fft_plan_free(&s->plan[i]);
@@ -45,7 +65,7 @@ static void close_state(void **state)
 
 /* The plans of length n, from the state or made; they stay when one more
  * length is asked for, but may move. */
-static gp_status find_plan(const struct gp_glare_job *job, struct gp_fft_state *s,
+static gp_status find_plan(const struct gp_glare_job *job, struct fft_state *s,
                            int n, const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
@@ -71,23 +91,83 @@ static gp_status find_plan(const struct gp_glare_job *job, struct gp_fft_state *
     return st;
 }
 
-static gp_status make_spectrum(const struct gp_glare_job *job,
-                               struct gp_fft_state *s, const struct gp_fft_job *fft,
-                               const struct gp_fft_placing *p, int core)
+// -- the kernel's spectrum ------------------------------------------------------
+
+struct kernel_rows {
+    const struct gp_kernel *kernel;
+    const struct gp_fft_placing *p;
+    int core;
+};
+
+/* Row of offset dy = taps.y0 + j, each sample at its offset modulo nx. */
+static void load_kernel_row(const void *ctx, int c, int j, float *z)
 {
-    if (gp_fft_same_spectrum(s, job->kernel, p, core))
-        return GP_OK;
-    gp_fft_matrix_free(&s->spectrum);
-    gp_status st = gp_fft_spectrum(fft, job->kernel, p, core, &s->spectrum);
-    if (st)
-        return st;
-    s->kernel = job->kernel->serial;
-    s->placing = *p;
-    s->core = core;
-    return GP_OK;
+    const struct kernel_rows *const r = ctx;
+    const struct gp_kernel *const k = r->kernel;
+    const int dy = r->p->taps.y0 + j, nx = r->p->nx;
+    const float *const row =
+        k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
+    for (int dx = r->p->taps.x0; dx < r->p->taps.x1; dx++) {
+        const int inside = abs(dx) <= r->core && abs(dy) <= r->core;
+        if (!inside)
+            z[2 * wrap(dx, nx)] = row[dx];
+    }
 }
 
-/* -- one frame ---------------------------------------------------------------*/
+/* A matrix of one plane, as the plane of channel c; borrowed. */
+static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
+{
+    struct gp_fft_matrix view = {.columns = m->columns, .pitch = m->pitch};
+    view.z[c] = m->z[0];
+    return view;
+}
+
+/* Transforms the kernel, its samples within `core` pixels of the centre in x
+ * and y left out (-1: none), unless the state has that spectrum: one channel
+ * (a grey kernel) or three of p->ny rows, scaled so that the passes need no
+ * more factors. fft has the plans of p->nx and p->ny and one channel. */
+static gp_status make_spectrum(const struct gp_glare_job *job,
+                               struct fft_state *s,
+                               const struct gp_fft_job *fft,
+                               const struct gp_fft_placing *p, int core)
+{
+    gp_status st = GP_OK;
+    const struct gp_kernel *const k = job->kernel;
+    const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
+    const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
+    struct gp_fft_matrix rows = {0}, spectrum = {0};
+    void *v = NULL;
+    struct gp_fft_job one = *fft;
+    // two factors 1/2 were left out on the way in: the kernel's rows, the
+    // sources' rows
+    const float scale = (float) (0.25 / ((double) p->nx * p->ny));
+    if (has_spectrum(s, k, p, core))
+        return GP_OK;
+    gp_fft_matrix_free(&s->spectrum);
+    GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, n, &rows));
+    GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny, &spectrum));
+    GP_TRY(gp_alloc(job->log, "transform", (size_t) n, sizeof(int), &v));
+    int *const places = v;
+    for (int j = 0; j < n; j++)
+        places[j] = wrap(p->taps.y0 + j, p->ny);
+    for (one.channel = 0; one.channel < channels; one.channel++) {
+        struct gp_fft_matrix m = one_channel(&rows, one.channel);
+        GP_TRY(gp_fft_rows_in(&one, n, load_kernel_row, &from, &m));
+        GP_TRY(gp_fft_columns(&one, &m, n, places, scale, &spectrum));
+    }
+    s->spectrum = spectrum;
+    spectrum = (struct gp_fft_matrix) {0};
+    s->kernel = k->serial;
+    s->placing = *p;
+    s->core = core;
+out:
+    gp_fft_matrix_free(&spectrum);
+    gp_free(v);
+    gp_fft_matrix_free(&rows);
+    return st;
+}
+
+// -- one frame ------------------------------------------------------------------
 
 /* Rows of the frame that hold light, in order, and where they stand. */
 struct light_rows {
@@ -98,28 +178,7 @@ struct light_rows {
     int *y, *place;
 };
 
-static gp_status find_light(const struct gp_log *log,
-                            const struct gp_sources *s,
-                            const struct gp_fft_placing *p, struct light_rows *out)
-{
-    gp_status st;
-    void *v;
-    const size_t rows = (size_t) gp_rect_h(p->in);
-    GP_TRY(gp_alloc(log, "transform", rows, sizeof(int), &v));
-    out->y = v;
-    GP_TRY(gp_alloc(log, "transform", rows, sizeof(int), &v));
-    out->place = v;
-    for (int y = p->in.y0; y < p->in.y1; y++) {
-        if (s->row[y + 1] > s->row[y]) {
-            out->y[out->n] = y;
-            out->place[out->n++] = y - p->in.y0;
-        }
-    }
-out:
-    return st;
-}
-
-static void load_light(const void *ctx, int c, int j, float *z)
+static void load_light_row(const void *ctx, int c, int j, float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_sources *const s = r->src;
@@ -130,7 +189,7 @@ static void load_light(const void *ctx, int c, int j, float *z)
 
 /* Output row j back to the layer: places start at the box's corner, modulo
  * nx. */
-static void store_layer(const void *ctx, int c, int j, const float *z)
+static void store_layer_row(const void *ctx, int c, int j, const float *z)
 {
     const struct light_rows *const r = ctx;
     const struct gp_fft_placing *const p = r->p;
@@ -139,7 +198,8 @@ static void store_layer(const void *ctx, int c, int j, const float *z)
         r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = wrap(p->out.x0 - p->in.x0, p->nx);
-    const int seam = min(p->out.x0 + p->nx - first, p->out.x1);
+    const int end = p->out.x0 + p->nx - first;
+    const int seam = end < p->out.x1 ? end : p->out.x1;
     for (int x = p->out.x0; x < seam; x++)
         row[x] = z[2 * (x - p->out.x0 + first)];
     for (int x = seam; x < p->out.x1; x++)
@@ -156,7 +216,7 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */
-static gp_status transform(const struct gp_glare_job *job, struct gp_fft_state *s,
+static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
                            const struct gp_sources *src,
                            const struct gp_fft_placing *p, int core)
 {
@@ -165,14 +225,25 @@ static gp_status transform(const struct gp_glare_job *job, struct gp_fft_state *
     struct light_rows light = {.src = src, .p = p, .layer = job->layer};
     const int count = gp_rect_h(p->out);
     const struct gp_fft_plan_pair *x, *y;
+    void *v[2] = {NULL, NULL};
     GP_TRY(find_plan(job, s, p->ny, &y));
     const struct gp_fft_plan_pair kept = *y; // the list may move
     GP_TRY(find_plan(job, s, p->nx, &x));
     fft.x = x;
     fft.y = &kept;
     GP_TRY(make_spectrum(job, s, &fft, p, core));
-    GP_TRY(find_light(job->log, src, p, &light));
-    const int rows = max(light.n, count);
+    const size_t lit = (size_t) gp_rect_h(p->in);
+    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &v[0]));
+    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &v[1]));
+    light.y = v[0];
+    light.place = v[1];
+    for (int row = p->in.y0; row < p->in.y1; row++) {
+        if (src->row[row + 1] > src->row[row]) {
+            light.y[light.n] = row;
+            light.place[light.n++] = row - p->in.y0;
+        }
+    }
+    const int rows = light.n > count ? light.n : count;
     if (s->work.columns != (p->nx / 2 + 4) / 4 * 4 ||
         s->work_rows != (size_t) rows) {
         gp_fft_matrix_free(&s->work);
@@ -183,27 +254,27 @@ static gp_status transform(const struct gp_glare_job *job, struct gp_fft_state *
     clear_rows(job, p->out.y1, src->h);
     const int first = wrap(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
-        struct gp_fft_matrix m = gp_fft_channel(&s->work, fft.channel);
-        GP_TRY(gp_fft_rows_in(&fft, light.n, load_light, &light, &m));
+        struct gp_fft_matrix m = one_channel(&s->work, fft.channel);
+        GP_TRY(gp_fft_rows_in(&fft, light.n, load_light_row, &light, &m));
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
                                job->kernel->grey ? 1 : 3, first, count));
-        GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer, &light));
+        GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
 out:
-    gp_free(light.y);
-    gp_free(light.place);
+    gp_free(v[0]);
+    gp_free(v[1]);
     return st;
 }
 
 /* What goes direct: the core for all that was transformed, and hot sources
  * whole. */
-static gp_status add_direct(const struct gp_glare_job *job, struct gp_fft_state *s,
+static gp_status add_direct(const struct gp_glare_job *job, struct fft_state *s,
                             const struct gp_fft_split *split,
                             const struct gp_sources *hot,
                             const struct gp_sources *rest)
 {
     gp_status st = GP_OK;
-    if (!gp_fft_is_known(s->taps_kernel, job->kernel)) {
+    if (!is_known(s->taps_kernel, job->kernel)) {
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
         s->taps_kernel = job->kernel->serial;
@@ -225,54 +296,49 @@ static gp_status add_direct(const struct gp_glare_job *job, struct gp_fft_state 
     return st;
 }
 
-static void find_norms(struct gp_fft_state *s, const struct gp_kernel *k,
-                       const struct gp_sources *src)
+/* Opens the state and finds where all sources stand, and what of the sum goes
+ * direct; p->nx is 0 when no light reaches the frame. */
+static gp_status place_and_split(const struct gp_glare_job *job, void **state,
+                                 struct gp_fft_placing *p,
+                                 struct gp_fft_split *split)
 {
-    if (gp_fft_is_known(s->norms_kernel, k) && s->norms_w == src->w &&
-        s->norms_h == src->h)
-        return;
-    gp_fft_tail_norms(k, s->tail);
-    gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
-    s->norms_kernel = k->serial;
-    s->norms_w = src->w;
-    s->norms_h = src->h;
-}
-
-static gp_status open_state(const struct gp_glare_job *job, void **state)
-{
-    return *state ? GP_OK
-                  : gp_alloc_zero(job->log, "fft", 1, sizeof(struct gp_fft_state),
-                                  state);
-}
-
-/* Where all sources stand, and what of the sum goes direct; p->nx is 0 when no
- * light reaches the frame. */
-static void place_and_split(const struct gp_glare_job *job, struct gp_fft_state *s,
-                            struct gp_fft_placing *p,
-                            struct gp_fft_split *split)
-{
+    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const src = job->src;
+    if (!*state) {
+        gp_status st = gp_alloc_zero(job->log, "fft", 1,
+                                     sizeof(struct fft_state), state);
+        if (st)
+            return st;
+    }
+    struct fft_state *const s = *state;
     *split = (struct gp_fft_split) {.core = -1, .hot = INFINITY};
-    *p = gp_fft_place(job->src, job->kernel);
+    *p = gp_fft_place(src, k);
     if (!p->nx)
-        return;
-    find_norms(s, job->kernel, job->src);
-    gp_fft_split_choose(job->src, job->kernel, s->tail,
-                        (double) p->nx * p->ny,
-                        gp_fft_predict_ms(job->src, p),
+        return GP_OK;
+    if (!is_known(s->norms_kernel, k) || s->norms_w != src->w ||
+        s->norms_h != src->h) {
+        gp_fft_tail_norms(k, s->tail);
+        gp_fft_find_quarters(k, src->w, src->h, &s->quarters);
+        s->norms_kernel = k->serial;
+        s->norms_w = src->w;
+        s->norms_h = src->h;
+    }
+    // never by how plans are made: the layer would then depend on it
+    gp_fft_split_choose(src, k, s->tail, (double) p->nx * p->ny,
+                        gp_fft_passes_ms(src, p, GP_FFT_PLAN_MEASURE),
                         (double) job->params->gain, split);
+    return GP_OK;
 }
 
 /* Each part is within its bound of its own share of the layer, of which the
  * norm is at least `least`. */
 static double bound_of(const struct gp_glare_job *job,
-                       const struct gp_fft_state *s,
                        const struct gp_fft_placing *p,
                        const struct gp_fft_split *split, double least)
 {
     const size_t n = job->src->n;
-    const struct gp_taps taps = {.lobes = s->quarters.lobes};
     const int parts = (split->core >= 0) + (split->hot_count > 0);
-    double sum = parts ? parts * gp_direct_bound(&taps, n) : 0.0;
+    double sum = parts ? parts * gp_direct_bound(job->kernel, n) : 0.0;
     if (p->nx && split->hot_count < n)
         sum += gp_fft_bound(job->src, job->kernel, least, p);
     return sum;
@@ -287,35 +353,33 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
     struct gp_fft_placing p;
     struct gp_fft_split split;
     double least;
-    gp_status st = open_state(job, state);
+    gp_status st = place_and_split(job, state, &p, &split);
     if (st)
         return st;
-    struct gp_fft_state *const s = *state;
-    place_and_split(job, s, &p, &split);
+    struct fft_state *const s = *state;
     const double anywhere = gp_fft_least(job->src, &s->quarters);
-    *out = bound_of(job, s, &p, &split, anywhere);
-    if (*out <= (double) job->params->tolerance || s->quarters.lobes)
+    *out = bound_of(job, &p, &split, anywhere);
+    if (*out <= (double) job->params->tolerance || job->kernel->negative)
         return GP_OK;
     st = gp_layer_least(job->log, job->src, job->kernel, &s->least, &least);
     if (!st)
-        *out = bound_of(job, s, &p, &split, fmax(least, anywhere));
+        *out = bound_of(job, &p, &split, fmax(least, anywhere));
     return st;
 }
 
 static gp_status run(const struct gp_glare_job *job, void **state)
 {
-    gp_status st = open_state(job, state);
-    if (st)
-        return st;
-    struct gp_fft_state *const s = *state;
     struct gp_sources hot = {0}, rest = {0};
     const struct gp_sources *src = job->src;
     struct gp_fft_split split;
     struct gp_fft_placing p;
-    place_and_split(job, s, &p, &split);
+    gp_status st = place_and_split(job, state, &p, &split);
+    if (st)
+        return st;
+    struct fft_state *const s = *state;
     if (!(job->stats->bound > 0.0))
         job->stats->bound =
-            bound_of(job, s, &p, &split, gp_fft_least(src, &s->quarters));
+            bound_of(job, &p, &split, gp_fft_least(src, &s->quarters));
     if (split.hot_count) {
         GP_TRY(gp_sources_split(job->log, src, split.hot, &hot, &rest));
         src = &rest;
@@ -336,10 +400,105 @@ out:
     return st;
 }
 
+// -- what a frame will take -----------------------------------------------------
+
+static bool has_plan(const struct fft_state *s, int n, enum gp_fft_plan how)
+{
+    for (int i = 0; i < s->plans; i++) {
+        if (s->plan[i].n == n && s->plan[i].how == how)
+            return true;
+    }
+    return false;
+}
+
+/* What a run with this placing has to make before it can start. */
+static double setup_ms(const struct gp_glare_job *job,
+                       const struct fft_state *s,
+                       const struct gp_fft_placing *p, int core)
+{
+    const struct gp_glare_params *const params = job->params;
+    // a file that keeps measured plans is taken to have these
+    const double plan = params->fft_plan == GP_FFT_PLAN_MEASURE &&
+                                !params->wisdom
+                            ? GP_COST_FFT_PLAN_MEASURE
+                            : GP_COST_FFT_PLAN_ESTIMATE;
+    const double rows = fmax(gp_rect_h(p->in), gp_rect_h(p->out));
+    double ms = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
+    if (!has_plan(s, p->nx, params->fft_plan))
+        ms += plan;
+    if (p->ny != p->nx && !has_plan(s, p->ny, params->fft_plan))
+        ms += plan;
+    if (!has_spectrum(s, job->kernel, p, core))
+        ms += gp_fft_spectrum_ms(job->kernel->grey ? 1 : 3, p,
+                                 params->fft_plan);
+    if (!s->work.z[0])
+        ms += GP_COST_FRESH_BYTE * 4.0 * p->nx * rows;
+    return ms;
+}
+
+/* What goes direct. Finding the tails' norms takes as long as a small frame:
+ * not before it is known that without a core it is too wrong. */
+static void predict_split(const struct gp_glare_job *job,
+                          const struct fft_state *s,
+                          const struct gp_fft_placing *p,
+                          struct gp_fft_split *split)
+{
+    const struct gp_kernel *const k = job->kernel;
+    const double points = (double) p->nx * p->ny;
+    const double ms = gp_fft_passes_ms(job->src, p, GP_FFT_PLAN_MEASURE);
+    const double gain = (double) job->params->gain;
+    const bool known = is_known(s->norms_kernel, k);
+    double tail[GP_FFT_CORES] = {
+        fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
+    };
+    if (known)
+        memcpy(tail, s->tail, sizeof tail);
+    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
+    if (known || (split->core < 0 && split->hot_count == 0))
+        return;
+    gp_fft_tail_norms(k, tail);
+    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
+}
+
+static struct gp_prediction predict(const struct gp_glare_job *job,
+                                    const void *state)
+{
+    static const struct fft_state empty;
+    const struct fft_state *const s = state ? state : &empty;
+    const struct gp_sources *const src = job->src;
+    const struct gp_kernel *const k = job->kernel;
+    const enum gp_fft_plan how = job->params->fft_plan;
+    const double sources = 3.0 * GP_COST_FFT_SOURCE * (double) src->n;
+    struct gp_fft_placing p = gp_fft_place(src, k);
+    struct gp_fft_split split;
+    struct gp_prediction ms = {GP_COST_FFT_RUN, GP_COST_FFT_RUN, false};
+    if (!p.nx)
+        return ms;
+    const double passes = sources + gp_fft_passes_ms(src, &p, how);
+    if (job->enough > 0.0 && passes > job->enough) {
+        ms.ms = ms.later_ms = GP_COST_FFT_RUN + passes;
+        ms.more = true;
+        return ms;
+    }
+    predict_split(job, s, &p, &split);
+    ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
+    if (!is_known(s->norms_kernel, k))
+        ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
+    if (split.hot_count == src->n)
+        return ms;
+    // without the hot ones the rest may stand elsewhere: where it stood before
+    if (split.hot_count && is_known(s->kernel, k) && s->core == split.core)
+        p = s->placing;
+    const double again = sources + gp_fft_passes_ms(src, &p, how);
+    ms.later_ms += again;
+    ms.ms += again + setup_ms(job, s, &p, split.core);
+    return ms;
+}
+
 const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
-    .predict = gp_fft_predict,
+    .predict = predict,
     .bound = bound,
     .run = run,
     .close = close_state,

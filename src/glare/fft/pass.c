@@ -1,4 +1,4 @@
-#include "glare/fft/pass.h"
+#include "glare/fft/fft.h"
 
 #include "core/cpu.h"
 #include "core/memory.h"

@@ -71,7 +71,7 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
     double ms = polygon_ms(job, ceil(n / area), crop) + GP_COST_GL_SOURCE * n +
           GP_COST_GL_TRANSFER * s->w * s->h;
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
-        ms += n * GP_DIRECT_MS_PER_TAP *
+        ms += n * GP_COST_DIRECT_TAP *
               (2 * GP_CORE_RADIUS + 1) * (2 * GP_CORE_RADIUS + 1);
     return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};
 }

@@ -3,17 +3,6 @@
 #include "core/parallel.h"
 #include "glare/compose.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 enum { MAX_SOURCES = 256 };
 
 struct scene {

@@ -1,7 +1,7 @@
 /* glare/direct/quad.c: quads hold all light once, and their sum is the sum. */
 #include "unit.h"
 #include "core/parallel.h"
-#include "glare/direct/quad.h"
+#include "glare/direct/direct.h"
 #include "hard_cases.h"
 
 enum pattern { FULL, STARS, LINES, PANES, EDGES, ONE, NOTHING };
@@ -42,7 +42,7 @@ static const struct quad_case {
     {31, 29, FULL, 5, 5, 40, 2, -1},  {31, 29, FULL, 5, 5, -12, 30, -1},
     {31, 29, FULL, 5, 5, 400, 400, -1},
 };
-enum { CASES = sizeof cases / sizeof *cases };
+enum { CASES = COUNT(cases) };
 
 static struct scene open_case(const struct quad_case *c)
 {
@@ -194,7 +194,7 @@ static void the_form_goes_with_the_light(void **state)
         int quads;
     } rows[] = {{FULL, 1}, {PANES, 1}, {STARS, 0}, {LINES, 0}, {ONE, 0}};
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = open_case(
             &(struct quad_case) {96, 96, rows[i].pattern, 9, 9, 4, 4, -1});
         const double quads = gp_direct_quads(&s.src);

@@ -1,9 +1,7 @@
 /* glare/fft/split.c: what goes direct, what it costs, and that the rounding
  * it predicts is kept. */
 #include "unit.h"
-#include "glare/fft/lib.h"
-#include "glare/fft/place.h"
-#include "glare/fft/split.h"
+#include "glare/fft/fft_priv.h"
 #include "hard_cases.h"
 
 /* -- choices ----------------------------------------------------------------*/
@@ -21,7 +19,7 @@ static struct chosen choose(const struct scene *s, double gain)
     struct gp_fft_split unseen;
     const struct gp_fft_placing p = gp_fft_place(&s->src, &s->k);
     const double points = (double) p.nx * p.ny;
-    c.fft_ms = gp_fft_predict_ms(&s->src, &p);
+    c.fft_ms = gp_fft_passes_ms(&s->src, &p, GP_FFT_PLAN_MEASURE);
     gp_fft_tail_norms(&s->k, tail);
     gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, gain,
                         &c.split);
@@ -54,7 +52,7 @@ static void choices_keep_the_rules(void **state)
             scene_free(&s);
             continue;
         }
-        for (size_t g = 0; g < sizeof gains / sizeof *gains; g++) {
+        for (size_t g = 0; g < COUNT(gains); g++) {
             const struct chosen c = choose(&s, gains[g]);
             const int none = c.split.core < 0 && c.split.hot_count == 0;
             split += !none;
@@ -101,7 +99,7 @@ static void tails_are_the_rest(void **state)
         {75, 41, 3, 40}, {31, 31, -9, 12}, {31, 31, 400, 400},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof kernels / sizeof *kernels; i++) {
+    for (size_t i = 0; i < COUNT(kernels); i++) {
         const int *const r = kernels[i];
         struct gp_kernel k = scene_kernel(r[0], r[1], r[2], r[3], TINTED);
         double tail[GP_FFT_CORES];
@@ -150,7 +148,7 @@ static void parts_hold_all(void **state)
     static const float limits[] = {0.0f, 1.1f, 2.0f, 100.0f, 1e6f, INFINITY};
     (void) state;
     struct scene s = hard_sense(&hard_cases[6]);
-    for (size_t k = 0; k < sizeof limits / sizeof *limits; k++) {
+    for (size_t k = 0; k < COUNT(limits); k++) {
         struct gp_sources part[2];
         assert_int_equal(gp_sources_split(NULL, &s.src, limits[k],
                                               &part[0], &part[1]), GP_OK);

@@ -2,21 +2,10 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "core/parallel.h"
-#include "glare/eye.h"
+#include "glare/glare_priv.h"
 #include "glare/kernel.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 
 static char last_line[512];
 

@@ -136,7 +136,7 @@ static void light_moves_its_layer(void **state)
     struct scene a = scene_make(moved(0, 0),
                                 scene_kernel(31, 29, MID, 0, TINTED), &usual);
     assert_true(a.src.n > 1);
-    for (size_t k = 0; k < sizeof steps / sizeof *steps; k++) {
+    for (size_t k = 0; k < COUNT(steps); k++) {
         const int dx = steps[k][0], dy = steps[k][1];
         struct scene b = scene_make(moved(dx, dy),
                                     scene_kernel(31, 29, MID, 0, TINTED),
@@ -170,7 +170,7 @@ static void windows_change_no_byte(void **state)
         if (!ran_once(gp_engines[i]->name, &a, &stats, "window"))
             continue;
         const uint64_t hash = scene_hash(&a);
-        for (size_t k = 0; k < sizeof corner / sizeof *corner; k++) {
+        for (size_t k = 0; k < COUNT(corner); k++) {
             struct scene b = scene_make(
                 scene_frame(97, 61, corner[k][0], corner[k][1], FEW, 5u),
                 scene_kernel(31, 29, MID, 0, TINTED), &usual);

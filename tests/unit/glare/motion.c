@@ -4,12 +4,6 @@
 #include "unit.h"
 #include "motion.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
-
 /* How a technique's layer comes about: by an engine, or, for those that are
  * slow on a software GL, by the polygons' plain form in double. */
 struct technique {
@@ -48,7 +42,7 @@ static const struct technique techniques[] = {
     {"the default", NULL, GP_SPLAT_DEFAULTS, 1e-3, 1e-2, 2e-3},
     {"the default, drawn by GL", "splat", GP_SPLAT_DEFAULTS, 1e-3, 1e-2, 2e-3},
 };
-enum { TECHNIQUES = (int) (sizeof techniques / sizeof *techniques) };
+enum { TECHNIQUES = (int) (COUNT(techniques)) };
 
 static const size_t pixels = (size_t) MOTION_SIZE * MOTION_SIZE;
 

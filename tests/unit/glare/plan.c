@@ -2,16 +2,8 @@
  * predictions and bounds promise. */
 #include "unit.h"
 #include "core/parallel.h"
-#include "glare/cost.h"
-#include "glare/plan.h"
+#include "glare/glare_priv.h"
 #include "glare_scene.h"
-
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <setjmp.h>
-
-#include <cmocka.h>
 
 // -- one frame ----------------------------------------------------------------
 
@@ -102,7 +94,7 @@ static const struct row {
 static void one_frame(void **state)
 {
     (void) state;
-    for (size_t r = 0; r < sizeof rows / sizeof *rows; r++) {
+    for (size_t r = 0; r < COUNT(rows); r++) {
         const struct row *const w = &rows[r];
         struct gp_plan_past past = {0};
         struct asked asked = {0};
@@ -171,7 +163,7 @@ static const struct change {
 static void a_choice_is_kept(void **state)
 {
     (void) state;
-    for (size_t r = 0; r < sizeof changes / sizeof *changes; r++) {
+    for (size_t r = 0; r < COUNT(changes); r++) {
         const struct change *const w = &changes[r];
         struct gp_plan_past past = {0};
         struct asked asked = {0};
@@ -342,27 +334,6 @@ static void the_tolerance_is_kept_or_said(void **state)
     }
 }
 
-// -- costs --------------------------------------------------------------------
-
-static void costs_lie_between(void **state)
-{
-    (void) state;
-    static const double v[3] = {1.0, 2.0, 6.0};
-    assert_true(gp_cost_at(v, 0.0, 64.0) == 1.0);
-    assert_true(gp_cost_at(v, 64.0, 64.0) == 1.0);
-    assert_true(gp_cost_at(v, 256.0, 64.0) == 1.5);
-    assert_true(gp_cost_at(v, 1024.0, 64.0) == 2.0);
-    assert_true(gp_cost_at(v, 4096.0, 64.0) == 4.0);
-    assert_true(gp_cost_at(v, 16384.0, 64.0) == 6.0);
-    assert_true(gp_cost_at(v, 1e9, 64.0) == 6.0);
-    for (int n = 1; n <= 1 << 15; n += n < 200 ? 1 : 97) {
-        for (int how = 0; how < 2; how++) {
-            const double ms = gp_cost_transform(n, (enum gp_fft_plan) how);
-            assert_true(ms > 0.0 && ms < 1e3);
-        }
-    }
-}
-
 SUITE(plan)
 {
     const struct CMUnitTest tests[] = {
@@ -374,7 +345,6 @@ SUITE(plan)
         cmocka_unit_test(candidates_are_whole),
         cmocka_unit_test(states_count),
         cmocka_unit_test(the_tolerance_is_kept_or_said),
-        cmocka_unit_test(costs_lie_between),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

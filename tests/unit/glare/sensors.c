@@ -54,9 +54,10 @@ static void run_plain(void *ctx, double *out)
             rgb[c] = plain_clean(p->plain[(size_t) c * n + i],
                                  pair_params->max_value);
         const float y = plain_luminance(p->f.luminance, rgb);
-        for (int c = 0; c < 3; c++)
-            out[(size_t) c * n + i] =
-                (double) (fmaxf(rgb[c], 0.0f) * gp_bright_pass(pair_params, y));
+        for (int c = 0; c < 3; c++) {
+            const float v = fmaxf(rgb[c], 0.0f) * gp_bright_pass(pair_params, y);
+            out[(size_t) c * n + i] = v < FLT_MIN ? 0.0 : (double) v;
+        }
     }
 }
 
@@ -98,7 +99,7 @@ static void sensors_equal_the_words(void **state)
         {FLT_MAX, 0.0f, FLT_MAX},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof params / sizeof *params; i++) {
+    for (size_t i = 0; i < COUNT(params); i++) {
         pair_params = &params[i];
         pair_run(&sensors_pair);
     }
@@ -127,7 +128,7 @@ static void bad_pixels_stay_alone(void **state)
     };
     static const int sizes[][2] = {{1, 1}, {16, 16}, {37, 35}};
     (void) state;
-    for (size_t i = 0; i < 3 * sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < 3 * COUNT(rows); i++) {
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
         struct gp_frame f = scene_frame(w, h, 0, 0, DARK, 9u);
         struct gp_frame was = scene_frame(w, h, 0, 0, DARK, 9u);
@@ -175,7 +176,7 @@ static void knee_is_smooth(void **state)
 {
     static const float knees[] = {1e-3f, 0.1f, 0.5f, 1.0f};
     (void) state;
-    for (size_t i = 0; i < sizeof knees / sizeof *knees; i++) {
+    for (size_t i = 0; i < COUNT(knees); i++) {
         const struct gp_sensor_params p = {2.0f, knees[i], 100.0f};
         const double lo = 2.0 * (1.0 - (double) knees[i]);
         const double wide = 4.0 * (double) knees[i];

@@ -4,8 +4,8 @@
 #include "unit.h"
 #include "core/memory.h"
 #include "glare/sources.h"
-#include "glare/fft/lib.h"
-#include "glare/plan.h"
+#include "glare/fft/fft.h"
+#include "glare/glare_priv.h"
 #include "glare/splat/state.h"
 #include "gl/gl_priv.h"
 #include "glare_scene.h"
@@ -13,12 +13,7 @@
 #include "said.h"
 
 #include <dlfcn.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // -- FFTW
 // -------------------------------------------------------------------------
@@ -35,7 +30,7 @@ static void fftw_is_missing(void **state)
     const struct gp_fftwf *lib;
     struct gp_fft_plan_pair pair = {0};
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         fail_always.library = rows[i].library;
         fail_always.symbol = rows[i].symbol;
         said_nothing();
@@ -138,7 +133,7 @@ static void wisdom_is_not_kept(void **state)
         gp_fft_plan_free(&p);
     }
     assert_int_equal(rmdir(folder), 0); // it is empty
-    assert_true(gp_fft_cost(1) == 1.0);
+    assert_true(gp_fft_cost(1, GP_FFT_PLAN_MEASURE) == 1.0);
 }
 
 // -- extra light
@@ -152,7 +147,7 @@ static void extra_light_is_checked(void **state)
     };
     struct scene s = make_scene(DARK, 20, 10, 5, MID);
     (void) state;
-    for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
+    for (size_t i = 0; i < COUNT(outside); i++) {
         struct gp_sources out = {0};
         struct gp_source one = outside[i];
         said_nothing();

@@ -1,0 +1,354 @@
+#include "app/compare_figures.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- pairs of channels -------------------------------------------------------
+
+static const struct gp_raw_channel *find(const struct gp_raw_image *image,
+                                         const char *name)
+{
+    for (int i = 0; i < image->channels; i++) {
+        if (strcmp(image->channel[i].name, name) == 0)
+            return &image->channel[i];
+    }
+    return NULL;
+}
+
+static void add_pair(struct gp_compare_match *m, const char *name)
+{
+    const struct gp_compare_pair p = {find(m->a, name), find(m->b, name)};
+    for (int i = 0; i < m->pairs; i++) {
+        if (strcmp(gp_compare_name(m, i), name) == 0)
+            return;
+    }
+    if (!p.a && !p.b)
+        return;
+    m->pair[m->pairs++] = p;
+    m->shared += p.a && p.b;
+}
+
+static int least(int a, int b)
+{
+    return a < b ? a : b;
+}
+
+static int most(int a, int b)
+{
+    return a > b ? a : b;
+}
+
+gp_status gp_compare_match_make(const struct gp_log *log,
+                                const struct gp_raw_image *a,
+                                const struct gp_raw_image *b,
+                                struct gp_compare_match *m)
+{
+    static const char *const first[] = {"R", "G", "B", "A"};
+    void *block;
+    *m = (struct gp_compare_match) {
+        .a = a, .b = b,
+        .window = {least(a->data.x0, b->data.x0), least(a->data.y0, b->data.y0),
+                   most(a->data.x1, b->data.x1), most(a->data.y1, b->data.y1)},
+    };
+    gp_status st = gp_alloc(log, "channels",
+                            (size_t) a->channels + (size_t) b->channels + 1,
+                            sizeof *m->pair, &block);
+    if (st)
+        return st;
+    m->pair = block;
+    for (int i = 0; i < 4; i++) // as idiff has them: the first of equals wins
+        add_pair(m, first[i]);
+    for (int i = 0; i < a->channels; i++)
+        add_pair(m, a->channel[i].name);
+    for (int i = 0; i < b->channels; i++)
+        add_pair(m, b->channel[i].name);
+    return GP_OK;
+}
+
+void gp_compare_match_free(struct gp_compare_match *m)
+{
+    GP_FREE(m->pair);
+    m->pairs = 0;
+}
+
+const char *gp_compare_name(const struct gp_compare_match *m, int pair)
+{
+    const struct gp_compare_pair *const p = &m->pair[pair];
+    return p->a ? p->a->name : p->b->name;
+}
+
+// -- values ------------------------------------------------------------------
+
+/* The index of a pixel of the window in an image, or -1 outside it. */
+static int64_t place(const struct gp_raw_image *image, int x, int y)
+{
+    const struct gp_rect r = image->data;
+    if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
+        return -1;
+    return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
+}
+
+static double value(const struct gp_raw_channel *c, int64_t at)
+{
+    if (!c || at < 0)
+        return 0.0;
+    return c->whole ? (double) ((const uint32_t *) c->v)[at]
+                    : (double) ((const float *) c->v)[at];
+}
+
+static bool same_nonfinite(double a, double b)
+{
+    return (isnan(a) && isnan(b)) || (isinf(a) && a == b);
+}
+
+// -- sums --------------------------------------------------------------------
+
+/* Of a row. */
+struct sums {
+    double error, square, reference; // of |a-b|, (a-b)^2, a^2
+    double peak;                     // largest |value|
+    double max;
+    int x, channel;                  // of max
+    double worst_a, worst_b;
+    long long nonfinite, warned, failed;
+    double bright, relative;         // largest Y of a; max_rel
+};
+
+struct measure {
+    const struct gp_compare_settings *limits;
+    const struct gp_compare_match *m;
+    struct sums *row;
+    double bright;                   // of all rows
+};
+
+static void worse(struct sums *s, double error, int x, int channel, double a,
+                  double b)
+{
+    if (!(error > s->max))
+        return;
+    s->max = error;
+    s->x = x;
+    s->channel = channel;
+    s->worst_a = a;
+    s->worst_b = b;
+}
+
+/* One value; *failed and *warned are of its pixel. */
+static void add_value(const struct gp_compare_settings *l, struct sums *s,
+                      const struct gp_compare_pair *p, int64_t at_a,
+                      int64_t at_b, int x, int channel, bool *failed,
+                      bool *warned)
+{
+    const double a = value(p->a, at_a), b = value(p->b, at_b);
+    if (!isfinite(a) || !isfinite(b)) {
+        if (same_nonfinite(a, b))
+            return;
+        s->nonfinite++;
+        *failed = *warned = true;
+        worse(s, (double) INFINITY, x, channel, a, b);
+        return;
+    }
+    const bool whole = (p->a && p->a->whole) || (p->b && p->b->whole);
+    // floats are subtracted as floats: idiff's figures to the last digit
+    const double f = whole ? fabs(a - b)
+                           : (double) fabsf((float) a - (float) b);
+    const double mean = 0.5 * (fabs(a) + fabs(b));
+    const double rel = mean > 0.0 ? f / mean : 0.0;
+    s->error += f;
+    s->square += f * f;
+    s->reference += a * a;
+    s->peak = fmax(s->peak, fmax(fabs(a), fabs(b)));
+    worse(s, f, x, channel, a, b);
+    *warned = *warned || (f > (double) l->warn &&
+                          rel > (double) l->warn_relative);
+    *failed = *failed || (f > (double) l->fail &&
+                          rel > (double) l->fail_relative);
+}
+
+static void sum_row(void *ctx, int row, int thread)
+{
+    (void) thread;
+    const struct measure *const t = ctx;
+    const struct gp_compare_match *const m = t->m;
+    struct sums *const s = &t->row[row];
+    const int y = m->window.y0 + row;
+    for (int x = m->window.x0; x < m->window.x1; x++) {
+        const int64_t a = place(m->a, x, y), b = place(m->b, x, y);
+        bool failed = false, warned = false;
+        for (int c = 0; c < m->pairs; c++)
+            add_value(t->limits, s, &m->pair[c], a, b, x, c, &failed, &warned);
+        s->failed += failed;
+        s->warned += warned;
+    }
+}
+
+// -- luminance ---------------------------------------------------------------
+
+/* Luminance of a pixel, by the weights of the first image. */
+static double luminance(const struct gp_compare_match *m,
+                        const struct gp_raw_image *image, int64_t at)
+{
+    double y = 0.0;
+    for (int c = 0; c < 3 && at >= 0; c++)
+        y += (double) m->a->luminance[c] * (double) image->light[c][at];
+    return y;
+}
+
+static void bright_row(void *ctx, int row, int thread)
+{
+    (void) thread;
+    const struct measure *const t = ctx;
+    const struct gp_compare_match *const m = t->m;
+    for (int x = m->window.x0; x < m->window.x1; x++) {
+        const double y =
+            luminance(m, m->a, place(m->a, x, m->window.y0 + row));
+        if (isfinite(y))
+            t->row[row].bright = fmax(t->row[row].bright, y);
+    }
+}
+
+static void relative_row(void *ctx, int row, int thread)
+{
+    (void) thread;
+    const struct measure *const t = ctx;
+    const struct gp_compare_match *const m = t->m;
+    const int y = m->window.y0 + row;
+    for (int x = m->window.x0; x < m->window.x1; x++) {
+        const double a = luminance(m, m->a, place(m->a, x, y));
+        const double b = luminance(m, m->b, place(m->b, x, y));
+        double rel = 0.0;
+        if (isfinite(a) && isfinite(b))
+            rel = a == b ? 0.0 : fabs(a - b) / (fmax(a, 0.0) +
+                                                1e-6 * t->bright);
+        else if (!same_nonfinite(a, b))
+            rel = (double) INFINITY;
+        t->row[row].relative = fmax(t->row[row].relative, rel);
+    }
+}
+
+static bool has_light(const struct gp_compare_match *m)
+{
+    return m->a->light[0] && m->b->light[0];
+}
+
+// -- figures -----------------------------------------------------------------
+
+static void publish(const struct measure *t, int rows,
+                    struct gp_compare_figures *out)
+{
+    const struct gp_compare_match *const m = t->m;
+    const double values = (double) gp_rect_w(m->window) *
+                          (double) gp_rect_h(m->window) * (double) m->pairs;
+    double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
+    *out = (struct gp_compare_figures) {
+        .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
+        .x = m->window.x0, .y = m->window.y0,
+        .max_rel = has_light(m) ? 0.0 : (double) NAN,
+    };
+    for (int y = 0; y < rows; y++) {
+        const struct sums *const s = &t->row[y];
+        error += s->error;
+        square += s->square;
+        reference += s->reference;
+        peak = fmax(peak, s->peak);
+        out->nonfinite += s->nonfinite;
+        out->failed += s->failed;
+        out->warned += s->warned;
+        if (has_light(m))
+            out->max_rel = fmax(out->max_rel, s->relative);
+        if (!(s->max > out->max))
+            continue;
+        out->max = s->max;
+        out->x = s->x;
+        out->y = m->window.y0 + y;
+        out->channel = s->channel;
+        out->worst_a = s->worst_a;
+        out->worst_b = s->worst_b;
+    }
+    out->mean = error / values;
+    out->rms = sqrt(square / values);
+    out->psnr = 20.0 * log10(peak / out->rms);
+    out->rel_l2 = reference > 0.0 ? sqrt(square / reference) : sqrt(square);
+}
+
+static enum gp_compare_result judge(const struct gp_compare_settings *l,
+                                    const struct gp_compare_figures *f)
+{
+    const double hundredth = (double) f->pixels / 100.0;
+    if ((double) f->failed > (double) l->fail_percent * hundredth ||
+        f->max > (double) l->hard_fail)
+        return GP_COMPARE_FAILURE;
+    if ((double) f->warned > (double) l->warn_percent * hundredth ||
+        f->max > (double) l->hard_warn)
+        return GP_COMPARE_WARNING;
+    return GP_COMPARE_MATCH;
+}
+
+gp_status gp_compare_measure(const struct gp_log *log,
+                             const struct gp_compare_settings *limits,
+                             const struct gp_compare_match *m,
+                             struct gp_compare_figures *out)
+{
+    const int rows = gp_rect_h(m->window);
+    struct measure t = {.limits = limits, .m = m};
+    void *block;
+    gp_status st = gp_alloc_zero(log, "sums", (size_t) rows,
+                                 sizeof(struct sums), &block);
+    if (st)
+        return st;
+    t.row = block;
+    gp_parallel_do(rows, sum_row, &t);
+    if (has_light(m)) {
+        gp_parallel_do(rows, bright_row, &t);
+        for (int y = 0; y < rows; y++)
+            t.bright = fmax(t.bright, t.row[y].bright);
+        gp_parallel_do(rows, relative_row, &t);
+    }
+    publish(&t, rows, out);
+    out->result = judge(limits, out);
+    gp_free(block);
+    return GP_OK;
+}
+
+// -- light over the window ---------------------------------------------------
+
+static void lay(const struct gp_compare_match *m,
+                const struct gp_raw_image *image, struct gp_planes *out)
+{
+    const size_t w = (size_t) gp_rect_w(m->window);
+    for (int c = 0; c < 3; c++) {
+        float *to = out->c[c];
+        for (int y = m->window.y0; y < m->window.y1; y++, to += w) {
+            const int64_t at = place(image, image->data.x0, y);
+            memset(to, 0, w * sizeof *to);
+            if (at >= 0)
+                memcpy(to + (image->data.x0 - m->window.x0),
+                       image->light[c] + at,
+                       (size_t) gp_rect_w(image->data) * sizeof *to);
+        }
+    }
+}
+
+gp_status gp_compare_light(const struct gp_log *log,
+                           const struct gp_compare_match *m,
+                           struct gp_planes *a, struct gp_planes *b)
+{
+    const size_t pixels =
+        (size_t) gp_rect_w(m->window) * (size_t) gp_rect_h(m->window);
+    *a = *b = (struct gp_planes) {0};
+    if (!has_light(m))
+        return GP_OK;
+    gp_status st = gp_planes_make(log, "first image", pixels, a);
+    if (!st)
+        st = gp_planes_make(log, "second image", pixels, b);
+    if (st) {
+        gp_planes_free(a);
+        return st;
+    }
+    lay(m, m->a, a);
+    lay(m, m->b, b);
+    return GP_OK;
+}

@@ -1,0 +1,152 @@
+/* Convolution by fast Fourier transforms: FFTW, the passes over rows and
+ * columns, and how little a layer can be. The engine is gp_engine_fft. */
+#ifndef GP_GLARE_FFT_FFT_H
+#define GP_GLARE_FFT_FFT_H
+
+#include "core/status.h"
+#include "glare/costs.h"
+#include "glare/engine.h"
+#include "glare/kernel.h"
+#include "glare/sources.h"
+
+#include <fftw3.h>
+#include <stddef.h>
+
+// -- fftw.c: FFTW by dlopen; a run without a transform never loads it ------------
+
+/* The functions of one precision; P is its prefix, real its scalar type. */
+#define GP_FFTW_TABLE(name, P)                                                \
+    struct name {                                                             \
+        P##plan (*plan_dft_1d)(int, P##complex *, P##complex *, int,          \
+                               unsigned);                                     \
+        void (*execute_dft)(const P##plan, P##complex *, P##complex *);       \
+        void (*destroy_plan)(P##plan);                                        \
+        int (*import_wisdom_from_filename)(const char *);                     \
+        int (*export_wisdom_to_filename)(const char *);                       \
+    }
+GP_FFTW_TABLE(gp_fftwf, fftwf_);  // float
+GP_FFTW_TABLE(gp_fftwd, fftw_);   // double
+
+/* The library's functions, loaded at first call. Errors: GP_ERR_IO, with the
+ * Debian package that is missing (libfftw3-single3, libfftw3-double3). */
+GP_MUST_CHECK gp_status gp_fftwf_open(const struct gp_log *log,
+                                      const struct gp_fftwf **out);
+GP_MUST_CHECK gp_status gp_fftwd_open(const struct gp_log *log,
+                                      const struct gp_fftwd **out);
+
+/* Nanoseconds, about, of one complex transform of length n. */
+double gp_fft_cost(int n, enum gp_fft_plan how);
+
+/* The fastest transform length >= n, n >= 1, planned by measuring: a multiple
+ * of 8 whose other factors are 3, 5 and 7. */
+int gp_fft_length(int n);
+
+/* The plans of one length: out of place, GP_ALIGN-aligned arrays. */
+struct gp_fft_plan_pair {
+    int n;
+    enum gp_fft_plan how;
+    fftwf_plan forward, backward;
+};
+
+/* Plans for that length. Estimated plans depend on nothing but the length and
+ * the CPU; measured ones are faster, may differ in the last bits from run to
+ * run, and are read from and added to the wisdom file (NULL: kept nowhere).
+ * Call on one thread. Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
+GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
+                                         enum gp_fft_plan how,
+                                         const char *wisdom,
+                                         struct gp_fft_plan_pair *out);
+void gp_fft_plan_free(struct gp_fft_plan_pair *p);
+
+// -- pass.c ---------------------------------------------------------------------
+
+/* The passes of the two-dimensional convolution by Fourier transforms.
+ *
+ * All transforms are complex, contiguous and out of place, the kind FFTW does
+ * fastest (2 to 3 times faster than real or strided ones, measured):
+ *
+ *   rows     two real rows are one complex row: z = a + ib, so that
+ *            A(k) = (Z(k) + conj Z(-k)) / 2, B(k) = (Z(k) - conj Z(-k)) / 2i.
+ *            Eight rows at a time go transposed into the matrix, a full cache
+ *            line to each column.
+ *   columns  one column stays in the first-level cache: forward, times the
+ *            kernel's column, backward; rows without light are not stored,
+ *            rows that are no output are not kept.
+ *   rows     back, eight at a time, two to a transform, into the layer.
+ */
+
+/* Columns k = 0 .. nx/2 of a half spectrum, each `pitch` complex numbers. */
+struct gp_fft_matrix {
+    int columns;    // stored: nx / 2 + 1, rounded up to a multiple of 4
+    size_t pitch;   // complex numbers from column to column, multiple of 8
+    float *z[3];    // interleaved re, im; [column * pitch + row]
+};
+
+/* Makes `channels` planes; not cleared. Free with gp_fft_matrix_free(). */
+GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
+                                           int channels, int nx, int rows,
+                                           struct gp_fft_matrix *out);
+void gp_fft_matrix_free(struct gp_fft_matrix *m);
+
+/* What the passes share. */
+struct gp_fft_job {
+    const struct gp_log *log;
+    const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny
+    int channel, channels; // the first, and how many
+};
+
+/* Row `j` of channel `c` to z[2 * x], x in [0, nx); z is cleared, and only
+ * every other float may be written. */
+typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
+
+/* Transforms `rows` rows into m->z[c][column][j]; factors of 1/2 are left out:
+ * the matrix holds twice the spectrum. */
+GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
+                                       gp_fft_load load, const void *ctx,
+                                       struct gp_fft_matrix *m);
+
+/* Transforms columns of `rows` rows, row j standing at place[j] of ny, to
+ * whole columns of `out` (pitch >= ny), times `scale`. */
+GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_job *job,
+                                       const struct gp_fft_matrix *m, int rows,
+                                       const int *place, float scale,
+                                       struct gp_fft_matrix *out);
+
+/* Forward, times the kernel, backward, each column in place: rows [0, rows)
+ * in, places first .. first + count (modulo ny) out to rows [0, count).
+ * The kernel has one channel (grey) or three. */
+GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_job *job,
+                                        struct gp_fft_matrix *m, int rows,
+                                        const int *place,
+                                        const struct gp_fft_matrix *kernel,
+                                        int kernel_channels, int first,
+                                        int count);
+
+/* Row `j` of channel `c` from z[2 * x], x in [0, nx). */
+typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);
+
+/* Transforms rows [0, rows) back. */
+GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_job *job,
+                                        const struct gp_fft_matrix *m,
+                                        int rows, gp_fft_store store,
+                                        const void *ctx);
+
+// -- split.c --------------------------------------------------------------------
+
+/* What a source leaves in a frame at least, in each channel: one quarter of the
+ * kernel, centre included, or of its middle w x h samples when the frame is
+ * smaller. 0 where a quarter is dark or, of a
+ * negative kernel, may cancel. */
+struct gp_fft_quarters {
+    double square[3], sum[3]; // sum of squares, and of samples
+};
+void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
+                          struct gp_fft_quarters *out);
+
+/* The layer's norm cannot be under this: light adds up, so its square is at
+ * least the sum of the squares of what each source leaves in the frame, and its
+ * sum spread evenly. */
+double gp_fft_least(const struct gp_sources *s,
+                    const struct gp_fft_quarters *q);
+
+#endif

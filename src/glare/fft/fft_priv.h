@@ -1,0 +1,90 @@
+/* split.c: where a convolution stands on its torus, what it costs, how wrong
+ * it may be, and which part of the sum goes direct. */
+#ifndef GP_GLARE_FFT_FFT_PRIV_H
+#define GP_GLARE_FFT_FFT_PRIV_H
+
+#include "glare/fft/fft.h"
+
+/* Where the sources, the kernel and the outputs stand on the torus of
+ * nx * ny samples. The smallest on which no wrapped light reaches an output. */
+struct gp_fft_placing {
+    int nx, ny;          // 0 when no light reaches the frame
+    struct gp_rect in;   // box of the sources
+    struct gp_rect out;  // pixels of the frame that light reaches
+    struct gp_rect taps; // offsets from source to pixel that occur
+};
+
+/* Places sources (at least one) and a kernel. */
+struct gp_fft_placing gp_fft_place(const struct gp_sources *s,
+                                   const struct gp_kernel *k);
+
+/* Milliseconds of the passes on one core: the frame's rows there and back and
+ * all columns twice, for three channels; and those of making the spectrum of a
+ * kernel of so many channels, on memory that is touched for the first time. */
+double gp_fft_passes_ms(const struct gp_sources *s,
+                        const struct gp_fft_placing *p, enum gp_fft_plan how);
+double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
+                          enum gp_fft_plan how);
+
+/* What rel_l2 of transforms of s with k cannot exceed, where the layer's norm
+ * is at least `least`; INFINITY where that is 0.
+ *
+ * A stage of a transform is within (4 + sqrt 2) 2^-24 of its norm, one that
+ * only adds within 2^-24 (Higham 2002, theorem 24.2). Roundings of different
+ * stages are taken as independent and of mean 0, so that n of them add up to
+ * sqrt n (Higham and Mary 2019); the largest that each can be is over 10 times
+ * what they come to together. Errors of the two transforms forward are spread
+ * over all frequencies, and meet the other factor's norm; where they lie with
+ * the light, at the lowest, only additions made them. Those, and those of the
+ * transform back, grow with the whole layer, in the frame and beyond it, which
+ * Young's inequality limits. */
+double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
+                    double least, const struct gp_fft_placing *p);
+
+// -- what goes direct -----------------------------------------------------------
+
+/* Which part of the sum goes direct, so that float rounding stays unseen.
+ *
+ * The rounding noise of a transform spreads evenly over the frame, about
+ * |sources| |kernel| 2^-24 strong: one hot pixel lays it over the darkest
+ * corner. Two parts of the sum carry nearly all of that product and cost
+ * little by themselves: the kernel's core, for all sources, and the few
+ * hottest sources, for the whole kernel. What remains is transformed.
+ */
+
+enum { GP_FFT_CORES = 5 };
+
+/* Radii of the core that may go direct; -1 is none. */
+extern const int gp_fft_core_radius[GP_FFT_CORES];
+
+/* Norms of the kernel without its core, largest channel, one a radius. */
+void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
+
+struct gp_fft_split {
+    int core;         // radius in gp_fft_core_radius
+    float hot;        // a source with a channel from this up goes direct
+                      // whole; INFINITY sends none
+    size_t hot_count;
+    double rounding;  // expected largest error of a pixel over its own value
+    double ms;        // predicted for the direct part, on one core
+};
+
+/* Chooses the cheapest split that keeps `rounding` under 1e-6 and costs at
+ * most four times the transform and 5 ms, the core as much as the
+ * transform and 5 ms: a night is worth that. When none does, as in a bright
+ * sky: the cheapest that costs at most half of the transform and comes within
+ * twice the least rounding to be had for that, if that is at least 4 times
+ * less than without; else no split.
+ *   tail       from gp_fft_tail_norms()
+ *   points     nx * ny
+ *   fft_ms     predicted for the transform
+ *   gain       of the layer in the composite, > 0
+ * The choice depends on the frame alone, never on the number of threads.
+ */
+void gp_fft_split_choose(const struct gp_sources *src,
+                         const struct gp_kernel *k,
+                         const double tail[GP_FFT_CORES], double points,
+                         double fft_ms, double gain,
+                         struct gp_fft_split *out);
+
+#endif

@@ -1,0 +1,136 @@
+/* What the .c files of this folder share, and what their tests see. */
+#ifndef GP_GLARE_GLARE_PRIV_H
+#define GP_GLARE_GLARE_PRIV_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/engine.h"
+#include "glare/kernel.h"
+
+#include <stdbool.h>
+
+// -- kernel_builtin.c ---------------------------------------------------------
+
+/* Degrees of view that one pixel of builtin:eye spans: 1080 lines over 30
+ * degrees, about the height that a normal lens sees (its focal length is the
+ * diagonal of its film, 43 mm on 36 x 24 mm: 31 degrees). The paper takes the
+ * scene's angles too, not those of the screen. Angles are taken as
+ * proportional to pixels, as in the paper's section 3.2. */
+#define GP_EYE_DEGREES_PER_PIXEL (1.0 / 36.0)
+
+/* The share of a source's light that falls into the whole square of the
+ * pixel `x`, `y` pixels away from it; integrated, not sampled, to about
+ * 1e-10 of the value. The same to the bit for all signs and orders of x, y. */
+double gp_eye_share(int x, int y);
+
+/* Makes the builtin kernel of that name, with or without "builtin:", faded at
+ * its rim, not normalised. Errors: as gp_kernel_builtin(). */
+GP_MUST_CHECK gp_status gp_builtin_make(const struct gp_log *log,
+                                        const char *name, int size,
+                                        struct gp_planes *out);
+
+// -- kernel_rotate.c ----------------------------------------------------------
+
+/* A rotated kernel: every whole offset at which it can be other than 0. */
+struct gp_rotated {
+    int w, h;
+    int cx, cy;          // the centre's pixel; may lie outside
+    struct gp_planes k;  // w * h each
+};
+
+/* Sets u->cos and u->sin, counter-clockwise. True for a whole number of right
+ * angles, for which they are exact. */
+bool gp_rotate_angle(float degrees, struct gp_unturned *u);
+
+/* Sample of channel c at the whole offset (dx, dy) from the rotated kernel's
+ * centre: the identity of struct gp_unturned, in double. The plain form. */
+double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy);
+
+/* Makes the rotated kernel by these samples, rounded to float; `grey` says
+ * that the three planes are equal. By right angles the samples only move.
+ *
+ *   name  for messages
+ *   out   written only on GP_OK; free its planes with gp_planes_free()
+ * Errors: GP_ERR_USAGE the box that holds it has over GP_ROTATED_PIXELS
+ * pixels; GP_ERR_BUG out of memory. */
+enum { GP_ROTATED_PIXELS = 1 << 28 };
+GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
+                                  const struct gp_unturned *u, bool grey,
+                                  struct gp_rotated *out);
+
+// -- plan.c: `--engine auto` --------------------------------------------------
+//
+// A choice depends on the build (costs.h), the frame, the options and the
+// frames before it in the sequence; never on threads, time of day or load.
+
+enum { GP_CANDIDATES = 16 };
+
+struct gp_candidate {
+    int engine;                   // index in gp_engines
+    struct gp_splat_params splat; // its settings, where it is a splat
+    bool exact;                   // rounding is its only error
+    double ms;                    // predicted for this frame, with what is
+                                  // not set up yet; INFINITY: not to be taken
+    double later_ms;              // predicted when all is set up, <= ms
+    bool more;                    // it takes longer than that
+    double bound;                 // of rel_l2; NAN: not asked
+};
+
+/* What a choice says. */
+struct gp_choice {
+    int taken;   // index of the candidate
+    bool within; // its bound keeps the tolerance
+    bool kept;   // another is predicted faster, but not worth the change
+};
+
+/* Bound of candidate i: *bound is INFINITY or NAN where there is none. */
+typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
+
+/* Chooses among `n` candidates, n > 0, one of them exact and of finite ms, and
+ * carries *past on to the next frame.
+ *
+ *   first frame   the fewest ms of those whose bound is <= tolerance
+ *   none keeps it the least bound, and of equals the fewest ms: all roundings
+ *                 are in an exact engine's bound, so no other is asked then
+ *   later frames  the one before stays, where it keeps the tolerance, unless
+ *                 another takes less than 4/5 of its ms; or unless staying has
+ *                 lost, against that one's later_ms, as much as its set-up and
+ *                 one frame: so set-up is paid where frames to come repay it
+ *
+ * Two engines follow each other only where their bounds together are within
+ * the tolerance: their layers of this frame then differ by at most tolerance *
+ * |layer| in norm, so no sample by more than that.
+ *
+ * Bounds are asked only where they decide, and kept in c[i].bound.
+ * Errors: what `ask` returns. */
+GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
+                                       double tolerance,
+                                       struct gp_plan_past *past,
+                                       gp_plan_ask ask, void *ctx,
+                                       struct gp_choice *out);
+
+/* The candidates for a job, predicted with g's states: each engine, splat with
+ * the settings given, exact, and with coarser and coarser groups, with and
+ * without shrinking by half the tolerance. Their order is fixed. Returns how
+ * many; no context is opened. */
+int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
+                       struct gp_candidate c[GP_CANDIDATES]);
+
+/* Candidates and choice for a job, and stats->why. Says once in a sequence, as
+ * a warning with `path`, that the tolerance cannot be kept.
+ * Errors: an engine's bound. */
+GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
+                                struct gp_glare *g, const char *path,
+                                struct gp_candidate *out);
+
+/* What rel_l2 of the layer may be more than an engine's bound says, which is
+ * about floats that never leave their range: where values leave it downwards.
+ * INFINITY where nothing can be said. 1e-20 in ordinary frames, and found at
+ * once; else by gp_layer_least(). *keep is NULL at first and kept from frame to
+ * frame. Errors: GP_ERR_BUG out of memory. */
+struct gp_floor;
+GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_job *job,
+                                      struct gp_floor **keep, double *floor);
+void gp_floor_free(struct gp_floor **f);
+
+#endif

@@ -1,0 +1,370 @@
+/* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its formula. */
+#include "unit.h"
+#include "core/parallel.h"
+#include "glare/glare_priv.h"
+
+#include <float.h>
+
+static struct gp_kernel make(const char *name, int size)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    p.source = name;
+    p.builtin_size = size;
+    if (gp_kernel_builtin(NULL, &p, &k) != GP_OK)
+        fail_msg("%s at size %d", name, size);
+    return k;
+}
+
+static double at(const struct gp_kernel *k, int c, int dx, int dy)
+{
+    const int x = k->cx + dx, y = k->cy + dy;
+    return x >= 0 && x < k->w && y >= 0 && y < k->h
+               ? (double) k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x]
+               : 0.0;
+}
+
+static double luminance(const struct gp_kernel *k)
+{
+    return 0.2126 * k->sum[0] + 0.7152 * k->sum[1] + 0.0722 * k->sum[2];
+}
+
+/* Each builtin at each size holds light, no negative and no tiny value (which
+ * a CPU is slow with), sums to 1 in luminance, and is the same turned by half
+ * a turn. */
+static void are_light(void **state)
+{
+    static const int sizes[] = {1, 3, 5, 31, 65, 255, 511};
+    (void) state;
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        for (size_t i = 0; i < COUNT(sizes); i++) {
+            struct gp_kernel k = make(b->name, sizes[i]);
+            assert_true(fabs(luminance(&k) - 1.0) < 1e-6);
+            assert_true(k.cx < k.w && k.cy < k.h && k.cx >= 0 && k.cy >= 0);
+            const int n = k.w * k.h;
+            for (int c = 0; c < 3; c++) {
+                for (int j = 0; j < n; j++) {
+                    const float v = k.k.c[c][j], w = k.k.c[c][n - 1 - j];
+                    if (!(v == 0.0f || v >= FLT_MIN) ||
+                        !(fabsf(v - w) <= 1e-5f * v + 1e-12f))
+                        fail_msg("%s at size %d: sample %d is %g, %g opposite",
+                                 b->name, sizes[i], j, (double) v, (double) w);
+                }
+            }
+            gp_kernel_free(&k);
+        }
+    }
+}
+
+/* Nothing ends at once: no step on the kernel's own border, seen against its
+ * largest value, for kernels with room to fade. */
+static void end_softly(void **state)
+{
+    (void) state;
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        struct gp_kernel k = make(b->name, 511);
+        double peak = 0.0, border = 0.0;
+        for (int y = 0; y < k.h; y++) {
+            for (int x = 0; x < k.w; x++) {
+                const bool edge = x == 0 || y == 0 || x == k.w - 1 ||
+                                  y == k.h - 1;
+                for (int c = 0; c < 3; c++) {
+                    const double v = at(&k, c, x - k.cx, y - k.cy);
+                    peak = fmax(peak, v);
+                    border = fmax(border, edge ? v : 0.0);
+                }
+            }
+        }
+        if (!(border <= 1e-2 * peak))
+            fail_msg("%s: %g on its border, %g at its peak", b->name, border,
+                     peak);
+        gp_kernel_free(&k);
+    }
+}
+
+static void have_their_colours(void **state)
+{
+    static const struct {
+        const char *name;
+        bool grey;
+    } rows[] = {{"eye", true}, {"streak", false}, {"star", false},
+                {"cross", true}, {"circle", true}, {"ring", false}};
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_kernel k = make(rows[i].name, 255);
+        assert_int_equal(k.grey, rows[i].grey);
+        gp_kernel_free(&k);
+    }
+    struct gp_kernel k = make("streak", 511);
+    assert_true(k.sum[2] > 2.0 * k.sum[1] && k.sum[1] > k.sum[0]);
+    gp_kernel_free(&k);
+    k = make("ring", 511); // by the sequence of wavelengths, from within
+    for (int c = 0; c < 3; c++) {
+        static const int radius[3] = {113, 102, 86};
+        for (int other = 0; other < 3; other++)
+            assert_true(at(&k, c, radius[c], 0) >=
+                        at(&k, other, radius[c], 0));
+    }
+    assert_true(at(&k, 1, 0, 0) == 0.0);
+    gp_kernel_free(&k);
+}
+
+/* The header's formulas, by ratios of samples within half the radius, where
+ * nothing has faded. */
+static void follow_their_formulas(void **state)
+{
+    const double r = 511 / 2.0;
+    static const double l[3] = {0.15, 0.2, 0.3};
+    (void) state;
+    struct gp_kernel k = make("builtin:streak", 511);
+    for (int c = 0; c < 3; c++) {
+        const double got = at(&k, c, 100, 0) / at(&k, c, 0, 0);
+        assert_true(fabs(got / exp(-100.0 / (l[c] * r)) - 1.0) < 1e-5);
+        assert_true(at(&k, c, -100, 0) == at(&k, c, 100, 0));
+        assert_true(at(&k, c, 100, 6) == 0.0);
+    }
+    gp_kernel_free(&k);
+    k = make("cross", 511);
+    assert_true(fabs(at(&k, 0, 100, 0) / at(&k, 0, 50, 0) /
+                     exp(-50.0 / (0.2 * r)) - 1.0) < 1e-5);
+    assert_true(at(&k, 0, 100, 0) == at(&k, 0, 0, -100));
+    gp_kernel_free(&k);
+    k = make("star", 511); // its rays stand at 90, 30 and 150 degrees
+    const double u = 100.0 / (r / 40.0), v = 50.0 / (r / 40.0);
+    assert_true(fabs(at(&k, 1, 0, 100) / at(&k, 1, 0, 50) /
+                     ((1.0 + v * v) / (1.0 + u * u)) - 1.0) < 1e-5);
+    assert_true(at(&k, 0, 0, 100) > at(&k, 2, 0, 100));
+    assert_true(at(&k, 1, 87, 50) > 0.5 * at(&k, 1, 0, 100));
+    assert_true(at(&k, 1, 100, 0) == 0.0);
+    gp_kernel_free(&k);
+    k = make("circle", 511);
+    assert_true(at(&k, 0, 0, 0) == at(&k, 0, 111, 0));
+    assert_true(fabs(at(&k, 0, 120, 0) / at(&k, 0, 0, 0) - 0.4774) < 1e-2);
+    assert_true(at(&k, 0, 128, 0) == 0.0);
+    gp_kernel_free(&k);
+}
+
+static void are_the_same_for_any_threads(void **state)
+{
+    (void) state;
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        gp_set_threads(1);
+        struct gp_kernel first = make(b->name, 129);
+        gp_set_threads(5);
+        struct gp_kernel k = make(b->name, 129);
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(k.k.c[c], first.k.c[c],
+                                (size_t) (k.w * k.h) * sizeof(float));
+        gp_kernel_free(&k);
+        gp_kernel_free(&first);
+    }
+    gp_set_threads(0);
+}
+
+// -- the eye, against brute-force quadrature and closed forms -----------------
+
+#define PI 3.14159265358979323846
+#define RADIAN (PI / 180.0)
+
+static void assert_close(double got, double want, double relative)
+{
+    if (!(fabs(got - want) <= relative * fabs(want)))
+        fail_msg("%.15g, not %.15g within %g of it", got, want, relative);
+}
+
+/* Spencer et al. 1995, as printed: degrees in, per steradian out. */
+static double f0(double t)
+{
+    return 2.61e6 * exp(-(t / 0.02) * (t / 0.02));
+}
+
+static double f1(double t)
+{
+    return 20.91 / pow(t + 0.02, 3.0);
+}
+
+static double f2(double t)
+{
+    return 72.37 / pow(t + 0.02, 2.0);
+}
+
+static double photopic(double t)
+{
+    return 0.384 * f0(t) + 0.478 * f1(t) + 0.138 * f2(t);
+}
+
+/* Five-point Gauss-Legendre over a cell, in pixels. */
+static double cell(double x, double y, double side)
+{
+    static const double node[5] = {
+        -0.906179845938664, -0.538469310105683, 0.0, 0.538469310105683,
+        0.906179845938664,
+    };
+    static const double weight[5] = {
+        0.236926885056189, 0.478628670499366, 0.568888888888889,
+        0.478628670499366, 0.236926885056189,
+    };
+    const double pitch = GP_EYE_DEGREES_PER_PIXEL;
+    double sum = 0.0;
+    for (int j = 0; j < 5; j++) {
+        for (int i = 0; i < 5; i++)
+            sum += weight[i] * weight[j] *
+                   photopic(pitch * hypot(x + 0.5 * side * (1 + node[i]),
+                                          y + 0.5 * side * (1 + node[j])));
+    }
+    return 0.25 * sum * side * side * pitch * pitch * RADIAN * RADIAN;
+}
+
+/* Quarters every cell that is wide for its distance from the cusp. */
+static double brute(double x, double y, double side)
+{
+    double dx = x > 0 ? x : x + side < 0 ? -(x + side) : 0.0;
+    double dy = y > 0 ? y : y + side < 0 ? -(y + side) : 0.0;
+    if (side < 1e-9)
+        return 0.0; // 1e-18 of the pixel's area, at most 1e-15 of its light
+    if (side <= 0.25 && side <= 0.5 * hypot(dx, dy))
+        return cell(x, y, side);
+    double h = 0.5 * side;
+    return brute(x, y, h) + brute(x + h, y, h) + brute(x, y + h, h) +
+           brute(x + h, y + h, h);
+}
+
+static void eye_is_integrated(void **state)
+{
+    static const int rows[][2] = {
+        {0, 0},   {1, 0},   {1, 1},   {2, 0},    {2, 2},   {3, 1},    {4, 4},
+        {5, 0},   {5, 5},   {7, 3},   {11, 0},   {12, 0},  {12, 12},  {15, 4},
+        {16, 1},  {23, 0},  {24, 0},  {24, 24},  {40, 7},  {100, 99}, {255, 0},
+        {255, 255},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        int x = rows[i][0], y = rows[i][1];
+        assert_close(gp_eye_share(x, y), brute(x - 0.5, y - 0.5, 1.0), 1e-10);
+    }
+}
+
+/* The centre of the pixel instead of its mean would be wrong by this much. */
+static void eye_is_not_sampled(void **state)
+{
+    const double pitch = GP_EYE_DEGREES_PER_PIXEL;
+    const double area = pitch * pitch * RADIAN * RADIAN;
+    (void) state;
+    assert_true(photopic(0.0) * area > 1.9 * gp_eye_share(0, 0));
+    assert_true(photopic(pitch) * area < 0.95 * gp_eye_share(1, 0));
+}
+
+static void eye_is_symmetric_to_the_bit(void **state)
+{
+    static const int rows[][2] = {{3, 1}, {17, 16}, {255, 254}, {9, 0}};
+    struct gp_planes k;
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        int x = rows[i][0], y = rows[i][1];
+        double share = gp_eye_share(x, y);
+        assert_true(share == gp_eye_share(-x, y));
+        assert_true(share == gp_eye_share(y, x));
+        assert_true(share == gp_eye_share(-y, -x));
+    }
+    enum { N = 63 }; // too small to fade
+    assert_int_equal(gp_builtin_make(NULL, "eye", N, &k), GP_OK);
+    for (int y = 0; y < N; y++) {
+        for (int x = 0; x < N; x++) {
+            float v = k.c[0][y * N + x];
+            assert_true(v == k.c[0][x * N + y]);
+            assert_true(v == k.c[0][y * N + (N - 1 - x)]);
+            assert_true(v == k.c[1][y * N + x] && v == k.c[2][y * N + x]);
+            assert_true(v == (float) gp_eye_share(x - N / 2, y - N / 2));
+        }
+    }
+    gp_planes_free(&k);
+}
+
+static void eye_falls_on_every_side(void **state)
+{
+    (void) state;
+    struct gp_kernel k = make("eye", 511);
+    for (int y = 0; y <= 255; y++) {
+        for (int x = 0; x < 255; x++) {
+            const double v = at(&k, 0, x, y), next = at(&k, 0, x + 1, y);
+            assert_true(next < v || (next == 0.0 && v < 1e-9));
+        }
+    }
+    gp_kernel_free(&k);
+}
+
+/* Light inside the circle of t degrees, closed form of photopic(). */
+static double inside_circle(double t)
+{
+    const double a = 0.02, s = t + a;
+    double g0 = 2.61e6 * 0.5 * a * a * (1.0 - exp(-(t / a) * (t / a)));
+    double g1 = 20.91 * t * t / (2.0 * a * s * s);
+    double g2 = 72.37 * (log(s / a) - t / s);
+    return 2.0 * PI * RADIAN * RADIAN * (0.384 * g0 + 0.478 * g1 + 0.138 * g2);
+}
+
+/* The share inside a square of n pixels: eight triangles, each a mean of
+ * circles, by the midpoint rule in the angle. */
+static double inside_square(int n)
+{
+    const int steps = 20000;
+    const double h = 0.5 * n * GP_EYE_DEGREES_PER_PIXEL;
+    double sum = 0.0;
+    for (int i = 0; i < steps; i++)
+        sum += inside_circle(h / cos(PI / 4.0 * (i + 0.5) / steps));
+    return sum / steps;
+}
+
+static void eye_keeps_all_light_of_its_square(void **state)
+{
+    static const int sizes[] = {1, 3, 9, 25, 49, 101};
+    (void) state;
+    for (size_t i = 0; i < COUNT(sizes); i++) {
+        double sum = 0.0;
+        int reach = sizes[i] / 2;
+        for (int y = 0; y <= reach; y++) {
+            for (int x = y; x <= reach; x++) {
+                int images = (x ? 2 : 1) * (y ? 2 : 1) * (x != y ? 2 : 1);
+                sum += images * gp_eye_share(x, y);
+            }
+        }
+        assert_close(sum, inside_square(sizes[i]), 2e-9);
+    }
+    assert_close(inside_square(511), 0.9548, 1e-4); // what the source says
+}
+
+/* The paper's functions are normalised over the hemisphere: a slip in a
+ * constant would show. f2 is given to two digits of its integral. */
+static void eye_is_the_papers(void **state)
+{
+    double (*const f[3])(double) = {f0, f1, f2};
+    static const double tolerance[3] = {0.002, 0.002, 0.02};
+    (void) state;
+    for (int k = 0; k < 3; k++) {
+        double sum = 0.0, from = 0.0;
+        for (double to = 1e-6; from < 90.0; from = to, to *= 1.0005) {
+            to = to < 90.0 ? to : 90.0;
+            double t = 0.5 * (from + to);
+            sum += f[k](t) * 2.0 * PI * sin(t * RADIAN) * (to - from) * RADIAN;
+        }
+        assert_close(sum, 1.0, tolerance[k]);
+    }
+}
+
+SUITE(kernel_builtin)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(are_light),
+        cmocka_unit_test(end_softly),
+        cmocka_unit_test(have_their_colours),
+        cmocka_unit_test(follow_their_formulas),
+        cmocka_unit_test(are_the_same_for_any_threads),
+        cmocka_unit_test(eye_is_integrated),
+        cmocka_unit_test(eye_is_not_sampled),
+        cmocka_unit_test(eye_is_symmetric_to_the_bit),
+        cmocka_unit_test(eye_falls_on_every_side),
+        cmocka_unit_test(eye_keeps_all_light_of_its_square),
+        cmocka_unit_test(eye_is_the_papers),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
