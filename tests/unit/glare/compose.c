@@ -3,14 +3,9 @@
 #include "core/parallel.h"
 #include "glare/compose.h"
 
-enum { MAX_SOURCES = 256 };
-
 struct scene {
     struct gp_frame f;
     struct gp_sources src;
-    uint32_t row[64];
-    int32_t x[MAX_SOURCES];
-    float rgb[3][MAX_SOURCES];
 };
 
 static unsigned seed = 1;
@@ -30,24 +25,26 @@ static void make_scene(struct scene *s, int w, int h, int every, float bright)
     s->f.path = strdup("test");
     assert_int_equal(gp_planes_make(NULL, "test", n, &s->f.rgb), GP_OK);
     assert_int_equal(gp_planes_make(NULL, "test", n, &s->f.layer), GP_OK);
-    s->src = (struct gp_sources) {
-        .w = w, .h = h, .row = s->row, .x = s->x,
-        .rgb = {s->rgb[0], s->rgb[1], s->rgb[2]},
-    };
+    const struct gp_sources like = {.w = w, .h = h};
+    assert_int_equal(gp_sources_make(NULL, &like, n, &s->src), GP_OK);
     for (int i = 0; i < w * h; i++) {
-        if (i % w == 0)
-            s->row[i / w] = (uint32_t) s->src.n;
-        const bool source = (i + 1) % every == 0 && s->src.n < MAX_SOURCES;
+        const bool source = (i + 1) % every == 0;
+        float rgb[3];
         for (int c = 0; c < 3; c++) {
-            s->f.rgb.c[c][i] = source ? 1.0f + bright * noise() : noise();
+            rgb[c] = source ? 1.0f + bright * noise() : noise();
+            s->f.rgb.c[c][i] = rgb[c];
             s->f.layer.c[c][i] = noise();
-            if (source)
-                s->rgb[c][s->src.n] = s->f.rgb.c[c][i];
         }
         if (source)
-            s->x[s->src.n++] = i % w;
+            gp_sources_add(&s->src, i % w, i / w, rgb);
     }
-    s->row[h] = (uint32_t) s->src.n;
+    gp_sources_finish(&s->src);
+}
+
+static void free_scene(struct scene *s)
+{
+    gp_frame_free(&s->f);
+    gp_sources_free(&s->src);
 }
 
 static double total(const struct gp_frame *f, const struct gp_planes *p, int c)
@@ -88,7 +85,7 @@ static void mixes_are_their_formulas(void **state)
                             1e-6 * (fabs(in) + 1.0));
             }
         }
-        gp_frame_free(&s.f);
+        free_scene(&s);
     }
 }
 
@@ -106,7 +103,7 @@ static void no_layer_means_no_light(void **state)
         for (int c = 0; c < 3; c++)
             assert_memory_equal(s.f.lit.c[c], s.f.rgb.c[c],
                                 13 * 7 * sizeof(float));
-        gp_frame_free(&s.f);
+        free_scene(&s);
     }
 }
 
@@ -119,13 +116,13 @@ static void a_huge_source_leaves_nothing_behind(void **state)
     (void) state;
     make_scene(&s, 5, 5, 13, 1.0f);
     for (int c = 0; c < 3; c++) {
-        s.f.rgb.c[c][12] = s.rgb[c][0] = 1e9f;
+        s.f.rgb.c[c][12] = s.src.rgb[c][0] = 1e9f;
         s.f.layer.c[c][12] = 1e-3f;
     }
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
     for (int c = 0; c < 3; c++)
         assert_true(s.f.lit.c[c][12] == 1e-3f);
-    gp_frame_free(&s.f);
+    free_scene(&s);
 }
 
 /* Scatter moves light and makes none: sources in the middle, a 3x3 kernel. */
@@ -142,33 +139,32 @@ static void scatter_conserves_energy(void **state)
         make_scene(&s, W, H, W + 1, 100.0f); // on a diagonal
         for (int c = 0; c < 3; c++)
             memset(s.f.layer.c[c], 0, W * H * sizeof(float));
-        size_t kept = 0;
-        for (int y = 0; y < H; y++) {
-            uint32_t from = s.row[y], to = s.row[y + 1];
-            s.row[y] = (uint32_t) kept;
-            for (uint32_t i = from; i < to; i++) {
-                int x = s.x[i];
-                if (x < 1 || y < 1 || x > W - 2 || y > H - 2)
+        struct gp_sources inside;
+        assert_int_equal(gp_sources_make(NULL, &s.src, s.src.n, &inside),
+                         GP_OK);
+        for (int y = 1; y < H - 1; y++) {
+            for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
+                const int x = s.src.x[i];
+                const float rgb[3] = {s.src.rgb[0][i], s.src.rgb[1][i],
+                                      s.src.rgb[2][i]};
+                if (x < 1 || x > W - 2)
                     continue; // its glare would leave the frame
-                s.x[kept] = x;
-                for (int c = 0; c < 3; c++) {
-                    float v = s.rgb[c][kept] = s.rgb[c][i];
-                    for (int k = 0; k < 9; k++)
-                        s.f.layer.c[c][(y + k / 3 - 1) * W + x + k % 3 - 1] +=
-                            v * kernel[k];
-                }
-                kept++;
+                gp_sources_add(&inside, x, y, rgb);
+                for (int k = 0; k < 27; k++)
+                    s.f.layer.c[k / 9][(y + k % 9 / 3 - 1) * W + x + k % 3 -
+                                       1] += rgb[k / 9] * kernel[k % 9];
             }
         }
-        s.row[H] = (uint32_t) kept;
-        s.src.n = kept;
-        assert_true(kept > 5);
+        gp_sources_finish(&inside);
+        gp_sources_free(&s.src);
+        s.src = inside;
+        assert_true(inside.n > 5);
         assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
         for (int c = 0; c < 3; c++) {
             double in = total(&s.f, &s.f.rgb, c);
             assert_true(fabs(total(&s.f, &s.f.lit, c) / in - 1.0) < 1e-6);
         }
-        gp_frame_free(&s.f);
+        free_scene(&s);
     }
 }
 
@@ -184,7 +180,7 @@ static void planes_are_made_once(void **state)
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
     assert_ptr_equal(s.f.lit.c[0], lit);
     assert_true(lit[5] == first);
-    gp_frame_free(&s.f);
+    free_scene(&s);
 }
 
 static void sources_of_another_frame_are_refused(void **state)
@@ -196,7 +192,7 @@ static void sources_of_another_frame_are_refused(void **state)
     s.src.h = 9;
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_ERR_BUG);
     assert_null(s.f.lit.c[0]);
-    gp_frame_free(&s.f);
+    free_scene(&s);
 }
 
 /* A pupil takes its share of every sample, of whichever mix, layer or none. */
@@ -223,8 +219,8 @@ static void dim_takes_its_share(void **state)
             for (int k = 0; k < 19 * 11; k++)
                 assert_true(dim.f.lit.c[c][k] == 0.75f * plain.f.lit.c[c][k]);
         }
-        gp_frame_free(&plain.f);
-        gp_frame_free(&dim.f);
+        free_scene(&plain);
+        free_scene(&dim);
     }
 }
 
@@ -242,7 +238,7 @@ static void threads_change_nothing(void **state)
         if (threads == 1)
             memcpy(first, s.f.lit.c[1], sizeof first);
         assert_memory_equal(s.f.lit.c[1], first, sizeof first);
-        gp_frame_free(&s.f);
+        free_scene(&s);
     }
     gp_set_threads(0);
 }

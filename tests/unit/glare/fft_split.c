@@ -124,59 +124,6 @@ static void tails_are_the_rest(void **state)
     }
 }
 
-/* -- parting ----------------------------------------------------------------*/
-
-static void assert_box(const struct gp_sources *s)
-{
-    struct gp_rect box = {s->w, s->h, 0, 0};
-    for (int y = 0; y < s->h; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            box.x0 = s->x[i] < box.x0 ? s->x[i] : box.x0;
-            box.x1 = s->x[i] >= box.x1 ? s->x[i] + 1 : box.x1;
-            box.y0 = y < box.y0 ? y : box.y0;
-            box.y1 = y + 1;
-        }
-    }
-    if (!s->n)
-        box = (struct gp_rect) {0};
-    assert_memory_equal(&box, &s->box, sizeof box);
-}
-
-/* Each source is in one part, in its order; both parts are whole lists. */
-static void parts_hold_all(void **state)
-{
-    static const float limits[] = {0.0f, 1.1f, 2.0f, 100.0f, 1e6f, INFINITY};
-    (void) state;
-    struct scene s = hard_sense(&hard_cases[6]);
-    for (size_t k = 0; k < COUNT(limits); k++) {
-        struct gp_sources part[2];
-        assert_int_equal(gp_sources_split(NULL, &s.src, limits[k],
-                                              &part[0], &part[1]), GP_OK);
-        assert_int_equal(part[0].n, count_hot(&s.src, limits[k]));
-        assert_int_equal(part[0].n + part[1].n, s.src.n);
-        for (int y = 0; y < s.src.h; y++) {
-            uint32_t at[2] = {part[0].row[y], part[1].row[y]};
-            for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
-                const int cold = !(s.src.rgb[0][i] >= limits[k] ||
-                                   s.src.rgb[1][i] >= limits[k] ||
-                                   s.src.rgb[2][i] >= limits[k]);
-                const struct gp_sources *const p = &part[cold];
-                assert_int_equal(p->x[at[cold]], s.src.x[i]);
-                for (int c = 0; c < 3; c++)
-                    assert_true(p->rgb[c][at[cold]] == s.src.rgb[c][i]);
-                at[cold]++;
-            }
-            for (int c = 0; c < 2; c++)
-                assert_int_equal(at[c], part[c].row[y + 1]);
-        }
-        for (int c = 0; c < 2; c++) {
-            assert_box(&part[c]);
-            gp_sources_free(&part[c]);
-        }
-    }
-    scene_free(&s);
-}
-
 /* -- the promise ------------------------------------------------------------*/
 
 /* Smooth noise in [0, 1] from a grid of `cells` cells. */
@@ -328,7 +275,6 @@ SUITE(fft_split)
         cmocka_unit_test(choices_keep_the_rules),
         cmocka_unit_test(one_sun_goes_direct),
         cmocka_unit_test(tails_are_the_rest),
-        cmocka_unit_test(parts_hold_all),
         cmocka_unit_test(predicted_rounding_is_kept),
         cmocka_unit_test(a_night_is_worth_more_than_a_sky),
     };

@@ -40,6 +40,8 @@ static void are_light(void **state)
         for (size_t i = 0; i < COUNT(sizes); i++) {
             struct gp_kernel k = make(b->name, sizes[i]);
             assert_true(fabs(luminance(&k) - 1.0) < 1e-6);
+            assert_true(k.norm1[1] == k.sum[1] && k.norm2[1] <= k.norm1[1]);
+            assert_false(k.negative);
             assert_true(k.cx < k.w && k.cy < k.h && k.cx >= 0 && k.cy >= 0);
             const int n = k.w * k.h;
             for (int c = 0; c < 3; c++) {

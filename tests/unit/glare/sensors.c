@@ -198,80 +198,7 @@ static void knee_is_smooth(void **state)
     }
 }
 
-/* -- the list ---------------------------------------------------------------*/
-
-static void add_source(const struct gp_sources *s, uint32_t i, double flux[3],
-                       double energy[3], uint32_t *count)
-{
-    float largest = 0.0f;
-    for (int c = 0; c < 3; c++) {
-        const float v = s->rgb[c][i];
-        assert_true(isfinite(v) && v >= 0.0f);
-        flux[c] += (double) v;
-        energy[c] += (double) v * (double) v;
-        largest = fmaxf(largest, v);
-    }
-    count[gp_source_bin(largest)]++;
-    assert_true(largest <= s->brightest);
-    assert_true(largest >= gp_source_bin_start(gp_source_bin(largest)));
-}
-
-/* Order, sums, counts and box, each from the list alone. */
-static void assert_list(const struct gp_sources *s, const char *what)
-{
-    double flux[3] = {0}, energy[3] = {0};
-    static uint32_t count[GP_SOURCE_BINS];
-    struct gp_rect box = {s->w, s->h, 0, 0};
-    memset(count, 0, sizeof count);
-    assert_int_equal(s->row[0], 0);
-    assert_int_equal(s->row[s->h], s->n);
-    for (int y = 0; y < s->h; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            assert_true(s->x[i] >= 0 && s->x[i] < s->w);
-            assert_true(i == s->row[y] || s->x[i] > s->x[i - 1]);
-            add_source(s, i, flux, energy, count);
-            box.x0 = s->x[i] < box.x0 ? s->x[i] : box.x0;
-            box.x1 = s->x[i] >= box.x1 ? s->x[i] + 1 : box.x1;
-            box.y0 = y < box.y0 ? y : box.y0;
-            box.y1 = y + 1;
-        }
-    }
-    if (!s->n)
-        box = (struct gp_rect) {0};
-    assert_memory_equal(&box, &s->box, sizeof box);
-    assert_memory_equal(count, s->count, sizeof count);
-    for (int c = 0; c < 3; c++) {
-        if (!(fabs(flux[c] - s->flux[c]) <= 1e-12 * flux[c]) ||
-            !(fabs(energy[c] - s->energy[c]) <= 1e-12 * energy[c]))
-            fail_msg("%s: flux %g or energy %g of channel %d", what,
-                     s->flux[c], s->energy[c], c);
-    }
-}
-
-static void lists_are_whole(void **state)
-{
-    (void) state;
-    for (int i = 0; i < HARD_CASES; i++) {
-        struct scene s = hard_sense(&hard_cases[i]);
-        assert_list(&s.src, hard_cases[i].name);
-        scene_free(&s);
-    }
-}
-
-static void bins_are_half_octaves(void **state)
-{
-    (void) state;
-    for (int b = 0; b < GP_SOURCE_BINS - 3; b++) {
-        const float start = gp_source_bin_start(b);
-        const float end = gp_source_bin_start(b + 1);
-        assert_true(end > start && isfinite(start));
-        assert_true(b < 2 || end / start <= 1.5f);
-        assert_int_equal(gp_source_bin(start), b);
-        assert_int_equal(gp_source_bin(nextafterf(end, 0.0f)), b);
-    }
-    assert_true(gp_source_bin_start(0) == 0.0f);
-    assert_true(gp_source_bin(FLT_MAX) < GP_SOURCE_BINS);
-}
+/* -- of the whole frame -----------------------------------------------------*/
 
 /* A low percentile of what light there is: black counts for nothing, and a
  * few dark pixels do not pull it down. */
@@ -389,8 +316,6 @@ SUITE(sensors)
         cmocka_unit_test(bad_pixels_stay_alone),
         cmocka_unit_test(threshold_is_shut),
         cmocka_unit_test(knee_is_smooth),
-        cmocka_unit_test(lists_are_whole),
-        cmocka_unit_test(bins_are_half_octaves),
         cmocka_unit_test(darkest_is_robust),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(weights_are_the_frames),

@@ -1,9 +1,8 @@
 /* glare at its edges: FFTW that is missing or makes no plan, drivers with low
- * limits, light outside the frame, kernels that reach nothing, choices whose
+ * limits, kernels that reach nothing, choices whose
  * questions fail, jobs that take too long, and CPUs without AVX2. */
 #include "unit.h"
 #include "core/memory.h"
-#include "glare/sources.h"
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
 #include "glare/splat/state.h"
@@ -15,17 +14,14 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-// -- FFTW
-// -------------------------------------------------------------------------
+// -- FFTW --------------------------------------------------------------------
 
 /* Before any other test: what is loaded once stays. */
 static void fftw_is_missing(void **state)
 {
-    static const struct { const char *library, *symbol, *said; } rows[] = {
-        {"libfftw3f.so.3", NULL, "libfftw3f.so.3: cannot be loaded"},
-        {NULL, "fftwf_plan_dft_1d", "no fftwf_plan_dft_1d"},
-        {NULL, "fftwf_execute_dft", "no fftwf_execute_dft"},
-        {NULL, "fftwf_export_wisdom_to_filename", "is not FFTW 3"},
+    static const struct { const char *library, *symbol; } rows[] = {
+        {"libfftw3f.so.3", NULL}, {NULL, "fftwf_plan_dft_1d"},
+        {NULL, "fftwf_execute_dft"}, {NULL, "fftwf_export_wisdom_to_filename"},
     };
     const struct gp_fftwf *lib;
     struct gp_fft_plan_pair pair = {0};
@@ -37,7 +33,6 @@ static void fftw_is_missing(void **state)
         assert_int_equal(gp_fft_plan_make(&said_log, 64, GP_FFT_PLAN_ESTIMATE,
                                           NULL, &pair), GP_ERR_IO);
         assert_int_equal(said_errors, 1);
-        assert_non_null(strstr(said_line, rows[i].said));
         assert_null(pair.forward);
     }
     const struct gp_fftwd *twice;
@@ -136,55 +131,7 @@ static void wisdom_is_not_kept(void **state)
     assert_true(gp_fft_cost(1, GP_FFT_PLAN_MEASURE) == 1.0);
 }
 
-// -- extra light
-// ------------------------------------------------------------------
-
-static void extra_light_is_checked(void **state)
-{
-    static const struct gp_source outside[] = {
-        {-1, 0, {1, 1, 1}}, {20, 0, {1, 1, 1}}, {0, -1, {1, 1, 1}},
-        {0, 10, {1, 1, 1}}, {INT_MIN, INT_MAX, {1, 1, 1}},
-    };
-    struct scene s = make_scene(DARK, 20, 10, 5, MID);
-    (void) state;
-    for (size_t i = 0; i < COUNT(outside); i++) {
-        struct gp_sources out = {0};
-        struct gp_source one = outside[i];
-        said_nothing();
-        assert_int_equal(gp_sources_join(&said_log, &s.src, &one, 1, &out),
-                         GP_ERR_BUG);
-        assert_int_equal(said_errors, 1);
-        assert_null(out.row);
-    }
-    static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
-    for (int turn = 0; turn < 4; turn++) { // any order gives the same sum
-        struct gp_source list[9];
-        struct gp_sources out = {0};
-        for (int i = 0; i < 9; i++) {
-            const float v = lights[(i + turn) % 4];
-            list[i] = (struct gp_source) {i < 4 ? 7 : i % 2 ? 3 : 19,
-                                         i < 4 ? 5 : 2, {v, v, v}};
-        }
-        list[8] = (struct gp_source) {3, 2, {0, 0, 0}};
-        assert_int_equal(gp_sources_join(&said_log, &s.src, list, 9, &out),
-                         GP_OK);
-        assert_int_equal(out.n, 3);
-        assert_int_equal(out.x[0], 3);
-        assert_int_equal(out.x[1], 19);
-        assert_int_equal(out.x[2], 7);
-        assert_true(out.rgb[0][2] == (3e-4f + 0.1f) + 1e7f);
-        gp_sources_free(&out);
-    }
-    struct gp_sources same = {0};
-    assert_int_equal(gp_sources_join(&said_log, &s.src, NULL, 0, &same),
-                     GP_OK);
-    assert_int_equal(same.n, 0);
-    gp_sources_free(&same);
-    scene_free(&s);
-}
-
-// -- engines
-// ----------------------------------------------------------------------
+// -- engines -----------------------------------------------------------------
 
 /* Light that falls beside the frame leaves it black, at no cost. */
 static void kernels_that_reach_nothing(void **state)
@@ -280,8 +227,7 @@ static void patience_is_asked_for(void **state)
     scene_free(&s);
 }
 
-// -- a driver's limits
-// --------------------------------------------------------------
+// -- a driver's limits -------------------------------------------------------
 
 static gp_status draw_points(struct scene *s, struct gp_glare *g,
                              enum gp_primitive form)
@@ -328,8 +274,7 @@ static void limits_are_named(void **state)
     scene_free(&s);
 }
 
-// -- choices
-// ------------------------------------------------------------------------
+// -- choices -----------------------------------------------------------------
 
 struct question {
     const double *bound;
@@ -389,7 +334,6 @@ SUITE(starved_limits)
         cmocka_unit_test(fftw_is_missing),
         cmocka_unit_test(fftw_makes_no_plan),
         cmocka_unit_test(wisdom_is_not_kept),
-        cmocka_unit_test(extra_light_is_checked),
         cmocka_unit_test(kernels_that_reach_nothing),
         cmocka_unit_test(cpus_agree),
         cmocka_unit_test(patience_is_asked_for),
