@@ -11,18 +11,18 @@
 /* The light of polygons by cell, in planes by ring: plane r holds those that
  * leave something out between cells r apart, max(|dx|, |dy|) = r. */
 struct light {
-    const struct gp_cells *cells;
+    const struct gp_bound_cells *cells;
     int rings;
     double *at[3];   // rings * rows * columns
 };
 
-static size_t plane_of(const struct gp_cells *c)
+static size_t plane_of(const struct gp_bound_cells *c)
 {
     return (size_t) c->columns * (size_t) c->rows;
 }
 
 static gp_status make_light(const struct gp_log *log,
-                            const struct gp_cells *cells, int rings,
+                            const struct gp_bound_cells *cells, int rings,
                             struct light *l)
 {
     *l = (struct light) {.cells = cells, .rings = rings};
@@ -64,7 +64,7 @@ GP_CLONES static void add_scaled(double *restrict to,
 static void add_source_row(const struct spreading *s, int c, int sy, int dy,
                            double *line)
 {
-    const struct gp_cells *const cells = s->light->cells;
+    const struct gp_bound_cells *const cells = s->light->cells;
     const struct gp_cell_table *const t = s->table;
     const double *const k =
         t->at[t->channels == 1 ? 0 : c] + (size_t) (dy - t->y0) * (size_t) t->w;
@@ -129,7 +129,7 @@ out:
 // -- polygons -----------------------------------------------------------------
 
 /* The cell of a polygon. */
-static size_t cell_of(const struct gp_cells *cells, const struct gp_polygon *p)
+static size_t cell_of(const struct gp_bound_cells *cells, const struct gp_polygon *p)
 {
     const int x = (int) fmin(fmax(floor((double) p->x / cells->side), 0.0),
                              cells->columns - 1.0);
@@ -140,7 +140,7 @@ static size_t cell_of(const struct gp_cells *cells, const struct gp_polygon *p)
 
 /* A polygon of that reach leaves nothing out between cells less than this many
  * rings apart: (ring + 1) * side is farther than any two of their points. */
-static int first_ring(const struct gp_cells *cells, int reach)
+static int first_ring(const struct gp_bound_cells *cells, int reach)
 {
     return reach / cells->side;
 }
@@ -171,7 +171,7 @@ static void fill(const struct gp_polygons *polygons,
 }
 
 gp_status gp_cells_left(const struct gp_log *log,
-                        const struct gp_cells *cells,
+                        const struct gp_bound_cells *cells,
                         const struct gp_polygons *polygons,
                         const struct gp_shrink *shrink,
                         const struct gp_cell_table *most, double out[3])

@@ -14,13 +14,13 @@
 
 /* Cells of side x side pixels from the frame's corner; those at the right and
  * at the bottom may be cut. */
-struct gp_cells {
+struct gp_bound_cells {
     int w, h;           // of the frame
     int side, columns, rows;
 };
 
 /* The smallest cells, a power of two, for which the sums below stay cheap. */
-struct gp_cells gp_cells_choose(int w, int h, const struct gp_kernel *kernel);
+struct gp_bound_cells gp_cells_choose(int w, int h, const struct gp_kernel *kernel);
 
 /* Numbers by the offset from a source's cell to a pixel's:
  * at[c][(dy - y0) * w + dx - x0]; 0 beyond. Grey kernels have channel 0 alone.
@@ -36,14 +36,14 @@ void gp_cell_table_free(struct gp_cell_table *t);
  * pixel of another. Kernel without its core when `tail`.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_cell_most(const struct gp_log *log,
-                                     const struct gp_cells *cells,
+                                     const struct gp_bound_cells *cells,
                                      const struct gp_kernel *kernel, bool tail,
                                      int carry, struct gp_cell_table *out);
 
 /* The most light of each channel that shrinking leaves out in any pixel.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_cells_left(const struct gp_log *log,
-                                      const struct gp_cells *cells,
+                                      const struct gp_bound_cells *cells,
                                       const struct gp_polygons *polygons,
                                       const struct gp_shrink *shrink,
                                       const struct gp_cell_table *most,

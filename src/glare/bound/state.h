@@ -25,7 +25,7 @@ struct gp_bound_state {
     float *near[3], *far[3]; // least means over cells, by offset
     int far_reach;
     int w, h;               // of the frames that the rest is for
-    struct gp_cells cells;
+    struct gp_bound_cells cells;
     struct gp_bound_drawn drawn[2][2]; // [tail][wide border]
 };
 

@@ -16,9 +16,9 @@ static int max(int a, int b)
     return a > b ? a : b;
 }
 
-struct gp_cells gp_cells_choose(int w, int h, const struct gp_kernel *kernel)
+struct gp_bound_cells gp_cells_choose(int w, int h, const struct gp_kernel *kernel)
 {
-    struct gp_cells c = {.w = w, .h = h, .side = 1};
+    struct gp_bound_cells c = {.w = w, .h = h, .side = 1};
     for (;; c.side *= 2) {
         c.columns = (w + c.side - 1) / c.side;
         c.rows = (h + c.side - 1) / c.side;
@@ -101,7 +101,7 @@ static void reduce(const float *plane, const struct window *x,
 
 /* The table of a kernel's windows. */
 static gp_status make_table(const struct gp_log *log,
-                            const struct gp_cells *cells,
+                            const struct gp_bound_cells *cells,
                             const struct gp_blur *b, const struct window *x,
                             const struct window *y, struct gp_cell_table *out)
 {
@@ -129,7 +129,7 @@ out:
 /* The part of the kernel whose light can go from a pixel of the frame, or one
  * `carry` outside, to another. */
 static struct gp_rect crop_of(const struct gp_kernel *k,
-                              const struct gp_cells *cells, int carry)
+                              const struct gp_bound_cells *cells, int carry)
 {
     const int x = cells->w + carry, y = cells->h + carry;
     return (struct gp_rect) {
@@ -138,7 +138,7 @@ static struct gp_rect crop_of(const struct gp_kernel *k,
     };
 }
 
-gp_status gp_cell_most(const struct gp_log *log, const struct gp_cells *cells,
+gp_status gp_cell_most(const struct gp_log *log, const struct gp_bound_cells *cells,
                        const struct gp_kernel *kernel, bool tail, int carry,
                        struct gp_cell_table *out)
 {
