@@ -52,7 +52,7 @@ EOF
 
 # -- what it needs -------------------------------------------------------------
 
-strip --strip-unneeded "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*.so
+strip --strip-unneeded "$tree/usr/bin/glarepp" "$tree"/usr/lib/glarepp/*
 
 # dpkg-shlibdeps reads a source package's debian/control, and takes a folder
 # with DEBIAN in it as a package's
@@ -63,7 +63,7 @@ mkdir "$work/debian"
 printf 'Source: glarepp\n\nPackage: glarepp\nArchitecture: any\n' \
     >"$work/debian/control"
 depends=$(cd "$work" && dpkg-shlibdeps -O "$tree/usr/bin/glarepp" \
-    "$tree"/usr/lib/glarepp/*.so | sed -n 's/^shlibs:Depends=//p')
+    "$tree"/usr/lib/glarepp/* | sed -n 's/^shlibs:Depends=//p')
 [ -n "$depends" ]
 
 # FFTW and GL are opened at run time, where nothing sees them; without GL the

@@ -93,27 +93,7 @@ static void program_folder(char *to, size_t size)
         to[0] = '\0';
 }
 
-/* Opens FOLDER/SUB/name when it is there; `why` says what went wrong with
- * one that is. */
-static void *try_folder(const char *folder, const char *sub, const char *name,
-                        char *why, size_t why_size)
-{
-    char path[PATH_MAX];
-    if (!folder || !folder[0])
-        return NULL;
-    const int n = snprintf(path, sizeof path, "%s%s/%s", folder, sub, name);
-    if ((size_t) n >= sizeof path || access(path, F_OK) != 0)
-        return NULL;
-    watch_memory();
-    loading = true;
-    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    loading = false;
-    if (!library)
-        snprintf(why, why_size, "%s", dlerror());
-    return library;
-}
-
-void *gp_bridge_open(const char *name, char *why, size_t why_size)
+bool gp_bridge_find(const char *name, char *path, size_t size)
 {
     char program[PATH_MAX];
     program_folder(program, sizeof program);
@@ -123,12 +103,30 @@ void *gp_bridge_open(const char *name, char *why, size_t why_size)
         {program, "/../lib/glarepp"},
         {GP_BRIDGE_DIR, ""},
     };
-    snprintf(why, why_size, "%s is not there", name);
     for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
-        void *library = try_folder(place[i][0], place[i][1], name, why,
-                                   why_size);
-        if (library)
-            return library;
+        const char *const folder = place[i][0];
+        if (!folder || !folder[0])
+            continue;
+        const int n = snprintf(path, size, "%s%s/%s", folder, place[i][1],
+                               name);
+        if ((size_t) n < size && access(path, F_OK) == 0)
+            return true;
     }
-    return NULL;
+    return false;
+}
+
+void *gp_bridge_open(const char *name, char *why, size_t why_size)
+{
+    char path[PATH_MAX];
+    if (!gp_bridge_find(name, path, sizeof path)) {
+        snprintf(why, why_size, "%s is not there", name);
+        return NULL;
+    }
+    watch_memory();
+    loading = true;
+    void *const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    loading = false;
+    if (!library)
+        snprintf(why, why_size, "%s", dlerror());
+    return library;
 }

@@ -3,11 +3,14 @@
 #ifndef GP_CORE_BRIDGE_H
 #define GP_CORE_BRIDGE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 
-/* Opens the shared object of that file name, "glarepp-oiio.so": in
- * $GLAREPP_BRIDGES, beside the program, in ../lib/glarepp from there, or in the
- * installed folder. Returns what dlopen() does; never closed as a rule.
+/* Finds a file of this program: in $GLAREPP_BRIDGES, beside the program, in
+ * ../lib/glarepp from there, or in the installed folder. False: in none. */
+bool gp_bridge_find(const char *name, char *path, size_t size);
+
+/* Opens the shared object of that file name, "glarepp-ocio.so". Returns what dlopen() does; never closed as a rule.
  * NULL, with one line in `why`, when it or one of its libraries is missing. */
 void *gp_bridge_open(const char *name, char *why, size_t why_size);
 

@@ -3,7 +3,7 @@
 #include "io/exr/exr.h"
 #include "io/format.h"
 #include "io/image.h"
-#include "io/oiio/image.h"
+#include "io/oiio/oiio.h"
 #include "io/png.h"
 #include "io/read_open.h"
 
@@ -93,7 +93,7 @@ gp_status gp_read_image(const struct gp_log *log,
     if (gp_stream_read(stream, first, sizeof first, 0) == sizeof first &&
         memcmp(first, "\x89PNG", sizeof first) == 0)
         return gp_png_open(log, path, stream, part, p->max_pixels, out);
-    return gp_oiio_image_open(log, path, stream, part, p->max_pixels, out);
+    return gp_oiio_open(log, path, stream, part, p->max_pixels, out);
 }
 
 /* What formats other than EXR have of parts and views. */

@@ -1,10 +1,9 @@
 #include "io/write.h"
 
-#include "io/bridge_write.h"
 #include "io/exr/exr.h"
 #include "io/file.h"
 #include "io/file_name.h"
-#include "io/other_write.h"
+#include "io/oiio/oiio.h"
 #include "io/png.h"
 #include "io/raw_write.h"
 
@@ -68,8 +67,7 @@ gp_status gp_write_check(const struct gp_log *log,
         if (st)
             return st;
     } else if (p->compression >= GP_COMPRESSION_DWAA && ending[0] == 'e') {
-        bool can; // DWA is made by it
-        gp_status st = gp_bridge_can_write(log, path, ending, &can);
+        const gp_status st = gp_oiio_check(log, path); // DWA is made by it
         if (st)
             return st;
     }

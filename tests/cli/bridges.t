@@ -1,12 +1,13 @@
 #!/bin/sh
-# The program without its bridges, with files that are none, and with those of
-# another version: what needs them fails with one line, all else works.
+# The program without its helper for OpenImageIO and its bridge to OpenColorIO,
+# with files that are none, and with others: what needs them fails with one
+# line, all else works.
 . "$(dirname "$0")/lib.sh"
 need_python
 built=$(dirname "$glarepp")
 frame in.exr size=128x96 lights=9
-for name in oiio ocio; do
-    [ -f "$built/glarepp-$name.so" ] || skip_all "no glarepp-$name.so"
+for name in glarepp-oiio glarepp-ocio.so; do
+    [ -f "$built/$name" ] || skip_all "no $name"
 done
 "$glarepp" -e direct -o in.tif in.exr 2>err &&
     "$glarepp" -e direct --hdr dwaa.exr --compression dwaa in.exr 2>err ||
@@ -45,21 +46,22 @@ ROWS
 needs_them 'no bridges' 'is not there'
 
 mkdir none
-for name in oiio ocio; do
-    echo 'no library' >none/glarepp-$name.so
+for name in glarepp-oiio glarepp-ocio.so; do
+    echo 'no library' >none/$name
 done
+chmod +x none/*
 export GLAREPP_BRIDGES=$tmp/none
 needs_them 'no libraries' "$tmp/none/glarepp-o"
 
-# a library, but not the one of that name
+# a program and a library, but not those of these names
 mkdir other
-cp "$built/glarepp-oiio.so" other/glarepp-ocio.so
-cp "$built/glarepp-ocio.so" other/glarepp-oiio.so
+cp "$built/glarepp" other/glarepp-oiio
+cp "$built/glarepp" other/glarepp-ocio.so
 export GLAREPP_BRIDGES=$tmp/other
-needs_them 'other libraries' 'of another version'
+needs_them 'others' "other/glarepp-o"
 
 # a folder that is not there: those beside the program are taken
-cp "$built"/glarepp-oiio.so bin/
+cp "$built"/glarepp-oiio bin/
 export GLAREPP_BRIDGES=$tmp/nowhere
 run -e direct -o beside.png in.tif
 quiet_success 'the bridge beside the program'

@@ -67,7 +67,8 @@ marks_targets()
 ok 'glarepp: may lie at any address' is_pie "$glarepp"
 ok 'glarepp: checks copies' is_fortified "$glarepp"
 folder=$(dirname "$glarepp")
-for file in "$glarepp" "$folder/glarepp-oiio.so" "$folder/glarepp-ocio.so"; do
+ok 'glarepp-oiio: may lie at any address' is_pie "$folder/glarepp-oiio"
+for file in "$glarepp" "$folder/glarepp-oiio" "$folder/glarepp-ocio.so"; do
     name=$(basename "$file")
     if [ ! -f "$file" ]; then
         skip 6 "no $name beside the program"

@@ -27,7 +27,7 @@ mk install DESTDIR="$tmp/root" PREFIX="$prefix"
 at=$tmp/root$prefix
 is "$(files "$at")" 'bin/glarepp
 lib/glarepp/glarepp-ocio.so
-lib/glarepp/glarepp-oiio.so
+lib/glarepp/glarepp-oiio
 share/bash-completion/completions/glarepp
 share/fish/vendor_completions.d/glarepp.fish
 share/man/man1/glarepp.1
@@ -47,13 +47,13 @@ same "$at/share/zsh/site-functions/_glarepp" completion.zsh \
 same "$at/share/fish/vendor_completions.d/glarepp.fish" completion.fish \
     'completions of fish'
 
-# A TIFF needs the bridge, which is found from where the program lies
+# A TIFF needs the helper, which is found from where the program lies
 if [ -n "$python" ]; then
     frame f.exr size=8x8
-    ok 'the installed program finds its bridge' \
+    ok 'the installed program finds its helper' \
         "$at/bin/glarepp" -o f.tif f.exr
-    rm f.tif "$at/lib/glarepp/glarepp-oiio.so"
-    if [ -e /usr/local/lib/glarepp/glarepp-oiio.so ]; then
+    rm f.tif "$at/lib/glarepp/glarepp-oiio"
+    if [ -e /usr/local/lib/glarepp/glarepp-oiio ]; then
         skip 1 'another glarepp is installed'
     else
         no 'which it takes from nowhere else' "$at/bin/glarepp" -o f.tif f.exr
@@ -82,7 +82,7 @@ package()
     dpkg-deb -x first.deb tree
     is "$(files tree)" 'usr/bin/glarepp
 usr/lib/glarepp/glarepp-ocio.so
-usr/lib/glarepp/glarepp-oiio.so
+usr/lib/glarepp/glarepp-oiio
 usr/share/bash-completion/completions/glarepp
 usr/share/doc/glarepp/changelog.gz
 usr/share/doc/glarepp/copyright

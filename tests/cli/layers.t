@@ -177,7 +177,7 @@ status 2 '*in.png: has no layer nix (channels: R, G, B); give one of its layers'
 status 2 '*in.png: has no part main: *numbers alone; give one from 0' \
     'a named part of a PNG' "$glarepp" --part main -o no.png in.png
 ok 'part 0 of a PNG' "$glarepp" --part 0 -o part.png in.png
-status 4 '*in.png: no image format and part 3 of it*' 'part 3 of a PNG' \
+status 4 '*in.png: *part 3*' 'part 3 of a PNG' \
     "$glarepp" --part 3 -o no.png in.png
 no 'nothing was written' ls no.exr no.png
 

@@ -11,8 +11,8 @@ cp -r Makefile src man "$twin/a"
 cp tests/fuzz/fuzz.mk "$twin/a/tests/fuzz"
 cp tests/soak/soak.mk "$twin/a/tests/soak"
 (cd "$twin/a" && make -s B=elsewhere elsewhere/glarepp \
-    elsewhere/glarepp-oiio.so elsewhere/glarepp-ocio.so) >"$twin/log" 2>&1
-for f in glarepp glarepp-oiio.so glarepp-ocio.so; do
+    elsewhere/glarepp-oiio elsewhere/glarepp-ocio.so) >"$twin/log" 2>&1
+for f in glarepp glarepp-oiio glarepp-ocio.so; do
     if cmp -s "$1/$f" "$twin/a/elsewhere/$f"; then
         echo "$f: the same bytes from another build folder"
     else

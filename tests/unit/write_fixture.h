@@ -256,8 +256,7 @@ static inline struct gp_frame wf_read_back(const char *path)
 /* Whether the OpenImageIO bridge is there, for DWA. */
 static inline bool wf_bridge(void)
 {
-    char why[512];
-    return gp_oiio_open(why, sizeof why) != NULL;
+    return gp_oiio_check(NULL, "-") == GP_OK;
 }
 
 static const struct wf_channel wf_rgb[] = {

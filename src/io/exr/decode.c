@@ -410,7 +410,7 @@ static gp_status open_worker(const struct gp_log *log,
 
 static gp_status sort_channels(const struct gp_log *log,
                                const struct gp_exr_chunks *cs,
-                               const struct gp_oiio_image *image,
+                               const struct gp_image *image,
                                const struct gp_exr_sink *sink)
 {
     const size_t w = (size_t) cs->w, step = (size_t) image->channels;
@@ -460,8 +460,7 @@ static gp_status decode_by_bridge(const struct gp_log *log,
                                   const struct gp_exr_sink *sink)
 {
     const struct gp_stream *s = &cs->input->stream;
-    struct gp_oiio_image image;
-    char why[512];
+    struct gp_image image = {0};
     for (int i = 0; i < cs->channel->num_channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         if (e->x_sampling != 1 || e->y_sampling != 1)
@@ -470,30 +469,21 @@ static gp_status decode_by_bridge(const struct gp_log *log,
                            "which nothing here decodes; write the file with "
                            "another compression", cs->path, e->name.str);
     }
-    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
-    if (!api)
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: DWA compression needs the OpenImageIO bridge "
-                       "(%s); install it, or write the file with zip",
-                       cs->path, why);
-    const int got = api->read(cs->path, s->data, s->size, cs->part,
-                              (long long) cs->w * cs->h, &image, why,
-                              sizeof why);
-    if (got == GP_OIIO_MEMORY)
-        return gp_oiio_no_memory(log, cs->path, why);
-    if (got)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: the pixels are damaged (%s); copy or render the "
-                       "file again", cs->path, why);
-    gp_status st;
-    if (image.w == cs->w && image.h == cs->h)
-        st = sort_channels(log, cs, &image, sink);
-    else
+    gp_status st = gp_oiio_open(log, cs->path, s, cs->part,
+                                (long long) cs->w * cs->h, &image);
+    if (st)
+        return st;
+    const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
+    if (w != cs->w || h != cs->h)
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: OpenImageIO found %d x %d pixels (%d x %d in the "
-                     "header); render the file again", cs->path, image.w,
-                     image.h, cs->w, cs->h);
-    api->image_free(&image);
+                     "header); render the file again", cs->path, w, h, cs->w,
+                     cs->h);
+    else
+        st = gp_image_load(log, &image);
+    if (!st)
+        st = sort_channels(log, cs, &image, sink);
+    gp_image_close(&image);
     return st;
 }
 

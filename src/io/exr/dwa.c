@@ -3,8 +3,8 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/bridge_write.h"
 #include "io/half.h"
+#include "io/oiio/oiio.h"
 
 #include <limits.h>
 #include <math.h>
@@ -63,7 +63,7 @@ static void interleave(const struct gp_exr_source *s, size_t rows,
 /* Pixels as the bridge wants them; *types has room for every channel. */
 static gp_status make_pixels(const struct gp_log *log,
                              const struct gp_exr_image *img, const char **names,
-                             int *types, void **pixels,
+                             int *types, struct gp_shared *pixels,
                              struct gp_write_stats *stats)
 {
     const size_t w = (size_t) gp_rect_w(img->data);
@@ -72,14 +72,14 @@ static gp_status make_pixels(const struct gp_log *log,
     size_t step = 0, at = 0;
     for (int i = 0; i < img->sources; i++)
         step += gp_type_size(img->source[i].type);
-    gp_status st = gp_alloc(log, "DWA pixels", w * h, step, pixels);
+    gp_status st = gp_shared_make(log, "DWA pixels", w * h * step, pixels);
     if (!st)
         st = gp_alloc(log, "DWA row", w, sizeof(float) + sizeof(uint16_t), &row);
     for (int i = 0; !st && i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
         names[i] = s->name;
         types[i] = (int) s->type;
-        interleave(s, h, row, (uint8_t *) *pixels + at, step, stats);
+        interleave(s, h, row, (uint8_t *) pixels->at + at, step, stats);
         at += gp_type_size(s->type);
     }
     gp_free(row);
@@ -123,7 +123,8 @@ out:
 static gp_status encode(const struct gp_log *log, const char *path,
                         const struct gp_exr_image *img, float quality,
                         const char *const *names, const int *types,
-                        const void *pixels, struct gp_stream *stream)
+                        const struct gp_shared *pixels,
+                        struct gp_stream *stream)
 {
     const struct gp_rect r = img->data;
     char compression[32];
@@ -131,15 +132,12 @@ static gp_status encode(const struct gp_log *log, const char *path,
     snprintf(compression, sizeof compression, "%s:%d.%03d",
              img->compression == GP_COMPRESSION_DWAA ? "dwaa" : "dwab", whole,
              (int) ((quality - (float) whole) * 1000.0f));
-    const struct gp_oiio_image image = {
-        .x = r.x0, .y = r.y0, .w = gp_rect_w(r), .h = gp_rect_h(r),
-        .full_x = r.x0, .full_y = r.y0, .full_w = gp_rect_w(r),
-        .full_h = gp_rect_h(r), .channels = img->sources,
-        .channel_name = names, .colour_space = "", .native = pixels,
-        .channel_type = types,
+    const struct gp_image image = {
+        .path = path, .data = r, .display = r, .channels = img->sources,
+        .channel_name = names, .colour_space = "",
     };
-    return gp_bridge_write(log, path, "exr", &image, "half", compression,
-                           stream);
+    return gp_oiio_write(log, &image, types, pixels, "exr", "half",
+                         compression, stream);
 }
 
 /* The library writes another compression where it does not trust its own. */
@@ -162,7 +160,8 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
                             struct gp_write_stats *stats)
 {
     gp_status st;
-    void *names = NULL, *types = NULL, *pixels = NULL;
+    void *names = NULL, *types = NULL;
+    struct gp_shared pixels = {0};
     struct gp_stream stream = GP_STREAM_EMPTY;
     struct gp_input *made = NULL;
     const char *path = gp_file_path(out->file);
@@ -177,7 +176,7 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(gp_alloc(out->log, path, n, sizeof(char *), &names));
     GP_TRY(gp_alloc(out->log, path, n, sizeof(int), &types));
     GP_TRY(make_pixels(out->log, img, names, types, &pixels, stats));
-    GP_TRY(encode(out->log, path, img, quality, names, types, pixels,
+    GP_TRY(encode(out->log, path, img, quality, names, types, &pixels,
                   &stream));
     GP_TRY(gp_exr_open(out->log, path, &stream, &made));
     GP_TRY(check_made(out, img, made));
@@ -185,7 +184,7 @@ gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
 out:
     gp_input_free(made);
     gp_stream_close(&stream);
-    gp_free(pixels);
+    gp_shared_free(&pixels);
     gp_free(types);
     gp_free(names);
     return st;

@@ -1,6 +1,6 @@
 /* io/plane: depth and coverage from files of their own. */
 #include "unit.h"
-#include "io/oiio/oiio.h"
+#include "oiio_here.h"
 
 #include "plane_fixture.h"
 
@@ -95,22 +95,17 @@ static void planes_of_other_formats(void **state)
         {"tif", "uint8", 255.0f}, {"tif", "float", 0.0f},
     };
     static float v[N];
-    char why[512];
-    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
-    if (!api)
+    if (!has_oiio)
         skip();
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
         const bool real = row[i].scale == 0.0f;
         for (int k = 0; k < N; k++)
             v[k] = (float) k / 255.0f * (real ? 1e10f : 1.0f);
-        const struct gp_oiio_image image = {
-            .w = 16, .h = 16, .full_w = 16, .full_h = 16, .channels = 1,
-            .channel_name = grey, .pixels = v, .colour_space = "sRGB",
-        };
+        const struct gp_image image = image_of(v, 16, 16, grey, 1, "sRGB");
         struct gp_plane p;
         snprintf(path, sizeof path, "%s/p.%s", folder, row[i].format);
-        assert_int_equal(api->write(path, row[i].format, &image, row[i].type,
-                                    "", why, sizeof why), 0);
+        assert_int_equal(write_image(path, row[i].format, &image,
+                                     row[i].type, ""), GP_OK);
         assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, i & 1,
                                             &p), GP_OK);
         assert_int_equal(gp_rect_w(p.window), 16);
@@ -130,19 +125,14 @@ static void one_channel_of_many(void **state)
     enum { N = 4 };
     static const char *const rgb[] = {"R", "G", "B"};
     static float v[3 * N];
-    char why[512];
-    const struct gp_oiio_api *api = gp_oiio_open(why, sizeof why);
-    if (!api)
+    if (!has_oiio)
         skip();
     for (int i = 0; i < 3 * N; i++)
         v[i] = (float) i - 5.0f;
-    const struct gp_oiio_image image = {
-        .w = N, .h = 1, .full_w = N, .full_h = 1, .channels = 3,
-        .channel_name = rgb, .pixels = v, .colour_space = "Linear",
-    };
+    const struct gp_image image = image_of(v, N, 1, rgb, 3, "Linear");
     snprintf(path, sizeof path, "%s/rgb.tif", folder);
-    assert_int_equal(api->write(path, "tif", &image, "float", "", why,
-                                sizeof why), 0);
+    assert_int_equal(write_image(path, "tif", &image, "float", ""),
+                     GP_OK);
     for (int c = 0; c < 3; c++) {
         struct gp_plane p;
         assert_int_equal(gp_read_plane_file(&hear, &limits, path, rgb[c],
@@ -159,12 +149,11 @@ static void planes_by_the_bridge(void **state)
     (void) state;
     static const char *const file[2] = {"comp_dwaa_v1.exr", "comp_zip.exr"};
     const char *data = getenv("GLAREPP_DATA");
-    char why[512];
     struct gp_plane p[2] = {{{0}, NULL, NULL}, {{0}, NULL, NULL}};
     for (int i = 0; i < 2; i++) {
         snprintf(path, sizeof path, "%s/compression/%s",
                  data ? data : "../shared/data", file[i]);
-        if (access(path, R_OK) != 0 || !gp_oiio_open(why, sizeof why))
+        if (access(path, R_OK) != 0 || !has_oiio)
             skip();
         assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, false,
                                             &p[i]), GP_OK);
@@ -236,12 +225,8 @@ static void damaged_files(void **state)
 
 static int set_up(void **state)
 {
-    char self[PATH_MAX] = "", beside[PATH_MAX];
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
+    if (open_oiio(state))
         return -1;
-    // the build puts tests one folder below the bridge
-    snprintf(beside, sizeof beside, "%.3000s/..", dirname(self));
-    setenv("GLAREPP_BRIDGES", beside, 0);
     return make_folder(state);
 }
 

@@ -740,7 +740,6 @@ static void other_formats(void **state)
         {"a.jpg", GP_OUT_AUTO, 0.2},    {"a.dpx", GP_OUT_AUTO, 5e-3},
         {"a.bmp", GP_OUT_AUTO, 5e-3},
     };
-    char why[512];
     struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 32, 16};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
@@ -753,7 +752,7 @@ static void other_formats(void **state)
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         struct gp_read_params q = GP_READ_DEFAULTS;
         struct gp_frame back;
-        if (!gp_oiio_open(why, sizeof why)) {
+        if (!wf_bridge()) {
             assert_int_equal(gp_write_check(&wf_log, &p, wf_path("a.tif")),
                              GP_ERR_IO);
             break;
@@ -798,9 +797,8 @@ static void bytes_hold_no_time_and_no_memory(void **state)
 {
     (void) state;
     static const uint8_t none[100] = {0};
-    char why[512];
     size_t size;
-    if (!gp_oiio_open(why, sizeof why))
+    if (!wf_bridge())
         skip();
     write_small("a.tif");
     write_small("a.sgi");
@@ -822,6 +820,41 @@ static void bytes_hold_no_time_and_no_memory(void **state)
     remove(wf_path("a.sgi"));
 }
 
+/* PNG's pHYs holds ratios that two whole numbers can. */
+static void shapes_of_pixels(void **state)
+{
+    (void) state;
+    static const struct {
+        float aspect;
+        unsigned x, y; // pixels of a unit; 0 no chunk
+    } row[] = {
+        {1.0f, 0, 0},         {2.0f, 5000, 10000}, {0.5f, 20000, 10000},
+        {1e5f, 0, 0},         {1e-5f, 0, 0},       {0.0f, 0, 0},
+        {9999.0f, 1, 10000},  {NAN, 0, 0},         {-2.0f, 0, 0},
+        {INFINITY, 0, 0},
+    };
+    const struct gp_rect r = {0, 0, 3, 2};
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        size_t size;
+        f.pixel_aspect = row[i].aspect;
+        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
+                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
+                         GP_OK);
+        uint8_t *const b = wf_read(wf_path("a.png"), &size);
+        const uint8_t *const at = memmem(b, size, "pHYs", 4);
+        assert_int_equal(at != NULL, row[i].x > 0);
+        for (int k = 0; at && k < 4; k++) {
+            assert_int_equal(at[4 + k], row[i].x >> (24 - 8 * k) & 0xff);
+            assert_int_equal(at[8 + k], row[i].y >> (24 - 8 * k) & 0xff);
+        }
+        free(b);
+    }
+    gp_frame_free(&f);
+}
+
 SUITE(png)
 {
 #define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
@@ -830,6 +863,7 @@ SUITE(png)
         TEST(texts_are_bounded), TEST(pixels_and_windows), TEST(nonfinite), TEST(alpha_keeps_light),
         TEST(colour_chunks), TEST(odd_primaries), TEST(threads_and_places),
         TEST(hostile_windows_and_full_disk), TEST(other_formats),
+        TEST(shapes_of_pixels),
         TEST(bytes_hold_no_time_and_no_memory),
     };
     return cmocka_run_group_tests(tests, find_bridges, NULL);

@@ -1,8 +1,8 @@
-#include "io/other_write.h"
+/* Pictures in the formats that OpenImageIO writes, and PFM. */
+#include "io/oiio/oiio.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
-#include "io/bridge_write.h"
 #include "io/file.h"
 #include "io/picture.h"
 
@@ -11,29 +11,37 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What a format can hold; a format that is not listed is taken for one of 8
- * bits without alpha. */
-struct format {
+/* What a format can hold. Of 2.4's other writers RLA loses samples, FITS writes
+ * its rows one too high, IFF 1x1 as black, GIF is not the same from run to run,
+ * HEIF's reads past the end of its rows, icons are not read back. */
+static const struct format {
     const char *ending;
     int bits;      // most bits of an integer sample; 0 holds none
     bool floats, alpha;
-};
-
-static const struct format formats[] = {
+} formats[] = {
     {"hdr", 0, true, false},   {"rgbe", 0, true, false},
     {"pfm", 0, true, false},   {"tif", 16, true, true},
     {"tiff", 16, true, true},  {"dpx", 16, false, false},
     {"sgi", 16, false, false}, {"tga", 8, false, true},
-    {"webp", 8, false, true},
+    {"webp", 8, false, true},  {"jpg", 8, false, false},
+    {"jpeg", 8, false, false}, {"jpe", 8, false, false},
+    {"jfif", 8, false, false}, {"jif", 8, false, false},
+    {"jfi", 8, false, false},  {"bmp", 8, false, false},
+    {"dib", 8, false, false},  {"ppm", 8, false, false},
+    {"pgm", 8, false, false},  {"pbm", 8, false, false},
+    {"pnm", 8, false, false},  {"rgb", 8, false, false},
+    {"rgba", 8, false, false}, {"bw", 8, false, false},
+    {"int", 8, false, false},  {"inta", 8, false, false},
+    {"tpic", 8, false, false}, {"tx", 8, false, false},
 };
 
-static struct format find_format(const char *ending)
+static const struct format *find_format(const char *ending)
 {
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         if (strcmp(formats[i].ending, ending) == 0)
-            return formats[i];
+            return &formats[i];
     }
-    return (struct format) {ending, 8, false, false};
+    return NULL;
 }
 
 static bool is_tiff(const struct format *t)
@@ -69,31 +77,23 @@ gp_status gp_other_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path,
                          const char *ending)
 {
-    const struct format t = find_format(ending);
-    bool can = strcmp(ending, "pfm") == 0; // written here
-    if (is_tiff(&t) && !tiff_compression(p->compression))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: TIFF has no such compression; use none, rle or "
-                       "zip", path);
-    if (t.bits > 0 && p->depth_bits > t.bits)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: .%s holds %d bits (--depth-bits %d); use .png, "
-                       ".tif or .exr", path, ending, t.bits, p->depth_bits);
-    if (!can && ending[0]) {
-        gp_status st = gp_bridge_can_write(log, path, ending, &can);
-        if (st)
-            return st;
-    }
-    if (!can)
+    const struct format *const t = find_format(ending);
+    if (!t)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: unknown format (ending %s%s); end the name in "
                        ".exr, .png, .tif, .dpx, .hdr, .jpg, .bmp, .ppm, .sgi, "
                        ".tga or .webp", path,
                        ending[0] ? "." : "is missing", ending);
-    return GP_OK;
+    if (is_tiff(t) && !tiff_compression(p->compression))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: TIFF has no such compression; use none, rle or "
+                       "zip", path);
+    if (t->bits > 0 && p->depth_bits > t->bits)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: .%s holds %d bits (--depth-bits %d); use .png, "
+                       ".tif or .exr", path, ending, t->bits, p->depth_bits);
+    return strcmp(ending, "pfm") == 0 ? GP_OK : gp_oiio_check(log, path);
 }
-
-// -- pixels -------------------------------------------------------------------
 
 struct gathering {
     const struct gp_picture *pic;
@@ -143,25 +143,6 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
         round_radiance(to + x * n);
 }
 
-static gp_status gather(const struct gp_log *log, const struct format *t,
-                        const struct gp_picture *pic, bool integer,
-                        float **out)
-{
-    void *mem;
-    struct gathering g = {.pic = pic, .integer = integer,
-                          .radiance = is_radiance(t)};
-    gp_status st = gp_alloc(log, "picture", (size_t) pic->width *
-                            (size_t) pic->height, (size_t) pic->channels *
-                            sizeof(float), &mem);
-    *out = mem;
-    if (st)
-        return st;
-    g.to = *out;
-    return gp_picture_each_row(log, pic, gather_row, &g);
-}
-
-// -- files --------------------------------------------------------------------
-
 /* Portable float map, by P. Debevec: "PF", size, -1 for little-endian, rows
  * from the bottom. */
 static gp_status write_pfm(struct gp_file *file, const struct gp_picture *pic,
@@ -199,33 +180,30 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
     return st;
 }
 
-static gp_status write_bridge(const struct gp_log *log,
-                              const struct gp_write_params *p,
-                              struct gp_file *file, const struct format *t,
-                              const struct gp_picture *pic, float *pixels,
-                              bool integer, enum gp_picture_kind kind)
+static gp_status write_by_helper(const struct gp_log *log,
+                                 const struct gp_write_params *p,
+                                 struct gp_file *file, const struct format *t,
+                                 const struct gp_picture *pic,
+                                 const struct gp_shared *pixels, bool integer,
+                                 enum gp_picture_kind kind)
 {
     static const char *const names[] = {"R", "G", "B", "A"};
+    const bool scene = kind == GP_PICTURE_SCENE;
     struct gp_stream s;
-    struct gp_oiio_image img = {
-        .w = pic->width, .h = pic->height, .full_w = pic->width,
-        .full_h = pic->height, .channels = pic->channels,
-        .channel_name = names, .pixels = pixels,
+    const struct gp_image image = {
+        .path = gp_file_path(file), .data = {0, 0, pic->width, pic->height},
+        .display = {0, 0, pic->width, pic->height},
+        .channels = pic->channels, .channel_name = names,
+        .chromaticities = scene ? pic->f->chromaticities : NULL,
         .colour_space = kind == GP_PICTURE_ENCODED ? ""
                         : integer                  ? "sRGB" : "Linear",
     };
     const char *type = p->type == GP_OUT_HALF ? "half" : "float";
     if (integer)
         type = p->depth_bits == 16 ? "uint16" : "uint8";
-    if (kind == GP_PICTURE_SCENE) {
-        img.has_chromaticities = 1;
-        memcpy(img.chromaticities, pic->f->chromaticities,
-               sizeof img.chromaticities);
-    }
-    gp_status st = gp_bridge_write(log, gp_file_path(file), t->ending, &img,
-                                   type, is_tiff(t)
-                                   ? tiff_compression(p->compression) : "",
-                                   &s);
+    gp_status st = gp_oiio_write(log, &image, NULL, pixels, t->ending, type,
+                                 is_tiff(t) ? tiff_compression(p->compression)
+                                            : "", &s);
     if (!st)
         st = copy_stream(log, file, &s);
     gp_stream_close(&s);
@@ -248,26 +226,39 @@ gp_status gp_other_write(const struct gp_log *log,
                          enum gp_picture_kind kind)
 {
     gp_status st;
-    const struct format t = find_format(ending);
-    const bool integer = is_integer(&t, p, kind);
+    const struct format *const t = find_format(ending);
     struct gp_write_params own = *p;
     struct gp_picture pic = {0};
     struct gp_file *file = NULL;
-    float *pixels = NULL;
-    if (!t.alpha)
-        own.alpha = GP_ALPHA_BLACK;
+    struct gp_shared pixels = {0};
+    void *own_pixels = NULL;
     GP_TRY(gp_other_check(log, p, path, ending));
+    if (!t->alpha)
+        own.alpha = GP_ALPHA_BLACK;
+    const bool integer = is_integer(t, p, kind);
     GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
-    GP_TRY(gather(log, &t, &pic, integer, &pixels));
-    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
-    if (strcmp(ending, "pfm") == 0)
-        GP_TRY(write_pfm(file, &pic, pixels));
+    const bool pfm = strcmp(ending, "pfm") == 0; // written here
+    const size_t n = (size_t) pic.width * (size_t) pic.height *
+                     (size_t) pic.channels;
+    if (pfm)
+        GP_TRY(gp_alloc(log, "picture", n, sizeof(float), &own_pixels));
     else
-        GP_TRY(write_bridge(log, &own, file, &t, &pic, pixels, integer, kind));
+        GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
+    struct gathering g = {.pic = &pic, .integer = integer,
+                          .radiance = is_radiance(t),
+                          .to = pfm ? own_pixels : pixels.at};
+    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
+    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    if (pfm)
+        GP_TRY(write_pfm(file, &pic, g.to));
+    else
+        GP_TRY(write_by_helper(log, &own, file, t, &pic, &pixels, integer,
+                               kind));
     GP_TRY(gp_file_commit(&file));
 out:
     gp_file_discard(&file);
-    gp_free(pixels);
+    gp_shared_free(&pixels);
+    gp_free(own_pixels);
     gp_picture_free(&pic);
     return st;
 }

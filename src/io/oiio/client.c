@@ -1,0 +1,730 @@
+/* Starts, limits and asks helpers; see io/oiio/oiio.h and protocol.h. */
+#include "io/oiio/oiio.h"
+
+#include "core/bridge.h"
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/format.h"
+#include "io/oiio/protocol.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <pthread.h>
+#include <signal.h>
+#include <spawn.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum {
+    MOST_HELPERS = 16,
+    MOST_TEXT = 1 << 24,     // bytes of names and attributes
+    MOST_CHANNELS = 8192,
+    MOST_EDGE = 1 << 29,     // of windows: they are added up without a thought
+    SECONDS = 60,
+    WHY_BYTES = 512,
+};
+
+struct helper {
+    bool busy;
+    pid_t pid;               // 0: none runs
+    int socket;
+    unsigned seconds;        // for the call that it works on
+    struct gp_shared shared; // for rows
+    bool shows;              // it has not yet got shared.fd
+    char cause[WHY_BYTES];   // why it is no more
+};
+
+static struct {
+    pthread_mutex_t lock;
+    pthread_cond_t freed;
+    struct helper helper[MOST_HELPERS];
+} pool = {.lock = PTHREAD_MUTEX_INITIALIZER, .freed = PTHREAD_COND_INITIALIZER};
+
+// -- shared memory ------------------------------------------------------------
+
+gp_status gp_shared_make(const struct gp_log *log, const char *path,
+                         size_t size, struct gp_shared *out)
+{
+    struct gp_shared s = {.size = size};
+    s.fd = memfd_create("glarepp", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    // sealed: who shares it cannot take pages from under this process
+    const bool sized =
+        s.fd >= 0 && ftruncate(s.fd, (off_t) size) == 0 &&
+        fcntl(s.fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) ==
+            0;
+    s.at = sized ? mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, s.fd, 0)
+                 : MAP_FAILED;
+    if (s.at != MAP_FAILED) {
+        *out = s;
+        return GP_OK;
+    }
+    const int error = errno;
+    if (s.fd >= 0)
+        close(s.fd);
+    if (error == EFBIG)
+        return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with "
+                       "glarepp-oiio (%s); raise ulimit -f", path, size,
+                       strerror(error));
+    return gp_no_memory(log, path);
+}
+
+void gp_shared_free(struct gp_shared *shared)
+{
+    if (shared->at) {
+        munmap(shared->at, shared->size);
+        close(shared->fd);
+    }
+    *shared = (struct gp_shared) {0};
+}
+
+// -- start and end ------------------------------------------------------------
+
+/* Ends a helper, keeping why; `why` NULL: it ended by itself. */
+static void end_helper(struct helper *h, const char *why)
+{
+    int status = 0;
+    kill(h->pid, SIGKILL); // one that has ended keeps the status it ended with
+    const bool known = waitpid(h->pid, &status, 0) == h->pid;
+    if (why)
+        snprintf(h->cause, sizeof h->cause, "%s", why);
+    else if (known && WIFSIGNALED(status))
+        snprintf(h->cause, sizeof h->cause, "was ended by signal %d, %s",
+                 WTERMSIG(status), strsignal(WTERMSIG(status)));
+    else if (known)
+        snprintf(h->cause, sizeof h->cause, "ended with status %d",
+                 WEXITSTATUS(status));
+    else
+        snprintf(h->cause, sizeof h->cause, "ended");
+    close(h->socket);
+    gp_shared_free(&h->shared);
+    h->pid = 0;
+}
+
+/* Reads `n` bytes of an answer; a helper that gives none, or too late, ends. */
+static bool receive(struct helper *h, void *to, size_t n)
+{
+    const double end = gp_now_ms() + 1e3 * (double) h->seconds;
+    for (size_t done = 0; done < n;) {
+        const double left = end - gp_now_ms();
+        struct pollfd p = {.fd = h->socket, .events = POLLIN};
+        const int ready = poll(&p, 1, left <= 0.0    ? 0
+                                      : left > 1e6 ? 1000000 : (int) left + 1);
+        if (ready == 0 && left <= 0.0) {
+            char why[64];
+            snprintf(why, sizeof why, "took more than %u s", h->seconds);
+            end_helper(h, why);
+            return false;
+        }
+        if (ready <= 0)
+            continue;
+        const ssize_t got = recv(h->socket, (char *) to + done, n - done, 0);
+        if (got == 0 || (got < 0 && errno != EINTR)) {
+            end_helper(h, NULL);
+            return false;
+        }
+        done += got > 0 ? (size_t) got : 0;
+    }
+    return true;
+}
+
+/* The next reply, and its text with a '\0'; free *text. */
+static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
+                          char **text)
+{
+    void *block;
+    *text = NULL;
+    if (!receive(h, reply, sizeof *reply))
+        return false;
+    if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT ||
+        gp_alloc(NULL, "text", reply->bytes + 1, 1, &block)) {
+        end_helper(h, "is of another version");
+        return false;
+    }
+    *text = block;
+    (*text)[reply->bytes] = '\0';
+    if (receive(h, *text, reply->bytes))
+        return true;
+    GP_FREE(*text);
+    return false;
+}
+
+/* Seconds for a call on so many bytes. */
+static unsigned seconds_for(uint64_t bytes)
+{
+    const char *const given = getenv("GLAREPP_HELPER_SECONDS");
+    const long base = given ? strtol(given, NULL, 10) : 0;
+    return (unsigned) (base > 0 && base < 1000000 ? base : SECONDS) +
+           (unsigned) (bytes >> 20 < 1000000 ? bytes >> 20 : 1000000);
+}
+
+static int spawn(const char *program, int socket, pid_t *pid)
+{
+    static char name[] = "glarepp-oiio";
+    char *const argv[] = {name, NULL};
+    posix_spawn_file_actions_t files;
+    posix_spawnattr_t how;
+    sigset_t none, all;
+    sigemptyset(&none);
+    sigfillset(&all);
+    int error = posix_spawn_file_actions_init(&files);
+    if (error)
+        return error;
+    error = posix_spawnattr_init(&how);
+    if (!error) {
+        // signals as in a fresh process; and Ctrl-C is for glarepp, whose end
+        // is the helper's
+        posix_spawnattr_setflags(&how, POSIX_SPAWN_SETSIGMASK |
+                                           POSIX_SPAWN_SETSIGDEF |
+                                           POSIX_SPAWN_SETPGROUP);
+        posix_spawnattr_setsigmask(&how, &none);
+        posix_spawnattr_setsigdefault(&how, &all);
+        posix_spawnattr_setpgroup(&how, 0);
+        error = posix_spawn_file_actions_adddup2(&files, socket, 0);
+        if (!error)
+            error = posix_spawn_file_actions_addopen(&files, 1, "/dev/null",
+                                                     O_WRONLY, 0);
+        if (!error)
+            error = posix_spawn_file_actions_adddup2(&files, 1, 2);
+        if (!error)
+            error = posix_spawn(pid, program, &files, &how, argv, environ);
+        posix_spawnattr_destroy(&how);
+    }
+    posix_spawn_file_actions_destroy(&files);
+    return error;
+}
+
+/* False: h->cause says why none runs. */
+static bool start_helper(struct helper *h)
+{
+    char program[PATH_MAX];
+    struct gp_oiio_reply hello;
+    char *text = NULL;
+    int pair[2], error;
+    if (!gp_bridge_find("glarepp-oiio", program, sizeof program)) {
+        snprintf(h->cause, sizeof h->cause, "glarepp-oiio is not there");
+        return false;
+    }
+    error = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair)
+                ? errno : 0;
+    if (!error) {
+        error = spawn(program, pair[1], &h->pid);
+        close(pair[1]);
+        if (error)
+            close(pair[0]);
+    }
+    if (error) {
+        h->pid = 0;
+        snprintf(h->cause, sizeof h->cause, "%.300s: %s", program,
+                 strerror(error));
+        return false;
+    }
+    h->socket = pair[0];
+    h->seconds = seconds_for(0);
+    if (receive_reply(h, &hello, &text)) {
+        gp_free(text);
+        return true;
+    }
+    char cause[WHY_BYTES];
+    snprintf(cause, sizeof cause, "%.300s %.150s", program, h->cause);
+    memcpy(h->cause, cause, sizeof cause);
+    return false;
+}
+
+static void give_back(struct helper *h)
+{
+    pthread_mutex_lock(&pool.lock);
+    h->busy = false;
+    pthread_cond_signal(&pool.freed);
+    pthread_mutex_unlock(&pool.lock);
+}
+
+/* A helper for this thread, one that runs first; give it back. */
+static gp_status take_helper(const struct gp_log *log, const char *path,
+                             struct helper **out)
+{
+    struct helper *h = NULL;
+    pthread_mutex_lock(&pool.lock);
+    for (;;) {
+        for (int i = 0; i < MOST_HELPERS; i++) {
+            struct helper *const it = &pool.helper[i];
+            if (!it->busy && (!h || (!h->pid && it->pid)))
+                h = it;
+        }
+        if (h)
+            break;
+        pthread_cond_wait(&pool.freed, &pool.lock);
+    }
+    h->busy = true;
+    pthread_mutex_unlock(&pool.lock);
+    if (h->pid || start_helper(h)) {
+        *out = h;
+        return GP_OK;
+    }
+    const gp_status st =
+        gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
+                "glarepp-oiio (%s); install it, or use EXR or PNG", path,
+                h->cause);
+    give_back(h);
+    return st;
+}
+
+gp_status gp_oiio_check(const struct gp_log *log, const char *path)
+{
+    struct helper *h;
+    const gp_status st = take_helper(log, path, &h);
+    if (!st)
+        give_back(h);
+    return st;
+}
+
+// -- calls --------------------------------------------------------------------
+
+/* Sends a call with its text and up to two descriptors, -1 for none. */
+static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
+                     const void *text, const int fd[2])
+{
+    _Alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))] = {0};
+    struct iovec data[2] = {
+        {ask, sizeof *ask}, {(void *) (uintptr_t) text, ask->bytes},
+    };
+    struct msghdr m = {.msg_iov = data, .msg_iovlen = 2};
+    const size_t fds = fd ? (fd[0] >= 0) + (size_t) (fd[1] >= 0) : 0;
+    size_t left = sizeof *ask + ask->bytes;
+    ask->protocol = GP_OIIO_PROTOCOL;
+    ask->threads = gp_threads();
+    ask->seconds = h->seconds;
+    if (fds > 0) {
+        m.msg_control = control;
+        m.msg_controllen = CMSG_SPACE(fds * sizeof *fd);
+        struct cmsghdr *const c = CMSG_FIRSTHDR(&m);
+        c->cmsg_level = SOL_SOCKET;
+        c->cmsg_type = SCM_RIGHTS;
+        c->cmsg_len = CMSG_LEN(fds * sizeof *fd);
+        memcpy(CMSG_DATA(c), fd, fds * sizeof *fd);
+    }
+    while (left > 0) {
+        const ssize_t sent = sendmsg(h->socket, &m, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR) {
+            end_helper(h, NULL);
+            return false;
+        }
+        if (sent <= 0)
+            continue;
+        left -= (size_t) sent;
+        m.msg_control = NULL; // they went with the first bytes
+        m.msg_controllen = 0;
+        for (size_t n = (size_t) sent; n > 0;) {
+            const size_t here = n < m.msg_iov->iov_len ? n
+                                                       : m.msg_iov->iov_len;
+            m.msg_iov->iov_base = (char *) m.msg_iov->iov_base + here;
+            m.msg_iov->iov_len -= here;
+            n -= here;
+            if (m.msg_iov->iov_len == 0 && m.msg_iovlen > 1) {
+                m.msg_iov++;
+                m.msg_iovlen--;
+            }
+        }
+    }
+    return true;
+}
+
+/* The line for a call that failed: `reply` NULL: the helper is no more. */
+static gp_status call_failed(const struct gp_log *log, const char *path,
+                             bool writes, const struct helper *h,
+                             const struct gp_oiio_reply *reply,
+                             const char *text)
+{
+    const gp_status st = writes ? GP_ERR_IO : GP_ERR_DATA;
+    const char *const what = writes ? "cannot be written"
+                                    : "cannot be read";
+    const char *const hint = writes ? "write .exr or .png"
+                                    : "give an EXR or convert it";
+    if (!reply)
+        return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
+                       h->cause, hint);
+    if (reply->end == GP_OIIO_MEMORY)
+        return gp_no_memory(log, path);
+    return gp_fail(log, st, "%s: %s (%s); %s", path, what,
+                   text[0] ? text : "cut off or damaged", hint);
+}
+
+// -- reading ------------------------------------------------------------------
+
+/* What a gp_image of a helper points into, and where its rows come from. */
+struct input {
+    struct helper *helper;
+    int fd;              // of a copy in memory, -1: the stream's own
+    uint64_t size;       // of the file
+    size_t row;          // bytes
+    int asked, got;      // rows
+    float chromaticities[8];
+    char *text;
+    void *names, *attributes;
+};
+
+/* OpenImageIO's name of the format, by its first bytes; NULL: not read. Others
+ * that OpenImageIO knows have readers that end it, make pictures up, or read
+ * them wrong. */
+static const char *reader_of(const uint8_t *b, size_t n)
+{
+    static const struct {
+        const char *name;
+        const char *reader;
+    } readers[] = {
+        {"EXR", "openexr"}, {"JPEG", "jpeg"}, {"TIFF", "tiff"},
+        {"Radiance HDR", "hdr"}, {"DPX", "dpx"}, {"BMP", "bmp"},
+        {"WebP or AVI", "webp"}, {"SGI", "sgi"}, {"PFM", "pnm"},
+        {"PNM", "pnm"},
+    };
+    const char *const name = gp_format_name(b, n);
+    if (!name && gp_format_reads(b, n)) // Targa has no word at its start
+        return "targa";
+    for (size_t i = 0; name && i < sizeof readers / sizeof *readers; i++) {
+        if (strcmp(name, readers[i].name) == 0)
+            return readers[i].reader;
+    }
+    return NULL;
+}
+
+static gp_status choose_reader(const struct gp_log *log, const char *path,
+                               const struct gp_stream *s, char reader[16])
+{
+    uint8_t b[GP_FORMAT_BYTES] = {0};
+    char found[64];
+    const int64_t n = gp_stream_read(s, b, sizeof b, 0);
+    if (n < 0)
+        return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
+                       path);
+    const char *const its = reader_of(b, (size_t) n);
+    const char *const name = gp_format_name(b, (size_t) n);
+    if (its) {
+        snprintf(reader, 16, "%s", its);
+        return GP_OK;
+    }
+    snprintf(found, sizeof found, "unknown data, %02x %02x %02x %02x ...",
+             b[0], b[1], b[2], b[3]);
+    return gp_fail(log, GP_ERR_DATA, "%s: no image format that can be read "
+                   "(found %s); convert it, e.g. with oiiotool", path,
+                   name ? name : found);
+}
+
+/* A descriptor of the bytes: the file's own, or that of a copy in memory. */
+static gp_status make_descriptor(const struct gp_log *log, const char *path,
+                                 const struct gp_stream *s,
+                                 struct input *in)
+{
+    in->fd = -1;
+    if (!s->data)
+        return GP_OK;
+    in->fd = memfd_create("glarepp", MFD_CLOEXEC);
+    uint64_t done = 0;
+    while (in->fd >= 0 && done < s->size) {
+        const ssize_t n = write(in->fd, s->data + done, s->size - done);
+        if (n <= 0)
+            break;
+        done += (uint64_t) n;
+    }
+    if (in->fd >= 0 && done == s->size)
+        return GP_OK;
+    return gp_no_memory(log, path);
+}
+
+/* Whether the header can be true. What is not is not the file's doing. */
+static bool spec_holds(const struct gp_oiio_spec *s, long long max_pixels)
+{
+    const int32_t edge[] = {s->x, s->y, s->w, s->h, s->full_x, s->full_y,
+                            s->full_w, s->full_h};
+    for (size_t i = 0; i < sizeof edge / sizeof *edge; i++) {
+        if (edge[i] <= -MOST_EDGE || edge[i] >= MOST_EDGE)
+            return false;
+    }
+    return s->w > 0 && s->h > 0 && (long long) s->w * s->h <= max_pixels &&
+           s->channels > 0 && s->channels <= MOST_CHANNELS && s->block > 0 &&
+           s->block <= s->h && s->attributes >= 0 &&
+           s->attributes <= MOST_TEXT;
+}
+
+/* The string at *at, which moves behind it; NULL: it does not end. */
+static const char *next_text(const char **at, const char *end)
+{
+    const char *const text = *at;
+    const char *const zero =
+        text < end ? memchr(text, '\0', (size_t) (end - text)) : NULL;
+    *at = zero ? zero + 1 : end;
+    return zero ? text : NULL;
+}
+
+static bool next_attribute(const char **at, const char *end,
+                           struct gp_attribute *a)
+{
+    const char kind = *at < end ? *(*at)++ : '\0';
+    const char *const name = next_text(at, end);
+    *a = (struct gp_attribute) {.name = (char *) (uintptr_t) name};
+    a->kind = kind == 's'   ? GP_ATTRIBUTE_TEXT
+              : kind == 'i' ? GP_ATTRIBUTE_INT : GP_ATTRIBUTE_FLOAT;
+    if (!name || kind == 's')
+        return name && (a->text = (char *) (uintptr_t) next_text(at, end));
+    if (end - *at < 4)
+        return false;
+    memcpy(kind == 'i' ? (void *) &a->whole : (void *) &a->real, *at, 4);
+    *at += 4;
+    return kind == 'i' || kind == 'f';
+}
+
+/* The image that a reply describes; in->text is taken apart where it is.
+ * GP_ERR_DATA without a line: it cannot be true. */
+static gp_status make_image(const struct gp_log *log,
+                            const struct gp_oiio_reply *reply,
+                            long long max_pixels, struct input *in,
+                            struct gp_image *image)
+{
+    gp_status st;
+    const struct gp_oiio_spec *const s = &reply->spec;
+    const char *at = in->text, *const end = at + reply->bytes;
+    if (!spec_holds(s, max_pixels))
+        return GP_ERR_DATA;
+    GP_TRY(gp_alloc(log, "channel names", (size_t) s->channels,
+                    sizeof(char *), &in->names));
+    GP_TRY(gp_alloc(log, "attributes", (size_t) s->attributes + 1,
+                    sizeof *image->attribute, &in->attributes));
+    const char **const name = in->names;
+    struct gp_attribute *const attribute = in->attributes;
+    bool whole = true;
+    for (int i = 0; i < s->channels; i++)
+        whole = (name[i] = next_text(&at, end)) && whole;
+    image->colour_space = next_text(&at, end);
+    for (int i = 0; i < s->attributes && whole; i++) {
+        whole = next_attribute(&at, end, &attribute[i]);
+        if (whole && attribute[i].kind == GP_ATTRIBUTE_FLOAT &&
+            strcmp(attribute[i].name, "PixelAspectRatio") == 0)
+            image->pixel_aspect = attribute[i].real;
+    }
+    if (!whole || !image->colour_space)
+        return GP_ERR_DATA;
+    image->data = (struct gp_rect) {s->x, s->y, s->x + s->w, s->y + s->h};
+    image->display = (struct gp_rect) {s->full_x, s->full_y,
+                                       s->full_x + s->full_w,
+                                       s->full_y + s->full_h};
+    if (s->has_chromaticities)
+        image->chromaticities = memcpy(in->chromaticities, s->chromaticities,
+                                       sizeof s->chromaticities);
+    image->channels = s->channels;
+    image->channel_name = name;
+    image->half = s->half;
+    image->bits = s->bits;
+    image->attribute = attribute;
+    image->attributes = s->attributes;
+    image->block = s->block;
+    in->row = (size_t) s->w * (size_t) s->channels * sizeof(float);
+out:
+    return st;
+}
+
+static void close_image(struct gp_image *image)
+{
+    struct input *const in = image->own;
+    struct helper *const h = in->helper;
+    struct gp_oiio_reply reply;
+    char *text;
+    // rows that were asked for still come
+    if (h && h->pid && in->asked > in->got && receive_reply(h, &reply, &text))
+        gp_free(text);
+    if (h)
+        give_back(h);
+    if (in->fd >= 0)
+        close(in->fd);
+    gp_free(in->text);
+    gp_free(in->names);
+    gp_free(in->attributes);
+    gp_free(in);
+}
+
+/* Where the block that begins at row y goes: every other one to its half. */
+static size_t place_of(const struct gp_image *image, int y)
+{
+    const struct input *const in = image->own;
+    return y / image->block % 2 ? in->row * (size_t) image->block : 0;
+}
+
+/* Asks for the next block. */
+static bool ask_rows(struct gp_image *image)
+{
+    struct input *const in = image->own;
+    struct helper *const h = in->helper;
+    const int left = gp_rect_h(image->data) - in->asked;
+    struct gp_oiio_ask ask = {
+        .call = GP_OIIO_ROWS, .y = in->asked, .size = h->shared.size,
+        .at = place_of(image, in->asked),
+    };
+    const int fd[2] = {h->shows ? -1 : h->shared.fd, -1};
+    in->asked += left < image->block ? left : image->block;
+    h->shows = true;
+    return send_ask(h, &ask, NULL, fd);
+}
+
+/* While the caller works on a block the helper decodes the next one. */
+static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+                           int y, float *to)
+{
+    struct input *const in = image->own;
+    struct helper *const h = in->helper;
+    const int height = gp_rect_h(image->data);
+    const size_t shared = in->row * (size_t) image->block *
+                          (image->block < height ? 2 : 1);
+    struct gp_oiio_reply reply;
+    char *text = NULL;
+    gp_status st = GP_OK;
+    if (in->asked == 0 && h->shared.size < shared) {
+        gp_shared_free(&h->shared);
+        h->shows = false;
+        st = gp_shared_make(log, image->path, shared, &h->shared);
+    }
+    if (st)
+        return st;
+    h->seconds = seconds_for(in->size + in->row * (size_t) height);
+    if ((in->asked == 0 && !ask_rows(image)) ||
+        !receive_reply(h, &reply, &text))
+        return call_failed(log, image->path, false, h, NULL, "");
+    in->got = in->asked;
+    if (reply.end)
+        st = call_failed(log, image->path, false, h, &reply, text);
+    else if (in->asked < height && !ask_rows(image))
+        st = call_failed(log, image->path, false, h, NULL, "");
+    else
+        memcpy(to, (const char *) h->shared.at + place_of(image, y),
+               in->row * (size_t) (height - y < image->block ? height - y
+                                                             : image->block));
+    gp_free(text);
+    return st;
+}
+
+gp_status gp_oiio_open(const struct gp_log *log, const char *path,
+                       const struct gp_stream *stream, int part,
+                       long long max_pixels, struct gp_image *out)
+{
+    gp_status st;
+    void *block;
+    struct gp_oiio_reply reply;
+    struct gp_oiio_ask ask = {
+        .call = GP_OIIO_OPEN, .part = part, .size = stream->size,
+        .max_pixels = max_pixels,
+    };
+    st = gp_alloc_zero(log, path, 1, sizeof(struct input), &block);
+    if (st)
+        return st;
+    struct input *const in = block;
+    struct gp_image image = {
+        .path = path, .rows = read_rows, .close = close_image, .own = in,
+    };
+    in->fd = -1;
+    in->size = stream->size;
+    GP_TRY(choose_reader(log, path, stream, ask.format));
+    GP_TRY(make_descriptor(log, path, stream, in));
+    GP_TRY(take_helper(log, path, &in->helper));
+    struct helper *const h = in->helper;
+    const int fd[2] = {in->fd >= 0 ? in->fd : stream->fd, -1};
+    h->seconds = seconds_for(in->size);
+    if (!send_ask(h, &ask, NULL, fd) || !receive_reply(h, &reply, &in->text))
+        GP_TRY(call_failed(log, path, false, h, NULL, ""));
+    if (reply.end)
+        GP_TRY(call_failed(log, path, false, h, &reply, in->text));
+    st = make_image(log, &reply, max_pixels, in, &image);
+    if (st == GP_ERR_DATA) {
+        end_helper(h, "says what cannot be");
+        st = call_failed(log, path, false, h, NULL, "");
+    }
+out:
+    if (st)
+        gp_image_close(&image);
+    else
+        *out = image;
+    return st;
+}
+
+// -- writing ------------------------------------------------------------------
+
+/* The text of a spec to be written; see protocol.h. */
+static gp_status make_text(const struct gp_log *log,
+                           const struct gp_image *image, const int *types,
+                           char **text, uint32_t *bytes)
+{
+    void *block;
+    size_t room = strlen(image->colour_space) + 1 + (size_t) image->channels;
+    for (int i = 0; i < image->channels; i++)
+        room += strlen(image->channel_name[i]) + 1;
+    gp_status st = gp_alloc(log, "channel names", room, 1, &block);
+    if (st)
+        return st;
+    char *to = *text = block;
+    for (int i = 0; i < image->channels; i++)
+        to = stpcpy(to, image->channel_name[i]) + 1;
+    to = stpcpy(to, image->colour_space) + 1;
+    for (int i = 0; i < image->channels && types; i++)
+        *to++ = (char) types[i];
+    *bytes = (uint32_t) (to - *text);
+    return GP_OK;
+}
+
+gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
+                        const int *types, const struct gp_shared *pixels,
+                        const char *ending, const char *type,
+                        const char *compression, struct gp_stream *out)
+{
+    gp_status st;
+    const char *const path = image->path;
+    const struct gp_rect data = image->data, display = image->display;
+    struct gp_oiio_reply reply;
+    struct gp_oiio_ask ask = {
+        .call = GP_OIIO_WRITE, .size = pixels->size,
+        .spec = {
+            .x = data.x0, .y = data.y0, .w = gp_rect_w(data),
+            .h = gp_rect_h(data), .full_x = display.x0, .full_y = display.y0,
+            .full_w = gp_rect_w(display), .full_h = gp_rect_h(display),
+            .channels = image->channels, .typed = types != NULL,
+            .has_chromaticities = image->chromaticities != NULL,
+        },
+    };
+    struct helper *h = NULL;
+    struct stat s;
+    char *text = NULL, *why = NULL;
+    if (image->chromaticities)
+        memcpy(ask.spec.chromaticities, image->chromaticities,
+               sizeof ask.spec.chromaticities);
+    snprintf(ask.format, sizeof ask.format, "%s", ending);
+    snprintf(ask.type, sizeof ask.type, "%s", type);
+    snprintf(ask.compression, sizeof ask.compression, "%s", compression);
+    *out = (struct gp_stream) GP_STREAM_EMPTY;
+    GP_TRY(make_text(log, image, types, &text, &ask.bytes));
+    out->fd = memfd_create("glarepp", MFD_CLOEXEC);
+    if (out->fd < 0)
+        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: no file in memory (%s); write "
+                       ".exr or .png", path, strerror(errno)));
+    GP_TRY(take_helper(log, path, &h));
+    const int fd[2] = {out->fd, pixels->fd};
+    h->seconds = seconds_for(pixels->size);
+    if (!send_ask(h, &ask, text, fd) || !receive_reply(h, &reply, &why))
+        GP_TRY(call_failed(log, path, true, h, NULL, ""));
+    if (reply.end)
+        GP_TRY(call_failed(log, path, true, h, &reply, why));
+    if (fstat(out->fd, &s) || s.st_size <= 0)
+        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote nothing; write "
+                       "another format", path));
+    out->size = (uint64_t) s.st_size;
+out:
+    if (h)
+        give_back(h);
+    gp_free(why);
+    gp_free(text);
+    if (st)
+        gp_stream_close(out);
+    return st;
+}

@@ -1,0 +1,311 @@
+// glarepp-oiio: reads and writes with OpenImageIO for glarepp, which starts it
+// with a socket as stdin. What a damaged file does here ends this process and
+// no other. See io/oiio/protocol.h.
+#include "io/oiio/protocol.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <thread>
+
+#include <fcntl.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <poll.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+namespace {
+
+const int SOCKET = 0;
+
+// -- what the process may do --------------------------------------------------
+
+// No network and no other program, for all threads; a kernel that has no
+// filters goes on without. OpenImageIO's movie reader would open addresses.
+void close_network()
+{
+#if defined __x86_64__
+    const unsigned arch = AUDIT_ARCH_X86_64;
+#elif defined __aarch64__
+    const unsigned arch = AUDIT_ARCH_AARCH64;
+#else
+    const unsigned arch = 0;
+#endif
+    static const unsigned denied[] = {
+        SYS_socket, SYS_connect, SYS_bind, SYS_execve, SYS_execveat,
+        SYS_ptrace, SYS_kill,
+#ifdef SYS_io_uring_setup
+        SYS_io_uring_setup,
+#endif
+    };
+    const std::size_t n = sizeof denied / sizeof *denied;
+    const unsigned refuse = SECCOMP_RET_ERRNO | EPERM;
+    const unsigned x32 = 0x40000000; // x86-64's other numbers
+    sock_filter code[n + 8];
+    std::size_t at = 0;
+    code[at++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS,
+                          offsetof(struct seccomp_data, arch));
+    code[at++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, arch, 1, 0);
+    code[at++] = BPF_STMT(BPF_RET | BPF_K, refuse);
+    code[at++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS,
+                          offsetof(struct seccomp_data, nr));
+    code[at++] = BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, x32,
+                          static_cast<unsigned char>(n + 1), 0);
+    for (std::size_t i = 0; i < n; i++)
+        code[at++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, denied[i],
+                              static_cast<unsigned char>(n - i), 0);
+    code[at++] = BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    code[at++] = BPF_STMT(BPF_RET | BPF_K, refuse);
+    const sock_fprog program = {static_cast<unsigned short>(at), code};
+    if (arch != 0 && prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) == 0)
+        (void) syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER,
+                       SECCOMP_FILTER_FLAG_TSYNC, &program);
+}
+
+rlim_t soft_limit(int what)
+{
+    struct rlimit l;
+    return getrlimit(static_cast<__rlimit_resource_t>(what), &l)
+               ? RLIM_INFINITY : l.rlim_cur;
+}
+
+// Lowers the soft limit, and the hard one too where `hard`; raises none that
+// is there.
+void limit(int what, rlim_t most, bool hard)
+{
+    struct rlimit l;
+    if (getrlimit(static_cast<__rlimit_resource_t>(what), &l))
+        return;
+    if (l.rlim_max != RLIM_INFINITY && most > l.rlim_max)
+        most = l.rlim_max;
+    l.rlim_cur = most;
+    if (hard)
+        l.rlim_max = most;
+    (void) setrlimit(static_cast<__rlimit_resource_t>(what), &l);
+}
+
+// What glarepp may have: memory, and bytes of a file.
+rlim_t inherited_data, inherited_space, inherited_file;
+
+// CPU time for one call: what is used, and `seconds` of each processor.
+void limit_time(unsigned seconds)
+{
+    struct rusage used = {};
+    (void) getrusage(RUSAGE_SELF, &used);
+    const rlim_t processors =
+        static_cast<rlim_t>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
+    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec) +
+                          static_cast<rlim_t>(used.ru_stime.tv_sec) +
+                          seconds * processors + 1, false);
+}
+
+// A decoder that hangs outlives glarepp by nothing.
+void end_with_client()
+{
+    struct pollfd p = {SOCKET, POLLRDHUP, 0};
+    while (poll(&p, 1, -1) < 0 && errno == EINTR)
+        ;
+    _exit(0);
+}
+
+void confine()
+{
+    inherited_data = soft_limit(RLIMIT_DATA);
+    inherited_space = soft_limit(RLIMIT_AS);
+    inherited_file = soft_limit(RLIMIT_FSIZE);
+    limit(RLIMIT_CORE, 0, true);
+    limit(RLIMIT_NOFILE, 64, true);
+    (void) close_range(3, ~0U, 0);
+    close_network();
+    std::thread(end_with_client).detach();
+}
+
+// -- the socket ---------------------------------------------------------------
+
+bool receive(void *to, std::size_t n)
+{
+    char *at = static_cast<char *>(to);
+    while (n > 0) {
+        const ssize_t got = recv(SOCKET, at, n, 0);
+        if (got <= 0 && !(got < 0 && errno == EINTR))
+            return false;
+        at += got > 0 ? got : 0;
+        n -= static_cast<std::size_t>(got > 0 ? got : 0);
+    }
+    return true;
+}
+
+// The next call and the descriptors that came with it, -1 for none.
+bool receive_ask(gp_oiio_ask &ask, int fd[2], std::string &text)
+{
+    alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))];
+    struct iovec data = {&ask, sizeof ask};
+    struct msghdr m = {};
+    ssize_t got;
+    m.msg_iov = &data;
+    m.msg_iovlen = 1;
+    m.msg_control = control;
+    m.msg_controllen = sizeof control;
+    fd[0] = fd[1] = -1;
+    do
+        got = recvmsg(SOCKET, &m, MSG_CMSG_CLOEXEC);
+    while (got < 0 && errno == EINTR);
+    const struct cmsghdr *const c = got > 0 ? CMSG_FIRSTHDR(&m) : nullptr;
+    if (c && c->cmsg_type == SCM_RIGHTS)
+        std::memcpy(fd, CMSG_DATA(c), std::min(c->cmsg_len - CMSG_LEN(0),
+                                               2 * sizeof(int)));
+    if (got <= 0 || !receive(reinterpret_cast<char *>(&ask) + got,
+                             sizeof ask - static_cast<std::size_t>(got)))
+        return false;
+    text.resize(ask.bytes);
+    return receive(&text[0], text.size());
+}
+
+bool send_all(const void *from, std::size_t n)
+{
+    const char *at = static_cast<const char *>(from);
+    while (n > 0) {
+        const ssize_t sent = send(SOCKET, at, n, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR)
+            return false;
+        at += sent > 0 ? sent : 0;
+        n -= static_cast<std::size_t>(sent > 0 ? sent : 0);
+    }
+    return true;
+}
+
+// -- calls --------------------------------------------------------------------
+
+// Memory that glarepp shares.
+struct Shared {
+    void *at = nullptr;
+    std::size_t size = 0;
+
+    void map(int fd, std::size_t bytes)
+    {
+        if (at)
+            munmap(at, size);
+        at = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, fd, 0);
+        if (at == MAP_FAILED) {
+            at = nullptr;
+            throw std::bad_alloc();
+        }
+        size = bytes;
+    }
+};
+
+void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
+            gp_oiio_reply &reply, std::string &text)
+{
+    if (ask.protocol != GP_OIIO_PROTOCOL)
+        throw std::runtime_error("glarepp-oiio is of another version");
+    OIIO::attribute("threads", ask.threads);
+    OIIO::attribute("exr_threads", ask.threads);
+    limit_time(ask.seconds);
+    limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
+    switch (ask.call) {
+    case GP_OIIO_OPEN: {
+        const int file = fd[0];
+        fd[0] = -1;
+        helper::open_file(file, ask, reply.spec, text);
+        break;
+    }
+    case GP_OIIO_ROWS:
+        if (fd[0] >= 0)
+            shared.map(fd[0], ask.size);
+        helper::read_rows(ask.y, reinterpret_cast<float *>(
+                                     static_cast<char *>(shared.at) + ask.at));
+        text.clear();
+        break;
+    case GP_OIIO_WRITE: {
+        Shared pixels;
+        pixels.map(fd[1], ask.size);
+        helper::write_file(fd[0], ask, text, pixels.at);
+        munmap(pixels.at, pixels.size);
+        text.clear();
+        break;
+    }
+    }
+}
+
+// Plugins catch what is thrown and keep only its words.
+bool is_memory(const std::string &text)
+{
+    static const char *const memory[] = {
+        "bad_alloc", "bad alloc", "ut of memory", "nsufficient memory",
+    };
+    for (const char *word : memory) {
+        if (text.find(word) != std::string::npos)
+            return true;
+    }
+    return false;
+}
+
+// One line. Memory is full where glarepp's own limits are; else the file
+// wanted more than it explains.
+void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
+{
+    const bool limited = inherited_data != RLIM_INFINITY ||
+                         inherited_space != RLIM_INFINITY;
+    reply.end = is_memory(why) && limited ? GP_OIIO_MEMORY : GP_OIIO_REFUSED;
+    text = why.substr(0, 500);
+    for (char &c : text) {
+        if (c == '\n' || c == '\r' || c == '\0')
+            c = ' ';
+    }
+    helper::close_file();
+}
+
+} // namespace
+
+void helper::limit_memory(std::uint64_t bytes)
+{
+    const rlim_t most = (rlim_t(1) << 30) + bytes;
+    limit(RLIMIT_DATA, std::min(most, inherited_data), false);
+}
+
+int main()
+{
+    confine();
+    gp_oiio_ask ask;
+    gp_oiio_reply reply = {};
+    Shared shared;
+    std::string text;
+    int fd[2];
+    reply.protocol = GP_OIIO_PROTOCOL;
+    if (!send_all(&reply, sizeof reply)) // it runs
+        return 0;
+    while (receive_ask(ask, fd, text)) {
+        reply = {};
+        reply.protocol = GP_OIIO_PROTOCOL;
+        try {
+            answer(ask, fd, shared, reply, text);
+        } catch (const std::exception &e) {
+            explain(e.what(), reply, text);
+        } catch (...) {
+            explain("OpenImageIO failed", reply, text);
+        }
+        for (int i = 0; i < 2; i++) {
+            if (fd[i] >= 0)
+                close(fd[i]);
+        }
+        reply.bytes = static_cast<std::uint32_t>(text.size());
+        if (!send_all(&reply, sizeof reply) ||
+            !send_all(text.data(), text.size()))
+            break;
+    }
+    _exit(0); // OpenImageIO's threads have nothing left to say
+}

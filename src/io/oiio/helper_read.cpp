@@ -1,0 +1,334 @@
+// Reading by OpenImageIO. See io/oiio/protocol.h.
+#include "io/oiio/protocol.h"
+
+#include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <unistd.h>
+
+namespace {
+
+using OIIO::ImageInput;
+using OIIO::ImageSpec;
+using OIIO::TypeDesc;
+
+// -- bytes --------------------------------------------------------------------
+
+// A descriptor as OpenImageIO's file, which no name leads to. It notes when
+// more is asked for than there is: libjpeg inside a TIFF fills that with grey.
+class Bytes : public OIIO::Filesystem::IOProxy {
+public:
+    Bytes(int fd, std::size_t size)
+        : IOProxy("image", Read), fd_(fd), size_(size)
+    {
+    }
+    ~Bytes() override { ::close(fd_); }
+    const char *proxytype() const override { return "glarepp"; }
+    std::size_t size() const override { return size_; }
+    std::size_t read(void *to, std::size_t n) override
+    {
+        const std::size_t got = pread(to, n, m_pos);
+        m_pos += static_cast<int64_t>(got);
+        return got;
+    }
+    std::size_t pread(void *to, std::size_t n, int64_t at) override
+    {
+        const std::size_t from = at < 0 ? size_ : static_cast<std::size_t>(at);
+        const std::size_t most = from < size_ ? size_ - from : 0;
+        std::size_t done = 0;
+        while (done < std::min(n, most)) {
+            const ssize_t got =
+                ::pread(fd_, static_cast<char *>(to) + done,
+                        std::min(n, most) - done,
+                        static_cast<off_t>(from + done));
+            if (got <= 0)
+                break;
+            done += static_cast<std::size_t>(got);
+        }
+        if (done < n)
+            short_ = true;
+        return done;
+    }
+    bool was_short() const { return short_; }
+    int fd() const { return fd_; }
+
+private:
+    const int fd_;
+    const std::size_t size_;
+    std::atomic<bool> short_{false}; // threads decode
+};
+
+// The open file. Members are destroyed from the last: the reader first.
+struct File {
+    std::unique_ptr<Bytes> bytes;
+    std::vector<unsigned char> copy;  // JPEG's reader wants all in memory
+    std::unique_ptr<OIIO::Filesystem::IOMemReader> memory;
+    std::unique_ptr<ImageInput> input;
+    ImageSpec spec;
+    int part = 0, block = 0;
+};
+std::unique_ptr<File> file;
+
+std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
+{
+    const std::string format = ask.format;
+    auto f = std::make_unique<File>();
+    f->bytes = std::make_unique<Bytes>(fd, ask.size);
+    f->input = ImageInput::create(format);
+    if (!f->input)
+        throw std::runtime_error(OIIO::geterror());
+    ImageSpec with;
+    std::string name = "image";
+    OIIO::Filesystem::IOProxy *proxy = f->bytes.get();
+    if (format == "jpeg") {
+        f->copy.resize(ask.size);
+        if (f->bytes->pread(f->copy.data(), f->copy.size(), 0) != ask.size)
+            throw std::runtime_error("cut off");
+        f->memory = std::make_unique<OIIO::Filesystem::IOMemReader>(
+            f->copy.data(), f->copy.size());
+        proxy = f->memory.get();
+    }
+    if (f->input->supports("ioproxy"))
+        with.attribute("oiio:ioproxy", TypeDesc::PTR, &proxy);
+    else // SGI, whose reader looks at what it gets
+        name = "/proc/self/fd/" + std::to_string(fd);
+    if (!f->input->open(name, f->spec, with))
+        throw std::runtime_error(f->input->geterror());
+    return f;
+}
+
+// -- what is refused before memory is taken for it ----------------------------
+
+// Most pixels that a byte of a file can hold, with room to spare: formats
+// that are raw or have runs of known length. Not here are those that pack
+// without such a limit, or may point to the same bytes twice.
+const struct {
+    const char *format;
+    long long pixels;
+} density[] = {
+    {"targa", 256},  // runs of 128 pixels in 2 bytes
+    {"bmp", 256},    // 255 in 2 bytes
+    {"hdr", 256},    // 127 in 8 bytes
+    {"pnm", 256},    // a pixel a bit
+    {"dpx", 8192},   // 32767 in 4 bytes, of one channel
+};
+
+std::string size_text(const ImageSpec &spec)
+{
+    return std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+           " pixels";
+}
+
+void check_size(const ImageSpec &spec, const gp_oiio_ask &ask)
+{
+    if (spec.width < 1 || spec.height < 1 || spec.nchannels < 1)
+        throw std::runtime_error("no pixels");
+    if (spec.depth > 1 || spec.tile_depth > 1)
+        throw std::runtime_error("a volume, not a picture");
+    if (spec.deep)
+        throw std::runtime_error("deep data");
+    const long long pixels =
+        static_cast<long long>(spec.width) * spec.height;
+    if (pixels > ask.max_pixels)
+        throw std::runtime_error("too large: " + size_text(spec) +
+                                 ", at most " +
+                                 std::to_string(ask.max_pixels));
+    const bool exr = std::strcmp(ask.format, "openexr") == 0;
+    if (!exr && (spec.nchannels + 3LL) / 4 > ask.max_pixels / pixels)
+        throw std::runtime_error(
+            "too large: " + size_text(spec) + " of " +
+            std::to_string(spec.nchannels) +
+            " channels, each four of which count as pixels; at most " +
+            std::to_string(ask.max_pixels));
+    // a reader takes memory for whole tiles
+    const long long tile = static_cast<long long>(spec.tile_width) *
+                           std::max(1, spec.tile_height);
+    if (tile > std::max(4 * pixels, 1LL << 20))
+        throw std::runtime_error("tiles larger than the picture");
+    for (const auto &d : density) {
+        if (std::strcmp(d.format, ask.format) == 0 &&
+            static_cast<std::uint64_t>(pixels / d.pixels) > ask.size)
+            throw std::runtime_error(std::to_string(ask.size) +
+                                     " bytes cannot hold " + size_text(spec));
+    }
+    // 2.4 leaves parts of them as its memory was
+    if (tile > 0 && spec.format == TypeDesc::DOUBLE &&
+        std::strcmp(ask.format, "tiff") == 0 &&
+        spec.get_string_attribute("planarconfig") != "separate")
+        throw std::runtime_error("tiles of 64-bit floats, which OpenImageIO "
+                                 "reads wrong");
+}
+
+// The reader of DPX takes memory for the user's data that the header names:
+// bytes 32 to 35, all bits set for none (SMPTE 268M, section 4).
+void check_dpx(Bytes &bytes)
+{
+    unsigned char head[36] = {0};
+    if (bytes.pread(head, sizeof head, 0) != sizeof head)
+        throw std::runtime_error("cut off in its header");
+    const bool big = head[0] == 'S';
+    std::uint32_t user = 0;
+    for (int i = 0; i < 4; i++)
+        user = user << 8 | head[32 + (big ? i : 3 - i)];
+    if (user != UINT32_MAX && user > bytes.size())
+        throw std::runtime_error("cut off in its user data");
+}
+
+// -- rows ---------------------------------------------------------------------
+
+// Rows that are read at a time: near 4 MiB, but whole strips and tiles, and of
+// EXR whole chunks. Of a packed strip that is read in parts OpenImageIO loses
+// doubles.
+int block_rows(const ImageSpec &spec, const std::string &format)
+{
+    const std::size_t row = static_cast<std::size_t>(spec.width) *
+                            static_cast<std::size_t>(spec.nchannels) *
+                            sizeof(float);
+    const int room = static_cast<int>(
+        std::max<std::size_t>(1, (std::size_t(4) << 20) / row));
+    int unit = 1;
+    if (spec.tile_width > 0)
+        unit = spec.tile_height;
+    else if (format == "tiff")
+        unit = spec.get_int_attribute("tiff:RowsPerStrip", spec.height);
+    else if (format == "openexr")
+        unit = 256; // DWAB's
+    if (unit < 1 || unit > spec.height)
+        unit = spec.height;
+    return std::min(std::max(room - room % unit, unit), spec.height);
+}
+
+// Rows [y0, y1) of channels [c0, c1).
+bool read_block(int y0, int y1, int c0, int c1, TypeDesc type, void *to)
+{
+    ImageInput &input = *file->input;
+    const ImageSpec &s = file->spec;
+    y0 += s.y;
+    y1 += s.y;
+    return s.tile_width > 0
+               ? input.read_tiles(file->part, 0, s.x, s.x + s.width, y0, y1,
+                                  s.z, s.z + 1, c0, c1, type, to)
+               : input.read_scanlines(file->part, 0, y0, y1, s.z, c0, c1,
+                                      type, to);
+}
+
+// Readers may say what was wrong and go on, with black in its place.
+void check_read(bool read)
+{
+    if (!read || file->input->has_error())
+        throw std::runtime_error(file->input->geterror());
+    if (file->bytes->was_short())
+        throw std::runtime_error("cut off");
+}
+
+// -- the header ---------------------------------------------------------------
+
+void add_text(std::string &to, const std::string &s)
+{
+    to.append(s.c_str()); // none of them holds a '\0'
+    to.push_back('\0');
+}
+
+bool add_attribute(std::string &to, const OIIO::ParamValue &p)
+{
+    const bool text = p.type() == TypeDesc::STRING;
+    const bool whole = p.type() == TypeDesc::INT;
+    if (!text && !whole && p.type() != TypeDesc::FLOAT)
+        return false; // no other type goes into every format
+    to.push_back(text ? 's' : whole ? 'i' : 'f');
+    add_text(to, p.name().string());
+    if (text)
+        add_text(to, p.get_string());
+    else
+        to.append(static_cast<const char *>(p.data()), 4);
+    return true;
+}
+
+void describe(ImageSpec &spec, gp_oiio_spec &out, std::string &text)
+{
+    text.clear();
+    if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels))
+        spec.default_channel_names(); // nothing holds a reader to it
+    for (const std::string &name : spec.channelnames)
+        add_text(text, name);
+    add_text(text, spec.get_string_attribute("oiio:ColorSpace"));
+    for (const OIIO::ParamValue &p : spec.extra_attribs)
+        out.attributes += add_attribute(text, p);
+    out.x = spec.x;
+    out.y = spec.y;
+    out.w = spec.width;
+    out.h = spec.height;
+    out.full_x = spec.full_x;
+    out.full_y = spec.full_y;
+    out.full_w = spec.full_width;
+    out.full_h = spec.full_height;
+    out.channels = spec.nchannels;
+    out.half = spec.format == TypeDesc::HALF;
+    out.bits = spec.format.is_floating_point()
+                   ? 0 : static_cast<int>(8 * spec.format.size());
+    const OIIO::ParamValue *c = spec.find_attribute(
+        "chromaticities", TypeDesc(TypeDesc::FLOAT, 8));
+    out.has_chromaticities = c != nullptr;
+    if (c)
+        std::memcpy(out.chromaticities, c->data(), sizeof out.chromaticities);
+}
+
+} // namespace
+
+void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
+                       std::string &text)
+{
+    close_file();
+    limit_memory(4 * ask.size);
+    std::unique_ptr<File> f = open_bytes(fd, ask);
+    if (std::strcmp(ask.format, "dpx") == 0)
+        check_dpx(*f->bytes);
+    if (!f->input->seek_subimage(ask.part, 0))
+        throw std::runtime_error("part " + std::to_string(ask.part) +
+                                 " is not there");
+    f->spec = f->input->spec();
+    f->part = ask.part;
+    check_size(f->spec, ask);
+    f->block = block_rows(f->spec, ask.format);
+    describe(f->spec, spec, text);
+    spec.block = f->block;
+    limit_memory(4 * ask.size + 16 * f->spec.image_pixels() *
+                                    static_cast<unsigned>(f->spec.nchannels));
+    file = std::move(f);
+}
+
+void helper::read_rows(int y, float *to)
+{
+    if (!file)
+        throw std::runtime_error("its rows ended");
+    const int y1 = std::min(y + file->block, file->spec.height);
+    const int n = file->spec.nchannels;
+    check_read(read_block(y, y1, 0, n, TypeDesc::FLOAT, to));
+    // EXR's uint32 channels, whose values floats cannot hold, bit by bit
+    const bool exr = std::strcmp(file->input->format_name(), "openexr") == 0;
+    for (int c = 0; exr && c < n; c++) {
+        if (file->spec.channelformat(c) != TypeDesc::UINT32)
+            continue;
+        std::vector<unsigned> bits(static_cast<std::size_t>(y1 - y) *
+                                   static_cast<std::size_t>(file->spec.width));
+        check_read(read_block(y, y1, c, c + 1, TypeDesc::UINT32, bits.data()));
+        for (std::size_t i = 0; i < bits.size(); i++)
+            std::memcpy(to + i * static_cast<std::size_t>(n) + c, &bits[i],
+                        sizeof bits[i]);
+    }
+    if (y1 == file->spec.height)
+        close_file();
+}
+
+void helper::close_file()
+{
+    file.reset();
+}

@@ -1,0 +1,677 @@
+/* io: formats other than EXR and PNG, in and out, by the helper: what comes
+ * back is what was written, and what is cut off, damaged or lies is one line.
+ * Skipped without the helper. */
+#include "unit.h"
+#include "core/colour.h"
+#include "io/exr/exr.h"
+
+#include "exr_fixture.h"
+#include "oiio_here.h"
+#include "reading.h"
+#include "resource_limit.h"
+#include "tiff_bytes.h"
+#include "write_fixture.h"
+
+#include <math.h>
+#include <signal.h>
+
+enum { W = 16, H = 12, PIXELS = W * H };
+
+static const char *const rgba[] = {"R", "G", "B", "A", "a", "b", "c", "d", "e"};
+
+/* A smooth picture in [0,1] with the ends in it. */
+static float value(int x, int y, int c)
+{
+    float v = ((float) x + (float) y * (c == 1 ? 0.5f : 1.0f)) /
+              (float) (W - 1 + H - 1);
+    return c == 2 ? 1.0f - v : v;
+}
+
+static struct gp_image picture(float *pixels, int channels,
+                                    const char *space)
+{
+    static const char *const grey[] = {"Y"};
+    for (int i = 0; i < PIXELS; i++) {
+        for (int c = 0; c < channels; c++)
+            pixels[i * channels + c] = value(i % W, i / W, c);
+    }
+    return image_of(pixels, W, H, channels == 1 ? grey : rgba, channels,
+                    space);
+}
+
+// -- out and in again ---------------------------------------------------------
+
+/* What is written with a curve comes back without it. */
+static void written_formats_come_back(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *format, *type, *space;
+        int channels;
+        float error; // of stored values
+    } row[] = {
+        {"tif", "float", "Linear", 3, 0.0f},
+        {"tif", "half", "Linear", 3, 5e-4f},
+        {"tif", "uint16", "Linear", 3, 1e-5f},
+        {"tif", "uint16", "sRGB", 3, 1e-5f},
+        {"tif", "uint8", "sRGB", 3, 2.1e-3f},
+        {"tif", "uint16", "Linear", 1, 1e-5f},
+        {"tga", "uint8", "sRGB", 3, 2.1e-3f},
+        {"sgi", "uint16", "Linear", 3, 1e-5f},
+        {"bmp", "uint8", "", 3, 2.1e-3f},
+        {"jpg", "uint8", "sRGB", 3, 6e-2f},
+        {"dpx", "uint16", "Linear", 3, 2e-5f},
+        {"hdr", "float", "Linear", 3, 8e-3f}, // 8 bits of mantissa
+    };
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        float pixels[3 * PIXELS];
+        const int n = row[i].channels;
+        struct gp_image image = picture(pixels, n, row[i].space);
+        struct gp_frame f;
+        snprintf(path, sizeof path, "%s/a.%s", folder, row[i].format);
+        assert_int_equal(write_image(path, row[i].format, &image, row[i].type,
+                                     ""), GP_OK);
+        assert_int_equal(read_file(path, &f), GP_OK);
+        assert_int_equal(gp_frame_w(&f), W);
+        assert_int_equal(gp_frame_h(&f), H);
+        assert_int_equal(f.model, n == 1 ? GP_COLOUR_GREY : GP_COLOUR_RGB);
+        assert_memory_equal(f.luminance, gp_rec709_luminance,
+                            sizeof f.luminance);
+        const bool curve = strcmp(row[i].space, "Linear") != 0;
+        for (int k = 0; k < 3 * PIXELS; k++) {
+            float want = value(k / 3 % W, k / 3 / W, n == 1 ? 0 : k % 3);
+            float got = f.rgb.c[k % 3][k / 3];
+            if (curve)
+                got = gp_srgb_encode(got);
+            if (!(fabsf(got - want) <= row[i].error))
+                fail_msg("%s %s %s: %g, not %g", row[i].format, row[i].type,
+                         row[i].space, (double) got, (double) want);
+        }
+        gp_frame_free(&f);
+    }
+}
+
+/* Coverage is stored as it is; in integers it has not been multiplied into
+ * the colour, which a reader does. */
+static void alpha_of_every_type(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *format, *type;
+        bool associated;
+        float error;
+    } row[] = {
+        {"tif", "float", true, 0.0f},   {"tif", "half", true, 5e-4f},
+        {"tif", "uint8", false, 4e-3f}, {"tif", "uint16", false, 2e-5f},
+        {"tga", "uint8", false, 4e-3f},
+    };
+    static float pixels[] = {1.0f, 0.5f, 0.0f, 1.0f, 0.8f, 0.4f, 0.2f, 0.5f};
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_image back, image = image_of(pixels, 2, 1, rgba, 4, "");
+        snprintf(path, sizeof path, "%s/alpha", folder);
+        image.colour_space = i % 2 ? "" : "Linear";
+        assert_int_equal(write_image(path, row[i].format, &image, row[i].type,
+                                     ""), GP_OK);
+        assert_int_equal(read_image(path, 2, &back), GP_OK);
+        assert_int_equal(back.channels, 4);
+        for (int k = 0; k < 8; k++) {
+            const float alpha = pixels[k / 4 * 4 + 3];
+            const float want = row[i].associated || k % 4 == 3
+                                   ? pixels[k] : pixels[k] * alpha;
+            if (!(fabsf(back.pixels[k] - want) <= row[i].error))
+                fail_msg("%s %s: sample %d is %g, not %g", row[i].format,
+                         row[i].type, k, (double) back.pixels[k],
+                         (double) want);
+        }
+        gp_image_close(&back);
+    }
+}
+
+/* Blocks of rows are the rows of the whole; each four channels count. */
+static void blocks_and_channels(void **state)
+{
+    (void) state;
+    enum { BW = 700, BH = 2500 };
+    struct gp_frame f;
+    if (!has_oiio)
+        skip();
+    float *const pixels = malloc(sizeof(float) * 3 * BW * BH);
+    assert_non_null(pixels);
+    struct gp_image image = picture(pixels, 3, "Linear");
+    for (int i = 0; i < 3 * BW * BH; i++)
+        pixels[i] = (float) i;
+    image.data = image.display = (struct gp_rect) {0, 0, BW, BH};
+    snprintf(path, sizeof path, "%s/blocks.tif", folder);
+    assert_int_equal(write_image(path, "tif", &image, "float", ""), GP_OK);
+    assert_int_equal(read_file(path, &f), GP_OK);
+    for (int i = 0; i < 3 * BW * BH; i++)
+        assert_true(f.rgb.c[i % 3][i / 3] == pixels[i]);
+    gp_frame_free(&f);
+    image = image_of(pixels, 10, 10, rgba, 9, "Linear");
+    assert_int_equal(write_image(path, "tif", &image, "float", ""), GP_OK);
+    assert_int_equal(read_image(path, 299, &image), GP_ERR_DATA);
+    assert_non_null(strstr(said_line, "9 channels"));
+    assert_int_equal(read_image(path, 300, &image), GP_OK);
+    gp_image_close(&image);
+    gp_image_close(&image); // again is nothing
+    free(pixels);
+}
+
+static void save(const char *name, const void *bytes, size_t n)
+{
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, n, file), n);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* PFM stores rows from the bottom; values are light and stay what they are,
+ * though OpenImageIO calls the format Rec709. */
+static void pfm_is_linear(void **state)
+{
+    (void) state;
+    static const float sample[2][3] = {{0.25f, 300.0f, -1.0f},
+                                       {1e-4f, 0.5f, 70000.0f}};
+    uint8_t bytes[64];
+    struct gp_frame f;
+    if (!has_oiio)
+        skip();
+    int n = snprintf((char *) bytes, sizeof bytes, "PF\n1 2\n-1.0\n");
+    memcpy(bytes + n, sample[1], sizeof sample[1]);
+    memcpy(bytes + n + sizeof sample[1], sample[0], sizeof sample[0]);
+    save("a.pfm", bytes, (size_t) n + sizeof sample);
+    assert_int_equal(read_file(path, &f), GP_OK);
+    for (int y = 0; y < 2; y++) {
+        for (int c = 0; c < 3; c++)
+            assert_true(f.rgb.c[c][y] == sample[y][c]);
+    }
+    gp_frame_free(&f);
+
+    n = snprintf((char *) bytes, sizeof bytes, "Pf\n2 1\n-1.0\n");
+    memcpy(bytes + n, sample[0], 8);
+    save("grey.pfm", bytes, (size_t) n + 8);
+    assert_int_equal(read_file(path, &f), GP_OK);
+    assert_int_equal(f.model, GP_COLOUR_GREY);
+    for (int c = 0; c < 3; c++)
+        assert_true(f.rgb.c[c][0] == 0.25f && f.rgb.c[c][1] == 300.0f);
+    gp_frame_free(&f);
+}
+
+/* Alpha is carried, not bent by the curve, and attributes are kept. */
+static void alpha_and_attributes(void **state)
+{
+    (void) state;
+    float pixels[4 * PIXELS];
+    struct gp_frame f;
+    if (!has_oiio)
+        skip();
+    for (int i = 0; i < 4 * PIXELS; i++)
+        pixels[i] = i % 4 == 3 ? 1.0f - (float) (i / 4) / 400.0f : 0.25f;
+    const struct gp_image image = image_of(pixels, W, H, rgba, 4, "Linear");
+    snprintf(path, sizeof path, "%s/alpha.tif", folder);
+    assert_int_equal(write_image(path, "tif", &image, "float", ""), GP_OK);
+    assert_int_equal(read_file(path, &f), GP_OK);
+    assert_int_equal(f.channels, 4);
+    const struct gp_channel *a = gp_frame_channel(&f, "A");
+    assert_non_null(a);
+    assert_int_equal(a->colour, -1);
+    assert_int_equal(a->type, GP_FLOAT);
+    for (int i = 0; i < PIXELS; i++)
+        assert_true(((const float *) a->data)[i] == pixels[4 * i + 3]);
+    assert_null(f.input);
+    assert_true(f.attributes > 0);
+    gp_frame_free(&f);
+}
+
+// -- what is refused ----------------------------------------------------------
+
+/* As in an EXR, what a picture would show counts. */
+static void display_window_that_lies(void **state)
+{
+    (void) state;
+    const struct gp_read_params p = {.max_pixels = 1000};
+    float pixels[3 * PIXELS];
+    struct gp_image image = picture(pixels, 3, "Linear");
+    if (!has_oiio)
+        skip();
+    snprintf(path, sizeof path, "%s/shown.tif", folder);
+    for (int h = 25; h < 27; h++) {
+        struct gp_frame f = {0};
+        image.display = (struct gp_rect) {0, 0, 40, h};
+        assert_int_equal(write_image(path, "tif", &image, "half", ""),
+                         GP_OK);
+        heard.count = 0;
+        assert_int_equal(gp_read_frame(&hear, &p, path, &f),
+                         h == 25 ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(heard.count, h - 25);
+        gp_frame_free(&f);
+    }
+    assert_non_null(strstr(heard.line, "shown.tif: "));
+}
+
+/* A header's claim is refused by the number of bytes behind it. */
+static void bytes_cannot_hold_the_claim(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name, *bytes;
+        size_t n;
+    } row[] = {
+#define ROW(name, text) {name, text, sizeof text - 1}
+        ROW("c.ppm", "P6\n9000 9000\n255\n0123456789"),
+        ROW("c.pfm", "PF\n9000 9000\n-1.0\n0123456789"),
+        ROW("c.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\0\x40\0\x40\x18\0 0123456789"),
+        ROW("c.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9000 +X 9000\n"
+                     "\2\2\x23\x28"),
+#undef ROW
+    };
+    struct gp_frame f;
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        save(row[i].name, row[i].bytes, row[i].n);
+        assert_int_equal(read_file(path, &f), GP_ERR_DATA);
+        if (!strstr(heard.line, "bytes cannot hold"))
+            fail_msg("%s", heard.line);
+    }
+}
+
+#define GREY(w, h, bits)                                                      \
+    TIFF_LONG(256, w), TIFF_LONG(257, h), TIFF_SHORT(258, bits),              \
+    TIFF_SHORT(259, 1), TIFF_SHORT(262, 1)
+#define STRIP(rows, bytes)                                                    \
+    TIFF_LONG(273, TIFF_PIXELS), TIFF_SHORT(277, 1), TIFF_LONG(278, rows),    \
+    TIFF_LONG(279, bytes)
+#define TILE(w, h, bytes)                                                     \
+    TIFF_SHORT(277, 1), TIFF_LONG(322, w), TIFF_LONG(323, h),                 \
+    TIFF_LONG(324, TIFF_PIXELS), TIFF_LONG(325, bytes)
+
+static void odd_tiffs(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name, *said;
+        struct tiff_field field[TIFF_FIELDS];
+    } row[] = {
+        {"large tiles", "tiles larger than the picture",
+         {GREY(4, 4, 8), TILE(8192, 8192, 4096)}},
+        {"doubles", "tiles of 64-bit floats",
+         {GREY(16, 16, 64), TILE(16, 16, 2048), TIFF_SHORT(339, 3)}},
+        {"deep tiles", "a volume, not a picture",
+         {GREY(16, 16, 8), TILE(16, 16, 512), TIFF_LONG(32998, 2)}},
+        // LZW that begins with a code of no string, which libtiff reads past
+        {"damaged", "code not yet in table",
+         {TIFF_LONG(256, 4), TIFF_LONG(257, 4), TIFF_SHORT(258, 8),
+          TIFF_SHORT(259, 5), TIFF_SHORT(262, 1), STRIP(4, 16)}},
+        {"many", "too large: 1024 x 1025 pixels, at most 1048576",
+         {GREY(1024, 1025, 8), STRIP(1025, 16)}},
+    };
+    static const double none[512];
+    uint8_t bytes[TIFF_ROOM];
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++)
+        refused(row[i].name, bytes,
+                tiff_make(row[i].field, none, 2048, bytes), row[i].said);
+}
+
+/* Neighbours of what is refused. */
+static void tiffs_that_are_read(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        int size;     // bytes of a sample: 1, or 8 for doubles
+        int w, h;     // of the stored rows
+        struct tiff_field field[TIFF_FIELDS];
+    } row[] = {
+        {"bytes", 1, 4, 4, {GREY(4, 4, 8), STRIP(4, 16)}},
+        // "all rows", as many writers put it
+        {"one strip", 1, 4, 4, {GREY(4, 4, 8), STRIP(0xffffffffu, 16)}},
+        {"double strips", 8, 4, 4,
+         {GREY(4, 4, 64), STRIP(4, 128), TIFF_SHORT(339, 3)}},
+        {"tile", 1, 16, 16, {GREY(4, 4, 8), TILE(16, 16, 256)}},
+    };
+    uint8_t bytes[TIFF_ROOM], pixels[2048];
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_image a;
+        const int n = row[i].w * row[i].h;
+        for (int k = 0; k < n; k++) {
+            const double v = k / 255.0;
+            if (row[i].size == 8)
+                memcpy(pixels + 8 * k, &v, 8);
+            else
+                pixels[k] = (uint8_t) k;
+        }
+        const size_t size = tiff_make(row[i].field, pixels,
+                                      (size_t) (n * row[i].size), bytes);
+        if (read_bytes(bytes, size, 16, &a))
+            fail_msg("%s: %s", row[i].name, said_line);
+        for (int k = 0; k < 16; k++) {
+            const int stored = k / 4 * row[i].w + k % 4;
+            assert_true(fabs((double) a.pixels[k] - stored / 255.0) < 1e-7);
+        }
+        gp_image_close(&a);
+    }
+}
+
+/* Sizes that are none. */
+static void no_pixels(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name, *bytes;
+        size_t n;
+    } row[] = {
+#define ROW(name, text) {name, text, sizeof text - 1}
+        ROW("no width", "P6\n0 5\n255\n0123456789"),
+        ROW("no height", "P6\n5 0\n255\n0123456789"),
+        ROW("negative", "P5\n-3 4\n255\n0123456789"),
+        ROW("none", "PF\n0 0\n-1\n0123456789"),
+        ROW("no channels", "\1\332\0\1\0\3\0\4\0\4\0\0"
+                           "0123456789012345678901234567890123456789"
+                           "0123456789012345678901234567890123456789"),
+#undef ROW
+    };
+    uint8_t bytes[1024]; // SGI's header has 512 bytes
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        memset(bytes, 0, sizeof bytes);
+        memcpy(bytes, row[i].bytes, row[i].n);
+        refused(row[i].name, bytes, sizeof bytes, NULL);
+    }
+}
+
+#define FAR (1 << 29)
+
+static void odd_exrs(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        bool bad;
+        exr_attr_box2i_t data, display;
+    } row[] = {
+        {"far right", true,
+         FIXTURE_WINDOW(FAR, 0, 2, 2), FIXTURE_WINDOW(0, 0, 2, 2)},
+        {"far left", true,
+         FIXTURE_WINDOW(-FAR, 0, 2, 2), FIXTURE_WINDOW(0, 0, 2, 2)},
+        {"display", true, FIXTURE_WINDOW(0, 0, 2, 2),
+         FIXTURE_WINDOW(0, 0, 2, FAR)},
+        {"near", false, FIXTURE_WINDOW(1 - FAR, FAR - 2, 2, 2),
+         FIXTURE_WINDOW(0, 0, FAR - 1, 2)},
+    };
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        const struct fixture f = {
+            .display = row[i].display,
+            .part = {{.channel = {RGB(EXR_PIXEL_HALF)}, .data = row[i].data,
+                      .compression = EXR_COMPRESSION_ZIPS}},
+        };
+        struct gp_image a;
+        size_t n;
+        uint8_t *const bytes = fixture_make(&f, &n);
+        if (row[i].bad) {
+            refused(row[i].name, bytes, n, NULL);
+        } else {
+            if (read_bytes(bytes, n, 4, &a))
+                fail_msg("%s: %s", row[i].name, said_line);
+            assert_int_equal(a.data.x0, 1 - FAR);
+            assert_int_equal(a.data.y0, FAR - 2);
+            assert_int_equal(gp_rect_w(a.display), FAR - 1);
+            assert_true(a.pixels[0] ==
+                        fixture_value("R", a.data.x0, a.data.y0));
+            gp_image_close(&a);
+        }
+        free(bytes);
+    }
+}
+
+/* Each format cut off, by little and by much, in its file and in memory. */
+static void cut_off(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *format, *type, *compression;
+    } row[] = {
+        {"tif", "uint8", "none"}, {"tif", "float", "zip"},
+        {"tif", "uint16", "lzw"}, {"tif", "half", "packbits"},
+        {"tif", "uint8", "jpeg"}, {"jpg", "uint8", ""}, {"bmp", "uint8", ""},
+        {"tga", "uint8", ""},     {"ppm", "uint8", ""}, {"sgi", "uint8", ""},
+        {"webp", "uint8", ""},    {"dpx", "uint8", ""}, {"dpx", "uint16", ""},
+        {"hdr", "float", ""},     {"exr", "half", "dwaa"},
+    };
+    float pixels[3 * PIXELS];
+    const struct gp_image image = picture(pixels, 3, "");
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_image a;
+        size_t size;
+        snprintf(path, sizeof path, "%s/cut", folder);
+        assert_int_equal(write_image(path, row[i].format, &image, row[i].type,
+                                     row[i].compression), GP_OK);
+        uint8_t *const bytes = wf_read(path, &size);
+        if (read_bytes(bytes, size, PIXELS, &a))
+            fail_msg("%s", said_line);
+        gp_image_close(&a);
+        // Targa's footer and JPEG's last mark may be cut without loss
+        const bool tga = strcmp(row[i].format, "tga") == 0;
+        const size_t most = tga ? 18 + 3 * PIXELS - 1 : size - 3;
+        for (size_t k = 1; k <= 8; k++)
+            refused(row[i].format, bytes, 20 + (most - 20) * k / 8, NULL);
+        free(bytes);
+    }
+}
+
+/* By their first bytes these are no format that is read, whatever OpenImageIO
+ * has a reader for; the name does not matter. */
+static void formats_that_are_not_read(void **state)
+{
+    (void) state;
+    static const char *const row[] = {
+        "SIMPLE  =                    T", "8BPS\0\1", "DDS |", "GIF89a",
+        "FOR4\0\0\0", "\x80\x2a\x5f\xd7", "hi", "ffconcat version 1.0\nfile a",
+    };
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++)
+        refused(row[i], row[i], strlen(row[i]), NULL);
+    save("http:127.0.0.1:9989.null", "hi\n", 3);
+    assert_refused(path, GP_ERR_DATA, "no image format");
+}
+
+// -- pictures of frames -------------------------------------------------------
+
+static gp_status write_frame(const struct gp_write_params *p, const char *name,
+                             const struct gp_frame *f,
+                             enum gp_picture_kind kind)
+{
+    struct gp_write_stats stats = {0};
+    wf_line[0] = '\0';
+    return gp_write_picture(&wf_log, p, wf_path(name), f, &f->rgb, kind,
+                            &stats);
+}
+
+/* The first value of a field of a TIFF of Intel's order. */
+static unsigned tiff_field(const char *name, int tag)
+{
+    size_t size;
+    uint32_t at, v = 0, count;
+    uint8_t *const b = wf_read(wf_path(name), &size);
+    memcpy(&at, b + 4, 4);
+    const int n = b[at] | b[at + 1] << 8;
+    for (const uint8_t *e = b + at + 2; e < b + at + 2 + 12 * n; e += 12) {
+        if ((e[0] | e[1] << 8) != tag)
+            continue;
+        memcpy(&count, e + 4, 4);
+        memcpy(&v, e + 8, 4);
+        if (count * (e[2] == 3 ? 2 : 4) > 4)
+            memcpy(&v, b + v, 4);
+        v &= e[2] == 3 ? 0xffff : 0xffffffff;
+    }
+    free(b);
+    return v;
+}
+
+/* Compression is TIFF 6.0's field 259; sizes of samples are field 258. */
+static void tiffs_of_every_kind(void **state)
+{
+    (void) state;
+    static const struct {
+        enum gp_compression compression;
+        enum gp_picture_kind kind;
+        int depth_bits;
+        unsigned packing, bits; // 0: refused
+    } row[] = {
+        {GP_COMPRESSION_NONE, GP_PICTURE_SHOWN, 8, 1, 8},
+        {GP_COMPRESSION_RLE, GP_PICTURE_SHOWN, 8, 32773, 8},
+        {GP_COMPRESSION_ZIPS, GP_PICTURE_SHOWN, 16, 8, 16},
+        {GP_COMPRESSION_ZIP, GP_PICTURE_ENCODED, 16, 8, 16},
+        {GP_COMPRESSION_NONE, GP_PICTURE_SCENE, 8, 1, 32},
+        {GP_COMPRESSION_ZIP, GP_PICTURE_SCENE, 16, 8, 32},
+        {GP_COMPRESSION_PIZ, GP_PICTURE_SHOWN, 8, 0, 0},
+        {GP_COMPRESSION_DWAB, GP_PICTURE_SCENE, 8, 0, 0},
+    };
+    const struct gp_rect r = {0, 0, 40, 30};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        p.compression = row[i].compression;
+        p.depth_bits = row[i].depth_bits;
+        const gp_status st = write_frame(&p, "a.tif", &f, row[i].kind);
+        if (st != (row[i].packing ? GP_OK : GP_ERR_USAGE))
+            fail_msg("row %d: %s", (int) i, wf_line);
+        if (st) {
+            wf_assert_said("a.tif: ");
+            assert_int_equal(access(wf_path("a.tif"), F_OK), -1);
+            continue;
+        }
+        assert_int_equal(tiff_field("a.tif", 259), row[i].packing);
+        assert_int_equal(tiff_field("a.tif", 258), row[i].bits);
+        remove(wf_path("a.tif"));
+    }
+    gp_frame_free(&f);
+}
+
+/* Under a limit in the midst of the pixels: one line, and no file. */
+static void pictures_that_do_not_fit(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        bool helper;
+    } row[] = {
+        {"a.png", false},
+        {"a.pfm", false},
+        {"a.tif", true}, {"a.sgi", true},
+    };
+    const struct gp_rect r = {0, 0, 900, 900};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    p.depth_bits = 16;
+    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++)
+        f.rgb.c[i % 3][i / 3] =
+            (float) (wf_hash((uint32_t) i, 1, 2) >> 8) / 0x1p24f;
+    void (*const handler)(int) = signal(SIGXFSZ, SIG_IGN);
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        if (row[i].helper && !has_oiio)
+            continue;
+        const int before = wf_names();
+        const struct rlimit was = resource_limit(RLIMIT_FSIZE, 1500000);
+        const gp_status st = write_frame(&p, row[i].name, &f,
+                                         GP_PICTURE_SHOWN);
+        setrlimit(RLIMIT_FSIZE, &was);
+        assert_int_equal(st, GP_ERR_IO);
+        wf_assert_said(row[i].name);
+        assert_int_equal(wf_names(), before);
+        assert_int_equal(write_frame(&p, row[i].name, &f, GP_PICTURE_SHOWN),
+                         GP_OK);
+        remove(wf_path(row[i].name));
+    }
+    signal(SIGXFSZ, handler);
+    gp_frame_free(&f);
+}
+
+/* What OpenImageIO refuses is said with its reason. */
+static void more_than_a_format_has(void **state)
+{
+    (void) state;
+    const struct gp_rect r = {0, 0, 16384, 1};
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (!has_oiio)
+        skip();
+    const int before = wf_names();
+    assert_int_equal(write_frame(&p, "a.webp", &f, GP_PICTURE_SHOWN),
+                     GP_ERR_IO);
+    wf_assert_said("a.webp: ");
+    assert_int_equal(wf_names(), before);
+    gp_frame_free(&f);
+}
+
+/* Endings that are written; OpenImageIO has writers for more. */
+static void endings(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        bool can;
+    } row[] = {
+        {"a.tif", true}, {"a.tiff", true}, {"a.hdr", true}, {"a.jpeg", true},
+        {"a.pfm", true}, {"a", false}, {"a.nosuch", false}, {"a.sxr", false},
+        {"a.gif", false}, {"a.ico", false}, {"a.rla", false},
+        {"a.null", false}, {"a.a/b", false},
+    };
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    if (!has_oiio)
+        skip();
+    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+        if (gp_write_check(&wf_log, &p, wf_path(row[i].name)) !=
+            (row[i].can ? GP_OK : GP_ERR_USAGE))
+            fail_msg("%s: %s", row[i].name, wf_line);
+    }
+}
+
+static int setup(void **state)
+{
+    return open_oiio(state) || wf_start(state) || make_folder(state);
+}
+
+static int teardown(void **state)
+{
+    return wf_end(state) || remove_folder(state);
+}
+
+SUITE(oiio_formats)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(written_formats_come_back),
+        cmocka_unit_test(alpha_of_every_type),
+        cmocka_unit_test(blocks_and_channels),
+        cmocka_unit_test(pfm_is_linear),
+        cmocka_unit_test(alpha_and_attributes),
+        cmocka_unit_test(display_window_that_lies),
+        cmocka_unit_test(bytes_cannot_hold_the_claim),
+        cmocka_unit_test(odd_tiffs),
+        cmocka_unit_test(tiffs_that_are_read),
+        cmocka_unit_test(no_pixels),
+        cmocka_unit_test(odd_exrs),
+        cmocka_unit_test(cut_off),
+        cmocka_unit_test(formats_that_are_not_read),
+        cmocka_unit_test(tiffs_of_every_kind),
+        cmocka_unit_test(pictures_that_do_not_fit),
+        cmocka_unit_test(more_than_a_format_has),
+        cmocka_unit_test(endings),
+    };
+    return cmocka_run_group_tests(tests, setup, teardown);
+}
