@@ -7,6 +7,30 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+int suite_run(const CMUnitTestFunction *tests, size_t n, const char *names,
+              CMFixtureFunction setup, CMFixtureFunction teardown,
+              CMFixtureFunction each_setup, CMFixtureFunction each_teardown)
+{
+    struct CMUnitTest *const test = calloc(n, sizeof *test);
+    char *const text = strdup(names);
+    char *rest = text;
+    if (!test || !text)
+        abort();
+    for (size_t i = 0; i < n; i++) {
+        test[i] = (struct CMUnitTest) {
+            .name = strtok_r(rest, ", ", &rest),
+            .test_func = tests[i],
+            .setup_func = each_setup,
+            .teardown_func = each_teardown,
+        };
+    }
+    const int failed =
+        _cmocka_run_group_tests("tests", test, n, setup, teardown);
+    free(text);
+    free(test);
+    return failed;
+}
+
 static int run_apart(const struct suite *s)
 {
     fflush(stdout);

@@ -5,8 +5,10 @@
  *   build/tests/ROOM fft --time   one suite, in this process, with arguments
  *   build/tests/ROOM --list       their names
  *
- * tests/unit/ROOM/NAME.c defines SUITE(NAME) { ... }, which runs its tests and
- * returns how many failed. The Makefile lists the files.
+ * tests/unit/ROOM/NAME.c ends with SUITE_OF(NAME, setup, teardown, tests...), with
+ * SUITE_OF_EACH where each test has its own setup and teardown, or defines
+ * SUITE(NAME) { ... }, which runs its tests and returns how many failed. The
+ * Makefile lists the files.
  */
 #ifndef GP_TESTS_UNIT_H
 #define GP_TESTS_UNIT_H
@@ -29,6 +31,29 @@
     int suite_##name(int argc, char **argv);                                  \
     int suite_##name(int argc __attribute__((unused)),                        \
                      char **argv __attribute__((unused)))
+
+/* A suite of these tests; setup and teardown of the group, or NULL. */
+#define SUITE_OF(name, setup, teardown, ...)                                  \
+    SUITE(name)                                                               \
+    {                                                                         \
+        const CMUnitTestFunction tests[] = {__VA_ARGS__};                     \
+        return suite_run(tests, COUNT(tests), #__VA_ARGS__, setup, teardown,  \
+                         NULL, NULL);                                         \
+    }
+
+/* The same, with setup and teardown for each test. */
+#define SUITE_OF_EACH(name, setup, teardown, ...)                             \
+    SUITE(name)                                                               \
+    {                                                                         \
+        const CMUnitTestFunction tests[] = {__VA_ARGS__};                     \
+        return suite_run(tests, COUNT(tests), #__VA_ARGS__, NULL, NULL,       \
+                         setup, teardown);                                    \
+    }
+
+/* Runs n tests, whose names stand in `names` with ", " between them. */
+int suite_run(const CMUnitTestFunction *tests, size_t n, const char *names,
+              CMFixtureFunction setup, CMFixtureFunction teardown,
+              CMFixtureFunction each_setup, CMFixtureFunction each_teardown);
 
 struct suite {
     const char *name;
