@@ -83,19 +83,6 @@ static void fill(const struct gp_bench_frame *f, const struct gp_bench_row *r,
     c[22] = (struct cell) {"why", ran ? NULL : r->why, NAN, 0, 0};
 }
 
-gp_status gp_bench_write(const struct gp_log *log, const char *path,
-                         const char *text, size_t size)
-{
-    struct gp_file *file = NULL;
-    gp_status st = gp_file_open(log, path, false, &file);
-    if (!st)
-        st = gp_file_write(file, text, size);
-    if (!st)
-        st = gp_file_commit(&file);
-    gp_file_discard(&file);
-    return st;
-}
-
 // -- CSV --------------------------------------------------------------------------
 
 static void csv_text(FILE *to, const char *s)
@@ -152,7 +139,7 @@ gp_status gp_bench_csv(const struct gp_log *log, const struct gp_bench_table *t,
         fine = !ferror(to);
         fine = fclose(to) == 0 && fine;
     }
-    gp_status st = fine ? gp_bench_write(log, path, text, size)
+    gp_status st = fine ? gp_file_save(log, path, text, size)
                         : gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
     free(text);
     return st;
@@ -222,7 +209,7 @@ gp_status gp_bench_json(const struct gp_log *log,
         return gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
     const size_t size = strlen(text);
     text[size] = '\n'; // in the place of its end
-    gp_status st = gp_bench_write(log, path, text, size + 1);
+    gp_status st = gp_file_save(log, path, text, size + 1);
     free(text);
     return st;
 }

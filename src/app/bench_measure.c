@@ -2,7 +2,7 @@
 
 #include "core/clock.h"
 #include "core/memory.h"
-#include "tone/flip.h"
+#include "compare/flip.h"
 
 #include <math.h>
 #include <stdlib.h>

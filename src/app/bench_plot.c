@@ -4,6 +4,8 @@
 
 #include "app/bench_gnuplot.h"
 
+#include "io/file.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -224,7 +226,7 @@ gp_status gp_bench_plot(const struct gp_log *log, const struct gp_bench_table *t
                      "gnuplot: made no SVG (%zu bytes); install the Debian "
                      "package gnuplot-nox", size);
     if (!st)
-        st = gp_bench_write(log, path, svg, size);
+        st = gp_file_save(log, path, svg, size);
     free(script);
     free(svg);
     return st;

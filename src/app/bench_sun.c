@@ -211,7 +211,7 @@ static void print_table(const struct bench *b, FILE *to)
 static gp_status write_text(const struct bench *b, const char *path,
                             char *text, size_t size)
 {
-    gp_status st = gp_bench_write(b->log, path, text, size);
+    gp_status st = gp_file_save(b->log, path, text, size);
     free(text);
     return st;
 }

@@ -92,9 +92,4 @@ GP_MUST_CHECK gp_status gp_bench_plot(const struct gp_log *log,
                                       const struct gp_bench_table *t,
                                       const char *path);
 
-/* Writes the bytes as the whole of a file. Errors: GP_ERR_IO. */
-GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
-                                       const char *path, const char *text,
-                                       size_t size);
-
 #endif

@@ -3,7 +3,7 @@
  * is met, and its message. */
 #include "app/options.h"
 
-#include "app/compare.h"
+#include "compare/compare.h"
 #include "app/sun.h"
 #include "io/file_name.h"
 
@@ -257,7 +257,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
     if (s->command == GP_COMMAND_COMPARE)
-        return gp_compare_check(log, s);
+        return gp_compare_check(log, s->inputs.at, s->inputs.n,
+                                &s->compare);
     GP_TRY(check_files(log, s));
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_splat(log, s));

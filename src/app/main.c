@@ -1,9 +1,10 @@
 #include "app/bench.h"
-#include "app/compare.h"
+#include "app/files.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "compare/compare.h"
 #include "core/bridge.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -104,6 +105,72 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     return st;
 }
 
+// -- compare -----------------------------------------------------------------
+
+static char *frame_name(const struct gp_compare_names *n,
+                        const struct gp_pattern *p, int item)
+{
+    return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
+}
+
+static struct gp_file_owner heatmap_owner(const void *user,
+                                          const struct gp_file_id *id)
+{
+    const struct gp_compare_names *const n = user;
+    return (struct gp_file_owner) {
+        .name = frame_name(n, &n->heatmap, id->item),
+        .what = "--heatmap",
+        .as = n->heatmap.path,
+    };
+}
+
+/* Nothing is written over a file that is compared, or over another output. */
+static gp_status check_compare_names(const struct gp_log *log,
+                                     const void *user,
+                                     const struct gp_compare_names *names)
+{
+    const struct gp_settings *const s = user;
+    gp_status st;
+    struct gp_files f;
+    char *name = NULL;
+    const int n = names->frames.n ? names->frames.n : 1;
+    GP_TRY(gp_files_begin(log, s, heatmap_owner, names, &f));
+    for (int i = 0; i < n && s->compare.heatmap; i++) {
+        name = frame_name(names, &names->heatmap, i);
+        GP_TRY(name ? gp_files_write(&f, name, 0, i)
+                    : gp_no_memory(log, names->heatmap.path));
+        GP_FREE(name);
+    }
+    GP_TRY(gp_files_settle(&f));
+    for (int i = 0; i < 2 * n && f.there; i++) {
+        const struct gp_pattern *const p = &names->in[i % 2];
+        name = frame_name(names, p, i / 2);
+        GP_TRY(name ? gp_files_read(&f, "input", name)
+                    : gp_no_memory(log, p->path));
+        GP_FREE(name);
+    }
+out:
+    gp_free(name);
+    gp_files_end(&f);
+    return st;
+}
+
+static int compare(const struct gp_log *log, const struct gp_settings *s)
+{
+    const struct gp_compare_job job = {
+        .params = &s->compare,
+        .input = {s->inputs.at[0], s->inputs.at[1]},
+        .frames = s->frames,
+        .json = s->bench.json,
+        .read = &s->read,
+        .write = &s->write,
+        .check_names = check_compare_names,
+        .user = s,
+    };
+    gp_set_threads(s->threads);
+    return gp_compare_run(log, &job);
+}
+
 int main(int argc, char *argv[])
 {
     struct gp_settings s;
@@ -128,7 +195,7 @@ int main(int argc, char *argv[])
     else if (!st && s.command == GP_COMMAND_BENCH)
         st = gp_bench_run(&log, &s);
     else if (!st && s.command == GP_COMMAND_COMPARE)
-        status = gp_compare_run(&log, &s);
+        status = compare(&log, &s);
     else if (!st)
         st = make_frames(&log, &voice, &s);
     gp_settings_free(&s);

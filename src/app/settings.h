@@ -4,6 +4,7 @@
 #ifndef GP_APP_SETTINGS_H
 #define GP_APP_SETTINGS_H
 
+#include "compare/compare.h"
 #include "core/status.h"
 #include "glare/compose.h"
 #include "glare/engine.h"
@@ -59,12 +60,6 @@ struct gp_texts {
     int n;
 };
 
-/* Numbers of one option, "1,2,3". */
-struct gp_numbers {
-    double v[4];
-    int n; // 0: not given
-};
-
 /* Suns and lamps, what hides them, what they do. Files are NULL when not
  * given. */
 struct gp_sun_settings {
@@ -91,21 +86,6 @@ struct gp_bench_settings {
 };
 #define GP_BENCH_DEFAULTS { .runs = 9 }
 
-/* What `glarepp compare` allows, as in idiff, and makes. Values over an
- * absolute and the relative limit count; errors are of stored values. */
-struct gp_compare_settings {
-    float fail, warn;                   // absolute
-    float fail_relative, warn_relative; // of the mean of both magnitudes
-    float fail_percent, warn_percent;   // of pixels that may be over it
-    float hard_fail, hard_warn;         // that no pixel may exceed
-    struct gp_numbers flip_exposures;   // start, stop, count; n 0: automatic
-    bool no_flip;
-    const char *heatmap;                // NULL: not wanted
-};
-#define GP_COMPARE_DEFAULTS                                                   \
-    { .fail = 1e-6f, .warn = 1e-6f, .hard_fail = INFINITY,                    \
-      .hard_warn = INFINITY }
-
 /* Strings are borrowed from argv or are constants. */
 struct gp_settings {
     enum gp_command command;
@@ -118,7 +98,7 @@ struct gp_settings {
     struct gp_ocio_params ocio;        // config NULL: tone maps
     struct gp_write_params write;
     struct gp_bench_settings bench;    // json: of compare too
-    struct gp_compare_settings compare;
+    struct gp_compare_params compare;
     struct gp_sun_settings sun;
 
     struct gp_texts inputs, outputs;   // outputs: -o

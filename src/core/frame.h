@@ -41,6 +41,12 @@ static inline struct gp_rect gp_rect_meet(struct gp_rect a, struct gp_rect b)
     };
 }
 
+/* Numbers of one option, "1,2,3". */
+struct gp_numbers {
+    double v[4];
+    int n; // 0: not given
+};
+
 /* Three float planes of one size, w * h samples each, rows from the top,
  * no padding, samples [y * w + x]. All NULL when not made. */
 struct gp_planes {

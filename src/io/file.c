@@ -304,3 +304,16 @@ void gp_file_discard(struct gp_file **file)
     gp_free(f->path);
     GP_FREE(*file);
 }
+
+gp_status gp_file_save(const struct gp_log *log, const char *path,
+                       const void *data, size_t size)
+{
+    struct gp_file *file = NULL;
+    gp_status st = gp_file_open(log, path, false, &file);
+    if (!st)
+        st = gp_file_write(file, data, size);
+    if (!st)
+        st = gp_file_commit(&file);
+    gp_file_discard(&file);
+    return st;
+}

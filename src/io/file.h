@@ -59,6 +59,11 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 /* Gives the file up and removes what was written; NULL is fine. */
 void gp_file_discard(struct gp_file **f);
 
+/* Writes a whole file of `size` bytes. Errors: as above. */
+GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log,
+                                     const char *path, const void *data,
+                                     size_t size);
+
 /* Finds out before any work whether gp_file_open() has a chance: the folder
  * is there and writable (or may be made), the name is no folder. */
 GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,

@@ -1,6 +1,6 @@
 /* Every part of a file as `compare` reads it, and each compared with the part
  * before and with itself. */
-#include "app/compare_figures.h"
+#include "compare/compare_priv.h"
 #include "harness.h"
 #include "io/raw_read.h"
 
@@ -14,7 +14,7 @@ static bool fits(struct gp_rect r)
 
 static void compare(const struct gp_raw_image *a, const struct gp_raw_image *b)
 {
-    const struct gp_compare_settings limits = GP_COMPARE_DEFAULTS;
+    const struct gp_compare_params limits = GP_COMPARE_DEFAULTS;
     struct gp_compare_match m;
     struct gp_compare_figures f;
     if (a->deep || b->deep)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Usage: rooms.sh SRC
-# Who may include whom: app -> {glare, sun, scene, tone, io} -> {gl, core}.
+# Who may include whom: app -> compare -> {glare, sun, scene, tone, io} -> {gl, core}.
 # The middle rooms never meet; each library is seen by one room only.
 src=$1
 bad=0
@@ -17,16 +17,17 @@ refuse()
 
 refuse core '"(app|glare|sun|scene|tone|io|gl)/' 'includes a room above it'
 refuse gl '"(app|glare|sun|scene|tone|io)/' 'includes a room above it'
+refuse compare '"(app|bench)/' 'includes a room above it'
 refuse glare '"(app|sun|scene|tone|io)/' 'includes another room'
 refuse sun '"(app|glare|scene|tone|io)/' 'includes another room'
 refuse scene '"(app|glare|sun|tone|io)/' 'includes another room'
 refuse tone '"(app|glare|sun|scene|io)/' 'includes another room'
 refuse io '"(app|glare|sun|scene|tone)/' 'includes another room'
-for room in app core gl glare sun scene tone; do
+for room in app compare core gl glare sun scene tone; do
     refuse $room '<(openexr|Imf|OpenEXR|OpenImageIO|png|libdeflate)' \
         'sees a file format; only io may'
 done
-for room in app core glare sun scene tone io; do
+for room in app compare core glare sun scene tone io; do
     refuse $room '<(GL|EGL)/' 'sees GL; only gl may'
 done
 for room in app core gl glare sun scene io; do

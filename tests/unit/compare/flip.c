@@ -1,9 +1,9 @@
-/* tone/flip.c, flip_hdr.c: against a form of the papers in double with plain
+/* compare/flip.c: against a form of the papers in double with plain
  * two-dimensional filters (numpy and scipy), and by law. */
 #include "unit.h"
+#include "compare/flip.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "tone/flip.h"
 
 #include <float.h>
 #include <math.h>
@@ -16,6 +16,8 @@
 #include <string.h>
 
 #include <cmocka.h>
+
+#include "starved.h"
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 
@@ -383,6 +385,34 @@ static void what_makes_no_sense_is_refused(void **state)
     free_pair(&p);
 }
 
+// -- memory ---------------------------------------------------------------------------
+
+static struct pair starved;
+static double found;
+
+static gp_status run_ldr(void)
+{
+    return gp_flip_ldr(&said_log, starved.w, starved.h, &starved.a, &starved.b,
+                       67.0f, NULL, &found);
+}
+
+static gp_status run_hdr(void)
+{
+    return gp_flip_hdr(&said_log, starved.w, starved.h, &starved.a, &starved.b,
+                       67.0f, NULL, NULL, &found);
+}
+
+static void memory_is_full(void **state)
+{
+    (void) state;
+    gp_set_threads(2);
+    starved = pattern(33, 21);
+    starve("LDR-FLIP", run_ldr, &found, 2);
+    starve("HDR-FLIP", run_hdr, &found, 8);
+    free_pair(&starved);
+    gp_set_threads(0);
+}
+
 SUITE(flip)
 {
     const struct CMUnitTest tests[] = {
@@ -396,6 +426,7 @@ SUITE(flip)
         cmocka_unit_test(dark_and_hostile_references_have_exposures),
         cmocka_unit_test(the_largest_of_all_exposures_counts),
         cmocka_unit_test(what_makes_no_sense_is_refused),
+        cmocka_unit_test(memory_is_full),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

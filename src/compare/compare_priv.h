@@ -1,22 +1,11 @@
-/* How far two images are apart, in the figures of OpenImageIO's idiff 2.4 and
- * in those of the engines (the program's own errors). No files, no output. */
-#ifndef GP_APP_COMPARE_FIGURES_H
-#define GP_APP_COMPARE_FIGURES_H
+/* The figures of one pair of images: those of OpenImageIO's idiff 2.4, those
+ * of the engines (the program's own errors), and FLIP. */
+#ifndef GP_COMPARE_COMPARE_PRIV_H
+#define GP_COMPARE_COMPARE_PRIV_H
 
-#include "app/settings.h"
-#include "core/status.h"
+#include "compare/compare.h"
+#include "compare/flip.h"
 #include "io/raw_read.h"
-
-#include <stdbool.h>
-
-/* What a comparison says; the numbers are exit statuses, worse is larger. */
-enum gp_compare_result {
-    GP_COMPARE_MATCH = 0,
-    GP_COMPARE_WARNING = 1,
-    GP_COMPARE_FAILURE = 2,
-    GP_COMPARE_DIFFERENT = 3, // cannot be compared
-    GP_COMPARE_FILE = 4,      // a file could not be read or written
-};
 
 /* Channels of one name; NULL, and 0 everywhere, in an image without it. */
 struct gp_compare_pair {
@@ -70,15 +59,38 @@ struct gp_compare_figures {
  * failed and warned; the relative error there is |a - b| over the mean of |a|
  * and |b|. */
 GP_MUST_CHECK gp_status gp_compare_measure(
-    const struct gp_log *log, const struct gp_compare_settings *limits,
+    const struct gp_log *log, const struct gp_compare_params *limits,
     const struct gp_compare_match *m, struct gp_compare_figures *out);
 
-/* The colour of both over the window as planes of light, 0 outside their own
- * windows; gp_planes_free() both. Empty where one has no colour.
+struct gp_compare_flip {
+    bool known;    // false: an image has no colour, or --no-flip
+    bool hdr;      // HDR-FLIP; LDR-FLIP where both are stored as integers
+    double mean;   // of the map, 0 to 1
+    struct gp_flip_exposures exposures; // of HDR-FLIP
+    float *map;    // of the window, rows from the top; owned
+};
+
+/* Computes FLIP; infinite light counts as 65504, as in frames. The first image
+ * is the reference whose exposures are found. Primaries are taken as BT.709.
+ *   out  written always; free with gp_compare_flip_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_compare_light(const struct gp_log *log,
-                                         const struct gp_compare_match *m,
-                                         struct gp_planes *a,
-                                         struct gp_planes *b);
+GP_MUST_CHECK gp_status gp_compare_flip(const struct gp_log *log,
+                                        const struct gp_compare_params *p,
+                                        const struct gp_compare_match *m,
+                                        struct gp_compare_flip *out);
+void gp_compare_flip_free(struct gp_compare_flip *f);
+
+/* Writes the map in the colours of magma, 0 black to 1 pale yellow, as the
+ * ending of `path` says. The map must be known.
+ * Errors: as gp_write_picture(). */
+GP_MUST_CHECK gp_status gp_compare_heatmap(const struct gp_log *log,
+                                           const struct gp_write_params *p,
+                                           const char *path,
+                                           const struct gp_compare_match *m,
+                                           const struct gp_compare_flip *f);
+
+/* The colour of v (0 to 1, clamped; NaN is 0) in magma, sRGB-encoded, 0 to 1:
+ * a polynomial near the map of Smith and van der Walt (matplotlib 1.5). */
+void gp_compare_magma(float v, float rgb[3]);
 
 #endif

@@ -1,6 +1,8 @@
-#include "app/compare_figures.h"
+#include "compare/compare_priv.h"
 
+#include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -8,8 +10,8 @@
 
 // -- pairs of channels -------------------------------------------------------
 
-static const struct gp_raw_channel *find(const struct gp_raw_image *image,
-                                         const char *name)
+static const struct gp_raw_channel *find_channel(
+    const struct gp_raw_image *image, const char *name)
 {
     for (int i = 0; i < image->channels; i++) {
         if (strcmp(image->channel[i].name, name) == 0)
@@ -20,7 +22,7 @@ static const struct gp_raw_channel *find(const struct gp_raw_image *image,
 
 static void add_pair(struct gp_compare_match *m, const char *name)
 {
-    const struct gp_compare_pair p = {find(m->a, name), find(m->b, name)};
+    const struct gp_compare_pair p = {find_channel(m->a, name), find_channel(m->b, name)};
     for (int i = 0; i < m->pairs; i++) {
         if (strcmp(gp_compare_name(m, i), name) == 0)
             return;
@@ -29,16 +31,6 @@ static void add_pair(struct gp_compare_match *m, const char *name)
         return;
     m->pair[m->pairs++] = p;
     m->shared += p.a && p.b;
-}
-
-static int least(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-static int most(int a, int b)
-{
-    return a > b ? a : b;
 }
 
 gp_status gp_compare_match_make(const struct gp_log *log,
@@ -50,8 +42,10 @@ gp_status gp_compare_match_make(const struct gp_log *log,
     void *block;
     *m = (struct gp_compare_match) {
         .a = a, .b = b,
-        .window = {least(a->data.x0, b->data.x0), least(a->data.y0, b->data.y0),
-                   most(a->data.x1, b->data.x1), most(a->data.y1, b->data.y1)},
+        .window = {gp_min(a->data.x0, b->data.x0),
+                   gp_min(a->data.y0, b->data.y0),
+                   gp_max(a->data.x1, b->data.x1),
+                   gp_max(a->data.y1, b->data.y1)},
     };
     gp_status st = gp_alloc(log, "channels",
                             (size_t) a->channels + (size_t) b->channels + 1,
@@ -83,7 +77,7 @@ const char *gp_compare_name(const struct gp_compare_match *m, int pair)
 // -- values ------------------------------------------------------------------
 
 /* The index of a pixel of the window in an image, or -1 outside it. */
-static int64_t place(const struct gp_raw_image *image, int x, int y)
+static int64_t index_at(const struct gp_raw_image *image, int x, int y)
 {
     const struct gp_rect r = image->data;
     if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
@@ -91,7 +85,7 @@ static int64_t place(const struct gp_raw_image *image, int x, int y)
     return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
 }
 
-static double value(const struct gp_raw_channel *c, int64_t at)
+static double value_at(const struct gp_raw_channel *c, int64_t at)
 {
     if (!c || at < 0)
         return 0.0;
@@ -118,14 +112,14 @@ struct sums {
 };
 
 struct measure {
-    const struct gp_compare_settings *limits;
+    const struct gp_compare_params *limits;
     const struct gp_compare_match *m;
     struct sums *row;
     double bright;                   // of all rows
 };
 
-static void worse(struct sums *s, double error, int x, int channel, double a,
-                  double b)
+static void note_worst(struct sums *s, double error, int x, int channel,
+                       double a, double b)
 {
     if (!(error > s->max))
         return;
@@ -137,18 +131,18 @@ static void worse(struct sums *s, double error, int x, int channel, double a,
 }
 
 /* One value; *failed and *warned are of its pixel. */
-static void add_value(const struct gp_compare_settings *l, struct sums *s,
+static void add_value(const struct gp_compare_params *l, struct sums *s,
                       const struct gp_compare_pair *p, int64_t at_a,
                       int64_t at_b, int x, int channel, bool *failed,
                       bool *warned)
 {
-    const double a = value(p->a, at_a), b = value(p->b, at_b);
+    const double a = value_at(p->a, at_a), b = value_at(p->b, at_b);
     if (!isfinite(a) || !isfinite(b)) {
         if (same_nonfinite(a, b))
             return;
         s->nonfinite++;
         *failed = *warned = true;
-        worse(s, (double) INFINITY, x, channel, a, b);
+        note_worst(s, (double) INFINITY, x, channel, a, b);
         return;
     }
     const bool whole = (p->a && p->a->whole) || (p->b && p->b->whole);
@@ -161,7 +155,7 @@ static void add_value(const struct gp_compare_settings *l, struct sums *s,
     s->square += f * f;
     s->reference += a * a;
     s->peak = fmax(s->peak, fmax(fabs(a), fabs(b)));
-    worse(s, f, x, channel, a, b);
+    note_worst(s, f, x, channel, a, b);
     *warned = *warned || (f > (double) l->warn &&
                           rel > (double) l->warn_relative);
     *failed = *failed || (f > (double) l->fail &&
@@ -176,7 +170,7 @@ static void sum_row(void *ctx, int row, int thread)
     struct sums *const s = &t->row[row];
     const int y = m->window.y0 + row;
     for (int x = m->window.x0; x < m->window.x1; x++) {
-        const int64_t a = place(m->a, x, y), b = place(m->b, x, y);
+        const int64_t a = index_at(m->a, x, y), b = index_at(m->b, x, y);
         bool failed = false, warned = false;
         for (int c = 0; c < m->pairs; c++)
             add_value(t->limits, s, &m->pair[c], a, b, x, c, &failed, &warned);
@@ -204,7 +198,7 @@ static void bright_row(void *ctx, int row, int thread)
     const struct gp_compare_match *const m = t->m;
     for (int x = m->window.x0; x < m->window.x1; x++) {
         const double y =
-            luminance(m, m->a, place(m->a, x, m->window.y0 + row));
+            luminance(m, m->a, index_at(m->a, x, m->window.y0 + row));
         if (isfinite(y))
             t->row[row].bright = fmax(t->row[row].bright, y);
     }
@@ -217,8 +211,8 @@ static void relative_row(void *ctx, int row, int thread)
     const struct gp_compare_match *const m = t->m;
     const int y = m->window.y0 + row;
     for (int x = m->window.x0; x < m->window.x1; x++) {
-        const double a = luminance(m, m->a, place(m->a, x, y));
-        const double b = luminance(m, m->b, place(m->b, x, y));
+        const double a = luminance(m, m->a, index_at(m->a, x, y));
+        const double b = luminance(m, m->b, index_at(m->b, x, y));
         double rel = 0.0;
         if (isfinite(a) && isfinite(b))
             rel = a == b ? 0.0 : fabs(a - b) / (fmax(a, 0.0) +
@@ -236,8 +230,8 @@ static bool has_light(const struct gp_compare_match *m)
 
 // -- figures -----------------------------------------------------------------
 
-static void publish(const struct measure *t, int rows,
-                    struct gp_compare_figures *out)
+static void add_up(const struct measure *t, int rows,
+                   struct gp_compare_figures *out)
 {
     const struct gp_compare_match *const m = t->m;
     const double values = (double) gp_rect_w(m->window) *
@@ -274,21 +268,8 @@ static void publish(const struct measure *t, int rows,
     out->rel_l2 = reference > 0.0 ? sqrt(square / reference) : sqrt(square);
 }
 
-static enum gp_compare_result judge(const struct gp_compare_settings *l,
-                                    const struct gp_compare_figures *f)
-{
-    const double hundredth = (double) f->pixels / 100.0;
-    if ((double) f->failed > (double) l->fail_percent * hundredth ||
-        f->max > (double) l->hard_fail)
-        return GP_COMPARE_FAILURE;
-    if ((double) f->warned > (double) l->warn_percent * hundredth ||
-        f->max > (double) l->hard_warn)
-        return GP_COMPARE_WARNING;
-    return GP_COMPARE_MATCH;
-}
-
 gp_status gp_compare_measure(const struct gp_log *log,
-                             const struct gp_compare_settings *limits,
+                             const struct gp_compare_params *limits,
                              const struct gp_compare_match *m,
                              struct gp_compare_figures *out)
 {
@@ -307,48 +288,143 @@ gp_status gp_compare_measure(const struct gp_log *log,
             t.bright = fmax(t.bright, t.row[y].bright);
         gp_parallel_do(rows, relative_row, &t);
     }
-    publish(&t, rows, out);
-    out->result = judge(limits, out);
+    add_up(&t, rows, out);
+    const double hundredth = (double) out->pixels / 100.0;
+    out->result =
+        (double) out->failed > (double) limits->fail_percent * hundredth ||
+                out->max > (double) limits->hard_fail
+            ? GP_COMPARE_FAILURE
+        : (double) out->warned > (double) limits->warn_percent * hundredth ||
+                out->max > (double) limits->hard_warn
+            ? GP_COMPARE_WARNING
+            : GP_COMPARE_MATCH;
     gp_free(block);
     return GP_OK;
 }
 
-// -- light over the window ---------------------------------------------------
+// -- FLIP --------------------------------------------------------------------
 
-static void lay(const struct gp_compare_match *m,
-                const struct gp_raw_image *image, struct gp_planes *out)
+/* The light of an image over the window, 0 outside its own; infinite light
+ * counts as BRIGHTEST for HDR-FLIP. */
+static gp_status lay_light(const struct gp_log *log,
+                           const struct gp_compare_match *m,
+                           const struct gp_raw_image *image, bool hdr,
+                           struct gp_planes *out)
 {
+    static const float BRIGHTEST = 65504.0f;
     const size_t w = (size_t) gp_rect_w(m->window);
-    for (int c = 0; c < 3; c++) {
+    const size_t pixels = w * (size_t) gp_rect_h(m->window);
+    gp_status st = gp_planes_make(log, "light", pixels, out);
+    for (int c = 0; c < 3 && !st; c++) {
         float *to = out->c[c];
         for (int y = m->window.y0; y < m->window.y1; y++, to += w) {
-            const int64_t at = place(image, image->data.x0, y);
+            const int64_t at = index_at(image, image->data.x0, y);
             memset(to, 0, w * sizeof *to);
             if (at >= 0)
                 memcpy(to + (image->data.x0 - m->window.x0),
                        image->light[c] + at,
                        (size_t) gp_rect_w(image->data) * sizeof *to);
         }
+        for (size_t i = 0; i < pixels && hdr; i++) {
+            if (isinf(out->c[c][i]) && out->c[c][i] > 0.0f)
+                out->c[c][i] = BRIGHTEST;
+        }
+    }
+    return st;
+}
+
+gp_status gp_compare_flip(const struct gp_log *log,
+                          const struct gp_compare_params *p,
+                          const struct gp_compare_match *m,
+                          struct gp_compare_flip *out)
+{
+    const int w = gp_rect_w(m->window), h = gp_rect_h(m->window);
+    const size_t pixels = (size_t) w * (size_t) h;
+    const double *const e = p->flip_exposures.v;
+    struct gp_planes a = {0}, b = {0};
+    gp_status st;
+    void *map;
+    *out = (struct gp_compare_flip) {
+        .hdr = !(m->a->integers && m->b->integers),
+    };
+    if (p->no_flip || !has_light(m))
+        return GP_OK;
+    GP_TRY(lay_light(log, m, m->a, out->hdr, &a));
+    GP_TRY(lay_light(log, m, m->b, out->hdr, &b));
+    GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof(float), &map));
+    out->map = map;
+    if (out->hdr && p->flip_exposures.n)
+        out->exposures = (struct gp_flip_exposures) {(float) e[0],
+                                                     (float) e[1], (int) e[2]};
+    else if (out->hdr)
+        GP_TRY(gp_flip_exposures_find(log, pixels, &a, &out->exposures));
+    GP_TRY(out->hdr ? gp_flip_hdr(log, w, h, &a, &b, GP_FLIP_PPD,
+                                  &out->exposures, out->map, &out->mean)
+                    : gp_flip_ldr(log, w, h, &a, &b, GP_FLIP_PPD, out->map,
+                                  &out->mean));
+    out->known = true;
+out:
+    gp_planes_free(&a);
+    gp_planes_free(&b);
+    return st;
+}
+
+void gp_compare_flip_free(struct gp_compare_flip *f)
+{
+    GP_FREE(f->map);
+    f->known = false;
+}
+
+// -- the picture -------------------------------------------------------------
+
+void gp_compare_magma(float v, float rgb[3])
+{
+    // least squares of degree 6, a row for each power
+    static const float power[7][3] = {
+        {-0.002136485f, -0.000749655f, -0.005386128f},
+        {0.251660541f, 0.677523244f, 2.494026599f},
+        {8.353717279f, -3.577719515f, 0.314467903f},
+        {-27.66873309f, 14.26473078f, -13.64921319f},
+        {52.17613981f, -27.94360607f, 12.94416944f},
+        {-50.76852536f, 29.04658282f, 4.23415299f},
+        {18.65570507f, -11.48977352f, -5.60196151f},
+    };
+    const float t = gp_clamp01(v);
+    for (int c = 0; c < 3; c++) {
+        float sum = power[6][c];
+        for (int i = 5; i >= 0; i--)
+            sum = sum * t + power[i][c];
+        rgb[c] = gp_clamp01(sum);
     }
 }
 
-gp_status gp_compare_light(const struct gp_log *log,
-                           const struct gp_compare_match *m,
-                           struct gp_planes *a, struct gp_planes *b)
+gp_status gp_compare_heatmap(const struct gp_log *log,
+                             const struct gp_write_params *p, const char *path,
+                             const struct gp_compare_match *m,
+                             const struct gp_compare_flip *f)
 {
-    const size_t pixels =
-        (size_t) gp_rect_w(m->window) * (size_t) gp_rect_h(m->window);
-    *a = *b = (struct gp_planes) {0};
-    if (!has_light(m))
-        return GP_OK;
-    gp_status st = gp_planes_make(log, "first image", pixels, a);
-    if (!st)
-        st = gp_planes_make(log, "second image", pixels, b);
-    if (st) {
-        gp_planes_free(a);
-        return st;
+    struct gp_frame frame = {
+        .path = gp_strdup(path), .data = m->window, .display = m->window,
+        .pixel_aspect = 1.0f, .colour_type = GP_FLOAT, .parts = 1,
+    };
+    struct gp_write_stats stats = {0};
+    const size_t pixels = gp_frame_pixels(&frame);
+    gp_status st;
+    memcpy(frame.chromaticities, gp_rec709_chromaticities,
+           sizeof frame.chromaticities);
+    memcpy(frame.luminance, gp_rec709_luminance, sizeof frame.luminance);
+    if (!frame.path)
+        return gp_no_memory(log, path);
+    GP_TRY(gp_planes_make(log, "heatmap", pixels, &frame.shown));
+    for (size_t i = 0; i < pixels; i++) {
+        float rgb[3];
+        gp_compare_magma(f->map[i], rgb);
+        for (int c = 0; c < 3; c++)
+            frame.shown.c[c][i] = gp_srgb_decode(rgb[c]);
     }
-    lay(m, m->a, a);
-    lay(m, m->b, b);
-    return GP_OK;
+    GP_TRY(gp_write_picture(log, p, path, &frame, &frame.shown,
+                            GP_PICTURE_SHOWN, &stats));
+out:
+    gp_frame_free(&frame);
+    return st;
 }

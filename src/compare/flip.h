@@ -9,8 +9,8 @@
  * Planes are w * h samples, rows from the top. Every result is the same for any
  * number of threads, and the same for (a, b) and (b, a) with the same exposures.
  */
-#ifndef GP_TONE_FLIP_H
-#define GP_TONE_FLIP_H
+#ifndef GP_COMPARE_FLIP_H
+#define GP_COMPARE_FLIP_H
 
 #include "core/frame.h"
 #include "core/status.h"

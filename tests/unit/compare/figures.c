@@ -1,8 +1,7 @@
-/* app/compare_figures, compare_flip: figures against sums written out, equal
+/* compare/figures.c: figures against sums written out, equal
  * values that are not numbers, windows, names, whole numbers. */
 #include "unit.h"
-#include "app/compare_figures.h"
-#include "app/compare_flip.h"
+#include "compare/compare_priv.h"
 #include "core/colour.h"
 #include "core/parallel.h"
 
@@ -16,7 +15,7 @@
 
 #include <cmocka.h>
 
-static const struct gp_compare_settings defaults = GP_COMPARE_DEFAULTS;
+static const struct gp_compare_params defaults = GP_COMPARE_DEFAULTS;
 
 enum { CHANNELS = 8, ROOM = 4096 };
 
@@ -67,7 +66,7 @@ static void fill(struct image *m, unsigned seed)
 
 static struct gp_compare_figures measure(const struct image *a,
                                          const struct image *b,
-                                         const struct gp_compare_settings *s)
+                                         const struct gp_compare_params *s)
 {
     struct gp_compare_match m;
     struct gp_compare_figures f;
@@ -157,7 +156,7 @@ static void values_that_are_no_numbers(void **state)
 static void limits_are_idiffs(void **state)
 {
     (void) state;
-    struct gp_compare_settings s = defaults;
+    struct gp_compare_params s = defaults;
     make(&a, "R", (struct gp_rect) {0, 0, 10, 10});
     make(&b, "R", (struct gp_rect) {0, 0, 10, 10});
     for (int i = 0; i < 5; i++)
@@ -257,7 +256,7 @@ static void threads_do_not_matter(void **state)
 
 // -- FLIP --------------------------------------------------------------------
 
-static struct gp_compare_flip flip(const struct gp_compare_settings *s)
+static struct gp_compare_flip flip(const struct gp_compare_params *s)
 {
     struct gp_compare_match m;
     struct gp_compare_flip f;
@@ -270,7 +269,7 @@ static struct gp_compare_flip flip(const struct gp_compare_settings *s)
 static void flip_fits_the_files(void **state)
 {
     (void) state;
-    struct gp_compare_settings s = defaults;
+    struct gp_compare_params s = defaults;
     make(&a, "RGB", (struct gp_rect) {0, 0, 20, 20});
     make(&b, "RGB", (struct gp_rect) {2, 1, 22, 21});
     fill(&a, 1);
@@ -324,7 +323,7 @@ static void magma_is_magma(void **state)
     }
 }
 
-SUITE(compare)
+SUITE(figures)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(two_pixels),

@@ -1,0 +1,494 @@
+#include "compare/compare_priv.h"
+
+#include "core/json.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One part of one pair of files, and what came out; all is borrowed. */
+struct row {
+    const char *a, *b;   // files
+    int frame;           // of a sequence
+    int part, parts;     // parts > 1: printed beside the name
+    enum gp_compare_result result;
+    const char *why;     // of DIFFERENT and FILE, which have no figures; else
+                         // NULL
+    const struct gp_compare_match *match;
+    const struct gp_compare_figures *figures;
+    const struct gp_compare_flip *flip;
+};
+
+/* A run, and the pair it is at. */
+struct run {
+    const struct gp_log *log;
+    const struct gp_compare_job *job;
+    struct gp_compare_names names;
+    FILE *json;                    // NULL: not wanted
+    bool full;                     // a line of it was lost
+    enum gp_compare_result worst;
+    int count[GP_COMPARE_FILE + 1];
+
+    struct row row;
+    bool drawn;                    // the pair has its heatmap
+};
+
+static bool on_stdout(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
+
+/* True when the figures are printed for readers. */
+static bool prints(const struct run *r)
+{
+    return r->log->level != GP_LEVEL_ERROR && !on_stdout(r->job->json);
+}
+
+// -- text --------------------------------------------------------------------
+
+static const char *result_word(enum gp_compare_result r)
+{
+    static const char *const word[] = {
+        [GP_COMPARE_MATCH] = "match", [GP_COMPARE_WARNING] = "warning",
+        [GP_COMPARE_FAILURE] = "failure", [GP_COMPARE_DIFFERENT] = "different",
+        [GP_COMPARE_FILE] = "file error",
+    };
+    return word[r];
+}
+
+static void print_worst(const struct row *r)
+{
+    const struct gp_compare_figures *const f = r->figures;
+    printf("%g", f->max);
+    if (f->max > 0.0)
+        printf(" @ (%d, %d, %s): %.9g vs %.9g", f->x, f->y,
+               gp_compare_name(r->match, f->channel), f->worst_a, f->worst_b);
+}
+
+/* Channels and windows, where the two differ. */
+static void print_layout(const struct gp_compare_match *m)
+{
+    const struct gp_rect a = m->a->data, b = m->b->data;
+    for (int i = 0; i < m->pairs; i++) {
+        const struct gp_compare_pair *const p = &m->pair[i];
+        if (!p->a || !p->b)
+            printf("  only in %s    %s (0 in the other)\n", p->a ? "A" : "B",
+                   gp_compare_name(m, i));
+    }
+    if (memcmp(&a, &b, sizeof a) != 0)
+        printf("  windows      %dx%d at (%d, %d) and %dx%d at (%d, %d); "
+               "0 outside\n", gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
+               gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
+}
+
+/* A block of lines. */
+static void print_block(const struct row *r, const struct gp_compare_params *p)
+{
+    const struct gp_compare_figures *const f = r->figures;
+    printf("%s and %s", r->a, r->b);
+    if (r->parts > 1)
+        printf(", part %d", r->part);
+    printf(": %s\n", result_word(r->result));
+    if (r->why) {
+        printf("  %s\n", r->why);
+        return;
+    }
+    print_layout(r->match);
+    printf("  max error    ");
+    print_worst(r);
+    printf("\n  mean error   %g\n  RMS error    %g\n  PSNR         %g dB\n"
+           "  rel_l2       %g\n", f->mean, f->rms, f->psnr, f->rel_l2);
+    if (!isnan(f->max_rel))
+        printf("  max_rel      %g\n", f->max_rel);
+    if (r->flip->known)
+        printf("  %s     %.6f", r->flip->hdr ? "HDR-FLIP" : "LDR-FLIP",
+               r->flip->mean);
+    if (r->flip->known && r->flip->hdr)
+        printf(" (exposures %.4g to %.4g EV, %d)",
+               (double) r->flip->exposures.start,
+               (double) r->flip->exposures.stop, r->flip->exposures.count);
+    if (r->flip->known)
+        putchar('\n');
+    if (f->nonfinite)
+        printf("  not finite   %lld values differ\n", f->nonfinite);
+    const double percent = 100.0 / (double) f->pixels;
+    printf("  over %-7g %lld pixels (%.3g%%) fail\n", (double) p->fail,
+           f->failed, percent * (double) f->failed);
+    printf("  over %-7g %lld pixels (%.3g%%) warn\n", (double) p->warn,
+           f->warned, percent * (double) f->warned);
+}
+
+/* One line, for a frame of a sequence. */
+static void print_line(const struct row *r)
+{
+    const struct gp_compare_figures *const f = r->figures;
+    printf("%d", r->frame);
+    if (r->parts > 1)
+        printf(", part %d", r->part);
+    printf(": %s", result_word(r->result));
+    if (r->why) {
+        printf("; %s\n", r->why);
+        return;
+    }
+    printf("; max ");
+    print_worst(r);
+    printf("; mean %g, RMS %g, PSNR %g, rel_l2 %g", f->mean, f->rms, f->psnr,
+           f->rel_l2);
+    if (r->flip->known)
+        printf(", FLIP %.6f", r->flip->mean);
+    putchar('\n');
+}
+
+// -- JSON --------------------------------------------------------------------
+
+static void set_real(json_t *o, const char *key, double v)
+{
+    json_object_set_new(o, key, isfinite(v) ? json_real(v) : json_null());
+}
+
+static void set_count(json_t *o, const char *key, long long n)
+{
+    json_object_set_new(o, key, json_integer((json_int_t) n));
+}
+
+static void set_figures(json_t *o, const struct row *r)
+{
+    const struct gp_compare_figures *const f = r->figures;
+    set_real(o, "max", f->max);
+    if (f->max > 0.0) {
+        json_t *const worst = json_object();
+        set_count(worst, "x", f->x);
+        set_count(worst, "y", f->y);
+        json_object_set_new(
+            worst, "channel",
+            gp_json_name(gp_compare_name(r->match, f->channel)));
+        set_real(worst, "a", f->worst_a);
+        set_real(worst, "b", f->worst_b);
+        json_object_set_new(o, "worst", worst);
+    }
+    set_real(o, "mean", f->mean);
+    set_real(o, "rms", f->rms);
+    set_real(o, "psnr", f->psnr);
+    set_real(o, "rel_l2", f->rel_l2);
+    if (!isnan(f->max_rel))
+        set_real(o, "max_rel", f->max_rel);
+    if (r->flip->known) {
+        set_real(o, "flip", r->flip->mean);
+        json_object_set_new(o, "flip_kind",
+                            json_string(r->flip->hdr ? "hdr" : "ldr"));
+    }
+    if (r->flip->known && r->flip->hdr) {
+        const struct gp_flip_exposures *const e = &r->flip->exposures;
+        json_object_set_new(o, "flip_exposures",
+                            json_pack("[ffi]", (double) e->start,
+                                      (double) e->stop, e->count));
+    }
+    set_count(o, "nonfinite", f->nonfinite);
+    set_count(o, "failed", f->failed);
+    set_count(o, "warned", f->warned);
+    set_count(o, "pixels", f->pixels);
+}
+
+/* One object on a line; numbers that are not finite are null. False when
+ * memory is full. */
+static bool print_json(const struct row *r, bool numbered, FILE *to)
+{
+    json_t *const o = json_object();
+    json_object_set_new(o, "a", gp_json_name(r->a));
+    json_object_set_new(o, "b", gp_json_name(r->b));
+    if (numbered)
+        set_count(o, "frame", r->frame);
+    if (r->parts > 1)
+        set_count(o, "part", r->part);
+    json_object_set_new(o, "result", json_string(result_word(r->result)));
+    set_count(o, "status", r->result);
+    if (r->why)
+        json_object_set_new(o, "why", gp_json_name(r->why));
+    else
+        set_figures(o, r);
+    char *const text = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(9));
+    const bool whole = text && fprintf(to, "%s\n", text) > 0;
+    free(text);
+    return whole;
+}
+
+// -- one part of one pair ----------------------------------------------------
+
+/* Reports r->row, on stdout and in the JSON. */
+static void report(struct run *r, enum gp_compare_result result,
+                   const char *why)
+{
+    const bool numbered = r->names.frames.n > 0;
+    r->row.result = result;
+    r->row.why = why;
+    r->count[result]++;
+    if (result > r->worst)
+        r->worst = result;
+    if (r->json && !print_json(&r->row, numbered, r->json))
+        r->full = true;
+    if (!prints(r))
+        return;
+    if (numbered && r->log->level < GP_LEVEL_INFO)
+        print_line(&r->row);
+    else
+        print_block(&r->row, r->job->params);
+}
+
+/* Windows far apart would make a union that neither file asked for. */
+static gp_status check_union(const struct run *r, struct gp_rect u)
+{
+    const long long w = (long long) u.x1 - u.x0, h = (long long) u.y1 - u.y0;
+    const long long most = r->job->read->max_pixels;
+    if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
+        return gp_fail(r->log, GP_ERR_DATA,
+                       "%s: its window and that of %s are too far apart "
+                       "(%lld x %lld pixels over both, at most %lld); crop "
+                       "them, or raise --max-pixels", r->row.a, r->row.b, w, h,
+                       most);
+    return GP_OK;
+}
+
+static gp_status draw_heatmap(struct run *r, const struct gp_compare_match *m,
+                              const struct gp_compare_flip *flip)
+{
+    if (!r->job->params->heatmap || r->drawn || !flip->known)
+        return GP_OK;
+    char *const name = gp_pattern_name(&r->names.heatmap, r->row.frame, NULL);
+    if (!name)
+        return gp_no_memory(r->log, r->names.heatmap.path);
+    gp_status st = gp_compare_heatmap(r->log, r->job->write, name, m, flip);
+    free(name);
+    r->drawn = !st;
+    return st;
+}
+
+static gp_status compare_images(struct run *r, const struct gp_raw_image *a,
+                                const struct gp_raw_image *b)
+{
+    gp_status st;
+    struct gp_compare_match m;
+    struct gp_compare_figures figures;
+    struct gp_compare_flip flip = {0};
+    GP_TRY(gp_compare_match_make(r->log, a, b, &m));
+    GP_TRY(check_union(r, m.window));
+    if (m.shared == 0) {
+        report(r, GP_COMPARE_DIFFERENT, "no channel has the same name in both");
+        goto out;
+    }
+    GP_TRY(gp_compare_measure(r->log, r->job->params, &m, &figures));
+    GP_TRY(gp_compare_flip(r->log, r->job->params, &m, &flip));
+    GP_TRY(draw_heatmap(r, &m, &flip));
+    r->row.match = &m;
+    r->row.figures = &figures;
+    r->row.flip = &flip;
+    report(r, figures.result, NULL);
+out:
+    gp_compare_flip_free(&flip);
+    gp_compare_match_free(&m);
+    return st;
+}
+
+static gp_status compare_part(struct run *r, const struct gp_raw_file f[2],
+                              int part)
+{
+    gp_status st;
+    struct gp_raw_image image[2] = {0};
+    r->row.part = part;
+    for (int i = 0; i < 2; i++)
+        GP_TRY(gp_raw_read(r->log, r->job->read, &f[i], part, &image[i]));
+    if (image[0].deep != image[1].deep)
+        report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
+    else if (image[0].deep)
+        st = gp_fail(r->log, GP_ERR_DATA,
+                     "%s: deep data cannot be compared (part %d); flatten "
+                     "both files", r->row.a, part);
+    else
+        st = compare_images(r, &image[0], &image[1]);
+out:
+    gp_raw_image_free(&image[0]);
+    gp_raw_image_free(&image[1]);
+    return st;
+}
+
+// -- pairs -------------------------------------------------------------------
+
+static gp_status compare_parts(struct run *r, const struct gp_raw_file f[2])
+{
+    const int both = gp_min(f[0].parts, f[1].parts);
+    char why[64];
+    gp_status st = GP_OK;
+    r->row.parts = gp_max(f[0].parts, f[1].parts);
+    for (int part = 0; part < both && !st; part++)
+        st = compare_part(r, f, part);
+    r->row.part = both;
+    if (!st && r->row.parts > both) { // as idiff -a
+        snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
+        report(r, GP_COMPARE_FAILURE, why);
+    }
+    return st;
+}
+
+static gp_status compare_files(struct run *r)
+{
+    struct gp_raw_file f[2] = {
+        {.stream = GP_STREAM_EMPTY}, {.stream = GP_STREAM_EMPTY},
+    };
+    const char *const path[2] = {r->row.a, r->row.b};
+    gp_status st = GP_OK;
+    r->drawn = false;
+    for (int i = 0; i < 2 && !st; i++)
+        st = gp_raw_open(r->log, r->job->read, path[i], &f[i]);
+    if (!st)
+        st = compare_parts(r, f);
+    if (st && st != GP_ERR_BUG) {
+        report(r, GP_COMPARE_FILE, "a file cannot be read or written");
+        st = GP_OK;
+    }
+    gp_raw_close(&f[0]);
+    gp_raw_close(&f[1]);
+    return st;
+}
+
+static gp_status compare_frame(struct run *r, int frame)
+{
+    char *const a = gp_pattern_name(&r->names.in[0], frame, NULL);
+    char *const b = gp_pattern_name(&r->names.in[1], frame, NULL);
+    r->row = (struct row) {.a = a, .b = b, .frame = frame, .parts = 1};
+    gp_status st = a && b ? compare_files(r)
+                          : gp_no_memory(r->log, r->job->input[0]);
+    free(a);
+    free(b);
+    return st;
+}
+
+// -- the whole run -----------------------------------------------------------
+
+/* Finds the patterns and frames that the names stand for. */
+static gp_status find_names(struct run *r)
+{
+    const struct gp_compare_job *const job = r->job;
+    const char *const heatmap = job->params->heatmap;
+    struct gp_compare_names *const n = &r->names;
+    struct gp_frames more = {0};
+    gp_status st = GP_OK;
+    for (int i = 0; i < 2; i++)
+        GP_TRY(gp_pattern_of_input(r->log, job->input[i], &n->in[i]));
+    const bool sequence = n->in[0].len || n->in[1].len;
+    if (job->frames && !sequence)
+        return gp_fail(r->log, GP_ERR_USAGE,
+                       "%s: --frames needs a pattern (found plain names); "
+                       "write shot.####.exr, or leave --frames out",
+                       job->input[0]);
+    if (job->frames)
+        GP_TRY(gp_frames_parse(r->log, job->frames, &n->frames));
+    for (int i = 0; i < 2 && !job->frames; i++) {
+        if (!n->in[i].len)
+            continue;
+        GP_TRY(gp_frames_on_disk(r->log, &n->in[i], NULL, &more));
+        if (!gp_frames_join(&n->frames, &more))
+            GP_TRY(gp_no_memory(r->log, job->input[i]));
+        gp_frames_free(&more);
+    }
+    if (!heatmap)
+        goto out;
+    GP_TRY(gp_pattern_find(r->log, heatmap, &n->heatmap));
+    if (sequence && !n->heatmap.len)
+        return gp_fail(r->log, GP_ERR_USAGE,
+                       "%s: one name for a sequence; write a pattern such as "
+                       "heat.####.png", heatmap);
+    GP_TRY(gp_write_check(r->log, job->write, heatmap));
+out:
+    gp_frames_free(&more);
+    return st;
+}
+
+static gp_status compare_all(struct run *r)
+{
+    const struct gp_compare_job *const job = r->job;
+    const struct gp_frames *const frames = &r->names.frames;
+    gp_status st = find_names(r);
+    if (!st && job->json && !on_stdout(job->json))
+        st = gp_file_check(r->log, job->json, false);
+    if (!st && job->check_names)
+        st = job->check_names(r->log, job->user, &r->names);
+    if (!st && !frames->n)
+        return compare_frame(r, 0);
+    for (int i = 0; i < frames->n && !st; i++)
+        st = compare_frame(r, frames->number[i]);
+    if (st || !prints(r))
+        return st;
+    printf("%d frames: %s", frames->n, result_word(r->worst));
+    for (int i = 0; i <= GP_COMPARE_FILE; i++) {
+        if (r->count[i])
+            printf(", %d %s", r->count[i],
+                   result_word((enum gp_compare_result) i));
+    }
+    putchar('\n');
+    return GP_OK;
+}
+
+int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job)
+{
+    struct run r = {.log = log, .job = job};
+    char *text = NULL;
+    size_t size = 0;
+    gp_status st;
+    r.json = job->json ? open_memstream(&text, &size) : NULL;
+    if (job->json && !r.json)
+        GP_TRY(gp_no_memory(log, job->json));
+    GP_TRY(compare_all(&r));
+    if (r.json) {
+        const bool lost = ferror(r.json) || r.full;
+        const bool closed = fclose(r.json) == 0;
+        r.json = NULL;
+        if (lost || !closed)
+            GP_TRY(gp_no_memory(log, job->json));
+    }
+    if (fflush(stdout) != 0 || ferror(stdout))
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "-: cannot write to stdout (%s); check who reads it",
+                       strerror(errno)));
+    if (job->json)
+        GP_TRY(gp_file_save(log, job->json, text, size));
+out:
+    if (r.json)
+        fclose(r.json);
+    free(text);
+    gp_frames_free(&r.names.frames);
+    return st == GP_OK                            ? (int) r.worst
+           : st == GP_ERR_USAGE || st == GP_ERR_BUG ? (int) st
+                                                    : GP_COMPARE_FILE;
+}
+
+gp_status gp_compare_check(const struct gp_log *log,
+                           const char *const *inputs, int n,
+                           const struct gp_compare_params *p)
+{
+    const double *const e = p->flip_exposures.v;
+    if (n != 2)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: two images are compared (found %d); write glarepp "
+                       "compare A B", n > 2 ? inputs[2] : "compare", n);
+    if (on_stdout(inputs[0]) && on_stdout(inputs[1]))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "-: stdin holds one image; give a file beside it");
+    if (p->flip_exposures.n &&
+        !(e[2] >= 1.0 && e[2] <= GP_FLIP_EXPOSURES_MAX && e[2] == floor(e[2])))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--flip-exposures: not a number of exposures (found "
+                       "%g); give START,STOP,COUNT with a count of 1 to %d",
+                       e[2], GP_FLIP_EXPOSURES_MAX);
+    if (p->no_flip && (p->heatmap || p->flip_exposures.n))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--no-flip: %s is made of FLIP; leave one of the two "
+                       "out", p->heatmap ? "--heatmap" : "--flip-exposures");
+    if (on_stdout(p->heatmap))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--heatmap: stdout is for the figures (found -); give "
+                       "a file");
+    return GP_OK;
+}

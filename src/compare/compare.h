@@ -1,0 +1,79 @@
+/* glarepp compare: how far two images, or two sequences, are apart. */
+#ifndef GP_COMPARE_COMPARE_H
+#define GP_COMPARE_COMPARE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "io/read.h"
+#include "io/sequence.h"
+#include "io/write.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+/* Limits, as in idiff, and what is made. A value counts when it is over an
+ * absolute limit and the relative one; errors are of stored values. */
+struct gp_compare_params {
+    float fail, warn;                   // absolute
+    float fail_relative, warn_relative; // of the mean of both magnitudes
+    float fail_percent, warn_percent;   // of pixels that may be over it
+    float hard_fail, hard_warn;         // that no pixel may exceed
+    struct gp_numbers flip_exposures;   // start, stop, count; n 0: automatic
+    bool no_flip;
+    const char *heatmap;                // picture of FLIP; NULL: not wanted
+};
+#define GP_COMPARE_DEFAULTS                                                   \
+    { .fail = 1e-6f, .warn = 1e-6f, .hard_fail = INFINITY,                    \
+      .hard_warn = INFINITY }
+
+/* Results; the numbers are exit statuses, worse is larger. */
+enum gp_compare_result {
+    GP_COMPARE_MATCH = 0,
+    GP_COMPARE_WARNING = 1,
+    GP_COMPARE_FAILURE = 2,
+    GP_COMPARE_DIFFERENT = 3, // cannot be compared
+    GP_COMPARE_FILE = 4,      // a file could not be read or written
+};
+
+/* The files of a run. */
+struct gp_compare_names {
+    struct gp_pattern in[2];   // .len 0: a plain file
+    struct gp_pattern heatmap; // only with params->heatmap
+    struct gp_frames frames;   // n 0: one pair of plain files
+};
+
+/* A run; all is borrowed. */
+struct gp_compare_job {
+    const struct gp_compare_params *params;
+    const char *input[2];
+    const char *frames;  // list as written; NULL: the frames on disk
+    const char *json;    // file or "-"; NULL: not wanted
+    const struct gp_read_params *read;
+    const struct gp_write_params *write; // of the heatmap
+    /* Called before any file is read: fails where the heatmap or the JSON
+     * would replace an input or each other. NULL: not asked. */
+    gp_status (*check_names)(const struct gp_log *log, const void *user,
+                             const struct gp_compare_names *names);
+    const void *user;
+};
+
+/* Compares the two inputs, part by part, and frame by frame where one of them
+ * is a pattern: those of --frames, else all that either has on disk. Prints
+ * to stdout, or JSON in its place, and writes the heatmap.
+ *
+ *   log  at GP_LEVEL_ERROR no figures are printed; at GP_LEVEL_INFO those of
+ *        a sequence's frames are printed in full
+ *
+ * Returns the program's exit status: the worst enum gp_compare_result of all
+ * pairs (a frame that cannot be read is a file error, and the next frame is
+ * compared); GP_ERR_USAGE; GP_ERR_BUG when memory is full.
+ */
+int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job);
+
+/* Checks what the option table cannot.
+ * Errors: GP_ERR_USAGE with one line. */
+GP_MUST_CHECK gp_status gp_compare_check(const struct gp_log *log,
+                                         const char *const *inputs, int n,
+                                         const struct gp_compare_params *p);
+
+#endif

@@ -1,0 +1,620 @@
+/* FLIP. LDR: tile after tile, each picture is filtered in a tile with its
+ * surroundings, its colours and features are kept, and compared with those of
+ * the other. HDR: the largest LDR-FLIP of many exposures. */
+#include "compare/flip.h"
+
+#include "core/colour.h"
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- filters -----------------------------------------------------------------
+
+static const double PI = 3.14159265358979323846;
+
+/* The filters of FLIP: what an eye at some distance resolves, and what it
+ * takes for edges and points. All are separable; of one dimension they have
+ * at most 2 * RADIUS_MAX + 1 taps, from the left. */
+enum { RADIUS_MAX = 136 };
+struct taps {
+    float at[2 * RADIUS_MAX + 1];
+};
+
+/* Contrast sensitivity of the opponent channels (section 4.1.1): Gaussians,
+ * for blue-yellow the sum of two. Each sums to 1. */
+enum { ACHROMATIC, RED_GREEN, BLUE_YELLOW, BLUE_YELLOW_2, COLOURS };
+
+/* Detectors (section 4.2): a Gaussian and its first two derivatives. The
+ * Gaussian sums to 1, the derivatives' positive and negative taps to 1 each. */
+enum { BLUR, EDGES, POINTS, FEATURES };
+
+struct filters {
+    int radius;          // of the colour filters, 2 * radius + 1 taps
+    int feature_radius;  // of the detectors, <= radius
+    struct taps colour[COLOURS];
+    struct taps feature[FEATURES];
+    float share[2];      // of the two blue-yellow Gaussians; sum 1
+};
+
+/* Table 1 of the paper: a * sqrt(pi / b) * exp(-pi^2 x^2 / b), x in degrees. */
+static const struct {
+    double a, b;
+} gaussian[COLOURS] = {
+    [ACHROMATIC] = {1.0, 0.0047},
+    [RED_GREEN] = {1.0, 0.0053},
+    [BLUE_YELLOW] = {34.1, 0.04},
+    [BLUE_YELLOW_2] = {13.5, 0.025},
+};
+
+/* Scales the taps by 1 / sum; returns the sum. */
+static double normalise(const double *tap, int n, float *out)
+{
+    double sum = 0.0;
+    for (int i = 0; i < n; i++)
+        sum += tap[i];
+    for (int i = 0; i < n; i++)
+        out[i] = (float) (tap[i] / sum);
+    return sum;
+}
+
+/* Positive and negative taps to a sum of 1 each. */
+static void normalise_signs(const double *tap, int n, float *out)
+{
+    double above = 0.0, below = 0.0;
+    for (int i = 0; i < n; i++) {
+        above += tap[i] > 0.0 ? tap[i] : 0.0;
+        below -= tap[i] < 0.0 ? tap[i] : 0.0;
+    }
+    for (int i = 0; i < n; i++)
+        out[i] = (float) (tap[i] / (tap[i] > 0.0 ? above : below));
+}
+
+/* Makes them for `ppd` pixels a degree, in the range of flip.h. */
+static void make_filters(double ppd, struct filters *f)
+{
+    // section 4.2: 0.082 degrees from peak to trough are two standard deviations
+    static const double FEATURE_WIDTH = 0.082;
+    const double feature_sigma = 0.5 * FEATURE_WIDTH * ppd;
+    // of the widest, whose standard deviation is sqrt(b / (2 pi^2)) degrees
+    const double widest = gaussian[BLUE_YELLOW].b;
+    const double sigma = sqrt(widest / (2.0 * PI * PI)) * ppd;
+    const int r = (int) ceil(3.0 * sigma);
+    const int fr = (int) ceil(3.0 * feature_sigma);
+    double tap[3][2 * RADIUS_MAX + 1] = {{0}}, volume[COLOURS];
+    memset(f, 0, sizeof *f);
+    f->radius = r;
+    f->feature_radius = fr;
+    for (int c = 0; c < COLOURS; c++) {
+        for (int i = -r; i <= r; i++) {
+            const double x = i / ppd;
+            tap[0][i + r] = exp(-PI * PI * x * x / gaussian[c].b);
+        }
+        const double sum = normalise(tap[0], 2 * r + 1, f->colour[c].at);
+        volume[c] = gaussian[c].a * sqrt(PI / gaussian[c].b) * sum * sum;
+    }
+    const double both = volume[BLUE_YELLOW] + volume[BLUE_YELLOW_2];
+    f->share[0] = (float) (volume[BLUE_YELLOW] / both);
+    f->share[1] = (float) (volume[BLUE_YELLOW_2] / both);
+    for (int i = -fr; i <= fr; i++) {
+        const double s2 = feature_sigma * feature_sigma;
+        const double g = exp(-(double) i * i / (2.0 * s2));
+        tap[BLUR][i + fr] = g;
+        tap[EDGES][i + fr] = -i * g;
+        tap[POINTS][i + fr] = ((double) i * i / s2 - 1.0) * g;
+    }
+    (void) normalise(tap[BLUR], 2 * fr + 1, f->feature[BLUR].at);
+    normalise_signs(tap[EDGES], 2 * fr + 1, f->feature[EDGES].at);
+    normalise_signs(tap[POINTS], 2 * fr + 1, f->feature[POINTS].at);
+}
+
+/* out[i] = sum over t of tap[t] * in[i + t]; n values from n + taps - 1. */
+GP_CLONES static void filter_row(const float *in, const float *tap, int taps,
+                                 int n, float *restrict out)
+{
+    for (int i = 0; i < n; i++)
+        out[i] = 0.0f;
+    for (int t = 0; t < taps; t++) {
+        const float k = tap[t], *const from = in + t;
+        for (int i = 0; i < n; i++)
+            out[i] += k * from[i];
+    }
+}
+
+/* out[i] += weight * sum over t of tap[t] * in[t * pitch + i]. */
+GP_CLONES static void filter_column(const float *in, int pitch,
+                                    const float *tap, int taps, float weight,
+                                    int n, float *restrict out)
+{
+    for (int t = 0; t < taps; t++) {
+        const float k = weight * tap[t];
+        const float *const from = in + (long) t * pitch;
+        for (int i = 0; i < n; i++)
+            out[i] += k * from[i];
+    }
+}
+
+// -- tiles -------------------------------------------------------------------
+
+enum { TILE_W = 128, TILE_H = 64, TILE = TILE_W * TILE_H };
+
+/* Lines of a tile that are filtered along x: colours, then features. */
+enum { LINES = COLOURS + FEATURES };
+
+/* What an eye has of a picture: Hunt-adjusted L*a*b*, and the magnitudes of
+ * edges and points. */
+enum { L, A, B, EDGE, POINT, SEEN };
+
+struct metric {
+    int w, h, across;              // the picture; tiles in a row
+    const struct gp_planes *picture[2];
+    struct filters filter;
+    float to_xyz[9], to_rgb[9];    // BT.709 and XYZ over that of white
+    float most;                    // largest colour difference, to the COLOUR_POWER
+    size_t scratch;                // floats a thread
+    float *scratches;
+    float *map;                    // or NULL
+    double *sum;                   // one a tile
+};
+
+/* A tile under way. */
+struct tile {
+    int x0, y0, w, h;
+    float *row[3];     // opponent colours of a row, padded on both sides
+    float *line[LINES]; // h + 2 * radius rows of TILE_W
+    float *seen[2][SEEN]; // h rows of TILE_W, of each picture
+};
+
+// Section 4.1.3 of the paper: q_c, p_c and p_t
+static const float COLOUR_POWER = 0.7f, KNEE_AT = 0.4f, KNEE_TO = 0.95f;
+
+// -- colour ------------------------------------------------------------------
+
+static void multiply(const float m[9], const float in[3], float out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = m[3 * i] * in[0] + m[3 * i + 1] * in[1] + m[3 * i + 2] * in[2];
+}
+
+/* The matrices between linear BT.709 and XYZ over white's. */
+static void make_matrices(struct metric *m)
+{
+    double xyz[9];
+    (void) gp_rgb_to_xyz(gp_rec709_chromaticities, xyz); // cannot fail
+    for (int i = 0; i < 3; i++) {
+        const double white = xyz[3 * i] + xyz[3 * i + 1] + xyz[3 * i + 2];
+        for (int j = 0; j < 3; j++)
+            xyz[3 * i + j] /= white;
+    }
+    // the inverse's columns are the rows' cross products over the determinant
+    double cross[9], det = 0.0;
+    for (int i = 0; i < 9; i++) {
+        const double *const u = xyz + (i / 3 + 1) % 3 * 3;
+        const double *const v = xyz + (i / 3 + 2) % 3 * 3;
+        const int k1 = (i % 3 + 1) % 3, k2 = (i % 3 + 2) % 3;
+        cross[i] = u[k1] * v[k2] - u[k2] * v[k1];
+        det += i < 3 ? xyz[i] * cross[i] : 0.0;
+    }
+    for (int i = 0; i < 9; i++) {
+        m->to_xyz[i] = (float) xyz[i];
+        m->to_rgb[i] = (float) (cross[i % 3 * 3 + i / 3] / det);
+    }
+}
+
+/* CIE 1976, with 6/29 as the border of the linear part. */
+static float lab_curve(float t)
+{
+    const float border = 6.0f / 29.0f;
+    return t > border * border * border
+               ? cbrtf(t)
+               : t / (3.0f * border * border) + 4.0f / 29.0f;
+}
+
+/* Linear BT.709 to L*a*b* whose a* and b* grow with L* (section 4.1.2). */
+static void to_hunt_lab(const struct metric *m, const float rgb[3],
+                        float lab[3])
+{
+    float xyz[3];
+    multiply(m->to_xyz, rgb, xyz);
+    const float x = lab_curve(xyz[0]), y = lab_curve(xyz[1]);
+    const float z = lab_curve(xyz[2]);
+    lab[0] = 116.0f * y - 16.0f;
+    lab[1] = 0.01f * lab[0] * 500.0f * (x - y);
+    lab[2] = 0.01f * lab[0] * 200.0f * (y - z);
+}
+
+/* HyAB distance, section 4.1.3. */
+static float distance(const float a[3], const float b[3])
+{
+    const float da = a[1] - b[1], db = a[2] - b[2];
+    return fabsf(a[0] - b[0]) + sqrtf(da * da + db * db);
+}
+
+// -- one picture in a tile ----------------------------------------------------
+
+/* The opponent colours YCxCz of row y, without their factors, which the way
+ * back would take away again: Y, X - Y, Y - Z over white's. */
+static void load_row(const struct metric *m, const struct tile *t,
+                     const struct gp_planes *p, int y)
+{
+    const int r = m->filter.radius;
+    const size_t at = (size_t) gp_clamp(y, 0, m->h - 1) * (size_t) m->w;
+    for (int i = 0; i < t->w + 2 * r; i++) {
+        const size_t from =
+            at + (size_t) gp_clamp(t->x0 - r + i, 0, m->w - 1);
+        const float rgb[3] = {gp_clamp01(p->c[0][from]),
+                              gp_clamp01(p->c[1][from]),
+                              gp_clamp01(p->c[2][from])};
+        float xyz[3];
+        multiply(m->to_xyz, rgb, xyz);
+        t->row[0][i] = xyz[1];
+        t->row[1][i] = xyz[0] - xyz[1];
+        t->row[2][i] = xyz[1] - xyz[2];
+    }
+}
+
+static void filter_rows(const struct metric *m, const struct tile *t,
+                        const struct gp_planes *p)
+{
+    static const int from[COLOURS] = {0, 1, 2, 2};
+    const struct filters *f = &m->filter;
+    const int inset = f->radius - f->feature_radius;
+    for (int j = 0; j < t->h + 2 * f->radius; j++) {
+        load_row(m, t, p, t->y0 - f->radius + j);
+        for (int c = 0; c < COLOURS; c++)
+            filter_row(t->row[from[c]], f->colour[c].at, 2 * f->radius + 1,
+                       t->w, t->line[c] + j * TILE_W);
+        for (int k = 0; k < FEATURES; k++)
+            filter_row(t->row[0] + inset, f->feature[k].at,
+                       2 * f->feature_radius + 1, t->w,
+                       t->line[COLOURS + k] + j * TILE_W);
+    }
+}
+
+/* Colours of row j of the tile as the eye resolves them. */
+static void resolve_colour(const struct metric *m, const struct tile *t, int j,
+                           float *const seen[SEEN])
+{
+    const struct filters *f = &m->filter;
+    const float weight[COLOURS] = {1.0f, 1.0f, f->share[0], f->share[1]};
+    static const int to[COLOURS] = {0, 1, 2, 2};
+    float sum[3][TILE_W] = {0};
+    for (int c = 0; c < COLOURS; c++)
+        filter_column(t->line[c] + j * TILE_W, TILE_W, f->colour[c].at,
+                      2 * f->radius + 1, weight[c], t->w, sum[to[c]]);
+    for (int i = 0; i < t->w; i++) {
+        const float y = sum[0][i];
+        const float xyz[3] = {y + sum[1][i], y, y - sum[2][i]};
+        float rgb[3], lab[3];
+        multiply(m->to_rgb, xyz, rgb);
+        for (int c = 0; c < 3; c++)
+            rgb[c] = gp_clamp01(rgb[c]);
+        to_hunt_lab(m, rgb, lab);
+        for (int c = 0; c < 3; c++)
+            seen[L + c][j * TILE_W + i] = lab[c];
+    }
+}
+
+/* Magnitudes of a detector along x and along y, row j of the tile. */
+static void detect_feature(const struct metric *m, const struct tile *t, int j,
+                           int feature, float *out)
+{
+    const struct filters *f = &m->filter;
+    const int top = (j + f->radius - f->feature_radius) * TILE_W;
+    const int taps = 2 * f->feature_radius + 1;
+    const float *const blurred = t->line[COLOURS + BLUR];
+    const float *const derived = t->line[COLOURS + feature];
+    float x[TILE_W] = {0}, y[TILE_W] = {0};
+    filter_column(derived + top, TILE_W, f->feature[BLUR].at, taps, 1.0f,
+                  t->w, x);
+    filter_column(blurred + top, TILE_W, f->feature[feature].at, taps, 1.0f,
+                  t->w, y);
+    for (int i = 0; i < t->w; i++)
+        out[j * TILE_W + i] = sqrtf(x[i] * x[i] + y[i] * y[i]);
+}
+
+static void resolve(const struct metric *m, const struct tile *t, int picture)
+{
+    float *const *seen = t->seen[picture];
+    filter_rows(m, t, m->picture[picture]);
+    for (int j = 0; j < t->h; j++) {
+        resolve_colour(m, t, j, seen);
+        detect_feature(m, t, j, EDGES, seen[EDGE]);
+        detect_feature(m, t, j, POINTS, seen[POINT]);
+    }
+}
+
+// -- both ---------------------------------------------------------------------
+
+/* Sections 4.1.3 (colour), 4.2 (features) and 4.3 (both). */
+static float difference(const struct metric *m, const struct tile *t, int at)
+{
+    float *const *a = t->seen[0], *const *b = t->seen[1];
+    const float lab_a[3] = {a[L][at], a[A][at], a[B][at]};
+    const float lab_b[3] = {b[L][at], b[A][at], b[B][at]};
+    const float e = powf(distance(lab_a, lab_b), COLOUR_POWER);
+    const float knee = KNEE_AT * m->most;
+    const float colour =
+        e < knee ? KNEE_TO / knee * e
+                 : KNEE_TO + (e - knee) / (m->most - knee) * (1.0f - KNEE_TO);
+    const float edge = fabsf(a[EDGE][at] - b[EDGE][at]);
+    const float point = fabsf(a[POINT][at] - b[POINT][at]);
+    const float feature =
+        sqrtf((edge > point ? edge : point) * (float) M_SQRT1_2); // q_f = 0.5
+    return gp_clamp01(powf(gp_clamp01(colour), 1.0f - gp_clamp01(feature)));
+}
+
+static struct tile tile_at(const struct metric *m, int i, float *scratch)
+{
+    const int r = m->filter.radius;
+    struct tile t = {.x0 = i % m->across * TILE_W, .y0 = i / m->across * TILE_H};
+    t.w = m->w - t.x0 < TILE_W ? m->w - t.x0 : TILE_W;
+    t.h = m->h - t.y0 < TILE_H ? m->h - t.y0 : TILE_H;
+    for (int c = 0; c < 3; c++, scratch += TILE_W + 2 * r)
+        t.row[c] = scratch;
+    for (int k = 0; k < LINES; k++, scratch += (TILE_H + 2 * r) * TILE_W)
+        t.line[k] = scratch;
+    for (int k = 0; k < 2 * SEEN; k++, scratch += TILE)
+        t.seen[k / SEEN][k % SEEN] = scratch;
+    return t;
+}
+
+static void compare_tile(void *ctx, int i, int thread)
+{
+    const struct metric *m = ctx;
+    const struct tile t =
+        tile_at(m, i, m->scratches + (size_t) thread * m->scratch);
+    double sum = 0.0;
+    resolve(m, &t, 0);
+    resolve(m, &t, 1);
+    for (int y = 0; y < t.h; y++) {
+        float *const to = m->map ? m->map + (size_t) (t.y0 + y) * (size_t) m->w +
+                                       (size_t) t.x0 : NULL;
+        for (int x = 0; x < t.w; x++) {
+            const float d = difference(m, &t, y * TILE_W + x);
+            sum += (double) d;
+            if (to)
+                to[x] = d;
+        }
+    }
+    m->sum[i] = sum;
+}
+
+gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
+                      const struct gp_planes *a, const struct gp_planes *b,
+                      float ppd, float *map, double *mean)
+{
+    if (w < 1 || h < 1)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "flip: no pixels (found %d x %d); give pictures", w, h);
+    if (!(ppd >= GP_FLIP_PPD_MIN && ppd <= GP_FLIP_PPD_MAX))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "flip: pixels per degree out of range (found %g); give "
+                       "%g to %g", (double) ppd, (double) GP_FLIP_PPD_MIN,
+                       (double) GP_FLIP_PPD_MAX);
+    struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
+                       .picture = {a, b}, .map = map};
+    const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
+    void *scratches = NULL, *sums = NULL;
+    make_matrices(&m);
+    // no two colours are further apart than green and blue
+    static const float green[3] = {0.0f, 1.0f, 0.0f}, blue[3] = {0, 0, 1.0f};
+    float lab[2][3];
+    to_hunt_lab(&m, green, lab[0]);
+    to_hunt_lab(&m, blue, lab[1]);
+    m.most = powf(distance(lab[0], lab[1]), COLOUR_POWER);
+    make_filters((double) ppd, &m.filter);
+    const size_t r = (size_t) m.filter.radius;
+    m.scratch = 3 * (TILE_W + 2 * r) + LINES * (TILE_H + 2 * r) * TILE_W +
+                2 * SEEN * TILE;
+    gp_status st = gp_alloc(log, "flip", (size_t) gp_threads() * m.scratch,
+                            sizeof(float), &scratches);
+    if (!st)
+        st = gp_alloc(log, "flip", (size_t) tiles, sizeof(double), &sums);
+    if (!st) {
+        m.scratches = scratches;
+        m.sum = sums;
+        gp_parallel_do(tiles, compare_tile, &m);
+        double sum = 0.0;
+        for (int i = 0; i < tiles; i++)
+            sum += m.sum[i];
+        if (mean)
+            *mean = sum / ((double) w * (double) h);
+    }
+    gp_free(scratches);
+    gp_free(sums);
+    return st;
+}
+
+// -- HDR: LDR-FLIP at many exposures, the largest of which counts -------------
+
+/* Narkowicz, ACES Filmic Tone Mapping Curve (2016): (x (a x + b)) /
+ * (x (c x + d) + e), with x times 0.6 as Andersson et al. 2021 take it. */
+static const float ACES_A = 0.6f * 0.6f * 2.51f, ACES_B = 0.6f * 0.03f;
+static const float ACES_C = 0.6f * 0.6f * 2.43f, ACES_D = 0.6f * 0.59f;
+static const float ACES_E = 0.14f;
+
+#define TARGET 0.85     // what the largest and the median luminance become
+#define LIGHT_MAX 1e15f // beyond, all is white; its square is finite
+
+/* Light as the curve takes it. */
+static float bounded(float v)
+{
+    return v > 0.0f ? (v < LIGHT_MAX ? v : LIGHT_MAX) : 0.0f; // NaN is 0
+}
+
+// -- exposures -----------------------------------------------------------------
+
+/* The x for which the curve gives TARGET: its quadratic's positive root. */
+static double light_of_target(void)
+{
+    const double a = (double) ACES_A - TARGET * (double) ACES_C;
+    const double b = (double) ACES_B - TARGET * (double) ACES_D;
+    const double c = -TARGET * (double) ACES_E;
+    return (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+}
+
+/* The k-th smallest of v[0, n), which is reordered (Hoare 1961). */
+static float kth(float *v, size_t n, size_t k)
+{
+    size_t low = 0, high = n - 1;
+    while (low < high) {
+        const float pivot = v[low + (high - low) / 2];
+        size_t i = low, j = high;
+        for (;;) {
+            while (v[i] < pivot)
+                i++;
+            while (v[j] > pivot)
+                j--;
+            if (i >= j)
+                break;
+            const float swap = v[i];
+            v[i++] = v[j];
+            v[j--] = swap;
+        }
+        // [low, j] <= pivot <= [j + 1, high]
+        if (k <= j)
+            high = j;
+        else
+            low = j + 1;
+    }
+    return v[k];
+}
+
+/* Of an even number, the mean of the two in the middle. */
+static double median(float *v, size_t n)
+{
+    const double upper = (double) kth(v, n, n / 2);
+    return n % 2 ? upper : 0.5 * (upper + (double) kth(v, n, n / 2 - 1));
+}
+
+gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
+                                 const struct gp_planes *reference,
+                                 struct gp_flip_exposures *out)
+{
+    void *block;
+    if (pixels == 0)
+        return gp_fail(log, GP_ERR_USAGE, "flip: no pixels; give pictures");
+    gp_status st = gp_alloc(log, "flip", pixels, sizeof(float), &block);
+    if (st)
+        return st;
+    const float *const k = gp_rec709_luminance;
+    float *const y = block, most = 0.0f;
+    for (size_t i = 0; i < pixels; i++) {
+        y[i] = k[0] * bounded(reference->c[0][i]) +
+               k[1] * bounded(reference->c[1][i]) +
+               k[2] * bounded(reference->c[2][i]);
+        most = gp_maxf(y[i], most);
+    }
+    *out = (struct gp_flip_exposures) {.count = 1};
+    if (most > 0.0f) {
+        const double target = light_of_target();
+        const double start = log2(target / (double) most);
+        double middle = median(y, pixels);
+        if (middle == 0.0) {
+            size_t lit = 0;
+            for (size_t i = 0; i < pixels; i++) {
+                if (y[i] > 0.0f)
+                    y[lit++] = y[i];
+            }
+            middle = median(y, lit);
+        }
+        const double stop = log2(target / middle);
+        const double steps = ceil(stop - start);
+        *out = (struct gp_flip_exposures) {
+            (float) start, (float) stop,
+            (int) fmin(fmax(steps, 2.0), GP_FLIP_EXPOSURES_MAX),
+        };
+    }
+    gp_free(block);
+    return GP_OK;
+}
+
+// -- the metric -----------------------------------------------------------------
+
+struct toning {
+    const struct gp_planes *in;
+    float scale;
+    size_t n;
+    struct gp_planes *out;
+};
+
+enum { BLOCK = 1 << 14 };
+
+static void tone_block(void *ctx, int block, int thread)
+{
+    const struct toning *t = ctx;
+    const size_t from = (size_t) block * BLOCK;
+    const size_t to = t->n - from < BLOCK ? t->n : from + BLOCK;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = from; i < to; i++) {
+            const float x = bounded(bounded(t->in->c[c][i]) * t->scale);
+            const float y = x * (ACES_A * x + ACES_B) /
+                            (x * (ACES_C * x + ACES_D) + ACES_E);
+            t->out->c[c][i] = y < 1.0f ? y : 1.0f;
+        }
+    }
+}
+
+static void tone_map(const struct gp_planes *in, double exposure, size_t n,
+                     struct gp_planes *out)
+{
+    // factors that move any float in or out of sight, so the power is finite
+    const double ev = fmin(fmax(exposure, -120.0), 120.0);
+    struct toning t = {in, (float) exp2(ev), n, out};
+    gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
+}
+
+gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
+                      const struct gp_planes *reference,
+                      const struct gp_planes *test, float ppd,
+                      const struct gp_flip_exposures *e, float *map,
+                      double *mean)
+{
+    gp_status st;
+    const size_t n = w > 0 && h > 0 ? (size_t) w * (size_t) h : 0;
+    const struct gp_planes *const in[2] = {reference, test};
+    struct gp_planes shown[2] = {{{NULL}}};
+    float *one = NULL, *most = NULL; // FLIP of an exposure, of all so far
+    struct gp_flip_exposures found;
+    double sum = 0.0;
+    if (e && (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
+              !isfinite(e->start) || !isfinite(e->stop)))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "flip: exposures out of range (found %d from %g to %g); "
+                       "give 1 to %d of finite EV", e->count, (double) e->start,
+                       (double) e->stop, GP_FLIP_EXPOSURES_MAX);
+    if (!e)
+        GP_TRY(gp_flip_exposures_find(log, n, reference, &found));
+    e = e ? e : &found;
+    for (int i = 0; i < 2; i++)
+        GP_TRY(gp_planes_make(log, "flip", n, &shown[i]));
+    GP_TRY(gp_alloc(log, "flip", n, sizeof(float), (void **) &one));
+    GP_TRY(gp_alloc_zero(log, "flip", n, sizeof(float), (void **) &most));
+    for (int i = 0; i < e->count; i++) {
+        const double start = (double) e->start, stop = (double) e->stop;
+        const double ev =
+            e->count > 1 ? start + (stop - start) * i / (e->count - 1) : start;
+        for (int k = 0; k < 2; k++)
+            tone_map(in[k], ev, n, &shown[k]);
+        GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], ppd, one, NULL));
+        for (size_t j = 0; j < n; j++)
+            most[j] = gp_maxf(one[j], most[j]);
+    }
+    for (size_t j = 0; j < n; j++)
+        sum += (double) most[j];
+    if (map)
+        memcpy(map, most, n * sizeof *map);
+    if (mean)
+        *mean = sum / (double) n;
+out:
+    for (int i = 0; i < 2; i++)
+        gp_planes_free(&shown[i]);
+    gp_free(one);
+    gp_free(most);
+    return st;
+}
