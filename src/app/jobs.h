@@ -67,8 +67,7 @@ struct gp_jobs {
  *     most once among outputs and never a terminal
  *   - gp_write_check() holds for the first frame's outputs
  *   - every frame of --frames is there, and every view of a frame, unless
- *     --skip-bad-frames says that it need not be, or gp_job_made() that it is
- *     not needed
+ *     --skip-bad-frames is given, or gp_job_made() is true for it
  *
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
@@ -96,32 +95,8 @@ char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
                  const struct gp_job *job);
 
-// -- parts of gp_jobs_make() -------------------------------------------------
-
-/* In jobs_check.c: which outputs go with these frames and views.
- *
- *   patterns  some input has a place for a frame number
- *
- * Errors: GP_ERR_USAGE */
-GP_MUST_CHECK gp_status gp_jobs_check_patterns(const struct gp_log *log,
-                                               const struct gp_jobs *j,
-                                               bool patterns);
-
-/* In jobs_check.c: all that the outputs must meet before stdin is read.
- * Errors: GP_ERR_USAGE; as gp_write_check(). */
-GP_MUST_CHECK gp_status gp_jobs_check_targets(const struct gp_log *log,
-                                              const struct gp_settings *s,
-                                              const struct gp_jobs *j,
-                                              bool patterns);
-
-/* In jobs_check.c: inputs that are not there and are needed.
- * Errors: GP_ERR_IO names the first and says how many. */
-GP_MUST_CHECK gp_status gp_jobs_check_missing(const struct gp_log *log,
-                                              const struct gp_settings *s,
-                                              const struct gp_jobs *j);
-
-/* In jobs_names.c: every file that the run writes is written once, and is none
- * that it reads (files.h).
+/* Checks that every file that the run writes is written once, and is none that
+ * it reads (clobber.h).
  *
  *   also  files that it reads because another names them; NULL: none yet
  *
@@ -130,13 +105,5 @@ GP_MUST_CHECK gp_status gp_jobs_check_names(const struct gp_log *log,
                                             const struct gp_settings *s,
                                             const struct gp_jobs *j,
                                             const struct gp_texts *also);
-
-/* In jobs_stdin.c: reads stdin into j->members and makes the jobs of each
- * image in it, in place of those that j holds for stdin.
- * Errors: those of gp_members_read(); GP_ERR_USAGE --frames lists another
- * number of frames. */
-GP_MUST_CHECK gp_status gp_jobs_read_stdin(const struct gp_log *log,
-                                           const struct gp_settings *s,
-                                           struct gp_jobs *j);
 
 #endif

@@ -168,11 +168,6 @@ struct gp_nearest gp_nearest_to(const char *word, size_t length, int most);
 /* Tries one name, borrowed. */
 void gp_nearest_try(struct gp_nearest *search, const char *name);
 
-/* Edits that turn the `n` bytes of `word` into `name`: insert, delete or
- * replace a byte, or swap two neighbours (the optimal string alignment
- * distance); 99 when one of them is longer than 31 bytes. */
-int gp_edits(const char *word, size_t n, const char *name);
-
 /* What `glarepp help TOPIC` prints, to `f`; a NULL topic lists the topics. A
  * topic is a command, the word of a group, an option's name or letter with or
  * without dashes, a value's name, or a section of the manual, which man(1)

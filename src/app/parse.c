@@ -1,14 +1,14 @@
 #include "app/options.h"
 
-#include "app/settings.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <errno.h>
-#include <math.h>
-#include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+// -- settings ----------------------------------------------------------------
 
 /* The lists of words. */
 enum { LISTS = 4 };
@@ -20,21 +20,6 @@ static struct gp_texts *list_of(struct gp_settings *s, int i)
     return list[i];
 }
 
-gp_status gp_settings_make(const struct gp_log *log, int words,
-                           struct gp_settings *s)
-{
-    *s = gp_defaults;
-    for (int i = 0; i < LISTS; i++) {
-        void *block;
-        gp_status st = gp_alloc(log, "command line", (size_t) words + 1,
-                                sizeof(char *), &block);
-        if (st)
-            return st;
-        list_of(s, i)->at = block;
-    }
-    return GP_OK;
-}
-
 void gp_settings_free(struct gp_settings *s)
 {
     for (int i = 0; i < LISTS; i++) {
@@ -44,17 +29,14 @@ void gp_settings_free(struct gp_settings *s)
     }
 }
 
-// -- slips of the finger -------------------------------------------------------
+// -- slips of the finger -----------------------------------------------------
 
-enum { LONGEST = 31 };
-
-static int least(int a, int b)
+/* Edits that turn the `n` bytes of `word` into `name`: insert, delete or
+ * replace a byte, or swap two neighbours (the optimal string alignment
+ * distance); 99 when one of them is longer than 31 bytes. */
+static int count_edits(const char *word, size_t n, const char *name)
 {
-    return a < b ? a : b;
-}
-
-int gp_edits(const char *word, size_t n, const char *name)
-{
+    enum { LONGEST = 31 };
     const size_t m = strlen(name);
     int rows[3][LONGEST + 1]; // of the table, in turn
     if (n > LONGEST || m > LONGEST)
@@ -67,11 +49,11 @@ int gp_edits(const char *word, size_t n, const char *name)
         row[0] = (int) i;
         for (size_t j = 1; j <= m; j++) {
             const bool same = word[i - 1] == name[j - 1];
-            row[j] = least(above[j - 1] + !same,
-                           least(above[j], row[j - 1]) + 1);
+            row[j] = gp_min(above[j - 1] + !same,
+                            gp_min(above[j], row[j - 1]) + 1);
             if (i > 1 && j > 1 && word[i - 1] == name[j - 2] &&
                 word[i - 2] == name[j - 1])
-                row[j] = least(row[j], rows[(i - 2) % 3][j - 2] + 1);
+                row[j] = gp_min(row[j], rows[(i - 2) % 3][j - 2] + 1);
         }
     }
     return rows[n % 3][m];
@@ -82,20 +64,22 @@ struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
     // a word of which half is wrong says nothing
     const int half = length < 64 ? (int) length / 2 : 0;
     return (struct gp_nearest) {
-        .word = word, .length = length, .most = least(most, half),
+        .word = word, .length = length, .most = gp_min(most, half),
     };
 }
 
 void gp_nearest_try(struct gp_nearest *search, const char *name)
 {
-    const int edits = gp_edits(search->word, search->length, name);
+    const int edits = count_edits(search->word, search->length, name);
     if (search->name ? edits < search->most : edits <= search->most) {
         search->most = edits;
         search->name = name;
     }
 }
 
-/* One option as it stands on the command line. */
+// -- values ------------------------------------------------------------------
+
+/* One option as it is on the command line. */
 struct use {
     const struct gp_log *log;
     const struct gp_option *option;
@@ -103,15 +87,15 @@ struct use {
     struct gp_settings *s;
 };
 
-static void *field(const struct use *u)
+static gp_status out_of_range(const struct use *u)
 {
-    return (char *) u->s + u->option->at;
+    return gp_fail(u->log, GP_ERR_USAGE,
+                   "--%s: out of range (found %s); give %s", u->option->name,
+                   u->value, gp_option_range(u->option).text);
 }
 
-// -- numbers -----------------------------------------------------------------
-
-/* A number with a decimal point (nothing calls setlocale()), nothing before
- * it. Moves *s behind it. */
+/* Reads a number with a decimal point (nothing calls setlocale()), nothing
+ * before it. Moves *s after it. */
 static bool read_double(const char **s, double *out)
 {
     if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
@@ -123,208 +107,147 @@ static bool read_double(const char **s, double *out)
     return read;
 }
 
-static bool in_range(const struct gp_option *o, double v)
+static gp_status set_number(const struct use *u, void *field)
 {
-    return v >= o->lo && v <= o->hi; // false for NaN
-}
-
-static gp_status bad_number(const struct use *u, const char *kind)
-{
-    return gp_fail(u->log, GP_ERR_USAGE,
-                   "--%s: not %s (found \"%s\"); give %s", u->option->name,
-                   kind, u->value, gp_option_range(u->option).text);
-}
-
-static gp_status out_of_range(const struct use *u)
-{
-    return gp_fail(u->log, GP_ERR_USAGE,
-                   "--%s: out of range (found %s); give %s", u->option->name,
-                   u->value, gp_option_range(u->option).text);
-}
-
-static gp_status set_float(const struct use *u)
-{
+    const struct gp_option *const o = u->option;
+    const bool whole = o->kind != GP_KIND_FLOAT;
+    char *end;
     const char *s = u->value;
     double v;
-    if (!read_double(&s, &v) || *s)
-        return bad_number(u, "a number");
-    if (!in_range(u->option, v))
-        return out_of_range(u);
-    *(float *) field(u) = (float) v;
-    return GP_OK;
-}
-
-/* Whole numbers of both widths. */
-static gp_status set_whole(const struct use *u)
-{
-    char *end;
     errno = 0;
-    long long v = strtoll(u->value, &end, 10);
-    if (end == u->value || *end)
-        return bad_number(u, "a whole number");
-    if (errno == ERANGE || !in_range(u->option, (double) v))
+    const long long n = whole ? strtoll(u->value, &end, 10) : 0;
+    if (whole ? end == u->value || *end : !read_double(&s, &v) || *s)
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: not %s (found \"%s\"); give %s", o->name,
+                       whole ? "a whole number" : "a number", u->value,
+                       gp_option_range(o).text);
+    v = whole ? (double) n : v;
+    if ((whole && errno == ERANGE) || !(v >= o->lo && v <= o->hi)) // NaN too
         return out_of_range(u);
-    if (u->option->kind == GP_KIND_INT)
-        *(int *) field(u) = (int) v;
+    if (o->kind == GP_KIND_FLOAT)
+        *(float *) field = (float) v;
+    else if (o->kind == GP_KIND_INT)
+        *(int *) field = (int) n;
     else
-        *(long long *) field(u) = v;
+        *(long long *) field = n;
     return GP_OK;
-}
-
-/* Numbers with commas between them, `most` at most; 0 when they are not. */
-static int read_list(const char *s, int most, double *v)
-{
-    int n = 0;
-    while (n < most && read_double(&s, &v[n])) {
-        n++;
-        if (*s == '\0')
-            return n;
-        if (*s++ != ',')
-            return 0;
-    }
-    return 0;
 }
 
 /* "x,y" into two doubles, or a list into a struct gp_numbers. */
-static gp_status set_list(const struct use *u)
+static gp_status set_list(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
     const bool pair = o->kind == GP_KIND_PAIR;
     const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
     struct gp_numbers list = {0};
-    list.n = read_list(u->value, most, list.v);
-    if (list.n < least)
+    const char *s = u->value;
+    bool whole = false;
+    while (!whole && list.n < most && read_double(&s, &list.v[list.n])) {
+        list.n++;
+        whole = *s == '\0';
+        if (!whole && *s++ != ',')
+            break;
+    }
+    if (!whole || list.n < least)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: not %s (found \"%s\"); write %s", o->name,
                        pair ? "two numbers" : "the numbers that it takes",
                        u->value, o->arg);
     for (int i = 0; i < list.n; i++) {
-        if (!in_range(o, list.v[i]))
+        if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
     }
     if (pair)
-        memcpy(field(u), list.v, 2 * sizeof *list.v);
+        memcpy(field, list.v, 2 * sizeof *list.v);
     else
-        memcpy(field(u), &list, sizeof list);
+        memcpy(field, &list, sizeof list);
     return GP_OK;
 }
 
-// -- names -------------------------------------------------------------------
-
-/* The values of an option in one line: "a, b, c". */
-static void list_values(const struct gp_option *o, char *line, size_t size)
+static gp_status unknown_value(const struct use *u)
 {
     const char *text, *name;
+    char line[512] = "";
     size_t at = 0;
-    line[0] = '\0';
-    for (int i = 0; (name = gp_option_value(o, i, &text)) && at < size; i++) {
-        int n = snprintf(line + at, size - at, "%s%s", i ? ", " : "", name);
-        at += n > 0 ? (size_t) n : 0;
-    }
-}
-
-static gp_status unknown_value(const struct use *u, const char *found)
-{
-    char line[512];
-    list_values(u->option, line, sizeof line);
+    for (int i = 0; at < sizeof line &&
+                    (name = gp_option_value(u->option, i, &text)); i++)
+        at += (size_t) snprintf(line + at, sizeof line - at, "%s%s",
+                                i ? ", " : "", name);
     return gp_fail(u->log, GP_ERR_USAGE,
                    "--%s: no such value (found \"%s\"); give one of %s",
-                   u->option->name, found, line);
+                   u->option->name, u->value, line);
 }
 
-static const struct gp_option_choice *
-find_choice(const struct gp_option *o, const char *name, size_t length)
+/* One of the option's choices, or with GP_KIND_NAMED "CHOICE=FILE". */
+static gp_status set_choice(const struct use *u, void *field)
 {
-    for (const struct gp_option_choice *c = o->choices; c->name; c++) {
-        if (strlen(c->name) == length && strncmp(c->name, name, length) == 0)
-            return c;
+    const bool named = u->option->kind == GP_KIND_NAMED;
+    const size_t n = named ? strcspn(u->value, "=") : strlen(u->value);
+    const struct gp_option_choice *c = u->option->choices;
+    while (c->name && (strlen(c->name) != n || strncmp(c->name, u->value, n)))
+        c++;
+    if (!c->name)
+        return unknown_value(u);
+    if (!named) {
+        memcpy(field, &c->value, sizeof c->value);
+        return GP_OK;
     }
-    return NULL;
-}
-
-static gp_status set_choice(const struct use *u)
-{
-    const struct gp_option_choice *c =
-        find_choice(u->option, u->value, strlen(u->value));
-    if (!c)
-        return unknown_value(u, u->value);
-    memcpy(field(u), &c->value, sizeof c->value);
+    if (!u->value[n] || !u->value[n + 1])
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: no file (found \"%s\"); write %s=FILE",
+                       u->option->name, u->value, c->name);
+    ((const char **) field)[c->value] = u->value + n + 1;
     return GP_OK;
 }
 
-static gp_status set_text(const struct use *u)
+/* A word, or one more of a list; it lasts as long as argv. */
+static gp_status set_text(const struct use *u, void *field)
 {
-    const struct gp_option *o = u->option;
+    const struct gp_option *const o = u->option;
     const char *text, *name;
     bool known = !o->list || (o->open && strncmp(u->value, "builtin:", 8) != 0);
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
         known = strcmp(name, u->value) == 0;
     if (!known)
-        return unknown_value(u, u->value);
+        return unknown_value(u);
     if (!*u->value && !o->blank)
         return gp_fail(u->log, GP_ERR_USAGE,
                        "--%s: needs a value (found an empty word); give %s",
                        o->name, o->arg);
-    *(const char **) field(u) = u->value;
-    return GP_OK;
-}
-
-static gp_status set_named(const struct use *u)
-{
-    size_t length = strcspn(u->value, "=");
-    const struct gp_option_choice *c = find_choice(u->option, u->value, length);
-    if (!c)
-        return unknown_value(u, u->value);
-    if (!u->value[length] || !u->value[length + 1])
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: no file (found \"%s\"); write %s=FILE",
-                       u->option->name, u->value, c->name);
-    ((const char **) field(u))[c->value] = u->value + length + 1;
-    return GP_OK;
-}
-
-static gp_status set_texts(const struct use *u)
-{
-    if (!*u->value)
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: needs a value (found an empty word); give %s",
-                       u->option->name, u->option->arg);
-    struct gp_texts *t = field(u);
-    t->at[t->n++] = u->value; // as long as argv
+    struct gp_texts *const list = field;
+    if (o->kind == GP_KIND_TEXTS)
+        list->at[list->n++] = u->value;
+    else
+        *(const char **) field = u->value;
     return GP_OK;
 }
 
 static gp_status set_option(const struct use *u)
 {
-    const size_t row = (size_t) (u->option - gp_options);
+    const struct gp_option *const o = u->option;
+    void *const field = (char *) u->s + o->at;
+    const size_t row = (size_t) (o - gp_options);
     u->s->given[row / 64] |= UINT64_C(1) << row % 64;
-    if (!u->value) {
-        if (u->option->kind == GP_KIND_SET)
-            memcpy(field(u), &u->option->set, sizeof u->option->set);
-        else
-            *(bool *) field(u) = true;
-        return GP_OK;
-    }
-    switch (u->option->kind) {
+    switch (o->kind) {
     case GP_KIND_FLAG:
+        *(bool *) field = true;
+        return GP_OK;
     case GP_KIND_SET:
-        break;
+        memcpy(field, &o->set, sizeof o->set);
+        return GP_OK;
     case GP_KIND_FLOAT:
-        return set_float(u);
     case GP_KIND_INT:
     case GP_KIND_COUNT:
-        return set_whole(u);
+        return set_number(u, field);
     case GP_KIND_PAIR:
     case GP_KIND_NUMBERS:
-        return set_list(u);
+        return set_list(u, field);
     case GP_KIND_CHOICE:
-        return set_choice(u);
-    case GP_KIND_TEXT:
-        return set_text(u);
-    case GP_KIND_TEXTS:
-        return set_texts(u);
     case GP_KIND_NAMED:
-        return set_named(u);
+        return set_choice(u, field);
+    case GP_KIND_TEXT:
+    case GP_KIND_TEXTS:
+        return set_text(u, field);
     }
     return GP_ERR_BUG;
 }
@@ -358,44 +281,31 @@ const char *gp_command_at(int i, enum gp_command *command)
     return commands[i].word;
 }
 
-/* The command of a command line; moves *i behind its word. */
-static enum gp_command read_command(int argc, char *const argv[], int *i)
+/* Reads the command, in out->command, and moves *i after its word.
+ * Errors: GP_ERR_USAGE a first word that is nearly a command's and names no
+ * file. */
+static gp_status read_command(const struct gp_log *log, int argc,
+                              char *const argv[], int *i,
+                              struct gp_settings *out)
 {
-    for (int c = 1; c < COMMANDS && argc > *i; c++) {
-        if (strcmp(argv[*i], commands[c].word) == 0) {
-            ++*i;
-            return commands[c].command;
-        }
-    }
-    return GP_COMMAND_MAIN;
-}
-
-/* A first word that is nearly a command's and names no file. */
-static gp_status check_slip(const struct gp_log *log, const char *word)
-{
+    if (argc < 2)
+        return GP_OK;
+    const char *const word = argv[1];
     struct gp_nearest near = gp_nearest_to(word, strlen(word), 2);
-    for (int c = 1; c < COMMANDS; c++)
+    for (int c = 1; c < COMMANDS; c++) {
+        if (strcmp(word, commands[c].word) == 0) {
+            out->command = commands[c].command;
+            ++*i;
+            return GP_OK;
+        }
         gp_nearest_try(&near, commands[c].word);
+    }
     if (!near.name || word[strspn(word, "abcdefghijklmnopqrstuvwxyz")] ||
         access(word, F_OK) == 0)
         return GP_OK;
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: no such command or file; did you mean glarepp %s?",
                    word, near.name);
-}
-
-static gp_status other_command(const struct use *u)
-{
-    const char *name = u->option->name;
-    if (u->s->command == GP_COMMAND_MAIN)
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not for pictures; write glarepp %s --%s, or "
-                       "leave it out", name,
-                       gp_command_word(u->option->commands), name);
-    return gp_fail(u->log, GP_ERR_USAGE,
-                   "--%s: not for glarepp %s; glarepp %s --help lists its "
-                   "options", name, gp_command_word(u->s->command),
-                   gp_command_word(u->s->command));
 }
 
 // -- words -------------------------------------------------------------------
@@ -421,9 +331,9 @@ static gp_status unknown_option(const struct gp_log *log,
                    command == GP_COMMAND_MAIN ? "" : " ");
 }
 
-/* Finds the option that `word` names. *value is what stands in the word
- * behind it ("--gain=2", "-g2"), or NULL. */
-static const struct gp_option *split(const char *word, const char **value)
+/* Finds the option that `word` names. *value is what follows it in the word
+ * ("--gain=2", "-g2"), or NULL. */
+static const struct gp_option *split_word(const char *word, const char **value)
 {
     *value = NULL;
     if (word[1] != '-') {
@@ -437,62 +347,71 @@ static const struct gp_option *split(const char *word, const char **value)
     return gp_option_find(name, length);
 }
 
-/* True when a word that should be a value is an option: its value was
- * forgotten. */
-static bool is_long_option(const char *word)
-{
-    const char *value;
-    return strncmp(word, "--", 2) == 0 && split(word, &value);
-}
-
-/* `glarepp help --gain` asks about an option. */
-static bool is_topic(enum gp_command command, const char *word)
-{
-    const char *value;
-    const struct gp_option *o = split(word, &value);
-    return command == GP_COMMAND_HELP && !(o && (o->commands & command));
-}
-
 /* Reads the option at argv[*i] and moves *i to its last word. */
 static gp_status read_option(const struct gp_log *log, int argc,
                              char *const argv[], int *i,
                              struct gp_settings *s)
 {
-    const char *word = argv[*i];
+    const char *const word = argv[*i], *of_next;
     struct use u = {.log = log, .s = s};
-    u.option = split(word, &u.value);
+    u.option = split_word(word, &u.value);
     if (!u.option)
         return unknown_option(log, s->command, word);
+    const char *const name = u.option->name, *const arg = u.option->arg;
+    if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: not for pictures; write glarepp %s --%s, or "
+                       "leave it out", name,
+                       gp_command_word(u.option->commands), name);
     if (!(u.option->commands & s->command))
-        return other_command(&u);
-    if (!u.option->arg && u.value)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--%s: not for glarepp %s; glarepp %s --help lists its "
+                       "options", name, gp_command_word(s->command),
+                       gp_command_word(s->command));
+    if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: takes no value (found \"%s\"); leave it out",
                        word, u.value);
-    if (u.option->arg && !u.value) {
+    if (arg && !u.value) {
         if (*i + 1 >= argc)
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
-                           word, u.option->arg);
-        if (is_long_option(argv[*i + 1]))
+                           word, arg);
+        const char *const next = argv[++*i];
+        if (strncmp(next, "--", 2) == 0 && split_word(next, &of_next))
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: needs a value (found the option %s); give %s",
-                           word, argv[*i + 1], u.option->arg);
-        u.value = argv[++*i];
+                           word, next, arg);
+        u.value = next;
     }
     return set_option(&u);
 }
 
 // -- the whole line ----------------------------------------------------------
 
+/* `glarepp help --gain` asks about an option. */
+static bool is_topic(enum gp_command command, const char *word)
+{
+    const char *value;
+    const struct gp_option *const o = split_word(word, &value);
+    return command == GP_COMMAND_HELP && !(o && (o->commands & command));
+}
+
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
-    gp_status st = gp_settings_make(log, argc, out);
+    gp_status st = GP_OK;
     bool options = true; // until "--"
     int i = 1;
-    out->command = read_command(argc, argv, &i);
-    if (!st && argc > 1 && out->command == GP_COMMAND_MAIN)
-        st = check_slip(log, argv[1]);
+    *out = gp_defaults;
+    for (int k = 0; k < LISTS && !st; k++) {
+        void *block;
+        st = gp_alloc(log, "command line", (size_t) argc + 1, sizeof(char *),
+                      &block);
+        if (!st)
+            list_of(out, k)->at = block;
+    }
+    if (!st)
+        st = read_command(log, argc, argv, &i, out);
     for (; i < argc && !st; i++) {
         const char *word = argv[i];
         if (options && strcmp(word, "--") == 0)

@@ -3,7 +3,6 @@
 #include "core/clock.h"
 #include "core/memory.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -15,10 +14,10 @@ enum {
     PIPE_MS = 100,       // least time between two lines in a pipe
 };
 
-// -- the text ----------------------------------------------------------------
+// -- the line: under the lock ------------------------------------------------
 
 /* "45 s", "3 min 20 s", "2 h 5 min". */
-static void duration(char *text, size_t size, double seconds)
+static void print_duration(char *text, size_t size, double seconds)
 {
     long long s = (long long) (seconds + 0.5);
     if (s < 60)
@@ -29,33 +28,6 @@ static void duration(char *text, size_t size, double seconds)
         snprintf(text, size, "%lld h %lld min", s / 3600, s / 60 % 60);
 }
 
-void gp_progress_text(char *line, size_t size, int done, int total,
-                      const char *name, double elapsed_ms)
-{
-    char time[32];
-    double seconds = elapsed_ms * 1e-3;
-    if (done == 0) { // no rate yet
-        duration(time, sizeof time, seconds);
-        snprintf(line, size, "0 of %d made, %s so far: %s", total, time,
-                 name);
-        return;
-    }
-    double rate = seconds > 0.0 ? done / seconds : 0.0;
-    duration(time, sizeof time, seconds / done * (total - done));
-    snprintf(line, size, "%d of %d made, %.*f frames/s, %s left: %s",
-             done, total, rate >= 1.0 ? 1 : 3, rate, time, name);
-}
-
-// -- drawing, under the lock -------------------------------------------------
-
-/* Columns of the terminal; a wrapped line could not be wiped. */
-static int columns(const struct gp_progress *p)
-{
-    struct winsize w;
-    return ioctl(fileno(p->file), TIOCGWINSZ, &w) == 0 && w.ws_col > 1
-               ? w.ws_col - 1 : 79;
-}
-
 static void wipe(struct gp_progress *p)
 {
     if (p->drawn)
@@ -63,18 +35,34 @@ static void wipe(struct gp_progress *p)
     p->drawn = false;
 }
 
+/* Draws frames done, rate and time left. */
 static void draw(struct gp_progress *p, double now)
 {
-    char line[512];
-    gp_progress_text(line, sizeof line, p->done, p->total, p->name,
-                     now - p->start_ms);
+    const double seconds = (now - p->start_ms) * 1e-3;
+    const double rate = seconds > 0.0 ? p->done / seconds : 0.0;
+    char line[512], time[32];
+    struct winsize w;
+    if (p->done == 0) { // no rate yet
+        print_duration(time, sizeof time, seconds);
+        snprintf(line, sizeof line, "0 of %d made, %s so far: %s", p->total,
+                 time, p->name);
+    } else {
+        print_duration(time, sizeof time,
+                       seconds / p->done * (p->total - p->done));
+        snprintf(line, sizeof line, "%d of %d made, %.*f frames/s, %s left: %s",
+                 p->done, p->total, rate >= 1.0 ? 1 : 3, rate, time, p->name);
+    }
     for (char *c = line; *c; c++) { // file names may hold anything
         if ((unsigned char) *c < ' ' || *c == 127)
             *c = '?';
     }
     wipe(p);
+    // a wrapped line could not be wiped
+    const int columns = p->terminal &&
+                                ioctl(fileno(p->file), TIOCGWINSZ, &w) == 0 &&
+                                w.ws_col > 1 ? w.ws_col - 1 : 79;
     if (p->terminal)
-        fprintf(p->file, "%.*s", columns(p), line);
+        fprintf(p->file, "%.*s", columns, line);
     else
         fprintf(p->file, "glarepp: %s\n", line);
     fflush(p->file);
@@ -167,77 +155,74 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
     pthread_mutex_unlock(&p->lock);
 }
 
-// -- messages in the order of frames -------------------------------------------
+// -- messages in the order of frames -----------------------------------------
 
-static void hand_on(const struct gp_frame_log *s, enum gp_level level,
-                    const char *line)
+static void print_message(const struct gp_frame_log *l, enum gp_level level,
+                          const char *line)
 {
-    if (s->to && s->to->sink)
-        s->to->sink(s->to->user, level, line);
+    if (l->to && l->to->sink)
+        l->to->sink(l->to->user, level, line);
 }
 
-/* False when memory is full. */
-static bool keep(struct gp_frame_log *s, enum gp_level level, const char *line)
+/* Prints a message of the unit that is ended next, and keeps others; prints
+ * them too when memory is full. */
+static void take_message(void *user, enum gp_level level, const char *line)
 {
-    const size_t bytes = strlen(line) + 2;
-    if (bytes > s->room - s->used) {
-        const size_t room = 2 * s->room + bytes;
-        char *const text = realloc(s->text, room);
-        if (!text)
-            return false;
-        s->text = text;
-        s->room = room;
-    }
-    s->text[s->used] = (char) level;
-    memcpy(s->text + s->used + 1, line, bytes - 1);
-    s->used += bytes;
-    return true;
-}
-
-static void take(void *user, enum gp_level level, const char *line)
-{
-    struct gp_frame_log *const s = user;
+    struct gp_frame_log *const l = user;
     char named[GP_LINE_BYTES];
     if (level == GP_LEVEL_BARE) {
-        snprintf(named, sizeof named, "%s: %s", s->name, line);
+        snprintf(named, sizeof named, "%s: %s", l->name, line);
         line = named;
         level = GP_LEVEL_ERROR;
     }
     if (level == GP_LEVEL_ERROR)
-        snprintf(s->last, sizeof s->last, "%s", line);
-    if (gp_flight_head(s->flight) != s->unit && keep(s, level, line))
+        snprintf(l->last, sizeof l->last, "%s", line);
+    const size_t bytes = strlen(line) + 2;
+    bool keeps = gp_flight_head(l->flight) != l->unit;
+    if (keeps && bytes > l->room - l->used) {
+        const size_t room = 2 * l->room + bytes;
+        char *const text = realloc(l->text, room);
+        keeps = text != NULL;
+        l->text = keeps ? text : l->text;
+        l->room = keeps ? room : l->room;
+    }
+    if (!keeps) {
+        gp_frame_log_flush(l);
+        print_message(l, level, line);
         return;
-    gp_frame_log_flush(s);
-    hand_on(s, level, line);
+    }
+    l->text[l->used] = (char) level;
+    memcpy(l->text + l->used + 1, line, bytes - 1);
+    l->used += bytes;
 }
 
-void gp_frame_log_open(struct gp_frame_log *s, const struct gp_log *to,
-                   const struct gp_flight *flight, int unit,
-                   const char *name)
+void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
+                       const struct gp_flight *flight, int unit,
+                       const char *name)
 {
-    *s = (struct gp_frame_log) {
-        .log = {take, s, to ? to->level : GP_LEVEL_ERROR},
+    *l = (struct gp_frame_log) {
+        .log = {take_message, l, to ? to->level : GP_LEVEL_ERROR},
         .to = to, .flight = flight, .unit = unit, .name = name,
     };
 }
 
-void gp_frame_log_flush(struct gp_frame_log *s)
+void gp_frame_log_flush(struct gp_frame_log *l)
 {
-    for (size_t at = 0; at < s->used; at += strlen(s->text + at + 1) + 2)
-        hand_on(s, (enum gp_level) s->text[at], s->text + at + 1);
-    s->used = 0;
+    for (size_t at = 0; at < l->used; at += strlen(l->text + at + 1) + 2)
+        print_message(l, (enum gp_level) l->text[at], l->text + at + 1);
+    l->used = 0;
 }
 
-void gp_frame_log_close(struct gp_frame_log *s)
+void gp_frame_log_close(struct gp_frame_log *l)
 {
-    free(s->text);
-    *s = (struct gp_frame_log) {0};
+    free(l->text);
+    *l = (struct gp_frame_log) {0};
 }
 
-// -- which frames failed -------------------------------------------------------
+// -- which frames failed -----------------------------------------------------
 
 gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
-                        struct gp_failures *out)
+                           struct gp_failures *out)
 {
     void *block;
     gp_status st = gp_alloc_zero(log, "frame list", (size_t) jobs->n,
@@ -247,65 +232,50 @@ gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
     return st;
 }
 
-void gp_failures_free(struct gp_failures *t)
+void gp_failures_free(struct gp_failures *f)
 {
-    gp_free(t->failed);
-    *t = (struct gp_failures) {0};
+    gp_free(f->failed);
+    *f = (struct gp_failures) {0};
 }
-
-/* True when one of `n` jobs from `i` on has failed. */
-static bool any_failed(const struct gp_failures *t, int i, int n)
-{
-    bool failed = false;
-    for (int k = i; k < i + n; k++)
-        failed = failed || t->failed[k];
-    return failed;
-}
-
-void gp_failures_add(struct gp_failures *t, int index)
-{
-    const int n = gp_jobs_of_frame(t->jobs);
-    t->bad += !any_failed(t, index - index % n, n);
-    t->failed[index] = true;
-}
-
-// -- the list ----------------------------------------------------------------
 
 /* The first of `n` jobs of which one failed, from `i` on, a multiple of n;
  * jobs->n when there is none. */
-static int next_failed(const struct gp_failures *t, int i, int n)
+static int next_failed(const struct gp_failures *f, int i, int n)
 {
-    while (i < t->jobs->n && !any_failed(t, i, n))
-        i += n;
+    for (; i < f->jobs->n; i += n) {
+        for (int k = i; k < i + n; k++) {
+            if (f->failed[k])
+                return i;
+        }
+    }
     return i;
 }
 
-static bool all_numbered(const struct gp_failures *t)
+void gp_failures_add(struct gp_failures *f, int index)
 {
-    for (int i = 0; i < t->jobs->n; i++) {
-        if (t->failed[i] && !t->jobs->job[i].numbered)
-            return false;
-    }
-    return true;
+    const int n = gp_jobs_of_frame(f->jobs), first = index - index % n;
+    f->bad += next_failed(f, first, n) != first;
+    f->failed[index] = true;
 }
 
-/* Writes the item that starts at the failed frame whose first job is *at, a
- * frame or an evenly spaced run, moves *at behind it and returns how many
- * frames it holds. */
-static int item(const struct gp_failures *t, int *at, char *text, size_t size)
+/* Prints the item of a list of numbers that starts at the failed frame whose
+ * first job is *at, a frame or an evenly spaced run, moves *at after it and
+ * returns how many frames it holds. */
+static int print_run(const struct gp_failures *f, int *at, char *text,
+                     size_t size)
 {
-    const struct gp_job *const job = t->jobs->job;
-    const int views = gp_jobs_of_frame(t->jobs);
-    const int first = *at, second = next_failed(t, first + views, views);
+    const struct gp_job *const job = f->jobs->job;
+    const int views = gp_jobs_of_frame(f->jobs), jobs = f->jobs->n;
+    const int first = *at, second = next_failed(f, first + views, views);
+    const int step = second < jobs ? job[second].frame - job[first].frame : 0;
     int last = first, next = second, n = 1;
-    const int step = second < t->jobs->n ? job[second].frame - job[first].frame
-                                         : 0;
-    while (next < t->jobs->n && job[next].frame - job[last].frame == step) {
+    while (next < jobs && job[next].frame - job[last].frame == step) {
         last = next;
-        next = next_failed(t, next + views, views);
+        next = next_failed(f, next + views, views);
         n++;
     }
     const bool apart = abs(step) != 1;
+    *at = next;
     if (n == 1 || (n == 2 && apart)) {
         snprintf(text, size, "%d", job[first].frame);
         *at = second;
@@ -316,45 +286,39 @@ static int item(const struct gp_failures *t, int *at, char *text, size_t size)
                  abs(step));
     else
         snprintf(text, size, "%d-%d", job[first].frame, job[last].frame);
-    *at = next;
     return n;
 }
 
-/* Jobs that one item stands for: a frame's, or in a list of names those of an
- * input. */
-static int jobs_of_item(const struct gp_failures *t, bool numbers)
-{
-    return numbers            ? gp_jobs_of_frame(t->jobs)
-           : t->jobs->views > 1 ? t->jobs->views : 1;
-}
-
-static int count_items(const struct gp_failures *t, int step)
-{
-    int n = 0;
-    for (int i = 0; (i = next_failed(t, i, step)) < t->jobs->n; i += step)
-        n++;
-    return n;
-}
-
-bool gp_failures_list(const struct gp_failures *t, char *text, size_t size)
+/* Lists the failed frames in the order of the jobs: numbers that --frames
+ * takes back (2-4,9,20-40x10) when all have one, else the names of the inputs
+ * with ", " between. What does not fit is counted: "and 17 more". Returns true
+ * when the text is a whole list of numbers. */
+static bool list_failed(const struct gp_failures *f, char *text, size_t size)
 {
     enum { MORE = 32 }; // bytes of ", and N more"
-    const bool numbers = all_numbered(t);
-    const int step = jobs_of_item(t, numbers);
+    const struct gp_jobs *const jobs = f->jobs;
+    bool numbers = true;
     size_t used = 0;
-    int left = count_items(t, step);
+    int left = 0;
+    for (int i = 0; i < jobs->n; i++)
+        numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
+    // jobs that one item is for: a frame's, or in a list of names an input's
+    const int step = numbers           ? gp_jobs_of_frame(jobs)
+                     : jobs->views > 1 ? jobs->views : 1;
+    for (int i = 0; (i = next_failed(f, i, step)) < jobs->n; i += step)
+        left++;
     text[0] = '\0';
-    for (int i = next_failed(t, 0, step); i < t->jobs->n;) {
+    for (int i = next_failed(f, 0, step); i < jobs->n;) {
+        const char *const between = !used ? "" : numbers ? "," : ", ";
         char number[64];
         const char *word = number;
         int n = 1;
         if (numbers) {
-            n = item(t, &i, number, sizeof number);
+            n = print_run(f, &i, number, sizeof number);
         } else {
-            word = t->jobs->job[i].input;
-            i = next_failed(t, i + step, step);
+            word = jobs->job[i].input;
+            i = next_failed(f, i + step, step);
         }
-        const char *const between = !used ? "" : numbers ? "," : ", ";
         if (used + strlen(between) + strlen(word) + MORE >= size) {
             snprintf(text + used, size - used, "%s%d more",
                      used ? " and " : "", left);
@@ -367,24 +331,23 @@ bool gp_failures_list(const struct gp_failures *t, char *text, size_t size)
     return numbers;
 }
 
-// -- the end -----------------------------------------------------------------
-
-gp_status gp_failures_report(const struct gp_log *log, const struct gp_failures *t)
+gp_status gp_failures_report(const struct gp_log *log,
+                             const struct gp_failures *f)
 {
-    char list[1200];
-    const int views = gp_jobs_of_frame(t->jobs), frames = t->jobs->n / views;
-    if (t->kept)
+    char list[GP_FAILURES_BYTES];
+    const int views = gp_jobs_of_frame(f->jobs), frames = f->jobs->n / views;
+    if (f->kept)
         gp_say(log, GP_LEVEL_WARN,
                "--no-clobber: left %d of %d %s%s alone (all outputs are "
-               "there); remove the files to make them anew", t->kept,
-               t->jobs->n, views > 1 ? "view" : "frame",
-               t->jobs->n == 1 ? "" : "s");
-    if (!t->bad)
+               "there); remove the files to make them anew", f->kept,
+               f->jobs->n, views > 1 ? "view" : "frame",
+               f->jobs->n == 1 ? "" : "s");
+    if (!f->bad)
         return GP_OK;
-    const bool numbers = gp_failures_list(t, list, sizeof list);
+    const bool numbers = list_failed(f, list, sizeof list);
     return gp_fail(log, GP_ERR_FRAMES,
                    "--skip-bad-frames: %d of %d frame%s failed (%s); mend "
                    "what the lines above say and make them again%s%s",
-                   t->bad, frames, frames == 1 ? "" : "s", list,
+                   f->bad, frames, frames == 1 ? "" : "s", list,
                    numbers ? " with --frames " : "", numbers ? list : "");
 }

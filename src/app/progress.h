@@ -14,7 +14,7 @@
 #include <stddef.h>
 #include <stdio.h>
 
-/* One for each run; not to be copied while open. */
+/* The line: one for each run; not to be copied while open. */
 struct gp_progress {
     FILE *file;            // NULL: draws nothing
     bool terminal;         // one line drawn over and over; else line by line
@@ -49,12 +49,9 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
  * drawn there. */
 void gp_progress_say(struct gp_progress *p, FILE *file, const char *line);
 
-/* The line itself: frames done, rate, time left. For tests. */
-void gp_progress_text(char *line, size_t size, int done, int total,
-                      const char *name, double elapsed_ms);
-
-/* Messages about a unit in flight. They are printed in the order of units; the
- * unit that is ended next prints directly. Its `log` is for the steps of the unit, one after the other. */
+/* Messages about a unit in flight. They are printed in the order of units;
+ * those of the unit that is ended next are printed at once. `log` is for the
+ * steps of the unit, one after the other. */
 struct gp_frame_log {
     struct gp_log log;
     const struct gp_log *to;         // borrowed
@@ -66,20 +63,20 @@ struct gp_frame_log {
     char last[GP_LINE_BYTES];        // the last error's line
 };
 
-/* Starts with nothing said. `s` stays where it is until gp_frame_log_close().
+/* Starts without messages. `l` stays where it is until gp_frame_log_close().
  *
  *   name  of the file that the unit is made of: it is put before errors that
  *         name none (GP_LEVEL_BARE); borrowed until gp_frame_log_close()
  */
-void gp_frame_log_open(struct gp_frame_log *s, const struct gp_log *to,
-                   const struct gp_flight *flight, int unit,
-                   const char *name);
+void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
+                       const struct gp_flight *flight, int unit,
+                       const char *name);
 
-/* Says what is kept yet. */
-void gp_frame_log_flush(struct gp_frame_log *s);
+/* Prints what is still kept. */
+void gp_frame_log_flush(struct gp_frame_log *l);
 
 /* Forgets the rest and frees. A zeroed one is fine. */
-void gp_frame_log_close(struct gp_frame_log *s);
+void gp_frame_log_close(struct gp_frame_log *l);
 
 /* How the frames of a run ended. Zeroed is empty. */
 struct gp_failures {
@@ -92,24 +89,20 @@ struct gp_failures {
 /* Starts with no frame failed. Free with gp_failures_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_failures_make(const struct gp_log *log,
-                                      const struct gp_jobs *jobs,
-                                      struct gp_failures *out);
-void gp_failures_free(struct gp_failures *t);
+                                         const struct gp_jobs *jobs,
+                                         struct gp_failures *out);
+void gp_failures_free(struct gp_failures *f);
 
 /* Counts jobs->job[index] as failed; a frame once, whatever its views. */
-void gp_failures_add(struct gp_failures *t, int index);
-
-/* The failed frames in the order of the jobs: a list that --frames takes back
- * (2-4,9,20-40x10) when all have numbers, else the names of the inputs that
- * failed with ", " between. What does not fit into `size` (at least 64) bytes
- * is counted: "and 17 more". Returns true when the text is a whole list of
- * numbers. */
-bool gp_failures_list(const struct gp_failures *t, char *text, size_t size);
+void gp_failures_add(struct gp_failures *f, int index);
 
 /* Says how many frames were left alone (a warning), and how many failed and
- * which, each in one line and only when there are any.
+ * which, each in one line and only when there are any: the frames as a list
+ * that --frames takes back (2-4,9,20-40x10) when all have numbers, else the
+ * names of their inputs, in at most GP_FAILURES_BYTES; the rest is counted.
  * Errors: GP_ERR_FRAMES some failed. */
+enum { GP_FAILURES_BYTES = 1200 };
 GP_MUST_CHECK gp_status gp_failures_report(const struct gp_log *log,
-                                     const struct gp_failures *t);
+                                           const struct gp_failures *f);
 
 #endif

@@ -37,14 +37,6 @@ static json_t *number(double v, double step)
     return json_real(step > 0.0 ? round(v / step) * step : v);
 }
 
-static json_t *numbers(const double v[3])
-{
-    json_t *list = json_array();
-    for (int c = 0; c < 3; c++)
-        json_array_append_new(list, number(v[c], 0.0));
-    return list;
-}
-
 // -- one frame ---------------------------------------------------------------
 
 struct object {
@@ -72,38 +64,46 @@ static void put_inner(struct object *o, const char *key,
     o->full = o->full || inner->full;
 }
 
-static void add_names(struct object *o, const struct gp_facts *f)
+static void put_name(struct object *o, const char *key, const char *name)
+{
+    put(o, key, gp_json_name(name));
+}
+
+static void put_list(struct object *o, const char *key,
+                     const char *const *name, int n)
+{
+    json_t *const list = json_array();
+    for (int i = 0; i < n; i++)
+        json_array_append_new(list, gp_json_name(name[i]));
+    put(o, key, list);
+}
+
+static void put_rgb(struct object *o, const char *key, const double v[3])
+{
+    json_t *const list = json_array();
+    for (int c = 0; c < 3; c++)
+        json_array_append_new(list, number(v[c], 0.0));
+    put(o, key, list);
+}
+
+/* Which frame it is. */
+static void put_frame(struct object *o, const struct gp_facts *f)
 {
     if (f->numbered)
         put(o, "frame", json_integer(f->frame));
     if (f->view)
-        put(o, "view", gp_json_name(f->view));
-    put(o, "input", gp_json_name(f->input));
-    json_t *outputs = json_array();
-    for (int i = 0; i < f->n_outputs; i++)
-        json_array_append_new(outputs, gp_json_name(f->outputs[i]));
-    put(o, "outputs", outputs);
-    put(o, "width", json_integer(f->width));
-    put(o, "height", json_integer(f->height));
-    if (!f->light_groups)
-        return;
-    json_t *groups = json_array();
-    for (int i = 0; i < f->light_groups; i++)
-        json_array_append_new(groups, gp_json_name(f->light_group[i]));
-    put(o, "light_groups", groups);
+        put_name(o, "view", f->view);
+    put_name(o, "input", f->input);
 }
 
-static void add_engine(struct object *o, const struct gp_glare_stats *g)
-{
-    if (!g->engine)
-        return;
-    put(o, "engine", gp_json_name(g->engine));
-    put(o, "engine_why", gp_json_name(g->why));
-}
-
-static void add_work(struct object *o, const struct gp_facts *f)
+/* What the engine had to do, and its result. */
+static void put_glare(struct object *o, const struct gp_facts *f)
 {
     const struct gp_glare_stats *g = &f->glare;
+    if (g->engine) {
+        put_name(o, "engine", g->engine);
+        put_name(o, "engine_why", g->why);
+    }
     put(o, "sources", json_integer(f->sources));
     put_count(o, "groups", g->groups);
     put_count(o, "clusters", g->clusters);
@@ -112,40 +112,48 @@ static void add_work(struct object *o, const struct gp_facts *f)
     if (g->polygons)
         put(o, "polygon_pixels", number(g->polygon_pixels, 0.0));
     if (g->form)
-        put(o, "form", gp_json_name(g->form));
+        put_name(o, "form", g->form);
     if (g->fft_w)
         put(o, "fft_size", json_pack("[ii]", g->fft_w, g->fft_h));
-    put(o, "flux_in", numbers(f->flux_in));
+    put_rgb(o, "flux_in", f->flux_in);
     if (f->flux_faint[0] + f->flux_faint[1] + f->flux_faint[2] > 0.0)
-        put(o, "flux_faint", numbers(f->flux_faint));
+        put_rgb(o, "flux_faint", f->flux_faint);
     if (f->kernel_faint[0] + f->kernel_faint[1] + f->kernel_faint[2] > 0.0)
-        put(o, "kernel_faint", numbers(f->kernel_faint));
+        put_rgb(o, "kernel_faint", f->kernel_faint);
     if (f->has_flux_out)
-        put(o, "flux_out", numbers(f->flux_out));
+        put_rgb(o, "flux_out", f->flux_out);
     if (g->engine && f->sources)
         put(o, "bound", number(g->bound, 0.0));
+    if (f->verified) {
+        struct object m = {.json = json_object()};
+        put(&m, "rel_l2", number(f->error.rel_l2, 0.0));
+        put(&m, "max_rel", number(f->error.max_rel, 0.0));
+        put(&m, "max_abs", number(f->error.max_abs, 0.0));
+        put(&m, "flux_error", number(f->error.flux_error, 0.0));
+        put_inner(o, "measured", &m);
+    }
+    put(o, "nonfinite", json_integer(f->nonfinite));
+    put(o, "clamped", json_integer(f->clamped));
+    if (f->clamped_out)
+        put(o, "clamped_out", json_integer(f->clamped_out));
 }
 
-/* The depth channel, and what of it counted as no surface. */
-static void add_depth(struct object *o, const struct gp_facts *f)
+/* The depth channel, what of it counted as no surface, and the lights. */
+static void put_lights(struct object *o, const struct gp_facts *f)
 {
     if (f->depth) {
         struct object d = {.json = json_object()};
-        put(&d, "channel", gp_json_name(f->depth));
+        put_name(&d, "channel", f->depth);
         if (f->depth_empty[0])
-            put(&d, "empty", gp_json_name(f->depth_empty));
+            put_name(&d, "empty", f->depth_empty);
         else
-            put(&d, "type", gp_json_name(type_names[f->depth_type]));
+            put_name(&d, "type", type_names[f->depth_type]);
         if (f->depth_reversed)
             put(&d, "reversed", json_true());
         put_inner(o, "depth", &d);
     }
     if (f->mask)
-        put(o, "mask", gp_json_name(f->mask));
-}
-
-static void add_lights(struct object *o, const struct gp_facts *f)
-{
+        put_name(o, "mask", f->mask);
     if (!f->light)
         return;
     json_t *const list = json_array();
@@ -165,13 +173,11 @@ static void add_lights(struct object *o, const struct gp_facts *f)
     }
     put(o, "lights", list);
     if (f->sun_way)
-        put(o, "sun_method", gp_json_name(f->sun_way));
+        put_name(o, "sun_method", f->sun_way);
 }
 
-static void add_ocio(struct object *o, const struct gp_ocio_names *n)
+static void put_ocio(struct object *o, const struct gp_ocio_names *n)
 {
-    if (!n)
-        return;
     const char *const field[][2] = {
         {"config", n->config}, {"input", n->input}, {"display", n->display},
         {"view", n->view}, {"look", n->look}, {"output", n->output},
@@ -179,29 +185,20 @@ static void add_ocio(struct object *o, const struct gp_ocio_names *n)
     struct object inner = {.json = json_object()};
     for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
         if (field[i][1])
-            put(&inner, field[i][0], gp_json_name(field[i][1]));
+            put_name(&inner, field[i][0], field[i][1]);
     }
     put_inner(o, "ocio", &inner);
 }
 
-static void add_checks(struct object *o, const struct gp_facts *f)
+/* The largest memory that the process ever held. */
+static double peak_rss_mib(void)
 {
-    if (f->verified) {
-        struct object m = {.json = json_object()};
-        put(&m, "rel_l2", number(f->error.rel_l2, 0.0));
-        put(&m, "max_rel", number(f->error.max_rel, 0.0));
-        put(&m, "max_abs", number(f->error.max_abs, 0.0));
-        put(&m, "flux_error", number(f->error.flux_error, 0.0));
-        put_inner(o, "measured", &m);
-    }
-    put(o, "nonfinite", json_integer(f->nonfinite));
-    put(o, "clamped", json_integer(f->clamped));
-    if (f->clamped_out)
-        put(o, "clamped_out", json_integer(f->clamped_out));
-    add_depth(o, f);
+    struct rusage u;
+    return getrusage(RUSAGE_SELF, &u) == 0 ? (double) u.ru_maxrss / 1024.0
+                                           : 0.0; // ru_maxrss is in KiB
 }
 
-static void add_costs(struct object *o, const struct gp_facts *f)
+static void put_costs(struct object *o, const struct gp_facts *f)
 {
     struct object times = {.json = json_object()};
     for (int i = 0; i < GP_TIMES; i++) {
@@ -210,18 +207,11 @@ static void add_costs(struct object *o, const struct gp_facts *f)
     }
     put(&times, "total", number(f->total_ms, 1e-3));
     put_inner(o, "times_ms", &times);
-    put(o, "peak_rss_mib", number(gp_peak_rss_mib(), 0.1));
+    put(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
     put(o, "threads", json_integer(gp_threads()));
     if (f->glare.gl || f->sun_gl)
-        put(o, "gl", gp_json_name(f->glare.gl ? f->glare.gl : f->sun_gl));
-    put(o, "version", gp_json_name(GP_VERSION));
-}
-
-double gp_peak_rss_mib(void)
-{
-    struct rusage u;
-    return getrusage(RUSAGE_SELF, &u) == 0 ? (double) u.ru_maxrss / 1024.0
-                                           : 0.0; // ru_maxrss is in KiB
+        put_name(o, "gl", f->glare.gl ? f->glare.gl : f->sun_gl);
+    put_name(o, "version", GP_VERSION);
 }
 
 // -- for readers -------------------------------------------------------------
@@ -238,21 +228,6 @@ static void append(char *line, size_t size, size_t *at, const char *fmt, ...)
     *at += n < 0 ? 0 : (size_t) n < room ? (size_t) n : room;
 }
 
-static void append_polygons(char *line, size_t size, size_t *at,
-                            const struct gp_glare_stats *g)
-{
-    if (!g->polygons)
-        return;
-    append(line, size, at, ", %zu polygons", g->polygons);
-    if (g->groups || g->clusters)
-        append(line, size, at, " (%zu groups, %zu clusters)", g->groups,
-               g->clusters);
-    if (g->cores)
-        append(line, size, at, ", %zu cores", g->cores);
-    if (g->form)
-        append(line, size, at, ", %s", g->form);
-}
-
 void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 {
     const struct gp_glare_stats *g = &f->glare;
@@ -262,7 +237,15 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
            f->width, f->height, f->sources);
     if (g->engine)
         append(line, size, &at, ", %s (%s)", g->engine, g->why);
-    append_polygons(line, size, &at, g);
+    if (g->polygons)
+        append(line, size, &at, ", %zu polygons", g->polygons);
+    if (g->polygons && (g->groups || g->clusters))
+        append(line, size, &at, " (%zu groups, %zu clusters)", g->groups,
+               g->clusters);
+    if (g->polygons && g->cores)
+        append(line, size, &at, ", %zu cores", g->cores);
+    if (g->polygons && g->form)
+        append(line, size, &at, ", %s", g->form);
     if (g->gl)
         append(line, size, &at, " on %s", g->gl);
     for (int i = 0; i < f->lights && i < 8; i++)
@@ -287,7 +270,7 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
             append(line, size, &at, " %s %.1f", time_names[i], f->ms[i]);
     }
     append(line, size, &at, " total %.1f ms, %.0f MiB", f->total_ms,
-           gp_peak_rss_mib());
+           peak_rss_mib());
 }
 
 // -- the file ----------------------------------------------------------------
@@ -296,7 +279,6 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, struct gp_report *out)
 {
     struct gp_report r = {.path = path};
-    bool no_memory = false;
     if (strcmp(path, "-") == 0) {
         r.file = stdout;
     } else if (!create_dir || gp_file_make_folders(path) == 0) {
@@ -305,15 +287,13 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         if (!r.made && errno == EEXIST)
             fd = open(path, O_WRONLY | O_CLOEXEC);
         r.file = fd >= 0 ? fdopen(fd, "w") : NULL;
-        no_memory = fd >= 0 && !r.file;
-        if (no_memory)
+        if (fd >= 0 && !r.file) {
             close(fd);
-        if (no_memory && r.made)
-            unlink(path);
+            if (r.made)
+                unlink(path);
+            return gp_no_memory(log, path);
+        }
     }
-    if (no_memory)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                       "programs", path);
     if (!r.file)
         return gp_fail(log, GP_ERR_IO,
                        "%s: cannot write the report (%s); check the folder",
@@ -330,26 +310,15 @@ static gp_status write_failed(const struct gp_log *log,
                    "reads the pipe", r->path, strerror(errno));
 }
 
-/* Empties a regular file that was there before. */
-static bool start_file(const struct gp_report *r)
-{
-    struct stat s;
-    int fd = fileno(r->file);
-    if (r->file == stdout || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
-        return true;
-    return ftruncate(fd, 0) == 0;
-}
-
-/* A line that did not fit on the disk must not stay half. */
-static void take_back(const struct gp_report *r, long before)
+/* Cuts a regular file to that size; others stay as they are. */
+static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;
     const int fd = fileno(r->file);
-    if (r->file == stdout || before < 0 || fstat(fd, &s) != 0 ||
+    if (r->file == stdout || size < 0 || fstat(fd, &s) != 0 ||
         !S_ISREG(s.st_mode))
-        return;
-    __fpurge(r->file); // or closing it would try again
-    (void) !ftruncate(fd, before);
+        return true;
+    return ftruncate(fd, size) == 0;
 }
 
 /* Takes the object and writes its line. */
@@ -360,16 +329,18 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                               JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line || o->full) {
         free(line);
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                       "programs", r->path);
+        return gp_no_memory(log, r->path);
     }
     const long before = ftell(r->file);
-    bool fine = (r->lines > 0 || start_file(r)) &&
+    // what was in the file before goes with the first line
+    bool fine = (r->lines > 0 || cut_file(r, 0)) &&
                 fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
     free(line);
     if (!fine) {
         const gp_status st = write_failed(log, r);
-        take_back(r, before);
+        if (r->file != stdout)
+            __fpurge(r->file); // or closing it would try again
+        (void) cut_file(r, before); // a line that did not fit stays not half
         return st;
     }
     r->lines++;
@@ -380,12 +351,8 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
                            const struct gp_facts *facts, const char *error)
 {
     struct object o = {.json = json_object()};
-    if (facts->numbered)
-        put(&o, "frame", json_integer(facts->frame));
-    if (facts->view)
-        put(&o, "view", gp_json_name(facts->view));
-    put(&o, "input", gp_json_name(facts->input));
-    put(&o, "error", gp_json_name(error));
+    put_frame(&o, facts);
+    put_name(&o, "error", error);
     return write_object(log, r, &o);
 }
 
@@ -393,13 +360,18 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
     struct object o = {.json = json_object()};
-    add_names(&o, facts);
-    add_engine(&o, &facts->glare);
-    add_work(&o, facts);
-    add_checks(&o, facts);
-    add_lights(&o, facts);
-    add_ocio(&o, facts->ocio);
-    add_costs(&o, facts);
+    put_frame(&o, facts);
+    put_list(&o, "outputs", (const char *const *) facts->outputs,
+             facts->n_outputs);
+    put(&o, "width", json_integer(facts->width));
+    put(&o, "height", json_integer(facts->height));
+    if (facts->light_groups)
+        put_list(&o, "light_groups", facts->light_group, facts->light_groups);
+    put_glare(&o, facts);
+    put_lights(&o, facts);
+    if (facts->ocio)
+        put_ocio(&o, facts->ocio);
+    put_costs(&o, facts);
     return write_object(log, r, &o);
 }
 

@@ -97,7 +97,4 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 /* The same for a reader, in one line without its end: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
 
-/* Largest memory that the process ever held, MiB. */
-double gp_peak_rss_mib(void);
-
 #endif

@@ -125,11 +125,7 @@ struct gp_settings {
 /* The values that hold where the command line says nothing. */
 extern const struct gp_settings gp_defaults;
 
-/* Starts as gp_defaults, with room for `words` words in each list.
- *   out  written in any case; free with gp_settings_free()
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_settings_make(const struct gp_log *log, int words,
-                                         struct gp_settings *out);
+/* Frees what gp_options_parse() made. */
 void gp_settings_free(struct gp_settings *s);
 
 #endif

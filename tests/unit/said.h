@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static char said_line[1024];
+static char said_line[4096];
 static int said_errors;
 
 static inline void said_keep(void *user, enum gp_level level, const char *line)

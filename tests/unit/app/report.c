@@ -1,6 +1,5 @@
-/* app/report, app/progress: what a run says about itself. */
+/* app/report: what a run says about itself. */
 #include "unit.h"
-#include "app/progress.h"
 #include "app/report.h"
 
 #include <jansson.h>
@@ -245,58 +244,6 @@ static void lines_are_cut_not_overrun(void **state)
                                  "OSMesa: llvmpipe"));
 }
 
-struct progress_row {
-    int done, total;
-    double ms;
-    const char *line;
-};
-
-static const struct progress_row rows[] = {
-    {0, 1, 2000, "0 of 1 made, 2 s so far: f"},
-    {1, 100, 250, "1 of 100 made, 4.0 frames/s, 25 s left: f"},
-    {50, 100, 100000, "50 of 100 made, 0.500 frames/s, 1 min 40 s left: f"},
-    {1, 101, 100000, "1 of 101 made, 0.010 frames/s, 2 h 46 min left: f"},
-    {1, 2, 0, "1 of 2 made, 0.000 frames/s, 0 s left: f"},
-};
-
-static void progress_lines(void **state)
-{
-    (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
-        char line[128];
-        gp_progress_text(line, sizeof line, rows[i].done, rows[i].total, "f",
-                         rows[i].ms);
-        assert_string_equal(line, rows[i].line);
-    }
-}
-
-static void progress_in_a_pipe(void **state)
-{
-    (void) state;
-    static const struct {
-        enum gp_progress_when when;
-        bool quiet, draws;
-    } cases[] = {
-        {GP_PROGRESS_AUTO, false, false}, {GP_PROGRESS_NEVER, false, false},
-        {GP_PROGRESS_ALWAYS, false, true}, {GP_PROGRESS_ALWAYS, true, false},
-    };
-    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        FILE *f = tmpfile();
-        struct gp_progress p;
-        gp_progress_open(&p, f, cases[i].when, cases[i].quiet);
-        gp_progress_update(&p, 0, 2, "b/a\x1b[2J.exr", "read");
-        gp_progress_close(&p);
-        char line[128] = "";
-        rewind(f);
-        bool drawn = fgets(line, sizeof line, f);
-        fclose(f);
-        assert_int_equal(drawn, cases[i].draws);
-        if (drawn)
-            assert_string_equal(line, "glarepp: 0 of 2 made, 0 s so far: "
-                                      "a?[2J.exr: read\n");
-    }
-}
-
 SUITE(report)
 {
     const struct CMUnitTest tests[] = {
@@ -307,8 +254,6 @@ SUITE(report)
         cmocka_unit_test(files_are_touched_with_the_first_line),
         cmocka_unit_test(errors_of_files),
         cmocka_unit_test(lines_are_cut_not_overrun),
-        cmocka_unit_test(progress_lines),
-        cmocka_unit_test(progress_in_a_pipe),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,313 @@
+#include "app/clobber.h"
+
+#include "core/memory.h"
+#include "io/file_name.h"
+
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// -- files of options --------------------------------------------------------
+
+/* Plain names; where one is a pattern, its frames are the owner's to add. */
+static const struct single {
+    const char *what;
+    size_t at;  // of its const char * in struct gp_settings
+    bool written;
+} singles[] = {
+#define SINGLE(f, what, written) {what, offsetof(struct gp_settings, f), written}
+    SINGLE(report, "--report", true),
+    SINGLE(bench.csv, "--csv", true),
+    SINGLE(bench.json, "--json", true),
+    SINGLE(bench.plot, "--plot", true),
+    SINGLE(kernel.source, "--kernel", false),
+    SINGLE(sun.camera, "--camera", false),
+    SINGLE(sun.lights, "--lights", false),
+    SINGLE(sun.flare, "--flare", false),
+    SINGLE(sun.depth_file, "--depth-file", false),
+    SINGLE(sun.mask_file, "--mask-file", false),
+    SINGLE(ocio.config, "--ocio", false),
+};
+enum { SINGLES = sizeof singles / sizeof singles[0] };
+
+/* Its name, or NULL when it is not given. */
+static const char *single_name(const struct gp_settings *s, int i)
+{
+    const char *name;
+    memcpy(&name, (const char *) s + singles[i].at, sizeof name);
+    const bool config = strcmp(singles[i].what, "--ocio") == 0;
+    if (name && config && (!*name || strcmp(name, "env") == 0))
+        return getenv("OCIO");
+    return name;
+}
+
+// -- files that are still to be made -----------------------------------------
+
+/* FNV-1a, 64 bits. */
+static uint64_t hash_on(uint64_t h, const char *text, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        h = (h ^ (unsigned char) text[i]) * 1099511628211u;
+    return h;
+}
+#define HASH_START 14695981039346656037u
+
+/* Sets c->folder, whose path is known: its device and node, or where
+ * --create-dir would make it, those of the deepest folder on its way that
+ * exists and the hash of the names below that one. */
+static gp_status find_folder(struct gp_clobber *c)
+{
+    const char *const path = c->folder.path;
+    const size_t room = strlen(path) + 3;
+    struct stat info;
+    void *block;
+    c->folder.tail = HASH_START;
+    if (stat(path, &info) != 0) {
+        gp_status st = gp_alloc_zero(c->log, "file names", 2, room, &block);
+        if (st)
+            return st;
+        char *const way = block, *const rest = way + room;
+        size_t at = 1, left = 0, n; // bytes of these
+        way[0] = path[0] == '/' ? '/' : '.';
+        for (const char *p = path; *p; p += n, p += *p == '/') {
+            n = strcspn(p, "/");
+            if (n == 0 || (n == 1 && *p == '.'))
+                continue;
+            if (left && n == 2 && memcmp(p, "..", 2) == 0) {
+                while (rest[--left] != '/')
+                    ;
+                rest[left] = '\0';
+                continue;
+            }
+            snprintf(way + at, room - at, "/%.*s", (int) n, p);
+            if (!left && stat(way, &info) == 0 && S_ISDIR(info.st_mode)) {
+                at += n + 1;
+                continue;
+            }
+            way[at] = '\0';
+            left += (size_t) snprintf(rest + left, room - left, "/%.*s",
+                                      (int) n, p);
+        }
+        c->folder.tail = hash_on(HASH_START, rest, left);
+        if (stat(way, &info) != 0) // taken away meanwhile
+            info.st_dev = info.st_ino = 0;
+        gp_free(block);
+    }
+    c->folder.device = info.st_dev;
+    c->folder.node = info.st_ino;
+    return GP_OK;
+}
+
+/* Identifies the file that will be made under a name that does not exist. */
+static gp_status find_place(struct gp_clobber *c, const char *path,
+                            struct gp_clobber_file *file)
+{
+    gp_status st = GP_OK;
+    char *const name = gp_file_folder(path);
+    if (!name)
+        return gp_no_memory(c->log, path);
+    if (c->folder.path && strcmp(c->folder.path, name) == 0) {
+        gp_free(name);
+    } else {
+        gp_free(c->folder.path);
+        c->folder.path = name;
+        st = find_folder(c);
+    }
+    const char *const slash = strrchr(path, '/');
+    const char *const base = slash ? slash + 1 : path;
+    const uint64_t tail = hash_on(hash_on(c->folder.tail, "/", 1), base,
+                                  strlen(base));
+    file->device = c->folder.device;
+    file->node = c->folder.node;
+    file->tail = tail ? tail : 1;
+    return st;
+}
+
+// -- the list ----------------------------------------------------------------
+
+static gp_status add_file(struct gp_clobber *c, struct gp_clobber_file file)
+{
+    if (c->n == c->room) {
+        const size_t room = c->room ? 2 * c->room : 16;
+        void *block = c->file;
+        gp_status st = gp_resize(c->log, "output list", room * sizeof file,
+                                 &block);
+        if (st)
+            return st;
+        c->file = block;
+        c->room = room;
+    }
+    c->file[c->n++] = file;
+    return GP_OK;
+}
+
+gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
+                            int item)
+{
+    struct gp_clobber_file file = {.role = role, .item = item};
+    struct stat info;
+    bool exists, link = false;
+    if (strcmp(path, "-") == 0) { // itself, and the file that it may stand for
+        file.tail = 1; // of no folder: none has device 0 and node 0
+        gp_status st = add_file(c, file);
+        if (st)
+            return st;
+        exists = fstat(STDOUT_FILENO, &info) == 0;
+        if (!exists)
+            return GP_OK;
+        file.tail = 0;
+        file.open = true;
+    } else {
+        exists = lstat(path, &info) == 0;
+        link = exists && S_ISLNK(info.st_mode);
+        if (link)
+            exists = stat(path, &info) == 0;
+        file.open = exists && *path == '/' && gp_file_is_straight(path);
+    }
+    if (exists && !S_ISREG(info.st_mode))
+        return GP_OK;
+    if (exists) {
+        file.device = info.st_dev;
+        file.node = info.st_ino;
+        c->exists = true;
+        return add_file(c, file);
+    }
+    // a link to nothing makes what it leads to; where it cannot be followed
+    // nothing is made, and opening it says why
+    char *const end = link ? gp_file_resolve(path) : NULL;
+    if (link && !end && errno == ENOMEM)
+        return gp_no_memory(c->log, path);
+    const gp_status st = find_place(c, end ? end : path, &file);
+    gp_free(end);
+    return st ? st : add_file(c, file);
+}
+
+gp_status gp_clobber_begin(
+    const struct gp_log *log, const struct gp_settings *s,
+    struct gp_clobber_owner (*owner)(const void *user,
+                                     const struct gp_clobber_file *file),
+    const void *user, struct gp_clobber *out)
+{
+    gp_status st = GP_OK;
+    *out = (struct gp_clobber) {
+        .log = log, .s = s, .owner = owner, .user = user,
+    };
+    for (int i = 0; i < SINGLES && !st; i++) {
+        const char *const name = single_name(s, i);
+        if (name && singles[i].written)
+            st = gp_clobber_output(out, name, -1 - i, 0);
+    }
+    return st;
+}
+
+void gp_clobber_end(struct gp_clobber *c)
+{
+    gp_free(c->folder.path);
+    gp_free(c->file);
+    *c = (struct gp_clobber) {0};
+}
+
+// -- comparing ---------------------------------------------------------------
+
+/* Orders by the files themselves. */
+static int by_file(const void *a, const void *b)
+{
+    const struct gp_clobber_file *x = a, *y = b;
+    if (x->device != y->device)
+        return x->device > y->device ? 1 : -1;
+    if (x->node != y->node)
+        return x->node > y->node ? 1 : -1;
+    return (x->tail > y->tail) - (x->tail < y->tail);
+}
+
+/* Those of one file in the order of the command line's items. */
+static int by_file_and_owner(const void *a, const void *b)
+{
+    const struct gp_clobber_file *x = a, *y = b;
+    const int order = by_file(a, b);
+    if (order)
+        return order;
+    if (x->item != y->item)
+        return x->item > y->item ? 1 : -1;
+    return (x->role > y->role) - (x->role < y->role);
+}
+
+static struct gp_clobber_owner owner_of(const struct gp_clobber *c,
+                                        const struct gp_clobber_file *file)
+{
+    if (file->role >= 0)
+        return c->owner(c->user, file);
+    const char *const name = single_name(c->s, -1 - file->role);
+    return (struct gp_clobber_owner) {
+        .name = gp_strdup(name), .what = singles[-1 - file->role].what,
+        .as = name,
+    };
+}
+
+static gp_status fail_twice(const struct gp_clobber *c,
+                            const struct gp_clobber_file *a,
+                            const struct gp_clobber_file *b)
+{
+    const struct gp_clobber_owner x = owner_of(c, a), y = owner_of(c, b);
+    const char *const name = x.name ? x.name : ""; // "": memory is full
+    const bool dash = strcmp(name, "-") == 0;
+#define OF(o)                                                                 \
+    (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
+    (o).view ? (o).view : ""
+    gp_status st = gp_fail(
+        c->log, GP_ERR_USAGE,
+        "%s: given for two outputs (%s %s%s%s%s%s and %s %s%s%s%s%s); %s",
+        name, x.what, x.as, OF(x), y.what, y.as, OF(y),
+        dash ? "only one can go to stdout" : "give each a name of its own");
+    gp_free(x.name);
+    gp_free(y.name);
+    return st;
+}
+
+gp_status gp_clobber_settle(struct gp_clobber *c)
+{
+    const struct gp_clobber_file *first = NULL;
+    gp_status st = GP_OK;
+    if (c->n)
+        qsort(c->file, c->n, sizeof *c->file, by_file_and_owner);
+    for (size_t i = 1; i < c->n; i++) {
+        const struct gp_clobber_file *const file = &c->file[i];
+        const bool same = by_file(file - 1, file) == 0 &&
+                          !(file[-1].open && file->open);
+        if (same && (!first || file->item < first->item))
+            first = file;
+    }
+    if (first)
+        return fail_twice(c, first - 1, first);
+    for (int i = 0; i < SINGLES && !st; i++) {
+        const char *const name = single_name(c->s, i);
+        if (name && !singles[i].written)
+            st = gp_clobber_input(c, singles[i].what, name);
+    }
+    return st;
+}
+
+gp_status gp_clobber_input(const struct gp_clobber *c, const char *what,
+                           const char *path)
+{
+    struct stat info;
+    if (!c->exists || (strcmp(path, "-") == 0 ? fstat(STDIN_FILENO, &info)
+                                              : stat(path, &info)) != 0)
+        return GP_OK;
+    const struct gp_clobber_file key = {.device = info.st_dev,
+                                        .node = info.st_ino};
+    const struct gp_clobber_file *const found =
+        bsearch(&key, c->file, c->n, sizeof key, by_file);
+    if (!found)
+        return GP_OK;
+    const struct gp_clobber_owner o = owner_of(c, found);
+    gp_status st = gp_fail(c->log, GP_ERR_USAGE,
+                           "%s: %s would replace a file that is read (%s %s); "
+                           "write to another name", o.name ? o.name : "",
+                           o.what, what, path);
+    gp_free(o.name);
+    return st;
+}
