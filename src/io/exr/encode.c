@@ -1,3 +1,4 @@
+/* Planes and carried channels to the compressed chunks of a scanline part. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -14,18 +15,7 @@
 enum { CHUNKS_A_THREAD = 16 };
 static const size_t batch_bytes = (size_t) 64 << 20;
 
-static int by_name(const void *a, const void *b)
-{
-    const struct gp_exr_source *p = a, *q = b;
-    return strcmp(p->name, q->name);
-}
-
-void gp_exr_sort(struct gp_exr_source *source, int sources)
-{
-    qsort(source, (size_t) sources, sizeof *source, by_name);
-}
-
-int gp_exr_chunk_rows(enum gp_compression compression)
+static int chunk_rows(enum gp_compression compression)
 {
     switch (compression) {
     case GP_COMPRESSION_ZIP:
@@ -45,55 +35,49 @@ int gp_exr_chunk_rows(enum gp_compression compression)
 
 int gp_exr_chunk_count(const struct gp_exr_image *img)
 {
-    const int rows = gp_exr_chunk_rows(img->compression);
+    const int rows = chunk_rows(img->compression);
     return (gp_rect_h(img->data) + rows - 1) / rows;
 }
 
-/* Row y of the window as a row of the channel's grid. */
-static size_t grid_row(int y, int y0, int step)
-{
-    const int first = y0 + (step - y0 % step) % step % step;
-    return (size_t) ((y - first) / step);
-}
+/* -- packing ---------------------------------------------------------------- */
 
 /* B44 counts each 4x4 block down from its largest value in steps of up to 2048
- * codes, to the nearest: its least one may land 1024 codes lower. From -32752
+ * codes, to the nearest: its least one may be 1024 codes lower. From -32752
  * on that is still a number; -65504 came back as -Inf, or NaN. */
 enum { B44_LEAST = 0xf7ff, MINUS_INF = 0xfc00 };
 
-/* A row of halfs within that range. Values beyond -65504 are counted before. */
-static void limit_b44(const float *from, uint16_t *to, size_t n,
-                      long long *clamped)
+/* One row of one channel. */
+static void pack_row(const struct gp_exr_source *s, size_t row, bool b44,
+                     uint8_t *to, long long *clamped)
 {
-    for (size_t i = 0; i < n; i++) {
-        if (to[i] > B44_LEAST && to[i] < MINUS_INF) {
-            *clamped += from[i] > -65520.0f;
-            to[i] = B44_LEAST;
+    const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
+    if (s->plane && s->type == GP_HALF) {
+        const float *const from = s->plane + row * n;
+        uint16_t *const half = (uint16_t *) to;
+        *clamped += (long long) gp_float_to_half(from, half, n);
+        for (size_t i = 0; b44 && i < n; i++) {
+            if (half[i] > B44_LEAST && half[i] < MINUS_INF) {
+                *clamped += from[i] > -65520.0f; // below, it is counted
+                half[i] = B44_LEAST;
+            }
         }
+    } else if (s->plane) {
+        memcpy(to, s->plane + row * n, n * size);
+    } else {
+        memcpy(to, (const uint8_t *) s->data + row * n * size, n * size);
     }
 }
 
-/* One row of one channel; returns its bytes. */
-static size_t pack_row(const struct gp_exr_source *s, size_t row, bool b44,
-                       uint8_t *to, long long *clamped)
-{
-    const size_t n = (size_t) s->columns, size = gp_type_size(s->type);
-    if (!to)
-        return n * size;
-    if (s->plane && s->type == GP_HALF) {
-        const float *const from = s->plane + row * n;
-        *clamped += (long long) gp_float_to_half(from, (uint16_t *) to, n);
-        if (b44)
-            limit_b44(from, (uint16_t *) to, n, clamped);
-    } else if (s->plane)
-        memcpy(to, s->plane + row * n, n * size);
-    else
-        memcpy(to, (const uint8_t *) s->data + row * n * size, n * size);
-    return n * size;
-}
-
-size_t gp_exr_pack(const struct gp_exr_image *img, int y0, int y1, uint8_t *to,
-                   long long *clamped)
+/* Packs the rows [y0, y1) as EXR stores them before compression: row by row,
+ * channel by channel, into `to`, or only counts when `to` is NULL.
+ *
+ *   clamped  grows by the finite values that half cannot hold; B44 can hold
+ *            none below -32752
+ *
+ * Returns the number of bytes, always even.
+ */
+static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
+                        uint8_t *to, long long *clamped)
 {
     const bool b44 = img->compression == GP_COMPRESSION_B44 ||
                      img->compression == GP_COMPRESSION_B44A;
@@ -103,22 +87,151 @@ size_t gp_exr_pack(const struct gp_exr_image *img, int y0, int y1, uint8_t *to,
             const struct gp_exr_source *s = &img->source[i];
             if (y % s->ys != 0)
                 continue;
-            n += pack_row(s, grid_row(y, img->data.y0, s->ys), b44,
-                          to ? to + n : NULL, clamped);
+            // the row of the channel's own grid, which need not begin at y0
+            const int top = img->data.y0;
+            const int first = top + (s->ys - top % s->ys) % s->ys % s->ys;
+            if (to)
+                pack_row(s, (size_t) ((y - first) / s->ys), b44, to + n,
+                         clamped);
+            n += (size_t) s->columns * gp_type_size(s->type);
         }
     }
     return n;
 }
 
-// -- chunks in parallel -------------------------------------------------------
+/* -- OpenEXRCore's compressors: RLE, PIZ, PXR24, B44, B44A -------------------
+ *
+ * The library ties them to a file that it writes itself. Here they get a
+ * context whose file goes nowhere, and give the compressed bytes back.
+ */
 
-struct worker {             // of one thread
-    uint8_t *raw, *scratch;
-    struct libdeflate_compressor *zip;
-    struct gp_exr_core *core;
+struct library {
+    exr_context_t ctxt;
+    exr_encode_pipeline_t pipe;
+    bool started; // pipe is initialised
+    const struct gp_exr_image *img;
+    int y0, y1;   // of the chunk under way
+    long long *clamped;
 };
 
-struct slot {               // one compressed chunk of the batch
+static int64_t write_nowhere(exr_const_context_t ctxt, void *user,
+                             const void *data, uint64_t size, uint64_t offset,
+                             exr_stream_error_func_ptr_t error)
+{
+    (void) ctxt;
+    (void) user;
+    (void) data;
+    (void) offset;
+    (void) error;
+    return (int64_t) size;
+}
+
+static void print_nothing(exr_const_context_t ctxt, exr_result_t code,
+                          const char *message)
+{
+    (void) ctxt; // the caller has the code
+    (void) code;
+    (void) message;
+}
+
+/* Opens the context with a header just good enough for the compressors. */
+static exr_result_t library_open(struct library *l,
+                                 const struct gp_exr_image *img)
+{
+    const struct gp_rect d = img->data;
+    const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
+                                     .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
+    const exr_attr_v2f_t centre = {.x = 0.0f, .y = 0.0f};
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    int part;
+    init.error_handler_fn = print_nothing;
+    init.alloc_fn = gp_exr_allocate;
+    init.write_fn = write_nowhere;
+    l->img = img;
+    exr_result_t r =
+        exr_start_write(&l->ctxt, "nowhere", EXR_WRITE_FILE_DIRECTLY, &init);
+    if (!r)
+        r = exr_set_longname_support(l->ctxt, 1);
+    if (!r)
+        r = exr_add_part(l->ctxt, "part", EXR_STORAGE_SCANLINE, &part);
+    if (!r)
+        r = exr_initialize_required_attr(l->ctxt, part, &window, &window, 1.0f,
+                                         &centre, 1.0f,
+                                         EXR_LINEORDER_INCREASING_Y,
+                                         (exr_compression_t) img->compression);
+    for (int i = 0; !r && i < img->sources; i++) {
+        const struct gp_exr_source *s = &img->source[i];
+        r = exr_add_channel(l->ctxt, part, s->name, (exr_pixel_type_t) s->type,
+                            s->linear ? EXR_PERCEPTUALLY_LINEAR
+                                      : EXR_PERCEPTUALLY_LOGARITHMIC,
+                            s->xs, s->ys);
+    }
+    return r ? r : exr_write_header(l->ctxt);
+}
+
+static void library_close(struct library *l)
+{
+    if (l->started)
+        exr_encoding_destroy(l->ctxt, &l->pipe);
+    if (l->ctxt)
+        exr_finish(&l->ctxt);
+}
+
+/* Our packing in the place of the library's; for convert_and_pack_fn. */
+static exr_result_t pack_for_library(exr_encode_pipeline_t *pipe)
+{
+    struct library *l = pipe->encoding_user_data;
+    size_t room = 0;
+    for (int c = 0; c < pipe->channel_count; c++) {
+        const exr_coding_channel_info_t *i = &pipe->channels[c];
+        room += (size_t) i->width * (size_t) i->height *
+                (size_t) i->bytes_per_element;
+    }
+    // the library's count need not be that of the file layout: 3.1.5 and odd
+    // subsampling
+    if (pack_rows(l->img, l->y0, l->y1, NULL, NULL) != room)
+        return EXR_ERR_INVALID_ARGUMENT;
+    pipe->packed_bytes = pack_rows(l->img, l->y0, l->y1, pipe->packed_buffer,
+                                   l->clamped);
+    return EXR_ERR_SUCCESS;
+}
+
+/* Makes the pipeline ready for the chunk under way. */
+static exr_result_t library_prepare(struct library *l)
+{
+    exr_encode_pipeline_t *const pipe = &l->pipe;
+    exr_chunk_info_t chunk;
+    exr_result_t r = exr_write_scanline_chunk_info(l->ctxt, 0, l->y0, &chunk);
+    if (!r && l->started)
+        return exr_encoding_update(l->ctxt, 0, &chunk, pipe);
+    if (!r)
+        r = exr_encoding_initialize(l->ctxt, 0, &chunk, pipe);
+    if (r)
+        return r;
+    l->started = true;
+    for (int c = 0; c < pipe->channel_count; c++) {
+        // asked for by the library, not read by pack_for_library()
+        pipe->channels[c].encode_from_ptr = (const uint8_t *) l;
+        pipe->channels[c].user_pixel_stride = 4;
+        pipe->channels[c].user_line_stride = 4;
+    }
+    r = exr_encoding_choose_default_routines(l->ctxt, 0, pipe);
+    pipe->encoding_user_data = l;
+    pipe->convert_and_pack_fn = pack_for_library;
+    pipe->yield_until_ready_fn = NULL;
+    pipe->write_fn = NULL;
+    return r;
+}
+
+/* -- chunks in parallel ----------------------------------------------------- */
+
+struct worker { // of one thread
+    uint8_t *raw, *scratch;
+    struct libdeflate_compressor *zip;
+    struct library library;
+};
+
+struct slot { // one compressed chunk of the batch
     uint8_t *bytes;
     size_t size;
     long long clamped;
@@ -126,57 +239,52 @@ struct slot {               // one compressed chunk of the batch
 
 struct batch {
     const struct gp_exr_image *img;
-    size_t chunk_bytes;     // most that a chunk has before compression
+    int rows;           // of a chunk
+    size_t chunk_bytes; // most that a chunk has before compression
     struct worker *worker;
     int workers;
     struct slot *slot;
-    uint8_t *bytes;         // of all slots
+    uint8_t *bytes;     // of all slots
     int slots;
-    int first;              // chunk of slot 0
+    int first;          // chunk of slot 0
 };
-
-static void zip_chunk(const struct batch *b, const struct worker *w,
-                      struct slot *s, int y0, int y1)
-{
-    const size_t n = gp_exr_pack(b->img, y0, y1, w->raw, &s->clamped);
-    s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, s->bytes);
-    if (s->size == 0) {
-        memcpy(s->bytes, w->raw, n);
-        s->size = n;
-    }
-}
 
 static gp_status encode_chunk(void *ctx, int i, int thread)
 {
     struct batch *b = ctx;
     struct worker *w = &b->worker[thread];
+    struct library *l = &w->library;
     struct slot *s = &b->slot[i];
     const struct gp_rect r = b->img->data;
-    const int rows = gp_exr_chunk_rows(b->img->compression);
-    const int y0 = r.y0 + (b->first + i) * rows;
-    const int y1 = rows < r.y1 - y0 ? y0 + rows : r.y1;
+    const int y0 = r.y0 + (b->first + i) * b->rows;
+    const int y1 = b->rows < r.y1 - y0 ? y0 + b->rows : r.y1;
     s->clamped = 0;
-    if (b->img->compression == GP_COMPRESSION_NONE) {
-        s->size = gp_exr_pack(b->img, y0, y1, s->bytes, &s->clamped);
-    } else if (w->zip) {
-        zip_chunk(b, w, s, y0, y1);
+    if (w->zip) {
+        const size_t n = pack_rows(b->img, y0, y1, w->raw, &s->clamped);
+        s->size = gp_exr_zip(w->zip, w->raw, n, w->scratch, s->bytes);
+        if (s->size == 0) {
+            memcpy(s->bytes, w->raw, n);
+            s->size = n;
+        }
+    } else if (l->ctxt) {
+        l->y0 = y0;
+        l->y1 = y1;
+        l->clamped = &s->clamped;
+        gp_exr_fault_clear();
+        if (library_prepare(l) || exr_encoding_run(l->ctxt, 0, &l->pipe))
+            return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
+        // a chunk that did not shrink is stored as it is, and readers know
+        // such a chunk by its size alone; 3.1.5 forgets that for the equal
+        // size
+        const exr_encode_pipeline_t *p = &l->pipe;
+        const bool stored = p->compressed_bytes >= p->packed_bytes;
+        s->size = stored ? (size_t) p->packed_bytes : p->compressed_bytes;
+        memcpy(s->bytes, stored ? p->packed_buffer : p->compressed_buffer,
+               s->size);
     } else {
-        const void *bytes;
-        gp_status st = gp_exr_core_run(w->core, y0, y1, &bytes, &s->size,
-                                       &s->clamped);
-        if (st)
-            return st;
-        memcpy(s->bytes, bytes, s->size);
+        s->size = pack_rows(b->img, y0, y1, s->bytes, &s->clamped);
     }
     return GP_OK;
-}
-
-static gp_status alloc_bytes(const struct gp_log *log, size_t n, uint8_t **out)
-{
-    void *mem;
-    gp_status st = gp_alloc(log, "EXR chunks", n, 1, &mem);
-    *out = mem;
-    return st;
 }
 
 /* `st` is that of a compressor; what is no full memory is a refusal. */
@@ -195,55 +303,59 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
                               const struct batch *b, struct worker *w)
 {
     const enum gp_compression c = b->img->compression;
+    gp_status st;
+    void *mem;
     if (c == GP_COMPRESSION_NONE)
         return GP_OK;
     if (c != GP_COMPRESSION_ZIP && c != GP_COMPRESSION_ZIPS) {
         gp_exr_fault_clear();
-        w->core = gp_exr_core_new(b->img);
-        return w->core ? GP_OK : refused(log, path, gp_exr_fault());
+        return library_open(&w->library, b->img)
+                   ? refused(log, path, gp_exr_fault()) : GP_OK;
     }
-    gp_status st = alloc_bytes(log, b->chunk_bytes, &w->raw);
-    if (!st)
-        st = alloc_bytes(log, b->chunk_bytes, &w->scratch);
-    if (!st) {
-        w->zip = gp_exr_zip_compressor();
-        st = w->zip ? GP_OK : gp_fail_bare(log, GP_ERR_BUG,
-                                           "EXR compressor: out of memory");
-    }
+    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &mem));
+    w->raw = mem;
+    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &mem));
+    w->scratch = mem;
+    w->zip = gp_exr_zip_compressor();
+    if (!w->zip)
+        st = gp_no_memory_bare(log, "EXR compressor");
+out:
     return st;
 }
 
-static void stop(struct batch *b)
+static void stop_batch(struct batch *b)
 {
     for (int i = 0; b->worker && i < b->workers; i++) {
         gp_free(b->worker[i].raw);
         gp_free(b->worker[i].scratch);
         if (b->worker[i].zip)
             libdeflate_free_compressor(b->worker[i].zip);
-        gp_exr_core_free(b->worker[i].core);
+        library_close(&b->worker[i].library);
     }
     gp_free(b->worker);
     gp_free(b->slot);
     gp_free(b->bytes);
 }
 
-static gp_status start(const struct gp_log *log, const char *path,
-                       const struct gp_exr_image *img, struct batch *b)
+/* The caller calls stop_batch() in any case. */
+static gp_status start_batch(const struct gp_log *log, const char *path,
+                             const struct gp_exr_image *img, struct batch *b)
 {
     gp_status st;
     void *mem;
-    *b = (struct batch) {.img = img};
+    *b = (struct batch) {
+        .img = img, .rows = chunk_rows(img->compression),
+        .workers = gp_threads(),
+    };
     for (int i = 0; i < img->sources; i++)
         b->chunk_bytes += (size_t) img->source[i].columns *
                           gp_type_size(img->source[i].type);
-    b->chunk_bytes *= (size_t) gp_exr_chunk_rows(img->compression);
+    b->chunk_bytes *= (size_t) b->rows;
     if (b->chunk_bytes > INT_MAX)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: %d rows of this frame are more than an EXR chunk "
-                       "may hold; use --compression zips", path,
-                       gp_exr_chunk_rows(img->compression));
+                       "may hold; use --compression zips", path, b->rows);
     const size_t most = batch_bytes / (b->chunk_bytes + 1) + 1;
-    b->workers = gp_threads();
     b->slots = b->workers * CHUNKS_A_THREAD;
     if ((size_t) b->slots > most) // at least one a thread all the same
         b->slots = most > (size_t) b->workers ? (int) most : b->workers;
@@ -255,32 +367,15 @@ static gp_status start(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, "EXR chunks", (size_t) b->slots, sizeof *b->slot,
                          &mem));
     b->slot = mem;
-    GP_TRY(alloc_bytes(log, (size_t) b->slots * b->chunk_bytes, &b->bytes));
+    GP_TRY(gp_alloc(log, "EXR chunks", (size_t) b->slots, b->chunk_bytes,
+                    &mem));
+    b->bytes = mem;
     for (int i = 0; i < b->slots; i++)
         b->slot[i].bytes = b->bytes + (size_t) i * b->chunk_bytes;
     for (int i = 0; i < b->workers; i++)
         GP_TRY(start_worker(log, path, b, &b->worker[i]));
-    return GP_OK;
 out:
-    return st; // the caller calls stop() in any case
-}
-
-static gp_status write_batch(struct gp_exr_out *out, int part,
-                             const struct batch *b, int n,
-                             struct gp_write_stats *stats)
-{
-    const int rows = gp_exr_chunk_rows(b->img->compression);
-    for (int i = 0; i < n; i++) {
-        const struct slot *s = &b->slot[i];
-        const int index = b->first + i;
-        const int y = b->img->data.y0 + index * rows;
-        gp_status st = gp_exr_out_scanlines(out, part, index, y, s->bytes,
-                                            s->size);
-        if (st)
-            return st;
-        stats->clamped += s->clamped;
-    }
-    return GP_OK;
+    return st;
 }
 
 gp_status gp_exr_encode(struct gp_exr_out *out, int part,
@@ -294,16 +389,23 @@ gp_status gp_exr_encode(struct gp_exr_out *out, int part,
         img->compression == GP_COMPRESSION_DWAB)
         return gp_exr_encode_dwa(out, part, img, quality, stats);
     const int chunks = gp_exr_chunk_count(img);
-    GP_TRY(start(out->log, path, img, &b));
+    GP_TRY(start_batch(out->log, path, img, &b));
     for (; b.first < chunks; b.first += b.slots) {
         const int left = chunks - b.first;
         const int n = left < b.slots ? left : b.slots;
         st = gp_parallel(n, encode_chunk, &b, NULL);
         if (st)
             GP_TRY(refused(out->log, path, st));
-        GP_TRY(write_batch(out, part, &b, n, stats));
+        for (int i = 0; i < n; i++) {
+            const struct slot *s = &b.slot[i];
+            const int index = b.first + i;
+            GP_TRY(gp_exr_out_scanlines(out, part, index,
+                                        img->data.y0 + index * b.rows,
+                                        s->bytes, s->size));
+            stats->clamped += s->clamped;
+        }
     }
 out:
-    stop(&b);
+    stop_batch(&b);
     return st;
 }

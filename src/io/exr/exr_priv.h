@@ -311,23 +311,8 @@ struct gp_exr_image {
     int sources;
 };
 
-/* Sorts sources into the order that EXR asks for. */
-void gp_exr_sort(struct gp_exr_source *source, int sources);
-
-/* Rows of a chunk and chunks of a part with that compression. */
-int gp_exr_chunk_rows(enum gp_compression compression);
+/* Chunks of a part with that compression. */
 int gp_exr_chunk_count(const struct gp_exr_image *img);
-
-/* Packs the rows [y0, y1) as EXR stores them before compression: row by row,
- * channel by channel, into `to`, or only counts when `to` is NULL.
- *
- *   clamped  grows by the finite values that half cannot hold; B44 can hold
- *            none below -32752
- *
- * Returns the number of bytes, always even.
- */
-size_t gp_exr_pack(const struct gp_exr_image *img, int y0, int y1, uint8_t *to,
-                   long long *clamped);
 
 /* Compresses all chunks, in parallel, and appends them to part `part` in
  * order. The bytes do not depend on the number of threads.
@@ -349,30 +334,6 @@ GP_MUST_CHECK gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
                                           float quality,
                                           struct gp_write_stats *stats);
 
-/* OpenEXRCore's compressors, one chunk at a time: RLE, PIZ, PXR24, B44, B44A.
- * The library ties them to a file that it writes itself. Here they get a
- * context whose file goes nowhere, and give the compressed bytes back. */
-struct gp_exr_core;
-
-/* Makes a compressor for one thread; `img` is borrowed until it is freed.
- * NULL when the library refuses these channels or memory is full, which
- * gp_exr_fault() then says. */
-struct gp_exr_core *gp_exr_core_new(const struct gp_exr_image *img);
-void gp_exr_core_free(struct gp_exr_core *core);
-
-/* Packs and compresses the rows [y0, y1) of a whole chunk.
- *
- *   out, size  the bytes as they go into the file; owned by `core`, good
- *              until its next call
- *   clamped    as in gp_exr_pack()
- *
- * Returns GP_OK; GP_ERR_BUG memory is full; GP_ERR_USAGE the library's count
- * of samples is not that of the file layout (3.1.5 and odd subsampling).
- */
-GP_MUST_CHECK gp_status gp_exr_core_run(struct gp_exr_core *core, int y0,
-                                        int y1, const void **out,
-                                        size_t *size, long long *clamped);
-
 /* -- which channels a part gets (sources.c) -------------------------------- */
 
 /* `source` borrows names and samples from the frame and the planes, which
@@ -380,15 +341,15 @@ GP_MUST_CHECK gp_status gp_exr_core_run(struct gp_exr_core *core, int y0,
 struct gp_exr_sources {
     struct gp_exr_source *source; // sorted by name
     int sources;
-    char **made; // names that no frame has
-    int mades;
+    char **new_name; // names that no frame has
+    int new_names;
 };
 
-/* R, G and B from `planes`, as `type`. Errors: GP_ERR_BUG out of memory. */
+/* R, G and B from `planes`. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
+                                               const struct gp_write_params *p,
                                                const struct gp_frame *f,
                                                const struct gp_planes *planes,
-                                               enum gp_pixel_type type,
                                                struct gp_exr_sources *out);
 
 /* The channels of one part, with the colours of several frames of it:
@@ -401,7 +362,7 @@ GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
  *     R, G, B.
  *
  *   set  n >= 1 frames of one part; one of them at least was read whole
- *   p    --type holds for the colours
+ *   p    --type is that of the colours
  *
  * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
  * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole.
@@ -442,14 +403,14 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  * those that the file layout asks for from `f` and `img`, and those of the
  * input that `kept` lets through.
  *
- *   raw     NULL when the input was not EXR
+ *   own     of the input; NULL when that was not EXR
  *   name    of the part; may be NULL in files of one part
  *   chunks  of the part in a multi-part file, where type and number of chunks
  *           must be said; 0 in files of one part
  */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                         const struct gp_exr_image *img,
-                        const struct gp_exr_carried_part *raw,
+                        const struct gp_exr_carried_part *own,
                         enum gp_exr_kept kept, const char *name, int chunks);
 
 /* Bytes as they are: another part's header. */
@@ -537,36 +498,5 @@ void gp_exr_out_free(struct gp_exr_out *out);
  */
 bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
                   const char *name);
-
-/* A part that is made anew. */
-struct gp_exr_part {
-    const struct gp_frame *f;           // its windows and number
-    const struct gp_exr_source *source; // sorted
-    int sources;
-};
-
-/* What goes into one file. */
-struct gp_exr_job {
-    const struct gp_write_params *p;
-    const char *path;
-    const struct gp_exr_part *part; // of one file, no number twice; the first
-    int parts;                      // frame's input is the file's
-    enum gp_exr_kept kept;          // KEEP_ALL carries the other parts too;
-                                    // else there is one part
-};
-
-/* Writes the file under its final name or not at all. Errors as in write.h. */
-GP_MUST_CHECK gp_status gp_exr_write_file(const struct gp_log *log,
-                                          const struct gp_exr_job *job,
-                                          struct gp_write_stats *stats);
-
-/* The compression of a part of the input: --compression, or its own when that
- * is AUTO and loses nothing, or zip. `raw` may be NULL. */
-enum gp_compression gp_exr_compression(const struct gp_write_params *p,
-                                       const struct gp_exr_carried_part *raw);
-
-/* The sample type of colour channels that --type asks for. */
-enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
-                                      const struct gp_frame *f);
 
 #endif

@@ -1,3 +1,4 @@
+/* Which channels an EXR part gets, and from where. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -5,6 +6,12 @@
 
 #include <stdlib.h>
 #include <string.h>
+
+static int by_name(const void *a, const void *b)
+{
+    const struct gp_exr_source *p = a, *q = b;
+    return strcmp(p->name, q->name);
+}
 
 static gp_status make_room(const struct gp_log *log, int most,
                            struct gp_exr_sources *out)
@@ -17,86 +24,106 @@ static gp_status make_room(const struct gp_log *log, int most,
     return st;
 }
 
-static void add_colour(struct gp_exr_sources *s, const char *name,
-                       const struct gp_frame *f, const float *plane,
-                       enum gp_pixel_type type, bool linear)
+void gp_exr_sources_free(struct gp_exr_sources *s)
+{
+    for (int i = 0; i < s->new_names; i++)
+        free(s->new_name[i]);
+    gp_free(s->new_name);
+    gp_free(s->source);
+    *s = (struct gp_exr_sources) {0};
+}
+
+/* One plane, in the sample type that --type asks for. */
+static void add_plane(struct gp_exr_sources *s,
+                      const struct gp_write_params *p, const char *name,
+                      const struct gp_frame *f, const float *plane, bool linear)
 {
     s->source[s->sources++] = (struct gp_exr_source) {
-        .name = name, .type = type, .xs = 1, .ys = 1, .linear = linear,
+        .name = name, .xs = 1, .ys = 1, .linear = linear,
         .columns = gp_frame_w(f), .plane = plane,
+        .type = p->type == GP_OUT_AUTO   ? f->colour_type
+                : p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT,
     };
 }
 
 gp_status gp_exr_sources_picture(const struct gp_log *log,
+                                 const struct gp_write_params *p,
                                  const struct gp_frame *f,
                                  const struct gp_planes *planes,
-                                 enum gp_pixel_type type,
                                  struct gp_exr_sources *out)
 {
-    static const char *const name[3] = {"R", "G", "B"};
+    static const char *const name[3] = {"B", "G", "R"}; // sorted
     gp_status st = make_room(log, 3, out);
     for (int c = 0; !st && c < 3; c++)
-        add_colour(out, name[c], f, planes->c[c], type, false);
-    if (!st)
-        gp_exr_sort(out->source, out->sources);
+        add_plane(out, p, name[c], f, planes->c[2 - c], false);
     return st;
 }
 
-/* The frame that has all channels of the part. */
-static const struct gp_frame *whole_frame(const struct gp_hdr_colour *set,
-                                          int n)
-{
-    const struct gp_frame *whole = set[0].f;
-    for (int i = 1; i < n; i++) {
-        if (set[i].f->channels > whole->channels)
-            whole = set[i].f;
-    }
-    return whole;
-}
+/* -- --hdr ------------------------------------------------------------------ */
 
-/* The names of all colour channels of the frames: a file may have very many
- * other channels, and each is looked up once. */
-struct colours {
-    const char **name;  // room for three a frame
+/* The frames of one part. */
+struct group {
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const struct gp_hdr_colour *set;
     int n;
+    const struct gp_frame *complete; // the one that has all channels of it
 };
 
-static gp_status list_colours(const struct gp_log *log,
-                              const struct gp_hdr_colour *set, int n,
-                              struct colours *out)
+/* What no frame has as colour. */
+static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
 {
-    void *name;
-    gp_status st = gp_alloc(log, "colours", 3 * (size_t) n, sizeof(char *),
-                            &name);
-    *out = (struct colours) {.name = name};
-    for (int i = 0; !st && i < n; i++) {
-        const struct gp_frame *f = set[i].f;
+    // the names of all colours: a file may have very many other channels, and
+    // each is looked up once
+    const char **colour;
+    int colours = 0;
+    void *block;
+    gp_status st = gp_alloc(g->log, "colours", 3 * (size_t) g->n,
+                            sizeof(char *), &block);
+    if (st)
+        return st;
+    colour = block;
+    for (int i = 0; i < g->n; i++) {
+        const struct gp_frame *f = g->set[i].f;
         for (int k = 0, had = 0; k < f->channels && had < 3; k++) {
             if (f->channel[k].colour < 0)
                 continue;
-            out->name[out->n++] = f->channel[k].name;
+            colour[colours++] = f->channel[k].name;
             had++;
         }
     }
+    for (int i = 0; i < g->complete->channels; i++) {
+        const struct gp_channel *c = &g->complete->channel[i];
+        int owners = 0;
+        for (int k = 0; k < colours; k++)
+            owners += strcmp(colour[k], c->name) == 0;
+        if (owners > 1)
+            GP_TRY(gp_fail(g->log, GP_ERR_USAGE,
+                           "%s: channel %s is the colour of %d layers; name "
+                           "each layer once", g->complete->path, c->name,
+                           owners));
+        if (owners == 1)
+            continue;
+        if (!c->data)
+            GP_TRY(gp_fail(g->log, GP_ERR_BUG,
+                           "%s: channel %s has no samples",
+                           g->complete->path, c->name));
+        out->source[out->sources++] = (struct gp_exr_source) {
+            .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
+            .linear = c->linear, .columns = c->w, .data = c->data,
+        };
+    }
+out:
+    gp_free(block);
     return st;
 }
 
-/* How many of the frames have that channel as colour. */
-static int owners(const struct colours *colours, const char *name)
-{
-    int found = 0;
-    for (int i = 0; i < colours->n; i++)
-        found += strcmp(colours->name[i], name) == 0;
-    return found;
-}
-
 /* True when a channel of that name will be there that f does not replace. */
-static bool is_taken(const struct gp_hdr_colour *set, int n,
-                     const struct gp_frame *f, const char *name)
+static bool is_taken(const struct group *g, const struct gp_frame *f,
+                     const char *name)
 {
     const struct gp_channel *own = gp_frame_channel(f, name);
-    return gp_frame_channel(whole_frame(set, n), name) &&
-           !(own && own->colour >= 0);
+    return gp_frame_channel(g->complete, name) && !(own && own->colour >= 0);
 }
 
 /* The name of colour c beside a channel `like`; in a layer of that name when
@@ -107,58 +134,46 @@ static char *name_beside(const char *like, bool layered, int c)
     if (!layered)
         return gp_colour_name(like, c);
     const size_t n = strlen(like);
-    char *made = malloc(n + 3);
-    if (made) {
-        memcpy(made, like, n);
-        made[n] = '.';
-        made[n + 1] = letter[c];
-        made[n + 2] = '\0';
+    char *name = malloc(n + 3);
+    if (name) {
+        memcpy(name, like, n);
+        name[n] = '.';
+        name[n + 1] = letter[c];
+        name[n + 2] = '\0';
     }
-    return made;
+    return name;
 }
 
-/* Whether names beside `like`, which is called after what it shows and has no
- * layer, need one. Y is luminance and no layer's name. */
-static gp_status needs_layer(const struct gp_log *log,
-                             const struct gp_hdr_colour *set, int n,
-                             const struct gp_frame *f,
-                             const struct gp_channel *like, bool *out)
+/* Colour c of a frame under a name that the part does not have. */
+static gp_status add_new_colour(const struct group *g,
+                                const struct gp_hdr_colour *from,
+                                const struct gp_channel *like, int c,
+                                struct gp_exr_sources *out)
 {
-    *out = false;
-    if (f->model != GP_COLOUR_GREY || gp_layer_length(like->name) > 0 ||
-        strcmp(like->name, "Y") == 0)
-        return GP_OK;
-    for (int c = 0; c < 3; c++) {
-        char *name = name_beside(like->name, false, c);
-        if (!name)
-            return gp_fail_bare(log, GP_ERR_BUG, "channels: out of memory");
-        *out |= is_taken(set, n, f, name);
-        free(name);
+    const struct gp_frame *f = from->f;
+    // names beside a grey channel that is called after what it shows, and has
+    // no layer, may need one. Y is luminance and no layer's name.
+    const bool may = f->model == GP_COLOUR_GREY &&
+                     gp_layer_length(like->name) == 0 &&
+                     strcmp(like->name, "Y") != 0;
+    bool layered = false;
+    for (int k = 0; may && k < 3; k++) {
+        char *beside = name_beside(like->name, false, k);
+        if (!beside)
+            return gp_no_memory_bare(g->log, "channels");
+        layered |= is_taken(g, f, beside);
+        free(beside);
     }
-    return GP_OK;
-}
-
-/* Colour c of set[i] under a name that the part does not have. */
-static gp_status add_made(const struct gp_log *log, struct gp_exr_sources *s,
-                          const struct gp_hdr_colour *set, int n, int i,
-                          const struct gp_channel *like, int c,
-                          enum gp_pixel_type type)
-{
-    const struct gp_frame *f = set[i].f;
-    bool layered;
-    gp_status st = needs_layer(log, set, n, f, like, &layered);
-    if (st)
-        return st;
     char *const name = name_beside(like->name, layered, c);
     if (!name)
-        return gp_fail_bare(log, GP_ERR_BUG, "channels: out of memory");
-    s->made[s->mades++] = name;
-    if (is_taken(set, n, f, name))
-        return gp_fail(log, GP_ERR_DATA,
+        return gp_no_memory_bare(g->log, "channels");
+    out->new_name[out->new_names++] = name;
+    if (is_taken(g, f, name))
+        return gp_fail(g->log, GP_ERR_DATA,
                        "%s: the glare has a colour that needs a channel %s, "
                        "and the file has another one of that name; rename it",
                        f->path, name);
-    add_colour(s, name, f, set[i].planes->c[c], type, like->linear);
+    add_plane(out, g->p, name, f, from->planes->c[c], like->linear);
     return GP_OK;
 }
 
@@ -171,95 +186,38 @@ static bool all_zero(const float *v, size_t n)
     return true;
 }
 
-static bool is_grey(const struct gp_planes *p, size_t n)
+/* The colour of one frame. */
+static gp_status add_frame(const struct group *g,
+                           const struct gp_hdr_colour *from,
+                           struct gp_exr_sources *out)
 {
-    return memcmp(p->c[0], p->c[1], n * sizeof(float)) == 0 &&
-           memcmp(p->c[0], p->c[2], n * sizeof(float)) == 0;
-}
-
-/* True when colour c has no channel to go into and cannot be left out. */
-static bool is_missing(const struct gp_frame *f, const struct gp_planes *p,
-                       bool under_own_names, int c)
-{
-    for (int i = 0; under_own_names && i < f->channels; i++) {
-        if (f->channel[i].colour == c)
-            return false;
-    }
-    if (!under_own_names)
-        return true;
-    return f->model == GP_COLOUR_RGB && !all_zero(p->c[c], gp_frame_pixels(f));
-}
-
-/* What a file that was not EXR may have given. */
-static gp_status check_names(const struct gp_log *log,
-                             const struct gp_frame *f,
-                             const struct gp_exr_sources *s)
-{
-    for (int i = 0; i < s->sources; i++) {
-        const char *name = s->source[i].name;
-        if (name[0] == '\0' || strlen(name) > 255 ||
-            (i > 0 && strcmp(s->source[i - 1].name, name) == 0))
-            return gp_fail(log, GP_ERR_DATA,
-                           "%s: EXR cannot hold its channels (name \"%.40s\" "
-                           "is empty, too long, or there twice); rename them",
-                           f->path, name);
-    }
-    return GP_OK;
-}
-
-/* What no frame has as colour. */
-static gp_status add_carried(const struct gp_log *log,
-                             const struct gp_frame *whole,
-                             const struct colours *all,
-                             struct gp_exr_sources *out)
-{
-    for (int i = 0; i < whole->channels; i++) {
-        const struct gp_channel *c = &whole->channel[i];
-        const int colours = owners(all, c->name);
-        if (colours > 1)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: channel %s is the colour of %d layers; name "
-                           "each layer once", whole->path, c->name, colours);
-        if (colours == 1)
-            continue;
-        if (!c->data)
-            return gp_fail(log, GP_ERR_BUG, "%s: channel %s has no samples",
-                           whole->path, c->name);
-        out->source[out->sources++] = (struct gp_exr_source) {
-            .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
-            .linear = c->linear, .columns = c->w, .data = c->data,
-        };
-    }
-    return GP_OK;
-}
-
-/* The colour of set[i]. */
-static gp_status add_set(const struct gp_log *log,
-                         const struct gp_write_params *p,
-                         const struct gp_hdr_colour *set, int n, int i,
-                         struct gp_exr_sources *out)
-{
-    const struct gp_frame *f = set[i].f;
-    const struct gp_planes *planes = set[i].planes;
-    const enum gp_pixel_type type = gp_exr_colour_type(p, f);
+    const struct gp_frame *f = from->f;
+    float *const *const plane = from->planes->c;
+    const size_t n = gp_frame_pixels(f), bytes = n * sizeof(float);
     const struct gp_channel *like = NULL; // a colour channel of the input
-    const bool own_names =
-        f->model == GP_COLOUR_RGB ||
-        (f->model == GP_COLOUR_GREY && is_grey(planes, gp_frame_pixels(f)));
+    bool there[3] = {false, false, false};
+    // grey stays grey where the planes are the same, bit by bit
+    const bool own_names = f->model == GP_COLOUR_RGB ||
+                           (f->model == GP_COLOUR_GREY &&
+                            memcmp(plane[0], plane[1], bytes) == 0 &&
+                            memcmp(plane[0], plane[2], bytes) == 0);
     for (int k = 0; k < f->channels; k++) {
         const struct gp_channel *c = &f->channel[k];
         if (c->colour < 0)
             continue;
         like = c;
-        if (own_names)
-            add_colour(out, c->name, f, planes->c[c->colour], type, c->linear);
+        if (!own_names)
+            continue;
+        add_plane(out, g->p, c->name, f, plane[c->colour], c->linear);
+        there[c->colour] = true;
     }
     if (!like)
-        return gp_fail(log, GP_ERR_BUG, "%s: no colour channel", f->path);
+        return gp_fail(g->log, GP_ERR_BUG, "%s: no colour channel", f->path);
     for (int c = 0; c < 3; c++) {
-        if (!is_missing(f, planes, own_names, c))
+        if (there[c] || (own_names && (f->model != GP_COLOUR_RGB ||
+                                       all_zero(plane[c], n))))
             continue;
-        gp_status st = add_made(log, out, set, n, i, like, c, type);
+        gp_status st = add_new_colour(g, from, like, c, out);
         if (st)
             return st;
     }
@@ -272,31 +230,32 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
                              struct gp_exr_sources *out)
 {
     gp_status st;
-    void *made = NULL;
-    struct colours colours = {0};
-    const struct gp_frame *whole = whole_frame(set, n);
-    GP_TRY(make_room(log, whole->channels + 3 * n, out));
-    GP_TRY(list_colours(log, set, n, &colours));
-    GP_TRY(gp_alloc_zero(log, "channels", 3 * (size_t) n, sizeof *out->made,
-                         &made));
-    out->made = made;
-    GP_TRY(add_carried(log, whole, &colours, out));
+    void *names = NULL;
+    struct group g = {log, p, set, n, set[0].f};
+    for (int i = 1; i < n; i++) {
+        if (set[i].f->channels > g.complete->channels)
+            g.complete = set[i].f;
+    }
+    GP_TRY(make_room(log, g.complete->channels + 3 * n, out));
+    GP_TRY(gp_alloc_zero(log, "channels", 3 * (size_t) n,
+                         sizeof *out->new_name, &names));
+    out->new_name = names;
+    GP_TRY(add_carried(&g, out));
     for (int i = 0; i < n; i++)
-        GP_TRY(add_set(log, p, set, n, i, out));
-    gp_exr_sort(out->source, out->sources);
-    GP_TRY(check_names(log, set[0].f, out));
+        GP_TRY(add_frame(&g, &set[i], out));
+    qsort(out->source, (size_t) out->sources, sizeof *out->source, by_name);
+    // names that a file that was not EXR may have given
+    for (int i = 0; i < out->sources; i++) {
+        const char *name = out->source[i].name;
+        if (name[0] == '\0' || strlen(name) > 255 ||
+            (i > 0 && strcmp(out->source[i - 1].name, name) == 0))
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: EXR cannot hold its channels (name \"%.40s\" "
+                           "is empty, too long, or there twice); rename them",
+                           set[0].f->path, name));
+    }
 out:
-    gp_free(colours.name);
     if (st)
         gp_exr_sources_free(out);
     return st;
-}
-
-void gp_exr_sources_free(struct gp_exr_sources *s)
-{
-    for (int i = 0; i < s->mades; i++)
-        free(s->made[i]);
-    gp_free(s->made);
-    gp_free(s->source);
-    *s = (struct gp_exr_sources) {0};
 }

@@ -1,217 +1,216 @@
+/* One EXR file out: which parts it has, their headers and chunks. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/file.h"
+#include "io/colour_name.h"
 
 #include <string.h>
 
-enum gp_pixel_type gp_exr_colour_type(const struct gp_write_params *p,
-                                      const struct gp_frame *f)
-{
-    if (p->type == GP_OUT_AUTO)
-        return f->colour_type;
-    return p->type == GP_OUT_HALF ? GP_HALF : GP_FLOAT;
-}
+/* -- compressions ----------------------------------------------------------- */
 
-enum gp_compression gp_exr_compression(const struct gp_write_params *p,
-                                       const struct gp_exr_carried_part *raw)
+bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
+                  const char *name)
 {
-    if (p->compression != GP_COMPRESSION_AUTO)
-        return p->compression;
-    const struct gp_exr_attr *a =
-        raw ? gp_exr_attr_find(raw, "compression", "compression") : NULL;
-    if (a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ)
-        return (enum gp_compression) a->data[0];
-    return GP_COMPRESSION_ZIP;
+    static const char *const dwa[] = {"R", "G", "B", "Y", "RY", "BY"};
+    const char *last = name + gp_layer_length(name);
+    bool colour = false;
+    switch (compression) {
+    case GP_COMPRESSION_PXR24:
+        return type == GP_FLOAT;
+    case GP_COMPRESSION_B44:
+    case GP_COMPRESSION_B44A:
+        return type == GP_HALF;
+    case GP_COMPRESSION_DWAA:
+    case GP_COMPRESSION_DWAB:
+        for (size_t i = 0; i < sizeof dwa / sizeof *dwa; i++)
+            colour = colour || strcmp(last, dwa[i]) == 0;
+        return type != GP_UINT && colour;
+    default:
+        return false;
+    }
 }
 
 /* The quality that the input was written with, or OpenEXR's default. */
-static float dwa_quality(const struct gp_exr_carried_part *raw)
+static float dwa_quality(const struct gp_exr_carried_part *own)
 {
     float quality = 45.0f;
     const struct gp_exr_attr *a =
-        raw ? gp_exr_attr_find(raw, "dwaCompressionLevel", "float") : NULL;
+        own ? gp_exr_attr_find(own, "dwaCompressionLevel", "float") : NULL;
     if (a && a->size == sizeof quality)
         memcpy(&quality, a->data, sizeof quality);
     return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
 }
 
-/* A part on its way. */
-struct made {
-    const struct gp_exr_part *from;
+/* -- a file on its way ------------------------------------------------------ */
+
+/* A part that gets a new header and new chunks. */
+struct new_part {
+    const struct gp_frame *f; // its windows and number
+    struct gp_exr_sources sources;
     struct gp_exr_image img;
-    const struct gp_exr_carried_part *own;  // of the input, or NULL
+    const struct gp_exr_carried_part *own; // of the input, or NULL
 };
 
-/* A file on its way: what is open at once, so that one place closes it. */
+/* What is open at once, so that one place closes it. */
 struct writing {
-    const struct gp_exr_job *job;
-    struct gp_exr_carried raw;
-    struct made *made;  // one for each part of the file; `from` is NULL for
-                        // those that are carried
+    const struct gp_log *log;
+    const struct gp_write_params *p;
+    const char *path;
+    enum gp_exr_kept kept;
+    struct new_part *part; // no number twice; the first frame's input is the
+    int parts;             // input of all
+    struct gp_exr_carried carried;
+    struct new_part **at;  // for each part of the file; NULL: carried
+    int *chunks;           // of each part of the file
+    int file_parts;
     struct gp_exr_header header;
     struct gp_exr_out out;
     struct gp_file *file;
-    int *chunks;  // of each part
-    int parts;
 };
 
-/* True when the input's other parts go along. */
-static bool keeps_parts(const struct gp_exr_job *job)
+/* True when the input's other parts, and its part's name, go along. */
+static bool keeps_parts(const struct writing *w)
 {
-    return job->kept == GP_EXR_KEEP_ALL || job->kept == GP_EXR_KEEP_CONVERTED;
+    return w->kept == GP_EXR_KEEP_ALL || w->kept == GP_EXR_KEEP_CONVERTED;
 }
 
-/* OpenImageIO writes a single channel as zip where DWA is asked for: the header
- * has to say so too. */
-static enum gp_compression compression_of(const struct gp_log *log,
-                                          const struct writing *w,
-                                          const struct made *m)
+/* --compression, or the input's own when that is AUTO and loses nothing, or
+ * zip. */
+static enum gp_compression compression_of(const struct writing *w,
+                                          const struct new_part *part)
 {
-    const enum gp_compression c = gp_exr_compression(w->job->p, m->own);
-    if (c < GP_COMPRESSION_DWAA || m->from->sources != 1)
+    enum gp_compression c = w->p->compression;
+    if (c == GP_COMPRESSION_AUTO) {
+        const struct gp_exr_attr *a =
+            part->own ? gp_exr_attr_find(part->own, "compression",
+                                         "compression") : NULL;
+        c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
+                ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
+    }
+    // OpenImageIO writes a single channel as zip where DWA is asked for: the
+    // header has to say so too
+    if (c < GP_COMPRESSION_DWAA || part->sources.sources != 1)
         return c;
-    gp_say(log, GP_LEVEL_WARN,
+    gp_say(w->log, GP_LEVEL_WARN,
            "%s: one channel alone (%s) cannot be DWA; it is written as zip",
-           w->job->path, m->from->source[0].name);
+           w->path, part->sources.source[0].name);
     return GP_COMPRESSION_ZIP;
 }
 
-static gp_status plan(const struct gp_log *log, struct writing *w,
-                      const struct gp_input *o)
+/* Finds the parts of the file, and how many chunks each has. */
+static gp_status plan_parts(struct writing *w, const struct gp_input *in)
 {
-    const struct gp_exr_job *job = w->job;
-    const bool exr = o && o->exr, all = exr && keeps_parts(job);
-    void *made;
-    gp_status st = GP_OK;
-    w->parts = all ? o->parts : 1;
-    if (exr)
-        st = gp_exr_carried_read(log, job->part[0].f->path, o, &w->raw);
-    if (st)
-        return st;
-    st = gp_alloc_zero(log, "parts", (size_t) w->parts, sizeof *w->made,
-                       &made);
-    w->made = made;
-    for (int i = 0; !st && i < job->parts; i++) {
-        const struct gp_exr_part *part = &job->part[i];
-        const int number = all ? part->f->part : 0;
-        if (number < 0 || number >= w->parts || w->made[number].from)
-            return gp_fail(log, GP_ERR_BUG, "%s: part %d is not one of its own",
-                           part->f->path, number);
-        struct made *m = &w->made[number];
-        m->from = part;
-        m->own = exr ? &w->raw.part[part->f->part] : NULL;
-        m->img = (struct gp_exr_image) {
-            .data = part->f->data, .source = part->source,
-            .sources = part->sources,
-            .compression = compression_of(log, w, m),
-        };
-    }
-    return st;
-}
-
-static gp_status count_chunks(const struct gp_log *log, struct writing *w,
-                              const struct gp_input *o)
-{
+    const char *const from = w->part[0].f->path;
+    const bool all = in && keeps_parts(w);
+    gp_status st;
     void *mem;
-    gp_status st = gp_alloc(log, "parts", (size_t) w->parts, sizeof *w->chunks,
-                            &mem);
+    w->file_parts = all ? in->parts : 1;
+    if (in)
+        GP_TRY(gp_exr_carried_read(w->log, from, in, &w->carried));
+    GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
+                         sizeof *w->at, &mem));
+    w->at = mem;
+    GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
+                         sizeof *w->chunks, &mem));
     w->chunks = mem;
-    for (int i = 0; !st && i < w->parts; i++) {
-        int32_t n;
-        // the offset table has 8 bytes for each chunk: the file bounds them
-        if (w->made[i].from)
-            n = gp_exr_chunk_count(&w->made[i].img);
-        else if ((n = o->index->part[i].chunks) < 1 ||
-                 (uint64_t) n > o->stream.size / 8)
-            st = gp_fail(log, GP_ERR_DATA,
-                         "%s: part %d has a wrong number of chunks (damaged "
-                         "header); copy or render the file again",
-                         w->job->part[0].f->path, i);
-        w->chunks[i] = st ? 0 : n;
+    for (int i = 0; i < w->parts; i++) {
+        struct new_part *const part = &w->part[i];
+        const int number = all ? part->f->part : 0;
+        if (number < 0 || number >= w->file_parts || w->at[number])
+            GP_TRY(gp_fail(w->log, GP_ERR_BUG,
+                           "%s: part %d is not one of its own", part->f->path,
+                           number));
+        w->at[number] = part;
+        part->own = in ? &w->carried.part[part->f->part] : NULL;
+        part->img = (struct gp_exr_image) {
+            .data = part->f->data, .source = part->sources.source,
+            .sources = part->sources.sources,
+            .compression = compression_of(w, part),
+        };
+        w->chunks[number] = gp_exr_chunk_count(&part->img);
     }
+    for (int i = 0; i < w->file_parts; i++) {
+        if (w->at[i])
+            continue;
+        // the offset table has 8 bytes for each chunk: the file bounds them
+        w->chunks[i] = in->index->part[i].chunks;
+        if (w->chunks[i] < 1 ||
+            (uint64_t) w->chunks[i] > in->stream.size / sizeof(uint64_t))
+            GP_TRY(gp_fail(w->log, GP_ERR_DATA,
+                           "%s: part %d has a wrong number of chunks (damaged "
+                           "header); copy or render the file again", from, i));
+    }
+out:
     return st;
 }
 
-static void put_made(struct writing *w, int i)
+static gp_status make_header(struct writing *w, const struct gp_input *in)
 {
-    const struct made *m = &w->made[i];
-    const bool multi = w->parts > 1;
-    const struct gp_exr_attr *name =
-        m->own && keeps_parts(w->job)
-            ? gp_exr_attr_find(m->own, "name", "string") : NULL;
-    char text[256] = "";
-    if (name) // the attribute has no null byte
-        memcpy(text, name->data,
-               name->size < sizeof text ? name->size : sizeof text - 1);
-    gp_exr_header_part(&w->header, m->from->f, &m->img, m->own, w->job->kept,
-                       name || multi ? text : NULL, multi ? w->chunks[i] : 0);
-}
-
-static gp_status make_header(const struct gp_log *log, struct writing *w,
-                             const struct gp_input *o)
-{
-    const bool multi = w->parts > 1;
+    struct gp_exr_header *const h = &w->header;
+    const bool multi = w->file_parts > 1;
     uint32_t flags = multi ? GP_EXR_MULTIPART : 0;
     if (multi)
-        flags |= w->raw.version & GP_EXR_LONG_NAMES;
-    for (int i = 0; multi && i < w->parts; i++)
-        flags |= !w->made[i].from && gp_exr_is_deep(o, i) ? GP_EXR_DEEP : 0;
-    gp_exr_header_start(&w->header, flags);
-    for (int i = 0; i < w->parts; i++) {
-        if (w->made[i].from)
-            put_made(w, i);
-        else
-            gp_exr_header_raw(&w->header, w->raw.part[i].bytes,
-                              w->raw.part[i].size);
+        flags |= w->carried.version & GP_EXR_LONG_NAMES;
+    for (int i = 0; multi && i < w->file_parts; i++)
+        flags |= !w->at[i] && gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
+    gp_exr_header_start(h, flags);
+    for (int i = 0; i < w->file_parts; i++) {
+        const struct new_part *part = w->at[i];
+        if (!part) {
+            gp_exr_header_raw(h, w->carried.part[i].bytes,
+                              w->carried.part[i].size);
+            continue;
+        }
+        const struct gp_exr_attr *name =
+            part->own && keeps_parts(w)
+                ? gp_exr_attr_find(part->own, "name", "string") : NULL;
+        char text[256] = "";
+        if (name) // the attribute has no null byte
+            memcpy(text, name->data,
+                   name->size < sizeof text ? name->size : sizeof text - 1);
+        gp_exr_header_part(h, part->f, &part->img, part->own, w->kept,
+                           name || multi ? text : NULL,
+                           multi ? w->chunks[i] : 0);
     }
     if (multi)
-        gp_exr_header_raw(&w->header, "", 1);
-    return gp_exr_header_done(log, w->job->path, &w->header);
+        gp_exr_header_raw(h, "", 1);
+    return gp_exr_header_done(w->log, w->path, h);
 }
 
-static gp_status write_parts(const struct gp_log *log, struct writing *w,
-                             const struct gp_input *o,
-                             struct gp_write_stats *stats)
-{
-    gp_status st = gp_exr_out_begin(log, w->file, w->header.bytes,
-                                    w->header.size, w->chunks, w->parts,
-                                    &w->out);
-    for (int i = 0; !st && i < w->parts; i++) {
-        const struct made *m = &w->made[i];
-        if (m->from)
-            st = gp_exr_encode(&w->out, i, &m->img, dwa_quality(m->own),
-                               stats);
-        else
-            st = gp_exr_out_copy(&w->out, i, w->job->part[0].f->path, o);
-    }
-    return st ? st : gp_exr_out_end(&w->out);
-}
-
-gp_status gp_exr_write_file(const struct gp_log *log,
-                            const struct gp_exr_job *job,
-                            struct gp_write_stats *stats)
+/* Writes the file under its final name or not at all, and frees what `w` has
+ * but its parts. */
+static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 {
     gp_status st;
-    const struct gp_input *o = gp_input_of(job->part[0].f);
-    struct writing w = {.job = job};
-    struct gp_write_stats now = {0};
-    GP_TRY(plan(log, &w, o));
-    GP_TRY(count_chunks(log, &w, o));
-    GP_TRY(make_header(log, &w, o));
-    GP_TRY(gp_file_open(log, job->path, job->p->create_dir, &w.file));
-    GP_TRY(write_parts(log, &w, o, &now));
-    GP_TRY(gp_file_commit(&w.file));
-    stats->clamped += now.clamped;
+    const struct gp_input *in = gp_input_of(w->part[0].f);
+    struct gp_write_stats added = {0};
+    GP_TRY(plan_parts(w, in));
+    GP_TRY(make_header(w, in));
+    GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
+    GP_TRY(gp_exr_out_begin(w->log, w->file, w->header.bytes, w->header.size,
+                            w->chunks, w->file_parts, &w->out));
+    for (int i = 0; i < w->file_parts; i++) {
+        const struct new_part *part = w->at[i];
+        if (part)
+            GP_TRY(gp_exr_encode(&w->out, i, &part->img,
+                                 dwa_quality(part->own), &added));
+        else
+            GP_TRY(gp_exr_out_copy(&w->out, i, w->part[0].f->path, in));
+    }
+    GP_TRY(gp_exr_out_end(&w->out));
+    GP_TRY(gp_file_commit(&w->file));
+    stats->clamped += added.clamped;
 out:
-    gp_file_discard(&w.file);
-    gp_exr_out_free(&w.out);
-    gp_exr_header_free(&w.header);
-    gp_exr_carried_free(&w.raw);
-    gp_free(w.made);
-    gp_free(w.chunks);
+    gp_file_discard(&w->file);
+    gp_exr_out_free(&w->out);
+    gp_exr_header_free(&w->header);
+    gp_exr_carried_free(&w->carried);
+    gp_free(w->at);
+    gp_free(w->chunks);
     return st;
 }
+
+/* -- pictures --------------------------------------------------------------- */
 
 gp_status gp_exr_write_picture(const struct gp_log *log,
                                const struct gp_write_params *p,
@@ -220,18 +219,103 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
                                enum gp_picture_kind kind,
                                struct gp_write_stats *stats)
 {
-    struct gp_exr_sources s;
-    gp_status st = gp_exr_sources_picture(log, f, planes,
-                                          gp_exr_colour_type(p, f), &s);
-    if (st)
-        return st;
-    const struct gp_exr_part part = {f, s.source, s.sources};
-    const struct gp_exr_job job = {
-        .p = p, .path = path, .part = &part, .parts = 1,
+    struct new_part part = {.f = f};
+    struct writing w = {
+        .log = log, .p = p, .path = path, .part = &part, .parts = 1,
         .kept = kind == GP_PICTURE_SCENE ? GP_EXR_KEEP_SCENE
                                          : GP_EXR_KEEP_SHOWN,
     };
-    st = gp_exr_write_file(log, &job, stats);
-    gp_exr_sources_free(&s);
+    gp_status st = gp_exr_sources_picture(log, p, f, planes, &part.sources);
+    if (!st)
+        st = write_file(&w, stats);
+    gp_exr_sources_free(&part.sources);
+    return st;
+}
+
+/* -- --hdr: the frame as it came in, with glare ----------------------------- */
+
+/* The frames of set[i]'s part, from i on, into `group`; 0 when an earlier one
+ * has that part already, -1 when their windows differ, or no frame has all
+ * channels that the part has. */
+static int group_frames(const struct gp_hdr_colour *set, int n, int i,
+                        struct gp_hdr_colour *group)
+{
+    const struct gp_frame *const f = set[i].f;
+    const struct gp_input *in = gp_input_of(set[0].f);
+    const exr_attr_chlist_t *list = NULL;
+    int found = 0;
+    if (in && exr_get_channels(in->exr, f->part, &list))
+        return -1;
+    bool complete = !in;
+    for (int k = 0; k < n; k++) {
+        if (set[k].f->part != f->part)
+            continue;
+        if (k < i)
+            return 0;
+        if (memcmp(&set[k].f->data, &f->data, sizeof f->data) != 0)
+            return -1;
+        complete = complete || set[k].f->channels == list->num_channels;
+        group[found++] = set[k];
+    }
+    return complete ? found : -1;
+}
+
+/* Ids with one bit less are other ids. A compression that would do that was
+ * asked for: AUTO loses nothing. */
+static gp_status check_ids(const struct writing *w)
+{
+    const struct gp_input *in = gp_input_of(w->part[0].f);
+    struct gp_crypto crypto;
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < w->parts; i++) {
+        const struct new_part *part = &w->part[i];
+        for (int k = 0; k < part->sources.sources; k++) {
+            const struct gp_exr_source *s = &part->sources.source[k];
+            if (s->data && gp_exr_loses(w->p->compression, s->type, s->name) &&
+                gp_exr_crypto_channel(&crypto, in, part->f->part, s->name) ==
+                    GP_CRYPTO_IDS)
+                return gp_fail(w->log, GP_ERR_USAGE,
+                               "%s: this compression would change the "
+                               "Cryptomatte ids of %s (channel %s); use "
+                               "--compression zip", w->path, part->f->path,
+                               s->name);
+        }
+    }
+    return GP_OK;
+}
+
+gp_status gp_exr_write_hdr(const struct gp_log *log,
+                           const struct gp_write_params *p, const char *path,
+                           const struct gp_hdr_colour *set, int n,
+                           struct gp_write_stats *stats)
+{
+    struct writing w = {
+        .log = log, .p = p, .path = path,
+        .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
+    };
+    void *part, *group = NULL;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *w.part, &part));
+    w.part = part;
+    GP_TRY(gp_alloc(log, "parts", (size_t) n, sizeof *set, &group));
+    for (int i = 0; i < n; i++) {
+        const int found = group_frames(set, n, i, group);
+        if (found < 0)
+            GP_TRY(gp_fail(log, GP_ERR_BUG,
+                           "%s: no frame is the whole part %d", set[i].f->path,
+                           set[i].f->part));
+        if (found == 0)
+            continue;
+        struct new_part *const to = &w.part[w.parts++];
+        to->f = set[i].f;
+        GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
+    }
+    GP_TRY(check_ids(&w));
+    GP_TRY(write_file(&w, stats));
+out:
+    for (int i = 0; i < w.parts; i++)
+        gp_exr_sources_free(&w.part[i].sources);
+    gp_free(w.part);
+    gp_free(group);
     return st;
 }
