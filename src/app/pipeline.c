@@ -2,7 +2,6 @@
 
 #include "app/cache.h"
 #include "app/flight.h"
-#include "app/progress.h"
 #include "app/stages.h"
 #include "core/bridge.h"
 #include "core/clock.h"
@@ -15,7 +14,7 @@
 #include <unistd.h>
 
 /* Which stages run, and what nobody needs after each. */
-struct plan {
+struct schedule {
     bool on[GP_STAGES];
     unsigned dead[GP_STAGES];
 };
@@ -24,8 +23,8 @@ struct plan {
 struct unit {
     struct gp_frame_log log;
     struct gp_frame_state *view; // jobs->views of them, owned
-    int begun;            // of these
-    bool kept;            // its outputs are there: nothing to do
+    int begun;                   // of these
+    bool kept;                   // its outputs exist: nothing to do
 };
 
 struct pipeline {
@@ -34,7 +33,7 @@ struct pipeline {
     struct gp_settings s;            // of the stages
     const struct gp_jobs *jobs;
     struct gp_progress *progress;
-    struct plan plan;
+    struct schedule schedule;
     struct gp_run run;
     struct gp_failures failures;
     struct gp_flight flight;
@@ -44,9 +43,9 @@ struct pipeline {
     atomic_size_t largest;           // frame so far, pixels
 };
 
-/* From the files that are wanted back to what they need. */
-static gp_status make_plan(const struct gp_log *log, const struct gp_run *r,
-                           struct plan *p)
+/* Goes from the files that are wanted back to what they need. */
+static gp_status make_schedule(const struct gp_log *log,
+                               const struct gp_run *r, struct schedule *p)
 {
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
@@ -77,88 +76,68 @@ static gp_status make_plan(const struct gp_log *log, const struct gp_run *r,
     return GP_OK;
 }
 
-// -- steps of a unit ------------------------------------------------------------
+// -- steps of a unit ---------------------------------------------------------
 
 static const struct gp_job *job_of(const struct pipeline *p, int unit, int view)
 {
     return &p->jobs->job[unit * p->jobs->views + view];
 }
 
-/* Frames that were left alone count as if they had not been asked for. */
-static void show_progress(struct pipeline *p, const struct gp_frame_state *fs,
-                          const char *stage)
+static void add_time(struct gp_frame_state *fs, int time, double ms)
 {
-    const int kept = atomic_load(&p->kept), views = p->jobs->views;
-    gp_progress_update(p->progress, gp_flight_head(&p->flight) * views - kept,
-                       p->jobs->n - kept, fs->job->input, stage);
-}
-
-static void add_time(struct gp_frame_state *fs, enum gp_time of, double ms)
-{
-    fs->facts.ms[of] = fmax(fs->facts.ms[of], 0.0) + ms;
+    if (time < 0)
+        return;
+    fs->facts.ms[time] = fmax(fs->facts.ms[time], 0.0) + ms;
     fs->facts.total_ms += ms;
 }
 
 static gp_status run_stages(struct pipeline *p, struct gp_frame_state *fs,
                             enum gp_phase phase)
 {
+    const int views = p->jobs->views;
     for (int i = 0; i < GP_STAGES; i++) {
         const struct gp_stage *const stage = &gp_stages[i];
-        if (!p->plan.on[i] || stage->phase != phase)
+        if (!p->schedule.on[i] || stage->phase != phase)
             continue;
-        show_progress(p, fs, stage->name);
+        // frames that were left alone count as if they had not been asked for
+        const int kept = atomic_load(&p->kept);
+        gp_progress_update(p->progress,
+                           gp_flight_head(&p->flight) * views - kept,
+                           p->jobs->n - kept, fs->job->input, stage->name);
         const double start = gp_now_ms();
         const gp_status st = stage->run(&p->run, fs);
         if (st)
             return st;
-        const double ms = gp_now_ms() - start;
-        if (stage->time >= 0)
-            add_time(fs, (enum gp_time) stage->time, ms - fs->engine_ms);
+        add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms);
         if (fs->engine_ms > 0.0)
             add_time(fs, GP_TIME_GLARE, fs->engine_ms);
         fs->engine_ms = 0.0;
-        gp_frame_state_release(fs, p->plan.dead[i]);
+        gp_frame_state_release(fs, p->schedule.dead[i]);
     }
     return GP_OK;
 }
 
-/* True when all that the unit would write is there. */
-static bool is_made(const struct pipeline *p, int unit)
-{
-    for (int v = 0; v < p->jobs->views; v++) {
-        if (!gp_job_made(&p->asked->write, p->jobs, job_of(p, unit, v)))
-            return false;
-    }
-    return true;
-}
-
 static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
 {
+    const int views = p->jobs->views;
     gp_frame_log_open(&u->log, p->log, &p->flight, unit,
-                  job_of(p, unit, 0)->input);
-    u->kept = is_made(p, unit);
+                      job_of(p, unit, 0)->input);
+    u->kept = true; // all that it would write exists
+    for (int v = 0; v < views && u->kept; v++)
+        u->kept = gp_job_made(&p->asked->write, p->jobs, job_of(p, unit, v));
     if (u->kept)
-        atomic_fetch_add(&p->kept, p->jobs->views);
-    for (u->begun = 0; u->begun < p->jobs->views && !u->kept; u->begun++) {
+        atomic_fetch_add(&p->kept, views);
+    for (u->begun = 0; u->begun < views && !u->kept; u->begun++) {
         gp_status st = gp_frame_state_begin(&u->log.log, p->jobs,
-                                     unit * p->jobs->views + u->begun,
-                                     &u->view[u->begun]);
+                                            unit * views + u->begun,
+                                            &u->view[u->begun]);
         if (st)
             return st;
     }
     return GP_OK;
 }
 
-static void note_size(struct pipeline *p, const struct gp_frame *f)
-{
-    size_t largest = atomic_load(&p->largest);
-    while (gp_frame_pixels(f) > largest &&
-           !atomic_compare_exchange_weak(&p->largest, &largest,
-                                         gp_frame_pixels(f)))
-        ;
-}
-
-static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
+static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
@@ -166,8 +145,13 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
     gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
     for (int v = 0; v < u->begun && !st; v++) {
         st = run_stages(p, &u->view[v], phase);
-        if (phase == GP_PHASE_READ)
-            note_size(p, &u->view[v].frame);
+        if (phase == GP_PHASE_READ) {
+            const size_t n = gp_frame_pixels(&u->view[v].frame);
+            size_t largest = atomic_load(&p->largest);
+            while (n > largest && !atomic_compare_exchange_weak(
+                                      &p->largest, &largest, n))
+                ;
+        }
         if (phase == GP_PHASE_COMPUTE)
             gp_suns_end_frame(&p->run.suns);
     }
@@ -175,7 +159,7 @@ static gp_status step(void *user, int slot, int unit, enum gp_phase phase)
     return st;
 }
 
-// -- the end of a unit ------------------------------------------------------------
+// -- the end of a unit -------------------------------------------------------
 
 static void free_unit(struct unit *u)
 {
@@ -185,7 +169,7 @@ static void free_unit(struct unit *u)
     u->kept = false;
 }
 
-/* True for what may be wrong with one frame alone; a lost context, a full
+/* True for what may be wrong with one frame only; a lost context, a full
  * memory or a closed stdout would fail the others too. */
 static bool can_skip(void *user, int slot, gp_status st)
 {
@@ -201,28 +185,22 @@ static bool can_skip(void *user, int slot, gp_status st)
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-/* Tells the report and the log. */
-static gp_status tell(struct pipeline *p, const struct gp_facts *facts)
+/* Reports a view that was made, or failed with `st`. */
+static gp_status report_view(struct pipeline *p, struct unit *u, int unit,
+                             int v, gp_status st)
 {
-    if (p->log->level >= GP_LEVEL_INFO) {
-        char line[1024];
+    const struct gp_facts *const facts = &u->view[v].facts;
+    char line[1024];
+    if (st)
+        gp_failures_add(&p->failures, unit * p->jobs->views + v);
+    else if (p->log->level >= GP_LEVEL_INFO) {
         gp_facts_text(facts, line, sizeof line);
         gp_say(p->log, GP_LEVEL_INFO, "%s", line);
     }
-    return p->s.report ? gp_report_frame(p->log, &p->run.report, facts)
-                       : GP_OK;
-}
-
-static gp_status end_view(struct pipeline *p, struct unit *u, int unit, int v,
-                          gp_status st)
-{
-    const struct gp_facts *const facts = &u->view[v].facts;
-    if (!st)
-        return tell(p, facts);
-    gp_failures_add(&p->failures, unit * p->jobs->views + v);
-    return p->s.report ? gp_report_failed(p->log, &p->run.report, facts,
-                                          u->log.last)
-                       : GP_OK;
+    if (!p->s.report)
+        return GP_OK;
+    return st ? gp_report_failed(p->log, &p->run.report, facts, u->log.last)
+              : gp_report_frame(p->log, &p->run.report, facts);
 }
 
 static gp_status end_unit(void *user, int slot, int unit, gp_status st)
@@ -235,12 +213,12 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     if (u->kept)
         p->failures.kept += p->jobs->views;
     for (int v = 0; v < u->begun && !told && (!st || skipped); v++)
-        told = end_view(p, u, unit, v, st);
+        told = report_view(p, u, unit, v, st);
     free_unit(u);
     return st && !skipped ? st : told;
 }
 
-// -- how many in flight -------------------------------------------------------------
+// -- how many in flight ------------------------------------------------------
 
 enum {
     FLIGHT = 3,        // one is read, one computed, one written
@@ -259,18 +237,13 @@ static bool has_room(void *user, int in_flight)
     return frame < (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
 }
 
-static int count_slots(const struct pipeline *p)
+static gp_status make_slots(struct pipeline *p)
 {
     const int units = p->jobs->n / p->jobs->views;
     const int most = p->asked->frame_jobs ? p->asked->frame_jobs
                      : gp_threads() > 1   ? FLIGHT : 1;
-    return most < units ? most : units > 0 ? units : 1;
-}
-
-static gp_status make_slots(struct pipeline *p)
-{
     void *block;
-    p->slots = count_slots(p);
+    p->slots = most < units ? most : units > 0 ? units : 1;
     gp_status st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->slots,
                                  sizeof *p->unit, &block);
     p->unit = block;
@@ -282,17 +255,7 @@ static gp_status make_slots(struct pipeline *p)
     return st;
 }
 
-// -- all frames ---------------------------------------------------------------------
-
-/* Frames of one stream stand in it one behind the other. */
-static bool has_stream(const struct gp_jobs *jobs)
-{
-    for (int i = 0; i < jobs->targets; i++) {
-        if (strcmp(jobs->target[i].name.path, "-") == 0)
-            return true;
-    }
-    return false;
-}
+// -- all frames --------------------------------------------------------------
 
 /* Pictures of --flare and tables of --ocio are not written over either. */
 static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
@@ -322,11 +285,15 @@ static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
     return st;
 }
 
-/* What is made once; everything that can fail without a frame fails here. */
+/* Makes what is made once; everything that can fail without a frame fails
+ * here. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     gp_status st;
-    r->ordered = has_stream(r->jobs);
+    // frames of one stream follow each other in it
+    for (int i = 0; i < r->jobs->targets; i++)
+        r->ordered = r->ordered ||
+                     strcmp(r->jobs->target[i].name.path, "-") == 0;
     r->glare = r->s->glare;
     if (r->glare.fft_plan == GP_FFT_PLAN_MEASURE)
         r->wisdom = gp_cache_file("fft-wisdom");
@@ -343,29 +310,6 @@ out:
     return st;
 }
 
-static void close_run(struct gp_run *r)
-{
-    gp_glare_close(&r->engines);
-    gp_glare_close(&r->group_engines);
-    gp_suns_close(&r->suns);
-    gp_ocio_close(&r->ocio);
-    gp_kernel_free(&r->kernel);
-    free(r->wisdom);
-}
-
-static gp_status fly(struct pipeline *p)
-{
-    const struct gp_flight_params params = {
-        .units = p->jobs->n / p->jobs->views, .slots = p->slots,
-        .ordered = p->run.ordered,
-    };
-    const struct gp_flight_work work = {
-        .user = p, .step = step, .goes_on = can_skip, .has_room = has_room,
-        .end = end_unit,
-    };
-    return gp_flight_run(&params, &work, &p->flight);
-}
-
 gp_status gp_pipeline_run(const struct gp_log *log,
                           const struct gp_settings *s,
                           const struct gp_jobs *jobs,
@@ -376,12 +320,20 @@ gp_status gp_pipeline_run(const struct gp_log *log,
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs},
     };
+    const struct gp_flight_work work = {
+        .user = &p, .step = run_step, .goes_on = can_skip,
+        .has_room = has_room, .end = end_unit,
+    };
     p.s.write.no_clobber = false; // a set that is not whole is made anew
-    GP_TRY(make_plan(log, &p.run, &p.plan));
+    GP_TRY(make_schedule(log, &p.run, &p.schedule));
     GP_TRY(begin_run(log, &p.run));
     GP_TRY(gp_failures_make(log, jobs, &p.failures));
     GP_TRY(make_slots(&p));
-    GP_TRY(fly(&p));
+    const struct gp_flight_params params = {
+        .units = jobs->n / jobs->views, .slots = p.slots,
+        .ordered = p.run.ordered,
+    };
+    GP_TRY(gp_flight_run(&params, &work, &p.flight));
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);
@@ -391,6 +343,11 @@ out:;
     }
     gp_free(p.unit);
     gp_failures_free(&p.failures);
-    close_run(&p.run);
+    gp_glare_close(&p.run.engines);
+    gp_glare_close(&p.run.group_engines);
+    gp_suns_close(&p.run.suns);
+    gp_ocio_close(&p.run.ocio);
+    gp_kernel_free(&p.run.kernel);
+    free(p.run.wisdom);
     return st ? st : closed;
 }
