@@ -3,8 +3,6 @@
 #include "app/bench_measure.h"
 #include "app/bench_sun.h"
 #include "app/bench_table.h"
-#include "app/cache.h"
-#include "app/files.h"
 #include "app/options.h"
 #include "app/sun.h"
 #include "core/memory.h"
@@ -22,20 +20,6 @@
 static bool on_stdout(const char *path)
 {
     return path && strcmp(path, "-") == 0;
-}
-
-/* No file is written over another, or over what is measured. */
-static gp_status check_names(const struct gp_log *log,
-                             const struct gp_settings *s)
-{
-    struct gp_files f;
-    gp_status st = gp_files_begin(log, s, NULL, NULL, &f);
-    if (!st)
-        st = gp_files_settle(&f);
-    if (!st && !s->bench.paper)
-        st = gp_files_read(&f, "input", s->inputs.at[0]);
-    gp_files_end(&f);
-    return st;
 }
 
 /* Minutes of measuring should not end at a name that cannot be written. */
@@ -153,13 +137,9 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_settings *s)
     struct gp_bench_job job = {.log = log, .s = s, .kernel = &kernel};
     struct gp_bench_table table = {.runs = s->bench.runs};
     const char *name;
-    char *const wisdom = s->glare.fft_plan == GP_FFT_PLAN_MEASURE
-                             ? gp_cache_file("fft-wisdom") : NULL;
-    job.wisdom = wisdom;
     gp_set_threads(s->threads);
     gp_gl_prepare(); // while there is one thread
     GP_TRY(check_files(log, s));
-    GP_TRY(check_names(log, s));
     if (gp_suns_wanted(&s->sun)) {
         st = gp_bench_sun(log, s);
         goto out;
@@ -171,6 +151,5 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_settings *s)
 out:
     gp_bench_table_free(&table);
     gp_kernel_free(&kernel);
-    free(wisdom);
     return st;
 }

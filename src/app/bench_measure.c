@@ -230,7 +230,6 @@ static gp_status run_technique(const struct bench *b, double *ms,
     };
     t.params.engine = technique->engine;
     t.params.splat = technique->splat;
-    t.params.wisdom = b->job->wisdom;
     for (int i = 0; gp_engines[i]; i++) {
         if (strcmp(gp_engines[i]->name, technique->engine) == 0)
             t.engine = gp_engines[i];

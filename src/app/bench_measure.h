@@ -12,7 +12,6 @@
 struct gp_bench_job {
     const struct gp_log *log;
     const struct gp_settings *s;
-    const char *wisdom;              // for measured plans, or NULL
     const struct gp_kernel *kernel;
 };
 

@@ -1,5 +1,5 @@
 #include "app/bench.h"
-#include "app/files.h"
+#include "app/clobber.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"
@@ -16,7 +16,9 @@
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A standard stream that is closed must not become a picture's descriptor:
@@ -85,6 +87,8 @@ static void end_for_memory(const char *line)
     _exit((int) st);
 }
 
+// -- the commands ------------------------------------------------------------
+
 static gp_status make_frames(const struct gp_log *log, struct voice *voice,
                              const struct gp_settings *s)
 {
@@ -105,20 +109,33 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     return st;
 }
 
-// -- compare -----------------------------------------------------------------
+/* No file is written over another, or over what is measured. */
+static gp_status check_bench_names(const struct gp_log *log,
+                                   const struct gp_settings *s)
+{
+    struct gp_clobber c;
+    gp_status st = gp_clobber_begin(log, s, NULL, NULL, &c);
+    if (!st)
+        st = gp_clobber_settle(&c);
+    if (!st && !s->bench.paper)
+        st = gp_clobber_input(&c, "input", s->inputs.at[0]);
+    gp_clobber_end(&c);
+    return st;
+}
 
+/* The name that a pattern has for an item: a place in the list of frames. */
 static char *frame_name(const struct gp_compare_names *n,
                         const struct gp_pattern *p, int item)
 {
     return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
 }
 
-static struct gp_file_owner heatmap_owner(const void *user,
-                                          const struct gp_file_id *id)
+static struct gp_clobber_owner heatmap_owner(
+    const void *user, const struct gp_clobber_file *file)
 {
     const struct gp_compare_names *const n = user;
-    return (struct gp_file_owner) {
-        .name = frame_name(n, &n->heatmap, id->item),
+    return (struct gp_clobber_owner) {
+        .name = frame_name(n, &n->heatmap, file->item),
         .what = "--heatmap",
         .as = n->heatmap.path,
     };
@@ -131,27 +148,27 @@ static gp_status check_compare_names(const struct gp_log *log,
 {
     const struct gp_settings *const s = user;
     gp_status st;
-    struct gp_files f;
+    struct gp_clobber c;
     char *name = NULL;
     const int n = names->frames.n ? names->frames.n : 1;
-    GP_TRY(gp_files_begin(log, s, heatmap_owner, names, &f));
+    GP_TRY(gp_clobber_begin(log, s, heatmap_owner, names, &c));
     for (int i = 0; i < n && s->compare.heatmap; i++) {
         name = frame_name(names, &names->heatmap, i);
-        GP_TRY(name ? gp_files_write(&f, name, 0, i)
+        GP_TRY(name ? gp_clobber_output(&c, name, 0, i)
                     : gp_no_memory(log, names->heatmap.path));
         GP_FREE(name);
     }
-    GP_TRY(gp_files_settle(&f));
-    for (int i = 0; i < 2 * n && f.there; i++) {
+    GP_TRY(gp_clobber_settle(&c));
+    for (int i = 0; i < 2 * n && c.exists; i++) {
         const struct gp_pattern *const p = &names->in[i % 2];
         name = frame_name(names, p, i / 2);
-        GP_TRY(name ? gp_files_read(&f, "input", name)
+        GP_TRY(name ? gp_clobber_input(&c, "input", name)
                     : gp_no_memory(log, p->path));
         GP_FREE(name);
     }
 out:
     gp_free(name);
-    gp_files_end(&f);
+    gp_clobber_end(&c);
     return st;
 }
 
@@ -171,9 +188,37 @@ static int compare(const struct gp_log *log, const struct gp_settings *s)
     return gp_compare_run(log, &job);
 }
 
+/* The path of `name` in $XDG_CACHE_HOME/glarepp, or ~/.cache/glarepp where
+ * that variable is unset or no absolute path (XDG Base Directory Specification
+ * 0.8); from malloc. Makes the folders, for the user only. NULL when there is
+ * no such folder: the cache is a help, never a need. */
+static char *cache_file(const char *name)
+{
+    const char *base = getenv("XDG_CACHE_HOME"), *below = "";
+    char *path;
+    if (!base || base[0] != '/') {
+        base = getenv("HOME");
+        below = "/.cache";
+    }
+    if (!base || base[0] != '/' ||
+        asprintf(&path, "%s%s/glarepp/%s", base, below, name) < 0)
+        return NULL;
+    for (char *s = path + 1; (s = strchr(s, '/')); s++) {
+        *s = '\0';
+        const bool there = mkdir(path, 0700) == 0 || errno == EEXIST;
+        *s = '/';
+        if (!there) {
+            free(path);
+            return NULL;
+        }
+    }
+    return path;
+}
+
 int main(int argc, char *argv[])
 {
     struct gp_settings s;
+    char *wisdom = NULL;
     int status = 0; // of what has exit statuses of its own
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
@@ -189,15 +234,21 @@ int main(int argc, char *argv[])
     log.level = s.level;
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
     gp_bridge_about(voice.file);
+    if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
+        s.glare.wisdom = wisdom = cache_file("fft-wisdom");
     if (!st && (s.help || s.help_man || s.version ||
-                s.command == GP_COMMAND_HELP))
+                s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
-    else if (!st && s.command == GP_COMMAND_BENCH)
-        st = gp_bench_run(&log, &s);
-    else if (!st && s.command == GP_COMMAND_COMPARE)
+    } else if (!st && s.command == GP_COMMAND_BENCH) {
+        st = check_bench_names(&log, &s);
+        if (!st)
+            st = gp_bench_run(&log, &s);
+    } else if (!st && s.command == GP_COMMAND_COMPARE) {
         status = compare(&log, &s);
-    else if (!st)
+    } else if (!st) {
         st = make_frames(&log, &voice, &s);
+    }
     gp_settings_free(&s);
+    free(wisdom);
     return st ? (int) st : status;
 }

@@ -1,6 +1,5 @@
 #include "app/pipeline.h"
 
-#include "app/cache.h"
 #include "app/flight.h"
 #include "app/stages.h"
 #include "core/bridge.h"
@@ -9,7 +8,6 @@
 #include "core/parallel.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -294,10 +292,6 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      strcmp(r->jobs->target[i].name.path, "-") == 0;
-    r->glare = r->s->glare;
-    if (r->glare.fft_plan == GP_FFT_PLAN_MEASURE)
-        r->wisdom = gp_cache_file("fft-wisdom");
-    r->glare.wisdom = r->wisdom;
     GP_TRY(gp_run_read_kernel(log, r));
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
@@ -348,6 +342,5 @@ out:;
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
     gp_kernel_free(&p.run.kernel);
-    free(p.run.wisdom);
     return st ? st : closed;
 }

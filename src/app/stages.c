@@ -272,7 +272,7 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
     memcpy(fs->facts.kernel_faint, r->kernel.faint, sizeof r->kernel.faint);
     if (light->n > 0)
-        return gp_glare_run(fs->log, &r->glare, &r->engines, light,
+        return gp_glare_run(fs->log, &r->s->glare, &r->engines, light,
                             &r->kernel, &fs->frame, &fs->facts.glare);
     fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
@@ -362,7 +362,7 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         struct gp_glare_stats stats = {0};
         const double start = gp_now_ms();
         if (g->sources.n > 0)
-            st = gp_glare_run(fs->log, &r->glare, &r->group_engines,
+            st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
                               &g->sources, &r->kernel, &g->frame, &stats);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         if (!st)
@@ -452,7 +452,7 @@ static gp_status outline_polygons(const struct gp_run *r,
     for (int c = 0; c < 3 && !st; c++)
         memcpy(out->c[c], shown->c[c], n * sizeof(float));
     if (!st && fs->sources.n > 0)
-        st = gp_outline(fs->log, &fs->sources, &r->kernel, &r->glare.splat,
+        st = gp_outline(fs->log, &fs->sources, &r->kernel, &r->s->glare.splat,
                         out);
     return st;
 }

@@ -88,8 +88,6 @@ struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
-    struct gp_glare_params glare;  // s->glare with the place of its wisdom
-    char *wisdom;                  // owned
     struct gp_kernel kernel;
     bool has_kernel;
     struct gp_glare engines;
