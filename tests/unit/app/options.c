@@ -1,6 +1,6 @@
 /* app/options: what right lines set. */
 #include "unit.h"
-#include "option_line.h"
+#include "app/option_line.h"
 
 static void defaults_hold(void **state)
 {

@@ -1,6 +1,6 @@
 /* app/options: what is said of lines that are wrong, or do nothing. */
 #include "unit.h"
-#include "option_line.h"
+#include "app/option_line.h"
 
 struct error_row {
     const char *line;
