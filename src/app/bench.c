@@ -4,7 +4,7 @@
 #include "app/bench_sun.h"
 #include "app/bench_table.h"
 #include "app/options.h"
-#include "app/sun.h"
+#include "app/sun_files.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "gl/gl.h"
@@ -141,7 +141,10 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_settings *s)
     gp_gl_prepare(); // while there is one thread
     GP_TRY(check_files(log, s));
     if (gp_suns_wanted(&s->sun)) {
-        st = gp_bench_sun(log, s);
+        struct gp_job suns = {.input = (char *) s->inputs.at[0]};
+        struct gp_sun_files files = {s, &suns};
+        const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+        st = gp_bench_sun(log, s, &reader);
         goto out;
     }
     GP_TRY(make_kernel(log, s, &kernel, &name));

@@ -2,13 +2,12 @@
 
 #include "app/bench_table.h"
 #include "core/json.h"
-#include "app/sun.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/file.h"
 #include "io/read.h"
-#include "sun/occluder.h"
+#include "sun/stage.h"
 
 #include <errno.h>
 #include <jansson.h>
@@ -50,11 +49,11 @@ static void add_row(struct bench *b, enum gp_sun_method method, int map,
         [GP_SUM_BILINEAR] = "bilinear",
     };
     struct row *const r = &b->row[b->rows++];
-    *r = (struct row) {.p = b->s->sun.params};
+    *r = (struct row) {.p = b->s->sun};
     r->p.method = method;
-    r->p.map = map;
-    r->p.pattern = pattern;
-    r->p.sum = sum;
+    r->p.map.side = map;
+    r->p.map.pattern = pattern;
+    r->p.map.sum = sum;
     if (method == GP_SUN_MASK)
         snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", map, map,
                  pattern == GP_PATTERN_DISC ? "disc" : "square", sums[sum]);
@@ -66,9 +65,9 @@ static void add_row(struct bench *b, enum gp_sun_method method, int map,
 static void add_rows(struct bench *b)
 {
     static const int map[] = {4, 8, 16, 32, 64};
-    const struct gp_sun_params *const p = &b->s->sun.params;
-    add_row(b, GP_SUN_EXACT, p->map, p->pattern, GP_SUM_FLOAT);
-    add_row(b, GP_SUN_READBACK, p->map, p->pattern, GP_SUM_FLOAT);
+    const struct gp_map_params *const p = &b->s->sun.map;
+    add_row(b, GP_SUN_EXACT, p->side, p->pattern, GP_SUM_FLOAT);
+    add_row(b, GP_SUN_READBACK, p->side, p->pattern, GP_SUM_FLOAT);
     for (int i = 0; i < 5; i++) {
         for (int k = 0; k < 2; k++) {
             const enum gp_sun_pattern pattern =
@@ -81,15 +80,6 @@ static void add_rows(struct bench *b)
 }
 
 // -- measuring ----------------------------------------------------------------
-
-/* One frame's visibilities, of which the mask's stay on GL. */
-static gp_status see(struct bench *b, const struct gp_log *log,
-                     const struct row *r)
-{
-    struct gp_settings s = *b->s;
-    s.sun.params = r->p;
-    return gp_suns_see(log, &s, &b->suns);
-}
 
 static gp_status finish(struct bench *b, const struct gp_log *log,
                         const struct row *r)
@@ -106,8 +96,9 @@ static gp_status run(struct bench *b, const struct gp_log *log,
 {
     const double start = gp_now_ms();
     gp_status st = GP_OK;
+    b->suns.p = &r->p;
     for (int i = 0; i < frames && !st; i++)
-        st = see(b, log, r);
+        st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
     if (!st)
         st = finish(b, log, r);
     *ms = (gp_now_ms() - start) / frames;
@@ -293,23 +284,20 @@ out:
     return st;
 }
 
-gp_status gp_bench_sun(const struct gp_log *log, const struct gp_settings *s)
+gp_status gp_bench_sun(const struct gp_log *log, const struct gp_settings *s,
+                       const struct gp_sun_reader *reader)
 {
     gp_status st;
     void *v;
     struct bench b = {.log = log, .s = s};
-    char *const path = gp_strdup(s->inputs.at[0]);
-    const struct gp_job job = {.input = path};
-    if (!path)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: out of memory",
-                       s->inputs.at[0]));
+    const char *const path = s->inputs.at[0];
     if (s->bench.plot)
         GP_TRY(gp_fail(log, GP_ERR_USAGE,
                        "--plot: not for the table of a sun; give --csv or "
                        "--json"));
-    GP_TRY(gp_suns_begin(log, s, &b.suns));
+    GP_TRY(gp_suns_begin(log, &s->sun, s->glare.gl, reader, &b.suns));
     GP_TRY(gp_read_frame(log, &s->read, path, &b.frame));
-    GP_TRY(gp_suns_place(log, s, &job, &b.frame, &b.suns));
+    GP_TRY(gp_suns_place(log, reader, &b.frame, &b.suns));
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof(double),
                          &v));
     b.exact = v;
@@ -329,6 +317,5 @@ out:
     gp_frame_free(&b.frame);
     gp_free(b.exact);
     gp_free(b.ms);
-    gp_free(path);
     return st;
 }

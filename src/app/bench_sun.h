@@ -5,6 +5,7 @@
 
 #include "app/settings.h"
 #include "core/status.h"
+#include "sun/stage.h"
 
 /* Measures s->inputs.at[0] with the lights that the command line names, and
  * writes the table: to --csv or --json where they are given, else to stdout.
@@ -15,6 +16,7 @@
  * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A
  * method that cannot run is a row that says why. */
 GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
-                                     const struct gp_settings *s);
+                                     const struct gp_settings *s,
+                                     const struct gp_sun_reader *reader);
 
 #endif

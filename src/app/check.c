@@ -4,7 +4,6 @@
 #include "app/options.h"
 
 #include "compare/compare.h"
-#include "app/sun.h"
 #include "io/file_name.h"
 
 #include <string.h>
@@ -75,9 +74,9 @@ static bool open_ended(const char *path)
 /* The needs that these settings meet. */
 static unsigned needs_met(const struct gp_settings *s)
 {
-    const struct gp_sun_settings *const sun = &s->sun;
+    const struct gp_sun_params *const sun = &s->sun;
     const bool light = gp_suns_wanted(sun), config = s->ocio.config != NULL;
-    const bool mask = sun->params.method == GP_SUN_MASK ||
+    const bool mask = sun->method == GP_SUN_MASK ||
                       s->command == GP_COMMAND_BENCH; // measures them all
     const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
     const bool chosen = strcmp(s->glare.engine, "auto") == 0;
@@ -195,7 +194,7 @@ static gp_status check_sun(const struct gp_log *log,
                            const struct gp_log *warn,
                            const struct gp_settings *s)
 {
-    const struct gp_sun_settings *const p = &s->sun;
+    const struct gp_sun_params *const p = &s->sun;
     if (p->at.n == 3 && p->at.v[2] < 0.0)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun: a negative radius (found %g); give 0 or more",
@@ -203,14 +202,14 @@ static gp_status check_sun(const struct gp_log *log,
     if (p->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
-    if (p->params.map % 2)
+    if (p->map.side % 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-map: odd (found %d); give an even number",
-                       p->params.map);
-    if (p->params.sum == GP_SUM_BYTE && p->params.map > 16 &&
-        p->params.method == GP_SUN_MASK)
+                       p->map.side);
+    if (p->map.sum == GP_SUM_BYTE && p->map.side > 16 &&
+        p->method == GP_SUN_MASK)
         gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: a map over 16 adds up to "
-               "nothing (found %d); use --sun-map 16", p->params.map);
+               "nothing (found %d); use --sun-map 16", p->map.side);
     return GP_OK;
 }
 

@@ -2,6 +2,7 @@
 
 #include "app/flight.h"
 #include "app/stages.h"
+#include "app/sun_files.h"
 #include "core/bridge.h"
 #include "core/clock.h"
 #include "core/memory.h"
@@ -287,6 +288,8 @@ static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
  * here. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
+    struct gp_sun_files files = {.s = r->s};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     gp_status st;
     // frames of one stream follow each other in it
     for (int i = 0; i < r->jobs->targets; i++)
@@ -295,7 +298,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     GP_TRY(gp_run_read_kernel(log, r));
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
-    GP_TRY(gp_suns_begin(log, r->s, &r->suns));
+    GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
     GP_TRY(check_named(log, r));
     if (r->s->report)
         GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,

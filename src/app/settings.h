@@ -12,8 +12,7 @@
 #include "glare/sensors.h"
 #include "io/read.h"
 #include "io/write.h"
-#include "sun/camera.h"
-#include "sun/map.h"
+#include "sun/stage.h"
 #include "tone/ocio.h"
 #include "tone/tone.h"
 
@@ -60,24 +59,6 @@ struct gp_texts {
     int n;
 };
 
-/* Suns and lamps, what hides them, what they do. Files are NULL when not
- * given. */
-struct gp_sun_settings {
-    struct gp_sun_params params;
-    struct gp_numbers at;      // x, y and maybe radius, pixels
-    struct gp_numbers dir;     // towards the sun, world
-    struct gp_numbers color;   // flux by channel, or one for all
-    float size;                // degrees across, with dir and camera
-    bool in_frame;             // the frame's pixels hold the lights already
-    float adapt;               // share that the pupil takes, 0 to 1
-    enum gp_ndc ndc;
-    enum gp_depth_type depth_type;
-    const char *camera, *lights, *flare;
-    const char *depth_file, *mask, *mask_file;
-};
-#define GP_SUN_SETTINGS_DEFAULTS                                              \
-    { .params = GP_SUN_DEFAULTS, .size = 0.533f }
-
 /* What `glarepp bench` makes of its table; files are NULL when not wanted. */
 struct gp_bench_settings {
     const char *csv, *json, *plot;
@@ -99,7 +80,7 @@ struct gp_settings {
     struct gp_write_params write;
     struct gp_bench_settings bench;    // json: of compare too
     struct gp_compare_params compare;
-    struct gp_sun_settings sun;
+    struct gp_sun_params sun;
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts ocio_context;      // ocio.context once checked

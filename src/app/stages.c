@@ -1,6 +1,7 @@
 #include "app/stages.h"
 
 #include "core/clock.h"
+#include "app/sun_files.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/compose.h"
@@ -146,12 +147,14 @@ out:
 /* Finds the places of the lights, and how much of each shows. */
 static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
 {
-    gp_status st = gp_suns_place(fs->log, r->s, fs->job, &fs->frame, &r->suns);
+    struct gp_sun_files files = {r->s, fs->job};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    gp_status st = gp_suns_place(fs->log, &reader, &fs->frame, &r->suns);
     if (!st)
-        st = gp_suns_see(fs->log, r->s, &r->suns);
+        st = gp_suns_measure(fs->log, &r->suns);
     if (st)
         return st;
-    fs->facts.sun_way = gp_suns_way(r->s, &r->suns);
+    fs->facts.sun_way = gp_suns_way(&r->suns);
     if (r->suns.gl)
         fs->facts.sun_gl = gp_gl_info(r->suns.gl)->name;
     return GP_OK;
@@ -262,8 +265,10 @@ static const struct gp_sources *all_light(const struct gp_frame_state *fs)
 static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
 {
     bool joined;
-    gp_status st = gp_suns_join(fs->log, r->s, &r->suns, &fs->frame,
-                                &fs->sources, &fs->joined, &joined);
+    gp_status st = gp_suns_join(fs->log, &r->suns, &fs->frame, &fs->sources,
+                                &fs->joined, &joined);
+    if (!st)
+        st = gp_suns_spread(fs->log, &r->suns, &r->kernel, &fs->frame);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);
@@ -304,9 +309,9 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
 static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
-    if (gp_suns_add_light(r->s, &r->suns) && !fs->frame.layer.c[0])
+    if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, r->s, &r->suns, &r->kernel,
+    return st ? st : gp_suns_draw(fs->log, &r->suns, &r->kernel,
                                   &fs->frame);
 }
 
@@ -403,10 +408,10 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
         facts->depth_reversed = o->facts.reversed;
     }
     if (r->s->debug[GP_DEBUG_SUNMAP])
-        st = gp_suns_picture(fs->log, r->s, suns, false, &fs->sunmap.w,
+        st = gp_suns_picture(fs->log, suns, false, &fs->sunmap.w,
                              &fs->sunmap.h, &fs->sunmap.planes);
     if (!st && r->s->debug[GP_DEBUG_INTENSITY])
-        st = gp_suns_picture(fs->log, r->s, suns, true, &fs->intensity.w,
+        st = gp_suns_picture(fs->log, suns, true, &fs->intensity.w,
                              &fs->intensity.h, &fs->intensity.planes);
     return st;
 }

@@ -7,12 +7,12 @@
 #include "app/jobs.h"
 #include "app/report.h"
 #include "app/settings.h"
-#include "app/sun.h"
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
 #include "glare/sensors.h"
+#include "sun/stage.h"
 
 #include <stdbool.h>
 

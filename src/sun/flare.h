@@ -72,12 +72,6 @@ GP_MUST_CHECK gp_status gp_flare_read(const struct gp_log *log,
                                       const char *path, struct gp_flare *out);
 void gp_flare_free(struct gp_flare *f);
 
-/* The pixels of `frame` (data window) that element e may reach for light l;
- * empty when it reaches none. `display` gives centre and height. */
-struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-                              const struct gp_light *l, struct gp_rect frame,
-                              struct gp_rect display);
-
 /* Adds all elements of every light to `layer` (w * h of `frame`), in plain C:
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */

@@ -2,6 +2,7 @@
 #include "sun/sun_priv.h"
 
 #include "core/cpu.h"
+#include "core/minmax.h"
 
 #include <math.h>
 
@@ -86,34 +87,19 @@ GP_CLONES static void add_flat(const struct run *r)
         r->out[i] += r->amount;
 }
 
-static inline float minf(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static inline float maxf(float a, float b)
-{
-    return a > b ? a : b;
-}
-
-static inline float clamp1(float v)
-{
-    return minf(maxf(v, 0.0f), 1.0f);
-}
-
 GP_CLONES static void add_round(const struct run *r, float radius, float inner)
 {
     const float x0 = r->x, y = r->y, tiny = 1e-20f, amount = r->amount;
-    const float edge = minf(radius, 0.5f), hole = minf(inner, 0.5f);
+    const float edge = gp_minf(radius, 0.5f), hole = gp_minf(inner, 0.5f);
     const int from = r->from;
     float *const out = r->out;
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float rho = sqrtf(x * x + y * y);
-        const float m = maxf(fabsf(x), fabsf(y));
-        const float slope = maxf(rho, tiny) / maxf(m, tiny);
-        const float cover = clamp1(edge + (radius - rho) * slope) -
-                            clamp1(hole + (inner - rho) * slope);
+        const float m = gp_maxf(fabsf(x), fabsf(y));
+        const float slope = gp_maxf(rho, tiny) / gp_maxf(m, tiny);
+        const float cover = gp_clamp01(edge + (radius - rho) * slope) -
+                            gp_clamp01(hole + (inner - rho) * slope);
         out[i] += amount * cover;
     }
 }
@@ -127,7 +113,7 @@ GP_CLONES static void meet_side(const struct run *r, const float *side,
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float c = 0.5f + (apothem - (nx * x + ny * y)) * steep;
-        cover[i] = minf(cover[i], c);
+        cover[i] = gp_minf(cover[i], c);
     }
 }
 
@@ -144,7 +130,7 @@ static void add_polygon(const struct run *r, const struct gp_flare_quad *q,
         for (int s = 0; s < q->sides; s++)
             meet_side(&part, q->edge + 3 * s, apothem, cover);
         for (int i = 0; i < part.n; i++)
-            r->out[at + i] += r->amount * maxf(cover[i], 0.0f);
+            r->out[at + i] += r->amount * gp_maxf(cover[i], 0.0f);
     }
 }
 
@@ -153,16 +139,16 @@ GP_CLONES static void add_streak(const struct run *r, const float turn[2],
 {
     const float x0 = r->x, y = r->y, amount = r->amount;
     const float c = turn[0], s = turn[1];
-    const float steep = 1.0f / maxf(fabsf(c), fabsf(s));
+    const float steep = 1.0f / gp_maxf(fabsf(c), fabsf(s));
     const float share = 1.0f / radius;
     const int from = r->from;
     float *const out = r->out;
     for (int i = 0; i < r->n; i++) {
         const float x = x0 + (float) (from + i);
         const float v = fabsf(x * s + y * c);
-        const float fade = maxf(1.0f - fabsf(x * c - y * s) * share, 0.0f);
-        const float cover = clamp1(0.5f + (half - v) * steep) -
-                            clamp1(0.5f - (half + v) * steep);
+        const float fade = gp_maxf(1.0f - fabsf(x * c - y * s) * share, 0.0f);
+        const float cover = gp_clamp01(0.5f + (half - v) * steep) -
+                            gp_clamp01(0.5f - (half + v) * steep);
         out[i] += amount * (cover * (fade * fade));
     }
 }
@@ -184,7 +170,7 @@ static float blend(float a, float b, float t)
 /* Far outside, where this texel and the next are none. */
 static int clamp_texel(float v, int size)
 {
-    return (int) maxf(-2.0f, minf(v, (float) size));
+    return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
 }
 
 static void add_image(const struct run *r, const struct gp_flare_quad *q,

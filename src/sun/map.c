@@ -90,7 +90,7 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
 
 gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
                        const struct gp_occluders *o,
-                       const struct gp_sun_params *p,
+                       const struct gp_map_params *p,
                        const struct gp_light *light, int n,
                        struct gp_sun_map **state)
 {
@@ -101,10 +101,10 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
         return gp_fail_bare(log, GP_ERR_BUG,
                             "sun map: %d lights (1 to %d can be drawn); "
                             "report it", n, GP_LIGHTS_MAX);
-    if (p->map < 2 || p->map > 256 || p->map % 2)
+    if (p->side < 2 || p->side > 256 || p->side % 2)
         return gp_fail_bare(log, GP_ERR_BUG,
                             "sun map: %d texels wide (2 to 256, even, can be "
-                            "drawn); report it", p->map);
+                            "drawn); report it", p->side);
     if (n > limit)
         return gp_fail_bare(log, GP_ERR_GL,
                             "sun map: %d lights do not go into a texture (%d "
@@ -121,7 +121,7 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
         GP_TRY(gp_alloc_zero(log, "sun map's pixels", GP_SUN_BAND,
                              4 * sizeof(float), (void **) &s->band));
     for (int i = 0; i < n; i++)
-        s->light[i] = gp_map_light_of(o, p->map, &light[i]);
+        s->light[i] = gp_map_light_of(o, p->side, &light[i]);
     GP_TRY(gp_map_pack(log, o, s->light, n,
                        limit < GP_SUN_BAND ? limit : GP_SUN_BAND, &pixels));
     GP_TRY(gp_map_write_pixels(log, gl, o, &pixels, s, n));
@@ -146,22 +146,22 @@ static int power_of_two(int v)
 }
 
 static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_sun_params *p, int n,
+                           const struct gp_map_params *p, int n,
                            struct gp_sun_map *s)
 {
     enum { MOST = 1 << 24 }; // texels, 256 MiB
     const int columns = (int) ceil(sqrt((double) n)); // about square
     const int rows = (n + columns - 1) / columns;
-    int w = power_of_two(columns * p->map), h = power_of_two(rows * p->map);
+    int w = power_of_two(columns * p->side), h = power_of_two(rows * p->side);
     const int limit = gp_gl_info(gl)->max_size;
     if (w > limit || h > limit || (long long) w * h > MOST)
         return gp_fail_bare(log, GP_ERR_GL,
                             "sun map: %d maps of %dx%d texels do not go into "
                             "one texture (%d texels wide and high, and %d in "
                             "all, is the limit); use a smaller --sun-map or "
-                            "--sun-method exact", n, p->map, p->map, limit,
+                            "--sun-method exact", n, p->side, p->side, limit,
                             MOST);
-    s->map = p->map;
+    s->map = p->side;
     s->columns = columns;
     if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
         return GP_OK;
@@ -177,7 +177,7 @@ static int rows_of(const struct gp_sun_map *s, int n)
 
 static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
                            const struct gp_occluders *o,
-                           const struct gp_sun_params *p, int n,
+                           const struct gp_map_params *p, int n,
                            struct gp_sun_map *s)
 {
     const struct gp_texture *const to = &s->atlas.colour;
@@ -260,7 +260,7 @@ static gp_status draw_intensity(const struct gp_log *log,
 
 gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
                           const struct gp_occluders *o,
-                          const struct gp_sun_params *p,
+                          const struct gp_map_params *p,
                           const struct gp_light *light, int n,
                           struct gp_sun_map **state)
 {

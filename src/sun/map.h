@@ -1,11 +1,11 @@
 /* Maughan's texture masking (Game Programming Gems 3, 5.5), from a frame's
  * depth and coverage instead of its geometry.
  *
- * Sun map: for each light params.map x params.map texels, all lights' side by
+ * Sun map: for each light side x side texels, all lights' side by
  * side in one atlas, drawn at once. A texel is a sample of the pattern, which
  * gp_pattern_place() scales by the radius; it holds
  *   r  the share shown, times g: grey where its cell is larger than a pixel,
- *      as the mean of k x k samples of it, k = clamp(ceil(2 R / map), 1, 16)
+ *      as the mean of k x k samples of it, k = clamp(ceil(2 R / side), 1, 16)
  *   g  the share of it that counts: 0 outside the frame with
  *      GP_OUTSIDE_IGNORE, else 1
  * A sample reads the pixel it falls in.
@@ -24,20 +24,6 @@
 #include "gl/gl.h"
 #include "sun/occluder.h"
 
-enum gp_sun_method {
-    GP_SUN_EXACT,    // gp_sun_exact()
-    GP_SUN_MASK,     // gp_sun_map_draw(): nothing returns before the end
-    GP_SUN_READBACK, // gp_sun_readback()
-};
-
-/* Where the glare and flare of a mask's lights are drawn. */
-enum gp_sun_draw {
-    GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
-    GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
-                  // nothing is read back before the layer is done
-    GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
-};
-
 enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
 
 /* How the intensity map is summed. */
@@ -47,15 +33,13 @@ enum gp_sun_sum {
     GP_SUM_BILINEAR, // a quarter of the points, each the mean of 2x2 texels
 };
 
-struct gp_sun_params {
-    enum gp_sun_method method;
+struct gp_map_params {
     enum gp_sun_outside outside;
     enum gp_sun_pattern pattern;
     enum gp_sun_sum sum;
-    enum gp_sun_draw draw;
-    int map; // texels of a sun map's side, 2 to 256, even
+    int side; // texels of a sun map's side, 2 to 256, even
 };
-#define GP_SUN_DEFAULTS { .map = 16 }
+#define GP_MAP_DEFAULTS { .side = 16 }
 
 /* Programs, textures and targets on a context; kept from frame to frame. */
 struct gp_sun_map;
@@ -66,7 +50,7 @@ struct gp_sun_map;
 GP_MUST_CHECK gp_status gp_sun_map_draw(const struct gp_log *log,
                                         const struct gp_gl *gl,
                                         const struct gp_occluders *o,
-                                        const struct gp_sun_params *p,
+                                        const struct gp_map_params *p,
                                         const struct gp_light *light, int n,
                                         struct gp_sun_map **state);
 
@@ -87,11 +71,11 @@ GP_MUST_CHECK gp_status gp_sun_map_read(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_sun_readback(const struct gp_log *log,
                                         const struct gp_gl *gl,
                                         const struct gp_occluders *o,
-                                        const struct gp_sun_params *p,
+                                        const struct gp_map_params *p,
                                         struct gp_light *light, int n,
                                         struct gp_sun_map **state);
 
-/* Pictures of the last draw, for --debug: the atlas (map * columns wide), and
+/* Pictures of the last draw, for --debug: the atlas (side * columns wide), and
  * the intensity map (n x 1); both from r / g, *out owned by the caller, w * h
  * floats. */
 GP_MUST_CHECK gp_status gp_sun_map_picture(const struct gp_log *log,
@@ -101,10 +85,10 @@ GP_MUST_CHECK gp_status gp_sun_map_picture(const struct gp_log *log,
                                            float **out);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
-/* The plain form on the CPU of one light: its map (p->map squared texels of r
+/* The plain form on the CPU of one light: its map (p->side squared texels of r
  * and g, may be NULL) and visibility, summed in double whatever p->sum. */
 double gp_sun_map_reference(const struct gp_occluders *o,
-                            const struct gp_sun_params *p,
+                            const struct gp_map_params *p,
                             const struct gp_light *light, float *map);
 
 #endif

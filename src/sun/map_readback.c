@@ -41,7 +41,7 @@ static double count_centres(const struct gp_map_light *l,
  *   rgba  the region of l->box; NULL when none of it is in the frame */
 static double count_region(const struct gp_map_light *l,
                            const struct gp_occluders *o,
-                           const struct gp_sun_params *p, const float *rgba)
+                           const struct gp_map_params *p, const float *rgba)
 {
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const struct gp_rect box = l->box;
@@ -86,7 +86,7 @@ static double count_region(const struct gp_map_light *l,
 static gp_status measure_region(const struct gp_log *log,
                                 const struct gp_gl *gl,
                                 const struct gp_occluders *o,
-                                const struct gp_sun_params *p,
+                                const struct gp_map_params *p,
                                 struct gp_sun_map *s, int i,
                                 double *visibility)
 {
@@ -129,7 +129,7 @@ out:
 
 gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
                           const struct gp_occluders *o,
-                          const struct gp_sun_params *p,
+                          const struct gp_map_params *p,
                           struct gp_light *light, int n,
                           struct gp_sun_map **state)
 {
@@ -155,17 +155,17 @@ out:
 // -- the plain form ----------------------------------------------------------
 
 double gp_sun_map_reference(const struct gp_occluders *o,
-                            const struct gp_sun_params *p,
+                            const struct gp_map_params *p,
                             const struct gp_light *light, float *map)
 {
-    const struct gp_map_light l = gp_map_light_of(o, p->map, light);
+    const struct gp_map_light l = gp_map_light_of(o, p->side, light);
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
-    const int side = p->map * l.k, count = l.k * l.k;
+    const int side = p->side * l.k, count = l.k * l.k;
     double shown = 0.0, weight = 0.0;
     float outside[2];
     gp_map_outside(p->outside, outside);
-    for (int texel = 0; texel < p->map * p->map; texel++) {
-        const int i = texel % p->map, j = texel / p->map;
+    for (int texel = 0; texel < p->side * p->side; texel++) {
+        const int i = texel % p->side, j = texel / p->side;
         double r = 0.0, g = 0.0;
         for (int n = 0; n < count; n++) {
             double x, y;

@@ -7,6 +7,7 @@
 #include "gl/gl.h"
 #include "sun/flare.h"
 #include "sun/map.h"
+#include "sun/stage.h"
 
 #include <stdint.h>
 #include <string.h>
@@ -146,7 +147,7 @@ struct gp_sun_map {
 GP_MUST_CHECK gp_status gp_map_begin(const struct gp_log *log,
                                      const struct gp_gl *gl,
                                      const struct gp_occluders *o,
-                                     const struct gp_sun_params *p,
+                                     const struct gp_map_params *p,
                                      const struct gp_light *light, int n,
                                      struct gp_sun_map **state);
 GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
@@ -232,6 +233,12 @@ GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
                                             struct gp_flare_quads *out);
 void gp_flare_quads_free(struct gp_flare_quads *quads);
 
+/* The pixels of `frame` (data window) that element e may reach for light l;
+ * empty when it reaches none. `display` gives centre and height. */
+struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
+                              const struct gp_light *l, struct gp_rect frame,
+                              struct gp_rect display);
+
 /* Columns [*x0, *x1) outside of which the quad reaches nothing in rows
  * [y0, y1); cut to its rect. false: nothing at all. */
 bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
@@ -241,5 +248,27 @@ bool gp_flare_span(const struct gp_flare_quad *q, int y0, int y1, int *x0,
  * to x1; both inside the quad's rect. */
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out);
+
+// -- lights as sources and sprites (stage_light.c) ---------------------------
+
+/* Weights of the (2m+1) x (2m+1) pixels around a disc's centre pixel, whose
+ * sum is 1; one pixel for a radius up to 1/2. */
+struct gp_disc_pixels {
+    int m;
+    float *weight; // owned: gp_free()
+};
+GP_MUST_CHECK gp_status gp_disc_pixels_make(const struct gp_log *log,
+                                            double radius,
+                                            struct gp_disc_pixels *out);
+
+/* The pixels of `frame` that a light's disc falls on, each with its share of
+ * flux * visibility: the weights above, moved to the light's place by bilinear
+ * shares, which keep flux and centroid. Appends to list[*n], which has room
+ * for gp_disc_room() more. */
+size_t gp_disc_room(double radius); // pixels of a disc, at most
+void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
+                   struct gp_rect frame, struct gp_source *list, size_t *n);
+
+void gp_suns_drop_sprites(struct gp_suns *suns);
 
 #endif

@@ -67,7 +67,7 @@ static void must(gp_status st, const char *what)
         hard_die(what, scene_line);
 }
 
-static void draw(const struct gp_occluders *o, const struct gp_sun_params *p,
+static void draw(const struct gp_occluders *o, const struct gp_map_params *p,
                  int way, struct gp_light *l, const char *what)
 {
     l->visibility = -1.0; // must be written
@@ -83,14 +83,14 @@ static void draw(const struct gp_occluders *o, const struct gp_sun_params *p,
 
 /* All GL methods of one light, into the largest errors. */
 static void try_gl(const struct hard_sky *s, int planes,
-                   const struct gp_occluders *o, struct gp_sun_params p,
+                   const struct gp_occluders *o, struct gp_map_params p,
                    struct gp_light *l, double share, const char *what,
                    double error[WAYS])
 {
     for (int pattern = 0; pattern < PATTERNS; pattern++) {
         p.pattern = (enum gp_sun_pattern) pattern;
         for (int way = READBACK; way <= MASK_64; way++) {
-            p.map = way == MASK_64 ? 64 : 16;
+            p.side = way == MASK_64 ? 64 : 16;
             draw(o, &p, way, l, what);
             const double want =
                 way == READBACK
@@ -118,7 +118,7 @@ static void run_case(const struct hard_case *h, double error[WAYS])
         };
         gp_occluders_count(&o);
         for (int outside = 0; outside < MODES; outside++) {
-            const struct gp_sun_params p = {
+            const struct gp_map_params p = {
                 .outside = (enum gp_sun_outside) outside,
             };
             const double share =

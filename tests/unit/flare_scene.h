@@ -2,7 +2,7 @@
 #ifndef GP_TESTS_FLARE_SCENE_H
 #define GP_TESTS_FLARE_SCENE_H
 
-#include "sun/flare.h"
+#include "sun/sun_priv.h"
 
 #include <math.h>
 #include <setjmp.h>

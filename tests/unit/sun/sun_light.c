@@ -1,6 +1,6 @@
-/* glare/sources.c and app/sun_light.c: lights that join the sources. */
+/* glare/sources.c and sun/stage_light.c: lights that join the sources. */
 #include "unit.h"
-#include "app/sun.h"
+#include "sun/sun_priv.h"
 #include "core/memory.h"
 
 #include <math.h>

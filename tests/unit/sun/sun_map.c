@@ -35,10 +35,10 @@ static void cases(struct gp_light l[CASES])
 }
 
 static void assert_map(const struct machine *m, const struct sun_frame *f,
-                       const struct gp_sun_params *p, const float *atlas,
+                       const struct gp_map_params *p, const float *atlas,
                        int i, const struct gp_light *l)
 {
-    const int size = p->map, columns = m->map->columns;
+    const int size = p->side, columns = m->map->columns;
     float *const want = malloc(2 * (size_t) (size * size) * sizeof *want);
     assert_non_null(want);
     (void) gp_sun_map_reference(&f->o, p, l, want);
@@ -58,11 +58,11 @@ static void assert_map(const struct machine *m, const struct sun_frame *f,
 }
 
 static void assert_maps(const struct machine *m, const struct sun_frame *f,
-                        const struct gp_sun_params *p,
+                        const struct gp_map_params *p,
                         const struct gp_light *l, int n)
 {
-    const int w = m->map->columns * p->map;
-    const int h = (n + m->map->columns - 1) / m->map->columns * p->map;
+    const int w = m->map->columns * p->side;
+    const int h = (n + m->map->columns - 1) / m->map->columns * p->side;
     float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
     assert_non_null(atlas);
     gp_target_read(m->gl, &m->map->atlas, 0, (struct gp_rect){0, 0, w, h},
@@ -74,7 +74,7 @@ static void assert_maps(const struct machine *m, const struct sun_frame *f,
 
 /* How far GL's sums may be from those in double. */
 static void assert_sums(const struct machine *m, const struct sun_frame *f,
-                        const struct gp_sun_params *p, struct gp_light *l,
+                        const struct gp_map_params *p, struct gp_light *l,
                         int n)
 {
     assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, l, n));
@@ -83,13 +83,13 @@ static void assert_sums(const struct machine *m, const struct sun_frame *f,
         if (!(fabs(l[i].visibility - want) <= 1e-6))
             fail_msg("%s, light %d, pattern %d, map %d, sum %d, outside %d: "
                      "%.9g is %.9g",
-                     gp_gl_info(m->gl)->name, i, p->pattern, p->map, p->sum,
+                     gp_gl_info(m->gl)->name, i, p->pattern, p->side, p->sum,
                      p->outside, want, l[i].visibility);
     }
 }
 
 static void try_lights(struct machine *m, const struct sun_frame *f,
-                       struct gp_sun_params p, struct gp_light *l, int n)
+                       struct gp_map_params p, struct gp_light *l, int n)
 {
     assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f->o, &p, l, n, &m->map));
     assert_maps(m, f, &p, l, n);
@@ -101,7 +101,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
 
 /* All, for which the frame is uploaded, and the small ones, whose boxes are. */
 static void try_params(struct machine *m, const struct sun_frame *f,
-                       struct gp_sun_params p)
+                       struct gp_map_params p)
 {
     struct gp_light l[CASES];
     cases(l);
@@ -120,9 +120,9 @@ static void maps_equal_the_reference(void **state)
         seed = 77u + (uint32_t) k;
         make_frame(&f, window, k % 4, 1 + k % 3);
         for (int i = 0; i < machine_count; i++) {
-            const struct gp_sun_params p = {
+            const struct gp_map_params p = {
                 .pattern = k % 8 / 4, .outside = k / 8,
-                .map = sizes[(k + 4 * i) % 9],
+                .side = sizes[(k + 4 * i) % 9],
             };
             try_params(machine_at(i), &f, p);
         }
@@ -144,7 +144,7 @@ static void depth_types(void **state)
         f.o.type = type;
         gp_occluders_count(&f.o);
         for (int i = 0; i < machine_count; i++)
-            try_params(machine_at(i), &f, (struct gp_sun_params) {.map = 16});
+            try_params(machine_at(i), &f, (struct gp_map_params) {.side = 16});
         free_frame(&f);
     }
 }
@@ -160,7 +160,7 @@ static void frames_of_one_pixel_and_none(void **state)
         struct sun_frame f;
         make_frame(&f, frames[k], WITH_DEPTH | WITH_MASK, 1);
         for (int i = 0; i < machine_count; i++)
-            try_params(machine_at(i), &f, (struct gp_sun_params) {.map = 8});
+            try_params(machine_at(i), &f, (struct gp_map_params) {.side = 8});
         free_frame(&f);
     }
 }
@@ -187,7 +187,7 @@ static void bytes_are_the_papers(void **state)
     for (int k = 0; k < 8 * machine_count; k++) {
         struct machine *const m = machine_at(k / 8);
         const int size = sizes[k % 8];
-        struct gp_sun_params p = {.map = size, .sum = GP_SUM_BYTE};
+        struct gp_map_params p = {.side = size, .sum = GP_SUM_BYTE};
         struct gp_light l = light_at(30.3, 70.8, size / 2);
         float *const map = malloc(2 * (size_t) (size * size) * sizeof *map);
         assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, &l, 1, &m->map));
@@ -208,7 +208,7 @@ static void bytes_are_the_papers(void **state)
 static void bytes_saturate(void **state)
 {
     const struct gp_occluders clear = {.frame = window};
-    const struct gp_sun_params p = {.map = 16, .sum = GP_SUM_BYTE};
+    const struct gp_map_params p = {.side = 16, .sum = GP_SUM_BYTE};
     (void) state;
     for (int i = 0; i < machine_count; i++) {
         struct machine *const m = machine_at(i);
@@ -231,7 +231,7 @@ static void many_equal_single_ones(void **state)
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 3 * machine_count; k++) {
         struct machine *const m = machine_at(k / 3);
-        const struct gp_sun_params p = {.map = 16, .sum = k % 3};
+        const struct gp_map_params p = {.side = 16, .sum = k % 3};
         struct gp_light all[N];
         for (int i = 0; i < N; i++)
             all[i] = light_at(-45.0 + 170.0 * uniform01(),
@@ -264,7 +264,7 @@ static void points_may_be_small(void **state)
         l[i] = light_at(-45.0 + 3.0 * i, 70.0 + i, 0.3 * i);
     for (int k = 0; k < 3 * machine_count; k++) {
         struct machine *const m = machine_at(k / 3);
-        const struct gp_sun_params p = {.map = 8};
+        const struct gp_map_params p = {.side = 8};
         const float limit = m->gl->info.max_point;
         m->gl->info.max_point = most[k % 3];
         assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, N, &m->map));
@@ -291,7 +291,7 @@ static void textures_may_be_small(void **state)
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 4 * machine_count; k++) {
         struct machine *const m = machine_at(k / 4);
-        const struct gp_sun_params p = {.map = 8};
+        const struct gp_map_params p = {.side = 8};
         const int limit = m->gl->info.max_size;
         struct gp_light l[2] = {light_at(40.3, 75.2, rows[k % 4].radius),
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
@@ -312,7 +312,7 @@ static void textures_may_be_small(void **state)
 static void refused(struct machine *m, const struct gp_occluders *o, int map,
                     int n, gp_status want, const char *said)
 {
-    const struct gp_sun_params p = {.map = map};
+    const struct gp_map_params p = {.side = map};
     static struct gp_light l[GP_LIGHTS_MAX];
     for (int i = 0; i < GP_LIGHTS_MAX; i++)
         l[i] = light_at(30.0, 60.0, 4.0);
@@ -351,7 +351,7 @@ static void pictures(void **state)
     make_frame(&f, window, WITH_DEPTH, 4);
     for (int i = 0; i < machine_count; i++) {
         struct machine *const m = machine_at(i);
-        const struct gp_sun_params p = {.map = 8};
+        const struct gp_map_params p = {.side = 8};
         struct gp_light l[5];
         float *grey = NULL;
         int w, h;

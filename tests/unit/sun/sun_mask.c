@@ -23,7 +23,7 @@ static bool inside(const struct gp_light *l, enum gp_sun_pattern pattern,
 
 /* Pixel by pixel over a box around the light. */
 static double plain_count(const struct gp_occluders *o,
-                          const struct gp_sun_params *p,
+                          const struct gp_map_params *p,
                           const struct gp_light *l)
 {
     double shown = 0.0, weight = 0.0;
@@ -58,8 +58,8 @@ static void readback_is_a_plain_count(void **state)
     (void) state;
     for (int k = 0; k < 24 * machine_count; k++) {
         struct machine *const m = machine_at(k / 24);
-        const struct gp_sun_params p = {
-            .map = 16, .pattern = k % 2, .outside = k / 2 % 3,
+        const struct gp_map_params p = {
+            .side = 16, .pattern = k % 2, .outside = k / 2 % 3,
         };
         struct sun_frame f;
         struct gp_light l[N];
@@ -112,8 +112,8 @@ static void ends_of_the_scale(void **state)
             depth.v[i] = rows[k % 9].depth;
         gp_occluders_count(&o);
         for (int method = 0; method < 3; method++) {
-            const struct gp_sun_params p = {
-                .map = 16, .outside = rows[k % 9].outside,
+            const struct gp_map_params p = {
+                .side = 16, .outside = rows[k % 9].outside,
                 .pattern = method % 2,
             };
             struct gp_light l = light_at(rows[k % 9].x, 32.0, 5.0);
@@ -156,7 +156,7 @@ static void mask_64_is_near_exact(void **state)
 {
     enum { N = 60 };
     struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 1024, 768});
-    const struct gp_sun_params p = {.map = 64};
+    const struct gp_map_params p = {.side = 64};
     struct gp_light exact[N], mask[N];
     (void) state;
     seed = 9;
@@ -218,8 +218,8 @@ struct curve {
 static void follow(struct machine *m, const struct gp_occluders *o, int step,
                    double exact, struct curve *c)
 {
-    const struct gp_sun_params p = {
-        .map = c->map ? c->map : 16, .pattern = c->pattern, .sum = c->sum,
+    const struct gp_map_params p = {
+        .side = c->map ? c->map : 16, .pattern = c->pattern, .sum = c->sum,
     };
     struct gp_light l = light_at(31.3, 23.8, 6.0);
     if (c->map)
@@ -285,7 +285,7 @@ struct errors {
 static double mask_of(struct machine *m, const struct gp_occluders *o,
                       int map, struct gp_light l)
 {
-    const struct gp_sun_params p = {.map = map};
+    const struct gp_map_params p = {.side = map};
     assert_ok(gp_sun_map_draw(&log_kept, m->gl, o, &p, &l, 1, &m->map));
     assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, &l, 1));
     return l.visibility;

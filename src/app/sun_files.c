@@ -1,0 +1,88 @@
+#include "app/sun_files.h"
+
+#include "io/plane.h"
+#include "io/sequence.h"
+
+#include <stdlib.h>
+
+static gp_status read_picture(void *user, const struct gp_log *log,
+                              const char *path, struct gp_frame *out)
+{
+    const struct gp_sun_files *const files = user;
+    const struct gp_read_params limits = gp_read_limits(&files->s->read);
+    return gp_read_frame(log, &limits, path, out);
+}
+
+/* The frame's number: the job's, or that of its file. */
+static bool number_of(const struct gp_job *job, int *number)
+{
+    *number = job->frame;
+    return job->numbered || gp_frame_number(job->input, number);
+}
+
+static void tell_about(void *user, const struct gp_frame *f,
+                       struct gp_sun_about *out)
+{
+    const struct gp_job *const job = ((struct gp_sun_files *) user)->job;
+    out->name = job->input;
+    out->numbered = number_of(job, &out->number);
+    out->has_camera = gp_frame_matrix(f, "worldToCamera", out->to_camera);
+    out->has_ndc = gp_frame_matrix(f, "worldToNDC", out->to_ndc);
+    out->ndc = GP_NDC_AUTO;
+    if (!out->has_ndc) {
+        out->has_ndc = gp_frame_matrix(f, "worldToScreen", out->to_ndc);
+        out->ndc = GP_NDC_CLIP;
+    }
+}
+
+/* A plane from a file of its own, whose name may be a pattern. */
+static gp_status read_beside(const struct gp_sun_files *files,
+                             const struct gp_log *log, const char *path,
+                             const char *channel, bool depth,
+                             struct gp_plane *out)
+{
+    const struct gp_job *const job = files->job;
+    struct gp_pattern pattern;
+    int number = 0;
+    gp_status st = gp_pattern_of_input(log, path, &pattern);
+    if (st)
+        return st;
+    if (pattern.views && !job->view)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: %%V and %%v are views, and %s has none; name the "
+                       "file, or give --views", path, job->input);
+    if (pattern.len && !number_of(job, &number))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: a pattern, and %s has no frame number; name the "
+                       "file", path, job->input);
+    char *const name = gp_pattern_name(&pattern, number, job->view);
+    if (!name)
+        return gp_no_memory(log, path);
+    st = gp_read_plane_file(log, &files->s->read, name, channel, depth, out);
+    free(name);
+    return st;
+}
+
+static gp_status read_planes(void *user, const struct gp_log *log,
+                             const struct gp_frame *f, struct gp_plane *depth,
+                             struct gp_plane *mask)
+{
+    const struct gp_sun_files *const files = user;
+    const struct gp_settings *const s = files->s;
+    const struct gp_sun_params *const p = &s->sun;
+    gp_status st = p->depth_file
+                       ? read_beside(files, log, p->depth_file, s->depth, true,
+                                     depth)
+                       : gp_read_depth(log, &s->read, f, s->depth, depth);
+    if (!st && p->mask_file)
+        st = read_beside(files, log, p->mask_file, p->mask, false, mask);
+    else if (!st && p->mask)
+        st = gp_read_coverage(log, &s->read, f, p->mask, mask);
+    return st;
+}
+
+struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files)
+{
+    return (struct gp_sun_reader) {files, read_picture, tell_about,
+                                   read_planes};
+}

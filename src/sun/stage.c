@@ -1,0 +1,379 @@
+/* What the command line names, the lights' places in a frame, and how much of
+ * each shows. */
+#include "sun/stage.h"
+
+#include "core/memory.h"
+#include "sun/sun_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+bool gp_suns_wanted(const struct gp_sun_params *p)
+{
+    return p->at.n || p->dir.n || p->camera || p->lights;
+}
+
+// -- what the command line names ---------------------------------------------
+
+/* The sun of --sun or --sun-dir. */
+static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
+{
+    const struct gp_light usual = GP_LIGHT_DEFAULTS;
+    const struct gp_numbers *const color = &p->color;
+    struct gp_light_spec spec = {
+        .place = p->at.n ? GP_PLACE_PIXEL : GP_PLACE_DIRECTION,
+        .radius = p->at.n == 3 ? fabs(p->at.v[2])
+                  : p->at.n ? usual.radius : -1.0,
+        .degrees = (double) p->size, .depth = NAN, .bias = usual.bias,
+    };
+    memcpy(spec.at, p->at.n ? p->at.v : p->dir.v, sizeof spec.at);
+    for (int c = 0; c < 3; c++)
+        spec.flux[c] =
+            color->n ? (float) color->v[color->n == 3 ? c : 0] : 0.0f;
+    return spec;
+}
+
+/* The pictures of flare elements, which become light: no NaN, nothing under
+ * 0. */
+static gp_status read_pictures(const struct gp_log *log,
+                               const struct gp_sun_reader *reader,
+                               struct gp_flare *f)
+{
+    for (int k = 0; k < f->n; k++) {
+        struct gp_flare_element *const e = &f->element[k];
+        struct gp_frame image = {0};
+        if (!e->path)
+            continue;
+        gp_status st = reader->picture(reader->user, log, e->path, &image);
+        if (st)
+            return st;
+        const int w = gp_frame_w(&image), h = gp_frame_h(&image);
+        const size_t n = gp_frame_pixels(&image);
+        for (int c = 0; c < 3; c++) {
+            for (size_t i = 0; i < n; i++) {
+                const float v = image.rgb.c[c][i];
+                image.rgb.c[c][i] = v > 0.0f && v <= 1e30f ? v : 0.0f;
+            }
+        }
+        e->image = (struct gp_flare_image) {
+            .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
+            .serial = gp_serial_next(),
+        };
+        image.rgb = (struct gp_planes) {0};
+        gp_frame_free(&image);
+    }
+    return GP_OK;
+}
+
+gp_status gp_suns_begin(const struct gp_log *log,
+                        const struct gp_sun_params *p, enum gp_gl_api api,
+                        const struct gp_sun_reader *reader,
+                        struct gp_suns *out)
+{
+    struct gp_light_spec *lamps = NULL;
+    int n = 0;
+    void *v;
+    gp_status st = GP_OK;
+    out->p = p;
+    out->api = api;
+    if (!gp_suns_wanted(p))
+        return GP_OK;
+    if (p->lights)
+        GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
+    const int sun = p->at.n || p->dir.n;
+    GP_TRY(gp_alloc(log, "lights", (size_t) (sun + n) + 1, sizeof *out->spec,
+                    &v));
+    out->spec = v;
+    if (sun)
+        out->spec[0] = sun_spec(p);
+    if (n)
+        memcpy(out->spec + sun, lamps, (size_t) n * sizeof *lamps);
+    out->specs = sun + n;
+    if (p->camera)
+        GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
+    if (p->flare) {
+        GP_TRY(gp_flare_read(log, p->flare, &out->flare));
+        GP_TRY(read_pictures(log, reader, &out->flare));
+    }
+out:
+    gp_free(lamps);
+    return st;
+}
+
+// -- where the lights stand --------------------------------------------------
+
+/* The camera of --camera for this frame, with the sun that it gives, or that of
+ * the frame's own attributes where a light needs one.
+ *   entry  NULL without --camera
+ *   found  whether *camera was written */
+static gp_status find_camera(const struct gp_log *log,
+                             const struct gp_suns *suns,
+                             const struct gp_sun_about *about,
+                             const struct gp_frame *f,
+                             const struct gp_camera_frame **entry,
+                             struct gp_camera *camera, bool *found)
+{
+    const char *const path = suns->p->camera;
+    *entry = NULL;
+    *found = false;
+    if (!path) {
+        bool needed = false;
+        for (int i = 0; i < suns->specs; i++)
+            needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
+        *found = needed && about->has_ndc;
+        const enum gp_ndc ndc = suns->p->ndc == GP_NDC_AUTO ? about->ndc
+                                                             : suns->p->ndc;
+        return *found ? gp_camera_make(log, f->path,
+                                       about->has_camera ? about->to_camera
+                                                         : NULL,
+                                       about->to_ndc, ndc, camera)
+                      : GP_OK;
+    }
+    *entry = gp_camera_frame_find(&suns->cameras,
+                                  about->numbered ? about->number : -1);
+    if (!*entry && about->numbered)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: no camera for frame %d of %s; add it, or leave "
+                       "--camera out", path, about->number, about->name);
+    if (!*entry)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: %s has no frame number to look for; number it, or "
+                       "keep one camera", path, about->name);
+    *camera = (*entry)->camera;
+    *found = true;
+    return GP_OK;
+}
+
+static gp_status place_lights(const struct gp_log *log,
+                              const struct gp_sun_about *about,
+                              const struct gp_frame *f, struct gp_suns *suns)
+{
+    static const struct gp_sun_params usual = GP_SUN_DEFAULTS;
+    const struct gp_sun_params *const p = suns->p;
+    const struct gp_camera_frame *entry;
+    struct gp_camera camera;
+    bool found;
+    void *v;
+    gp_status st;
+    GP_TRY(find_camera(log, suns, about, f, &entry, &camera, &found));
+    // the sun of --camera, where the command line names none
+    const bool sun = entry && !p->at.n && !p->dir.n &&
+                     (entry->has_sun || !p->lights);
+    if (suns->specs + sun > GP_LIGHTS_MAX)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: too many lights with the sun (%d); %d are the "
+                       "most", p->lights, suns->specs + sun, GP_LIGHTS_MAX));
+    if (sun && !entry->has_sun)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: frame %lld has no sun_dir_world; give --sun, "
+                       "--sun-dir or --lights", p->camera, entry->frame));
+    GP_TRY(gp_alloc(log, "lights", (size_t) (suns->specs + sun),
+                    sizeof *suns->light, &v));
+    suns->light = v;
+    for (int i = -(int) sun; i < suns->specs; i++) {
+        struct gp_light_spec spec = i < 0 ? sun_spec(p) : suns->spec[i];
+        if (i < 0) {
+            memcpy(spec.at, entry->sun_dir, sizeof spec.at);
+            spec.place = GP_PLACE_DIRECTION;
+            spec.radius = -1.0;
+        }
+        // pixels of the pictures that the file was written for
+        if (i < 0 && entry->sun_radius > 0.0 && p->size == usual.size)
+            spec.radius = entry->sun_radius *
+                          (suns->cameras.width > 0.0
+                               ? gp_rect_w(f->display) / suns->cameras.width
+                               : 1.0);
+        GP_TRY(gp_light_place_in(log, f->path, &spec, found ? &camera : NULL,
+                                 p->depth_type, f->display,
+                                 &suns->light[suns->n]));
+        suns->n++;
+    }
+out:
+    return st;
+}
+
+/* A plane of another file that leaves out a part of the frame may be the wrong
+ * file; what it does not have counts as empty. */
+static void warn_of_window(const struct gp_log *log, const char *path,
+                           const struct gp_plane *p, const struct gp_frame *f,
+                           struct gp_suns *suns)
+{
+    const struct gp_rect common = gp_rect_meet(p->window, f->data);
+    if (!path || !p->v || suns->told_window ||
+        memcmp(&common, &f->data, sizeof common) == 0)
+        return;
+    suns->told_window = true;
+    gp_say(log, GP_LEVEL_WARN,
+           "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
+           "%dx%d at %d,%d); the rest counts as empty", path, f->path,
+           gp_rect_w(p->window), gp_rect_h(p->window), p->window.x0,
+           p->window.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
+}
+
+gp_status gp_suns_place(const struct gp_log *log,
+                        const struct gp_sun_reader *reader,
+                        const struct gp_frame *f, struct gp_suns *suns)
+{
+    struct gp_sun_about about = {0};
+    gp_status st;
+    reader->about(reader->user, f, &about);
+    GP_TRY(place_lights(log, &about, f, suns));
+    GP_TRY(reader->planes(reader->user, log, f, &suns->depth, &suns->mask));
+    warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
+    warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
+    if (!suns->depth.v && !suns->mask.v && !suns->told_clear) {
+        suns->told_clear = true;
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: no depth channel and no --mask: nothing hides the lights",
+               f->path);
+    }
+    suns->occluders = (struct gp_occluders) {
+        .depth = suns->depth.v ? &suns->depth : NULL,
+        .mask = suns->mask.v ? &suns->mask : NULL,
+        .type = suns->p->depth_type,
+        .frame = gp_rect_join(f->data, f->display),
+    };
+    gp_occluders_count(&suns->occluders);
+out:
+    return st;
+}
+
+// -- how much shows ----------------------------------------------------------
+
+gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
+{
+    const struct gp_sun_params *const p = suns->p;
+    if (!suns->n)
+        return GP_OK;
+    if (p->method == GP_SUN_EXACT) {
+        gp_sun_exact(&suns->occluders, p->map.outside, suns->light, suns->n);
+        return GP_OK;
+    }
+    gp_status st = suns->gl ? gp_gl_use(log, suns->gl)
+                            : gp_gl_open(log, suns->api, &suns->gl);
+    if (st)
+        return st;
+    if (p->method == GP_SUN_READBACK)
+        return gp_sun_readback(log, suns->gl, &suns->occluders, &p->map,
+                               suns->light, suns->n, &suns->map);
+    st = gp_sun_map_draw(log, suns->gl, &suns->occluders, &p->map, suns->light,
+                         suns->n, &suns->map);
+    // A software context shares its memory and its cores with us: nothing
+    // stalls, and engines and CPU take a quarter of the time of blended sprites
+    // and elements there.
+    suns->early = p->draw == GP_DRAW_CPU ||
+                  (p->draw == GP_DRAW_AUTO && gp_gl_info(suns->gl)->software);
+    return st || !suns->early ? st
+                              : gp_sun_map_read(log, suns->gl, suns->map,
+                                                suns->light, suns->n);
+}
+
+const char *gp_suns_way(const struct gp_suns *suns)
+{
+    switch (suns->p->method) {
+    case GP_SUN_EXACT:
+        return "exact";
+    case GP_SUN_READBACK:
+        return "readback";
+    case GP_SUN_MASK:
+        return suns->early ? "mask, drawn on the CPU" : "mask, drawn on GL";
+    }
+    return "";
+}
+
+double gp_suns_mean(const struct gp_suns *suns)
+{
+    double sum = 0.0, weight = 0.0, plain = 0.0;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        const double flux = (double) l->flux[0] + (double) l->flux[1] +
+                            (double) l->flux[2];
+        sum += flux * l->visibility;
+        weight += flux;
+        plain += l->visibility;
+    }
+    return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
+}
+
+// -- pictures ----------------------------------------------------------------
+
+/* Without GL: what the maps would be, or are known to be. */
+static gp_status paint_maps(const struct gp_log *log,
+                            const struct gp_suns *suns, bool intensity, int *w,
+                            int *h, float **out)
+{
+    const int side = suns->p->map.side;
+    void *block = NULL, *v;
+    gp_status st = GP_OK;
+    *w = intensity ? suns->n : suns->n * side;
+    *h = intensity ? 1 : side;
+    GP_TRY(gp_alloc(log, "map", (size_t) side * (size_t) side,
+                    2 * sizeof(float), &block));
+    GP_TRY(gp_alloc(log, "picture", (size_t) *w * (size_t) *h, sizeof(float),
+                    &v));
+    *out = v;
+    for (int i = 0; i < suns->n; i++) {
+        const float *const map = block;
+        if (intensity) {
+            (*out)[i] = (float) suns->light[i].visibility;
+            continue;
+        }
+        gp_sun_map_reference(&suns->occluders, &suns->p->map, &suns->light[i],
+                             block);
+        for (int k = 0; k < side * side; k++)
+            (*out)[(size_t) (k / side) * (size_t) *w +
+                   (size_t) (i * side + k % side)] =
+                map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1] : 0.0f;
+    }
+out:
+    gp_free(block);
+    return st;
+}
+
+gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
+                          bool intensity, int *w, int *h,
+                          struct gp_planes *out)
+{
+    gp_status st;
+    float *grey = NULL;
+    if (suns->p->method == GP_SUN_MASK) {
+        GP_TRY(gp_gl_use(log, suns->gl));
+        GP_TRY(gp_sun_map_picture(log, suns->gl, suns->map, intensity, w, h,
+                                  &grey));
+    } else {
+        GP_TRY(paint_maps(log, suns, intensity, w, h, &grey));
+    }
+    const size_t n = (size_t) *w * (size_t) *h;
+    GP_TRY(gp_planes_make(log, "picture", n, out));
+    for (int c = 0; c < 3; c++)
+        memcpy(out->c[c], grey, n * sizeof *grey);
+out:
+    gp_free(grey);
+    return st;
+}
+
+// -- the end -----------------------------------------------------------------
+
+void gp_suns_end_frame(struct gp_suns *suns)
+{
+    gp_plane_free(&suns->depth);
+    gp_plane_free(&suns->mask);
+    GP_FREE(suns->light);
+    suns->n = 0;
+}
+
+void gp_suns_close(struct gp_suns *suns)
+{
+    gp_suns_end_frame(suns);
+    gp_suns_drop_sprites(suns);
+    if (suns->drawn)
+        gp_flare_close(suns->gl, &suns->drawn);
+    if (suns->map)
+        gp_sun_map_close(suns->gl, &suns->map);
+    if (suns->gl)
+        gp_gl_close(&suns->gl);
+    gp_flare_free(&suns->flare);
+    gp_camera_file_free(&suns->cameras);
+    gp_free(suns->spec);
+    *suns = (struct gp_suns) {0};
+}

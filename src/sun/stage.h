@@ -1,0 +1,189 @@
+/* The sun's stage: suns and lamps of a run, where they stand in a frame, how
+ * much of each shows, and the light that they bring.
+ *
+ * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
+ * gp_suns_join() and gp_suns_spread() with the engines, gp_suns_draw(),
+ * gp_suns_end_frame(). What hangs on files comes through a gp_sun_reader.
+ */
+#ifndef GP_SUN_STAGE_H
+#define GP_SUN_STAGE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "gl/gl.h"
+#include "glare/kernel.h"
+#include "glare/sources.h"
+#include "sun/camera.h"
+#include "sun/flare.h"
+#include "sun/lights.h"
+#include "sun/map.h"
+#include "sun/occluder.h"
+
+#include <stdbool.h>
+
+enum gp_sun_method {
+    GP_SUN_EXACT,    // gp_sun_exact()
+    GP_SUN_MASK,     // gp_sun_map_draw(): nothing returns before the end
+    GP_SUN_READBACK, // gp_sun_readback()
+};
+
+/* Where the glare and flare of a mask's lights are drawn. */
+enum gp_sun_draw {
+    GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
+    GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
+                  // nothing is read back before the layer is done
+    GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
+};
+
+/* Suns and lamps, what hides them, what they do. Files are NULL when not
+ * given; those of planes are the reader's. */
+struct gp_sun_params {
+    enum gp_sun_method method;
+    enum gp_sun_draw draw;
+    struct gp_map_params map;
+    struct gp_numbers at;      // x, y and maybe radius, pixels
+    struct gp_numbers dir;     // towards the sun, world
+    struct gp_numbers color;   // flux by channel, or one for all
+    float size;                // degrees across, with dir and camera
+    bool in_frame;             // the frame's pixels hold the lights already
+    float adapt;               // share that the pupil takes, 0 to 1
+    enum gp_ndc ndc;
+    enum gp_depth_type depth_type;
+    const char *camera, *lights, *flare;
+    const char *depth_file, *mask, *mask_file;
+};
+#define GP_SUN_DEFAULTS { .map = GP_MAP_DEFAULTS, .size = 0.533f }
+
+/* What a frame says of itself beside its pixels. */
+struct gp_sun_about {
+    const char *name;          // for messages
+    bool numbered;
+    int number;                // of the frame, for --camera
+    bool has_camera, has_ndc;
+    double to_camera[16], to_ndc[16]; // row vectors; camera.h
+    enum gp_ndc ndc;           // what to_ndc maps to, as far as it is known
+};
+
+/* How the stage gets at files. `user` is the first argument of each call. */
+struct gp_sun_reader {
+    void *user;
+    gp_status (*picture)(void *user, const struct gp_log *log,
+                         const char *path, struct gp_frame *out);
+    void (*about)(void *user, const struct gp_frame *f,
+                  struct gp_sun_about *out);
+    // depth and coverage of a frame; empty where there is none
+    gp_status (*planes)(void *user, const struct gp_log *log,
+                        const struct gp_frame *f, struct gp_plane *depth,
+                        struct gp_plane *mask);
+};
+
+/* The kernel spread over a light's disc, drawn as a flare element at the
+ * light's own place. */
+struct gp_sun_sprite {
+    double radius;
+    struct gp_flare_element element;
+    struct gp_flare_gl *drawn;
+};
+enum { GP_SUN_SPRITES = 64 }; // kept at once
+
+struct gp_suns {
+    // of the run
+    const struct gp_sun_params *p; // borrowed
+    enum gp_gl_api api;
+    struct gp_light_spec *spec; // owned; the sun of the command line first
+    int specs;
+    struct gp_camera_file cameras;
+    struct gp_flare flare;      // its images read
+    bool told_clear;            // that nothing says what hides the lights
+    bool told_window;           // that a plane does not cover the frame
+    // on GL, kept from frame to frame
+    struct gp_gl *gl;
+    struct gp_sun_map *map;
+    struct gp_flare_gl *drawn;
+    struct gp_sun_sprite sprite[GP_SUN_SPRITES];
+    int sprites;
+    unsigned long sprite_kernel; // serial of the kernel they are made of
+    // of the frame
+    struct gp_plane depth, mask;
+    struct gp_occluders occluders;
+    struct gp_light *light;     // owned
+    int n;
+    bool early;  // the mask's shares were read before the engines ran
+};
+
+/* Whether the command line names a light. */
+bool gp_suns_wanted(const struct gp_sun_params *p);
+
+/* Reads what the command line names, before the first frame.
+ *   p    must stay as long as *out
+ *   out  zero; freed by gp_suns_close() in any case
+ * Errors: those of the readers. */
+GP_MUST_CHECK gp_status gp_suns_begin(const struct gp_log *log,
+                                      const struct gp_sun_params *p,
+                                      enum gp_gl_api api,
+                                      const struct gp_sun_reader *reader,
+                                      struct gp_suns *out);
+
+/* Reads the frame's depth and coverage, and gives each light its place.
+ * Errors: GP_ERR_USAGE, GP_ERR_DATA, GP_ERR_IO of the readers; GP_ERR_DATA a
+ * frame that --camera does not have. */
+GP_MUST_CHECK gp_status gp_suns_place(const struct gp_log *log,
+                                      const struct gp_sun_reader *reader,
+                                      const struct gp_frame *f,
+                                      struct gp_suns *suns);
+
+/* Finds how much of each light shows. With the mask the answer stays on GL
+ * until gp_suns_draw(), unless suns->early. Errors: GP_ERR_GL, GP_ERR_BUG. */
+GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
+                                        struct gp_suns *suns);
+
+/* Whether any light needs the kernel, for glare of its own. */
+bool gp_suns_glare(const struct gp_suns *suns);
+
+/* Whether gp_suns_draw() may have light to add: lights with flux that are not
+ * known to be hidden. */
+bool gp_suns_add_light(const struct gp_suns *suns);
+
+/* The sources and the visible light of those lights that go through the
+ * engines: none with the mask, whose share is not known yet, and none that
+ * reaches beyond the frame. *joined says whether *out was made. */
+GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
+                                     const struct gp_suns *suns,
+                                     const struct gp_frame *f,
+                                     const struct gp_sources *src,
+                                     struct gp_sources *out, bool *joined);
+
+/* Spreads the kernel for those that do not, as far as sprites are kept, so
+ * that gp_suns_draw() only draws: the engines' share of the work.
+ * Errors: GP_ERR_DATA a radius over 1024 pixels; those of gp_kernel_spread().
+ */
+GP_MUST_CHECK gp_status gp_suns_spread(const struct gp_log *log,
+                                       struct gp_suns *suns,
+                                       const struct gp_kernel *kernel,
+                                       const struct gp_frame *f);
+
+/* Adds to f->layer, which is made, what did not go through the engines: lens
+ * flare, and glare of the other lights. All visibilities are known then. */
+GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
+                                     struct gp_suns *suns,
+                                     const struct gp_kernel *kernel,
+                                     struct gp_frame *f);
+
+/* How the shares are found, in words, for the report: "mask, drawn on GL". */
+const char *gp_suns_way(const struct gp_suns *suns);
+
+/* The mean visibility, by flux where any is given: what a pupil meets. */
+double gp_suns_mean(const struct gp_suns *suns);
+
+/* Pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of all
+ * lights side by side, or the intensity map. */
+GP_MUST_CHECK gp_status gp_suns_picture(const struct gp_log *log,
+                                        const struct gp_suns *suns,
+                                        bool intensity, int *w, int *h,
+                                        struct gp_planes *out);
+
+/* Frees the frame's part. */
+void gp_suns_end_frame(struct gp_suns *suns);
+void gp_suns_close(struct gp_suns *suns);
+
+#endif

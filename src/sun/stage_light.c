@@ -1,0 +1,362 @@
+/* The light that suns and lamps bring: sources for the engines, sprites of the
+ * kernel for lights whose share is on GL or that reach beyond the frame, and
+ * lens flare. */
+#include "sun/stage.h"
+
+#include "core/memory.h"
+#include "sun/sun_priv.h"
+
+#include <math.h>
+#include <string.h>
+
+// -- a light's disc in pixels ------------------------------------------------
+
+/* Pixels from a disc's centre pixel to its last one. */
+static int disc_reach(double radius)
+{
+    return radius > 0.5 ? (int) ceil(radius - 0.5) : 0;
+}
+
+size_t gp_disc_room(double radius)
+{
+    // bilinear: one more
+    const size_t side = 2 * (size_t) disc_reach(radius) + 2;
+    return side * side;
+}
+
+gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
+                              struct gp_disc_pixels *out)
+{
+    const int m = disc_reach(radius), side = 2 * m + 1;
+    const double all = acos(-1.0) * radius * radius;
+    void *v;
+    gp_status st = gp_alloc(log, "disc of a light",
+                            (size_t) side * (size_t) side, sizeof(float), &v);
+    if (st)
+        return st;
+    float *const weight = v;
+    for (int i = 0; i < side * side; i++)
+        weight[i] = m == 0 ? 1.0f
+                           : (float) (gp_disc_pixel_area(0.5, 0.5, radius,
+                                                         i % side - m,
+                                                         i / side - m) / all);
+    *out = (struct gp_disc_pixels) {m, weight};
+    return GP_OK;
+}
+
+/* Weight of pixel (x, y) from the centre pixel; 0 outside. */
+static double weight_at(const struct gp_disc_pixels *d, int x, int y)
+{
+    const int m = d->m;
+    const size_t side = 2 * (size_t) m + 1;
+    if (x < -m || x > m || y < -m || y > m)
+        return 0.0;
+    return (double) d->weight[(size_t) (y + m) * side + (size_t) (x + m)];
+}
+
+void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
+                   struct gp_rect frame, struct gp_source *list, size_t *n)
+{
+    const double left = floor(l->x - 0.5), top = floor(l->y - 0.5);
+    const double fx = l->x - 0.5 - left, fy = l->y - 0.5 - top;
+    const int m = d->m;
+    if (!(fabs(left) < 1e8 && fabs(top) < 1e8))
+        return;
+    for (int y = -m; y <= m + 1; y++) {
+        for (int x = -m; x <= m + 1; x++) {
+            const int px = (int) left + x, py = (int) top + y;
+            if (px < frame.x0 || px >= frame.x1 || py < frame.y0 ||
+                py >= frame.y1)
+                continue;
+            const double w =
+                (1.0 - fy) * ((1.0 - fx) * weight_at(d, x, y) +
+                              fx * weight_at(d, x - 1, y)) +
+                fy * ((1.0 - fx) * weight_at(d, x, y - 1) +
+                      fx * weight_at(d, x - 1, y - 1));
+            if (!(w > 0.0))
+                continue;
+            struct gp_source *const e = &list[(*n)++];
+            *e = (struct gp_source) {.x = px - frame.x0, .y = py - frame.y0};
+            for (int c = 0; c < 3; c++)
+                e->rgb[c] = (float) (w * l->visibility * (double) l->flux[c]);
+        }
+    }
+}
+
+// -- which light goes where --------------------------------------------------
+
+bool gp_suns_glare(const struct gp_suns *suns)
+{
+    for (int i = 0; i < suns->n; i++) {
+        if (gp_light_has_flux(&suns->light[i]))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the shares are on GL still: what hangs on them is drawn there. On
+ * the CPU the same takes a tenth of llvmpipe's time. */
+static bool on_gl(const struct gp_suns *suns)
+{
+    return suns->p->method == GP_SUN_MASK && !suns->early;
+}
+
+/* Whether light l is drawn as a sprite and not by the engines, which know no
+ * sources beyond the pixels and would cut the light of one that is partly
+ * there. */
+static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
+                      struct gp_rect data)
+{
+    const double r = fmax(l->radius, 0.5) + 0.5; // with its bilinear shares
+    const bool beyond = l->x - r < data.x0 || l->y - r < data.y0 ||
+                        l->x + r > data.x1 || l->y + r > data.y1;
+    return gp_light_has_flux(l) && !suns->p->in_frame &&
+           (on_gl(suns) || (l->visibility > 0.0 && beyond));
+}
+
+/* Whether light l goes through the engines. */
+static bool is_source(const struct gp_suns *suns, const struct gp_light *l,
+                      struct gp_rect data)
+{
+    return gp_light_has_flux(l) && !suns->p->in_frame && l->visibility > 0.0 &&
+           !is_sprite(suns, l, data);
+}
+
+bool gp_suns_add_light(const struct gp_suns *suns)
+{
+    if (on_gl(suns))
+        return gp_suns_glare(suns);
+    for (int i = 0; i < suns->n; i++) {
+        if (gp_light_has_flux(&suns->light[i]) &&
+            suns->light[i].visibility > 0.0)
+            return true;
+    }
+    return false;
+}
+
+gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
+                       const struct gp_frame *f, const struct gp_sources *src,
+                       struct gp_sources *out, bool *joined)
+{
+    gp_status st;
+    struct gp_source *list = NULL;
+    size_t n = 0, room = 0;
+    void *v;
+    *joined = false;
+    for (int i = 0; i < suns->n; i++) {
+        if (is_source(suns, &suns->light[i], f->data))
+            room += gp_disc_room(suns->light[i].radius);
+    }
+    if (!room)
+        return GP_OK;
+    GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &v));
+    list = v;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        struct gp_disc_pixels d;
+        if (!is_source(suns, l, f->data))
+            continue;
+        GP_TRY(gp_disc_pixels_make(log, l->radius, &d));
+        gp_disc_light(&d, l, f->data, list, &n);
+        gp_free(d.weight);
+    }
+    GP_TRY(gp_sources_join(log, src, list, n, out));
+    *joined = true;
+out:
+    gp_free(list);
+    return st;
+}
+
+// -- sprites -----------------------------------------------------------------
+
+enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
+
+void gp_suns_drop_sprites(struct gp_suns *suns)
+{
+    for (int i = 0; i < suns->sprites; i++) {
+        gp_planes_free(&suns->sprite[i].element.image.rgb);
+        if (suns->sprite[i].drawn)
+            gp_flare_close(suns->gl, &suns->sprite[i].drawn);
+    }
+    suns->sprites = 0;
+}
+
+/* The sprite of a radius, made when there is none yet. A frame may have more
+ * radii than are kept: then all are made anew. */
+static gp_status find_sprite(const struct gp_log *log,
+                             const struct gp_kernel *k, double radius,
+                             struct gp_suns *suns, struct gp_sun_sprite **out)
+{
+    struct gp_disc_pixels d;
+    struct gp_spread_kernel wide;
+    if (radius > SPRITE_RADIUS)
+        return gp_fail_bare(log, GP_ERR_DATA,
+                            "a light of radius %g: too large for glare of its "
+                            "own at the frame's edge (%d pixels at most); "
+                            "give it no flux, or --sun-in-frame", radius,
+                            SPRITE_RADIUS);
+    radius = radius > 0.5 ? radius : 0.5;
+    if (suns->sprite_kernel != k->serial)
+        gp_suns_drop_sprites(suns);
+    suns->sprite_kernel = k->serial;
+    for (int i = 0; i < suns->sprites; i++) {
+        if (suns->sprite[i].radius == radius) {
+            *out = &suns->sprite[i];
+            return GP_OK;
+        }
+    }
+    if (suns->sprites == GP_SUN_SPRITES)
+        gp_suns_drop_sprites(suns);
+    gp_status st = gp_disc_pixels_make(log, radius, &d);
+    if (st)
+        return st;
+    st = gp_kernel_spread(log, k, d.m, d.weight, &wide);
+    gp_free(d.weight);
+    if (st)
+        return st;
+    *out = &suns->sprite[suns->sprites++];
+    **out = (struct gp_sun_sprite) {
+        .radius = radius,
+        .element = {.shape = GP_FLARE_IMAGE, .plain = true,
+                    .colour = {1.0f, 1.0f, 1.0f}, .scale = {1.0f, 1.0f, 1.0f},
+                    .image = {.w = wide.w, .h = wide.h, .cx = wide.cx,
+                              .cy = wide.cy, .rgb = wide.k,
+                              .serial = wide.serial}},
+    };
+    return GP_OK;
+}
+
+gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
+                         const struct gp_kernel *kernel,
+                         const struct gp_frame *f)
+{
+    gp_status st = GP_OK;
+    int made = 0;
+    for (int i = 0; !st && i < suns->n && made < GP_SUN_SPRITES; i++) {
+        struct gp_sun_sprite *sprite;
+        if (!is_sprite(suns, &suns->light[i], f->data))
+            continue;
+        if (made++ == 0 && suns->gl) // for those of another kernel
+            st = gp_gl_use(log, suns->gl);
+        if (!st)
+            st = find_sprite(log, kernel, suns->light[i].radius, suns,
+                             &sprite);
+    }
+    return st;
+}
+
+// -- drawing -----------------------------------------------------------------
+
+/* All of a flare's elements, on the CPU or on GL. */
+static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
+                            const struct gp_flare *flare,
+                            const struct gp_light *light, struct gp_frame *f,
+                            struct gp_flare_gl **drawn)
+{
+    if (!on_gl(suns))
+        return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
+                            &f->layer);
+    gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
+                                 gp_sun_intensity(suns->map), f->data,
+                                 f->display, drawn);
+    return st ? st : gp_flare_read_layer(log, suns->gl, *drawn, f->data,
+                                         &f->layer);
+}
+
+/* The glare of the sprites' lights, those of one radius at a time. */
+static gp_status draw_sprites(const struct gp_log *log, struct gp_suns *suns,
+                              const struct gp_kernel *kernel,
+                              struct gp_frame *f)
+{
+    const size_t n = (size_t) suns->n;
+    struct gp_light *some = NULL; // those of other radii without flux
+    bool *done = NULL;
+    void *v;
+    gp_status st;
+    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &v));
+    some = v;
+    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &v));
+    done = v;
+    for (int first = 0; first < suns->n; first++) {
+        const double radius = suns->light[first].radius;
+        struct gp_sun_sprite *sprite;
+        if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
+            continue;
+        for (int i = 0; i < suns->n; i++) {
+            some[i] = suns->light[i];
+            if (!done[i] && some[i].radius == radius &&
+                is_sprite(suns, &some[i], f->data))
+                done[i] = true;
+            else
+                memset(some[i].flux, 0, sizeof some[i].flux);
+        }
+        GP_TRY(find_sprite(log, kernel, radius, suns, &sprite));
+        const struct gp_flare one = {.element = &sprite->element, .n = 1};
+        GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
+    }
+out:
+    gp_free(some);
+    gp_free(done);
+    return st;
+}
+
+/* Sprite and flare together, where all lights that have flux are sprites of
+ * one radius, as a lone sun is: one draw and one way back. */
+static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
+                               const struct gp_kernel *kernel,
+                               struct gp_frame *f, bool *drawn)
+{
+    double radius = -1.0;
+    struct gp_sun_sprite *sprite;
+    void *v;
+    *drawn = false;
+    for (int i = 0; i < suns->n; i++) {
+        const struct gp_light *const l = &suns->light[i];
+        if (!gp_light_has_flux(l))
+            continue;
+        if (!is_sprite(suns, l, f->data) ||
+            (radius >= 0.0 && l->radius != radius))
+            return GP_OK;
+        radius = l->radius;
+    }
+    gp_status st = find_sprite(log, kernel, radius, suns, &sprite);
+    if (st)
+        return st;
+    const int n = suns->flare.n + 1;
+    st = gp_alloc(log, "flare", (size_t) n, sizeof *suns->flare.element, &v);
+    if (st)
+        return st;
+    const struct gp_flare all = {.element = v, .n = n};
+    all.element[0] = sprite->element;
+    memcpy(all.element + 1, suns->flare.element,
+           (size_t) suns->flare.n * sizeof *all.element);
+    st = draw_flare(log, suns, &all, suns->light, f, &suns->drawn);
+    gp_free(v);
+    *drawn = !st;
+    return st;
+}
+
+gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
+                       const struct gp_kernel *kernel, struct gp_frame *f)
+{
+    gp_status st = GP_OK;
+    if (!suns->n)
+        return GP_OK;
+    if (on_gl(suns))
+        GP_TRY(gp_gl_use(log, suns->gl));
+    if (gp_suns_add_light(suns)) {
+        bool drawn = false;
+        if (suns->flare.n)
+            GP_TRY(draw_together(log, suns, kernel, f, &drawn));
+        if (!drawn)
+            GP_TRY(draw_sprites(log, suns, kernel, f));
+        if (!drawn && suns->flare.n)
+            GP_TRY(draw_flare(log, suns, &suns->flare, suns->light, f,
+                              &suns->drawn));
+    }
+    if (on_gl(suns))
+        GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light,
+                               suns->n));
+out:
+    return st;
+}
