@@ -1,7 +1,21 @@
+/* JSON: files read strictly, with messages that name the place; and strings of
+ * any bytes as JSON. */
 #include "core/json.h"
 
+#include "core/memory.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <float.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// -- writing ------------------------------------------------------------------
 
 /* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
 static size_t utf8_length(const unsigned char *s)
@@ -45,4 +59,331 @@ char *gp_json_print(json_t *o, size_t flags)
     char *text = o ? json_dumps(o, flags) : NULL;
     json_decref(o);
     return text;
+}
+
+// -- words for messages -------------------------------------------------------
+
+struct words {
+    char text[512];
+};
+
+/* Text of a file or a library as it may stand in a message: one short line
+ * without control characters. */
+static struct words show(const char *text)
+{
+    struct words s;
+    size_t n = strnlen(text, 127);
+    // no half of an UTF-8 character at the cut
+    while (text[n] && n > 0 && ((unsigned char) text[n] & 0xc0) == 0x80)
+        n--;
+    for (size_t i = 0; i < n; i++) {
+        unsigned char c = (unsigned char) text[i];
+        s.text[i] = c < 0x20 || c == 0x7f ? '?' : text[i];
+    }
+    s.text[n] = '\0';
+    return s;
+}
+
+/* Says what a value is: "a text", "an array of 2", "0.5". */
+static struct words found_text(const json_t *v)
+{
+    struct words t;
+    switch (json_typeof(v)) {
+    case JSON_OBJECT:
+        snprintf(t.text, sizeof t.text, "an object");
+        break;
+    case JSON_ARRAY:
+        snprintf(t.text, sizeof t.text, "an array of %zu", json_array_size(v));
+        break;
+    case JSON_STRING:
+        snprintf(t.text, sizeof t.text, "a text");
+        break;
+    case JSON_INTEGER:
+    case JSON_REAL:
+        snprintf(t.text, sizeof t.text, "%.9g", json_number_value(v));
+        break;
+    case JSON_TRUE:
+    case JSON_FALSE:
+        snprintf(t.text, sizeof t.text, "%s",
+                 json_is_true(v) ? "true" : "false");
+        break;
+    default:
+        snprintf(t.text, sizeof t.text, "null");
+    }
+    return t;
+}
+
+/* "0 to 1"; "a finite number" where any will do. */
+static struct words range_text(double lo, double hi)
+{
+    struct words t;
+    if (lo <= -DBL_MAX && hi >= DBL_MAX)
+        snprintf(t.text, sizeof t.text, "a finite number");
+    else
+        snprintf(t.text, sizeof t.text, "%.9g to %.9g", lo, hi);
+    return t;
+}
+
+/* Lists names: "a", "b", "c". */
+static struct words names_text(const char *const names[])
+{
+    struct words t = {""};
+    size_t at = 0;
+    for (int i = 0; names[i] && at < sizeof t.text; i++)
+        at += (size_t) snprintf(t.text + at, sizeof t.text - at, "%s\"%s\"",
+                                i ? ", " : "", names[i]);
+    return t;
+}
+
+/* "lights.json: light 3: TEXT", "lights.json: TEXT"; returns GP_ERR_DATA. */
+GP_PRINTF(2, 3)
+static gp_status fail_at(const struct gp_json_place *p, const char *fmt, ...)
+{
+    char text[GP_LINE_BYTES], place[64] = "";
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    if (p->index > 0)
+        snprintf(place, sizeof place, ": %s %d", p->what, p->index);
+    return gp_fail(p->log, GP_ERR_DATA, "%s%s: %s", p->path, place, text);
+}
+
+// -- reading ------------------------------------------------------------------
+
+/* Reads to the end of a file or pipe, or one byte over `most`, which tells that
+ * it is too large. *text is owned by the caller: gp_free(). */
+static gp_status read_all(const struct gp_log *log, const char *path, int fd,
+                          size_t most, char **text, size_t *bytes)
+{
+    size_t room = 0;
+    *bytes = 0;
+    while (*bytes <= most) {
+        if (*bytes == room) {
+            void *block = *text;
+            room = room ? 2 * room : 16 << 10; // most files
+            room = room < most + 1 ? room : most + 1;
+            const gp_status st = gp_resize(log, path, room, &block);
+            if (st)
+                return st;
+            *text = block;
+        }
+        const ssize_t n = read(fd, *text + *bytes, room - *bytes);
+        if (n < 0 && errno == EINTR)
+            continue;
+        if (n < 0)
+            return gp_fail(log, GP_ERR_IO,
+                           "%s: cannot read (%s); check the file", path,
+                           strerror(errno));
+        if (n == 0)
+            break;
+        *bytes += (size_t) n;
+    }
+    return GP_OK;
+}
+
+static gp_status parse(const struct gp_log *log, const char *path,
+                       const char *text, size_t bytes, json_t **out)
+{
+    static const char mark[] = "\xef\xbb\xbf"; // some editors' byte order mark
+    size_t first = 0;
+    json_error_t e;
+    if (bytes >= 3 && memcmp(text, mark, 3) == 0) {
+        text += 3;
+        bytes -= 3;
+    }
+    while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
+        first++;
+    if (first == bytes)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: not JSON (the file is empty); write an array or "
+                       "an object", path);
+    json_t *const root = json_loadb(
+        text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
+    if (!root && json_error_code(&e) == json_error_out_of_memory)
+        return gp_no_memory(log, path);
+    if (!root)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: not JSON at line %d, column %d (%s); correct it "
+                       "there", path, e.line, e.column, show(e.text).text);
+    *out = root;
+    return GP_OK;
+}
+
+gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
+                       json_t **out)
+{
+    gp_status st;
+    char *text = NULL;
+    size_t bytes;
+    struct stat about;
+    int fd = open(path, O_RDONLY | O_CLOEXEC);
+    if (fd < 0)
+        return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
+                       path, strerror(errno));
+    if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode))
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "%s: cannot read (it is a folder); name a file", path));
+    GP_TRY(read_all(log, path, fd, most, &text, &bytes));
+    if (bytes > most)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: too large (over %zu KiB); split it", path,
+                       most >> 10));
+    GP_TRY(parse(log, path, text, bytes, out));
+out:
+    gp_free(text);
+    close(fd);
+    return st;
+}
+
+// -- structure ---------------------------------------------------------------
+
+gp_status gp_json_array(const struct gp_json_place *p, json_t *root,
+                        const char *key, size_t most, json_t **out)
+{
+    json_t *a = json_is_object(root) ? json_object_get(root, key) : root;
+    if (!a)
+        return fail_at(p, "no \"%s\" (found an object without it); give "
+                       "{\"%s\": [...]}", key, key);
+    if (!json_is_array(a))
+        return fail_at(p, "\"%s\" is no array (found %s); give "
+                       "{\"%s\": [...]}", key, found_text(a).text, key);
+    if (json_array_size(a) > most)
+        return fail_at(p, "too many in \"%s\" (found %zu); at most %zu",
+                       key, json_array_size(a), most);
+    *out = a;
+    return GP_OK;
+}
+
+static bool in_list(const char *name, const char *const list[], int *at)
+{
+    for (*at = 0; list[*at]; ++*at) {
+        if (strcmp(name, list[*at]) == 0)
+            return true;
+    }
+    return false;
+}
+
+gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
+                       const char *const keys[])
+{
+    const char *key;
+    json_t *value;
+    int at;
+    if (!json_is_object(o))
+        return fail_at(p, "no object (found %s); give {...} with %s",
+                       found_text(o).text, names_text(keys).text);
+    json_object_foreach (o, key, value) { // in the file's order
+        if (!in_list(key, keys, &at))
+            return fail_at(p, "unknown key (found \"%s\"); there are %s",
+                           show(key).text, names_text(keys).text);
+    }
+    return GP_OK;
+}
+
+// -- values ------------------------------------------------------------------
+
+/* The value of a key, or NULL; tells *found where the caller asks. */
+static json_t *value_of(json_t *o, const char *key, bool *found)
+{
+    json_t *v = json_object_get(o, key);
+    if (found)
+        *found = v != NULL;
+    return v;
+}
+
+static gp_status check_number(const struct gp_json_place *p, const char *key,
+                              const json_t *v, double lo, double hi,
+                              double *out)
+{
+    if (!json_is_number(v))
+        return fail_at(p, "\"%s\" is no number (found %s); give %s",
+                       key, found_text(v).text, range_text(lo, hi).text);
+    double d = json_number_value(v);
+    if (!(isfinite(d) && d >= lo && d <= hi))
+        return fail_at(p, "\"%s\" out of range (found %s); give %s",
+                       key, found_text(v).text, range_text(lo, hi).text);
+    *out = d;
+    return GP_OK;
+}
+
+gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
+                         const char *key, double lo, double hi, double *out,
+                         bool *found)
+{
+    const json_t *v = value_of(o, key, found);
+    return v ? check_number(p, key, v, lo, hi, out) : GP_OK;
+}
+
+gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
+                      const char *key, int lo, int hi, int *out, bool *found)
+{
+    const json_t *v = value_of(o, key, found);
+    double d;
+    if (!v)
+        return GP_OK;
+    gp_status st = check_number(p, key, v, lo, hi, &d);
+    if (st)
+        return st;
+    if (d != floor(d))
+        return fail_at(p, "\"%s\" is no whole number (found %s); give %d to "
+                       "%d", key, found_text(v).text, lo, hi);
+    *out = (int) d;
+    return GP_OK;
+}
+
+gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
+                          const char *key, int count, bool grey, double lo,
+                          double hi, double *out, bool *found)
+{
+    const json_t *v = value_of(o, key, found);
+    if (!v)
+        return GP_OK;
+    const bool lone = grey && !json_is_array(v);
+    if (!lone && json_array_size(v) != (size_t) count) // 0 of what is none
+        return fail_at(p, "\"%s\" is no array of %d numbers (found %s); give "
+                       "%d of them%s", key, count,
+                       found_text(v).text, count, grey ? ", or one" : "");
+    double read = 0.0;
+    // all are looked at before any is written
+    for (int pass = 0; pass < 2; pass++) {
+        for (int i = 0; i < count; i++) {
+            const json_t *item = lone ? v : json_array_get(v, (size_t) i);
+            gp_status st = check_number(p, key, item, lo, hi, &read);
+            if (st)
+                return st;
+            if (pass)
+                out[i] = read;
+        }
+    }
+    return GP_OK;
+}
+
+gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
+                       const char *key, const char **out, bool *found)
+{
+    const json_t *v = value_of(o, key, found);
+    if (!v)
+        return GP_OK;
+    if (!json_is_string(v))
+        return fail_at(p, "\"%s\" is no text (found %s); put it in quotes",
+                       key, found_text(v).text);
+    *out = json_string_value(v);
+    return GP_OK;
+}
+
+gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
+                         const char *key, const char *const names[], int *out,
+                         bool *found)
+{
+    const char *text = NULL;
+    int at;
+    gp_status st = gp_json_text(p, o, key, &text, found);
+    if (st || !text)
+        return st;
+    if (!in_list(text, names, &at))
+        return fail_at(p, "unknown \"%s\" (found \"%s\"); there are %s",
+                       key, show(text).text, names_text(names).text);
+    *out = at;
+    return GP_OK;
 }

@@ -1,8 +1,13 @@
-/* JSON as jansson makes it, of strings that need not be UTF-8. */
+/* JSON by jansson: files read strictly, where every key is known, every number
+ * has a range, and messages name the file, the place ("element 3") and the key;
+ * and strings that need not be UTF-8. */
 #ifndef GP_CORE_JSON_H
 #define GP_CORE_JSON_H
 
+#include "core/status.h"
+
 #include <jansson.h>
+#include <stdbool.h>
 
 /* A file name or any other bytes: Linux allows any, JSON only UTF-8
  * (RFC 3629). Bytes that are not UTF-8 become U+FFFD. The caller owns it; NULL
@@ -12,5 +17,64 @@ json_t *gp_json_name(const char *s);
 /* The text of `o`, whose reference it takes; NULL for a NULL `o` and when
  * memory is full. The caller owns it: free(). `flags` as of json_dumps(). */
 char *gp_json_print(json_t *o, size_t flags);
+
+/* Where a value stands, for messages. */
+struct gp_json_place {
+    const struct gp_log *log;
+    const char *path;  // file
+    const char *what;  // "light", "element", "frame"
+    int index;         // from 1; 0: the file itself
+};
+
+/* Reads a file of at most `most` bytes, at least 1024. Duplicate keys are
+ * refused. Every number comes as a JSON_REAL, so that long integers (ids of
+ * other programs) are no error. A byte order mark before the text is skipped.
+ * Memory may reach 24 times the file's size.
+ *   out  written on GP_OK only; json_decref()
+ * Errors: GP_ERR_IO cannot be read, is a folder; GP_ERR_DATA too large, or not
+ * JSON (line and column); GP_ERR_BUG out of memory. */
+enum { GP_JSON_SMALL = 1 << 20 }; // bytes
+GP_MUST_CHECK gp_status gp_json_read(const struct gp_log *log,
+                                     const char *path, size_t most,
+                                     json_t **out);
+
+/* The array that a file holds: itself, or value `key` of its object, whose
+ * other keys are left to gp_json_keys(). *out is borrowed from root.
+ * Errors: GP_ERR_DATA neither, or more than `most` items. */
+GP_MUST_CHECK gp_status gp_json_array(const struct gp_json_place *p,
+                                      json_t *root, const char *key,
+                                      size_t most, json_t **out);
+
+/* Errors: GP_ERR_DATA `o` is no object, or has a key outside of `keys` (NULL
+ * ends); the message names it and what there could be. */
+GP_MUST_CHECK gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
+                                     const char *const keys[]);
+
+/* Values of a key: `out` stays as it is when the key is missing (*found says,
+ * may be NULL). Numbers are finite and within [lo, hi]; ints are whole.
+ * Errors: GP_ERR_DATA with file, place, key, what was found, the range. */
+GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p,
+                                       json_t *o, const char *key, double lo,
+                                       double hi, double *out, bool *found);
+GP_MUST_CHECK gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
+                                    const char *key, int lo, int hi, int *out,
+                                    bool *found);
+
+/* `count` numbers; `grey`: a lone number stands for all of them. */
+GP_MUST_CHECK gp_status gp_json_numbers(const struct gp_json_place *p,
+                                        json_t *o, const char *key, int count,
+                                        bool grey, double lo, double hi,
+                                        double *out, bool *found);
+
+/* Borrowed from o. */
+GP_MUST_CHECK gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
+                                     const char *key, const char **out,
+                                     bool *found);
+
+/* Index into `names` (NULL ends) of a text. */
+GP_MUST_CHECK gp_status gp_json_choice(const struct gp_json_place *p,
+                                       json_t *o, const char *key,
+                                       const char *const names[], int *out,
+                                       bool *found);
 
 #endif

@@ -1,6 +1,6 @@
 /* Cameras: from matrices, from JSON, and where they put a place or a disc. */
 #include "sun/camera.h"
-#include "sun/json.h"
+#include "core/json.h"
 
 #include "core/memory.h"
 
@@ -327,7 +327,7 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
     json_t *root = NULL, *frames;
     struct gp_camera_file f = {0};
     struct gp_json_place place = {.log = log, .path = path, .what = "frame"};
-    GP_TRY(gp_json_read_most(log, path, MOST_BYTES, &root));
+    GP_TRY(gp_json_read(log, path, MOST_BYTES, &root));
     GP_TRY(gp_json_array(&place, root, "frames", MOST_FRAMES, &frames));
     f.n = (int) json_array_size(frames);
     if (f.n == 0)

@@ -5,7 +5,7 @@
 #include "core/colour.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "sun/json.h"
+#include "core/json.h"
 
 #include <math.h>
 #include <stddef.h>
@@ -603,7 +603,7 @@ gp_status gp_flare_read(const struct gp_log *log, const char *path,
     json_t *root = NULL, *array = NULL;
     void *elements = NULL;
     gp_status st;
-    GP_TRY(gp_json_read(log, path, &root));
+    GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
     const int n = (int) json_array_size(array);
     GP_TRY(gp_alloc_zero(log, "flare elements", n ? (size_t) n : 1,

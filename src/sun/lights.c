@@ -1,7 +1,7 @@
 #include "sun/lights.h"
 
 #include "core/memory.h"
-#include "sun/json.h"
+#include "core/json.h"
 #include "sun/map.h"
 
 #include <math.h>
@@ -124,7 +124,7 @@ gp_status gp_lights_read(const struct gp_log *log, const char *path,
     json_t *root = NULL, *array;
     struct gp_light_spec *spec = NULL;
     struct gp_json_place place = {.log = log, .path = path, .what = "light"};
-    GP_TRY(gp_json_read(log, path, &root));
+    GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     if (json_is_object(root))
         GP_TRY(gp_json_keys(&place, root, whole));
     GP_TRY(gp_json_array(&place, root, "lights", GP_LIGHTS_MAX, &array));
