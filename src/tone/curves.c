@@ -1,12 +1,13 @@
-/* The operators but AgX, each a few lines of arithmetic without branches, so
+/* The operators, each a few lines of arithmetic without branches, so
  * that compilers vectorise them. All clamp their input first, where NaN becomes
  * the lower end. */
 #include "tone/tone.h"
 
 #include "core/cpu.h"
-#include "tone/agx.h"
+#include "core/minmax.h"
 
 #include <float.h>
+#include <stdint.h>
 #include <string.h>
 
 /* Without this GCC keeps a branch wherever an unused division might raise an
@@ -18,21 +19,14 @@
 /* Every curve has reached its end far below; squares of it stay finite. */
 #define LIGHT_MAX 1e15f
 
-static inline float least(float a, float b)
-{
-    return a < b ? a : b;
-}
-
-static inline float most(float a, float b)
-{
-    return a > b ? a : b;
-}
+/* Both clones of a loop must have their own copy. */
+#define INLINE static inline __attribute__((always_inline))
 
 /* Negative light is none: a colour outside BT.709 loses that primary. */
-static inline float light(float x)
+static inline float positive(float x)
 {
     x = x > 0.0f ? x : 0.0f;
-    return least(x, LIGHT_MAX);
+    return gp_minf(x, LIGHT_MAX);
 }
 
 static inline float luminance(float r, float g, float b)
@@ -51,13 +45,13 @@ static inline float luminance(float r, float g, float b)
 static inline float shrink(float r, float g, float b, float top, float rest)
 {
     float gap = luminance(top - r, top - g, top - b);
-    return rest / most(gap, 1e-30f); // grey has no gap, and needs none
+    return rest / gp_maxf(gap, 1e-30f); // grey has no gap, and needs none
 }
 
 static inline float fit(float channel, float top, float by)
 {
-    float inside = most(1.0f - (top - channel) * by, 0.0f);
-    return least(top > 1.0f ? inside : channel, 1.0f);
+    float inside = gp_maxf(1.0f - (top - channel) * by, 0.0f);
+    return gp_minf(top > 1.0f ? inside : channel, 1.0f);
 }
 
 /* Eq. 3: L_d = L / (1 + L); the colour is scaled by L_d / L. */
@@ -66,12 +60,12 @@ GP_CLONES static void reinhard(float *restrict r, float *restrict g,
 {
     (void) white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
+        float r0 = positive(r[i]), g0 = positive(g[i]), b0 = positive(b[i]);
         float rest = 1.0f / (1.0f + luminance(r0, g0, b0)); // 1 - L_d
         r0 *= rest;
         g0 *= rest;
         b0 *= rest;
-        float top = most(r0, most(g0, b0));
+        float top = gp_maxf(r0, gp_maxf(g0, b0));
         float by = shrink(r0, g0, b0, top, rest);
         r[i] = fit(r0, top, by);
         g[i] = fit(g0, top, by);
@@ -89,18 +83,18 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
                                         float *restrict b, size_t n,
                                         float white)
 {
-    white = most(white, FLT_MIN);
+    white = gp_maxf(white, FLT_MIN);
     const float per_white = 1.0f / white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
-        float y = luminance(r0, g0, b0), part = least(y * per_white, 1.0f);
+        float r0 = positive(r[i]), g0 = positive(g[i]), b0 = positive(b[i]);
+        float y = luminance(r0, g0, b0), part = gp_minf(y * per_white, 1.0f);
         float open = 1.0f / (1.0f + y);
-        float under = most((white - y) * per_white, 0.0f); // 1 - part
+        float under = gp_maxf((white - y) * per_white, 0.0f); // 1 - part
         float rest = under * (1.0f + part) * open;
-        r0 = (r0 + part * least(r0 * per_white, LIGHT_MAX)) * open;
-        g0 = (g0 + part * least(g0 * per_white, LIGHT_MAX)) * open;
-        b0 = (b0 + part * least(b0 * per_white, LIGHT_MAX)) * open;
-        float top = most(r0, most(g0, b0));
+        r0 = (r0 + part * gp_minf(r0 * per_white, LIGHT_MAX)) * open;
+        g0 = (g0 + part * gp_minf(g0 * per_white, LIGHT_MAX)) * open;
+        b0 = (b0 + part * gp_minf(b0 * per_white, LIGHT_MAX)) * open;
+        float top = gp_maxf(r0, gp_maxf(g0, b0));
         float by = shrink(r0, g0, b0, top, rest);
         r[i] = fit(r0, top, by);
         g[i] = fit(g0, top, by);
@@ -123,7 +117,7 @@ static const float aces_out[9] = {
     -0.00327f, -0.07276f, 1.07602f,
 };
 
-static inline float row(const float m[3], float r, float g, float b)
+INLINE float row(const float m[3], float r, float g, float b)
 {
     return m[0] * r + m[1] * g + m[2] * b;
 }
@@ -140,15 +134,15 @@ GP_CLONES static void aces(float *restrict r, float *restrict g,
 {
     (void) white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = least(most(r[i], -LIGHT_MAX), LIGHT_MAX);
-        float g0 = least(most(g[i], -LIGHT_MAX), LIGHT_MAX);
-        float b0 = least(most(b[i], -LIGHT_MAX), LIGHT_MAX);
-        float r1 = aces_fit(light(row(aces_in, r0, g0, b0)));
-        float g1 = aces_fit(light(row(aces_in + 3, r0, g0, b0)));
-        float b1 = aces_fit(light(row(aces_in + 6, r0, g0, b0)));
-        r[i] = least(light(row(aces_out, r1, g1, b1)), 1.0f);
-        g[i] = least(light(row(aces_out + 3, r1, g1, b1)), 1.0f);
-        b[i] = least(light(row(aces_out + 6, r1, g1, b1)), 1.0f);
+        float r0 = gp_minf(gp_maxf(r[i], -LIGHT_MAX), LIGHT_MAX);
+        float g0 = gp_minf(gp_maxf(g[i], -LIGHT_MAX), LIGHT_MAX);
+        float b0 = gp_minf(gp_maxf(b[i], -LIGHT_MAX), LIGHT_MAX);
+        float r1 = aces_fit(positive(row(aces_in, r0, g0, b0)));
+        float g1 = aces_fit(positive(row(aces_in + 3, r0, g0, b0)));
+        float b1 = aces_fit(positive(row(aces_in + 6, r0, g0, b0)));
+        r[i] = gp_minf(positive(row(aces_out, r1, g1, b1)), 1.0f);
+        g[i] = gp_minf(positive(row(aces_out + 3, r1, g1, b1)), 1.0f);
+        b[i] = gp_minf(positive(row(aces_out + 6, r1, g1, b1)), 1.0f);
     }
 }
 
@@ -170,8 +164,8 @@ GP_CLONES static void hable_plane(float *v, size_t n)
     const float exposure_bias = 2.0f;
     const float per_white = 1.0f / hable_curve(11.2f);
     for (size_t i = 0; i < n; i++) {
-        float y = hable_curve(exposure_bias * light(v[i])) * per_white;
-        v[i] = least(y, 1.0f);
+        float y = hable_curve(exposure_bias * positive(v[i])) * per_white;
+        v[i] = gp_minf(y, 1.0f);
     }
 }
 
@@ -181,6 +175,124 @@ static void hable(float *r, float *g, float *b, size_t n, float white)
     hable_plane(r, n);
     hable_plane(g, n);
     hable_plane(b, n);
+}
+
+// -- AgX ----------------------------------------------------------------------
+
+/* AgX, Troy Sobotka's display transform (github.com/sobotka/AgX), in the
+ * form of Benjamin Wrensch's Minimal AgX Implementation, default look
+ * (iolite-engine.com/blog_posts/minimal_agx_implementation, 2023):
+ *
+ *   inset matrix, log2 between two exposures, a polynomial for the contrast
+ *   curve, outset matrix, and the 2.2 power of the display it was made for.
+ *
+ * The polynomial is the 6th-order one, which rises everywhere; the 7th-order
+ * one falls near black. Its end is 0.99858, so that the brightest grey is
+ * 0.9969 of the display's white.
+ */
+static const float inset[9] = {
+    0.842479062253094f,  0.0784335999999992f, 0.0792237451477643f,
+    0.0423282422610123f, 0.878468636469772f,  0.0791661274605434f,
+    0.0423756549057051f, 0.0784336f,          0.879142973793104f,
+};
+static const float outset[9] = {
+    1.19687900512017f,    -0.0980208811401368f, -0.0990297440797205f,
+    -0.0528968517574562f, 1.15190312990417f,    -0.0989611768448433f,
+    -0.0529716355144438f, -0.0980434501171241f, 1.15107367264116f,
+};
+
+#define EV_MIN (-12.47393f)     // 0.18 * 2^-10
+#define EV_MAX 4.026069f        // 0.18 * 2^6.5
+#define LIGHT_MIN 1.7578e-4f    // a little under 2^EV_MIN
+
+INLINE float clamp(float x, float lo, float hi)
+{
+    x = x > lo ? x : lo; // NaN becomes lo
+    return x < hi ? x : hi;
+}
+
+/* The polynomials here are written for short chains of dependence.
+ *
+ * log2 of a positive normal x to 1e-7: with x = 2^e m, m in [sqrt(1/2),
+ * sqrt(2)), and s = (m - 1) / (m + 1), log2 m = 2 / ln 2 * atanh s. */
+INLINE float log2_of(float x)
+{
+    const int32_t half = 0x3f3504f3; // sqrt(1/2)
+    int32_t bits;
+    float m;
+    memcpy(&bits, &x, sizeof bits);
+    int32_t e = (bits - half) >> 23;
+    bits -= e * (1 << 23);
+    memcpy(&m, &bits, sizeof m);
+    float s = (m - 1.0f) / (m + 1.0f), z = s * s, z2 = z * z;
+    float series = (1.0f + z * (1.0f / 3)) +
+                   z2 * ((1.0f / 5 + z * (1.0f / 7)) + z2 * (1.0f / 9));
+    return (float) e + s * 2.885390082f * series;
+}
+
+/* 2^x for -100 < x < 100 to 1e-7, Taylor's series around the nearest integer */
+INLINE float exp2_of(float x)
+{
+    const float round = 12582912.0f; // 1.5 * 2^23: adding it drops fractions
+    float whole = (x + round) - round;
+    float t = (x - whole) * 0.6931471806f, t2 = t * t;
+    float series = (1.0f + t) + t2 * (1.0f / 2 + t * (1.0f / 6)) +
+                   t2 * t2 * ((1.0f / 24 + t * (1.0f / 120)) +
+                              t2 * (1.0f / 720 + t * (1.0f / 5040)));
+    int32_t bits = ((int32_t) whole + 127) * (1 << 23);
+    float power;
+    memcpy(&power, &bits, sizeof power);
+    return power * series;
+}
+
+/* x^2.2 for x in [0,1], as x^2 times its fifth root, so that the logarithm's
+ * error counts a fifth. */
+INLINE float power22(float x)
+{
+    return x * x * exp2_of(0.2f * log2_of(x > 1e-30f ? x : 1e-30f));
+}
+
+/* The published polynomial in x in [0,1] is
+ *   15.5 x^6 - 40.14 x^5 + 31.96 x^4 - 6.868 x^3 + 0.4298 x^2 + 0.1191 x
+ *   - 0.00232
+ * whose large terms cancel; in u = x - 1/2 they do not, and floats give 1e-7
+ * instead of 3e-6. Taylor's coefficients at 1/2: */
+#define P6 15.5
+#define P5 (-40.14 + 15.5 * 6 / 2)
+#define P4 (31.96 - 40.14 * 5 / 2 + 15.5 * 15 / 4)
+#define P3 (-6.868 + 31.96 * 4 / 2 - 40.14 * 10 / 4 + 15.5 * 20 / 8)
+#define P2 (0.4298 - 6.868 * 3 / 2 + 31.96 * 6 / 4 - 40.14 * 10 / 8 +         \
+            15.5 * 15 / 16)
+#define P1 (0.1191 + 0.4298 * 2 / 2 - 6.868 * 3 / 4 + 31.96 * 4 / 8 -         \
+            40.14 * 5 / 16 + 15.5 * 6 / 32)
+#define P0 (-0.00232 + 0.1191 / 2 + 0.4298 / 4 - 6.868 / 8 + 31.96 / 16 -     \
+            40.14 / 32 + 15.5 / 64)
+
+INLINE float contrast(float light)
+{
+    float ev = log2_of(clamp(light, LIGHT_MIN, LIGHT_MAX));
+    float u = (ev - 0.5f * (EV_MIN + EV_MAX)) * (1.0f / (EV_MAX - EV_MIN));
+    u = clamp(u, -0.5f, 0.5f);
+    float u2 = u * u;
+    return ((float) P0 + (float) P1 * u) + ((float) P2 + (float) P3 * u) * u2 +
+           ((float) P4 + (float) P5 * u + (float) P6 * u2) * (u2 * u2);
+}
+
+GP_CLONES static void agx(float *restrict r, float *restrict g,
+                          float *restrict b, size_t n, float white)
+{
+    (void) white;
+    for (size_t i = 0; i < n; i++) {
+        float r0 = clamp(r[i], -LIGHT_MAX, LIGHT_MAX);
+        float g0 = clamp(g[i], -LIGHT_MAX, LIGHT_MAX);
+        float b0 = clamp(b[i], -LIGHT_MAX, LIGHT_MAX);
+        float r1 = contrast(row(inset, r0, g0, b0));
+        float g1 = contrast(row(inset + 3, r0, g0, b0));
+        float b1 = contrast(row(inset + 6, r0, g0, b0));
+        r[i] = power22(clamp(row(outset, r1, g1, b1), 0.0f, 1.0f));
+        g[i] = power22(clamp(row(outset + 3, r1, g1, b1), 0.0f, 1.0f));
+        b[i] = power22(clamp(row(outset + 6, r1, g1, b1), 0.0f, 1.0f));
+    }
 }
 
 // -- Khronos PBR Neutral ------------------------------------------------------
@@ -193,20 +305,20 @@ GP_CLONES static void neutral(float *restrict r, float *restrict g,
     const float f90 = 0.04f, ks = 0.8f - 0.04f, kd = 0.15f;
     (void) white;
     for (size_t i = 0; i < n; i++) {
-        float r0 = light(r[i]), g0 = light(g[i]), b0 = light(b[i]);
-        float x = least(r0, least(g0, b0));
+        float r0 = positive(r[i]), g0 = positive(g[i]), b0 = positive(b[i]);
+        float x = gp_minf(r0, gp_minf(g0, b0));
         float rest = x <= 2.0f * f90 ? x * x / (4.0f * f90) : x - f90;
         r0 = (r0 - x) + rest;
         g0 = (g0 - x) + rest;
         b0 = (b0 - x) + rest;
-        float p = most(r0, most(g0, b0));
+        float p = gp_maxf(r0, gp_maxf(g0, b0));
         float pn = 1.0f - (1.0f - ks) * (1.0f - ks) / (p + 1.0f - 2.0f * ks);
         float gain = 1.0f / (kd * (p - pn) + 1.0f);
         float grey = pn * (kd * (p - pn) * gain); // pn (1 - gain)
         float scale = pn / p * gain;
-        r[i] = p <= ks ? r0 : least(r0 * scale + grey, 1.0f);
-        g[i] = p <= ks ? g0 : least(g0 * scale + grey, 1.0f);
-        b[i] = p <= ks ? b0 : least(b0 * scale + grey, 1.0f);
+        r[i] = p <= ks ? r0 : gp_minf(r0 * scale + grey, 1.0f);
+        g[i] = p <= ks ? g0 : gp_minf(g0 * scale + grey, 1.0f);
+        b[i] = p <= ks ? b0 : gp_minf(b0 * scale + grey, 1.0f);
     }
 }
 
@@ -215,7 +327,7 @@ GP_CLONES static void neutral(float *restrict r, float *restrict g,
 GP_CLONES static void clamp_plane(float *v, size_t n)
 {
     for (size_t i = 0; i < n; i++)
-        v[i] = least(light(v[i]), 1.0f);
+        v[i] = gp_minf(positive(v[i]), 1.0f);
 }
 
 static void linear(float *r, float *g, float *b, size_t n, float white)
@@ -261,7 +373,7 @@ static const struct gp_tone_curve curve_agx = {
     .text = "Troy Sobotka's AgX, default look",
     .source = "Benjamin Wrensch, Minimal AgX Implementation, "
               "iolite-engine.com, 2023",
-    .map = gp_tone_agx, .monotone = true,
+    .map = agx, .monotone = true,
 };
 static const struct gp_tone_curve curve_neutral = {
     .name = "neutral",

@@ -2,8 +2,8 @@
  * at a time so that both work in the cache. */
 #include "tone/tone.h"
 
-#include "core/cpu.h"
 #include "core/colour.h"
+#include "core/cpu.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -260,19 +260,6 @@ static void map_block(void *ctx, int block, int thread)
     m->curve->map(out[0], out[1], out[2], n, m->white);
 }
 
-static gp_status unknown_curve(const struct gp_log *log, const char *name)
-{
-    char names[256] = "";
-    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
-        size_t used = strlen(names);
-        snprintf(names + used, sizeof names - used, "%s%s", used ? ", " : "",
-                 (*c)->name);
-    }
-    return gp_fail(log, GP_ERR_USAGE,
-                   "--tonemap: no operator has this name (%s); use one of %s",
-                   name, names);
-}
-
 gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
                       struct gp_frame *f, float *scale)
 {
@@ -280,8 +267,17 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
         .f = f, .curve = gp_tone_find(p->curve), .scale = 1.0f, .white = 1.0f,
     };
     const size_t pixels = gp_frame_pixels(f);
-    if (!m.curve)
-        return unknown_curve(log, p->curve);
+    if (!m.curve) {
+        char names[256] = "";
+        for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
+            const size_t used = strlen(names);
+            snprintf(names + used, sizeof names - used, "%s%s",
+                     used ? ", " : "", (*c)->name);
+        }
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--tonemap: no operator has this name (%s); use one of "
+                       "%s", p->curve, names);
+    }
     if (!f->shown.c[0]) {
         gp_status st = gp_planes_make(log, "shown frame", pixels, &f->shown);
         if (st)

@@ -2,6 +2,7 @@
 
 #include "core/bridge.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <dlfcn.h>
@@ -18,7 +19,7 @@ struct gp_ocio {
 
 // -- the bridge ---------------------------------------------------------------
 
-static const struct gp_ocio_api *load(char *why, size_t why_size)
+static const struct gp_ocio_api *open_bridge(char *why, size_t why_size)
 {
     static const char bridge[] = "glarepp-ocio.so";
     static const struct gp_ocio_api *opened; // stays open until the end
@@ -47,7 +48,7 @@ gp_status gp_ocio_open(const struct gp_log *log,
     char why[2048];
     void *mem;
     *out = NULL;
-    const struct gp_ocio_api *api = load(why, sizeof why);
+    const struct gp_ocio_api *api = open_bridge(why, sizeof why);
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "--ocio: the OpenColorIO bridge cannot be opened (%s); "
@@ -88,23 +89,18 @@ struct pass {
     size_t pixels;
 };
 
-static void scale_block(const float *in, float scale, size_t n, float *out)
-{
-    for (size_t i = 0; i < n; i++) {
-        float v = in[i] * scale;
-        v = v > FLT_MAX ? FLT_MAX : v;
-        out[i] = v < -FLT_MAX ? -FLT_MAX : v;
-    }
-}
-
 static gp_status pass_block(void *ctx, int block, int thread)
 {
     const struct pass *p = ctx;
     const size_t at = (size_t) block * BLOCK, left = p->pixels - at;
     const size_t n = left < BLOCK ? left : BLOCK;
     (void) thread;
-    for (int c = 0; c < 3; c++)
-        scale_block(p->in->c[c] + at, p->scale, n, p->out->c[c] + at);
+    for (int c = 0; c < 3; c++) {
+        const float *const in = p->in->c[c] + at;
+        float *const out = p->out->c[c] + at;
+        for (size_t i = 0; i < n; i++) // NaN stays
+            out[i] = gp_maxf(-FLT_MAX, gp_minf(FLT_MAX, in[i] * p->scale));
+    }
     return p->api->apply(p->processor, p->out->c[0] + at, p->out->c[1] + at,
                          p->out->c[2] + at, n) ? GP_ERR_BUG : GP_OK;
 }
