@@ -9,8 +9,9 @@
 struct composing {
     struct gp_frame *f;
     const struct gp_sources *src;
-    float gain, keep;
-    bool scatter;
+    float gain;
+    float keep;   // share that the pupil lets through
+    bool scatter; // what a source scatters leaves its pixel
 };
 
 GP_CLONES static void add_row(const float *in, const float *layer, float gain,
@@ -20,24 +21,7 @@ GP_CLONES static void add_row(const float *in, const float *layer, float gain,
         out[i] = in[i] + gain * layer[i];
 }
 
-/* The sources' pixels once more, with their own light taken away first: where
- * gain is 1 and the source is the whole pixel nothing of it is left, whatever
- * the rounding of in + gain * layer was. */
-static void scatter_row(const struct composing *m, int c, int y,
-                        const float *in, const float *layer, float *out)
-{
-    for (uint32_t i = m->src->row[y]; i < m->src->row[y + 1]; i++) {
-        const int32_t x = m->src->x[i];
-        out[x] = (in[x] - m->gain * m->src->rgb[c][i]) + m->gain * layer[x];
-    }
-}
-
-static void dim_row(float keep, size_t n, float *out)
-{
-    for (size_t i = 0; i < n; i++)
-        out[i] *= keep;
-}
-
+/* One row: in + gain * layer, less what sources scatter, dimmed. */
 static void compose_row(void *ctx, int y, int thread)
 {
     const struct composing *m = ctx;
@@ -53,10 +37,19 @@ static void compose_row(void *ctx, int y, int thread)
             add_row(in, layer, m->gain, w, out);
         else
             memcpy(out, in, w * sizeof *out);
-        if (layer && m->scatter)
-            scatter_row(m, c, y, in, layer, out);
-        if (m->keep < 1.0f)
-            dim_row(m->keep, w, out);
+        // the sources' pixels once more, with their own light taken away first:
+        // where gain is 1 and the source is the whole pixel nothing of it is
+        // left, whatever the rounding of in + gain * layer was
+        if (layer && m->scatter) {
+            const struct gp_sources *const src = m->src;
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+                const int32_t x = src->x[i];
+                out[x] = (in[x] - m->gain * src->rgb[c][i]) +
+                         m->gain * layer[x];
+            }
+        }
+        for (size_t x = 0; m->keep < 1.0f && x < w; x++)
+            out[x] *= m->keep;
     }
 }
 

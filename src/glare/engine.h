@@ -171,10 +171,6 @@ GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
                                            const struct gp_sources *src,
                                            const struct gp_kernel *kernel,
                                            double *layer);
-/* The plain loops alone, for tests that check the FFT reference. */
-void gp_glare_reference_direct(const struct gp_sources *src,
-                               const struct gp_kernel *kernel, double *layer);
-
 /* Errors of a layer against the truth; design.md section 6. */
 struct gp_glare_error {
     double rel_l2, max_rel, max_abs, flux_error;

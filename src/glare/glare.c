@@ -5,18 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The index in gp_engines, or -1. */
-static int find_engine(const char *name)
-{
-    for (int i = 0; gp_engines[i]; i++) {
-        if (strcmp(gp_engines[i]->name, name) == 0)
-            return i;
-    }
-    return -1;
-}
-
-/* Says so when the engine that was asked for will take long and another not:
- * a job on a farm should not find out after an hour. */
+/* Warns when the engine that was asked for takes long and another does not: a
+ * job on a farm should not find out after an hour. */
 static void warn_of_patience(const struct gp_glare_job *job,
                              const struct gp_glare *g, int named,
                              const char *path)
@@ -55,9 +45,13 @@ gp_status gp_glare_run(const struct gp_log *log,
 {
     gp_status st = GP_OK;
     const char *const path = f->path ? f->path : "frame";
-    const int named = find_engine(p->engine);
-    struct gp_candidate taken = {.engine = named, .splat = p->splat};
+    int named = 0;
     *stats = (struct gp_glare_stats) {0};
+    while (gp_engines[named] &&
+           strcmp(gp_engines[named]->name, p->engine) != 0)
+        named++;
+    if (!gp_engines[named])
+        named = -1;
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: no engine has this name; use auto, direct, fft or "
@@ -70,6 +64,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, f);
         return GP_OK;
     }
+    struct gp_candidate taken = {.engine = named, .splat = p->splat};
     struct gp_glare_params params = *p;
     struct gp_glare_job job = {
         .log = log, .params = &params, .src = src, .kernel = kernel,

@@ -6,8 +6,18 @@
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
+#include "glare/sensors.h"
 
 #include <stdbool.h>
+
+// -- sensors.c, reference.c: declared for tests --------------------------------
+
+/* Weight of a pixel of luminance y: 0 shut, 1 open, between on the ramp. */
+float gp_bright_pass(const struct gp_sensor_params *p, float y);
+
+/* gp_glare_reference() by plain loops. */
+void gp_glare_reference_direct(const struct gp_sources *src,
+                               const struct gp_kernel *kernel, double *layer);
 
 // -- kernel_builtin.c ---------------------------------------------------------
 

@@ -68,25 +68,6 @@ double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy)
 
 // -- the whole kernel ---------------------------------------------------------
 
-/* The box around the turned corners of what bilinear sampling reaches, one
- * pixel around the samples: centre and size. */
-static void find_rotated_box(const struct gp_unturned *u, double box[4])
-{
-    const double xs[] = {-1.0 - u->cx, (double) u->w - u->cx};
-    const double ys[] = {-1.0 - u->cy, (double) u->h - u->cy};
-    box[0] = box[1] = INFINITY;
-    box[2] = box[3] = -INFINITY;
-    for (int i = 0; i < 4; i++) {
-        const double x = xs[i & 1], y = ys[i >> 1];
-        const double dx = u->cos * x + u->sin * y;
-        const double dy = u->cos * y - u->sin * x;
-        box[0] = fmin(box[0], floor(dx));
-        box[1] = fmin(box[1], floor(dy));
-        box[2] = fmax(box[2], ceil(dx));
-        box[3] = fmax(box[3], ceil(dy));
-    }
-}
-
 struct rotating {
     const struct gp_unturned *u;
     const struct gp_rotated *to;
@@ -117,8 +98,20 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
                   const struct gp_unturned *u, bool grey,
                   struct gp_rotated *out)
 {
-    double box[4];
-    find_rotated_box(u, box);
+    // the box around the rotated corners of what bilinear sampling reaches, one
+    // pixel around the samples
+    const double xs[] = {-1.0 - u->cx, (double) u->w - u->cx};
+    const double ys[] = {-1.0 - u->cy, (double) u->h - u->cy};
+    double box[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
+    for (int i = 0; i < 4; i++) {
+        const double x = xs[i & 1], y = ys[i >> 1];
+        const double dx = u->cos * x + u->sin * y;
+        const double dy = u->cos * y - u->sin * x;
+        box[0] = fmin(box[0], floor(dx));
+        box[1] = fmin(box[1], floor(dy));
+        box[2] = fmax(box[2], ceil(dx));
+        box[3] = fmax(box[3], ceil(dy));
+    }
     const double w = box[2] - box[0] + 1.0, h = box[3] - box[1] + 1.0;
     if (w * h > GP_ROTATED_PIXELS)
         return gp_fail(log, GP_ERR_USAGE,

@@ -25,11 +25,10 @@ static const double ENOUGH = 2.0;
 
 struct asking {
     struct gp_candidate *c;
-    int n;
     double tolerance;
     gp_plan_ask ask;
     void *ctx;
-    int order[GP_CANDIDATES]; // by ms, those of finite ms alone
+    int order[GP_CANDIDATES]; // by ms, only those of finite ms
     int count;
 };
 
@@ -42,19 +41,6 @@ static gp_status ask_bound(struct asking *a, int i)
     if (isnan(c->bound))
         c->bound = INFINITY;
     return st;
-}
-
-/* Fewest ms first; of equals, the first in the list. */
-static void sort_by_ms(struct asking *a)
-{
-    for (int i = 0; i < a->n; i++) {
-        if (!(a->c[i].ms < INFINITY)) // NAN too
-            continue;
-        int at = a->count++;
-        for (; at > 0 && a->c[a->order[at - 1]].ms > a->c[i].ms; at--)
-            a->order[at] = a->order[at - 1];
-        a->order[at] = i;
-    }
 }
 
 /* The first in order that keeps the tolerance, or -1. */
@@ -74,20 +60,7 @@ static gp_status first_within(struct asking *a, bool exact, int *found)
     return GP_OK;
 }
 
-/* Of the exact ones, whose bounds are known. */
-static int least_bound(const struct asking *a)
-{
-    int best = -1;
-    for (int k = 0; k < a->count; k++) {
-        const int i = a->order[k];
-        if (a->c[i].exact &&
-            (best < 0 || a->c[i].bound < a->c[best].bound))
-            best = i;
-    }
-    return best;
-}
-
-/* Whether candidate i may follow `last`, for what it changes. */
+/* Finds whether candidate i may follow `last`, for what it changes. */
 static gp_status may_follow(struct asking *a, int last, int i, bool *may)
 {
     gp_status st = ask_bound(a, i);
@@ -154,10 +127,18 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
                          struct gp_choice *out)
 {
     struct asking a = {
-        .c = c, .n = n, .tolerance = tolerance, .ask = ask, .ctx = ctx,
+        .c = c, .tolerance = tolerance, .ask = ask, .ctx = ctx,
     };
     int fastest, taken;
-    sort_by_ms(&a);
+    // fewest ms first; of equals, the first in the list
+    for (int i = 0; i < n; i++) {
+        if (!(c[i].ms < INFINITY)) // NAN too
+            continue;
+        int at = a.count++;
+        for (; at > 0 && c[a.order[at - 1]].ms > c[i].ms; at--)
+            a.order[at] = a.order[at - 1];
+        a.order[at] = i;
+    }
     // an approximation rounds as well: it is not asked when that is too much
     gp_status st = first_within(&a, true, &fastest);
     const bool within = fastest >= 0;
@@ -165,7 +146,12 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
         st = first_within(&a, false, &fastest);
     if (st)
         return st;
-    taken = within ? fastest : least_bound(&a);
+    taken = fastest;
+    for (int k = 0; k < a.count && !within; k++) { // the least exact bound
+        const int i = a.order[k];
+        if (c[i].exact && (taken < 0 || c[i].bound < c[taken].bound))
+            taken = i;
+    }
     const int last = past->last - 1;
     if (within && last >= 0 && last < n && c[last].ms < INFINITY) {
         st = ask_bound(&a, last);

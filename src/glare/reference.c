@@ -1,8 +1,8 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
-#include "glare/engine.h"
 #include "glare/fft/fft.h"
+#include "glare/glare_priv.h"
 
 #include <math.h>
 #include <string.h>
@@ -101,16 +101,6 @@ static void lay_out(const struct gp_sources *src, const struct gp_kernel *k,
     }
 }
 
-static void multiply(const struct grid *g)
-{
-    const double scale = 1.0 / ((double) g->nx * g->ny);
-    for (size_t i = 0; i < (size_t) g->nx * (size_t) g->ny; i++) {
-        const double re = g->a[2 * i], im = g->a[2 * i + 1];
-        g->a[2 * i] = scale * (re * g->b[2 * i] - im * g->b[2 * i + 1]);
-        g->a[2 * i + 1] = scale * (re * g->b[2 * i + 1] + im * g->b[2 * i]);
-    }
-}
-
 /* The full convolution's sample (x + cx, y + cy) is the layer's (x, y). */
 static void cut_out(const struct gp_sources *src, const struct gp_kernel *k,
                  int c, const struct grid *g, double *layer)
@@ -139,6 +129,7 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
     };
     const size_t n = (size_t) g.nx * (size_t) g.ny;
     const int longest = g.nx > g.ny ? g.nx : g.ny;
+    const double scale = 1.0 / ((double) g.nx * g.ny);
     void *a = NULL, *b = NULL, *z = NULL;
     fftw_plan plan[4] = {0}; // rows and columns, there and back
     GP_TRY(gp_fftwd_open(log, &lib));
@@ -162,7 +153,11 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
         lay_out(src, k, c, &g);
         transform(lib, &g, plan[0], plan[1], g.a, z);
         transform(lib, &g, plan[0], plan[1], g.b, z);
-        multiply(&g);
+        for (size_t i = 0; i < n; i++) {
+            const double re = g.a[2 * i], im = g.a[2 * i + 1];
+            g.a[2 * i] = scale * (re * g.b[2 * i] - im * g.b[2 * i + 1]);
+            g.a[2 * i + 1] = scale * (re * g.b[2 * i + 1] + im * g.b[2 * i]);
+        }
         transform(lib, &g, plan[2], plan[3], g.a, z);
         cut_out(src, k, c, &g, layer);
     }
@@ -191,75 +186,53 @@ gp_status gp_glare_reference(const struct gp_log *log,
 
 // -- errors against the truth --------------------------------------------------
 
-/* Sums and maxima, row after row. */
-struct error_sums {
-    double square, exact_square, max_abs, max_rel, peak, sum, exact_sum;
-};
-
-struct measure {
-    const struct gp_frame *f;
-    const struct gp_planes *layer;
-    const double *exact;
-    double gain, peak;
-};
-
 /* The larger; a layer that is not a number is as wrong as can be. */
 static double worse(double a, double b)
 {
     return b != b ? INFINITY : fmax(a, b);
 }
 
-static void measure_row(const struct measure *m, int y, struct error_sums *r)
-{
-    const int w = gp_frame_w(m->f);
-    const size_t plane = gp_frame_pixels(m->f);
-    for (int x = 0; x < w; x++) {
-        const size_t i = (size_t) y * (size_t) w + (size_t) x;
-        double composite = 0.0, wrong = 0.0;
-        for (int c = 0; c < 3; c++) {
-            const double exact = m->exact[(size_t) c * plane + i];
-            const double got = (double) m->layer->c[c][i];
-            const double weight = (double) m->f->luminance[c];
-            composite += weight *
-                         ((double) m->f->rgb.c[c][i] + m->gain * exact);
-            wrong += weight * m->gain * (got - exact);
-            r->square += (got - exact) * (got - exact);
-            r->exact_square += exact * exact;
-            r->max_abs = worse(r->max_abs, fabs(got - exact));
-            r->sum += got;
-            r->exact_sum += exact;
-        }
-        r->peak = fmax(r->peak, composite);
-        if (wrong != 0.0)
-            r->max_rel = worse(r->max_rel,
-                               fabs(wrong) / (fmax(composite, 0.0) +
-                                              1e-6 * m->peak));
-    }
-}
-
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
                       const double *exact, float gain,
                       struct gp_glare_error *out)
 {
-    struct measure m = {
-        .f = f, .layer = layer, .exact = exact, .gain = (double) gain,
-    };
-    struct error_sums all = {0};
-    // the peak is needed before any relative error can be taken
-    for (int pass = 0; pass < 2; pass++) {
-        m.peak = all.peak;
-        all = (struct error_sums) {0};
-        for (int y = 0; y < gp_frame_h(f); y++)
-            measure_row(&m, y, &all);
+    const size_t n = gp_frame_pixels(f);
+    double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
+    double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
+    for (size_t i = 0; i < n; i++) {
+        double composite = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double want = exact[(size_t) c * n + i];
+            const double got = (double) layer->c[c][i];
+            composite += (double) f->luminance[c] *
+                         ((double) f->rgb.c[c][i] + (double) gain * want);
+            square += (got - want) * (got - want);
+            exact_square += want * want;
+            max_abs = worse(max_abs, fabs(got - want));
+            sum += got;
+            exact_sum += want;
+        }
+        peak = fmax(peak, composite);
+    }
+    // relative to a pixel's own value, for which the peak must be known
+    for (size_t i = 0; i < n; i++) {
+        double composite = 0.0, wrong = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double want = exact[(size_t) c * n + i];
+            const double weight = (double) f->luminance[c];
+            composite += weight *
+                         ((double) f->rgb.c[c][i] + (double) gain * want);
+            wrong += weight * (double) gain *
+                     ((double) layer->c[c][i] - want);
+        }
+        if (wrong != 0.0)
+            max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
+                                                    1e-6 * peak));
     }
     *out = (struct gp_glare_error) {
-        .rel_l2 = all.exact_square > 0.0
-                      ? sqrt(all.square / all.exact_square)
-                      : sqrt(all.square),
-        .max_rel = all.max_rel,
-        .max_abs = all.max_abs,
-        .flux_error = all.exact_sum > 0.0
-                          ? fabs(all.sum / all.exact_sum - 1.0)
-                          : fabs(all.sum),
+        .rel_l2 = sqrt(exact_square > 0.0 ? square / exact_square : square),
+        .max_rel = max_rel,
+        .max_abs = max_abs,
+        .flux_error = fabs(exact_sum > 0.0 ? sum / exact_sum - 1.0 : sum),
     };
 }

@@ -1,8 +1,7 @@
-#include "glare/sensors.h"
-
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "glare/glare_priv.h"
 
 #include <float.h>
 #include <math.h>
@@ -98,13 +97,6 @@ lit_luminance(const float weight[3], float r, float g, float b)
 
 // -- bad pixels, counts, darkness ----------------------------------------------
 
-static inline __attribute__((always_inline)) float clean(float v, float max)
-{
-    v = v != v ? 0.0f : v;
-    v = v > max ? max : v;
-    return v < -FLT_MAX ? 0.0f : v;
-}
-
 /* Counts one row's bad pixels and, if there are none, its bright ones. No
  * branch and no store, so that it becomes vector code and the frame is only
  * read: bad pixels are rare. */
@@ -131,29 +123,6 @@ GP_CLONES static void count_row(const float *restrict r,
     *bright = lit_up;
 }
 
-static void clean_row(float *v, int w, float max)
-{
-    for (int x = 0; x < w; x++)
-        v[x] = clean(v[x], max);
-}
-
-/* Counts the grid's pixels of one row, which is in the cache by now: from
- * every k-th pixel of the frame, about GRID in all. */
-static void sample_row(const struct sense *s, size_t at, uint32_t *count)
-{
-    const size_t end = at + (size_t) s->w;
-    for (size_t i = (at + s->step - 1) / s->step * s->step; i < end;
-         i += s->step) {
-        const float y = lit_luminance(s->rule.weight, s->rgb[0][i],
-                                         s->rgb[1][i], s->rgb[2][i]);
-        if (!(y > 0.0f))
-            continue;
-        uint32_t bits;
-        memcpy(&bits, &y, sizeof bits);
-        count[bits >> DARK_SHIFT]++;
-    }
-}
-
 static void clean_block(void *ctx, int i, int thread)
 {
     struct sense *const s = ctx;
@@ -166,13 +135,29 @@ static void clean_block(void *ctx, int i, int thread)
         count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
                   s->rule.open, &bad, &over, &bright);
         if (bad || over) {
-            clean_row(r, s->w, s->p->max_value);
-            clean_row(g, s->w, s->p->max_value);
-            clean_row(b, s->w, s->p->max_value);
+            const float max = s->p->max_value;
+            for (int k = 0; k < 3; k++) {
+                float *const v = s->rgb[k] + at;
+                for (int x = 0; x < s->w; x++) {
+                    const float f = v[x] != v[x] ? 0.0f : v[x];
+                    v[x] = f > max ? max : f < -FLT_MAX ? 0.0f : f;
+                }
+            }
             count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
                       s->rule.open, &none, &none, &bright);
         }
-        sample_row(s, at, s->dark[thread]);
+        // the grid's pixels of the row, which is in the cache by now: every
+        // k-th pixel of the frame, about GRID in all
+        const size_t row_end = at + (size_t) s->w;
+        for (size_t k = (at + s->step - 1) / s->step * s->step; k < row_end;
+             k += s->step) {
+            const float lum = lit_luminance(s->rule.weight, s->rgb[0][k],
+                                            s->rgb[1][k], s->rgb[2][k]);
+            uint32_t bits;
+            memcpy(&bits, &lum, sizeof bits);
+            if (lum > 0.0f)
+                s->dark[thread][bits >> DARK_SHIFT]++;
+        }
         s->bright[y] = (uint32_t) bright;
         s->block[i].nonfinite += bad;
         s->block[i].clamped += over;
@@ -268,17 +253,6 @@ static int find_bright(const struct bright_rule *rule,
 
 // -- the list -----------------------------------------------------------------
 
-static void apply_knee(const struct sense *s, int n, struct bright_piece *c)
-{
-    for (int i = 0; i < n; i++) {
-        const float pass = gp_bright_pass(
-            s->p, lit_luminance(s->rule.weight, c->rgb[0][i],
-                                   c->rgb[1][i], c->rgb[2][i]));
-        for (int k = 0; k < 3; k++)
-            c->rgb[k][i] *= pass;
-    }
-}
-
 static inline __attribute__((always_inline)) narrow larger(narrow a, narrow b)
 {
     const ints which = a > b;
@@ -336,8 +310,13 @@ static void list_row(const struct sense *s, int y, struct block_sum *sum,
             rest < PIECE ? rest : PIECE, &c);
         if (!n)
             continue;
-        if (s->p->knee > 0.0f)
-            apply_knee(s, n, &c);
+        for (int i = 0; s->p->knee > 0.0f && i < n; i++) {
+            const float pass = gp_bright_pass(
+                s->p, lit_luminance(s->rule.weight, c.rgb[0][i], c.rgb[1][i],
+                                    c.rgb[2][i]));
+            for (int k = 0; k < 3; k++)
+                c.rgb[k][i] *= pass;
+        }
         sum_row(&c, n, largest, sum);
         for (int i = 0; i < n; i++)
             count[i % TABLES][gp_source_bin(largest[i])]++;

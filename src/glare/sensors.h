@@ -34,7 +34,4 @@ GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
                                  const struct gp_sensor_params *p,
                                  struct gp_frame *f, struct gp_sources *out);
 
-/* Weight of a pixel of luminance y: 0 shut, 1 open, between on the ramp. */
-float gp_bright_pass(const struct gp_sensor_params *p, float y);
-
 #endif

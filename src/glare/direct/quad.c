@@ -164,19 +164,14 @@ struct summing {
     struct quad_list *list; // scratch of each thread
 };
 
-static int clamp(int v, int most)
-{
-    return v < 0 ? 0 : v > most ? most : v;
-}
-
 /* Rows of quads whose kernel reaches row y: [*from, *to). */
 static void rows_of(const struct summing *s, int y, int *from, int *to)
 {
     // those that start in row sy have y - sy + cy in [0, taps->h)
     const int rows = s->h + GP_QUAD - 1;
-    const int last = y + s->taps->cy + GP_QUAD - 1;
-    *to = clamp(last + 1, rows);
-    *from = clamp(last + 1 - s->taps->h, *to);
+    const int end = y + s->taps->cy + GP_QUAD, start = end - s->taps->h;
+    *to = end < 0 ? 0 : end > rows ? rows : end;
+    *from = start < 0 ? 0 : start > *to ? *to : start;
 }
 
 GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
@@ -320,32 +315,6 @@ static void run_task(void *ctx, int i, int thread)
     }
 }
 
-static void free_list(struct quad_list *l)
-{
-    gp_free(l->at);
-    gp_free(l->quad);
-    gp_free(l->row);
-    gp_free(l->from);
-}
-
-/* Room for n quads of `rows` rows. */
-static gp_status make_list(const struct gp_log *log, size_t n, int rows,
-                           struct quad_list *l)
-{
-    gp_status st;
-    void *v;
-    GP_TRY(gp_alloc(log, "direct", n, sizeof *l->at, &v));
-    l->at = v;
-    GP_TRY(gp_alloc(log, "direct", n, sizeof *l->quad, &v));
-    l->quad = v;
-    GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row, &v));
-    l->row = v;
-    GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from, &v));
-    l->from = v;
-out:
-    return st;
-}
-
 gp_status gp_quads_sum(const struct gp_log *log,
                        const struct gp_quads *quads,
                        const struct gp_taps *taps, int w, int h, bool add,
@@ -360,12 +329,25 @@ gp_status gp_quads_sum(const struct gp_log *log,
     void *v;
     GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list, &v));
     s.list = v;
-    for (int i = 0; i < threads; i++)
-        GP_TRY(make_list(log, quads->n, rows, &s.list[i]));
+    for (int i = 0; i < threads; i++) {
+        struct quad_list *const l = &s.list[i];
+        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->at, &v));
+        l->at = v;
+        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->quad, &v));
+        l->quad = v;
+        GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row, &v));
+        l->row = v;
+        GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from, &v));
+        l->from = v;
+    }
     gp_parallel_do(s.panels * ((h + BAND - 1) / BAND), run_task, &s);
 out:
-    for (int i = 0; i < threads && s.list; i++)
-        free_list(&s.list[i]);
+    for (int i = 0; i < threads && s.list; i++) {
+        gp_free(s.list[i].at);
+        gp_free(s.list[i].quad);
+        gp_free(s.list[i].row);
+        gp_free(s.list[i].from);
+    }
     gp_free(s.list);
     return st;
 }

@@ -84,14 +84,6 @@ double gp_fft_cost(int n, enum gp_fft_plan how)
            n * log2(n);
 }
 
-/* Of any length from n up, n > 1: by the least of GP_COST_FFT_PS, and with the
- * whole part of the logarithm. */
-static double least_cost(int n)
-{
-    static const double ps[] = GP_COST_FFT_PS;
-    return ps[0] * 1e-3 * n * (31 - __builtin_clz((unsigned) n));
-}
-
 static bool is_smooth(int n)
 {
     static const int primes[] = {2, 3, 5, 7};
@@ -104,12 +96,15 @@ static bool is_smooth(int n)
 
 int gp_fft_length(int n)
 {
+    static const double ps[] = GP_COST_FFT_PS;
     int best = 0;
     double cost = INFINITY;
     // a power of two lies within twice the length, so this ends there at the
-    // latest
-    for (int m = (n + 7) / 8 * 8; m < 2 * n + 8 && least_cost(m) < cost;
-         m += 8) {
+    // latest; before that where the least cost of any length from m up, with
+    // the whole part of the logarithm, is no less
+    for (int m = (n + 7) / 8 * 8; m < 2 * n + 8; m += 8) {
+        if (ps[0] * 1e-3 * m * (31 - __builtin_clz((unsigned) m)) >= cost)
+            break;
         const double ns = is_smooth(m) ? gp_fft_cost(m, GP_FFT_PLAN_MEASURE)
                                        : INFINITY;
         if (ns < cost) {

@@ -71,55 +71,44 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
            GP_COST_FRESH_BYTE * bytes * (rows + channels * (double) p->ny);
 }
 
-/* Adds one row up to `reach` left and right of the centre, which both sides
- * count: squares to [0] and [1], samples to [2] and [3]. */
-static void add_row(const float *row, int w, int cx, int reach, double side[4])
-{
-    for (int x = 0; x < w; x++) {
-        const double v = (double) row[x];
-        const double left = x <= cx && x >= cx - reach ? v : 0.0;
-        const double right = x >= cx && x <= cx + reach ? v : 0.0;
-        side[0] += left * left;
-        side[1] += right * right;
-        side[2] += left;
-        side[3] += right;
-    }
-}
-
-/* How far from the centre a source in a frame of n pixels is sure to see, to
- * one side at least, on an axis where the kernel has w samples. */
-static int sure_reach(int w, int n)
-{
-    return w - 1 <= n ? INT_MAX / 2 : n / 2;
-}
-
-/* Of channel c: the least quarter's squares and samples. */
-static void least_quarter(const struct gp_kernel *k, int c, int w, int h,
-                          double *square, double *sum)
-{
-    const int reach_x = sure_reach(k->w, w), reach_y = sure_reach(k->h, h);
-    double half[2][4] = {{0}}; // above the centre, and below
-    for (int y = 0; y < k->h; y++) {
-        double side[4] = {0};
-        add_row(k->k.c[c] + (size_t) y * (size_t) k->w, k->w, k->cx, reach_x,
-                side);
-        const bool above = y <= k->cy && y >= k->cy - reach_y;
-        const bool below = y >= k->cy && y <= k->cy + reach_y;
-        for (int i = 0; i < 4; i++) {
-            half[0][i] += above ? side[i] : 0.0;
-            half[1][i] += below ? side[i] : 0.0;
-        }
-    }
-    *square = fmin(fmin(half[0][0], half[0][1]), fmin(half[1][0], half[1][1]));
-    *sum = fmin(fmin(half[0][2], half[0][3]), fmin(half[1][2], half[1][3]));
-}
-
 void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
                           struct gp_fft_quarters *out)
 {
+    // how far from the centre a source in the frame is sure to see, to one side
+    // at least: everything, where the kernel has no more samples than that
+    const int reach_x = k->w - 1 <= w ? INT_MAX / 2 : w / 2;
+    const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
     *out = (struct gp_fft_quarters) {0};
-    for (int c = 0; c < 3 && !k->negative; c++)
-        least_quarter(k, c, w, h, &out->square[c], &out->sum[c]);
+    for (int c = 0; c < 3 && !k->negative; c++) {
+        // above the centre and below, left and right of it, which all hold the
+        // centre's own row and column
+        double square[2][2] = {{0}}, sum[2][2] = {{0}};
+        for (int y = 0; y < k->h; y++) {
+            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            double side[4] = {0}; // squares left and right, samples alike
+            for (int x = 0; x < k->w; x++) {
+                const double v = (double) row[x];
+                const double left =
+                    x <= k->cx && x >= k->cx - reach_x ? v : 0.0;
+                const double right =
+                    x >= k->cx && x <= k->cx + reach_x ? v : 0.0;
+                side[0] += left * left;
+                side[1] += right * right;
+                side[2] += left;
+                side[3] += right;
+            }
+            const bool in[2] = {y <= k->cy && y >= k->cy - reach_y,
+                                y >= k->cy && y <= k->cy + reach_y};
+            for (int i = 0; i < 4; i++) {
+                square[i / 2][i % 2] += in[i / 2] ? side[i % 2] : 0.0;
+                sum[i / 2][i % 2] += in[i / 2] ? side[2 + i % 2] : 0.0;
+            }
+        }
+        out->square[c] = fmin(fmin(square[0][0], square[0][1]),
+                              fmin(square[1][0], square[1][1]));
+        out->sum[c] = fmin(fmin(sum[0][0], sum[0][1]),
+                           fmin(sum[1][0], sum[1][1]));
+    }
 }
 
 double gp_fft_least(const struct gp_sources *s,

@@ -5,6 +5,7 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
+#include "glare/glare_priv.h"
 #include "hard_cases.h"
 #include "pair.h"
 

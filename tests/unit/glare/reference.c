@@ -2,6 +2,7 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
+#include "glare/glare_priv.h"
 #include "hard_cases.h"
 
 /* Compares samples with gathered sums, relative to the layer's peak: every

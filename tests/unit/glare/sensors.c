@@ -4,7 +4,7 @@
  */
 #include "unit.h"
 #include "core/parallel.h"
-#include "glare/sensors.h"
+#include "glare/glare_priv.h"
 #include "hard_cases.h"
 #include "pair.h"
 

@@ -1,6 +1,7 @@
 /* Polygons gathered per tile, as groups make them: against the plain form of
  * the same polygons, and ungrouped against the exact layer. */
 #include "unit.h"
+#include "glare/glare_priv.h"
 #include "gl_open.h"
 #include "glare/splat/blur.h"
 #include "glare/splat/group.h"
