@@ -143,8 +143,8 @@ static const struct gp_option_choice gp_bits[] = {
     {"8", 8, NULL}, {"16", 16, NULL}, {0},
 };
 static const struct gp_option_choice gp_alphas[] = {
-    {"black", GP_ALPHA_BLACK, "the picture stands over black and has no "
-     "alpha"},
+    {"black", GP_ALPHA_BLACK, "composite the picture over black, "
+     "without alpha"},
     {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"},
     {0},
 };
@@ -280,39 +280,39 @@ static const char *kernel_name(int i, const char **text)
 
 const struct gp_option gp_options[] = {
     OPT(outputs, .name = "output", .letter = 'o', IN(OUTPUT), .arg = "FILE",
-        .help = "Tone-mapped picture; the ending picks the format; may be "
-                "given more than once"),
+        .help = "Write a tone-mapped picture; the ending picks the format; "
+                "may be given more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
-        .help = "Scene-linear EXR with glare; all other channels and "
+        .help = "Write a scene-linear EXR with glare; all other channels and "
                 "attributes of the input pass through"),
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
-        .help = "The glare layer alone, scene-linear"),
+        .help = "Write the glare layer only, scene-linear"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
-        .choices = gp_debugs, .help = "Picture of a step on the way"),
+        .choices = gp_debugs, .help = "Write a picture of a step on the way"),
 
     OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .help = "Frames of a pattern: 1-100, 1-100x2, 3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
-        .help = "Views, as left,right: what %V and %v (first letter) in names "
-                "stand for; without them in the inputs, those in each file"),
+        .help = "Views, e.g. left,right, for %V and %v (first letter) in "
+                "names; without %V or %v in the inputs, those in each file"),
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
-        .help = "Goes on when a frame cannot be read or written; says which "
-                "at the end, with exit status 6"),
+        .help = "Skip frames that fail, list them at the end, exit 6"),
     OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
-        .help = "Layer whose colour is the frame: NAME.R,G,B, a part of that "
+        .help = "Read the frame from this layer: NAME.R,G,B, a part of that "
                 "name, or right.NAME of one view; without it, the first "
                 "colour"),
     OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
-        .help = "Part of a multi-part file in which the colour is looked for, "
-                "by name or number from 0"),
+        .help = "Look for the colour in this part of a multi-part file, by "
+                "name or number from 0"),
     OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
-        .help = "Layer whose light glares, in place of the frame's own; may be "
-                "given more than once, and --hdr gives each its glare too"),
-    OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N",
-        .lo = 1, .hi = 1LL << 40,
-        .help = "Refuses files whose data or display window claims more "
+        .help = "Take the light of this layer in place of the frame's own; "
+                "may be given more than once, and --hdr gives each its glare "
+                "too"),
+    OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
+        .hi = 1LL << 40,
+        .help = "Refuse files whose data or display window claims more "
                 "pixels; in files other than EXR each four channels count as "
                 "pixels of their own"),
 
@@ -320,155 +320,146 @@ const struct gp_option gp_options[] = {
         .arg = "T", .hi = FLT_MAX,
         .help = "Luminance over which a pixel is a light source"),
     OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
-        .help = "Smooth start of the threshold, from T(1-K) to T(1+K)"),
+        .help = "Start the threshold smoothly, from T(1-K) to T(1+K)"),
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .lo = FLT_MIN, .hi = 1e30,
-        .help = "What brighter and infinite values become"),
+        .help = "Clamp brighter and infinite values to V"),
     OPT(kernel.source, .name = "kernel", .letter = 'k', BOTH(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
-        .help = "What one bright pixel becomes: an image"),
+        .help = "Point-spread function: an image file"),
     OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
-        .help = "The kernel's centre in its own pixels, whose centres are at "
-                "halves; without it, pixel (w/2, h/2) rounded down"),
+        .help = "Centre of the kernel in its own pixels, whose centres are "
+                "at halves; without it, pixel (w/2, h/2) rounded down"),
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
-           .arg = "HOW", .choices = gp_normalizes,
-           .help = "Scale of the kernel"),
+        .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel"),
     OPT(kernel.rotate, .name = "rotate", BOTH(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
-        .help = "Turns the kernel about its centre, counter-clockwise"),
+        .help = "Turn the kernel about its centre, counter-clockwise"),
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
-        .hi = 1e6, .help = "Scale of the layer in the pictures"),
+        .hi = 1e6, .help = "Scale the layer in the pictures"),
     CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
-           .choices = gp_mixes, .help = "How frame and layer go together"),
+        .choices = gp_mixes, .help = "Put frame and layer together"),
 
     OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
         .most = 3, .lo = -1e6, .hi = 1e6,
-        .help = "Sun's centre and radius in pixels (radius 0.5 when left "
-                "out); with bench, the table of its visibility"),
+        .help = "Centre and radius of the sun in pixels (radius 0.5 when "
+                "left out); with bench, print the table of its visibility"),
     OPT(sun.dir, .name = "sun-dir", BOTH(SUN), .arg = "X,Y,Z", .least = 3,
-        .needs = GP_NEED_NO_PLACE,
-        .most = 3, .lo = -1e9, .hi = 1e9,
+        .needs = GP_NEED_NO_PLACE, .most = 3, .lo = -1e9, .hi = 1e9,
         .help = "Direction towards the sun in the world, placed by the "
                 "frame's worldToNDC matrix or --camera"),
     OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
-        .hi = 90, .help = "Degrees across, for --sun-dir and --camera"),
+        .hi = 90,
+        .help = "Diameter of the sun in degrees, for --sun-dir and --camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
-        .needs = GP_NEED_LIGHT | GP_NEED_SUN,
-        .most = 3, .hi = 1e12,
+        .needs = GP_NEED_LIGHT | GP_NEED_SUN, .most = 3, .hi = 1e12,
         .help = "Flux of the sun, scene-linear, summed over pixels: it gets "
-                "glare of its own and lights the flare; without it the frame's "
-                "bright pixels alone glare"),
+                "glare of its own and lights the flare; without it only the "
+                "frame's bright pixels glare"),
     OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN), .needs = GP_NEED_LIGHT,
-        .help = "The frame's pixels show the lights already and glare by "
-                "themselves: flux lights the flare alone"),
+        .help = "Take lights as already in the frame's pixels, which glare "
+                "by themselves: flux lights the flare only"),
     CHOICE(sun.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
-           .needs = GP_NEED_LIGHT,
-           .choices = gp_sun_methods, .help = "How the visible share is found"),
+        .needs = GP_NEED_LIGHT, .choices = gp_sun_methods,
+        .help = "Find the visible share of a light this way"),
     OPT(sun.map.side, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
-        .needs = GP_NEED_LIGHT | GP_NEED_MAP,
-        .hi = 256, .help = "mask: texels of a sun map's side; even"),
+        .needs = GP_NEED_LIGHT | GP_NEED_MAP, .hi = 256,
+        .help = "mask: texels of a sun map's side; even"),
     CHOICE(sun.map.pattern, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
-           .needs = GP_NEED_LIGHT | GP_NEED_MAP,
-           .choices = gp_patterns, .help = "mask: what the texels sample"),
+        .needs = GP_NEED_LIGHT | GP_NEED_MAP, .choices = gp_patterns,
+        .help = "mask: area that the texels sample"),
     CHOICE(sun.map.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
-           .needs = GP_NEED_LIGHT | GP_NEED_MASK,
-           .choices = gp_sums, .help = "mask: how texels add up"),
+        .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sums,
+        .help = "mask: how texels add up"),
     CHOICE(sun.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
-           .needs = GP_NEED_LIGHT | GP_NEED_MASK,
-           .choices = gp_sun_draws,
-           .help = "mask: where glare and flare of the lights are drawn"),
+        .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sun_draws,
+        .help = "mask: where glare and flare of the lights are drawn"),
     CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
-           .needs = GP_NEED_LIGHT,
-           .choices = gp_outsides,
-           .help = "What the part of a light outside the frame counts as"),
+        .needs = GP_NEED_LIGHT, .choices = gp_outsides,
+        .help = "Count the part of a light outside the frame this way"),
     OPT(sun.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
         .needs = GP_NEED_LIGHT,
-        .help = "Dims the picture by F times the visible share, as the pupil "
+        .help = "Dim the picture by F times the visible share, as the pupil "
                 "does"),
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
-        .help = "JSON with a camera for each frame, and the sun's direction"),
+        .help = "Read a JSON file with a camera for each frame, and the "
+                "sun's direction"),
     CHOICE(sun.ndc, .name = "ndc", BOTH(SUN), .arg = "HOW", .choices = gp_ndcs,
-           .help = "What the frame's worldToNDC maps the picture to"),
+        .help = "Range of the frame's worldToNDC matrix"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
-        .help = "JSON with suns and lamps"),
+        .help = "Read suns and lamps from a JSON file"),
     OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT | GP_NEED_FLUX,
-        .help = "JSON with lens-flare elements, drawn for each light that has "
-                "flux, scaled by its visible share"),
+        .help = "Read lens-flare elements from a JSON file; each light that "
+                "has flux draws them, scaled by its visible share"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Depth channel, in any part; without it, Z, depth.Z, "
                 "Depth.Z, *.Depth.Z or *.Z is looked for"),
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
-        .help = "File (or pattern) that holds the depth"),
+        .help = "Read the depth from this file (or pattern)"),
     CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
-           .choices = gp_depth_types, .help = "What its values say"),
+        .choices = gp_depth_types, .help = "Meaning of the depth values"),
     OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
         .needs = GP_NEED_LIGHT,
-        .help = "Channel with the coverage of what hides the lights, 0 clear "
-                "to 1 opaque: A, say"),
+        .help = "Coverage channel of what hides the lights, 0 clear to 1 "
+                "opaque, e.g. A"),
     OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
-        .help = "File (or pattern) that holds the coverage"),
+        .help = "Read the coverage from this file (or pattern)"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
         .arg = "NAME", .list = engine_name,
-        .help = "Method; all give the same layer within their error"),
+        .help = "Compute the glare by this method; all give the same layer "
+                "within their error"),
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
-        .needs = GP_NEED_AUTO,
-        .hi = 1,
-        .help = "Error that auto may make: the norm of the layer's error over "
+        .needs = GP_NEED_AUTO, .hi = 1,
+        .help = "Allow auto this error: the norm of the layer's error over "
                 "that of the exact layer"),
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
-        .needs = GP_NEED_SPLAT,
-        .hi = 64,
-        .help = "splat: NxN pixels are one polygon; a power of two, 1 for "
-                "none"),
+        .needs = GP_NEED_SPLAT, .hi = 64,
+        .help = "splat: draw NxN pixels as one polygon; a power of two, 1 "
+                "for none"),
     CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
-           .needs = GP_NEED_SPLAT,
-           .arg = "HOW", .choices = gp_methods,
-           .help = "splat: how a group stands for its pixels"),
+        .needs = GP_NEED_SPLAT, .arg = "HOW", .choices = gp_methods,
+        .help = "splat: how a group represents its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
-        .needs = GP_NEED_SPLAT,
-        .hi = 64,
-        .help = "splat: filled areas of NxN pixels are one polygon; a power "
-                "of two over that of --group, 0 for none; without it, none "
-                "where --group is as large"),
+        .needs = GP_NEED_SPLAT, .hi = 64,
+        .help = "splat: draw filled areas of NxN pixels as one polygon; a "
+                "power of two over that of --group, 0 for none; without it, "
+                "none where --group is as large"),
     OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
-        .needs = GP_NEED_SPLAT,
-        .arg = "F", .lo = FLT_MIN, .hi = 1,
+        .needs = GP_NEED_SPLAT, .arg = "F", .lo = FLT_MIN, .hi = 1,
         .help = "splat: share of bright pixels from which an area is filled"),
     OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
-        .needs = GP_NEED_SPLAT,
-        .hi = 0.99,
-        .help = "splat: share of the light that may be left out where the "
-                "kernel is too dim to see; 0 for none"),
+        .needs = GP_NEED_SPLAT, .hi = 0.99,
+        .help = "splat: leave out this share of the light where the kernel "
+                "is too dim to see; 0 for none"),
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
-           .needs = GP_NEED_SPLAT,
-           .arg = "WHAT", .choices = gp_primitives,
-           .help = "splat: what is drawn for a polygon"),
-    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API", .choices = gp_gls,
-           .help = "Context of the engine on GL"),
+        .needs = GP_NEED_SPLAT, .arg = "WHAT", .choices = gp_primitives,
+        .help = "splat: draw this for a polygon"),
+    CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API",
+        .choices = gp_gls, .help = "Use this GL context for the engine on GL"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
-           .choices = gp_plans, .help = "How the FFT chooses its plans"),
+        .choices = gp_plans, .help = "Choose the plans of the FFT this way"),
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
-        .help = "Threads, 0 for all processors; no output depends on it"),
+        .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
         .hi = GP_FLIGHT_MOST,
-        .help = "Frames in flight at once, 1 for one after the other, 0 for 3 "
-                "or as many as fit into half of the memory; no output depends "
-                "on it"),
+        .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
+                "or as many as fit into half of the memory; no output "
+                "depends on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
-        .needs = GP_NEED_NO_CONFIG,
-        .list = curve_name, .help = "Operator"),
+        .needs = GP_NEED_NO_CONFIG, .list = curve_name,
+        .help = "Map tones with this operator"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
-        .needs = GP_NEED_CURVE,
-        .hi = 32, .help = "Scales the light by 2 to the EV first"),
+        .needs = GP_NEED_CURVE, .hi = 32,
+        .help = "Scale the light by 2 to the EV first"),
     OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
         .needs = GP_NEED_CURVE,
-        .help = "Scales so that the frame's log-average becomes middle grey; "
+        .help = "Scale so that the frame's log-average becomes middle grey; "
                 "EV comes on top"),
     OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .needs = GP_NEED_TONES | GP_NEED_EXTENDED,
@@ -476,82 +467,83 @@ const struct gp_option gp_options[] = {
                 "units; 0 takes the frame's maximum"),
 
     OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
-        .help = "An OpenColorIO config, whose view takes the place of "
-                "--tonemap: a file, env for $OCIO, or ocio://NAME of a library "
-                "that has built-in ones"),
+        .help = "Use an OpenColorIO config, whose view takes the place of "
+                "--tonemap: a file, env for $OCIO, or ocio://NAME of a "
+                "library that has built-in ones"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG,
-        .help = "The config's colour space or role that the frame is in; "
+        .help = "Colour space or role of the config that the frame is in; "
                 "without it, scene_linear"),
     OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
-        .help = "The config's display; without it, its default"),
+        .help = "Display of the config; without it, its default"),
     OPT(ocio.view, .name = "view", IN(TONE), .arg = "V",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
-        .help = "The display's view; without it, its default"),
+        .help = "OCIO view of the display; without it, its default"),
     OPT(ocio.look, .name = "look", IN(TONE), .arg = "L",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
-        .help = "Looks in place of those of the view: A, or -A,+B"),
+        .help = "Use these looks in place of those of the view: A, or -A,+B"),
     OPT(ocio.output, .name = "output-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG | GP_NEED_HDR,
-        .help = "The config's colour space that --hdr is converted to"),
+        .help = "Convert --hdr to this colour space of the config"),
     OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
         .needs = GP_NEED_CONFIG,
-        .help = "Context variable of the config; may be given more than once"),
+        .help = "Set a context variable of the config; may be given more "
+                "than once"),
 
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
-           .choices = gp_types, .help = "Samples of float formats"),
+        .choices = gp_types,
+        .help = "Write samples of float formats in this type"),
     CHOICE(write.compression, .name = "compression", IN(FILE), .arg = "NAME",
-           .choices = gp_compressions, .help = "EXR compression"),
+        .choices = gp_compressions, .help = "Compress EXR files this way"),
     CHOICE(write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
-           .choices = gp_bits, .help = "Bits a sample of PNG and other integer "
-           "formats"),
+        .choices = gp_bits,
+        .help = "Bits a sample of PNG and other integer formats"),
     OPT(write.dither, .name = "dither", IN(FILE),
-        .help = "Dithers where values become integers"),
+        .help = "Dither where values become integers"),
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
-           .choices = gp_alphas, .help = "Alpha of -o pictures"),
+        .choices = gp_alphas, .help = "Write alpha of -o pictures this way"),
     OPT(write.no_clobber, .name = "no-clobber", IN(FILE),
         .needs = GP_NEED_FILES,
-        .help = "Leaves frames alone whose outputs are all there, to resume a "
-                "run; says how many at the end"),
+        .help = "Skip frames whose outputs already exist, to resume a run; "
+                "print how many at the end"),
     CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
-           .needs = GP_NEED_STREAM,
-           .arg = "FORMAT", .choices = gp_stdout_formats,
-           .help = "What - is as an output"),
+        .needs = GP_NEED_STREAM, .arg = "FORMAT", .choices = gp_stdout_formats,
+        .help = "Write this format where - is an output"),
     CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
-           .needs = GP_NEED_RAW | GP_NEED_STREAM,
-           .choices = gp_raws,
-           .help = "Pixels of --stdout-format raw, which it stands for too"),
+        .needs = GP_NEED_RAW | GP_NEED_STREAM, .choices = gp_raws,
+        .help = "Pixel format of raw output; implies --stdout-format raw"),
     OPT(write.create_dir, .name = "create-dir", IN(FILE),
-        .help = "Makes the folders of output files that are missing"),
+        .help = "Make the folders of output files that are missing"),
 
     OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
-        .help = "JSON, one object a line for each frame; - is stdout"),
+        .help = "Write JSON, one object a line for each frame; - is stdout"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
-        .help = "Measures the layer's error against the exact sum in double; "
+        .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
-           .choices = gp_progresses, .help = "Line with frame, rate and time "
-           "left"),
+        .choices = gp_progresses,
+        .help = "Draw a line with frame, rate and time left"),
     SET(level, .name = "quiet", .letter = 'q', ALL(REPORT),
-        .set = GP_LEVEL_ERROR, .help = "Errors only"),
+        .set = GP_LEVEL_ERROR, .help = "Print errors only"),
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
-        .set = GP_LEVEL_INFO, .help = "A line for each frame"),
+        .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
 
     OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE",
-        .help = "The table as comma-separated values; - is stdout"),
+        .help = "Write the table as comma-separated values; - is stdout"),
     OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
-        .help = "bench: the table as JSON; compare: one object a line for "
-                "each pair; - is stdout"),
+        .help = "bench: write the table as JSON; compare: write one object a "
+                "line for each pair; - is stdout"),
     OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
-        .help = "Error over time with the Pareto front, as SVG, by gnuplot"),
+        .help = "Draw error over time with the Pareto front, as SVG, by "
+                "gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,
         .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
-        .help = "Three frames after the paper, made here: few points, "
-                "windows, and a sky that fills the frame"),
+        .help = "Measure three frames after the paper, made here: few "
+                "points, windows, and a sky that fills the frame"),
     OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
-        .help = "Timed runs of each row; the table has their median"),
+        .help = "Time each row N times; the table has the median"),
 
     OPT(compare.fail, .name = "fail", COMPARE, .arg = "E", .hi = FLT_MAX,
         .help = "Error over which a value fails"),
@@ -576,20 +568,20 @@ const struct gp_option gp_options[] = {
         .help = "Exposures of HDR-FLIP in EV; without it, those that fit the "
                 "first image"),
     OPT(compare.no_flip, .name = "no-flip", COMPARE,
-        .help = "Leaves FLIP out, which takes most of the time"),
+        .help = "Leave out FLIP, which takes most of the time"),
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
-        .help = "Picture of FLIP at each pixel: magma, black 0 to pale "
-                "yellow 1"),
+        .help = "Write a picture of FLIP at each pixel: magma, black 0 to "
+                "pale yellow 1"),
 
     OPT(version, .name = "version", ALL(GENERAL),
-        .help = "Prints the versions of the program and its libraries"),
+        .help = "Print the versions of the program and its libraries"),
     OPT(help, .name = "help", .letter = 'h', .group = GP_GROUP_GENERAL,
-        .commands = ~0u, .help = "Prints this; glarepp help TOPIC says more"),
+        .commands = ~0u, .help = "Print this; glarepp help TOPIC prints more"),
     OPT(help_man, .name = "help-man", IN(GENERAL), .hidden = true,
-        .help = "Prints the man page's generated parts"),
+        .help = "Print the man page's generated parts"),
     CHOICE(completion, .name = "completion", .group = GP_GROUP_GENERAL,
-           .commands = GP_COMMAND_HELP, .arg = "SHELL", .choices = gp_shells,
-           .hidden = true, .help = "Prints the shell's completions"),
+        .commands = GP_COMMAND_HELP, .arg = "SHELL", .choices = gp_shells,
+        .hidden = true, .help = "Print the shell's completions"),
     {0},
 };
 

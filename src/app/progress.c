@@ -338,8 +338,8 @@ gp_status gp_failures_report(const struct gp_log *log,
     const int views = gp_jobs_of_frame(f->jobs), frames = f->jobs->n / views;
     if (f->kept)
         gp_say(log, GP_LEVEL_WARN,
-               "--no-clobber: left %d of %d %s%s alone (all outputs are "
-               "there); remove the files to make them anew", f->kept,
+               "--no-clobber: skipped %d of %d %s%s (all outputs exist); "
+               "remove the files to make them again", f->kept,
                f->jobs->n, views > 1 ? "view" : "frame",
                f->jobs->n == 1 ? "" : "s");
     if (!f->bad)

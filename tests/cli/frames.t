@@ -146,7 +146,7 @@ rm made/l.3.exr
 run -e direct --no-clobber --report r.json -o made/o.#.png \
     --layer made/l.#.exr 'in/s.####.exr'
 status_is 0 'some there: status 0'
-like "$(cat err)" '*--no-clobber: left 2 of 6 frames alone*' 'some there: counted'
+like "$(cat err)" '*--no-clobber: skipped 2 of 6 frames*' 'some there: counted'
 is "$(wc -l <err)" 1 'some there: in one line'
 is "$(cat made/o.2.png)" mine 'some there: a whole set is left alone'
 is "$(sed 's/.*"frame":\([0-9]*\).*/\1/' r.json | xargs)" '3 4 5 6' \
@@ -168,7 +168,7 @@ run -e direct --skip-bad-frames -f 1-6 -o made/o.#.png 'bad/s.####.exr'
 run -e direct --skip-bad-frames --no-clobber -f 1-6 -o made/o.#.png \
     'in/s.####.exr'
 status_is 0 'both together: the second run mends the first'
-like "$(cat err)" '*left 3 of 6 frames alone*' 'both together: makes what is not there'
+like "$(cat err)" '*skipped 3 of 6 frames*' 'both together: makes what is not there'
 as_whole 'both together: the same bytes'
 
 # -- two eyes -------------------------------------------------------------------
@@ -199,7 +199,7 @@ like "$(tail -n 1 err)" '*3 of 5 frames failed (2-4);*--frames 2-4' \
 run -e direct --no-clobber --skip-bad-frames -f 2-4 -o 'made/o.%V.#.png' \
     'eyes/%V.#.exr'
 status_is 0 'mended eyes: status 0'
-like "$(cat err)" '*left 2 of 6 views alone*' 'mended eyes: only what is not there'
+like "$(cat err)" '*skipped 2 of 6 views*' 'mended eyes: only what is not there'
 is "$(ls made | wc -l)" 10 'mended eyes: all are there'
 as_whole 'mended eyes: the bytes of a run without faults'
 afresh
