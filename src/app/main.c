@@ -5,7 +5,6 @@
 #include "app/pipeline.h"
 #include "app/progress.h"
 #include "compare/compare.h"
-#include "core/bridge.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "gl/gl.h"
@@ -75,16 +74,6 @@ static gp_status print_text(const struct gp_log *log,
                        "-: cannot write to stdout (%s); check who reads it",
                        strerror(errno));
     return GP_OK;
-}
-
-static const struct gp_log *last_log; // for what has no way back to main()
-
-/* The end where no error can be returned: one line, and nothing half-written. */
-static void end_for_memory(const char *line)
-{
-    gp_status st = gp_fail(last_log, GP_ERR_BUG, "%s", line);
-    gp_temp_remove_all();
-    _exit((int) st);
 }
 
 // -- the commands ------------------------------------------------------------
@@ -225,15 +214,12 @@ int main(int argc, char *argv[])
     keep_streams();
     gp_keep_memory();
     gp_temp_cleanup_on_signal();
-    last_log = &log;
-    gp_bridge_on_no_memory(end_for_memory);
     // a reader that leaves is an error with a line, not a silent death
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;
-    gp_bridge_about(voice.file);
     if (!st && s.glare.fft_plan == GP_FFT_PLAN_MEASURE)
         s.glare.wisdom = wisdom = cache_file("fft-wisdom");
     if (!st && (s.help || s.help_man || s.version ||

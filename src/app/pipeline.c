@@ -3,7 +3,6 @@
 #include "app/flight.h"
 #include "app/stages.h"
 #include "app/sun_files.h"
-#include "core/bridge.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -140,7 +139,6 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
-    gp_bridge_about(job_of(p, unit, 0)->input);
     gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
     for (int v = 0; v < u->begun && !st; v++) {
         st = run_stages(p, &u->view[v], phase);
@@ -154,7 +152,6 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
         if (phase == GP_PHASE_COMPUTE)
             gp_suns_end_frame(&p->run.suns);
     }
-    gp_bridge_about(NULL);
     return st;
 }
 

@@ -38,9 +38,4 @@ void gp_parallel_do(int n, gp_task task, void *ctx);
 void gp_parallel_enter(void);
 void gp_parallel_leave(void);
 
-/* How many more threads the system lets this process start now, at most `most`
- * and 512. It starts as many and ends them again. For libraries that start
- * threads and do not survive it when they cannot. */
-int gp_threads_spare(int most);
-
 #endif

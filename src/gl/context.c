@@ -173,13 +173,11 @@ void gp_gl_prepare(void)
 }
 
 /* The CPU rasterizer starts as many threads as the machine has processors;
- * --threads, and a process that may use only some, count here too. It waits
- * for ever for one that could not start, and with 0 draws on its caller's. */
+ * --threads, and a process that may use only some, count here too. */
 static void limit_threads(void)
 {
     char threads[16];
-    const int n = gp_threads();
-    snprintf(threads, sizeof threads, "%d", gp_threads_spare(n) < n ? 0 : n);
+    snprintf(threads, sizeof threads, "%d", gp_threads());
     if (threads_are_ours)
         setenv("LP_NUM_THREADS", threads, 1); // in its place: nothing moves
 }

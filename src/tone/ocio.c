@@ -5,7 +5,6 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 
-#include <dlfcn.h>
 #include <float.h>
 #include <stdio.h>
 #include <string.h>
@@ -23,23 +22,14 @@ static const struct gp_ocio_api *open_bridge(char *why, size_t why_size)
 {
     static const char bridge[] = "glarepp-ocio.so";
     static const struct gp_ocio_api *opened; // stays open until the end
-    if (opened)
+    if (!opened)
+        opened = gp_bridge_open(bridge, "gp_ocio_api", why, why_size);
+    if (opened && opened->version == GP_OCIO_API_VERSION)
         return opened;
-    void *library = gp_bridge_open(bridge, why, why_size);
-    if (!library)
-        return NULL;
-    void *symbol = dlsym(library, "gp_ocio_api");
-    const struct gp_ocio_api *(*entry)(void) = NULL;
-    // ISO C has no cast from an object to a function pointer
-    memcpy(&entry, &symbol, sizeof entry);
-    const struct gp_ocio_api *api = entry ? entry() : NULL;
-    if (!api || api->version != GP_OCIO_API_VERSION) {
+    if (opened)
         snprintf(why, why_size, "%s is of another version", bridge);
-        dlclose(library);
-        return NULL;
-    }
-    opened = api;
-    return opened;
+    opened = NULL;
+    return NULL;
 }
 
 gp_status gp_ocio_open(const struct gp_log *log,

@@ -39,7 +39,8 @@ struct helper {
     int socket;
     unsigned seconds;        // for the call that it works on
     struct gp_shared shared; // for rows
-    bool shows;              // it has not yet got shared.fd
+    bool shares;             // it has got shared.fd
+    bool starved;            // memory was full when it answered
     char cause[WHY_BYTES];   // why it is no more
 };
 
@@ -144,9 +145,13 @@ static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
     *text = NULL;
     if (!receive(h, reply, sizeof *reply))
         return false;
-    if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT ||
-        gp_alloc(NULL, "text", reply->bytes + 1, 1, &block)) {
+    if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT) {
         end_helper(h, "is of another version");
+        return false;
+    }
+    h->starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, &block);
+    if (h->starved) {
+        end_helper(h, "could not be heard");
         return false;
     }
     *text = block;
@@ -166,6 +171,7 @@ static unsigned seconds_for(uint64_t bytes)
            (unsigned) (bytes >> 20 < 1000000 ? bytes >> 20 : 1000000);
 }
 
+/* Starts the program with `socket` as its stdin; an errno. */
 static int spawn(const char *program, int socket, pid_t *pid)
 {
     static char name[] = "glarepp-oiio";
@@ -187,14 +193,12 @@ static int spawn(const char *program, int socket, pid_t *pid)
                                            POSIX_SPAWN_SETPGROUP);
         posix_spawnattr_setsigmask(&how, &none);
         posix_spawnattr_setsigdefault(&how, &all);
-        posix_spawnattr_setpgroup(&how, 0);
-        error = posix_spawn_file_actions_adddup2(&files, socket, 0);
-        if (!error)
-            error = posix_spawn_file_actions_addopen(&files, 1, "/dev/null",
-                                                     O_WRONLY, 0);
-        if (!error)
-            error = posix_spawn_file_actions_adddup2(&files, 1, 2);
-        if (!error)
+        if (posix_spawn_file_actions_adddup2(&files, socket, 0) ||
+            posix_spawn_file_actions_addopen(&files, 1, "/dev/null", O_WRONLY,
+                                             0) ||
+            posix_spawn_file_actions_adddup2(&files, 1, 2))
+            error = ENOMEM;
+        else
             error = posix_spawn(pid, program, &files, &how, argv, environ);
         posix_spawnattr_destroy(&how);
     }
@@ -264,12 +268,18 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
         pthread_cond_wait(&pool.freed, &pool.lock);
     }
     h->busy = true;
+    h->starved = false;
     pthread_mutex_unlock(&pool.lock);
+    // one that waits has nothing to say, but that it ended
+    struct pollfd idle = {.fd = h->socket, .events = POLLIN};
+    if (h->pid && poll(&idle, 1, 0) > 0)
+        end_helper(h, NULL);
     if (h->pid || start_helper(h)) {
         *out = h;
         return GP_OK;
     }
     const gp_status st =
+        h->starved ? gp_no_memory(log, path) :
         gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
                 "glarepp-oiio (%s); install it, or use EXR or PNG", path,
                 h->cause);
@@ -288,17 +298,30 @@ gp_status gp_oiio_check(const struct gp_log *log, const char *path)
 
 // -- calls --------------------------------------------------------------------
 
-/* Sends a call with its text and up to two descriptors, -1 for none. */
+static bool send_all(struct helper *h, const void *from, size_t n)
+{
+    for (size_t done = 0; done < n;) {
+        const ssize_t sent = send(h->socket, (const char *) from + done,
+                                  n - done, MSG_NOSIGNAL);
+        if (sent < 0 && errno != EINTR) {
+            end_helper(h, NULL);
+            return false;
+        }
+        done += sent > 0 ? (size_t) sent : 0;
+    }
+    return true;
+}
+
+/* Sends a call, its text, and with its first bytes up to two descriptors; -1
+ * for none. */
 static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
-                     const void *text, const int fd[2])
+                     const char *text, const int fd[2])
 {
     _Alignas(struct cmsghdr) char control[CMSG_SPACE(2 * sizeof(int))] = {0};
-    struct iovec data[2] = {
-        {ask, sizeof *ask}, {(void *) (uintptr_t) text, ask->bytes},
-    };
-    struct msghdr m = {.msg_iov = data, .msg_iovlen = 2};
-    const size_t fds = fd ? (fd[0] >= 0) + (size_t) (fd[1] >= 0) : 0;
-    size_t left = sizeof *ask + ask->bytes;
+    struct iovec data = {ask, sizeof *ask};
+    struct msghdr m = {.msg_iov = &data, .msg_iovlen = 1};
+    const size_t fds = (fd[0] >= 0) + (size_t) (fd[1] >= 0);
+    ssize_t sent;
     ask->protocol = GP_OIIO_PROTOCOL;
     ask->threads = gp_threads();
     ask->seconds = h->seconds;
@@ -311,30 +334,12 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
         c->cmsg_len = CMSG_LEN(fds * sizeof *fd);
         memcpy(CMSG_DATA(c), fd, fds * sizeof *fd);
     }
-    while (left > 0) {
-        const ssize_t sent = sendmsg(h->socket, &m, MSG_NOSIGNAL);
-        if (sent < 0 && errno != EINTR) {
-            end_helper(h, NULL);
-            return false;
-        }
-        if (sent <= 0)
-            continue;
-        left -= (size_t) sent;
-        m.msg_control = NULL; // they went with the first bytes
-        m.msg_controllen = 0;
-        for (size_t n = (size_t) sent; n > 0;) {
-            const size_t here = n < m.msg_iov->iov_len ? n
-                                                       : m.msg_iov->iov_len;
-            m.msg_iov->iov_base = (char *) m.msg_iov->iov_base + here;
-            m.msg_iov->iov_len -= here;
-            n -= here;
-            if (m.msg_iov->iov_len == 0 && m.msg_iovlen > 1) {
-                m.msg_iov++;
-                m.msg_iovlen--;
-            }
-        }
-    }
-    return true;
+    do
+        sent = sendmsg(h->socket, &m, MSG_NOSIGNAL);
+    while (sent < 0 && errno == EINTR);
+    const size_t done = sent > 0 ? (size_t) sent : 0;
+    return send_all(h, (const char *) ask + done, sizeof *ask - done) &&
+           send_all(h, text, ask->bytes);
 }
 
 /* The line for a call that failed: `reply` NULL: the helper is no more. */
@@ -348,11 +353,11 @@ static gp_status call_failed(const struct gp_log *log, const char *path,
                                     : "cannot be read";
     const char *const hint = writes ? "write .exr or .png"
                                     : "give an EXR or convert it";
+    if (reply ? reply->end == GP_OIIO_MEMORY : h->starved)
+        return gp_no_memory(log, path);
     if (!reply)
         return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
                        h->cause, hint);
-    if (reply->end == GP_OIIO_MEMORY)
-        return gp_no_memory(log, path);
     return gp_fail(log, st, "%s: %s (%s); %s", path, what,
                    text[0] ? text : "cut off or damaged", hint);
 }
@@ -371,50 +376,37 @@ struct input {
     void *names, *attributes;
 };
 
-/* OpenImageIO's name of the format, by its first bytes; NULL: not read. Others
- * that OpenImageIO knows have readers that end it, make pictures up, or read
- * them wrong. */
-static const char *reader_of(const uint8_t *b, size_t n)
-{
-    static const struct {
-        const char *name;
-        const char *reader;
-    } readers[] = {
-        {"EXR", "openexr"}, {"JPEG", "jpeg"}, {"TIFF", "tiff"},
-        {"Radiance HDR", "hdr"}, {"DPX", "dpx"}, {"BMP", "bmp"},
-        {"WebP or AVI", "webp"}, {"SGI", "sgi"}, {"PFM", "pnm"},
-        {"PNM", "pnm"},
-    };
-    const char *const name = gp_format_name(b, n);
-    if (!name && gp_format_reads(b, n)) // Targa has no word at its start
-        return "targa";
-    for (size_t i = 0; name && i < sizeof readers / sizeof *readers; i++) {
-        if (strcmp(name, readers[i].name) == 0)
-            return readers[i].reader;
-    }
-    return NULL;
-}
-
+/* OpenImageIO's name of the format, by its first bytes. Others that it knows
+ * have readers that end it, make pictures up, or read them wrong. */
 static gp_status choose_reader(const struct gp_log *log, const char *path,
                                const struct gp_stream *s, char reader[16])
 {
+    static const char *const readers[][2] = {
+        {"EXR", "openexr"}, {"JPEG", "jpeg"},        {"TIFF", "tiff"},
+        {"DPX", "dpx"},     {"Radiance HDR", "hdr"}, {"WebP or AVI", "webp"},
+        {"BMP", "bmp"},     {"PFM", "pnm"},          {"PNM", "pnm"},
+        {"SGI", "sgi"},
+    };
     uint8_t b[GP_FORMAT_BYTES] = {0};
-    char found[64];
     const int64_t n = gp_stream_read(s, b, sizeof b, 0);
     if (n < 0)
         return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                        path);
-    const char *const its = reader_of(b, (size_t) n);
     const char *const name = gp_format_name(b, (size_t) n);
-    if (its) {
-        snprintf(reader, 16, "%s", its);
-        return GP_OK;
+    const char *its = NULL;
+    if (!name && gp_format_reads(b, (size_t) n))
+        its = "targa"; // which has no word at its start
+    for (size_t i = 0; name && i < sizeof readers / sizeof *readers; i++) {
+        if (strcmp(name, readers[i][0]) == 0)
+            its = readers[i][1];
     }
-    snprintf(found, sizeof found, "unknown data, %02x %02x %02x %02x ...",
-             b[0], b[1], b[2], b[3]);
-    return gp_fail(log, GP_ERR_DATA, "%s: no image format that can be read "
-                   "(found %s); convert it, e.g. with oiiotool", path,
-                   name ? name : found);
+    if (!its)
+        return gp_fail(log, GP_ERR_DATA, "%s: no image format that can be "
+                       "read (found %s, %02x %02x %02x %02x ...); convert it, "
+                       "e.g. with oiiotool", path, name ? name : "unknown data",
+                       b[0], b[1], b[2], b[3]);
+    strcpy(reader, its);
+    return GP_OK;
 }
 
 /* A descriptor of the bytes: the file's own, or that of a copy in memory. */
@@ -565,9 +557,9 @@ static bool ask_rows(struct gp_image *image)
         .call = GP_OIIO_ROWS, .y = in->asked, .size = h->shared.size,
         .at = place_of(image, in->asked),
     };
-    const int fd[2] = {h->shows ? -1 : h->shared.fd, -1};
+    const int fd[2] = {h->shares ? -1 : h->shared.fd, -1};
     in->asked += left < image->block ? left : image->block;
-    h->shows = true;
+    h->shares = true;
     return send_ask(h, &ask, NULL, fd);
 }
 
@@ -585,7 +577,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
     gp_status st = GP_OK;
     if (in->asked == 0 && h->shared.size < shared) {
         gp_shared_free(&h->shared);
-        h->shows = false;
+        h->shares = false;
         st = gp_shared_make(log, image->path, shared, &h->shared);
     }
     if (st)
@@ -652,28 +644,6 @@ out:
 
 // -- writing ------------------------------------------------------------------
 
-/* The text of a spec to be written; see protocol.h. */
-static gp_status make_text(const struct gp_log *log,
-                           const struct gp_image *image, const int *types,
-                           char **text, uint32_t *bytes)
-{
-    void *block;
-    size_t room = strlen(image->colour_space) + 1 + (size_t) image->channels;
-    for (int i = 0; i < image->channels; i++)
-        room += strlen(image->channel_name[i]) + 1;
-    gp_status st = gp_alloc(log, "channel names", room, 1, &block);
-    if (st)
-        return st;
-    char *to = *text = block;
-    for (int i = 0; i < image->channels; i++)
-        to = stpcpy(to, image->channel_name[i]) + 1;
-    to = stpcpy(to, image->colour_space) + 1;
-    for (int i = 0; i < image->channels && types; i++)
-        *to++ = (char) types[i];
-    *bytes = (uint32_t) (to - *text);
-    return GP_OK;
-}
-
 gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
                         const int *types, const struct gp_shared *pixels,
                         const char *ending, const char *type,
@@ -695,7 +665,9 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
     };
     struct helper *h = NULL;
     struct stat s;
-    char *text = NULL, *why = NULL;
+    void *text = NULL;
+    char *why = NULL;
+    size_t room = strlen(image->colour_space) + 1 + (size_t) image->channels;
     if (image->chromaticities)
         memcpy(ask.spec.chromaticities, image->chromaticities,
                sizeof ask.spec.chromaticities);
@@ -703,7 +675,16 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
     snprintf(ask.type, sizeof ask.type, "%s", type);
     snprintf(ask.compression, sizeof ask.compression, "%s", compression);
     *out = (struct gp_stream) GP_STREAM_EMPTY;
-    GP_TRY(make_text(log, image, types, &text, &ask.bytes));
+    for (int i = 0; i < image->channels; i++)
+        room += strlen(image->channel_name[i]) + 1;
+    GP_TRY(gp_alloc(log, "channel names", room, 1, &text));
+    char *to = text; // as gp_oiio_spec has it
+    for (int i = 0; i < image->channels; i++)
+        to = stpcpy(to, image->channel_name[i]) + 1;
+    to = stpcpy(to, image->colour_space) + 1;
+    for (int i = 0; i < image->channels && types; i++)
+        *to++ = (char) types[i];
+    ask.bytes = (uint32_t) (to - (char *) text);
     out->fd = memfd_create("glarepp", MFD_CLOEXEC);
     if (out->fd < 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: no file in memory (%s); write "
