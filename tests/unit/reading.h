@@ -6,16 +6,9 @@
 #include "core/frame.h"
 #include "io/read.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-#include <unistd.h>
+#include "unit.h"
 
-#include <cmocka.h>
+#include <unistd.h>
 
 static char folder[] __attribute__((unused)) = "/tmp/glarepp-test-XXXXXX";
 static char path[256] __attribute__((unused));

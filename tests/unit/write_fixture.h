@@ -2,14 +2,10 @@
 #ifndef WRITE_FIXTURE_H
 #define WRITE_FIXTURE_H
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "unit.h"
 
-#include "core/frame.h"
 #include "core/colour.h"
+#include "core/frame.h"
 #include "core/memory.h"
 #include "io/half.h"
 #include "io/oiio/oiio.h"
@@ -19,18 +15,17 @@
 #include "bridge_here.h"
 
 #include <dirent.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
 
 // -- files --------------------------------------------------------------------
 
 static char wf_folder[64];
 
+/* Makes the folder; DWA finds OpenImageIO. */
 static inline int wf_start(void **state)
 {
-    (void) state;
+    if (find_bridges(state))
+        return -1;
     strcpy(wf_folder, "/tmp/glarepp-test-XXXXXX");
     return mkdtemp(wf_folder) ? 0 : -1;
 }
@@ -253,7 +248,21 @@ static inline struct gp_frame wf_read_back(const char *path)
     return f;
 }
 
-/* Whether the OpenImageIO bridge is there, for DWA. */
+/* The frame of its own --hdr, in a.exr; the caller frees it. */
+static inline struct gp_frame wf_trip(const struct gp_frame *f,
+                                      enum gp_compression compression,
+                                      enum gp_out_type type)
+{
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    p.compression = compression;
+    p.type = type;
+    if (wf_write_hdr(&p, wf_path("a.exr"), f, &stats))
+        fail_msg("%s", wf_line);
+    return wf_read_back(wf_path("a.exr"));
+}
+
+/* Whether OpenImageIO is there, for DWA. */
 static inline bool wf_bridge(void)
 {
     return gp_oiio_check(NULL, "-") == GP_OK;
@@ -263,6 +272,12 @@ static const struct wf_channel wf_rgb[] = {
     {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0}, {"R", GP_HALF, 0, 0, 0},
     {NULL, 0, 0, 0, 0},
 };
+
+/* The last compression that can be written here. */
+static inline int wf_last_compression(void)
+{
+    return wf_bridge() ? GP_COMPRESSION_DWAB : GP_COMPRESSION_B44A;
+}
 
 /* Colour, alpha, depth and an id of every type. */
 static const struct wf_channel wf_all[] = {

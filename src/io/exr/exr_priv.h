@@ -327,13 +327,6 @@ GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
                                       float quality,
                                       struct gp_write_stats *stats);
 
-/* DWAA and DWAB by the OpenImageIO bridge, which OpenEXRCore 3.1.5 cannot
- * make: gp_exr_encode() calls it. */
-GP_MUST_CHECK gp_status gp_exr_encode_dwa(struct gp_exr_out *out, int part,
-                                          const struct gp_exr_image *img,
-                                          float quality,
-                                          struct gp_write_stats *stats);
-
 /* -- which channels a part gets (sources.c) -------------------------------- */
 
 /* `source` borrows names and samples from the frame and the planes, which

@@ -40,7 +40,7 @@ static const struct {
     {"m44f", 64}, {"rational", 8}, {"tiledesc", 9}, {"timecode", 8},
     {"v2d", 16}, {"v2f", 8}, {"v2i", 8}, {"v3d", 24}, {"v3f", 12}, {"v3i", 12},
 };
-enum { FIXED = sizeof fixed / sizeof *fixed };
+enum { FIXED = COUNT(fixed) };
 
 static void one_size(void **state)
 {
@@ -76,7 +76,7 @@ static void previews(void **state)
         {0x80000000u, 1, 8, false}, {0x80000000u, 0, 8, false},
         {0xffffffffu, 0, 8, false}, {0x40000000, 4, 8, false},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         uint8_t bytes[64] = {0};
         memcpy(bytes, &row[i].w, 4);
         memcpy(bytes + 4, &row[i].h, 4);
@@ -223,7 +223,7 @@ static void files(void **state)
         const char *const type = fixed[i].type;
         const uint32_t size = (uint32_t) fixed[i].size;
         const uint32_t tried[] = {0, size - 1, size, size + 1, 200};
-        for (size_t k = 0; k < sizeof tried / sizeof *tried; k++) {
+        for (size_t k = 0; k < COUNT(tried); k++) {
             write_with(&one, 0, type, bytes, tried[k]);
             assert_read_or_not(tried[k] == size, type, tried[k]);
             for (int part = 0; part < 2; part++) {
@@ -372,7 +372,7 @@ static void ends(void **state)
                               {.name = "b", .channel = {HALF_CH("Z")},
                                .data = W(9), .tile = 4}}},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         size_t size;
         uint8_t *bytes = fixture_make(&row[i], &size);
         bytes = realloc(bytes, size + 100);
@@ -426,14 +426,6 @@ static void deep_ends(void **state)
     assert_int_equal(deep_end(UINT64_MAX - 39, 39, true, &whole), 0);
 }
 
-SUITE(exr_bytes)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_size),    cmocka_unit_test(previews),
-        cmocka_unit_test(keycodes),    cmocka_unit_test(lists),
-        cmocka_unit_test(long_lists),  cmocka_unit_test(files),
-        cmocka_unit_test(cut_headers), cmocka_unit_test(changed_headers),
-        cmocka_unit_test(ends),        cmocka_unit_test(deep_ends),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(exr_bytes, make_folder, remove_folder, one_size, previews, keycodes,
+         lists, long_lists, files, cut_headers, changed_headers, ends,
+         deep_ends)

@@ -251,7 +251,7 @@ static void damaged_parts(void **state)
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         char part[16];
         make_parts(wf_path("in.exr"), &made, &row[i]);
         struct gp_frame a = wf_read_back(wf_path("in.exr"));
@@ -431,13 +431,5 @@ static void primaries(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(exr_hdr)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {
-        TEST(other_parts), TEST(damaged_parts), TEST(cut_parts),
-        TEST(rip_maps_by_number), TEST(attributes),
-        TEST(primaries),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF_EACH(exr_hdr, wf_start, wf_end, other_parts, damaged_parts, cut_parts,
+              rip_maps_by_number, attributes, primaries)

@@ -84,7 +84,7 @@ static void attributes_of_other_formats(void **state)
     };
     memset(longest, 'a', 255);
     memset(longer, 'b', 256);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         for (int shown = 0; shown < 2; shown++) {
             struct gp_attribute a = row[i].a;
             struct gp_exr_header h = make_header(
@@ -130,7 +130,7 @@ static void attributes_of_another_exr(void **state)
         {"tiles", 0, {0, 0, 0, 0}},
         {"screenWindowWidth", 0, {1, 1, 1, 1}}, // of a wrong size: made anew
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         static const uint8_t data[3] = {9, 9, 9};
         const bool wide = strcmp(row[i].name, "screenWindowWidth") == 0;
         const struct gp_exr_attr a = {row[i].name, wide ? "float" : "opaque",
@@ -162,7 +162,7 @@ static void linear_flag(void **state)
         {GP_COMPRESSION_B44, 1}, {GP_COMPRESSION_ZIP, 1},
         {GP_COMPRESSION_DWAA, 0}, {GP_COMPRESSION_DWAB, 0},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         int count;
         struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL, 0,
                                              row[i].compression);
@@ -210,7 +210,7 @@ static void windows_that_are_no_picture(void **state)
     const struct gp_rect r = {0, 0, 2, 2};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_frame(r, r, wf_rgb);
-    for (size_t i = 0; i < sizeof display / sizeof *display; i++) {
+    for (size_t i = 0; i < COUNT(display); i++) {
         struct gp_picture pic;
         f.display = display[i];
         wf_line[0] = '\0';
@@ -251,14 +251,6 @@ static void floats_with_alpha(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(exr_header)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {
-        TEST(attributes_of_other_formats), TEST(attributes_of_another_exr),
-        TEST(linear_flag),                 TEST(chunks_that_nobody_wrote),
-        TEST(windows_that_are_no_picture), TEST(floats_with_alpha),
-    };
-    (void) lossless;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF_EACH(exr_header, wf_start, wf_end, attributes_of_other_formats,
+              attributes_of_another_exr, linear_flag, chunks_that_nobody_wrote,
+              windows_that_are_no_picture, floats_with_alpha)

@@ -62,7 +62,7 @@ static void every_layout(void **state)
          .data = FIXTURE_WINDOW(0, 0, 64, 48), .tile = 32, .mipmap = true},
     };
     snprintf(path, sizeof path, "%s/layout.exr", folder);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         for (int c = 0; c < LOSSLESS; c++) {
             struct fixture f = {.part = {row[i]}};
             struct gp_frame frame;
@@ -92,7 +92,7 @@ static void any_number_of_threads(void **state)
     }}};
     snprintf(path, sizeof path, "%s/threads.exr", folder);
     fixture_write_file(path, &f);
-    for (size_t i = 0; i < sizeof threads / sizeof *threads; i++) {
+    for (size_t i = 0; i < COUNT(threads); i++) {
         struct gp_frame frame;
         gp_set_threads(threads[i]);
         assert_int_equal(read_file(path, &frame), GP_OK);
@@ -109,7 +109,7 @@ static void subsampled_channels_stay_as_they_are(void **state)
         EXR_COMPRESSION_PIZ,
     };
     enum { W = 24, H = 36 };
-    for (size_t i = 0; i < sizeof method / sizeof *method; i++) {
+    for (size_t i = 0; i < COUNT(method); i++) {
         struct fixture f = {.part = {{
             .channel = {RGB(EXR_PIXEL_HALF), {"wide", EXR_PIXEL_HALF, 4, 1},
                         {"zoom", EXR_PIXEL_FLOAT, 2, 2}},
@@ -193,7 +193,7 @@ static void which_channels_are_colour(void **state)
           HALF_CH("b.red")}, GP_COLOUR_RGB, {"b.red", "b.green", "b.blue"}},
     };
     snprintf(path, sizeof path, "%s/colour.exr", folder);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct fixture f = {.part = {{.data = FIXTURE_WINDOW(0, 0, 3, 2)}}};
         struct gp_frame frame;
         memcpy(f.part[0].channel, row[i].channel, sizeof row[i].channel);
@@ -294,16 +294,7 @@ static void stdin_and_pipes(void **state)
     free(bytes);
 }
 
-SUITE(exr_read)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_layout),
-        cmocka_unit_test(any_number_of_threads),
-        cmocka_unit_test(subsampled_channels_stay_as_they_are),
-        cmocka_unit_test(header_values),
-        cmocka_unit_test(which_channels_are_colour),
-        cmocka_unit_test(colour_part_of_many),
-        cmocka_unit_test(stdin_and_pipes),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(exr_read, make_folder, remove_folder, every_layout,
+         any_number_of_threads, subsampled_channels_stay_as_they_are,
+         header_values, which_channels_are_colour, colour_part_of_many,
+         stdin_and_pipes)

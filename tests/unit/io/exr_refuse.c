@@ -161,7 +161,7 @@ static void sizes_that_lie(void **state)
             .data = FIXTURE_WINDOW(0, 0, 40, 40),
             .compression = lossless[c / 2],
         }}};
-        for (size_t i = 0; i < sizeof window / sizeof *window; i++) {
+        for (size_t i = 0; i < COUNT(window); i++) {
             size_t size;
             uint8_t *bytes = fixture_make(&f, &size);
             set_window(bytes, size, window[i]);
@@ -189,7 +189,7 @@ static void display_windows_that_lie(void **state)
         {1 << 30, 1, 1LL << 40, false},
     };
     snprintf(path, sizeof path, "%s/shown.exr", folder);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         const struct gp_read_params p = {.max_pixels = row[i].most};
         const struct fixture f = {
             .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
@@ -310,7 +310,7 @@ static void changed_head(void **state)
                    .data = FIXTURE_WINDOW(0, 0, 7, 9)}}},
     };
     snprintf(path, sizeof path, "%s/head.exr", folder);
-    for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++) {
+    for (size_t k = 0; k < COUNT(kinds); k++) {
         size_t size;
         uint8_t *bytes = fixture_make(&kinds[k], &size);
         for (size_t at = 4; at < size && at < 1200; at++) {
@@ -325,19 +325,7 @@ static void changed_head(void **state)
     }
 }
 
-SUITE(exr_refuse)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(no_colour_is_an_error),
-        cmocka_unit_test(files_that_are_none),
-        cmocka_unit_test(members_of_a_file),
-        cmocka_unit_test(deep_data),
-        cmocka_unit_test(cut_files),
-        cmocka_unit_test(sizes_that_lie),
-        cmocka_unit_test(display_windows_that_lie),
-        cmocka_unit_test(one_huge_tile),
-        cmocka_unit_test(changed_bytes),
-        cmocka_unit_test(changed_head),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(exr_refuse, make_folder, remove_folder, no_colour_is_an_error,
+         files_that_are_none, members_of_a_file, deep_data, cut_files,
+         sizes_that_lie, display_windows_that_lie, one_huge_tile,
+         changed_bytes, changed_head)

@@ -81,7 +81,7 @@ static void layer_of_a_part(void **state)
         {"rgba.left", "", "rgba.left"}, {"rgba.left", NULL, "rgba.left"},
         {"le.left", "left", "le"},      {"l", "left", "l"},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         const struct fixture_part part = PART(row[i].name, RGB(HALVES));
         struct gp_frame frame;
         const char *name;
@@ -126,7 +126,7 @@ static void names_within_a_view(void **state)
     set_views(two);
     open_parts(&part, 1, &frame);
     const struct gp_input *const o = gp_input_of(&frame);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         char bare[GP_CHANNEL_NAME + 1];
         assert_int_equal(gp_exr_bare_name(o, 0, row[i].view, row[i].name,
                                           bare), row[i].belongs);
@@ -227,7 +227,7 @@ static void planes_of_a_view(void **state)
     of_right.view = "right";
     memset(&say, 0, sizeof say);
     set_views(two);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame frame;
         struct gp_plane p = {0};
         write_parts(row[i].part, row[i].parts);
@@ -310,7 +310,7 @@ static void what_a_file_has(void **state)
         say.view[say.views] = view[say.views];
     }
     write_parts(part, 2);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_read_params p = GP_READ_DEFAULTS;
         struct gp_frame frame = {0};
         p.layer = row[i].layer;
@@ -326,16 +326,6 @@ static void what_a_file_has(void **state)
     }
 }
 
-SUITE(exr_view)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(layer_of_a_part),
-        cmocka_unit_test(names_within_a_view),
-        cmocka_unit_test(odd_lists_of_views),
-        cmocka_unit_test(many_manifests),
-        cmocka_unit_test(planes_of_a_view),
-        cmocka_unit_test(names_too_long),
-        cmocka_unit_test(what_a_file_has),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(exr_view, make_folder, remove_folder, layer_of_a_part,
+         names_within_a_view, odd_lists_of_views, many_manifests,
+         planes_of_a_view, names_too_long, what_a_file_has)

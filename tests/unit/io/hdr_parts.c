@@ -307,14 +307,5 @@ static void refused(void **state)
     gp_frame_free(&a);
 }
 
-SUITE(hdr_parts)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {
-        TEST(carried_bits),    TEST(layers_in_one_part),
-        TEST(layers_in_parts), TEST(views_in_one_part),
-        TEST(refused),
-    };
-    (void) lossless;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF_EACH(hdr_parts, wf_start, wf_end, carried_bits, layers_in_one_part,
+              layers_in_parts, views_in_one_part, refused)

@@ -183,7 +183,7 @@ static void found(void **state)
         {&ids, "light", NULL, NULL, 0, OF("light")},
         {&ids_part, NULL, NULL, NULL, 1, PLAIN},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         const struct row *r = &rows[i];
         struct gp_frame f;
         if (read_as(r->file, r->layer, r->part, r->view, &f))
@@ -228,7 +228,7 @@ static void not_found(void **state)
         {&ids_part, "crypto_asset", NULL, NULL, "is Cryptomatte"},
         {&ids_part, NULL, "0", NULL, "has no colour in part 0 ("},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f;
         assert_int_equal(read_as(rows[i].file, rows[i].layer, rows[i].part,
                                  rows[i].view, &f), GP_ERR_USAGE);
@@ -300,7 +300,7 @@ static void further(void **state)
         {&multiview, "diffuse", NULL, "right", 0,
          {"diffuse.right.R", NULL, NULL}},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         const struct row *r = &rows[i];
         struct gp_read_params p = GP_READ_DEFAULTS;
         struct gp_frame f, layer;
@@ -337,7 +337,7 @@ static void further_refused(void **state)
     };
     const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_frame f, layer = {0};
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         assert_int_equal(read_as(rows[i].file, NULL, NULL, NULL, &f), GP_OK);
         assert_int_equal(gp_read_layer(&hear, &p, &f, rows[i].layer, &layer),
                          rows[i].st);
@@ -370,7 +370,7 @@ static void names(void **state)
         {{"R", "", "G"}, "", false, true, {0, 2, -1}},
         {{"", "x"}, "", true, false, {0}},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_colour_choice c;
         int n = 0;
         while (n < 4 && rows[i].name[n])
@@ -383,14 +383,5 @@ static void names(void **state)
     }
 }
 
-SUITE(layers)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(found),      cmocka_unit_test(not_found),
-        cmocka_unit_test(long_lists), cmocka_unit_test(deep),
-        cmocka_unit_test(further),    cmocka_unit_test(further_refused),
-        cmocka_unit_test(names),
-    };
-    (void) lossless;
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(layers, make_folder, remove_folder, found, not_found, long_lists,
+         deep, further, further_refused, names)

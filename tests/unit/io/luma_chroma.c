@@ -6,14 +6,6 @@
 #include "io/exr/exr_priv.h"
 
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { W = 46, H = 70, PIXELS = W * H };
 
@@ -187,7 +179,7 @@ static void smallest_pictures(void **state)
     } row[] = {{2, 2, 2}, {2, 40, 2}, {40, 2, 2}, {1, 1, 1}, {1, 5, 1},
                {3, 1, 1}, {4, 34, 2}};
     fill(0.5f, 0.1f, -0.1f);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_yc yc = picture(row[i].w, row[i].h, row[i].sampling, true);
         memset(out_g, 0, sizeof out_g);
         assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
@@ -208,7 +200,7 @@ static void weights_are_the_luminance_weights(void **state)
         {0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f},
     };
     float got[3], want[3];
-    for (size_t i = 0; i < sizeof set / sizeof *set; i++) {
+    for (size_t i = 0; i < COUNT(set); i++) {
         gp_yc_weights(set[i], got);
         gp_luminance_weights(set[i], want);
         for (int c = 0; c < 3; c++) // 0.2126 against 0.212639
@@ -218,23 +210,13 @@ static void weights_are_the_luminance_weights(void **state)
         {0}, {NAN, 0, 0, 0, 0, 0, 0, 0}, {1, 0, 0, 0, 0, 0, 1, 1},
         {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f},
     };
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < COUNT(bad); i++) {
         gp_yc_weights(bad[i], got);
         assert_memory_equal(got, gp_rec709_luminance, sizeof got);
     }
 }
 
-SUITE(luma_chroma)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(grey_stays_grey),
-        cmocka_unit_test(one_colour_comes_back),
-        cmocka_unit_test(luminance_is_kept),
-        cmocka_unit_test(half_steps_are_near),
-        cmocka_unit_test(one_sample_reaches_no_further),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(smallest_pictures),
-        cmocka_unit_test(weights_are_the_luminance_weights),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(luma_chroma, NULL, NULL, grey_stays_grey, one_colour_comes_back,
+         luminance_is_kept, half_steps_are_near, one_sample_reaches_no_further,
+         threads_change_nothing, smallest_pictures,
+         weights_are_the_luminance_weights)
