@@ -6,7 +6,7 @@
 #include "core/parallel.h"
 #include "glare/compose.h"
 #include "glare/sources.h"
-#include "glare/splat/outline.h"
+#include "glare/splat/polygons.h"
 #include "io/plane.h"
 #include "io/read.h"
 
@@ -457,8 +457,8 @@ static gp_status outline_polygons(const struct gp_run *r,
     for (int c = 0; c < 3 && !st; c++)
         memcpy(out->c[c], shown->c[c], n * sizeof(float));
     if (!st && fs->sources.n > 0)
-        st = gp_outline(fs->log, &fs->sources, &r->kernel, &r->s->glare.splat,
-                        out);
+        st = gp_polygons_outline(fs->log, &fs->sources, &r->kernel,
+                                 &r->s->glare.splat, out);
     return st;
 }
 

@@ -1,9 +1,9 @@
-/* Random frames, kernels and settings, and what glare/bound/bound.h says of them;
- * everything comes from a seed. */
+/* Random frames, kernels and settings, and what glare/bound/bound.h says of
+ * them; everything comes from a seed. */
 #ifndef GP_TESTS_BOUND_TRIAL_H
 #define GP_TESTS_BOUND_TRIAL_H
 
-#include "glare/bound/bound.h"
+#include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
 #include <setjmp.h>
@@ -194,7 +194,7 @@ static inline struct trial make_trial(uint32_t seed)
                       make_kernel(t.kind, kw, kh, &seed),
                       &(struct gp_sensor_params) {0.0f, 0.0f, 65504.0f});
     t.p = make_params(&seed);
-    if (gp_group(NULL, &t.s.src, &t.p, &t.q) ||
+    if (gp_polygons_make(NULL, &t.s.src, &t.p, &t.q) ||
         gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
         abort();
     return t;

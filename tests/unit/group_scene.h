@@ -3,7 +3,7 @@
 #ifndef GP_TESTS_GROUP_SCENE_H
 #define GP_TESTS_GROUP_SCENE_H
 
-#include "glare/splat/blur.h"
+#include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
 #include <setjmp.h>
@@ -29,7 +29,7 @@ static inline struct gp_polygons group(const struct gp_sources *s,
                                        const struct gp_splat_params *p)
 {
     struct gp_polygons q;
-    assert_int_equal(gp_group(NULL, s, p, &q), GP_OK);
+    assert_int_equal(gp_polygons_make(NULL, s, p, &q), GP_OK);
     assert_int_equal(q.n, q.groups + q.clusters);
     return q;
 }

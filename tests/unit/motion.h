@@ -4,8 +4,7 @@
 
 #include "glare_scene.h"
 
-#include "glare/splat/blur.h"
-#include "glare/splat/group.h"
+#include "glare/splat/splat_priv.h"
 
 /* Steps of 1/8 pixel to the right and 1/16 down: over 8 by 4 pixels every
  * place in a group of 8 comes about. */

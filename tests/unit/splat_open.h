@@ -2,7 +2,7 @@
 #ifndef GP_TESTS_SPLAT_OPEN_H
 #define GP_TESTS_SPLAT_OPEN_H
 
-#include "glare/splat/state.h"
+#include "glare/splat/splat_priv.h"
 #include "splat_scene.h"
 
 #include <setjmp.h>

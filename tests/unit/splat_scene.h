@@ -106,6 +106,7 @@ static inline void find_norms(struct gp_kernel *k)
             const double v = (double) k->k.c[c][i];
             sum += v;
             norm1 += fabs(v);
+            k->negative |= v < 0.0;
             squares += v * v;
         }
         k->sum[c] = sum;

@@ -3,7 +3,7 @@
 #define GP_TESTS_TILE_SCENE_H
 
 #include "gl_open.h"
-#include "glare/splat/tile.h"
+#include "glare/splat/splat_priv.h"
 
 #include <limits.h>
 #include <math.h>

@@ -1,110 +1,400 @@
-#include "glare/bound/bound.h"
-
 #include "core/memory.h"
-#include "glare/bound/state.h"
+#include "core/parallel.h"
+#include "glare/bound/bound_priv.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Roundings of what is drawn, besides those of the sum: the polygon's light
  * and the blurred kernel's sample, with as much to spare. */
 static const double OWN_ROUNDINGS = 4.0;
 
-/* Pixels around the frame that polygons may spread to; two widths, so that
- * what is kept serves many settings. */
-enum { BORDER = 16, WIDE_BORDER = 64 };
+enum {
+    // pixels around the frame that polygons may spread to; two widths, so that
+    // what is kept serves many settings
+    BORDER = 16, WIDE_BORDER = 64,
+    // two scales of cells, in pixels. NEAR_REACH near cells to each side cover
+    // just what far cells that touch would
+    NEAR = 4, FAR = 16, NEAR_REACH = 4, FAR_FROM = 2,
+};
 
-// -- what is kept -------------------------------------------------------------
+/* -- what is kept for one kernel ------------------------------------------- */
 
-static void free_drawn(struct gp_bound_state *s)
+/* Of the kernel's tail or whole, and one width of border. */
+struct drawn {
+    bool has_power, has_most, has_rings;
+    struct gp_power power;
+    struct gp_bound_table most;
+    struct gp_bound_rings rings;
+};
+
+struct state {
+    int channels;           // 1 for a grey kernel
+    bool has_least;
+    double *square[3];      // integral images of k^2
+    float *near[3], *far[3]; // least means over cells, by offset
+    int far_reach;
+    int w, h;               // of the frames that the rest is for
+    struct gp_bound_cells cells;
+    struct drawn drawn[2][2]; // [tail][wide border]
+};
+
+static void drop_drawn(struct state *s)
 {
     for (int i = 0; i < 4; i++) {
-        struct gp_bound_drawn *const d = &s->drawn[i / 2][i % 2];
+        struct drawn *const d = &s->drawn[i / 2][i % 2];
         gp_power_free(&d->power);
-        gp_cell_table_free(&d->most);
+        gp_bound_table_free(&d->most);
         gp_bound_rings_free(&d->rings);
-        *d = (struct gp_bound_drawn) {0};
+        *d = (struct drawn) {0};
     }
 }
 
-static void free_state(struct gp_bound_state *s)
+static void drop_least(struct state *s)
 {
     for (int c = 0; c < 3; c++) {
-        gp_free(s->square[c]);
-        gp_free(s->near[c]);
-        gp_free(s->far[c]);
+        GP_FREE(s->square[c]);
+        GP_FREE(s->near[c]);
+        GP_FREE(s->far[c]);
     }
-    free_drawn(s);
 }
 
 void gp_bound_cache_free(struct gp_bound_cache *c)
 {
-    if (c->data)
-        free_state(c->data);
+    if (c->data) {
+        drop_least(c->data);
+        drop_drawn(c->data);
+    }
     GP_FREE(c->data);
     c->kernel = 0;
 }
 
-static bool has_lobes(const struct gp_kernel *k)
-{
-    const size_t n = (size_t) k->w * (size_t) k->h;
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < n; i++) {
-            if (k->k.c[c][i] < 0.0f)
-                return true;
-        }
-    }
-    return false;
-}
-
-gp_status gp_bound_state(const struct gp_log *log, const struct gp_kernel *k,
-                         struct gp_bound_cache *cache,
-                         struct gp_bound_state **out)
+/* The state of this kernel, made when the cache holds another's. */
+static gp_status fit_state(const struct gp_log *log, const struct gp_kernel *k,
+                           struct gp_bound_cache *cache, struct state **out)
 {
     gp_status st = GP_OK;
     if (!cache->data || !k->serial || cache->kernel != k->serial) {
         gp_bound_cache_free(cache);
-        st = gp_alloc_zero(log, "bound", 1, sizeof(struct gp_bound_state),
+        st = gp_alloc_zero(log, "bound", 1, sizeof(struct state),
                            &cache->data);
         if (st)
             return st;
         cache->kernel = k->serial;
-        struct gp_bound_state *const s = cache->data;
-        s->lobes = has_lobes(k);
     }
     *out = cache->data;
     return st;
 }
 
-/* Makes what is kept fit frames of this size. */
-static void fit(struct gp_bound_state *s, const struct gp_kernel *k, int w,
-                int h)
+/* -- the least of the layer: sums over rectangles of the kernel ------------ */
+
+/* Sum of kernel offsets [x0, x1) x [y0, y1), from an integral image. */
+static double rect_sum(const struct gp_kernel *k, const double *integral,
+                       int x0, int y0, int x1, int y1)
 {
-    if (s->w == w && s->h == h)
-        return;
-    free_drawn(s);
-    s->w = w;
-    s->h = h;
-    s->cells = gp_cells_choose(w, h, k);
+    const size_t pitch = (size_t) k->w + 1;
+    const size_t left = (size_t) gp_clamp(x0 + k->cx, 0, k->w);
+    const size_t right = (size_t) gp_clamp(x1 + k->cx, 0, k->w);
+    const size_t top = (size_t) gp_clamp(y0 + k->cy, 0, k->h) * pitch;
+    const size_t low = (size_t) gp_clamp(y1 + k->cy, 0, k->h) * pitch;
+    return integral[low + right] - integral[low + left] -
+           integral[top + right] + integral[top + left];
 }
 
-// -- what the polygons are wrong by -------------------------------------------
+static gp_status make_integral(const struct gp_log *log,
+                               const struct gp_kernel *k, int c, bool square,
+                               double **out)
+{
+    void *v;
+    const size_t pitch = (size_t) k->w + 1;
+    gp_status st = gp_alloc_zero(log, "bound", pitch * ((size_t) k->h + 1),
+                                 sizeof **out, &v);
+    if (st)
+        return st;
+    double *const sum = v;
+    for (int y = 0; y < k->h; y++) {
+        const float *const in = k->k.c[c] + (size_t) y * (size_t) k->w;
+        double *const to = sum + ((size_t) y + 1) * pitch;
+        double row = 0.0;
+        for (int x = 0; x < k->w; x++) {
+            const double s = (double) in[x];
+            row += square ? s * s : s;
+            to[x + 1] = to[(size_t) x + 1 - pitch] + row;
+        }
+    }
+    *out = sum;
+    return GP_OK;
+}
 
-struct work {
+/* Makes the least means of one channel over a NEAR cell: of light from anywhere
+ * in a cell of `side` that is so many cells away, up to `reach`. */
+static gp_status make_means(const struct gp_log *log,
+                            const struct gp_kernel *k, const double *sum,
+                            int side, int reach, float **out)
+{
+    void *v;
+    const int n = 2 * reach + 1;
+    // differences of an integral image may fall short of 0
+    const double lost = 1e-13 * sum[((size_t) k->w + 1) *
+                                    ((size_t) k->h + 1) - 1];
+    gp_status st = gp_alloc(log, "bound", (size_t) n * (size_t) n,
+                            sizeof **out, &v);
+    if (st)
+        return st;
+    *out = v;
+    for (int i = 0; i < n * n; i++) {
+        // from the corner of a cell to that of the other
+        const int dx = (i % n - reach) * side, dy = (i / n - reach) * side;
+        double least = INFINITY;
+        for (int y = dy - side + 1; y <= dy + side - NEAR; y++) {
+            for (int x = dx - side + 1; x <= dx + side - NEAR; x++)
+                least = fmin(least,
+                             rect_sum(k, sum, x, y, x + NEAR, y + NEAR));
+        }
+        (*out)[i] = (float) (fmax(least - lost, 0.0) / (NEAR * NEAR) *
+                             (1.0 - 1e-6));
+    }
+    return GP_OK;
+}
+
+static gp_status make_least(const struct gp_log *log,
+                            const struct gp_kernel *k,
+                            struct state *s)
+{
+    gp_status st = GP_OK;
+    double *sum = NULL;
+    const int farthest = gp_max(gp_max(k->cx, k->w - k->cx),
+                             gp_max(k->cy, k->h - k->cy));
+    s->far_reach = gp_clamp(farthest / FAR + 1, FAR_FROM, 64);
+    s->channels = k->grey ? 1 : 3;
+    for (int c = 0; c < s->channels; c++) {
+        GP_TRY(make_integral(log, k, c, true, &s->square[c]));
+        GP_TRY(make_integral(log, k, c, false, &sum));
+        GP_TRY(make_means(log, k, sum, NEAR, NEAR_REACH, &s->near[c]));
+        GP_TRY(make_means(log, k, sum, FAR, s->far_reach, &s->far[c]));
+        GP_FREE(sum);
+    }
+    s->has_least = true;
+out:
+    if (st) // half of them would be made once more by the next call
+        drop_least(s);
+    gp_free(sum);
+    return st;
+}
+
+/* -- the least of the layer: each source by itself ------------------------- */
+
+struct diagonal {
+    const struct gp_sources *src;
+    const struct gp_kernel *k;
+    const struct state *s;
+    double (*row)[3];
+};
+
+/* Squares of what each source of a row adds to the frame. */
+static void diagonal_row(void *ctx, int y, int thread)
+{
+    const struct diagonal *const d = ctx;
+    const struct gp_sources *const src = d->src;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const double *const square = d->s->square[d->s->channels == 1 ? 0 : c];
+        // what differences of an integral image may have made up
+        const double lost =
+            4.0 * 0x1p-53 * ((double) d->k->w + d->k->h + 4.0) *
+            square[((size_t) d->k->w + 1) * ((size_t) d->k->h + 1) - 1];
+        double sum = 0.0;
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const int x = src->x[i];
+            const double light = (double) src->rgb[c][i];
+            const double seen = rect_sum(d->k, square, -x, -y, src->w - x,
+                                         src->h - y);
+            sum += light * light * fmax(seen - lost, 0.0);
+        }
+        d->row[y][c] = sum;
+    }
+}
+
+/* -- the least of the layer: what lights up together ----------------------- */
+
+struct cells {
+    const struct state *s;
+    int w, h;         // near cells that hold any of the frame
+    int whole;        // columns of them that the frame does not cut
+    int far_w, far_h; // far cells that hold any of the frame
+    float *near[3], *far[3]; // light of each cell
+    float *back[3];          // least mean of the layer, far part, a far cell
+    double (*row)[3];
+};
+
+/* Fills back[c] of one row of far cells. */
+static void far_row(void *ctx, int y, int thread)
+{
+    const struct cells *const m = ctx;
+    const int reach = m->s->far_reach, n = 2 * reach + 1;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const float *const table = m->s->far[m->s->channels == 1 ? 0 : c];
+        float *const to = m->back[c] + (size_t) y * (size_t) m->far_w;
+        for (int sy = gp_max(0, y - reach);
+             sy <= gp_min(m->far_h - 1, y + reach); sy++) {
+            const float *const from =
+                m->far[c] + (size_t) sy * (size_t) m->far_w;
+            for (int dx = -reach; dx <= reach; dx++) {
+                if (abs(dx) < FAR_FROM && abs(y - sy) < FAR_FROM)
+                    continue; // near cells count these
+                const float k = table[(y - sy + reach) * n + dx + reach];
+                const int x1 = gp_min(m->far_w, m->far_w + dx);
+                for (int x = gp_max(0, dx); k > 0.0f && x < x1; x++)
+                    to[x] += k * from[x - dx];
+            }
+        }
+    }
+}
+
+/* Sums squares of the layer over one row of near cells, at least. */
+static void near_row(void *ctx, int y, int thread)
+{
+    const struct cells *const m = ctx;
+    enum { N = 2 * NEAR_REACH + 1 };
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        const float *const table = m->s->near[m->s->channels == 1 ? 0 : c];
+        double sum = 0.0;
+        for (int x = 0; x < m->whole; x++) {
+            float mean = m->back[c][(size_t) (y * NEAR / FAR) *
+                                        (size_t) m->far_w +
+                                    (size_t) (x * NEAR / FAR)];
+            for (int sy = gp_max(0, y - NEAR_REACH);
+                 sy <= gp_min(m->h - 1, y + NEAR_REACH); sy++) {
+                const float *const from =
+                    m->near[c] + (size_t) sy * (size_t) m->w;
+                const float *const k =
+                    table + (y - sy + NEAR_REACH) * N + NEAR_REACH;
+                for (int sx = gp_max(0, x - NEAR_REACH);
+                     sx <= gp_min(m->w - 1, x + NEAR_REACH); sx++)
+                    mean += k[x - sx] * from[sx];
+            }
+            sum += (double) mean * (double) mean;
+        }
+        m->row[y][c] = sum * (NEAR * NEAR);
+    }
+}
+
+/* Makes sum[c] at least the sum of squares of channel c, by cells. A cell that
+ * the frame cuts is not counted. */
+static gp_status add_cells(const struct gp_log *log,
+                           const struct gp_sources *src,
+                           const struct state *s, double sum[3])
+{
+    void *v;
+    gp_status st;
+    const int rows = src->h / NEAR;
+    struct cells m = {
+        .s = s, .whole = src->w / NEAR,
+        .w = (src->w + NEAR - 1) / NEAR, .h = (src->h + NEAR - 1) / NEAR,
+        .far_w = (src->w + FAR - 1) / FAR, .far_h = (src->h + FAR - 1) / FAR,
+    };
+    const size_t near = (size_t) m.w * (size_t) m.h;
+    const size_t far = (size_t) m.far_w * (size_t) m.far_h;
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *m.row, &v));
+    m.row = v;
+    for (int c = 0; c < 3; c++) {
+        GP_TRY(gp_alloc_zero(log, "bound", near, sizeof(float), &v));
+        m.near[c] = v;
+        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &v));
+        m.far[c] = v;
+        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &v));
+        m.back[c] = v;
+    }
+    for (int y = 0; y < src->h; y++) {
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const size_t n = (size_t) (y / NEAR) * (size_t) m.w +
+                             (size_t) (src->x[i] / NEAR);
+            const size_t f = (size_t) (y / FAR) * (size_t) m.far_w +
+                             (size_t) (src->x[i] / FAR);
+            for (int c = 0; c < 3; c++) {
+                m.near[c][n] += src->rgb[c][i];
+                m.far[c][f] += src->rgb[c][i];
+            }
+        }
+    }
+    gp_parallel_do(m.far_h, far_row, &m);
+    gp_parallel_do(rows, near_row, &m);
+    for (int y = 0; y < rows; y++) {
+        for (int c = 0; c < 3; c++)
+            sum[c] += m.row[y][c];
+    }
+out:
+    for (int c = 0; c < 3; c++) {
+        gp_free(m.near[c]);
+        gp_free(m.far[c]);
+        gp_free(m.back[c]);
+    }
+    gp_free(m.row);
+    return st;
+}
+
+/* gp_layer_least() with the kernel's state. */
+static gp_status find_least(const struct gp_log *log,
+                            const struct gp_sources *src,
+                            const struct gp_kernel *kernel, struct state *s,
+                            double *least)
+{
+    gp_status st = GP_OK;
+    void *v = NULL;
+    double sum[3] = {0}, cells[3] = {0};
+    *least = 0.0;
+    if (kernel->negative || !src->n)
+        return GP_OK;
+    if (!s->has_least)
+        GP_TRY(make_least(log, kernel, s));
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, 3 * sizeof(double),
+                         &v));
+    struct diagonal d = {src, kernel, s, v};
+    gp_parallel_do(src->h, diagonal_row, &d);
+    for (int y = 0; y < src->h; y++) {
+        for (int c = 0; c < 3; c++)
+            sum[c] += d.row[y][c];
+    }
+    GP_TRY(add_cells(log, src, s, cells));
+    double all = 0.0;
+    for (int c = 0; c < 3; c++)
+        all += fmax(sum[c], cells[c]);
+    *least = sqrt(all) * (1.0 - 1e-4); // float sums of thousands of terms
+out:
+    gp_free(v);
+    return st;
+}
+
+gp_status gp_layer_least(const struct gp_log *log,
+                         const struct gp_sources *src,
+                         const struct gp_kernel *kernel,
+                         struct gp_bound_cache *cache, double *least)
+{
+    struct state *s;
+    gp_status st = fit_state(log, kernel, cache, &s);
+    return st ? st : find_least(log, src, kernel, s, least);
+}
+
+/* -- what the polygons are wrong by ---------------------------------------- */
+
+struct polygon_error {
     const struct gp_log *log;
     const struct gp_sources *src;
     const struct gp_kernel *kernel;
     const struct gp_polygons *polygons;
     const struct gp_shrink *shrink;
-    struct gp_bound_state *state;
-    struct gp_bound_drawn *drawn;
+    struct state *state;
+    struct drawn *drawn;
     bool tail;
     int border;
 };
 
 /* wrong[c] += what grouping and clustering cost. */
-static gp_status add_grouping(const struct work *w, double wrong[3])
+static gp_status add_grouping(const struct polygon_error *w, double wrong[3])
 {
-    struct gp_bound_drawn *const d = w->drawn;
+    struct drawn *const d = w->drawn;
     struct gp_residue r = {0};
     double norm[3];
     gp_status st;
@@ -123,9 +413,9 @@ out:
     return st;
 }
 
-static gp_status need_rings(const struct work *w)
+static gp_status need_rings(const struct polygon_error *w)
 {
-    struct gp_bound_drawn *const d = w->drawn;
+    struct drawn *const d = w->drawn;
     if (d->has_rings)
         return GP_OK;
     const gp_status st =
@@ -137,17 +427,17 @@ static gp_status need_rings(const struct work *w)
 
 /* The light e that shrinking leaves out: Young's inequality where lights stand
  * side by side, |e|^2 <= max e * sum e where they stand alone. */
-static gp_status add_shrinking(const struct work *w, double wrong[3])
+static gp_status add_shrinking(const struct polygon_error *w, double wrong[3])
 {
-    struct gp_bound_drawn *const d = w->drawn;
+    struct drawn *const d = w->drawn;
     double most[3], sum[3], norm[3];
     gp_status st;
     GP_TRY(need_rings(w));
     if (!d->has_most) // blurs carry light half a box and a pixel away
-        GP_TRY(gp_cell_most(w->log, &w->state->cells, w->kernel, w->tail,
+        GP_TRY(gp_bound_table_make(w->log, &w->state->cells, w->kernel, w->tail,
                             w->border / 2 + 1, &d->most));
     d->has_most = true;
-    GP_TRY(gp_cells_left(w->log, &w->state->cells, w->polygons, w->shrink,
+    GP_TRY(gp_bound_cells_left(w->log, &w->state->cells, w->polygons, w->shrink,
                          &d->most, most));
     GP_TRY(gp_bound_rings_left(w->log, &d->rings, w->polygons, w->shrink, sum,
                                norm));
@@ -157,34 +447,21 @@ out:
     return st;
 }
 
-/* Float coordinates of the frame stand that far apart, and a sample may be
- * taken so far from its place. */
-static double sample_place(const struct gp_sources *src)
+/* Float coordinates of the frame stand `place` pixels apart, and a sample may
+ * be taken so far from its place. */
+static gp_status add_sampling(const struct polygon_error *w, double wrong[3])
 {
     int exponent;
-    frexp((double) (src->w > src->h ? src->w : src->h), &exponent);
-    return ldexp(1.0, exponent - 24);
-}
-
-static gp_status add_sampling(const struct work *w, double wrong[3])
-{
     double norm[3];
     const gp_status st = need_rings(w);
     if (st)
         return st;
+    frexp((double) gp_max(w->src->w, w->src->h), &exponent);
     gp_bound_rings_sampled(&w->drawn->rings, w->polygons,
-                           sample_place(w->src), norm);
+                           ldexp(1.0, exponent - 24), norm);
     for (int c = 0; c < 3; c++)
         wrong[c] += norm[c];
     return GP_OK;
-}
-
-static int largest_side(const struct gp_polygons *p)
-{
-    int side = 1;
-    for (size_t i = 0; i < p->n; i++)
-        side = p->at[i].side > side ? p->at[i].side : side;
-    return side;
 }
 
 gp_status gp_group_bound(const struct gp_log *log,
@@ -196,21 +473,28 @@ gp_status gp_group_bound(const struct gp_log *log,
                          struct gp_bound_cache *cache, double *out)
 {
     gp_status st;
-    struct gp_bound_state *s;
+    struct state *s;
     double wrong[3] = {0}, least;
     *out = INFINITY;
-    GP_TRY(gp_bound_state(log, kernel, cache, &s));
-    if (s->lobes)
-        goto out;
-    fit(s, kernel, src->w, src->h);
-    const int side = largest_side(polygons);
+    if (kernel->negative)
+        return GP_OK;
+    GP_TRY(fit_state(log, kernel, cache, &s));
+    if (s->w != src->w || s->h != src->h) {
+        drop_drawn(s);
+        s->w = src->w;
+        s->h = src->h;
+        s->cells = gp_bound_cells_choose(s->w, s->h, kernel);
+    }
+    int side = 1;
+    for (size_t i = 0; i < polygons->n; i++)
+        side = gp_max(side, polygons->at[i].side);
     const bool tail = p->method == GP_GROUP_CORE, wide = side > BORDER;
-    const struct work w = {
+    const struct polygon_error w = {
         .log = log, .src = src, .kernel = kernel, .polygons = polygons,
         .shrink = shrink, .state = s, .drawn = &s->drawn[tail][wide],
         .tail = tail, .border = wide ? WIDE_BORDER : BORDER,
     };
-    GP_TRY(gp_bound_least(log, src, kernel, s, &least));
+    GP_TRY(find_least(log, src, kernel, s, &least));
     if (side > 1) {
         GP_TRY(add_grouping(&w, wrong));
         GP_TRY(add_sampling(&w, wrong));

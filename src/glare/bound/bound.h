@@ -3,11 +3,7 @@
 #ifndef GP_GLARE_BOUND_BOUND_H
 #define GP_GLARE_BOUND_BOUND_H
 
-#include "core/status.h"
-#include "glare/splat/group.h"
-#include "glare/kernel.h"
-#include "glare/splat/blur.h"
-#include "glare/sensors.h"
+#include "glare/splat/polygons.h"
 
 /* What is kept for one kernel; zeroed at first. */
 struct gp_bound_cache {
@@ -16,17 +12,18 @@ struct gp_bound_cache {
 };
 void gp_bound_cache_free(struct gp_bound_cache *c);
 
-/* A number that || exact layer ||_2 over the frame is never under, from the
- * sources and the kernel alone; 0 when nothing can be said (lobes). */
+/* Finds a number that || exact layer ||_2 over the frame is never under, from
+ * the sources and the kernel alone; 0 when nothing can be said (lobes).
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_layer_least(const struct gp_log *log,
                                        const struct gp_sources *src,
                                        const struct gp_kernel *kernel,
                                        struct gp_bound_cache *cache,
                                        double *least);
 
-/* What rel_l2 of a splat layer cannot exceed: grouping and clustering, light
- * left out by shrinking, samples' positions, and `roundings` float roundings
- * (each 2^-24 of a pixel's sum). INFINITY for kernels with lobes.
+/* Finds what rel_l2 of a splat layer cannot exceed: grouping and clustering,
+ * light left out by shrinking, samples' positions, and `roundings` float
+ * roundings (each 2^-24 of a pixel's sum). INFINITY for kernels with lobes.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
                                        const struct gp_sources *src,

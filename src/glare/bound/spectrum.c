@@ -1,16 +1,15 @@
-#include "glare/bound/spectrum.h"
-
+/* How much light a kernel can make of what sources and polygons differ by. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "glare/fft/fft.h"
+#include "glare/bound/bound_priv.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum {
     COLUMNS = 16,           // a task takes
+    BAND = 64,              // rows a task takes
     MOST_POINTS = 1 << 26,  // of a plane
 };
 
@@ -25,7 +24,24 @@ static double rounding(const struct gp_power *p)
     return 2.0 * 5.42 * 0x1p-24 * log2((double) p->nx * p->ny);
 }
 
-// -- the kernel ---------------------------------------------------------------
+/* Sum of squares in eight parts, so that it becomes vector code. */
+GP_CLONES static double sum_squares(const float *v, int n)
+{
+    enum { PARTS = 8 };
+    double part[PARTS] = {0}, sum = 0.0;
+    int x = 0;
+    for (; x + PARTS <= n; x += PARTS) {
+        for (int i = 0; i < PARTS; i++)
+            part[i] += (double) v[x + i] * (double) v[x + i];
+    }
+    for (; x < n; x++)
+        sum += (double) v[x] * (double) v[x];
+    for (int i = 0; i < PARTS; i++)
+        sum += part[i];
+    return sum;
+}
+
+/* -- the kernel's power ---------------------------------------------------- */
 
 /* The kernel that counts. */
 struct part {
@@ -34,49 +50,18 @@ struct part {
     bool tail;
 };
 
-static int clamp(long long v, int low, int high)
-{
-    return v < low ? low : v > high ? high : (int) v;
-}
-
-static struct gp_rect crop_of(const struct gp_kernel *k, int x, int y)
-{
-    const long long cx = k->cx, cy = k->cy;
-    return (struct gp_rect) {
-        clamp(cx - x, 0, k->w), clamp(cy - y, 0, k->h),
-        clamp(cx + x + 1, 0, k->w), clamp(cy + y + 1, 0, k->h),
-    };
-}
-
-static float sample(const struct part *p, int c, int x, int y)
-{
-    const bool core = p->tail && abs(x - p->k->cx) <= GP_CORE_RADIUS &&
-                      abs(y - p->k->cy) <= GP_CORE_RADIUS;
-    return core ? 0.0f : p->k->k.c[c][(size_t) y * (size_t) p->k->w +
-                                      (size_t) x];
-}
-
 static void load_kernel(const void *ctx, int c, int j, float *z)
 {
     const struct part *const p = ctx;
     for (int x = p->crop.x0; x < p->crop.x1; x++)
-        z[2 * (x - p->crop.x0)] = sample(p, c, x, p->crop.y0 + j);
+        z[2 * (x - p->crop.x0)] =
+            gp_bound_sample(p->k, p->tail, c, x, p->crop.y0 + j);
 }
 
-static double sum_magnitudes(const struct part *p, int c)
-{
-    double sum = 0.0;
-    for (int y = p->crop.y0; y < p->crop.y1; y++) {
-        for (int x = p->crop.x0; x < p->crop.x1; x++)
-            sum += fabs((double) sample(p, c, x, y));
-    }
-    return sum;
-}
-
-/* The spectrum of one channel to magnitudes, largest and mean ones. Where the
- * kernel stands on the torus does not change |K|. */
-static void take_power(const struct gp_fft_matrix *m, int c,
-                       struct gp_power *p)
+/* Turns the spectrum of one channel into magnitudes, largest and mean ones.
+ * Where the kernel stands on the torus does not change |K|. */
+static void find_magnitudes(const struct gp_fft_matrix *m, int c,
+                            struct gp_power *p)
 {
     const double extra = rounding(p) * p->norm1[c];
     double all = 0.0;
@@ -128,7 +113,7 @@ static gp_status transform(const struct gp_log *log, const struct part *part,
     if (!st) // the matrix holds twice the spectrum
         st = gp_fft_columns(&job, &in, rows, place, 0.5f, &out);
     for (int c = 0; !st && c < p->channels; c++)
-        take_power(&out, c, p);
+        find_magnitudes(&out, c, p);
     gp_free(place);
 out:
     gp_fft_matrix_free(&in);
@@ -140,12 +125,10 @@ out:
  * up to `pad` outside them, the kernel reaches from -before to after. */
 static int period(int n, int pad, int before, int after)
 {
-    const int reach = before > after ? before : after;
+    const int reach = gp_max(gp_max(before, after), 0);
     const int whole = n + 2 * pad; // the residue has to fit
-    const int least = n + pad + (reach > 0 ? reach : 0);
-    const int kernel = before + after + 1;
-    const int most = least > whole ? least : whole;
-    return gp_fft_length(most > kernel ? most : kernel);
+    return gp_fft_length(gp_max(gp_max(n + pad + reach, whole),
+                                before + after + 1));
 }
 
 gp_status gp_power_make(const struct gp_log *log,
@@ -153,19 +136,20 @@ gp_status gp_power_make(const struct gp_log *log,
                         int h, int pad, struct gp_power *out)
 {
     const struct gp_fftwf *lib;
-    const struct part part = {
-        .k = kernel, .tail = tail,
-        .crop = crop_of(kernel, w - 1 + pad, h - 1 + pad),
-    };
+    const struct gp_rect crop = gp_bound_crop(kernel, w - 1 + pad, h - 1 + pad);
+    const struct part part = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
     gp_status st = GP_OK;
-    for (int c = 0; c < p.channels; c++)
-        p.norm1[c] = sum_magnitudes(&part, c);
-    if (!gp_rect_empty(part.crop) && !gp_fftwf_open(NULL, &lib)) {
-        p.nx = period(w, pad, kernel->cx - part.crop.x0,
-                      part.crop.x1 - 1 - kernel->cx);
-        p.ny = period(h, pad, kernel->cy - part.crop.y0,
-                      part.crop.y1 - 1 - kernel->cy);
+    for (int c = 0; c < p.channels; c++) {
+        for (int y = crop.y0; y < crop.y1; y++) {
+            for (int x = crop.x0; x < crop.x1; x++)
+                p.norm1[c] +=
+                    fabs((double) gp_bound_sample(kernel, tail, c, x, y));
+        }
+    }
+    if (!gp_rect_empty(crop) && !gp_fftwf_open(NULL, &lib)) {
+        p.nx = period(w, pad, kernel->cx - crop.x0, crop.x1 - 1 - kernel->cx);
+        p.ny = period(h, pad, kernel->cy - crop.y0, crop.y1 - 1 - kernel->cy);
     }
     if ((double) p.nx * p.ny > MOST_POINTS)
         p.nx = p.ny = 0;
@@ -189,7 +173,153 @@ void gp_power_free(struct gp_power *p)
     *p = (struct gp_power) {0};
 }
 
-// -- the residue --------------------------------------------------------------
+/* -- the residue ----------------------------------------------------------- */
+
+struct filling {
+    const struct gp_sources *src;
+    const struct gp_polygons *polygons;
+    struct gp_residue *out;
+    int width, height; // of the planes
+    bool *lit;         // rows that are not 0
+    double (*square)[3]; // of each band
+};
+
+/* Where a polygon's light stands on one axis: box + 1 pixels from `first`, the
+ * ones between the ends all with weight 1 / box. */
+struct footprint {
+    int first, n;
+    double head, body, tail; // weights
+};
+
+static struct footprint make_footprint(float at, int box)
+{
+    const double start = (double) at - (box - 1) / 2.0;
+    const double part = start - floor(start), body = 1.0 / box;
+    return (struct footprint) {
+        .first = (int) floor(start), .n = box + 1,
+        .head = (1.0 - part) * body, .body = body, .tail = part * body,
+    };
+}
+
+/* Takes a polygon's light from rows [y0, y1). */
+static void subtract_polygon(const struct filling *f,
+                             const struct gp_polygon *p, int y0, int y1)
+{
+    const int box = gp_blur_box[p->blur], pad = f->out->pad;
+    // the usual case first: the band is far away
+    if ((double) p->y + pad + box / 2 + 2 < y0 ||
+        (double) p->y + pad - box / 2 - 2 > y1)
+        return;
+    const struct footprint v = make_footprint(p->y, box);
+    const struct footprint u = make_footprint(p->x, box);
+    for (int j = 0; j < v.n; j++) {
+        const int y = v.first + pad + j;
+        const double down = j == 0         ? v.head
+                            : j < v.n - 1 ? v.body
+                                          : v.tail;
+        if (y < y0 || y >= y1 || down == 0.0)
+            continue;
+        for (int c = 0; c < 3; c++) {
+            float *const to = f->out->d.c[c] +
+                              (size_t) y * (size_t) f->width + pad + u.first;
+            const double light = (double) p->rgb[c] * down;
+            const float body = (float) (light * u.body);
+            to[0] -= (float) (light * u.head);
+            for (int i = 1; i < box; i++)
+                to[i] -= body;
+            to[box] -= (float) (light * u.tail);
+        }
+    }
+}
+
+/* Makes rows of the planes: sources, less the polygons that reach them. */
+static void fill_band(void *ctx, int i, int thread)
+{
+    const struct filling *const f = ctx;
+    const struct gp_sources *const src = f->src;
+    const int y0 = i * BAND, y1 = gp_min(y0 + BAND, f->height);
+    const int pad = f->out->pad;
+    const size_t width = (size_t) f->width;
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        float *const plane = f->out->d.c[c];
+        memset(plane + (size_t) y0 * width, 0,
+               (size_t) (y1 - y0) * width * sizeof(float));
+        for (int y = gp_max(y0, pad); y < gp_min(y1, pad + src->h); y++) {
+            float *const to = plane + (size_t) y * width + pad;
+            for (uint32_t k = src->row[y - pad]; k < src->row[y - pad + 1]; k++)
+                to[src->x[k]] = src->rgb[c][k];
+        }
+    }
+    for (size_t k = 0; k < f->polygons->n; k++)
+        subtract_polygon(f, &f->polygons->at[k], y0, y1);
+    for (int y = y0; y < y1; y++) {
+        f->lit[y] = false;
+        for (int c = 0; c < 3; c++) {
+            const double sum = sum_squares(
+                f->out->d.c[c] + (size_t) y * width, f->width);
+            f->square[i][c] += sum;
+            f->lit[y] |= sum > 0.0;
+        }
+    }
+}
+
+gp_status gp_residue_make(const struct gp_log *log,
+                          const struct gp_sources *src,
+                          const struct gp_polygons *polygons, int pad,
+                          struct gp_residue *out)
+{
+    gp_status st;
+    void *v;
+    struct gp_residue r = {.w = src->w, .h = src->h, .pad = pad};
+    struct filling f = {
+        .src = src, .polygons = polygons, .out = &r,
+        .width = src->w + 2 * pad, .height = src->h + 2 * pad,
+    };
+    const int bands = (f.height + BAND - 1) / BAND;
+    GP_TRY(gp_planes_make(log, "bound",
+                          (size_t) f.width * (size_t) f.height, &r.d));
+    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *r.row, &v));
+    r.row = v;
+    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *f.lit, &v));
+    f.lit = v;
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) bands, sizeof *f.square, &v));
+    f.square = v;
+    gp_parallel_do(bands, fill_band, &f);
+    for (int y = 0; y < f.height; y++) {
+        if (f.lit[y])
+            r.row[r.rows++] = y;
+    }
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0, light = 0.0;
+        for (int i = 0; i < bands; i++)
+            sum += f.square[i][c];
+        r.norm2[c] = sqrt(sum);
+        // a single source and its polygon cancel to the bit; where more meet,
+        // each pixel takes a few roundings of at most the cell's light
+        for (size_t k = 0; k < polygons->n; k++) {
+            const double v = (double) polygons->at[k].rgb[c];
+            light += v * v;
+        }
+        r.rounding[c] = sum > 0.0 ? 0x1p-21 * sqrt(light) : 0.0;
+    }
+    *out = r;
+    r = (struct gp_residue) {0};
+out:
+    gp_residue_free(&r);
+    gp_free(f.lit);
+    gp_free(f.square);
+    return st;
+}
+
+void gp_residue_free(struct gp_residue *r)
+{
+    gp_planes_free(&r->d);
+    gp_free(r->row);
+    *r = (struct gp_residue) {0};
+}
+
+/* -- the power of the residue ---------------------------------------------- */
 
 struct adding {
     const struct gp_power *p;
@@ -231,51 +361,34 @@ GP_CLONES static double weigh(const float *power, const float *z, int n)
     return sum;
 }
 
-GP_CLONES static double energy(const float *z, int n)
-{
-    enum { PARTS = 8 };
-    double part[PARTS] = {0}, sum = 0.0;
-    int i = 0;
-    for (; i + PARTS <= 2 * n; i += PARTS) {
-        for (int k = 0; k < PARTS; k++)
-            part[k] += (double) z[i + k] * (double) z[i + k];
-    }
-    for (; i < 2 * n; i++)
-        sum += (double) z[i] * (double) z[i];
-    for (int k = 0; k < PARTS; k++)
-        sum += part[k];
-    return sum;
-}
-
-/* Column k of channel c: sum over its rows of |K|^2 |2 D|^2. */
-static double add_column(const struct adding *a, int c, int k, float *spread,
-                         float *whole)
-{
-    const struct gp_power *const p = a->p;
-    const int kc = p->channels == 1 ? 0 : c;
-    const float *const z = a->m->z[c] + 2 * (size_t) k * a->m->pitch;
-    const double most = (double) p->most[kc][k];
-    if (most * most <= FAINT * p->mean2[kc])
-        return most * most * p->ny * energy(z, a->r->rows);
-    memset(spread, 0, 2 * sizeof(float) * (size_t) p->ny);
-    for (int j = 0; j < a->r->rows; j++) {
-        spread[2 * a->r->row[j]] = z[2 * j];
-        spread[2 * a->r->row[j] + 1] = z[2 * j + 1];
-    }
-    a->lib->execute_dft(p->y.forward, (void *) spread, (void *) whole);
-    return weigh(p->power[kc] + (size_t) k * (size_t) p->ny, whole, p->ny);
-}
-
+/* Sums |K|^2 |2 D|^2 over some columns of one channel. */
 static void add_columns(void *ctx, int i, int thread)
 {
     const struct adding *const a = ctx;
+    const struct gp_power *const p = a->p;
     const int c = i / a->tasks, k0 = i % a->tasks * COLUMNS;
-    const int last = a->p->nx / 2;
-    float *const spread = a->buffer + 4 * (size_t) a->p->ny * (size_t) thread;
+    const int kc = p->channels == 1 ? 0 : c, last = p->nx / 2;
+    const int end = gp_min(k0 + COLUMNS, last + 1);
+    const size_t ny = (size_t) p->ny;
+    float *const column = a->buffer + 4 * ny * (size_t) thread;
+    float *const spectrum = column + 2 * ny;
     double sum = 0.0;
-    for (int k = k0; k < k0 + COLUMNS && k <= last; k++)
-        sum += add_column(a, c, k, spread, spread + 2 * (size_t) a->p->ny) *
-               (k == 0 || k == last ? 1.0 : 2.0);
+    for (int k = k0; k < end; k++) {
+        const float *const z = a->m->z[c] + 2 * (size_t) k * a->m->pitch;
+        const double times = k == 0 || k == last ? 1.0 : 2.0;
+        const double most = (double) p->most[kc][k];
+        if (most * most <= FAINT * p->mean2[kc]) {
+            sum += most * most * p->ny * sum_squares(z, 2 * a->r->rows) * times;
+            continue;
+        }
+        memset(column, 0, 2 * sizeof(float) * ny);
+        for (int j = 0; j < a->r->rows; j++) {
+            column[2 * a->r->row[j]] = z[2 * j];
+            column[2 * a->r->row[j] + 1] = z[2 * j + 1];
+        }
+        a->lib->execute_dft(p->y.forward, (void *) column, (void *) spectrum);
+        sum += weigh(p->power[kc] + (size_t) k * ny, spectrum, p->ny) * times;
+    }
     a->sum[i] = sum;
 }
 

@@ -1,16 +1,41 @@
-/* Blending adds in float, one polygon after another, so gp_splat_chunk() of
- * them at a time are summed in a target of their own, which is then added to
- * the total. */
-#include "glare/splat/draw.h"
-
-#include "glare/splat/group_gl.h"
+/* Polygons on GL, blended: quads or point sprites over the sensors of a grid
+ * (Ando et al. 2007, sections 3 and 4).
+ *
+ * A frame larger than a target is drawn field by field, and the sensors that
+ * reach a field patch by patch. Blending adds in float, one polygon after
+ * another, so plan->chunk of them at a time are summed in a target of their
+ * own, which is then added to the total. */
+#include "core/minmax.h"
+#include "glare/splat/splat_priv.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    QUADS = 64,       // of one instance, which costs llvmpipe 0.2 us
+    QUADS = 64,        // of one instance, which costs llvmpipe 0.2 us
     QUAD_VERTICES = 6,
+    FIELD_MAX = 4096,  // 256 MiB a target; Mesa stops at 2 GiB a texture
+    TURNED_MAX = 8192, // pixels, times 1/1024, that float holds exactly
+    FAR = 1 << 20,     // pixels, beyond every frame
+    UNIFORMS = 24,     // room for those of any program here
+};
+
+struct drawing {
+    const struct gp_glare_job *job;
+    struct gp_splat *s;
+    const struct gp_splat_plan *plan;
+    bool points;
+    bool turned;          // quads turn, and the kernel stays as it was
+    int sprite;           // points: pixels of the largest; quads: 0
+    int margin;           // pixels that the view reaches beyond the field
+    int span;             // of the coarsest cells
+    int patch_side, field_side; // of the largest of each, in pixels
+    struct gp_rect meets; // offsets from a polygon of pixels it may touch
+    unsigned group_blurs, cluster_blurs; // bits of those that are used
+    struct gp_rect field; // of the frame
+
+    size_t held;          // polygons in the chunk
+    int top, bottom;      // rows of the field that they may touch
 };
 
 /* Cells whose sensors are drawn. */
@@ -22,17 +47,20 @@ struct grid {
     size_t n;
 };
 
+static int reach_of(const struct gp_splat_plan *p, float light)
+{
+    return gp_min(p->shrink.reach[gp_source_bin(light)], FAR);
+}
+
 /* -- one draw -------------------------------------------------------------- */
 
-enum { UNIFORMS = 24 }; // room for those of any program here
-
-/* What all programs of polygons have in common. Returns how many. */
-static int shared_uniforms(const struct gp_splat_work *k,
-                           const struct grid *g, int which, int first, int end,
-                           struct gp_rect view, struct gp_uniform *out)
+static void fill_uniforms(const struct drawing *k, const struct grid *g,
+                          int which, int first, int end, struct gp_rect view,
+                          struct gp_uniform out[UNIFORMS])
 {
     struct gp_splat *const s = k->s;
     const struct gp_splat_kernel *const o = &s->kernel[which];
+    const struct gp_unturned *const u = k->job->kernel->unturned;
     const bool shrinks = k->plan->params.shrink > 0.0f &&
                          which != GP_SPLAT_CORE;
     const struct gp_uniform shared[] = {
@@ -41,8 +69,8 @@ static int shared_uniforms(const struct gp_splat_work *k,
         {.name = "kernel", .texture = &o->texture},
         {.name = "cells", .v = {g->cells.w, g->cells.h}},
         {.name = "range", .v = {first, end}},
-        {.name = "offset", .v = {g->cells.x - k->tile.x0,
-                                 g->cells.y - k->tile.y0}},
+        {.name = "offset", .v = {g->cells.x - k->field.x0,
+                                 g->cells.y - k->field.y0}},
         {.name = "extent", .v = {o->w, o->h}},
         {.name = "centre", .v = {o->cx, o->cy}},
         {.name = "form", .v = {k->points ? 1 : QUAD_VERTICES, shrinks}},
@@ -50,57 +78,44 @@ static int shared_uniforms(const struct gp_splat_work *k,
         {.name = "viewed", .v = {gp_rect_w(view), gp_rect_h(view)}},
     };
     memcpy(out, shared, sizeof shared);
-    return sizeof shared / sizeof *shared;
-}
-
-static void grid_uniforms(const struct grid *g, const struct gp_splat_kernel *o,
-                         int which, struct gp_uniform *out)
-{
-    const struct gp_uniform own[] = {
-        {.name = "places", .texture = g->places ? g->places : g->sensors},
-        {.name = "grid", .v = {g->cells.side, g->places ? which : -1}},
-        {.name = "rest", .floats = 2, .f = {o->rest[0], o->rest[1]}},
-    };
-    memcpy(out, own, sizeof own);
-}
-
-/* Cosine and sine in two parts: the first, in 1/1024, times a whole number of
- * pixels is exact in float. */
-static void turn_uniforms(const struct gp_unturned *u, struct gp_uniform *out)
-{
-    const double c = round(u->cos * 1024.0) / 1024.0;
-    const double s = round(u->sin * 1024.0) / 1024.0;
+    out += sizeof shared / sizeof *shared;
+    if (which != GP_SPLAT_TURNED) {
+        const struct gp_uniform own[] = {
+            {.name = "places", .texture = g->places ? g->places : g->sensors},
+            {.name = "grid", .v = {g->cells.side, g->places ? which : -1}},
+            {.name = "rest", .floats = 2, .f = {o->rest[0], o->rest[1]}},
+        };
+        memcpy(out, own, sizeof own);
+        return;
+    }
+    // cosine and sine in two parts: the first, in 1/1024, times a whole number
+    // of pixels is exact in float
+    const double cos = round(u->cos * 1024.0) / 1024.0;
+    const double sin = round(u->sin * 1024.0) / 1024.0;
     const struct gp_uniform own[] = {
         {.name = "turn", .floats = 2, .f = {(float) u->cos, (float) u->sin}},
-        {.name = "most", .floats = 2, .f = {(float) c, (float) s}},
-        {.name = "least", .floats = 2, .f = {(float) (u->cos - c),
-                                             (float) (u->sin - s)}},
+        {.name = "most", .floats = 2, .f = {(float) cos, (float) sin}},
+        {.name = "least", .floats = 2, .f = {(float) (u->cos - cos),
+                                             (float) (u->sin - sin)}},
     };
     memcpy(out, own, sizeof own);
 }
 
-static enum gp_splat_program program_for(const struct gp_splat_work *k,
-                                         const struct grid *g, int which)
-{
-    if (which == GP_SPLAT_TURNED)
-        return GP_SPLAT_TURNED_QUAD;
-    if (k->points)
-        return GP_SPLAT_POINT;
-    return g->places ? GP_SPLAT_SMOOTH_QUAD : GP_SPLAT_EXACT_QUAD;
-}
-
-static gp_status draw_with(const struct gp_splat_work *k, const struct grid *g,
+/* Draws cells [first, end) with one kernel. */
+static gp_status draw_with(const struct drawing *k, const struct grid *g,
                            const struct gp_target *to, int which, int first,
                            int end)
 {
     struct gp_splat *const s = k->s;
-    const struct gp_kernel *const kernel = k->job->kernel;
-    gp_status st = gp_splat_need_kernel(k->job->log, s, kernel, which);
-    const struct gp_splat_kernel *const o = &s->kernel[which];
-    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): all work has its s
-    if (st || !o->w)
+    const enum gp_splat_program program =
+        which == GP_SPLAT_TURNED ? GP_SPLAT_TURNED_QUAD
+        : k->points              ? GP_SPLAT_POINT
+        : g->places              ? GP_SPLAT_SMOOTH_QUAD
+                                 : GP_SPLAT_EXACT_QUAD;
+    gp_status st = gp_splat_need_kernel(k->job->log, s, k->job->kernel, which);
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): always has its s
+    if (st || !s->kernel[which].w)
         return st;
-    const enum gp_splat_program program = program_for(k, g, which);
     st = gp_splat_use(k->job->log, s, program);
     if (st)
         return st;
@@ -108,14 +123,10 @@ static gp_status draw_with(const struct gp_splat_work *k, const struct grid *g,
                                  to->colour.w + k->margin,
                                  to->colour.h + k->margin};
     struct gp_uniform uniform[UNIFORMS] = {0};
-    const int n = shared_uniforms(k, g, which, first, end, view, uniform);
-    if (which == GP_SPLAT_TURNED)
-        turn_uniforms(kernel->unturned, uniform + n);
-    else
-        grid_uniforms(g, o, which, uniform + n);
+    fill_uniforms(k, g, which, first, end, view, uniform);
     const struct gp_draw draw = {
         .program = &s->program[program], .target = to,
-        .cut = {0, 0, gp_rect_w(k->tile), gp_rect_h(k->tile)}, .view = view,
+        .cut = {0, 0, gp_rect_w(k->field), gp_rect_h(k->field)}, .view = view,
         .uniform = uniform,
         .vertices = QUADS * (k->points ? 1 : QUAD_VERTICES),
         .instances = (end - first + QUADS - 1) / QUADS, .points = k->points,
@@ -123,8 +134,8 @@ static gp_status draw_with(const struct gp_splat_work *k, const struct grid *g,
     return gp_draw_run(k->job->log, s->gl, &draw);
 }
 
-/* Cells [first, end) in row order, blur after blur. */
-static gp_status draw_range(const struct gp_splat_work *k, const struct grid *g,
+/* Draws cells [first, end) in row order, blur after blur. */
+static gp_status draw_range(const struct drawing *k, const struct grid *g,
                             const struct gp_target *to, int first, int end)
 {
     if (!g->places)
@@ -141,27 +152,24 @@ static gp_status draw_range(const struct gp_splat_work *k, const struct grid *g,
 
 /* -- chunks ---------------------------------------------------------------- */
 
-static int clamp_row(double y, int rows)
+/* Counts a polygon into the chunk, and the rows that it may touch. */
+static void hold_polygon(struct drawing *k, const struct gp_polygon *p)
 {
-    return y < 0.0 ? 0 : y > rows ? rows : (int) y;
-}
-
-static void hold(struct gp_splat_work *k, const struct gp_polygon *p)
-{
-    const int rows = gp_rect_h(k->tile);
-    const double y = (double) p->y - k->tile.y0;
-    const int top = clamp_row(floor(y) + k->meets.y0, rows);
-    const int bottom = clamp_row(ceil(y) + k->meets.y1, rows);
-    k->top = !k->held || top < k->top ? top : k->top;
-    k->bottom = !k->held || bottom > k->bottom ? bottom : k->bottom;
+    const double rows = gp_rect_h(k->field);
+    const double y = (double) p->y - k->field.y0;
+    const double top = fmax(floor(y) + k->meets.y0, 0.0);
+    const double bottom = fmax(ceil(y) + k->meets.y1, 0.0);
+    const int first = (int) fmin(top, rows), end = (int) fmin(bottom, rows);
+    k->top = k->held ? gp_min(k->top, first) : first;
+    k->bottom = k->held ? gp_max(k->bottom, end) : end;
     k->held++;
 }
 
 /* Adds what the chunk holds to the total, and empties it. */
-gp_status gp_splat_flush(struct gp_splat_work *k)
+static gp_status flush_chunk(struct drawing *k)
 {
     struct gp_splat *const s = k->s;
-    const struct gp_rect rows = {0, k->top, gp_rect_w(k->tile), k->bottom};
+    const struct gp_rect rows = {0, k->top, gp_rect_w(k->field), k->bottom};
     const struct gp_uniform uniform[] = {
         {.name = "addend", .texture = &s->chunk.colour}, {0},
     };
@@ -177,46 +185,43 @@ gp_status gp_splat_flush(struct gp_splat_work *k)
     return st;
 }
 
-/* The polygon's cell, -1 outside of the grid. P0 lies among the pixels of its
- * cell, so its whole part is enough. */
-static int cell_of(const struct grid *g, const struct gp_polygon *p)
+/* Draws the grid: to the total, or to the chunk when there are many
+ * polygons. */
+static gp_status draw_grid(struct drawing *k, const struct grid *g)
 {
-    const struct gp_rect r = gp_cells_rect(&g->cells);
-    const int x = (int) floorf(p->x), y = (int) floorf(p->y);
-    if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
-        return -1;
-    return (y - r.y0) / g->cells.side * g->cells.w + (x - r.x0) / g->cells.side;
-}
-
-static gp_status draw_grid(struct gp_splat_work *k, const struct grid *g)
-{
-    const int end = g->cells.w * g->cells.h;
-    if (k->plan->polygons.n <= k->chunk)
+    const struct gp_cells *const c = &g->cells;
+    const struct gp_rect r = gp_cells_rect(c);
+    const int end = c->w * c->h;
+    if (k->plan->polygons.n <= k->plan->chunk)
         return draw_range(k, g, &k->s->total, 0, end);
     gp_status st = GP_OK;
     int first = 0;
     bool pending = false;
     for (size_t i = 0; !st && i < g->n; i++) {
-        const int cell = cell_of(g, &g->at[i]);
-        if (cell < 0)
+        // P0 lies among the pixels of its cell: its whole part is enough
+        const int x = (int) floorf(g->at[i].x), y = (int) floorf(g->at[i].y);
+        if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
             continue;
-        hold(k, &g->at[i]);
+        hold_polygon(k, &g->at[i]);
         pending = true;
-        if (k->held < k->chunk)
+        if (k->held < k->plan->chunk)
             continue;
-        st = draw_range(k, g, &k->s->chunk, first, cell + 1);
+        const int next = (y - r.y0) / c->side * c->w + (x - r.x0) / c->side + 1;
+        st = draw_range(k, g, &k->s->chunk, first, next);
         if (!st)
-            st = gp_splat_flush(k);
-        first = cell + 1;
+            st = flush_chunk(k);
+        first = next;
         pending = false;
     }
     return st || !pending ? st : draw_range(k, g, &k->s->chunk, first, end);
 }
 
-/* -- blocks ---------------------------------------------------------------- */
+/* -- patches of sensors ---------------------------------------------------- */
 
-static gp_status draw_cells(struct gp_splat_work *k, struct gp_rect rect,
-                            const struct gp_cells *coarse)
+/* Draws the groups and clusters of the pixels of `rect`, which the coarse
+ * cells cover, made on the way. */
+static gp_status draw_groups(struct drawing *k, struct gp_rect rect,
+                             const struct gp_cells *coarse)
 {
     struct gp_splat *const s = k->s;
     const struct gp_log *const log = k->job->log;
@@ -251,7 +256,7 @@ static gp_status draw_cells(struct gp_splat_work *k, struct gp_rect rect,
     return st ? st : draw_grid(k, &groups);
 }
 
-gp_status gp_splat_block(struct gp_splat_work *k, const struct gp_cells *coarse)
+static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
 {
     const struct gp_sources *const src = k->job->src;
     const struct gp_rect rect = gp_rect_meet(
@@ -267,5 +272,192 @@ gp_status gp_splat_block(struct gp_splat_work *k, const struct gp_cells *coarse)
     if (!st && k->plan->core)
         st = draw_with(k, &pixels, &k->s->total, GP_SPLAT_CORE, 0,
                        pixels.cells.w * pixels.cells.h);
-    return st || !k->plan->tail ? st : draw_cells(k, rect, coarse);
+    return st || !k->plan->tail ? st : draw_groups(k, rect, coarse);
+}
+
+/* -- fields of the frame --------------------------------------------------- */
+
+static void read_field(const struct drawing *k)
+{
+    const struct gp_splat *const s = k->s;
+    const int w = gp_rect_w(k->field), h = gp_rect_h(k->field);
+    if (w < 1)
+        return;
+    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    for (int y0 = 0; y0 < h; y0 += rows) {
+        const struct gp_rect band = {0, y0, w, gp_min(y0 + rows, h)};
+        gp_target_read(s->gl, &s->total, 0, band, s->band);
+        for (int y = band.y0; y < band.y1; y++) {
+            const size_t to = (size_t) (k->field.y0 + y) *
+                                  (size_t) k->job->src->w +
+                              (size_t) k->field.x0;
+            const float *const from = s->band +
+                                      4 * (size_t) (y - y0) * (size_t) w;
+            for (int c = 0; c < 3; c++) {
+                for (int x = 0; x < w; x++)
+                    k->job->layer->c[c][to + (size_t) x] = from[4 * x + c];
+            }
+        }
+    }
+}
+
+static gp_status draw_field(struct drawing *k)
+{
+    const struct gp_rect f = k->field, m = k->meets;
+    const struct gp_rect whole = {0, 0, k->field_side, k->field_side};
+    // the pixels whose polygons meet the field
+    const struct gp_rect near = gp_rect_meet(
+        (struct gp_rect) {f.x0 - m.x1 - 1, f.y0 - m.y1 - 1, f.x1 - m.x0 + 1,
+                          f.y1 - m.y0 + 1}, k->job->src->box);
+    gp_target_clear(k->s->gl, &k->s->total, whole);
+    if (k->plan->polygons.n > k->plan->chunk)
+        gp_target_clear(k->s->gl, &k->s->chunk, whole);
+    gp_status st = GP_OK;
+    if (!gp_rect_empty(near)) {
+        const struct gp_cells all = gp_cells_over(k->job->src, near, k->span);
+        const int most = k->patch_side / k->span; // cells of a patch's side
+        for (int y = 0; !st && y < all.h; y += most) {
+            for (int x = 0; !st && x < all.w; x += most) {
+                const struct gp_cells coarse = {
+                    k->span, all.x + x * k->span, all.y + y * k->span,
+                    gp_min(most, all.w - x), gp_min(most, all.h - y),
+                };
+                st = draw_patch(k, &coarse);
+            }
+        }
+    }
+    if (!st && k->held)
+        st = flush_chunk(k);
+    k->held = 0;
+    if (st)
+        return st;
+    read_field(k);
+    return gp_gl_check(k->job->log, k->s->gl, "drawing glare polygons");
+}
+
+static int parts_of(int size, int side)
+{
+    return (size + side - 1) / side;
+}
+
+/* Draws fields of nearly one size, so that the last is not mostly empty. */
+static gp_status draw_fields(struct drawing *k)
+{
+    struct gp_splat *const s = k->s;
+    const int w = k->job->src->w, h = k->job->src->h;
+    const int field_w = parts_of(w, parts_of(w, k->field_side));
+    const int field_h = parts_of(h, parts_of(h, k->field_side));
+    const int targets = k->plan->polygons.n > k->plan->chunk ? 2 : 1;
+    gp_status st = GP_OK;
+    for (int i = 0; !st && i < targets; i++) {
+        struct gp_target *const t = i ? &s->chunk : &s->total;
+        if (t->colour.w == field_w && t->colour.h == field_h)
+            continue;
+        gp_target_free(s->gl, t);
+        st = gp_target_make(k->job->log, s->gl, "layer", GP_TEXEL_FLOAT, 1,
+                            field_w, field_h, t);
+    }
+    for (int y = 0; !st && y < h; y += field_h) {
+        for (int x = 0; !st && x < w; x += field_w) {
+            k->field = (struct gp_rect) {x, y, gp_min(x + field_w, w),
+                                         gp_min(y + field_h, h)};
+            st = draw_field(k);
+        }
+    }
+    return st;
+}
+
+/* -- the whole ------------------------------------------------------------- */
+
+static unsigned blurs_of(const struct gp_polygon *at, size_t n)
+{
+    unsigned used = 0;
+    for (size_t i = 0; i < n; i++)
+        used |= 1u << at[i].blur;
+    return used;
+}
+
+/* Pixels of the largest sprite: the kernel's longer side, blurred and off
+ * whole pixels, or what is left of it by shrinking. */
+static int largest_sprite(const struct gp_splat_plan *p)
+{
+    const int longer = gp_max(gp_rect_w(p->crop), gp_rect_h(p->crop));
+    int largest = p->core ? 2 * GP_CORE_RADIUS + 1 : 1;
+    for (size_t i = 0; p->tail && i < p->polygons.n; i++) {
+        const struct gp_polygon *const q = &p->polygons.at[i];
+        const int whole = longer + gp_blur_box[q->blur] - 1 + !p->single;
+        largest = gp_max(largest, gp_min(whole, 2 * reach_of(p, q->light) + 1));
+    }
+    return largest;
+}
+
+/* Finds how far the view reaches beyond a field, so that no polygon that meets
+ * it is clipped. Quads on whole pixels are cut by the vertex shader; turned
+ * ones, whose kernel would need too large a view, are not turned there. */
+static void place_view(struct drawing *k)
+{
+    const int most = gp_gl_info(k->s->gl)->max_size;
+    const struct gp_unturned *const u = k->job->kernel->unturned;
+    if (k->plan->turned && !k->points) { // to the farthest corner of a quad
+        const double x = fmax(u->cx, u->w - u->cx);
+        const double y = fmax(u->cy, u->h - u->cy);
+        const int radius = (int) fmin(hypot(x + 2.0, y + 2.0), FAR) + 1;
+        k->turned = radius <= TURNED_MAX &&
+                    most - 2 * radius >= k->patch_side / 2;
+        k->margin = k->turned ? radius : 0;
+    } else if (k->points) {
+        k->margin = k->sprite;
+    }
+    k->field_side = gp_min(k->patch_side, most - 2 * k->margin);
+}
+
+static gp_status check_limits(const struct drawing *k)
+{
+    const struct gp_gl_info *const gl = gp_gl_info(k->s->gl);
+    if ((float) k->sprite > gl->max_point)
+        return gp_fail_bare(k->job->log, GP_ERR_GL,
+                            "%s: point sprites of %d pixels are needed (%.0f "
+                            "is the limit); use --primitive quad or tile, a "
+                            "smaller kernel, or more --shrink", gl->name,
+                            k->sprite, (double) gl->max_point);
+    if (k->patch_side / k->span < 1 || k->field_side < 1)
+        return gp_fail_bare(k->job->log, GP_ERR_GL,
+                            "%s: polygons of %d pixels, groups of %d, do not "
+                            "go into one texture (%d pixels are the limit); "
+                            "use --engine fft or direct", gl->name, k->sprite,
+                            k->span, k->patch_side);
+    return GP_OK;
+}
+
+gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
+                        bool points)
+{
+    const struct gp_splat_plan *const p = &s->plan;
+    const struct gp_polygons *const q = &p->polygons;
+    const int span = gp_max(p->params.cluster, p->params.group);
+    const int more = p->single ? 0 : span / 2 + 1; // half a box, and bilinear
+    struct drawing k = {
+        .job = job, .s = s, .plan = p, .points = points, .span = span,
+        .sprite = points ? largest_sprite(p) : 0,
+        .patch_side = gp_min(gp_gl_info(s->gl)->max_size, FIELD_MAX),
+        .meets = {p->crop.x0 - job->kernel->cx - more,
+                  p->crop.y0 - job->kernel->cy - more,
+                  p->crop.x1 - job->kernel->cx + more,
+                  p->crop.y1 - job->kernel->cy + more},
+        .group_blurs = blurs_of(q->at + q->clusters, q->groups),
+        .cluster_blurs = blurs_of(q->at, q->clusters),
+    };
+    place_view(&k);
+    gp_status st = check_limits(&k);
+    float reach[GP_SOURCE_BINS];
+    if (!st && !s->reaches.id)
+        st = gp_uniform_block_make(job->log, s->gl, "reaches", sizeof reach,
+                                   &s->reaches);
+    if (st)
+        return st;
+    for (int i = 0; i < GP_SOURCE_BINS; i++)
+        reach[i] = (float) reach_of(p, gp_source_bin_start(i));
+    gp_uniform_block_write(s->gl, &s->reaches, reach, sizeof reach);
+    gp_splat_set_kernel(s, job->kernel, p->crop, p->core, points);
+    return draw_fields(&k);
 }

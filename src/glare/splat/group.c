@@ -1,23 +1,22 @@
-#include "glare/splat/group.h"
-
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/splat/splat_priv.h"
 
 #include <float.h>
 #include <math.h>
-#include <stdbool.h>
 #include <string.h>
 
 const int gp_blur_box[GP_BLURS] = {1, 2, 3, 4, 6, 8, 12, 16, 32, 64};
 
-/* Sums over one block, positions from its corner. */
-struct cell {
+/* Sums over one cell, positions from its corner. */
+struct cell_sum {
     double light, x, y, square; // of luminance, and times x, y, x^2 + y^2
     double rgb[3];
     int sources;
 };
 
-/* What one row of the largest blocks makes. */
+/* What one row of the largest cells makes. */
 struct band {
     size_t clusters, groups;           // how many
     size_t first_cluster, first_group; // where they go
@@ -26,50 +25,22 @@ struct band {
 struct grouping {
     const struct gp_sources *src;
     const struct gp_splat_params *p;
-    int step;            // rows of a band: the larger block's side
-    int left, above;     // pixels of the first block outside the window
-    int columns;         // group blocks in a row
-    int wide;            // cluster blocks in a row
+    int step;            // rows of a band: the larger cell's side
+    int left, above;     // pixels of the first cell outside the window
+    int group_shift, cluster_shift; // log2 of the cells' sides
+    int columns;         // group cells in a row
+    int wide;            // cluster cells in a row
     struct band *band;
-    struct cell *scratch; // for each thread: columns + wide
-    struct gp_polygon *out; // NULL while counting
+    struct cell_sum *scratch; // for each thread: columns + wide
+    struct gp_polygon *out;   // NULL while counting
 };
 
-/* v modulo n in [0, n). */
-static int wrap(int v, int n)
-{
-    return (v % n + n) % n;
-}
+/* -- cells ----------------------------------------------------------------- */
 
-static int blocks(int before, int size, int side)
-{
-    return (before + size + side - 1) / side;
-}
-
-static int min(int a, int b)
-{
-    return a < b ? a : b;
-}
-
-static int max(int a, int b)
-{
-    return a > b ? a : b;
-}
-
-// -- blocks -------------------------------------------------------------------
-
-static int log2_of(int side)
-{
-    int shift = 0;
-    while (1 << shift < side)
-        shift++;
-    return shift;
-}
-
-/* Adds sources [i, end), which lie in one row of a block: `dx` is to be added
+/* Adds sources [i, end), which lie in one row of a cell: `dx` is to be added
  * to their columns, and they are `dy` rows under its first row. */
 static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
-                        int dx, int dy, struct cell *cell)
+                        int dx, int dy, struct cell_sum *cell)
 {
     const double wr = (double) src->luminance[0];
     const double wg = (double) src->luminance[1];
@@ -96,38 +67,29 @@ static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
     cell->square += square + light * dy * dy;
 }
 
-/* What box and bilinear sampling at p spread the light by. */
-static double spread(int side, float x, float y)
-{
-    const double shift = (side - 1) / 2.0;
-    const double u = (double) x - shift, v = (double) y - shift;
-    const double fx = u - floor(u), fy = v - floor(v);
-    return (side * side - 1) / 12.0 +
-           (fx * (1.0 - fx) + fy * (1.0 - fy)) / 2.0;
-}
-
+/* The box that spreads the polygon's light most nearly by `variance`. */
 static uint8_t choose_blur(double variance, const struct gp_polygon *p)
 {
     int best = 0;
     double least = INFINITY;
     for (int b = 0; b < GP_BLURS && gp_blur_box[b] <= p->side; b++) {
-        const double off = fabs(spread(gp_blur_box[b], p->x, p->y) - variance);
-        if (off < least) {
-            least = off;
+        const int side = gp_blur_box[b];
+        const double shift = (side - 1) / 2.0;
+        const double u = (double) p->x - shift, v = (double) p->y - shift;
+        const double fx = u - floor(u), fy = v - floor(v);
+        const double spread = (side * side - 1) / 12.0 +
+                              (fx * (1.0 - fx) + fy * (1.0 - fy)) / 2.0;
+        if (fabs(spread - variance) < least) {
+            least = fabs(spread - variance);
             best = b;
         }
     }
     return (uint8_t) best;
 }
 
-static float to_float(double v)
-{
-    return (float) fmin(v, (double) FLT_MAX);
-}
-
-/* The block whose corner is pixel (x0, y0) as a polygon. */
-static struct gp_polygon close_block(const struct cell *cell, int x0, int y0,
-                                     int side, enum gp_group_method method)
+/* The cell whose corner is pixel (x0, y0) as a polygon. */
+static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
+                                    int side, enum gp_group_method method)
 {
     double x = (side - 1) / 2.0, y = x, variance = 0.0;
     if (cell->light > 0.0) {
@@ -137,41 +99,46 @@ static struct gp_polygon close_block(const struct cell *cell, int x0, int y0,
     }
     struct gp_polygon p = {
         .x = (float) (x0 + x), .y = (float) (y0 + y),
-        .light = to_float(cell->light), .side = (uint8_t) side,
+        .light = (float) fmin(cell->light, (double) FLT_MAX),
+        .side = (uint8_t) side,
     };
     for (int c = 0; c < 3; c++)
-        p.rgb[c] = to_float(cell->rgb[c]);
+        p.rgb[c] = (float) fmin(cell->rgb[c], (double) FLT_MAX);
     if (method != GP_GROUP_CENTROID)
         p.blur = choose_blur(variance, &p);
     return p;
 }
 
-// -- one band -----------------------------------------------------------------
-
-/* Rows of the frame that lie in band i. */
-static void band_rows(const struct grouping *g, int i, int *y0, int *y1)
+/* Writes the cells of a row that hold light. */
+static void close_row(const struct grouping *g, const struct cell_sum *cell,
+                      int cells, int y0, int side, struct gp_polygon *out)
 {
-    *y0 = max(0, i * g->step - g->above);
-    *y1 = min(g->src->h, (i + 1) * g->step - g->above);
+    for (int k = 0; k < cells; k++) {
+        if (cell[k].sources)
+            *out++ = close_cell(&cell[k], k * side - g->left, y0, side,
+                                g->p->method);
+    }
 }
 
-/* The end of the sources from i on, in row y, that lie in the same block. */
+/* -- one band -------------------------------------------------------------- */
+
+/* The end of the sources from i on, in row y, that lie in the same cell. */
 static uint32_t run_end(const struct grouping *g, uint32_t i, int y, int shift)
 {
-    const int block = (g->src->x[i] + g->left) >> shift;
-    const int beyond = ((block + 1) << shift) - g->left;
+    const int cell = (g->src->x[i] + g->left) >> shift;
+    const int beyond = ((cell + 1) << shift) - g->left;
     const uint32_t end = g->src->row[y + 1];
     while (++i < end && g->src->x[i] < beyond)
         continue;
     return i;
 }
 
-/* Counts the sources of each cluster area and clears the counts of those
- * that are not filled. `wide` cells. */
+/* Counts the sources of each cluster cell, `wide` of them, and clears the
+ * counts of those that are not filled. Returns how many are. */
 static size_t find_clusters(const struct grouping *g, int y0, int y1,
-                            struct cell *cluster)
+                            struct cell_sum *cluster)
 {
-    const int side = g->p->cluster, shift = log2_of(max(side, 1));
+    const int side = g->p->cluster, shift = g->cluster_shift;
     memset(cluster, 0, (size_t) g->wide * sizeof *cluster);
     if (!side)
         return 0;
@@ -185,8 +152,8 @@ static size_t find_clusters(const struct grouping *g, int y0, int y1,
     }
     size_t n = 0;
     for (int k = 0; k < g->wide; k++) {
-        const int x0 = max(0, k * side - g->left);
-        const int x1 = min(g->src->w, (k + 1) * side - g->left);
+        const int x0 = gp_max(0, k * side - g->left);
+        const int x1 = gp_min(g->src->w, (k + 1) * side - g->left);
         // in float, as the shaders decide it
         const float area = (float) ((x1 - x0) * (y1 - y0));
         if ((float) cluster[k].sources >= g->p->cluster_fill * area)
@@ -197,172 +164,158 @@ static size_t find_clusters(const struct grouping *g, int y0, int y1,
     return n;
 }
 
-static bool is_clustered(const struct grouping *g, const struct cell *cluster,
-                         int shift, int x)
+static bool is_clustered(const struct grouping *g,
+                         const struct cell_sum *cluster, int x)
 {
-    return g->wide && cluster[(x + g->left) >> shift].sources;
+    return g->wide && cluster[(x + g->left) >> g->cluster_shift].sources;
 }
 
-/* Sums the rows [y0, y1) into the filled areas. */
+/* Sums the rows [y0, y1) into the filled cells. */
 static void add_to_clusters(const struct grouping *g, int y0, int y1,
-                            struct cell *cluster)
+                            struct cell_sum *cluster)
 {
-    const int shift = log2_of(g->p->cluster), mask = g->p->cluster - 1;
+    const int shift = g->cluster_shift, mask = g->p->cluster - 1;
     for (int y = y0; y < y1; y++) {
         uint32_t i = g->src->row[y], end;
         for (; i < g->src->row[y + 1]; i = end) {
-            const int block = (g->src->x[i] + g->left) >> shift;
+            const int at = (g->src->x[i] + g->left) >> shift;
             end = run_end(g, i, y, shift);
-            if (cluster[block].sources)
-                add_sources(g->src, i, end, g->left - (block << shift),
-                            (y + g->above) & mask, &cluster[block]);
+            if (cluster[at].sources)
+                add_sources(g->src, i, end, g->left - (at << shift),
+                            (y + g->above) & mask, &cluster[at]);
         }
     }
 }
 
-/* Sums what clusters leave of the rows [y0, y1) into one row of group blocks,
- * or counts alone. Returns how many blocks hold light. */
+/* Sums what clusters leave of the rows [y0, y1) into one row of group cells,
+ * or only counts. Returns how many cells hold light. */
 static size_t add_to_groups(const struct grouping *g, int y0, int y1,
-                            const struct cell *cluster, struct cell *cell)
+                            const struct cell_sum *cluster,
+                            struct cell_sum *cell)
 {
-    const int shift = log2_of(g->p->group), mask = g->p->group - 1;
-    const int wide = log2_of(max(g->p->cluster, 1));
+    const int shift = g->group_shift, mask = g->p->group - 1;
     size_t n = 0;
     memset(cell, 0, (size_t) g->columns * sizeof *cell);
     for (int y = y0; y < y1; y++) {
         uint32_t i = g->src->row[y], end;
         for (; i < g->src->row[y + 1]; i = end) {
-            const int block = (g->src->x[i] + g->left) >> shift;
+            const int at = (g->src->x[i] + g->left) >> shift;
             end = run_end(g, i, y, shift);
-            if (is_clustered(g, cluster, wide, g->src->x[i]))
+            if (is_clustered(g, cluster, g->src->x[i]))
                 continue;
-            n += cell[block].sources == 0;
+            n += cell[at].sources == 0;
             if (g->out)
-                add_sources(g->src, i, end, g->left - (block << shift),
-                            (y + g->above) & mask, &cell[block]);
+                add_sources(g->src, i, end, g->left - (at << shift),
+                            (y + g->above) & mask, &cell[at]);
             else
-                cell[block].sources++;
+                cell[at].sources++;
         }
     }
     return n;
 }
 
 /* Single sensors of a row that no cluster holds: no sum is needed. */
-static size_t take_singles(const struct grouping *g, int y,
-                           const struct cell *cluster, struct gp_polygon *out)
+static size_t add_singles(const struct grouping *g, int y,
+                          const struct cell_sum *cluster,
+                          struct gp_polygon *out)
 {
-    const int wide = log2_of(max(g->p->cluster, 1));
     size_t n = 0;
     for (uint32_t i = g->src->row[y]; i < g->src->row[y + 1]; i++) {
         const int x = g->src->x[i];
-        if (is_clustered(g, cluster, wide, x))
+        if (is_clustered(g, cluster, x))
             continue;
         if (out) {
-            struct cell cell = {0};
+            struct cell_sum cell = {0};
             add_sources(g->src, i, i + 1, -x, 0, &cell);
-            out[n] = close_block(&cell, x, y, 1, GP_GROUP_CENTROID);
+            out[n] = close_cell(&cell, x, y, 1, GP_GROUP_CENTROID);
         }
         n++;
     }
     return n;
 }
 
-/* Writes the blocks that hold light. */
-static void close_row(const struct grouping *g, const struct cell *cell,
-                        int cells, int y0, int side, struct gp_polygon *out)
+/* Counts the band's polygons, or makes them when there is a place to put
+ * them. */
+static void group_band(void *ctx, int i, int thread)
 {
-    for (int k = 0; k < cells; k++) {
-        if (cell[k].sources)
-            *out++ = close_block(&cell[k], k * side - g->left, y0, side,
-                                 g->p->method);
-    }
-}
-
-/* The band's group blocks, row after row; returns how many hold light. */
-static size_t do_groups(const struct grouping *g, int i, int y0, int y1,
-                        const struct cell *cluster, struct cell *cell)
-{
-    const int side = g->p->group;
-    struct gp_polygon *const out = g->out ? g->out + g->band[i].first_group
-                                          : NULL;
-    size_t n = 0;
-    for (int top = i * g->step - g->above; top < y1; top += side) {
-        struct gp_polygon *const to = out ? out + n : NULL;
+    const struct grouping *const g = ctx;
+    struct cell_sum *const cell =
+        g->scratch + (size_t) (g->columns + g->wide) * (size_t) thread;
+    struct cell_sum *const cluster = cell + g->columns;
+    struct band *const b = &g->band[i];
+    const int side = g->p->group, start = i * g->step - g->above;
+    const int y0 = gp_max(0, start), y1 = gp_min(g->src->h, start + g->step);
+    b->clusters = find_clusters(g, y0, y1, cluster);
+    b->groups = 0;
+    for (int top = start; top < y1; top += side) {
+        struct gp_polygon *const out =
+            g->out ? g->out + b->first_group + b->groups : NULL;
         if (top + side <= y0)
             continue;
         if (side == 1) {
-            n += take_singles(g, top, cluster, to);
+            b->groups += add_singles(g, top, cluster, out);
             continue;
         }
-        n += add_to_groups(g, max(top, y0), min(top + side, y1), cluster,
-                           cell);
-        if (to)
-            close_row(g, cell, g->columns, top, side, to);
+        b->groups += add_to_groups(g, gp_max(top, y0), gp_min(top + side, y1),
+                                   cluster, cell);
+        if (out)
+            close_row(g, cell, g->columns, top, side, out);
     }
-    return n;
-}
-
-/* Counts the band's polygons, or makes them when there is a place to put
- * them. */
-static void do_band(void *ctx, int i, int thread)
-{
-    const struct grouping *const g = ctx;
-    struct cell *const cell =
-        g->scratch + (size_t) (g->columns + g->wide) * (size_t) thread;
-    struct cell *const cluster = cell + g->columns;
-    struct band *const b = &g->band[i];
-    int y0, y1;
-    band_rows(g, i, &y0, &y1);
-    b->clusters = find_clusters(g, y0, y1, cluster);
-    b->groups = do_groups(g, i, y0, y1, cluster, cell);
     if (!g->out || !b->clusters)
         return;
     add_to_clusters(g, y0, y1, cluster);
-    close_row(g, cluster, g->wide, i * g->step - g->above, g->p->cluster,
+    close_row(g, cluster, g->wide, start, g->p->cluster,
               g->out + b->first_cluster);
 }
 
-// -- the frame ----------------------------------------------------------------
+/* -- the frame ------------------------------------------------------------- */
 
-/* Gives every band its place; returns the number of polygons. */
-static size_t place(struct grouping *g, int bands, struct gp_polygons *out)
+/* Cells that `size` pixels meet, the first one `before` pixels outside. */
+static int cells_over(int before, int size, int side)
 {
-    for (int i = 0; i < bands; i++) {
-        g->band[i].first_cluster = out->clusters;
-        out->clusters += g->band[i].clusters;
-    }
-    for (int i = 0; i < bands; i++) {
-        g->band[i].first_group = out->clusters + out->groups;
-        out->groups += g->band[i].groups;
-    }
-    out->n = out->clusters + out->groups;
-    return out->n;
+    return (before + size + side - 1) / side;
 }
 
-gp_status gp_group(const struct gp_log *log, const struct gp_sources *src,
-                   const struct gp_splat_params *p, struct gp_polygons *out)
+gp_status gp_polygons_make(const struct gp_log *log,
+                           const struct gp_sources *src,
+                           const struct gp_splat_params *p,
+                           struct gp_polygons *out)
 {
     gp_status st;
     void *band = NULL, *scratch = NULL, *at = NULL;
     struct gp_polygons o = {0};
-    struct grouping g = {.src = src, .p = p, .step = max(p->group, p->cluster)};
-    // blocks count from pixel (0, 0); the larger block holds whole smaller ones
-    g.left = wrap(src->x0, g.step);
-    g.above = wrap(src->y0, g.step);
-    g.columns = p->group > 1 ? blocks(g.left, src->w, p->group) : 0;
-    g.wide = p->cluster ? blocks(g.left, src->w, p->cluster) : 0;
-    const int bands = blocks(g.above, src->h, g.step);
+    // cells count from pixel (0, 0); the larger cell holds whole smaller ones
+    const int step = gp_max(p->group, p->cluster);
+    struct grouping g = {
+        .src = src, .p = p, .step = step,
+        .left = (src->x0 % step + step) % step,
+        .above = (src->y0 % step + step) % step,
+        .group_shift = __builtin_ctz((unsigned) p->group),
+        .cluster_shift = p->cluster ? __builtin_ctz((unsigned) p->cluster) : 0,
+    };
+    g.columns = p->group > 1 ? cells_over(g.left, src->w, p->group) : 0;
+    g.wide = p->cluster ? cells_over(g.left, src->w, p->cluster) : 0;
+    const int bands = cells_over(g.above, src->h, step);
     GP_TRY(gp_alloc_zero(log, "groups", (size_t) bands, sizeof *g.band, &band));
     GP_TRY(gp_alloc(log, "groups",
                     (size_t) gp_threads() * (size_t) (g.columns + g.wide),
                     sizeof *g.scratch, &scratch));
     g.band = band;
     g.scratch = scratch;
-    gp_parallel_do(bands, do_band, &g);
-    GP_TRY(gp_alloc(log, "polygons", place(&g, bands, &o), sizeof *o.at, &at));
+    gp_parallel_do(bands, group_band, &g);
+    for (int i = 0; i < bands; i++) { // every band gets its place
+        g.band[i].first_cluster = o.clusters;
+        o.clusters += g.band[i].clusters;
+    }
+    for (int i = 0; i < bands; i++) {
+        g.band[i].first_group = o.clusters + o.groups;
+        o.groups += g.band[i].groups;
+    }
+    o.n = o.clusters + o.groups;
+    GP_TRY(gp_alloc(log, "polygons", o.n, sizeof *o.at, &at));
     g.out = o.at = at;
     if (o.n)
-        gp_parallel_do(bands, do_band, &g);
+        gp_parallel_do(bands, group_band, &g);
     *out = o;
 out:
     gp_free(band);
@@ -374,4 +327,123 @@ void gp_polygons_free(struct gp_polygons *p)
 {
     gp_free(p->at);
     *p = (struct gp_polygons) {0};
+}
+
+/* -- the plain form of drawing them ---------------------------------------- */
+
+struct drawing {
+    const struct gp_sources *src;
+    const struct gp_kernel *kernel;
+    const struct gp_polygons *polygons;
+    const struct gp_shrink *shrink;
+    struct gp_blur blur[GP_BLURS]; // those in use
+    bool core;
+    double *layer;
+};
+
+/* Pixels of [0, size) within `reach` of `at` that samples [-1, n - 1] of a
+ * kernel meet, the sample at pixel 0 being `base`. */
+static void reached(float at, int reach, int base, int n, int size, int *from,
+                    int *to)
+{
+    const double low = ceil((double) at - reach);
+    const double high = floor((double) at + reach) + 1.0;
+    *from = (int) fmax(fmax(low, 0.0), -1.0 - base);
+    *to = (int) fmin(fmin(high, size), (double) n - base);
+}
+
+/* Adds row y of the polygon's blurred kernel, mixed from four samples. */
+static void draw_polygon(const struct drawing *d, const struct gp_polygon *p,
+                         int y)
+{
+    const struct gp_blur *const b = &d->blur[p->blur];
+    const int reach = d->shrink->reach[gp_source_bin(p->light)];
+    const size_t w = (size_t) d->src->w, plane = w * (size_t) d->src->h;
+    const double u = (double) b->cx - (double) p->x;
+    const double v = (double) b->cy - (double) p->y;
+    const int left = (int) floor(u), above = (int) floor(v);
+    int x0, x1, y0, y1;
+    reached(p->x, reach, left, b->w, d->src->w, &x0, &x1);
+    reached(p->y, reach, above, b->h, d->src->h, &y0, &y1);
+    if (y < y0 || y >= y1)
+        return;
+    for (int c = 0; c < 3; c++) {
+        double *const out = d->layer + (size_t) c * plane + (size_t) y * w;
+        for (int i = 0; i < 4; i++) {
+            const int down = i / 2, right = i % 2, ky = y + above + down;
+            const double share = (down ? v - above : 1.0 - (v - above)) *
+                                 (right ? u - left : 1.0 - (u - left));
+            const int first = gp_max(x0, -left - right);
+            const int end = gp_min(x1, b->w - left - right);
+            if (ky < 0 || ky >= b->h || share == 0.0)
+                continue;
+            const float *const row = b->k.c[c] + (size_t) ky * (size_t) b->w;
+            for (int x = first; x < end; x++)
+                out[x] += (double) p->rgb[c] * share *
+                          (double) row[x + left + right];
+        }
+    }
+}
+
+/* Adds the kernel's core of the sources of row `sy` to row y. */
+static void draw_cores(const struct drawing *d, int sy, int y)
+{
+    const struct gp_kernel *const k = d->kernel;
+    const size_t plane = (size_t) d->src->w * (size_t) d->src->h;
+    const int ky = y - sy + k->cy;
+    if (sy < 0 || sy >= d->src->h || ky < 0 || ky >= k->h)
+        return;
+    for (int c = 0; c < 3; c++) {
+        const float *const row = k->k.c[c] + (size_t) ky * (size_t) k->w;
+        double *const out =
+            d->layer + (size_t) c * plane + (size_t) y * (size_t) d->src->w;
+        for (uint32_t i = d->src->row[sy]; i < d->src->row[sy + 1]; i++) {
+            for (int dx = -GP_CORE_RADIUS; dx <= GP_CORE_RADIUS; dx++) {
+                const int x = d->src->x[i] + dx, kx = k->cx + dx;
+                if (x >= 0 && x < d->src->w && kx >= 0 && kx < k->w)
+                    out[x] += (double) d->src->rgb[c][i] * (double) row[kx];
+            }
+        }
+    }
+}
+
+static void draw_row(void *ctx, int y, int thread)
+{
+    const struct drawing *const d = ctx;
+    const size_t w = (size_t) d->src->w, plane = w * (size_t) d->src->h;
+    (void) thread;
+    for (size_t c = 0; c < 3; c++)
+        memset(d->layer + c * plane + (size_t) y * w, 0, w * sizeof(double));
+    for (size_t i = 0; i < d->polygons->n; i++)
+        draw_polygon(d, &d->polygons->at[i], y);
+    for (int sy = y - GP_CORE_RADIUS; d->core && sy <= y + GP_CORE_RADIUS; sy++)
+        draw_cores(d, sy, y);
+}
+
+gp_status gp_group_reference(const struct gp_log *log,
+                             const struct gp_sources *src,
+                             const struct gp_kernel *kernel,
+                             const struct gp_splat_params *p,
+                             const struct gp_polygons *polygons,
+                             const struct gp_shrink *shrink, double *layer)
+{
+    struct drawing d = {
+        .src = src, .kernel = kernel, .polygons = polygons, .shrink = shrink,
+        .core = p->method == GP_GROUP_CORE, .layer = layer,
+    };
+    const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
+    bool used[GP_BLURS] = {0};
+    gp_status st = GP_OK;
+    for (size_t i = 0; i < polygons->n; i++)
+        used[polygons->at[i].blur] = true;
+    for (int i = 0; i < GP_BLURS && !st; i++) {
+        if (used[i])
+            st = gp_blur_make(log, kernel, whole, d.core, gp_blur_box[i],
+                              &d.blur[i]);
+    }
+    if (!st)
+        gp_parallel_do(src->h, draw_row, &d);
+    for (int i = 0; i < GP_BLURS; i++)
+        gp_blur_free(&d.blur[i]);
+    return st;
 }

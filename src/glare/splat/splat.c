@@ -2,25 +2,301 @@
  * quality glare images using vertex texture fetch on GPU" (2007).
  *
  * Each pixel of the sources' box is a sensor. Bright ones are grouped and
- * clustered into polygons that carry the kernel (group.h), blurred by as much
- * as the group is wide (blur.h), cut to where it counts.
- *   splat_plan   what is drawn, and the bound of its error; on the CPU
- *   splat_group  sensors, groups and clusters on GL
- *   splat_draw   polygons as blended quads or point sprites
- *   splat_tile   polygons gathered per tile, which a CPU rasterizer does
- *                several times faster than it blends
+ * clustered into polygons that carry the kernel (polygons.h), blurred by as
+ * much as the group is wide, cut to where it counts.
  *
  * One polygon a source, on whole pixels and not cut, is the exact sum up to
  * float rounding. */
+#include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/costs.h"
 #include "glare/direct/direct.h"
-#include "glare/splat/draw.h"
-#include "glare/splat/state.h"
+#include "glare/splat/splat_priv.h"
 
 #include <math.h>
 #include <string.h>
 
-/* -- predicting ------------------------------------------------------------ */
+enum {
+    CHUNK_MIN = 64,     // polygons; adding up costs as much as two
+    CORE_SIDE = 2 * GP_CORE_RADIUS + 1,
+    SMOOTH_ROUNDINGS = 9, // of a bilinear sample
+};
+
+/* The part of the kernel that can reach a pixel of a w x h frame from within
+ * it, in kernel pixels, when blurred by boxes of sides up to `side`. May be
+ * empty, as --kernel-center may be far away. */
+static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
+{
+    const long long cx = k->cx, cy = k->cy;
+    const int more = side > 1 ? side / 2 + 1 : 0; // half a box, and bilinear
+    return (struct gp_rect) {
+        gp_clamp_wide(cx - w - more + 1, 0, k->w),
+        gp_clamp_wide(cy - h - more + 1, 0, k->h),
+        gp_clamp_wide(cx + w + more, 0, k->w),
+        gp_clamp_wide(cy + h + more, 0, k->h),
+    };
+}
+
+/* -- the plan's key -------------------------------------------------------- */
+
+static uint64_t mix_bytes(uint64_t hash, const void *data, size_t bytes)
+{
+    const unsigned char *const at = data;
+    for (size_t i = 0; i < bytes; i += 8) {
+        uint64_t word = 0;
+        memcpy(&word, at + i, bytes - i < 8 ? bytes - i : 8);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+    }
+    return hash;
+}
+
+/* Of all that a plan depends on but the kernel's samples, whose serial is
+ * unique; 0 is never the key of a plan. */
+static uint64_t key_of(const struct gp_glare_job *job)
+{
+    const struct gp_sources *const s = job->src;
+    const struct gp_splat_params *const p = &job->params->splat;
+    const long long whole[] = {
+        s->w, s->h, s->x0, s->y0, (long long) s->n, p->group, p->cluster,
+        p->method, p->primitive, job->params->gl,
+        (long long) job->kernel->serial,
+    };
+    const float real[] = {p->cluster_fill, p->shrink, s->luminance[0],
+                          s->luminance[1], s->luminance[2]};
+    uint64_t key = mix_bytes(1, whole, sizeof whole);
+    key = mix_bytes(key, real, sizeof real);
+    key = mix_bytes(key, s->row, ((size_t) s->h + 1) * sizeof *s->row);
+    key = mix_bytes(key, s->x, s->n * sizeof *s->x);
+    for (int c = 0; c < 3; c++)
+        key = mix_bytes(key, s->rgb[c], s->n * sizeof(float));
+    return key ? key : 1;
+}
+
+/* -- the plan's bound ------------------------------------------------------ */
+
+/* Float roundings that a pixel may take, each 2^-24 of what is summed so far.
+ * In a blended layer each may be up to 2^-23, as GL leaves the direction to
+ * the driver: so two of 2^-24. One product, the sums in a chunk, and one for
+ * each chunk. The form is known only with a context, so AUTO takes the worse
+ * of both. */
+static double roundings(const struct gp_splat_plan *p)
+{
+    const double n = (double) p->polygons.n, chunk = (double) p->chunk;
+    double sums = n <= chunk ? n : chunk + n / chunk + 1.0;
+    if (p->turned)
+        sums += SMOOTH_ROUNDINGS;
+    if (!p->single) // a cell's light, row by row
+        sums += SMOOTH_ROUNDINGS +
+                2.0 * gp_max(p->params.cluster, p->params.group);
+    if (p->core)
+        sums += CORE_SIDE * CORE_SIDE;
+    const double blended = 2.0 * (1.0 + sums);
+    // a core goes by direct, in groups of 32, and is added to the rest
+    const double tiled = gp_tiles_roundings(&p->polygons) +
+                         (p->core ? 36.0 : 0.0);
+    switch (p->params.primitive) {
+    case GP_PRIMITIVE_TILE:
+        return tiled;
+    case GP_PRIMITIVE_QUAD:
+    case GP_PRIMITIVE_POINT:
+        return blended;
+    case GP_PRIMITIVE_AUTO:
+        break;
+    }
+    return fmax(blended, tiled);
+}
+
+/* What a turned quad adds: where it samples, rounding is `place` pixels at
+ * most (splat_turn.frag). Each sample is then wrong by at most 2 * place of its
+ * four taps' sum, no more than four samples share their taps, and flux times
+ * that error's norm is the most that all sources can make of it (Young's
+ * inequality). */
+static gp_status add_turning(const struct gp_glare_job *job,
+                             struct gp_bound_cache *cache,
+                             struct gp_splat_plan *p)
+{
+    const struct gp_unturned *const u = job->kernel->unturned;
+    const double radius = hypot(fabs((double) u->cx) + u->w,
+                                fabs((double) u->cy) + u->h);
+    const double place = 0x1p-23 + 0x1p-31 * radius;
+    double least = 0.0, wrong = 0.0;
+    gp_status st = gp_layer_least(job->log, job->src, job->kernel, cache,
+                                  &least);
+    for (int c = 0; c < 3; c++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
+            sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
+        const double e = job->src->flux[c] * 2.0 * place * 4.0 * 2.0 *
+                         sqrt(sum);
+        wrong += e * e;
+    }
+    p->bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
+    return st;
+}
+
+static gp_status find_bound(const struct gp_glare_job *job,
+                            struct gp_bound_cache *cache,
+                            struct gp_splat_plan *p)
+{
+    if (!p->single || p->params.shrink > 0.0f)
+        return gp_group_bound(job->log, job->src, job->kernel, &p->params,
+                              &p->polygons, &p->shrink, roundings(p), cache,
+                              &p->bound);
+    // exact but for rounding. Negative samples may cancel while the roundings
+    // stay: nothing is guaranteed then. (Light under 1e-38 counts as none.)
+    const double e = roundings(p) * 0x1p-24;
+    p->bound = job->kernel->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
+    return p->turned ? add_turning(job, cache, p) : GP_OK;
+}
+
+/* -- the plan's area ------------------------------------------------------- */
+
+/* Pixels from low to high, ends included, that lie in [0, limit). */
+static double overlap(double low, double high, int limit)
+{
+    const double n = fmin(high, limit - 1) - fmax(low, 0.0) + 1.0;
+    return n > 0.0 ? n : 0.0;
+}
+
+/* Pixels of cores and polygons on the layer. */
+static double count_pixels(const struct gp_glare_job *job,
+                           const struct gp_splat_plan *p)
+{
+    const struct gp_sources *const s = job->src;
+    const struct gp_kernel *const k = job->kernel;
+    double pixels = 0.0;
+    for (int y = s->box.y0; p->core && y < s->box.y1; y++) {
+        double columns = 0.0;
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
+            columns += overlap(s->x[i] - GP_CORE_RADIUS,
+                               s->x[i] + GP_CORE_RADIUS, s->w);
+        pixels += columns * overlap(y - GP_CORE_RADIUS, y + GP_CORE_RADIUS,
+                                    s->h);
+    }
+    for (size_t i = 0; p->tail && i < p->polygons.n; i++) {
+        const struct gp_polygon *const q = &p->polygons.at[i];
+        const double reach = p->shrink.reach[gp_source_bin(q->light)];
+        const double half = 0.5 * (gp_blur_box[q->blur] - 1);
+        const double left = fmin(k->cx - p->crop.x0 + half, reach);
+        const double right = fmin(p->crop.x1 - 1 - k->cx + half, reach);
+        const double up = fmin(k->cy - p->crop.y0 + half, reach);
+        const double down = fmin(p->crop.y1 - 1 - k->cy + half, reach);
+        const double x = (double) q->x, y = (double) q->y;
+        pixels += overlap(floor(x - left), ceil(x + right), s->w) *
+                  overlap(floor(y - up), ceil(y + down), s->h);
+    }
+    return pixels;
+}
+
+/* -- the plan -------------------------------------------------------------- */
+
+void gp_splat_plan_free(struct gp_splat_plan *p)
+{
+    gp_polygons_free(&p->polygons);
+    *p = (struct gp_splat_plan) {0};
+}
+
+gp_status gp_splat_plan_make(const struct gp_glare_job *job,
+                             struct gp_bound_cache *cache,
+                             struct gp_splat_plan *p)
+{
+    gp_status st;
+    const struct gp_kernel *const k = job->kernel;
+    const uint64_t key = key_of(job);
+    if (p->made && p->key == key && k->serial)
+        return GP_OK;
+    gp_splat_plan_free(p);
+    struct gp_splat_plan o = {.made = true, .key = key,
+                              .params = job->params->splat};
+    o.single = o.params.group == 1 && !o.params.cluster;
+    if (o.single)
+        o.params.method = GP_GROUP_CENTROID; // core and tail are one
+    o.turned = o.single && k->unturned &&
+               (o.params.primitive == GP_PRIMITIVE_QUAD ||
+                (o.params.primitive == GP_PRIMITIVE_AUTO &&
+                 job->params->gl == GP_GL_EGL)); // a GPU may be there
+    o.core = o.params.method == GP_GROUP_CORE;
+    o.crop = crop_of(k, job->src->w, job->src->h,
+                     gp_max(o.params.cluster, o.params.group));
+    const long long cx = k->cx, cy = k->cy, r = GP_CORE_RADIUS;
+    o.tail = !o.core || o.crop.x0 < cx - r || o.crop.x1 - 1 > cx + r ||
+             o.crop.y0 < cy - r || o.crop.y1 - 1 > cy + r;
+    GP_TRY(gp_polygons_make(job->log, job->src, &o.params, &o.polygons));
+    const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
+    o.chunk = root > CHUNK_MIN ? root : CHUNK_MIN;
+    GP_TRY(gp_shrink_make(job->log, k, &o.params, &o.polygons, &o.shrink));
+    GP_TRY(find_bound(job, cache, &o));
+    o.polygon_pixels = count_pixels(job, &o);
+    *p = o;
+    return GP_OK;
+out:
+    gp_splat_plan_free(&o);
+    return st;
+}
+
+/* -- the state ------------------------------------------------------------- */
+
+static void close_context(struct gp_splat *s)
+{
+    if (s->gl) {
+        for (int i = 0; i < GP_SPLAT_PROGRAM_COUNT; i++)
+            gp_program_free(s->gl, &s->program[i]);
+        struct gp_target *const targets[] = {&s->total, &s->chunk, &s->groups,
+                                             &s->clusters};
+        for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
+            gp_target_free(s->gl, targets[i]);
+        gp_texture_free(s->gl, &s->sources);
+        gp_uniform_block_free(s->gl, &s->reaches);
+        gp_splat_drop_kernels(s);
+        gp_tiles_free(s->gl, &s->tiles);
+    }
+    gp_gl_close(&s->gl);
+}
+
+static void close_splat(void **state)
+{
+    struct gp_splat *s = *state;
+    if (!s)
+        return;
+    close_context(s);
+    gp_splat_plan_free(&s->plan);
+    gp_bound_cache_free(&s->bounds);
+    gp_free(s->band);
+    GP_FREE(*state);
+}
+
+gp_status gp_splat_make(const struct gp_log *log, void **state)
+{
+    if (*state)
+        return GP_OK;
+    void *block, *band;
+    gp_status st = gp_alloc_zero(log, "splat", 1, sizeof(struct gp_splat),
+                                 &block);
+    if (st)
+        return st;
+    struct gp_splat *s = *state = block;
+    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float),
+                  &band);
+    if (st)
+        close_splat(state);
+    else
+        s->band = band;
+    return st;
+}
+
+gp_status gp_splat_open(const struct gp_log *log, struct gp_splat *s,
+                        enum gp_gl_api api)
+{
+    if (s->gl && s->api != api)
+        close_context(s);
+    if (s->gl)
+        return gp_gl_use(log, s->gl);
+    s->api = api;
+    return gp_gl_open(log, api, &s->gl);
+}
+
+/* -- the engine ------------------------------------------------------------ */
 
 /* Pixels of a kernel's width from low to high around a centre that may be
  * anywhere in [from, to), those in [0, limit): the mean. */
@@ -35,94 +311,47 @@ static double mean_overlap(int from, int to, int low, int high, int limit)
     return to > from ? sum / (to - from) : 0.0;
 }
 
-/* Of the polygons alone, one for each full group. */
-static double polygon_ms(const struct gp_glare_job *job, double polygons,
-                         struct gp_rect crop)
-{
-    const struct gp_sources *const s = job->src;
-    const struct gp_kernel *const k = job->kernel;
-    const bool blended =
-        job->params->splat.primitive == GP_PRIMITIVE_QUAD ||
-        job->params->splat.primitive == GP_PRIMITIVE_POINT;
-    const double area = mean_overlap(s->box.x0, s->box.x1, crop.x0 - k->cx,
-                                     crop.x1 - k->cx, s->w) *
-                        mean_overlap(s->box.y0, s->box.y1, crop.y0 - k->cy,
-                                     crop.y1 - k->cy, s->h);
-    const double sensors = (double) gp_rect_w(s->box) * gp_rect_h(s->box);
-    if (blended)
-        return GP_COST_GL_SENSOR * sensors +
-               polygons * (GP_COST_GL_POLYGON + GP_COST_GL_BLEND * area);
-    return polygons * GP_COST_GL_TILE * area;
-}
-
 static struct gp_prediction predict(const struct gp_glare_job *job,
                                     const void *state)
 {
     const struct gp_splat *const kept = state;
     const struct gp_sources *const s = job->src;
+    const struct gp_kernel *const k = job->kernel;
     const struct gp_splat_params *const p = &job->params->splat;
-    const struct gp_rect crop = gp_splat_crop(job->kernel, s->w, s->h, 1);
+    const struct gp_rect crop = crop_of(k, s->w, s->h, 1);
     if (s->n == 0 || gp_rect_empty(crop))
         return (struct gp_prediction) {.ms = 0.0};
-    const double n = (double) s->n, area = (double) p->group * p->group;
     const double start = kept && kept->gl ? 0.0 : GP_COST_GL_START;
     if (job->enough > 0.0 && start > job->enough)
         return (struct gp_prediction) {.ms = start, .more = true};
-    double ms = polygon_ms(job, ceil(n / area), crop) + GP_COST_GL_SOURCE * n +
-          GP_COST_GL_TRANSFER * s->w * s->h;
+    // one polygon for each full group
+    const double n = (double) s->n;
+    const double polygons = ceil(n / ((double) p->group * p->group));
+    const double area = mean_overlap(s->box.x0, s->box.x1, crop.x0 - k->cx,
+                                     crop.x1 - k->cx, s->w) *
+                        mean_overlap(s->box.y0, s->box.y1, crop.y0 - k->cy,
+                                     crop.y1 - k->cy, s->h);
+    const double sensors = (double) gp_rect_w(s->box) * gp_rect_h(s->box);
+    double ms = p->primitive == GP_PRIMITIVE_QUAD ||
+                        p->primitive == GP_PRIMITIVE_POINT
+                    ? GP_COST_GL_SENSOR * sensors +
+                          polygons * (GP_COST_GL_POLYGON +
+                                      GP_COST_GL_BLEND * area)
+                    : polygons * GP_COST_GL_TILE * area;
+    ms = ms + GP_COST_GL_SOURCE * n + GP_COST_GL_TRANSFER * s->w * s->h;
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
-        ms += n * GP_COST_DIRECT_TAP *
-              (2 * GP_CORE_RADIUS + 1) * (2 * GP_CORE_RADIUS + 1);
+        ms += n * GP_COST_DIRECT_TAP * CORE_SIDE * CORE_SIDE;
     return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};
 }
-
-/* -- drawing --------------------------------------------------------------- */
-
-static void clear_layer(const struct gp_glare_job *job)
-{
-    for (int c = 0; c < 3; c++)
-        memset(job->layer->c[c], 0,
-               (size_t) job->src->w * (size_t) job->src->h * sizeof(float));
-}
-
-/* The core of each single source, on the CPU: a software context has no
- * faster place, and blending squares of 17 pixels is what it does worst. */
-static gp_status add_core(const struct gp_glare_job *job)
-{
-    struct gp_taps taps = {0};
-    gp_status st = gp_taps_make(job->log, job->kernel, GP_CORE_RADIUS, &taps);
-    if (!st)
-        st = gp_direct_sum(job->log, job->src, &taps, true, job->layer);
-    gp_taps_free(&taps);
-    return st;
-}
-
-static gp_status draw_gathered(const struct gp_glare_job *job,
-                               struct gp_splat *s)
-{
-    const struct gp_splat_plan *const p = &s->plan;
-    double roundings;
-    gp_status st = GP_OK;
-    if (p->tail)
-        st = gp_tiles_draw(job->log, s->gl, job->kernel, p->crop, p->core,
-                           &p->polygons, &p->shrink, job->src->w, job->src->h,
-                           job->layer, &s->tiles, &roundings);
-    else
-        clear_layer(job);
-    return st || !p->core ? st : add_core(job);
-}
-
-/* -- the engine ------------------------------------------------------------ */
 
 static bool reaches_nothing(const struct gp_glare_job *job)
 {
     const struct gp_sources *const s = job->src;
-    return s->n == 0 ||
-           gp_rect_empty(gp_splat_crop(job->kernel, s->w, s->h, 1));
+    return s->n == 0 || gp_rect_empty(crop_of(job->kernel, s->w, s->h, 1));
 }
 
-static gp_status bound(const struct gp_glare_job *job, void **state,
-                       double *out)
+static gp_status find_plan_bound(const struct gp_glare_job *job, void **state,
+                                 double *out)
 {
     *out = 0.0;
     if (reaches_nothing(job))
@@ -137,22 +366,62 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
     return st;
 }
 
-static enum gp_primitive form_of(const struct gp_splat *s)
+static void clear_layer(const struct gp_glare_job *job)
 {
-    const enum gp_primitive asked = s->plan.params.primitive;
-    if (asked != GP_PRIMITIVE_AUTO)
-        return asked;
-    return gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE : GP_PRIMITIVE_QUAD;
+    for (int c = 0; c < 3; c++)
+        memset(job->layer->c[c], 0,
+               (size_t) job->src->w * (size_t) job->src->h * sizeof(float));
 }
 
-static void publish(const struct gp_glare_job *job, const struct gp_splat *s)
+/* Draws by tiles. The core of each single source goes by direct: a software
+ * context has no faster place, and blending squares of 17 pixels is what it
+ * does worst. */
+static gp_status draw_tiles(const struct gp_glare_job *job, struct gp_splat *s)
+{
+    const struct gp_splat_plan *const p = &s->plan;
+    struct gp_taps taps = {0};
+    double most;
+    gp_status st = GP_OK;
+    if (p->tail)
+        st = gp_tiles_draw(job->log, s->gl, job->kernel, p->crop, p->core,
+                           &p->polygons, &p->shrink, job->src->w, job->src->h,
+                           job->layer, &s->tiles, &most);
+    else
+        clear_layer(job);
+    if (st || !p->core)
+        return st;
+    st = gp_taps_make(job->log, job->kernel, GP_CORE_RADIUS, &taps);
+    if (!st)
+        st = gp_direct_sum(job->log, job->src, &taps, true, job->layer);
+    gp_taps_free(&taps);
+    return st;
+}
+
+static gp_status run(const struct gp_glare_job *job, void **state)
 {
     static const char *const forms[] = {
         [GP_PRIMITIVE_QUAD] = "blended quads",
         [GP_PRIMITIVE_POINT] = "blended points",
         [GP_PRIMITIVE_TILE] = "tiles, groups from the CPU",
     };
+    if (reaches_nothing(job)) {
+        clear_layer(job);
+        return GP_OK;
+    }
+    gp_status st;
+    GP_TRY(gp_splat_make(job->log, state));
+    struct gp_splat *const s = *state;
     const struct gp_splat_plan *const p = &s->plan;
+    GP_TRY(gp_splat_open(job->log, s, job->params->gl));
+    GP_TRY(gp_splat_plan_make(job, &s->bounds, &s->plan));
+    enum gp_primitive form = p->params.primitive;
+    if (form == GP_PRIMITIVE_AUTO)
+        form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
+                                           : GP_PRIMITIVE_QUAD;
+    if (form == GP_PRIMITIVE_TILE)
+        GP_TRY(draw_tiles(job, s));
+    else
+        GP_TRY(gp_splat_draw(job, s, form == GP_PRIMITIVE_POINT));
     struct gp_glare_stats *const stats = job->stats;
     if (p->tail) {
         stats->groups = p->polygons.groups;
@@ -161,28 +430,9 @@ static void publish(const struct gp_glare_job *job, const struct gp_splat *s)
     }
     stats->cores = p->core ? job->src->n : 0;
     stats->polygon_pixels = p->polygon_pixels;
-    stats->form = forms[form_of(s)];
+    stats->form = forms[form];
     stats->bound = p->bound;
     stats->gl = gp_gl_info(s->gl)->name;
-}
-
-static gp_status run(const struct gp_glare_job *job, void **state)
-{
-    if (reaches_nothing(job)) {
-        clear_layer(job);
-        return GP_OK;
-    }
-    gp_status st;
-    GP_TRY(gp_splat_make(job->log, state));
-    struct gp_splat *const s = *state;
-    GP_TRY(gp_splat_open(job->log, s, job->params->gl));
-    GP_TRY(gp_splat_plan_make(job, &s->bounds, &s->plan));
-    const enum gp_primitive form = form_of(s);
-    if (form == GP_PRIMITIVE_TILE)
-        GP_TRY(draw_gathered(job, s));
-    else
-        GP_TRY(gp_splat_draw(job, s, form == GP_PRIMITIVE_POINT));
-    publish(job, s);
 out:
     return st;
 }
@@ -191,7 +441,7 @@ const struct gp_engine gp_engine_splat = {
     .name = "splat",
     .text = "glare polygons for bright pixels and groups of them, on GL",
     .predict = predict,
-    .bound = bound,
+    .bound = find_plan_bound,
     .run = run,
-    .close = gp_splat_close,
+    .close = close_splat,
 };

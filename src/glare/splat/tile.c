@@ -1,32 +1,272 @@
 /* Polygons gathered per tile. The frame is cut into fields, a field into
- * tiles; each tile has a list of the polygons that reach it
- * (splat_tile_list.c), and one fragment pass over the field walks the lists
- * (shaders/tile.frag), once for each blur.
+ * tiles; a batch says which polygons reach each tile, and one fragment pass
+ * over the field walks it (shaders/tile.frag), once for each blur.
  *
- * A fragment is a block of 4x2 pixels: six attachments hold the two rows of
- * each plane, and what a polygon costs beside its samples is paid once for
- * eight pixels. A texel of a grey kernel holds four samples of a row, so that
- * a block loads two texels a row and takes its samples from them. Loads that
- * would filter (GL_LINEAR) are slower, and their weights are the driver's.
+ * A fragment is 4x2 pixels: six attachments hold the two rows of each plane,
+ * and what a polygon costs beside its samples is paid once for eight pixels. A
+ * texel of a grey kernel holds four samples of a row, so that a fragment loads
+ * two texels a row and takes its samples from them. Loads that would filter
+ * (GL_LINEAR) are slower, and their weights are the driver's.
  */
-#include "glare/splat/tile.h"
-
 #include "core/memory.h"
-#include "gl/gl.h"
-#include "glare/splat/tile_list.h"
+#include "core/minmax.h"
+#include "glare/splat/splat_priv.h"
 
 #include <math.h>
 #include <string.h>
 
 enum {
-    BLOCK_W = 4, BLOCK_H = 2, // pixels of a fragment
-    ATTACHMENTS = 3 * BLOCK_H,
+    LOW_SIDE = 4, // log2 of 16 pixels: what llvmpipe shades at a time
+    TILES_MAX = (GP_TILE_FIELD >> LOW_SIDE) * (GP_TILE_FIELD >> LOW_SIDE),
+    ENTRY = 2,    // texels
+    // entries a polygon, on average, that a kind may have: what a field of
+    // the largest tiles has at most
+    ENTRIES_MAX = (GP_TILE_FIELD >> 6) * (GP_TILE_FIELD >> 6),
+    FRAGMENT_W = 4, FRAGMENT_H = 2, // pixels
+    ATTACHMENTS = 3 * FRAGMENT_H,
     BAND_TEXELS = 1 << 16,    // of kernel rows on their way in
     VARIANTS = 4,             // of the program: WHOLE, COLOUR
     MIXING = 7,               // roundings of a share: light, and three for
                               // each of two mixes
 };
 static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
+
+/* A batch that is full leaves less than TILES_MAX entries free. */
+_Static_assert((GP_TILE_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
+                   GP_TILE_BATCH * ENTRIES_MAX, "a batch holds too little");
+
+/* Milliseconds, by `build/tests/glare tile --time` on two cores of a 2.5 GHz
+ * Xeon, Mesa 22.3 llvmpipe: a pixel of an entry, and what an entry costs
+ * beside. */
+static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
+
+/* -- pieces ---------------------------------------------------------------- */
+
+static int kind_of(const struct gp_polygon *g)
+{
+    bool whole = g->blur == 0 && floorf(g->x) == g->x && floorf(g->y) == g->y;
+    return whole ? 0 : 1 + g->blur;
+}
+
+/* Pixels of [0, limit) on one axis, half-open: those between the samples
+ * before the first and after the last, both 0, and within the reach. */
+static void find_span(double at, double centre, int samples, int reach,
+                      int limit, int *first, int *end)
+{
+    const double low = fmax(floor(at - centre - 1.0) + 1.0, ceil(at - reach));
+    const double high = fmin(ceil(at - centre + samples),
+                             floor(at + reach) + 1.0);
+    *first = (int) fmin(fmax(low, 0.0), limit);
+    *end = (int) fmin(fmax(high, 0.0), limit);
+}
+
+/* The frame's pixels that a polygon draws. */
+static struct gp_rect box_of(const struct gp_tile_pieces *p,
+                             const struct gp_shrink *shrink,
+                             struct gp_rect crop, int w, int h,
+                             const struct gp_polygon *g)
+{
+    const int reach = shrink->reach[gp_source_bin(g->light)];
+    const int more = gp_blur_box[g->blur] - 1;
+    struct gp_rect box;
+    find_span((double) g->x, p->cx[g->blur], gp_rect_w(crop) + more, reach, w,
+              &box.x0, &box.x1);
+    find_span((double) g->y, p->cy[g->blur], gp_rect_h(crop) + more, reach, h,
+              &box.y0, &box.y1);
+    return box;
+}
+
+gp_status gp_tile_pieces_make(const struct gp_log *log,
+                              const struct gp_kernel *kernel,
+                              struct gp_rect crop,
+                              const struct gp_polygons *polygons,
+                              const struct gp_shrink *shrink, int w, int h,
+                              struct gp_tile_pieces *out)
+{
+    struct gp_tile_pieces p = {0};
+    size_t to[GP_TILE_KINDS];
+    void *block;
+    for (int b = 0; b < GP_BLURS; b++) {
+        double more = 0.5 * (gp_blur_box[b] - 1);
+        p.cx[b] = (double) kernel->cx - crop.x0 + more;
+        p.cy[b] = (double) kernel->cy - crop.y0 + more;
+    }
+    for (size_t i = 0; i < polygons->n; i++) {
+        const struct gp_polygon *g = &polygons->at[i];
+        if (!gp_rect_empty(box_of(&p, shrink, crop, w, h, g)))
+            p.first[kind_of(g) + 1]++;
+    }
+    for (int k = 0; k < GP_TILE_KINDS; k++)
+        p.first[k + 1] += p.first[k];
+    gp_status st = gp_alloc(log, "polygons of tiles",
+                            p.first[GP_TILE_KINDS] + 1, sizeof *p.at, &block);
+    if (st)
+        return st;
+    p.at = block;
+    memcpy(to, p.first, sizeof to);
+    for (size_t i = 0; i < polygons->n; i++) {
+        const struct gp_polygon *g = &polygons->at[i];
+        const struct gp_rect box = box_of(&p, shrink, crop, w, h, g);
+        if (!gp_rect_empty(box))
+            p.at[to[kind_of(g)]++] = (struct gp_tile_piece) {box, i};
+    }
+    *out = p;
+    return GP_OK;
+}
+
+void gp_tile_pieces_free(struct gp_tile_pieces *p)
+{
+    GP_FREE(p->at);
+    *p = (struct gp_tile_pieces) {0};
+}
+
+/* -- tiles ----------------------------------------------------------------- */
+
+/* Tiles that a box of the frame touches; empty where it leaves the field. */
+static struct gp_rect tiles_of(struct gp_rect box, struct gp_rect field,
+                               int side)
+{
+    struct gp_rect b = gp_rect_meet(box, field);
+    if (gp_rect_empty(b))
+        return (struct gp_rect) {0};
+    return (struct gp_rect) {
+        (b.x0 - field.x0) >> side, (b.y0 - field.y0) >> side,
+        ((b.x1 - 1 - field.x0) >> side) + 1,
+        ((b.y1 - 1 - field.y0) >> side) + 1,
+    };
+}
+
+static int count_tiles(struct gp_rect tiles)
+{
+    return gp_rect_w(tiles) * gp_rect_h(tiles);
+}
+
+int gp_tile_side(const struct gp_tile_pieces *p, int kind,
+                 struct gp_rect field)
+{
+    double entries[GP_TILE_SIDES] = {0}, polygons = 0.0;
+    for (size_t i = p->first[kind]; i < p->first[kind + 1]; i++) {
+        if (gp_rect_empty(gp_rect_meet(p->at[i].box, field)))
+            continue;
+        polygons += 1.0;
+        for (int s = 0; s < GP_TILE_SIDES; s++)
+            entries[s] +=
+                count_tiles(tiles_of(p->at[i].box, field, LOW_SIDE + s));
+    }
+    int best = GP_TILE_SIDES - 1;
+    double least = INFINITY;
+    for (int s = GP_TILE_SIDES - 1; s >= 0; s--) {
+        double pixels = (double) (1 << 2 * (LOW_SIDE + s));
+        double ms = entries[s] * (PIXEL_MS * pixels + ENTRY_MS);
+        if (ms < least && entries[s] <= ENTRIES_MAX * polygons) {
+            least = ms;
+            best = s;
+        }
+    }
+    return LOW_SIDE + best;
+}
+
+/* -- batches --------------------------------------------------------------- */
+
+/* Counts the entries of each tile, for as many pieces as fit; returns the
+ * piece after the last of them. */
+static size_t count_entries(const struct gp_tile_pieces *p, size_t first,
+                            size_t end, struct gp_tile_batch *batch,
+                            int tiles, int in_tile[])
+{
+    int entries = 0, room = (GP_TILE_TEXELS - tiles) / ENTRY;
+    memset(in_tile, 0, (size_t) tiles * sizeof in_tile[0]);
+    batch->lit = (struct gp_rect) {batch->across, tiles, 0, 0};
+    size_t i = first;
+    for (; i < end; i++) {
+        const struct gp_rect t = tiles_of(p->at[i].box, batch->field,
+                                          batch->side);
+        const int n = count_tiles(t);
+        if (entries + n > room)
+            break;
+        entries += n;
+        for (int y = t.y0; y < t.y1; y++) {
+            for (int x = t.x0; x < t.x1; x++)
+                in_tile[y * batch->across + x]++;
+        }
+        if (n > 0)
+            batch->lit = (struct gp_rect) {
+                gp_min(t.x0, batch->lit.x0), gp_min(t.y0, batch->lit.y0),
+                gp_max(t.x1, batch->lit.x1), gp_max(t.y1, batch->lit.y1),
+            };
+    }
+    return i;
+}
+
+/* What of [first, end) lies in the tile at `at`, as tile.frag packs it. */
+static int pack_span(int first, int end, int at, int side)
+{
+    const int last = (1 << side) - 1;
+    return gp_max(first - at, 0) + 64 * gp_min(end - 1 - at, last);
+}
+
+/* Writes the polygon's entry for each tile that it reaches. */
+static void write_entries(const struct gp_polygon *g,
+                          const struct gp_tile_pieces *p, struct gp_rect box,
+                          const struct gp_tile_batch *batch, int in_tile[])
+{
+    struct gp_rect t = tiles_of(box, batch->field, batch->side);
+    double x = p->cx[g->blur] - (double) g->x;
+    double y = p->cy[g->blur] - (double) g->y;
+    double left = floor(x), top = floor(y);
+    for (int row = t.y0; row < t.y1; row++) {
+        int py = batch->field.y0 + (row << batch->side);
+        int rows = pack_span(box.y0, box.y1, py, batch->side);
+        for (int column = t.x0; column < t.x1; column++) {
+            int px = batch->field.x0 + (column << batch->side);
+            int *to = &in_tile[row * batch->across + column];
+            float *e = batch->texel + 4 * (size_t) *to;
+            *to += ENTRY;
+            memcpy(e, g->rgb, sizeof g->rgb);
+            e[3] = (float) (x - left);
+            e[4] = (float) (y - top);
+            e[5] = (float) (left + px);
+            e[6] = (float) (top + py);
+            e[7] = (float) (pack_span(box.x0, box.x1, px, batch->side) +
+                            4096 * rows);
+        }
+    }
+}
+
+void gp_tile_batch_enter(const struct gp_polygons *polygons,
+                         const struct gp_tile_pieces *p, int kind,
+                         size_t *next, struct gp_tile_batch *batch)
+{
+    int in_tile[TILES_MAX], last = (1 << batch->side) - 1;
+    batch->across = (gp_rect_w(batch->field) + last) >> batch->side;
+    const int tiles = batch->across *
+                      ((gp_rect_h(batch->field) + last) >> batch->side);
+    const size_t end = count_entries(p, *next, p->first[kind + 1], batch,
+                                     tiles, in_tile);
+    batch->texels = tiles;
+    batch->most = 0;
+    for (int t = 0; t < tiles; t++) { // each tile's range comes first
+        const int n = in_tile[t];
+        in_tile[t] = batch->texels; // where its next entry goes
+        batch->texels += ENTRY * n;
+        batch->most = gp_max(batch->most, n);
+        float *texel = batch->texel + 4 * t;
+        texel[0] = (float) in_tile[t];
+        texel[1] = (float) batch->texels;
+        texel[2] = texel[3] = 0.0f;
+    }
+    for (size_t i = *next; i < end; i++)
+        write_entries(&polygons->at[p->at[i].polygon], p, p->at[i].box, batch,
+                      in_tile);
+    *next = end;
+}
+
+int gp_tile_inner(size_t most)
+{
+    return gp_max((int) ceil(sqrt((double) most)), 8);
+}
+
+/* -- state ----------------------------------------------------------------- */
 
 /* A blurred kernel, as tile.frag reads it. */
 struct packed {
@@ -37,8 +277,8 @@ struct packed {
 struct gp_tiles {
     struct gp_program program[VARIANTS];
     struct gp_target target;
-    struct gp_texel_buffer list;
-    float *texel; // GP_TILE_TEXELS, the list's and pixels on their way out
+    struct gp_texel_buffer entries;
+    float *texel; // GP_TILE_TEXELS, the entries' and pixels on their way out
 
     // what `packed` was made from
     unsigned long serial;
@@ -48,7 +288,7 @@ struct gp_tiles {
     size_t bytes; // of all of them, about
 };
 
-struct work {
+struct gathering {
     const struct gp_log *log;
     struct gp_gl *gl;
     const struct gp_kernel *kernel;
@@ -60,8 +300,6 @@ struct work {
     struct gp_planes *layer;
     double roundings; // of the worst field so far
 };
-
-/* -- state ----------------------------------------------------------------- */
 
 static void forget_kernels(const struct gp_gl *gl, struct gp_tiles *t)
 {
@@ -79,7 +317,7 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
     for (int i = 0; i < VARIANTS; i++)
         gp_program_free(gl, &t->program[i]);
     gp_target_free(gl, &t->target);
-    gp_texel_buffer_free(gl, &t->list);
+    gp_texel_buffer_free(gl, &t->entries);
     gp_free(t->texel);
     GP_FREE(*state);
 }
@@ -99,7 +337,7 @@ static gp_status open_state(const struct gp_log *log, struct gp_gl *gl,
                         4 * sizeof(float), &block));
         (*state)->texel = block;
         GP_TRY(gp_texel_buffer_make(log, gl, "lists of tiles", GP_TILE_TEXELS,
-                            &(*state)->list));
+                                    &(*state)->entries));
     }
     struct gp_tiles *t = *state;
     if (t->serial == 0 || t->serial != kernel->serial || t->tail != tail ||
@@ -114,60 +352,14 @@ out:
     return st;
 }
 
-static gp_status fit_program(const struct gp_log *log, const struct gp_gl *gl,
-                             struct gp_tiles *t, bool whole, bool colour,
-                             const struct gp_program **out)
+/* Uploads a blurred kernel: four samples a texel when it is grey, the last
+ * one's rest being dark; else a sample of each plane. */
+static gp_status pack_kernel(const struct gathering *k,
+                             const struct gp_blur *blur, struct packed *p)
 {
-    static const char *const defines[VARIANTS] = {
-        "", "#define COLOUR\n", "#define WHOLE\n",
-        "#define WHOLE\n#define COLOUR\n",
-    };
-    int i = 2 * whole + colour;
-    *out = &t->program[i];
-    if (t->program[i].id)
-        return GP_OK;
-    return gp_program_make(log, gl, defines[i], "add.vert", "tile.frag",
-                              &t->program[i]);
-}
-
-/* Makes the target hold the field. */
-static gp_status fit_target(const struct work *k)
-{
-    struct gp_target *to = &k->t->target;
-    int w = (gp_rect_w(k->field) + BLOCK_W - 1) / BLOCK_W;
-    int h = (gp_rect_h(k->field) + BLOCK_H - 1) / BLOCK_H;
-    if (to->colour.w >= w && to->colour.h >= h)
-        return GP_OK;
-    w = to->colour.w > w ? to->colour.w : w;
-    h = to->colour.h > h ? to->colour.h : h;
-    gp_target_free(k->gl, to);
-    return gp_target_make(k->log, k->gl, "layer", GP_TEXEL_FLOAT, ATTACHMENTS,
-                          w, h, to);
-}
-
-/* -- kernels --------------------------------------------------------------- */
-
-/* One row of the blur as texels: four samples each when it is grey, what the
- * last has over being dark; else a sample of each plane. */
-static void pack_row(const struct gp_blur *b, int y, float *texel)
-{
-    size_t first = (size_t) y * (size_t) b->w;
-    if (b->grey) {
-        memcpy(texel, b->k.c[0] + first, (size_t) b->w * sizeof(float));
-        return;
-    }
-    for (int x = 0; x < b->w; x++) {
-        for (int c = 0; c < 3; c++)
-            texel[4 * x + c] = b->k.c[c][first + (size_t) x];
-    }
-}
-
-static gp_status pack(const struct work *k, const struct gp_blur *blur,
-                      struct packed *p)
-{
-    int w = blur->grey ? (blur->w - 1) / BLOCK_W + 1 : blur->w;
-    int rows = BAND_TEXELS / w + 1;
-    size_t pitch = 4 * (size_t) w;
+    const int w = blur->grey ? (blur->w - 1) / FRAGMENT_W + 1 : blur->w;
+    const int rows = BAND_TEXELS / w + 1;
+    const size_t pitch = 4 * (size_t) w, samples = (size_t) blur->w;
     gp_status st = gp_texture_make(k->log, k->gl, "kernel", GP_TEXEL_FLOAT, w,
                                    blur->h, &p->texture);
     void *block = NULL;
@@ -176,11 +368,19 @@ static gp_status pack(const struct work *k, const struct gp_blur *blur,
                            sizeof(float), &block);
     if (st)
         return st;
-    float *band = block;
+    float *const band = block;
     for (int y0 = 0; y0 < blur->h; y0 += rows) {
-        int y1 = blur->h - y0 < rows ? blur->h : y0 + rows;
-        for (int y = y0; y < y1; y++)
-            pack_row(blur, y, band + (size_t) (y - y0) * pitch);
+        const int y1 = blur->h - y0 < rows ? blur->h : y0 + rows;
+        for (int y = y0; y < y1; y++) {
+            float *const texel = band + (size_t) (y - y0) * pitch;
+            const size_t first = (size_t) y * samples;
+            if (blur->grey)
+                memcpy(texel, blur->k.c[0] + first, samples * sizeof(float));
+            for (size_t x = 0; !blur->grey && x < samples; x++) {
+                for (size_t c = 0; c < 3; c++)
+                    texel[4 * x + c] = blur->k.c[c][first + x];
+            }
+        }
         gp_texture_write(k->gl, &p->texture, (struct gp_rect) {0, y0, w, y1},
                          band);
     }
@@ -189,13 +389,8 @@ static gp_status pack(const struct work *k, const struct gp_blur *blur,
     return gp_gl_check(k->log, k->gl, "packing the kernel");
 }
 
-static size_t bytes_of(const struct gp_blur *b)
-{
-    return (size_t) b->w * (size_t) b->h * (b->grey ? 1 : 4) * sizeof(float);
-}
-
 /* Makes the packed kernel of a blur; others go when they are too many. */
-static gp_status fit_kernel(const struct work *k, int b)
+static gp_status fit_kernel(const struct gathering *k, int b)
 {
     struct gp_tiles *t = k->t;
     struct gp_blur blur;
@@ -205,10 +400,12 @@ static gp_status fit_kernel(const struct work *k, int b)
                                 gp_blur_box[b], &blur);
     if (st)
         return st;
-    if (t->bytes + bytes_of(&blur) > KEEP_BYTES)
+    const size_t bytes = (size_t) blur.w * (size_t) blur.h *
+                         (blur.grey ? 1 : 4) * sizeof(float);
+    if (t->bytes + bytes > KEEP_BYTES)
         forget_kernels(k->gl, t);
-    t->bytes += bytes_of(&blur);
-    st = pack(k, &blur, &t->packed[b]);
+    t->bytes += bytes;
+    st = pack_kernel(k, &blur, &t->packed[b]);
     if (st)
         forget_kernels(k->gl, t);
     gp_blur_free(&blur);
@@ -217,77 +414,66 @@ static gp_status fit_kernel(const struct work *k, int b)
 
 /* -- drawing --------------------------------------------------------------- */
 
-static gp_status draw_list(const struct work *k, const struct gp_program *p,
-                           const struct packed *kernel,
-                           const struct gp_tile_list *list)
+static gp_status draw_batch(const struct gathering *k,
+                            const struct gp_program *p,
+                            const struct packed *kernel,
+                            const struct gp_tile_batch *batch)
 {
-    int columns = list->side - 2, rows = list->side - 1; // log2 of blocks
+    // log2 of a tile's fragments
+    const int columns = batch->side - 2, rows = batch->side - 1;
     const struct gp_uniform uniform[] = {
-        {.name = "list", .texels = &k->t->list},
+        {.name = "list", .texels = &k->t->entries},
         {.name = "tile", .v = {columns, rows}},
-        {.name = "sums", .v = {list->across,
-                               2 * gp_tile_inner((size_t) list->most)}},
+        {.name = "sums", .v = {batch->across,
+                               2 * gp_tile_inner((size_t) batch->most)}},
         {.name = "kernel", .image = &kernel->texture},
         {0},
     };
     const struct gp_draw draw = {
         .program = p, .target = &k->t->target,
-        .cut = {list->lit.x0 << columns, list->lit.y0 << rows,
-                list->lit.x1 << columns, list->lit.y1 << rows},
+        .cut = {batch->lit.x0 << columns, batch->lit.y0 << rows,
+                batch->lit.x1 << columns, batch->lit.y1 << rows},
         .uniform = uniform, .vertices = 3, .instances = 1,
     };
-    gp_texel_buffer_write(k->gl, &k->t->list, 0, list->texels, list->texel);
+    gp_texel_buffer_write(k->gl, &k->t->entries, 0, batch->texels,
+                          batch->texel);
     return gp_draw_run(k->log, k->gl, &draw);
 }
 
 /* Draws the pieces of one kind that reach the field; *draws and *sums count
  * what a pixel may see of it. */
-static gp_status draw_kind(const struct work *k, int kind, int *draws,
+static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
                            double *sums)
 {
-    int b = kind > 0 ? kind - 1 : 0;
-    const struct gp_program *p;
-    struct gp_tile_list list = {.field = k->field, .texel = k->t->texel};
+    static const char *const defines[VARIANTS] = {
+        "", "#define COLOUR\n", "#define WHOLE\n",
+        "#define WHOLE\n#define COLOUR\n",
+    };
+    struct packed *const packed = &k->t->packed[kind > 0 ? kind - 1 : 0];
+    struct gp_tile_batch batch = {.field = k->field, .texel = k->t->texel};
     gp_status st = GP_OK;
-    list.side = gp_tile_side(&k->pieces, kind, k->field);
+    batch.side = gp_tile_side(&k->pieces, kind, k->field);
     for (size_t next = k->pieces.first[kind];
          !st && next < k->pieces.first[kind + 1];) {
-        gp_tile_list_fill(k->polygons, &k->pieces, kind, &next, &list);
-        if (list.most == 0)
+        gp_tile_batch_enter(k->polygons, &k->pieces, kind, &next, &batch);
+        if (batch.most == 0)
             break;
-        st = fit_kernel(k, b);
+        st = fit_kernel(k, (int) (packed - k->t->packed));
+        const int variant = 2 * (kind == 0) + !packed->grey;
+        struct gp_program *const p = &k->t->program[variant];
+        if (!st && !p->id)
+            st = gp_program_make(k->log, k->gl, defines[variant], "add.vert",
+                                 "tile.frag", p);
         if (!st)
-            st = fit_program(k->log, k->gl, k->t, kind == 0,
-                             !k->t->packed[b].grey, &p);
-        if (!st)
-            st = draw_list(k, p, &k->t->packed[b], &list);
-        double inner = gp_tile_inner((size_t) list.most);
-        *sums = fmax(*sums, inner + ceil(list.most / inner));
+            st = draw_batch(k, p, packed, &batch);
+        const double inner = gp_tile_inner((size_t) batch.most);
+        *sums = fmax(*sums, inner + ceil(batch.most / inner));
         ++*draws;
     }
     return st;
 }
 
-/* -- fields ---------------------------------------------------------------- */
-
-/* Copies one row of a plane's attachment, in pixels, to the layer. */
-static void read_plane(const struct work *k, int c, int lower)
-{
-    int w = (gp_rect_w(k->field) + BLOCK_W - 1) / BLOCK_W;
-    int h = (gp_rect_h(k->field) + BLOCK_H - 1 - lower) / BLOCK_H;
-    if (h < 1)
-        return;
-    gp_target_read(k->gl, &k->t->target, BLOCK_H * c + lower,
-                        (struct gp_rect) {0, 0, w, h}, k->t->texel);
-    for (int y = 0; y < h; y++)
-        memcpy(k->layer->c[c] +
-                   (size_t) (k->field.y0 + BLOCK_H * y + lower) *
-                       (size_t) k->w + k->field.x0,
-               k->t->texel + 4 * (size_t) y * (size_t) w,
-               (size_t) gp_rect_w(k->field) * sizeof(float));
-}
-
-static void clear_layer(const struct work *k, struct gp_rect r)
+static void clear_layer(const struct gathering *k, struct gp_rect r)
 {
     for (int c = 0; c < 3; c++) {
         for (int y = r.y0; y < r.y1; y++)
@@ -296,11 +482,36 @@ static void clear_layer(const struct work *k, struct gp_rect r)
     }
 }
 
-static gp_status draw_field(struct work *k)
+/* Copies the target to the layer: an attachment holds every other row of a
+ * plane. */
+static void read_field(const struct gathering *k)
+{
+    const int w = (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W;
+    for (int i = 0; i < ATTACHMENTS; i++) {
+        const int lower = i % FRAGMENT_H;
+        const int h = (gp_rect_h(k->field) + FRAGMENT_H - 1 - lower) /
+                      FRAGMENT_H;
+        if (h < 1)
+            continue;
+        gp_target_read(k->gl, &k->t->target, i,
+                       (struct gp_rect) {0, 0, w, h}, k->t->texel);
+        for (int y = 0; y < h; y++)
+            memcpy(k->layer->c[i / FRAGMENT_H] +
+                       (size_t) (k->field.y0 + FRAGMENT_H * y + lower) *
+                           (size_t) k->w + k->field.x0,
+                   k->t->texel + 4 * (size_t) y * (size_t) w,
+                   (size_t) gp_rect_w(k->field) * sizeof(float));
+    }
+}
+
+static gp_status draw_field(struct gathering *k)
 {
     int draws = 0;
     double sums = 0.0;
-    gp_status st = fit_target(k);
+    gp_status st = gp_splat_fit_target(
+        k->log, k->gl, "layer", ATTACHMENTS,
+        (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W,
+        (gp_rect_h(k->field) + FRAGMENT_H - 1) / FRAGMENT_H, &k->t->target);
     if (st)
         return st;
     gp_target_clear(k->gl, &k->t->target,
@@ -313,37 +524,20 @@ static gp_status draw_field(struct work *k)
         clear_layer(k, k->field);
         return GP_OK;
     }
-    for (int i = 0; i < ATTACHMENTS; i++)
-        read_plane(k, i / BLOCK_H, i % BLOCK_H);
+    read_field(k);
     k->roundings = fmax(k->roundings, MIXING + sums + draws);
     return gp_gl_check(k->log, k->gl, "gathering glare polygons");
 }
 
-/* The length of the fewest equal fields of `limit` pixels, whole blocks. */
-static int field_size(int size, int limit, int block)
+/* The length of the fewest equal fields of `most` fragments and at most
+ * GP_TILE_FIELD pixels, whole fragments. */
+static int field_size(int size, int most, int fragment)
 {
-    int parts = (size - 1) / limit + 1;
-    int length = (size - 1) / parts + 1;
-    return (length + block - 1) / block * block;
-}
-
-static gp_status draw_fields(struct work *k)
-{
-    int max = gp_gl_info(k->gl)->max_size, limit = GP_TILE_FIELD;
-    int w = field_size(k->w, max < limit / BLOCK_W ? max * BLOCK_W : limit,
-                       BLOCK_W);
-    int h = field_size(k->h, max < limit / BLOCK_H ? max * BLOCK_H : limit,
-                       BLOCK_H);
-    gp_status st = GP_OK;
-    for (int y = 0; !st && y < k->h; y += h) {
-        for (int x = 0; !st && x < k->w; x += w) {
-            k->field = gp_rect_meet(
-                (struct gp_rect) {x, y, x + w, y + h},
-                (struct gp_rect) {0, 0, k->w, k->h});
-            st = draw_field(k);
-        }
-    }
-    return st;
+    const int limit = most < GP_TILE_FIELD / fragment ? most * fragment
+                                                      : GP_TILE_FIELD;
+    const int parts = (size - 1) / limit + 1;
+    const int length = (size - 1) / parts + 1;
+    return (length + fragment - 1) / fragment * fragment;
 }
 
 gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
@@ -353,19 +547,30 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
                         struct gp_planes *layer, struct gp_tiles **state,
                         double *roundings)
 {
-    struct work k = {.log = log, .gl = gl, .kernel = kernel,
-                     .polygons = polygons, .w = w, .h = h, .layer = layer};
+    struct gathering k = {.log = log, .gl = gl, .kernel = kernel,
+                          .polygons = polygons, .w = w, .h = h,
+                          .layer = layer};
+    const struct gp_rect frame = {0, 0, w, h};
     gp_status st;
     *roundings = 0.0;
     if (polygons->n == 0 || gp_rect_empty(crop)) {
-        clear_layer(&k, (struct gp_rect) {0, 0, w, h});
+        clear_layer(&k, frame);
         return GP_OK;
     }
     GP_TRY(open_state(log, gl, kernel, crop, tail, state));
     k.t = *state;
     GP_TRY(gp_tile_pieces_make(log, kernel, crop, polygons, shrink, w, h,
                                &k.pieces));
-    GP_TRY(draw_fields(&k));
+    const int most = gp_gl_info(gl)->max_size;
+    const int field_w = field_size(w, most, FRAGMENT_W);
+    const int field_h = field_size(h, most, FRAGMENT_H);
+    for (int y = 0; y < h; y += field_h) {
+        for (int x = 0; x < w; x += field_w) {
+            k.field = gp_rect_meet(
+                (struct gp_rect) {x, y, x + field_w, y + field_h}, frame);
+            GP_TRY(draw_field(&k));
+        }
+    }
     *roundings = k.roundings;
 out:
     gp_tile_pieces_free(&k.pieces);

@@ -97,7 +97,8 @@ static double hdr(struct pair *p, const struct gp_flip_exposures *e)
     return mean;
 }
 
-// -- LDR ---------------------------------------------------------------------------
+// -- LDR
+// ---------------------------------------------------------------------------
 
 static void flat_colours_are_as_far_as_they_are(void **state)
 {
@@ -224,12 +225,14 @@ static void threads_change_nothing(void **state)
     free_pair(&p);
 }
 
-// -- HDR ----------------------------------------------------------------------------
+// -- HDR
+// ----------------------------------------------------------------------------
 
 static void square(struct pair *p, float scale)
 {
     for (size_t i = 0; i < 3 * p->n; i++) {
-        float *a = &p->a.c[i / p->n][i % p->n], *b = &p->b.c[i / p->n][i % p->n];
+        float *a = &p->a.c[i / p->n][i % p->n],
+              *b = &p->b.c[i / p->n][i % p->n];
         *a = *a * *a * scale;
         *b = *b * *b * scale;
     }
@@ -276,7 +279,8 @@ static void the_median_decides_where_exposures_stop(void **state)
         float *sorted = calloc((size_t) n, sizeof *sorted);
         for (int i = 0; i < n; i++) {
             seed = seed * 1664525u + 1013904223u;
-            const float v = 1.0f + (float) ((seed >> 16) % (n % 3 ? 5u : 1000u));
+            const float v =
+                1.0f + (float) ((seed >> 16) % (n % 3 ? 5u : 1000u));
             for (int c = 0; c < 3; c++)
                 p.a.c[c][i] = v;
             sorted[i] = v;
@@ -349,7 +353,8 @@ static void the_largest_of_all_exposures_counts(void **state)
     free_pair(&p);
 }
 
-// -- refusals -------------------------------------------------------------------------
+// -- refusals
+// -------------------------------------------------------------------------
 
 static void what_makes_no_sense_is_refused(void **state)
 {

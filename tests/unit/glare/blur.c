@@ -1,7 +1,7 @@
-/* glare/splat/blur.c and glare/splat/shrink.c: the kernel blurred by boxes, against the
- * plain sum; and how far polygons reach. */
+/* glare/splat/blur.c: the kernel blurred by boxes,
+ * against the plain sum; and how far polygons reach. */
 #include "unit.h"
-#include "glare/splat/blur.h"
+#include "glare/splat/polygons.h"
 #include "glare_scene.h"
 
 #include <setjmp.h>

@@ -1,5 +1,5 @@
-/* glare/bound/bound.h: what is measured is never over the bound, and the bound is
- * not far over it. Random frames, kernels and settings; the layer of the
+/* glare/bound/bound.h: what is measured is never over the bound, and the bound
+ * is not far over it. Random frames, kernels and settings; the layer of the
  * polygons and the exact one both in double. */
 #include "unit.h"
 #include "bound_trial.h"
@@ -158,7 +158,7 @@ static struct trial simple_trial(enum light light, struct gp_kernel k,
     struct trial t = {.p = p};
     t.s = scene_sense(scene_frame(61, 47, -3, 5, light, 3u), k,
                       &(struct gp_sensor_params) {1.0f, 0.0f, 65504.0f});
-    if (gp_group(NULL, &t.s.src, &t.p, &t.q) ||
+    if (gp_polygons_make(NULL, &t.s.src, &t.p, &t.q) ||
         gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
         abort();
     return t;

@@ -2,9 +2,7 @@
 #include "unit.h"
 #include "glare_scene.h"
 
-#include "glare/splat/blur.h"
-#include "glare/splat/group.h"
-#include "glare/splat/outline.h"
+#include "glare/splat/polygons.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -37,7 +35,8 @@ static struct gp_planes outlined(const struct scene *s,
     assert_int_equal(gp_planes_make(NULL, "picture", n, &picture), GP_OK);
     for (size_t i = 0; i < 3 * n; i++)
         picture.c[i / n][i % n] = 0.25f;
-    assert_int_equal(gp_outline(NULL, &s->src, &s->k, p, &picture), GP_OK);
+    assert_int_equal(gp_polygons_outline(NULL, &s->src, &s->k, p, &picture),
+                     GP_OK);
     return picture;
 }
 
@@ -139,7 +138,8 @@ static void all_that_are_drawn_have_one(void **state)
                                      &sensors);
         struct gp_polygons polygons;
         struct gp_shrink shrink;
-        assert_int_equal(gp_group(NULL, &s.src, &rows[i], &polygons), GP_OK);
+        assert_int_equal(gp_polygons_make(NULL, &s.src, &rows[i], &polygons),
+                         GP_OK);
         assert_int_equal(gp_shrink_make(NULL, &s.k, &rows[i], &polygons,
                                         &shrink), GP_OK);
         struct gp_planes picture = outlined(&s, &rows[i]);

@@ -6,7 +6,8 @@
  * the test is skipped. */
 #include "unit.h"
 #include "core/memory.h"
-#include "glare/splat/blur.h"
+#include "glare/sensors.h"
+#include "glare/splat/splat_priv.h"
 #include "glare/bound/bound.h"
 #include "glare/engine.h"
 #include "io/read.h"
@@ -85,7 +86,7 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
     double *const layer = calloc(3 * n, sizeof *layer);
     assert_non_null(exact);
     assert_non_null(layer);
-    assert_int_equal(gp_group(NULL, src, &p, &polygons), GP_OK);
+    assert_int_equal(gp_polygons_make(NULL, src, &p, &polygons), GP_OK);
     assert_int_equal(gp_shrink_make(NULL, k, &p, &polygons, &shrink), GP_OK);
     assert_int_equal(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0,
                                     &cache, &bound), GP_OK);

@@ -81,7 +81,7 @@ static struct drawn make_drawn(const struct form *f)
     struct gp_shrink shrink;
     const size_t n = (size_t) f->w * (size_t) f->h;
     d.want = calloc(3 * n, sizeof *d.want);
-    if (gp_group(NULL, &d.src, &in_force, &polygons) ||
+    if (gp_polygons_make(NULL, &d.src, &in_force, &polygons) ||
         gp_shrink_make(NULL, &d.k, &in_force, &polygons, &shrink) ||
         gp_group_reference(NULL, &d.src, &d.k, &in_force, &polygons, &shrink,
                            d.want))

@@ -1,6 +1,7 @@
-/* The passes that group and cluster on GL against gp_group(), cell by cell. */
+/* The passes that group and cluster on GL against gp_polygons_make(), cell by
+ * cell. */
 #include "unit.h"
-#include "glare/splat/group_gl.h"
+#include "glare/splat/splat_priv.h"
 #include "splat_open.h"
 
 /* -- the passes ------------------------------------------------------------ */
@@ -154,7 +155,7 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     params.cluster_fill = p->fill;
     params.method = GP_GROUP_MOMENTS;
     struct gp_polygons want;
-    assert_int_equal(gp_group(&log_kept, &src, &params, &want), GP_OK);
+    assert_int_equal(gp_polygons_make(&log_kept, &src, &params, &want), GP_OK);
 
     const struct gp_rect frame = {0, 0, p->w, p->h};
     const int span = p->cluster ? p->cluster : p->group;

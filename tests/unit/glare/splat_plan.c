@@ -1,7 +1,7 @@
 /* What splat draws and says of it: limits, counts, what shrinking leaves out,
  * and plans that are kept. */
 #include "unit.h"
-#include "glare/splat/plan.h"
+#include "glare/splat/splat_priv.h"
 #include "splat_open.h"
 
 /* -- limits and counts ------------------------------------------------ */

@@ -9,9 +9,8 @@
 #include "glare/bound/bound.h"
 #include "glare/compose.h"
 #include "glare/sources.h"
-#include "glare/splat/outline.h"
+#include "glare/splat/splat_priv.h"
 #include "glare/glare_priv.h"
-#include "glare/splat/state.h"
 #include "glare_scene.h"
 #include "fail.h"
 #include "said.h"
@@ -167,7 +166,7 @@ static gp_status run_outline(void)
         return GP_ERR_BUG;
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, gp_frame_pixels(&scene.f) * sizeof(float));
-    const gp_status st = gp_outline(&said_log, &scene.src, &scene.k,
+    const gp_status st = gp_polygons_outline(&said_log, &scene.src, &scene.k,
                                     &row->splat, &p);
     return hash_planes(st, &p, gp_frame_pixels(&scene.f));
 }
@@ -178,7 +177,8 @@ static gp_status run_group_reference(void)
     struct gp_shrink shrink;
     const size_t n = 3 * gp_frame_pixels(&scene.f);
     double *const layer = scene_alloc(n, sizeof *layer);
-    gp_status st = gp_group(&said_log, &scene.src, &row->splat, &polygons);
+    gp_status st =
+        gp_polygons_make(&said_log, &scene.src, &row->splat, &polygons);
     if (!st)
         st = gp_shrink_make(&said_log, &scene.k, &row->splat, &polygons,
                             &shrink);

@@ -5,7 +5,7 @@
 #include "core/memory.h"
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
-#include "glare/splat/state.h"
+#include "glare/splat/splat_priv.h"
 #include "gl/gl_priv.h"
 #include "glare_scene.h"
 #include "fail.h"

@@ -8,7 +8,7 @@
 #include "tile_scene.h"
 
 #include "core/clock.h"
-#include "glare/splat/blur.h"
+#include "glare/splat/polygons.h"
 #include "glare/engine.h"
 
 /* -- the sum --------------------------------------------------------------- */

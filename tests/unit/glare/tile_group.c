@@ -3,9 +3,8 @@
 #include "unit.h"
 #include "glare/glare_priv.h"
 #include "gl_open.h"
-#include "glare/splat/blur.h"
-#include "glare/splat/group.h"
-#include "glare/splat/tile.h"
+#include "glare/splat/polygons.h"
+#include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
 #include <stdlib.h>
@@ -79,7 +78,7 @@ static void run_row(struct gp_gl *gl, const struct row *r,
     struct gp_polygons q;
     struct gp_shrink shrink;
     assert_int_equal(gp_planes_make(NULL, "layer", n, &layer), GP_OK);
-    assert_int_equal(gp_group(NULL, &s.src, &r->p, &q), GP_OK);
+    assert_int_equal(gp_polygons_make(NULL, &s.src, &r->p, &q), GP_OK);
     assert_int_equal(gp_shrink_make(NULL, &s.k, &r->p, &q, &shrink), GP_OK);
     if (gp_tiles_draw(&scene_log, gl, &s.k,
                       (struct gp_rect) {0, 0, s.k.w, s.k.h},

@@ -9,7 +9,7 @@
 #include "driver_threads.h"
 #include "hash.h"
 
-#include "glare/splat/tile_list.h"
+#include "glare/splat/splat_priv.h"
 
 
 /* -- batches --------------------------------------------------------------- */
@@ -26,7 +26,7 @@ static void batches_are_large(void **state)
         {1024, 768, 4000, BETWEEN, 1, 240, 511, 511, 255, 255, GREY, {0},
          false},
     };
-    struct gp_tile_list list = {0};
+    struct gp_tile_batch list = {0};
     (void) state;
     list.texel = malloc((size_t) GP_TILE_TEXELS * 4 * sizeof(float));
     for (size_t i = 0; i < sizeof sizes / sizeof sizes[0]; i++) {
@@ -40,7 +40,7 @@ static void batches_are_large(void **state)
         list.side = gp_tile_side(&p, 1, list.field);
         assert_true(list.side >= 4 && list.side <= 6);
         for (; next < p.first[2]; batches++) {
-            gp_tile_list_fill(&s.polygons, &p, 1, &next, &list);
+            gp_tile_batch_enter(&s.polygons, &p, 1, &next, &list);
             assert_true(list.texels <= GP_TILE_TEXELS && list.most > 0);
         }
         assert_true(batches <= 1 + s.polygons.n / GP_TILE_BATCH);

@@ -1,0 +1,134 @@
+/* Polygons: fewer places to set the kernel down for the same light (Ando et
+ * al. 2007, section 4), on the CPU. The splat engine draws them; its bound
+ * counts with them; GL makes the same ones by group.frag.
+ *   group.c  groups and clusters, and their layer in double
+ *   blur.c   the kernel as polygons need it, its reach, and the picture of
+ *            the polygons
+ */
+#ifndef GP_GLARE_SPLAT_POLYGONS_H
+#define GP_GLARE_SPLAT_POLYGONS_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/engine.h"
+#include "glare/kernel.h"
+#include "glare/sources.h"
+
+#include <stdbool.h>
+
+/* -- groups and clusters --------------------------------------------------- */
+
+/* Half the side, less one half, of the square that GP_GROUP_CORE draws from
+ * single sensors: 17x17 pixels around each. */
+enum { GP_CORE_RADIUS = 8 };
+
+/* Boxes that a kernel is blurred by to meet the spread of a group. A box of
+ * side M has the second moment (M * M - 1) / 12 on each axis. */
+enum { GP_BLURS = 10 };
+extern const int gp_blur_box[GP_BLURS]; // 1 2 3 4 6 8 12 16 32 64
+
+struct gp_polygon {
+    float x, y;      // formula (1): P0, in pixels from the data window's
+                     // corner; the centre of pixel (i, j) is (i, j)
+    float rgb[3];    // sum of the cell's light
+    float light;     // formula (1): L0, sum of luminance
+    uint8_t side;    // of the cell: 1, group or cluster
+    uint8_t blur;    // index in gp_blur_box; 0 with GP_GROUP_CENTROID
+};
+
+struct gp_polygons {
+    size_t n;
+    size_t groups, clusters; // n = groups + clusters
+    struct gp_polygon *at;   // clusters first, then groups; each in row order
+                             // of their cells
+};
+
+/* Groups the sources by cells of NxN pixels: a polygon for each cell of side
+ * p->cluster whose share of bright pixels (of its pixels inside the data
+ * window) is at least cluster_fill, and one for each other cell of side
+ * p->group that holds light. With group 1 and no cluster: one polygon a
+ * source.
+ *
+ * Cells count from pixel (0, 0) of EXR pixel space, so that a moving data
+ * window moves no cell; those that straddle the window's edge hold what lies
+ * inside.
+ *
+ * L0, P0 and the second moment are weighted by luminance, which is over 0 in
+ * every source; where it is 0 all the same (denormals), P0 is the cell's
+ * centre. The blur is the box for which box and bilinear sampling at P0
+ * together come nearest to the cell's second moment, the mean of x and y:
+ *   (M * M - 1) / 12 + (fx (1 - fx) + fy (1 - fy)) / 2
+ * with fx, fy the fractions of P0 - (M - 1) / 2; the smaller box on a tie,
+ * and none over the cell's side.
+ *
+ *   out  written only on GP_OK; free with gp_polygons_free()
+ * Errors: GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_polygons_make(const struct gp_log *log,
+                                         const struct gp_sources *src,
+                                         const struct gp_splat_params *p,
+                                         struct gp_polygons *out);
+void gp_polygons_free(struct gp_polygons *p);
+
+/* -- the kernel ------------------------------------------------------------ */
+
+/* One blur: sample (i, j) is the share of a polygon's light that falls at
+ * offset (i - cx, j - cy) from its centroid; cx and cy are whole or halves
+ * (boxes of even side). w = kernel's w + M - 1. Outside it is 0. */
+struct gp_blur {
+    int w, h;
+    float cx, cy;
+    struct gp_planes k;
+    bool grey; // the three planes are equal (and share no memory)
+};
+
+/* Makes the kernel blurred by a box of side `side`, cut first to `crop` (in
+ * kernel pixels), and without its core when `tail`: samples with both
+ * |dx|, |dy| <= GP_CORE_RADIUS from the kernel's centre count as 0.
+ * Written only on GP_OK; free with gp_blur_free().
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
+                                     const struct gp_kernel *kernel,
+                                     struct gp_rect crop, bool tail, int side,
+                                     struct gp_blur *out);
+void gp_blur_free(struct gp_blur *b);
+
+/* Shrinking (Ando et al. 2007, section 4.3): a polygon of light L reaches as
+ * far as L times the kernel is over `least` somewhere on the square ring at
+ * that distance. `least` is the largest for which the light left out, summed
+ * over all polygons, is at most share * (the light of all polygons). */
+struct gp_shrink {
+    float least;
+    /* Reach in pixels by gp_source_bin(L0): pixels with |dx| and |dy| up to
+     * this from P0 are drawn; those beyond are left out. INT_MAX / 2 draws
+     * all. For GP_GROUP_CORE at least GP_CORE_RADIUS. Grows with the bin. */
+    int reach[GP_SOURCE_BINS];
+    double left_out; // bound of the share of light that is left out, <= share
+};
+
+/* Finds the reaches for p->shrink, the share; 0 leaves nothing out.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
+                                       const struct gp_kernel *kernel,
+                                       const struct gp_splat_params *p,
+                                       const struct gp_polygons *polygons,
+                                       struct gp_shrink *out);
+
+/* -- the picture of polygons ----------------------------------------------- */
+
+/* Draws over the picture, in one-pixel lines of full green (0, 1, 0), the rim
+ * of each polygon that splat draws with these settings, as in figure 6 of the
+ * paper: the pixels at the edge of the square around P0 that its reach leaves,
+ * cut to what the kernel covers there. Edges outside the frame are not seen.
+ * The single sensors of GP_GROUP_CORE are no polygons.
+ *
+ *   picture  src->w x src->h planes, changed where there is a line
+ * Takes time for polygons and pixels, not for the lines' length.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_polygons_outline(const struct gp_log *log,
+                                            const struct gp_sources *src,
+                                            const struct gp_kernel *kernel,
+                                            const struct gp_splat_params *p,
+                                            struct gp_planes *picture);
+
+#endif

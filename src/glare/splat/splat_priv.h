@@ -1,0 +1,302 @@
+/* The splat engine's parts, from the bottom up:
+ *   objects.c  programs, kernels, sensors and groups on GL
+ *   tile.c     polygons gathered per tile, and the lists that say which
+ *              polygon reaches which tile
+ *   draw.c     polygons as blended quads or point sprites
+ *   splat.c    the plan of what is drawn, and the engine
+ */
+#ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
+#define GP_GLARE_SPLAT_SPLAT_PRIV_H
+
+#include "gl/gl.h"
+#include "glare/bound/bound.h"
+#include "glare/splat/polygons.h"
+
+/* -- the plan -------------------------------------------------------------- */
+
+/* What is drawn and what that may cost, found on the CPU before any drawing. */
+struct gp_splat_plan {
+    bool made;
+    uint64_t key;                  // of what it was made from
+    struct gp_splat_params params; // in force: method CENTROID when single
+    bool single;                   // each source is a polygon on whole pixels
+    bool turned;                   // quads may turn an unturned kernel
+    bool core;                     // sources draw the kernel's core
+    bool tail;                     // the kernel is more than its core
+    struct gp_rect crop;           // of the kernel, that can reach the frame
+    struct gp_polygons polygons;
+    size_t chunk;                  // polygons whose light is summed by itself
+                                   // before it is added to the layer: about
+                                   // the square root of all, as a sum of n
+                                   // equal terms in float may drift by n / 2
+                                   // roundings
+    struct gp_shrink shrink;
+    double polygon_pixels;         // of polygons and cores, on the layer
+    double bound;                  // of rel_l2, for any way to draw
+};
+
+/* Makes the plan of a job, or keeps *p when it was made from the same light,
+ * kernel and parameters. src->n is over 0.
+ * Errors: GP_ERR_BUG out of memory; *p is then empty. */
+GP_MUST_CHECK gp_status gp_splat_plan_make(const struct gp_glare_job *job,
+                                           struct gp_bound_cache *cache,
+                                           struct gp_splat_plan *p);
+void gp_splat_plan_free(struct gp_splat_plan *p);
+
+/* -- the engine's state ---------------------------------------------------- */
+
+enum { GP_SPLAT_BAND_TEXELS = 1 << 18 };
+
+/* Programs, made when they are first asked for. */
+#define GP_SPLAT_PROGRAMS(X)                                                  \
+    X(GP_SPLAT_EXACT_QUAD, "splat.vert", "splat.frag")                        \
+    X(GP_SPLAT_SMOOTH_QUAD, "splat.vert", "splat_smooth.frag")                \
+    X(GP_SPLAT_TURNED_QUAD, "splat_turn.vert", "splat_turn.frag")             \
+    X(GP_SPLAT_POINT, "splat.vert", "splat_point.frag")                       \
+    X(GP_SPLAT_GROUP, "add.vert", "group.frag")                               \
+    X(GP_SPLAT_ADD, "add.vert", "add.frag")
+#define GP_SPLAT_ENUM(name, vert, frag) name,
+enum gp_splat_program {
+    GP_SPLAT_PROGRAMS(GP_SPLAT_ENUM) GP_SPLAT_PROGRAM_COUNT
+};
+
+/* Kernels on GL: one for each blur, and two for single sources. */
+enum {
+    GP_SPLAT_WHOLE = GP_BLURS, // not blurred, for sensors on whole pixels
+    GP_SPLAT_CORE,             // GP_CORE_RADIUS pixels around the centre
+    GP_SPLAT_TURNED,           // as it was before --rotate
+    GP_SPLAT_KERNELS,
+};
+struct gp_splat_kernel {
+    struct gp_texture texture; // w x h, and a border of `border` texels of 0
+    int border;
+    int w, h;
+    int cx, cy;                // the centre's whole part; may lie outside
+    float rest[2];             // what it lacks: 0 or 1/2 each
+};
+
+/* What is kept from frame to frame. */
+struct gp_splat {
+    struct gp_gl *gl;               // NULL before the first drawing
+    enum gp_gl_api api;             // what was asked for when gl was opened
+    struct gp_program program[GP_SPLAT_PROGRAM_COUNT];
+    struct gp_target total, chunk;  // of one size; chunk only for many polygons
+    struct gp_target groups, clusters;
+    struct gp_texture sources;
+    struct gp_uniform_block reaches; // of polygons, by gp_source_bin()
+    struct gp_tiles *tiles;
+    float *band; // GP_SPLAT_BAND_TEXELS texels on their way in or out
+
+    // kernels of one serial, crop, and use
+    struct gp_splat_kernel kernel[GP_SPLAT_KERNELS];
+    unsigned long serial;
+    struct gp_rect crop;
+    bool tail, bordered;
+
+    struct gp_splat_plan plan;
+    struct gp_bound_cache bounds;
+};
+
+/* Makes *state, without a context, or keeps it. Errors: GP_ERR_BUG out of
+ * memory. */
+GP_MUST_CHECK gp_status gp_splat_make(const struct gp_log *log, void **state);
+
+/* Opens the context that `api` names, or keeps it; it is current afterwards.
+ * Errors: GP_ERR_GL; no context is open then. */
+GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
+                                      struct gp_splat *s, enum gp_gl_api api);
+
+/* -- objects on GL --------------------------------------------------------- */
+
+/* Makes a program when it is not there. Errors: GP_ERR_GL. */
+GP_MUST_CHECK gp_status gp_splat_use(const struct gp_log *log,
+                                     struct gp_splat *s,
+                                     enum gp_splat_program which);
+
+/* Makes a target with n attachments at least w x h; what it held is lost when
+ * it grows. Errors: those of gp_target_make(). */
+GP_MUST_CHECK gp_status gp_splat_fit_target(const struct gp_log *log,
+                                            const struct gp_gl *gl,
+                                            const char *what, int n, int w,
+                                            int h, struct gp_target *t);
+
+/* Drops the kernels when they are not made from this very kernel, crop, and
+ * use: `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered`
+ * puts a border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
+void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
+                         struct gp_rect crop, bool tail, bool bordered);
+void gp_splat_drop_kernels(struct gp_splat *s);
+
+/* Makes s->kernel[which] when it is not there. A kernel of no samples (a core
+ * that the crop does not meet) has w 0 and no texture.
+ * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_splat_need_kernel(const struct gp_log *log,
+                                             struct gp_splat *s,
+                                             const struct gp_kernel *k,
+                                             int which);
+
+/* A grid of cells of side x side pixels. Pixels count from the data window's
+ * corner, so the grid's may be negative. */
+struct gp_cells {
+    int side;
+    int x, y; // the first cell's corner
+    int w, h; // cells
+};
+
+/* The whole cells, counted from EXR pixel (0, 0), that meet the pixels of
+ * `rect`, which is not empty; and their pixels. */
+struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
+                              int side);
+struct gp_rect gp_cells_rect(const struct gp_cells *c);
+
+/* Uploads the light of the pixels of `rect`, which lies inside the frame, to
+ * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
+GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
+                                        struct gp_splat *s,
+                                        const struct gp_sources *src,
+                                        struct gp_rect rect);
+
+/* One pass over what gp_splat_upload() left of `rect` (Ando et al. 2007,
+ * sections 4.1 and 4.2): makes `out`, at least c->w x c->h, two attachments,
+ * as group.frag says.
+ *
+ *   boxes    bits of the blurs that may be taken
+ *   fill     share of bright pixels under which a cell stays shut; 0: none
+ *   parents  clusters whose cells stay shut, over the same pixels and of
+ *            side parent_side; NULL: none
+ * Errors: GP_ERR_GL. */
+GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
+                                       struct gp_splat *s, struct gp_rect rect,
+                                       const struct gp_cells *c,
+                                       unsigned boxes, float fill,
+                                       const struct gp_target *parents,
+                                       int parent_side,
+                                       struct gp_target *out);
+
+/* -- drawing --------------------------------------------------------------- */
+
+/* Draws the layer that s->plan says, by blended quads or by points. The
+ * context is open and current. Nothing is read back before a field of the
+ * layer is done.
+ * Errors: GP_ERR_GL, as when a point would be larger than the driver draws;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_splat_draw(const struct gp_glare_job *job,
+                                      struct gp_splat *s, bool points);
+
+/* Programs, packed kernels and targets of tiles, kept from frame to frame. */
+struct gp_tiles;
+
+/* Writes the polygons' light to the layer's planes (w x h samples, three
+ * planes; what they held is lost), gathered per tile: one fragment pass over a
+ * tile sums over the polygons that reach it, so that nothing is blended. The
+ * context is current.
+ *
+ *   crop    part of the kernel that can reach the frame, in kernel pixels
+ *   tail    leave the kernel's core out (GP_GROUP_CORE)
+ *   shrink  reach of each polygon
+ *   *state  NULL at first; kept by the caller; gp_tiles_free(). Packed kernels
+ *           are kept while kernel->serial, crop and tail stay.
+ *
+ * Polygons at whole pixels with blur 0 are fetched exactly; others are
+ * sampled bilinearly, with weights in float and not the driver's. Fractions
+ * of positions are rounded to 2^-25 of a pixel. The sum's order depends on
+ * nothing but the arguments (within a blur the polygons' own), and each pixel
+ * sees at most *roundings float roundings of its sum, each 2^-24 of it where
+ * GL rounds to nearest.
+ * Errors: GP_ERR_GL no context can draw it, or a blurred kernel over the
+ * texture limit; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_tiles_draw(const struct gp_log *log,
+                                      struct gp_gl *gl,
+                                      const struct gp_kernel *kernel,
+                                      struct gp_rect crop, bool tail,
+                                      const struct gp_polygons *polygons,
+                                      const struct gp_shrink *shrink, int w,
+                                      int h, struct gp_planes *layer,
+                                      struct gp_tiles **state,
+                                      double *roundings);
+void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state);
+
+/* Roundings of a pixel's sum that gp_tiles_draw() stays under, before it is
+ * called. */
+double gp_tiles_roundings(const struct gp_polygons *polygons);
+
+/* Double-precision layer of the polygons as they are meant to be drawn: the
+ * plain form of every way of drawing, for tests. Each polygon adds
+ *   light * blurred kernel, sampled bilinearly at pixel - P0,
+ * cut to |dx|, |dy| <= reach of gp_shrink; GP_GROUP_CORE adds the core from
+ * each source. `layer` has 3 * w * h doubles. Slow. */
+GP_MUST_CHECK gp_status gp_group_reference(const struct gp_log *log,
+                                           const struct gp_sources *src,
+                                           const struct gp_kernel *kernel,
+                                           const struct gp_splat_params *p,
+                                           const struct gp_polygons *polygons,
+                                           const struct gp_shrink *shrink,
+                                           double *layer);
+
+/* -- tile.c's lists, which tests look into --------------------------------- */
+
+/* Polygons that one program and one kernel texture can draw together. Kind 0
+ * lies on whole pixels and has blur 0, so that samples are not mixed; kind
+ * 1 + b has blur b. */
+enum { GP_TILE_KINDS = GP_BLURS + 1 };
+
+/* Sizes, chosen so that a batch holds a thousand polygons of any size:
+ * gp_tiles_roundings() counts on it. */
+enum {
+    GP_TILE_FIELD = 1024,     // widest and highest part of the frame, pixels
+    GP_TILE_TEXELS = 1 << 19, // of a batch: one a tile, two an entry
+    GP_TILE_SIDES = 3,        // tiles are 16, 32 or 64 pixels wide and high
+    GP_TILE_BATCH = 1000,     // polygons, at least, when not all are in it
+};
+
+/* A polygon that reaches the frame. */
+struct gp_tile_piece {
+    struct gp_rect box; // the frame's pixels that it draws; not empty
+    size_t polygon;     // index
+};
+
+struct gp_tile_pieces {
+    struct gp_tile_piece *at;        // within a kind in the polygons' order
+    size_t first[GP_TILE_KINDS + 1]; // kind k: pieces [first[k], first[k + 1])
+    double cx[GP_BLURS], cy[GP_BLURS]; // centre of each blur, in its samples
+};
+
+/* Finds each polygon's pixels: those that its blurred kernel covers and
+ * |dx|, |dy| <= reach does not cut, inside the w x h frame.
+ *   out  written only on GP_OK; free with gp_tile_pieces_free()
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_tile_pieces_make(const struct gp_log *log,
+                                            const struct gp_kernel *kernel,
+                                            struct gp_rect crop,
+                                            const struct gp_polygons *polygons,
+                                            const struct gp_shrink *shrink,
+                                            int w, int h,
+                                            struct gp_tile_pieces *out);
+void gp_tile_pieces_free(struct gp_tile_pieces *p);
+
+/* Some of a kind's pieces, entered for the tiles of a field that they reach. */
+struct gp_tile_batch {
+    struct gp_rect field;  // in: pixels of the frame, up to GP_TILE_FIELD
+    int side;              // in: log2 of a tile's pixels, 4 to 6
+    int across;            // out: tiles in a row
+    struct gp_rect lit;    // out: box of the tiles with polygons, in tiles
+    int most;              // out: polygons of the fullest tile; 0: none left
+    int texels;            // out: in use
+    float *texel;          // GP_TILE_TEXELS of 4 floats; borrowed
+};
+
+/* The side of tiles with which the kind's pieces cost least in the field. */
+int gp_tile_side(const struct gp_tile_pieces *p, int kind,
+                 struct gp_rect field);
+
+/* Enters pieces of the kind from *next on, as many as fit, and moves *next
+ * after them. */
+void gp_tile_batch_enter(const struct gp_polygons *polygons,
+                         const struct gp_tile_pieces *p, int kind,
+                         size_t *next, struct gp_tile_batch *batch);
+
+/* Polygons of an inner sum, for a tile with `most` of them: about the square
+ * root, so that a pixel takes the fewest roundings. */
+int gp_tile_inner(size_t most);
+
+#endif
