@@ -1,9 +1,10 @@
-#include "app/bench.h"
 #include "app/clobber.h"
 #include "app/jobs.h"
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
+#include "app/sun_files.h"
+#include "bench/bench.h"
 #include "compare/compare.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -98,18 +99,37 @@ static gp_status make_frames(const struct gp_log *log, struct voice *voice,
     return st;
 }
 
-/* No file is written over another, or over what is measured. */
-static gp_status check_bench_names(const struct gp_log *log,
-                                   const struct gp_settings *s)
+static gp_status run_bench(const struct gp_log *log,
+                           const struct gp_settings *s)
 {
     struct gp_clobber c;
+    char *const input = s->inputs.n ? (char *) s->inputs.at[0] : NULL;
+    struct gp_job suns = {.input = input};
+    struct gp_sun_files files = {s, &suns};
+    const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    const struct gp_bench_job job = {
+        .params = &s->bench,
+        .input = input,
+        .default_kernel = !gp_option_given(s, "kernel"),
+        .read = &s->read,
+        .sensor = &s->sensor,
+        .kernel = &s->kernel,
+        .glare = &s->glare,
+        .compose = &s->compose,
+        .tone = &s->tone,
+        .sun = &s->sun,
+        .reader = &reader,
+    };
+    // no file is written over another, or over what is measured
     gp_status st = gp_clobber_begin(log, s, NULL, NULL, &c);
     if (!st)
         st = gp_clobber_settle(&c);
-    if (!st && !s->bench.paper)
-        st = gp_clobber_input(&c, "input", s->inputs.at[0]);
+    if (!st && input)
+        st = gp_clobber_input(&c, "input", input);
     gp_clobber_end(&c);
-    return st;
+    gp_set_threads(s->threads);
+    gp_gl_prepare(); // while there is one thread
+    return st ? st : gp_bench_run(log, &job);
 }
 
 /* The name that a pattern has for an item: a place in the list of frames. */
@@ -161,7 +181,7 @@ out:
     return st;
 }
 
-static int compare(const struct gp_log *log, const struct gp_settings *s)
+static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
     const struct gp_compare_job job = {
         .params = &s->compare,
@@ -226,11 +246,9 @@ int main(int argc, char *argv[])
                 s.command == GP_COMMAND_HELP)) {
         st = print_text(&log, &s);
     } else if (!st && s.command == GP_COMMAND_BENCH) {
-        st = check_bench_names(&log, &s);
-        if (!st)
-            st = gp_bench_run(&log, &s);
+        st = run_bench(&log, &s);
     } else if (!st && s.command == GP_COMMAND_COMPARE) {
-        status = compare(&log, &s);
+        status = run_compare(&log, &s);
     } else if (!st) {
         st = make_frames(&log, &voice, &s);
     }

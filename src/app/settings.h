@@ -4,6 +4,7 @@
 #ifndef GP_APP_SETTINGS_H
 #define GP_APP_SETTINGS_H
 
+#include "bench/bench.h"
 #include "compare/compare.h"
 #include "core/status.h"
 #include "glare/compose.h"
@@ -59,14 +60,6 @@ struct gp_texts {
     int n;
 };
 
-/* What `glarepp bench` makes of its table; files are NULL when not wanted. */
-struct gp_bench_settings {
-    const char *csv, *json, *plot;
-    bool paper;  // the paper's three frames instead of an input
-    int runs;    // timed ones of each row, >= 1
-};
-#define GP_BENCH_DEFAULTS { .runs = 9 }
-
 /* Strings are borrowed from argv or are constants. */
 struct gp_settings {
     enum gp_command command;
@@ -78,7 +71,7 @@ struct gp_settings {
     struct gp_tone_params tone;
     struct gp_ocio_params ocio;        // config NULL: tone maps
     struct gp_write_params write;
-    struct gp_bench_settings bench;    // json: of compare too
+    struct gp_bench_params bench;      // json: of compare too
     struct gp_compare_params compare;
     struct gp_sun_params sun;
 

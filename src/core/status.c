@@ -60,7 +60,7 @@ void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
     va_end(args);
 }
 
-const char *gp_status_text(int status)
+const char *gp_status_text(gp_status status)
 {
 #define ROW(name, code, text)                                                 \
     case name:                                                                \

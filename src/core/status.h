@@ -77,7 +77,7 @@ void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
             ...) GP_PRINTF(3, 4);
 
 /* The text of a status; "unknown status" for a number not in the list. */
-const char *gp_status_text(int status);
+const char *gp_status_text(gp_status status);
 
 /* Runs `expr`; when it fails, jumps to the label `out` with `st` set. */
 #define GP_TRY(expr)                                                          \

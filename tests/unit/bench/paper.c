@@ -1,7 +1,7 @@
-/* app/paper.c: the synthetic frames are what they say they are, and the same
+/* bench/paper.c: the synthetic frames are what they say they are, and the same
  * bytes everywhere. */
 #include "unit.h"
-#include "app/paper.h"
+#include "bench/bench_priv.h"
 #include "core/parallel.h"
 #include "glare/sensors.h"
 

@@ -1,4 +1,4 @@
-#include "app/paper.h"
+#include "bench/bench_priv.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
@@ -246,7 +246,7 @@ static gp_status make_frame(const struct gp_log *log, const char *name, int w,
     f.path = gp_strdup(name);
     gp_status st = f.path ? gp_planes_make(log, name, gp_frame_pixels(&f),
                                            &f.rgb)
-                          : gp_fail(log, GP_ERR_BUG, "%s: out of memory", name);
+                          : gp_no_memory(log, name);
     if (st)
         gp_frame_free(&f);
     else

@@ -1,8 +1,6 @@
-/* app/bench*.c: the Pareto front, parts of a frame, options, files. */
+/* bench: the Pareto front, parts of a frame, options, files. */
 #include "unit.h"
-#include "app/bench_gnuplot.h"
-#include "app/bench_measure.h"
-#include "app/bench_table.h"
+#include "bench/bench_priv.h"
 #include "core/memory.h"
 
 #include <math.h>

@@ -1,14 +1,19 @@
 /* Speed against error as a picture. No text of the user's goes into the script
  * that gnuplot reads. */
-#include "app/bench_table.h"
+#include "bench/bench_priv.h"
 
-#include "app/bench_gnuplot.h"
-
+#include "core/memory.h"
 #include "io/file.h"
 
+#include <errno.h>
 #include <math.h>
+#include <spawn.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 /* SVG pixels of a panel, and the plot inside it; y counts upwards. */
 enum {
@@ -198,6 +203,127 @@ static void write_script(const struct gp_bench_table *t, FILE *to)
     fprintf(to, "unset multiplot\n");
 }
 
+// -- gnuplot --------------------------------------------------------------------
+
+/* The child's standard streams are files in memory: nothing can block, however
+ * much is written. */
+enum { STREAMS = 3 };
+
+static bool open_streams(int fd[STREAMS])
+{
+    static const char *const names[STREAMS] = {"script", "picture", "errors"};
+    for (int i = 0; i < STREAMS; i++)
+        fd[i] = memfd_create(names[i], MFD_CLOEXEC);
+    return fd[0] >= 0 && fd[1] >= 0 && fd[2] >= 0;
+}
+
+static void close_streams(const int fd[STREAMS])
+{
+    for (int i = 0; i < STREAMS; i++) {
+        if (fd[i] >= 0)
+            close(fd[i]);
+    }
+}
+
+static bool write_script_to(int fd, const char *script)
+{
+    size_t n = strlen(script);
+    while (n > 0) {
+        const ssize_t written = write(fd, script, n);
+        if (written < 0 && errno != EINTR)
+            return false;
+        script += written > 0 ? written : 0;
+        n -= written > 0 ? (size_t) written : 0;
+    }
+    return lseek(fd, 0, SEEK_SET) == 0;
+}
+
+/* All of a stream, and a 0 after it; NULL when it cannot be read. */
+static char *read_stream(int fd, size_t *size)
+{
+    const off_t length = lseek(fd, 0, SEEK_END);
+    char *const text = length >= 0 ? malloc((size_t) length + 1) : NULL;
+    size_t n = 0;
+    while (text && n < (size_t) length) {
+        const ssize_t got = pread(fd, text + n, (size_t) length - n, (off_t) n);
+        if (got <= 0 && errno != EINTR)
+            break;
+        n += got > 0 ? (size_t) got : 0;
+    }
+    if (text)
+        text[n] = '\0';
+    *size = n;
+    return text;
+}
+
+/* Starts it and waits for its end. Returns 0, or an errno; *status is what
+ * waitpid() says. */
+static int run_child(const int fd[STREAMS], int *status)
+{
+    char name[] = "gnuplot", plain[] = "--default-settings";
+    char *const argv[] = {name, plain, NULL};
+    posix_spawn_file_actions_t actions;
+    pid_t pid;
+    int error = posix_spawn_file_actions_init(&actions);
+    if (error)
+        return error;
+    for (int i = 0; i < STREAMS && !error; i++)
+        error = posix_spawn_file_actions_adddup2(&actions, fd[i], i);
+    if (!error)
+        error = posix_spawnp(&pid, name, &actions, NULL, argv, environ);
+    posix_spawn_file_actions_destroy(&actions);
+    if (error)
+        return error;
+    while (waitpid(pid, status, 0) < 0) {
+        if (errno != EINTR)
+            return errno;
+    }
+    return 0;
+}
+
+/* The first line of what it complained about, without its indent. */
+static gp_status complain(const struct gp_log *log, int fd)
+{
+    size_t size;
+    char *const text = read_stream(fd, &size);
+    const char *line = text ? text + strspn(text, " \n\t^") : "";
+    gp_status st = gp_fail(log, GP_ERR_IO,
+                           "gnuplot: made no picture (%.*s); check the Debian "
+                           "package gnuplot-nox",
+                           *line ? (int) strcspn(line, "\n") : 10,
+                           *line ? line : "no reason");
+    free(text);
+    return st;
+}
+
+gp_status gp_gnuplot(const struct gp_log *log, const char *script, char **out,
+                     size_t *size)
+{
+    int fd[STREAMS], status = 0;
+    gp_status st = GP_OK;
+    int error = open_streams(fd) && write_script_to(fd[0], script) ? 0 : errno;
+    if (!error)
+        error = run_child(fd, &status);
+    if (error)
+        st = gp_fail(log, GP_ERR_IO,
+                     "gnuplot: cannot be run (%s); install the Debian package "
+                     "gnuplot-nox, or leave --plot out", strerror(error));
+    else if (!WIFEXITED(status) || WEXITSTATUS(status) == 127)
+        st = gp_fail(log, GP_ERR_IO,
+                     "gnuplot: cannot be run (it ended with %#x); install the "
+                     "Debian package gnuplot-nox, or leave --plot out",
+                     (unsigned) status);
+    else if (WEXITSTATUS(status) != 0)
+        st = complain(log, fd[2]);
+    char *const text = st ? NULL : read_stream(fd[1], size);
+    if (!st && !text)
+        st = gp_no_memory(log, "gnuplot");
+    if (!st)
+        *out = text;
+    close_streams(fd);
+    return st;
+}
+
 gp_status gp_bench_plot_check(const struct gp_log *log)
 {
     char *out;
@@ -218,7 +344,7 @@ gp_status gp_bench_plot(const struct gp_log *log, const struct gp_bench_table *t
         write_script(t, to);
     if (!to || fclose(to) != 0) {
         free(script);
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
+        return gp_no_memory(log, path);
     }
     gp_status st = gp_gnuplot(log, script, &svg, &size);
     if (!st && !strstr(svg, "</svg>"))

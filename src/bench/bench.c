@@ -1,0 +1,413 @@
+#include "bench/bench_priv.h"
+
+#include "compare/flip.h"
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static const double LONG_MS = 6e3;  // a run over this is extrapolated
+static const double PART_MS = 10e3; // a tenth over this is made a hundredth
+static const double ROW_MS = 15e3;  // no further run is started after this
+
+/* A frame, and what every row of it is compared with. */
+struct bench {
+    const struct gp_log *log;
+    const struct gp_bench_job *job;
+    const struct gp_kernel *kernel;
+    struct gp_frame *f;
+    struct gp_sources src;
+    double *exact;           // the layer, 3 * w * h
+    struct gp_planes shown;  // exact composite, tone mapped; empty: no FLIP
+};
+
+/* One technique on the frame. */
+struct trial {
+    const struct bench *b;
+    struct gp_glare_params params;
+    const struct gp_engine *engine; // NULL for auto
+    int state;                      // of the engine, in `glare`
+    struct gp_glare glare;
+    struct gp_log log;              // errors of GL go into row->why
+    struct gp_bench_row *row;
+    double *ms;                     // of the runs
+};
+
+// -- runs ------------------------------------------------------------------------
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    struct gp_bench_row *const row = user;
+    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
+        snprintf(row->why, sizeof row->why, "%s", line);
+}
+
+/* A run's times, and the sources it had. */
+struct run {
+    double sense_ms, glare_ms, ms; // of the two stages, of both
+    size_t sources;
+};
+
+static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
+{
+    struct gp_sources src = {0};
+    const double start = gp_now_ms();
+    gp_status st = gp_sense(&t->log, t->b->job->sensor, f, &src);
+    const double middle = gp_now_ms();
+    if (!st)
+        st = gp_glare_run(&t->log, &t->params, &t->glare, &src,
+                          t->b->kernel, f, &t->row->stats);
+    const double end = gp_now_ms();
+    *r = (struct run) {middle - start, end - middle, end - start, src.n};
+    gp_sources_free(&src);
+    return st;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+double gp_bench_median(double *v, int n)
+{
+    qsort(v, (size_t) n, sizeof *v, by_value);
+    return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
+}
+
+static gp_status run_whole(struct trial *t)
+{
+    struct gp_bench_row *const row = t->row;
+    struct run r;
+    gp_status st = run_once(t, t->b->f, &r);
+    double total = row->ms_first = t->ms[0] = r.ms;
+    int n = 0;
+    while (!st && n < t->b->job->params->runs && total < ROW_MS) {
+        st = run_once(t, t->b->f, &r);
+        total += t->ms[n++] = r.ms;
+    }
+    if (st)
+        return st;
+    row->runs = n > 0 ? n : 1; // the first took so long that it is the only one
+    row->ms = gp_bench_median(t->ms, row->runs);
+    row->ms_min = t->ms[0];
+    row->ms_max = t->ms[row->runs - 1];
+    row->polygons = (double) row->stats.polygons;
+    row->polygon_pixels = row->stats.polygon_pixels;
+    row->bound = row->stats.bound;
+    return GP_OK;
+}
+
+// -- extrapolation ------------------------------------------------------------------
+
+enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
+
+gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
+                        const struct gp_sources *src, int parts,
+                        struct gp_frame *out)
+{
+    const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
+    struct gp_frame part = {.data = f->data, .display = f->display};
+    memcpy(part.luminance, f->luminance, sizeof part.luminance);
+    memcpy(part.chromaticities, f->chromaticities, sizeof part.chromaticities);
+    gp_status st = gp_planes_make(log, "part of the frame", n, &part.rgb);
+    if (st)
+        return st;
+    // Rows of blocks start 3 blocks further than the one before, 37 for
+    // hundredths, so that the chosen ones make no columns
+    const size_t step = parts > 10 ? 37 : 3;
+    size_t first = 0; // row of the first source
+    while (src->n > 0 && src->row[first + 1] == 0)
+        first++;
+    for (int c = 0; c < 3; c++) {
+        float *const to = part.rgb.c[c];
+        const float *const from = f->rgb.c[c];
+        memset(to, 0, n * sizeof *to);
+        for (size_t at = 0; at < n && parts > 0;) {
+            const size_t x = at % w, y = at / w;
+            const size_t run = w - x < BLOCK ? w - x : BLOCK;
+            if ((x / BLOCK + y / BLOCK * step) % (size_t) parts == 0)
+                memcpy(to + at, from + at, run * sizeof *to);
+            at += run;
+        }
+        if (parts == 0 && src->n > 0) {
+            const size_t at = first * w + (size_t) src->x[0];
+            to[at] = from[at];
+        }
+    }
+    *out = part;
+    return GP_OK;
+}
+
+/* Runs a part of the sources twice, and one source alone. */
+static gp_status run_part(struct trial *t, int parts)
+{
+    gp_status st;
+    struct gp_bench_row *const row = t->row;
+    const struct bench *const b = t->b;
+    struct gp_frame part = {0}, single = {0};
+    struct run first, warm, least;
+    GP_TRY(gp_bench_part(&t->log, b->f, &b->src, parts, &part));
+    GP_TRY(gp_bench_part(&t->log, b->f, &b->src, 0, &single));
+    GP_TRY(run_once(t, &single, &first)); // makes the state
+    GP_TRY(run_once(t, &single, &least));
+    GP_TRY(run_once(t, &part, &warm));
+    row->share = (double) warm.sources / (double) b->src.n;
+    if (warm.sources == 0)
+        goto out;
+    row->extrapolated = true;
+    row->runs = 1;
+    // work that grows with each source, on top of what a single one costs
+    const double base = least.glare_ms < warm.glare_ms ? least.glare_ms : 0.0;
+    row->ms = warm.sense_ms + base + (warm.glare_ms - base) / row->share;
+    row->ms_min = row->ms_max = row->ms;
+    row->ms_first = row->ms + fmax(first.ms - least.ms, 0.0);
+    row->polygons = (double) row->stats.polygons / row->share;
+    row->polygon_pixels = row->stats.polygon_pixels / row->share;
+out:
+    gp_frame_free(&part);
+    gp_frame_free(&single);
+    return st;
+}
+
+/* Whole runs, or a part when those would take too long. */
+static gp_status time_row(struct trial *t)
+{
+    const struct bench *const b = t->b;
+    struct gp_glare_stats stats = {0};
+    const struct gp_glare_job job = {
+        .log = &t->log, .params = &t->params, .src = &b->src,
+        .kernel = b->kernel, .layer = &b->f->layer, .stats = &stats,
+    };
+    // auto chooses what is fast; the work of fft does not grow with the sources
+    const double expected = !t->engine || t->engine == &gp_engine_fft
+                                ? 0.0 : t->engine->predict(&job, NULL).ms;
+    gp_status st = GP_OK;
+    if (expected > LONG_MS)
+        st = run_part(t, expected > 10.0 * PART_MS ? 100 : 10);
+    if (!st && (!t->row->extrapolated || t->row->ms <= LONG_MS)) {
+        t->row->extrapolated = false; // it takes less than was expected
+        return run_whole(t);
+    }
+    // the whole frame's bound, where the engine has one without a run
+    t->row->bound = NAN;
+    if (!st && t->engine && t->engine->bound)
+        st = t->engine->bound(&job, &t->glare.state[t->state], &t->row->bound);
+    return st;
+}
+
+// -- errors ------------------------------------------------------------------------
+
+/* Composes and tone maps what f->layer holds. */
+static gp_status show_layer(const struct bench *b)
+{
+    gp_status st = gp_compose(b->log, b->job->compose, &b->src, b->f);
+    return st ? st : gp_tone_map(b->log, b->job->tone, b->f, NULL);
+}
+
+static gp_status measure_row(const struct trial *t)
+{
+    const struct bench *const b = t->b;
+    struct gp_bench_row *const row = t->row;
+    gp_glare_measure(b->f, &b->f->layer, b->exact, b->job->compose->gain,
+                     &row->error);
+    row->measured = true;
+    if (!b->shown.c[0])
+        return GP_OK;
+    gp_status st = show_layer(b);
+    return st ? st : gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
+                                 &b->shown, &b->f->shown, GP_FLIP_PPD, NULL,
+                                 &row->flip);
+}
+
+static gp_status run_technique(const struct bench *b, double *ms,
+                               const struct gp_bench_technique *technique,
+                               struct gp_bench_row *row)
+{
+    struct trial t = {
+        .b = b, .params = *b->job->glare, .row = row, .ms = ms,
+        .log = {keep_line, row, GP_LEVEL_ERROR},
+    };
+    t.params.engine = technique->engine;
+    t.params.splat = technique->splat;
+    for (int i = 0; gp_engines[i]; i++) {
+        if (strcmp(gp_engines[i]->name, technique->engine) == 0) {
+            t.engine = gp_engines[i];
+            t.state = i;
+        }
+    }
+    gp_status st = time_row(&t);
+    if (!st && !row->extrapolated)
+        st = measure_row(&t);
+    // the renderer's name goes with its context
+    snprintf(row->gl, sizeof row->gl, "%s", row->stats.gl ? row->stats.gl : "");
+    row->stats.gl = row->gl;
+    gp_glare_close(&t.glare);
+    if (!st)
+        row->why[0] = '\0'; // of a context that another stood in for
+    else if (!row->why[0])
+        snprintf(row->why, sizeof row->why, "%s", gp_status_text(st));
+    // a technique that cannot run here is a row, not an error of bench
+    if (st && st != GP_ERR_GL && st != GP_ERR_USAGE)
+        return gp_fail(b->log, st, "%s: %s", row->name, row->why);
+    if (st)
+        gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
+               row->why);
+    else if (row->extrapolated)
+        gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, extrapolated", row->name,
+               row->ms);
+    else
+        gp_say(b->log, GP_LEVEL_INFO, "%s: %.3g ms, rel_l2 %.3g", row->name,
+               row->ms, row->error.rel_l2);
+    return GP_OK;
+}
+
+// -- the frame ---------------------------------------------------------------------
+
+/* The exact layer, and its composite as it is shown. */
+static gp_status make_truth(struct bench *b)
+{
+    const size_t n = gp_frame_pixels(b->f);
+    gp_status st;
+    GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact,
+                    (void **) &b->exact));
+    GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
+    GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
+    if (strcmp(b->job->tone->curve, "none") == 0)
+        return GP_OK; // light itself: no picture that FLIP could judge
+    for (size_t i = 0; i < 3 * n; i++)
+        b->f->layer.c[i / n][i % n] = (float) b->exact[i];
+    GP_TRY(show_layer(b));
+    b->shown = b->f->shown;
+    b->f->shown = (struct gp_planes) {0};
+out:
+    return st;
+}
+
+/* Measures all techniques on a frame into t->frame, in the order of
+ * gp_bench_techniques. A run that would take over 6 s is made with a part of
+ * the sources (a tenth, or a hundredth where that takes too long as well) and
+ * extrapolated; no row takes much over a quarter of a minute. */
+static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
+{
+    gp_status st;
+    double *ms = NULL;
+    GP_TRY(gp_alloc(b->log, "times", (size_t) b->job->params->runs, sizeof *ms,
+                    (void **) &ms));
+    GP_TRY(gp_sense(b->log, b->job->sensor, b->f, &b->src));
+    out->width = gp_frame_w(b->f);
+    out->height = gp_frame_h(b->f);
+    out->sources = (long long) b->src.n;
+    if (b->src.n > 0)
+        GP_TRY(make_truth(b));
+    for (out->rows = 0; gp_bench_techniques[out->rows].name; out->rows++) {
+        const struct gp_bench_technique *const technique =
+            &gp_bench_techniques[out->rows];
+        struct gp_bench_row *const row = &out->row[out->rows];
+        *row = (struct gp_bench_row) {
+            .name = technique->name, .share = 1.0, .bound = NAN, .flip = NAN,
+            .why = "no pixel is over the threshold",
+        };
+        gp_bench_options(technique, b->job->glare->tolerance, row->options,
+                         sizeof row->options);
+        if (b->src.n == 0) {
+            gp_say(b->log, GP_LEVEL_INFO, "%s: cannot run: %s", row->name,
+                   row->why);
+            continue;
+        }
+        row->why[0] = '\0';
+        GP_TRY(run_technique(b, ms, technique, row));
+    }
+    gp_bench_mark_pareto(out);
+out:
+    gp_sources_free(&b->src);
+    GP_FREE(b->exact);
+    gp_planes_free(&b->shown);
+    gp_free(ms);
+    return st;
+}
+
+// -- the run -------------------------------------------------------------------
+
+/* Minutes of measuring should not end at a name that cannot be written. */
+static gp_status check_files(const struct gp_log *log,
+                             const struct gp_bench_params *p)
+{
+    const char *const file[] = {p->csv, p->json, p->plot};
+    gp_status st = GP_OK;
+    for (int i = 0; i < 3 && !st; i++) {
+        if (file[i] && !gp_bench_on_stdout(file[i]))
+            st = gp_file_check(log, file[i], false);
+    }
+    if (st || !p->plot)
+        return st;
+    const size_t n = strlen(p->plot);
+    if (!gp_bench_on_stdout(p->plot) &&
+        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: the plot is an SVG; give a name that ends in .svg",
+                       p->plot);
+    return gp_bench_plot_check(log);
+}
+
+/* Makes the kernel that was asked for; the paper's own where none was. */
+static gp_status make_kernel(const struct gp_log *log,
+                             const struct gp_bench_job *job,
+                             struct gp_kernel *kernel, const char **name)
+{
+    const char *const source = job->kernel->source;
+    const bool own = job->params->paper && job->default_kernel;
+    const struct gp_read_params limits = gp_read_limits(job->read);
+    struct gp_frame image = {0};
+    *name = own ? "streaks" : source;
+    if (!own && strncmp(source, "builtin:", 8) == 0)
+        return gp_kernel_builtin(log, job->kernel, kernel);
+    gp_status st = own ? gp_paper_kernel(log, GP_PAPER_KERNEL, &image)
+                       : gp_read_frame(log, &limits, source, &image);
+    if (!st)
+        st = gp_kernel_from_frame(log, job->kernel, &image, kernel);
+    gp_frame_free(&image);
+    return st;
+}
+
+gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
+{
+    gp_status st;
+    const bool paper = job->params->paper;
+    struct gp_kernel kernel = {0};
+    struct gp_frame f = {0};
+    struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
+    struct gp_bench_table table = {.runs = job->params->runs};
+    const char *name;
+    GP_TRY(check_files(log, job->params));
+    if (gp_suns_wanted(job->sun))
+        return gp_bench_sun(log, job);
+    GP_TRY(make_kernel(log, job, &kernel, &name));
+    for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
+        struct gp_bench_frame *const out = &table.frame[table.frames++];
+        GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
+                                      GP_PAPER_H, &f)
+                     : gp_read_frame(log, job->read, job->input, &f));
+        out->input = gp_strdup(f.path);
+        out->kernel = gp_strdup(name);
+        out->kernel_w = kernel.w;
+        out->kernel_h = kernel.h;
+        out->paper = paper ? &gp_paper_rates[i] : NULL;
+        if (!out->input || !out->kernel)
+            GP_TRY(gp_no_memory(log, f.path));
+        GP_TRY(measure_frame(&b, out));
+        gp_frame_free(&f);
+    }
+    GP_TRY(gp_bench_write(log, job->params, &table));
+out:
+    gp_bench_table_free(&table);
+    gp_frame_free(&f);
+    gp_kernel_free(&kernel);
+    return st;
+}

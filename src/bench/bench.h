@@ -1,0 +1,56 @@
+/* glarepp bench: speed against error, technique by technique. */
+#ifndef GP_BENCH_BENCH_H
+#define GP_BENCH_BENCH_H
+
+#include "core/status.h"
+#include "glare/compose.h"
+#include "glare/engine.h"
+#include "glare/kernel.h"
+#include "glare/sensors.h"
+#include "io/read.h"
+#include "sun/stage.h"
+#include "tone/tone.h"
+
+#include <stdbool.h>
+
+/* The table, and where it goes; files are NULL when not wanted. */
+struct gp_bench_params {
+    const char *csv, *json, *plot;
+    bool paper;  // the paper's three frames instead of an input
+    int runs;    // timed ones of each row, >= 1
+};
+#define GP_BENCH_DEFAULTS { .runs = 9 }
+
+/* A run; all is borrowed. */
+struct gp_bench_job {
+    const struct gp_bench_params *params;
+    const char *input;         // not with params->paper
+    bool default_kernel;       // none was asked for: --paper brings its own
+    const struct gp_read_params *read;
+    const struct gp_sensor_params *sensor;
+    const struct gp_kernel_params *kernel;
+    const struct gp_glare_params *glare;
+    const struct gp_compose_params *compose;
+    const struct gp_tone_params *tone;
+    const struct gp_sun_params *sun;
+    const struct gp_sun_reader *reader;  // for the sun
+};
+
+/* Measures every technique on the input's one frame, or on the paper's three;
+ * prints the table on stdout and writes it to the files that params names.
+ * A technique's time goes from cleaned frame to layer: bright pass and glare
+ * stage. With `-` as a file, only that file goes to stdout.
+ *
+ * Where the sun's params name a light, the table is of the ways to find how
+ * much of it shows: exact, readback, and masks of 4 to 64 texels a side, disc
+ * and square, summed in float, in 8 bits and by bilinear quarters; the error
+ * is the difference to exact over all lights. Without a plot.
+ *
+ * A technique that cannot run here (no GL) is a row that says so.
+ * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when
+ * gnuplot, which --plot needs, is not installed or fails.
+ */
+GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
+                                     const struct gp_bench_job *job);
+
+#endif

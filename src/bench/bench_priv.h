@@ -1,0 +1,177 @@
+/* The parts of bench: its table, the paper's frames, the plot, the sun's. */
+#ifndef GP_BENCH_BENCH_PRIV_H
+#define GP_BENCH_BENCH_PRIV_H
+
+#include "bench/bench.h"
+#include "core/frame.h"
+#include "core/json.h"
+
+#include <stddef.h>
+
+// -- paper.c: three frames and a kernel after Ando et al. 2007, section 5 -------
+
+enum gp_paper_kind {
+    GP_PAPER_POINTS,   // 32 points between pixels, luminance 10 to 5000
+    GP_PAPER_WINDOWS,  // 16 x 12 windows, a third lit at 5 to 50; lamps
+    GP_PAPER_SKY,      // clouds of 2 to 20 over an uneven horizon
+    GP_PAPER_KINDS,
+};
+
+/* The paper's size of glare images. Its frames were 1024 x 786, as printed. */
+enum { GP_PAPER_W = 1024, GP_PAPER_H = 768, GP_PAPER_KERNEL = 512 };
+
+/* The paper's figures of its approximate method on a GeForce 7800 GTX: frames
+ * a second of the whole picture, scene and all. */
+struct gp_paper_rate {
+    const char *name;  // of the frame here
+    const char *rate;  // which of the paper's figures it is printed beside
+    int fps;
+};
+extern const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS];
+
+/* Makes a frame of w x h pixels, float, BT.709, everything else dim (0.05 to
+ * 0.8). Luminance counts in that of BT.709. The same bytes on any machine.
+ *   out  written only on GP_OK; free with gp_frame_free()
+ * Errors: GP_ERR_USAGE under 64 x 48 or over 16384 pixels a side; GP_ERR_BUG
+ * out of memory. */
+GP_MUST_CHECK gp_status gp_paper_frame(const struct gp_log *log,
+                                       enum gp_paper_kind kind, int w, int h,
+                                       struct gp_frame *out);
+
+/* Makes a kernel image of size x size pixels with its centre at pixel
+ * (size / 2, size / 2): a halo and coloured streaks, 0 on its border.
+ * Errors: GP_ERR_USAGE under 16 or over 4096; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log, int size,
+                                        struct gp_frame *out);
+
+// -- table.c: techniques, and what bench found out about them --------------------
+
+/* A technique: an engine and its settings. */
+struct gp_bench_technique {
+    const char *name;
+    const char *engine;
+    struct gp_splat_params splat;  // for engine "splat"
+};
+extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
+enum { GP_BENCH_ROWS = 15 };  // of gp_bench_techniques
+
+/* The options that ask the main command for that technique. */
+void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
+                      char *line, size_t size);
+
+/* One technique on one frame. */
+struct gp_bench_row {
+    const char *name;          // of the technique
+    char options[128];
+    char why[512];             // why it could not run; "" when it ran
+
+    double ms, ms_min, ms_max; // median and range of `runs` with state kept
+    double ms_first;           // of the first run, which makes the state
+    int runs;
+    bool extrapolated;         // from `share` of the sources; ms_min = ms_max
+    double share;
+
+    struct gp_glare_stats stats; // its gl is `gl`
+    char gl[128];              // renderer; "": no GL
+    double polygons, polygon_pixels; // of stats, extrapolated too
+    double bound;              // NaN: not known; INFINITY: none is guaranteed
+    bool measured;             // `error` is known; never when extrapolated
+    struct gp_glare_error error;
+    double flip;               // mean LDR-FLIP; NaN: not defined
+    bool pareto;               // no row is both faster and nearer
+};
+
+/* All techniques on one frame. */
+struct gp_bench_frame {
+    char *input;               // name or path, owned
+    int width, height;
+    long long sources;
+    int kernel_w, kernel_h;
+    char *kernel;              // name or path, owned
+    const struct gp_paper_rate *paper; // or NULL
+    struct gp_bench_row row[GP_BENCH_ROWS];
+    int rows;
+};
+
+struct gp_bench_table {
+    struct gp_bench_frame frame[GP_PAPER_KINDS];
+    int frames;
+    int runs;                  // asked for
+};
+void gp_bench_table_free(struct gp_bench_table *t);
+
+/* Sets `pareto` of each row: those that are measured, and than which none is
+ * both at most as slow and at most as wrong, and better in one. */
+void gp_bench_mark_pareto(struct gp_bench_frame *f);
+
+/* Prints the table on stdout, up to 141 columns, and its legend, and writes it
+ * to the files of `p`. CSV is RFC 4180: a header line, then one line a row,
+ * unknown cells empty; JSON is one object, unknown cells left out. With `-`
+ * as a file, only that file goes to stdout.
+ * Errors: GP_ERR_IO; GP_ERR_BUG out of memory; as gp_bench_plot(). */
+GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
+                                       const struct gp_bench_params *p,
+                                       const struct gp_bench_table *t);
+
+/* Writes `o`, whose reference it takes, as a file. Errors: as above. */
+GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
+                                           const char *path);
+
+/* Ends what was printed on stdout. Errors: GP_ERR_IO who reads it has left. */
+GP_MUST_CHECK gp_status gp_bench_flush(const struct gp_log *log);
+
+static inline bool gp_bench_on_stdout(const char *path)
+{
+    return path && path[0] == '-' && !path[1];
+}
+
+// -- bench.c ---------------------------------------------------------------------
+
+/* The median of n values, which are sorted; n >= 1. */
+double gp_bench_median(double *v, int n);
+
+/* For extrapolating: makes *out a frame with the same light in one of `parts`
+ * of its 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with
+ * only the first source when `parts` is 0.
+ *
+ *   src  the sources of f
+ *   out  only rgb; free with gp_frame_free()
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_bench_part(const struct gp_log *log,
+                                      const struct gp_frame *f,
+                                      const struct gp_sources *src, int parts,
+                                      struct gp_frame *out);
+
+// -- plot.c ----------------------------------------------------------------------
+
+/* Finds out before any work whether there is a gnuplot.
+ * Errors: GP_ERR_IO, with the name of the package to install. */
+GP_MUST_CHECK gp_status gp_bench_plot_check(const struct gp_log *log);
+
+/* Milliseconds against rel_l2, both logarithmic, a picture below the other
+ * for each frame: SVG. Rows without an error are not in it.
+ * Errors: GP_ERR_IO cannot write, gnuplot missing or failed (its first line). */
+GP_MUST_CHECK gp_status gp_bench_plot(const struct gp_log *log,
+                                      const struct gp_bench_table *t,
+                                      const char *path);
+
+/* Runs gnuplot as a child, without any shell and without the user's start-up
+ * file, with `script` as its standard input.
+ *
+ *   out   what it wrote to its standard output; owned, free(); one more byte,
+ *         0, follows the `size`. Written only on GP_OK.
+ *
+ * Errors: GP_ERR_IO no gnuplot (names the package), or it failed (its first
+ * line); GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
+                                   char **out, size_t *size);
+
+// -- sun.c -----------------------------------------------------------------------
+
+/* bench with a light: the paper's table of two rows (masking, locking), grown.
+ * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A
+ * method that cannot run is a row that says why. */
+GP_MUST_CHECK gp_status gp_bench_sun(const struct gp_log *log,
+                                     const struct gp_bench_job *job);
+
+#endif

@@ -1,0 +1,265 @@
+#include "bench/bench_priv.h"
+
+#include "core/clock.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/file.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ROWS = 36, FLIGHT = 8 }; // frames that a row has under way at once
+
+struct row {
+    struct gp_sun_params p;
+    char name[40];
+    char why[200];         // "": it ran
+    double ms, least, most, first;
+    double flight;         // a frame's ms with FLIGHT of them under way
+    double visibility;     // of the first light
+    double mean, worst;    // error over all lights
+};
+
+struct bench {
+    const struct gp_log *log;
+    const struct gp_bench_job *job;
+    struct gp_frame frame;
+    struct gp_suns suns;
+    double *exact;         // visibility of each light
+    double *ms;            // runs
+    char gl[160];
+    struct row row[ROWS];
+    int rows;
+};
+
+// -- rows ---------------------------------------------------------------------
+
+static void add_row(struct bench *b, enum gp_sun_method method, int map,
+                    enum gp_sun_pattern pattern, enum gp_sun_sum sum)
+{
+    static const char *const sums[] = {
+        [GP_SUM_FLOAT] = "float", [GP_SUM_BYTE] = "8bit",
+        [GP_SUM_BILINEAR] = "bilinear",
+    };
+    struct row *const r = &b->row[b->rows++];
+    *r = (struct row) {.p = *b->job->sun};
+    r->p.method = method;
+    r->p.map.side = map;
+    r->p.map.pattern = pattern;
+    r->p.map.sum = sum;
+    if (method == GP_SUN_MASK)
+        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", map, map,
+                 pattern == GP_PATTERN_DISC ? "disc" : "square", sums[sum]);
+    else
+        snprintf(r->name, sizeof r->name, "%s",
+                 method == GP_SUN_EXACT ? "exact" : "readback");
+}
+
+static void add_rows(struct bench *b)
+{
+    static const int map[] = {4, 8, 16, 32, 64};
+    const struct gp_map_params *const p = &b->job->sun->map;
+    add_row(b, GP_SUN_EXACT, p->side, p->pattern, GP_SUM_FLOAT);
+    add_row(b, GP_SUN_READBACK, p->side, p->pattern, GP_SUM_FLOAT);
+    for (int i = 0; i < 5; i++) {
+        for (int k = 0; k < 2; k++) {
+            const enum gp_sun_pattern pattern =
+                k ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_FLOAT);
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BYTE);
+            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BILINEAR);
+        }
+    }
+}
+
+// -- measuring ----------------------------------------------------------------
+
+/* One run of `frames` frames, the last of which is waited for. */
+static gp_status run_once(struct bench *b, const struct gp_log *log,
+                     const struct row *r, int frames, double *ms)
+{
+    const double start = gp_now_ms();
+    gp_status st = GP_OK;
+    b->suns.p = &r->p;
+    for (int i = 0; i < frames && !st; i++)
+        st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
+    if (!st && r->p.method == GP_SUN_MASK)
+        st = gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,
+                             b->suns.n);
+    *ms = (gp_now_ms() - start) / frames;
+    return st;
+}
+
+/* All runs; *ms is their median. */
+static gp_status run_all(struct bench *b, const struct gp_log *log,
+                         const struct row *r, int frames, double *ms)
+{
+    for (int i = 0; i < b->job->params->runs; i++) {
+        gp_status st = run_once(b, log, r, frames, &b->ms[i]);
+        if (st)
+            return st;
+    }
+    *ms = gp_bench_median(b->ms, b->job->params->runs); // sorts them
+    return GP_OK;
+}
+
+static void keep_line(void *user, enum gp_level level, const char *line)
+{
+    struct row *const r = user;
+    if (level == GP_LEVEL_ERROR || level == GP_LEVEL_BARE)
+        snprintf(r->why, sizeof r->why, "%s", line);
+}
+
+static gp_status measure_row(struct bench *b, struct row *r)
+{
+    const struct gp_log log = {keep_line, r, GP_LEVEL_ERROR};
+    gp_status st;
+    GP_TRY(run_once(b, &log, r, 1, &r->first));
+    GP_TRY(run_all(b, &log, r, FLIGHT, &r->flight));
+    GP_TRY(run_all(b, &log, r, 1, &r->ms));
+    r->least = b->ms[0];
+    r->most = b->ms[b->job->params->runs - 1];
+    r->visibility = b->suns.n ? b->suns.light[0].visibility : 0.0;
+    for (int i = 0; i < b->suns.n; i++) {
+        const double v = b->suns.light[i].visibility;
+        if (r->p.method == GP_SUN_EXACT)
+            b->exact[i] = v;
+        const double off = fabs(v - b->exact[i]);
+        r->mean += off / b->suns.n;
+        r->worst = fmax(r->worst, off);
+    }
+    if (b->suns.gl)
+        snprintf(b->gl, sizeof b->gl, "%s", gp_gl_info(b->suns.gl)->name);
+out:
+    return st == GP_ERR_GL ? GP_OK : st;
+}
+
+// -- tables -------------------------------------------------------------------
+
+static const struct row *find_row(const struct bench *b, const char *name)
+{
+    for (int i = 0; i < b->rows; i++) {
+        if (strcmp(b->row[i].name, name) == 0 && !b->row[i].why[0])
+            return &b->row[i];
+    }
+    return NULL;
+}
+
+static void print_table(const struct bench *b)
+{
+    printf("%s: %dx%d, %d lights, the first at %.2f,%.2f of radius %.2f; "
+           "median of %d runs, %d threads\n", b->frame.path,
+           gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
+           b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
+           b->job->params->runs, gp_threads());
+    printf("  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method",
+           "ms", "min", "max", "first", "in flight", "visible", "mean error",
+           "worst");
+    for (int i = 0; i < b->rows; i++) {
+        const struct row *const r = &b->row[i];
+        if (r->why[0])
+            printf("  %-26s cannot run: %s\n", r->name, r->why);
+        else
+            printf("  %-26s %8.3f %8.3f %8.3f %8.1f %9.3f %10.6f %10.2g "
+                   "%10.2g\n", r->name, r->ms, r->least, r->most, r->first,
+                   r->flight, r->visibility, r->mean, r->worst);
+    }
+    const struct row *const mask = find_row(b, "mask 16x16 disc float");
+    const struct row *const back = find_row(b, "readback");
+    if (mask && back)
+        printf("readback over mask 16x16 disc float, %d frames in flight: "
+               "%.2f times (the paper, on a GPU of 2002: 1.92)\n", FLIGHT,
+               back->flight / mask->flight);
+    printf("in flight: ms a frame when the mask is waited for after the "
+           "last of %d; error: to exact\n", FLIGHT);
+    if (b->gl[0])
+        printf("GL ran on %s\n", b->gl);
+}
+
+static gp_status save_csv(const struct bench *b, const char *path)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *const to = open_memstream(&text, &size);
+    if (!to)
+        return gp_no_memory(b->log, path);
+    fprintf(to, "method,ms,ms_min,ms_max,ms_first,ms_in_flight,visibility,"
+            "error_mean,error_worst\r\n");
+    for (int i = 0; i < b->rows; i++) {
+        const struct row *const r = &b->row[i];
+        if (r->why[0])
+            fprintf(to, "%s,,,,,,,,\r\n", r->name);
+        else
+            fprintf(to, "%s,%.4f,%.4f,%.4f,%.4f,%.4f,%.9g,%.6g,%.6g\r\n",
+                    r->name, r->ms, r->least, r->most, r->first, r->flight,
+                    r->visibility, r->mean, r->worst);
+    }
+    gp_status st = fclose(to) == 0 ? gp_file_save(b->log, path, text, size)
+                                   : gp_no_memory(b->log, path);
+    free(text);
+    return st;
+}
+
+static gp_status save_json(const struct bench *b, const char *path)
+{
+    json_t *const rows = json_array();
+    for (int i = 0; i < b->rows; i++) {
+        const struct row *const r = &b->row[i];
+        json_array_append_new(
+            rows,
+            r->why[0]
+                ? json_pack("{ss so}", "method", r->name, "why",
+                            gp_json_name(r->why))
+                : json_pack("{ss sf sf sf sf sf sf sf sf}", "method", r->name,
+                            "ms", r->ms, "ms_min", r->least, "ms_max", r->most,
+                            "ms_first", r->first, "ms_in_flight", r->flight,
+                            "visibility", r->visibility, "error_mean", r->mean,
+                            "error_worst", r->worst));
+    }
+    json_t *const all =
+        json_pack("{so si si si so}", "input", gp_json_name(b->frame.path),
+                  "lights", b->suns.n, "runs", b->job->params->runs, "threads",
+                  gp_threads(), "rows", rows);
+    return gp_bench_save_json(b->log, all, path);
+}
+
+gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
+{
+    gp_status st;
+    const struct gp_bench_params *const p = job->params;
+    struct bench b = {.log = log, .job = job};
+    if (p->plot)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--plot: not for the table of a sun; give --csv or "
+                       "--json");
+    GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &b.suns));
+    GP_TRY(gp_read_frame(log, job->read, job->input, &b.frame));
+    GP_TRY(gp_suns_place(log, job->reader, &b.frame, &b.suns));
+    GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof *b.exact,
+                         (void **) &b.exact));
+    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms,
+                         (void **) &b.ms));
+    if (!b.suns.n)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: no light in it; add one, or give --sun",
+                       job->sun->lights));
+    add_rows(&b);
+    for (int i = 0; i < b.rows; i++)
+        GP_TRY(measure_row(&b, &b.row[i]));
+    if (p->csv)
+        GP_TRY(save_csv(&b, p->csv));
+    if (p->json)
+        GP_TRY(save_json(&b, p->json));
+    if (!gp_bench_on_stdout(p->csv) && !gp_bench_on_stdout(p->json)) {
+        print_table(&b);
+        GP_TRY(gp_bench_flush(log));
+    }
+out:
+    gp_suns_close(&b.suns);
+    gp_frame_free(&b.frame);
+    gp_free(b.exact);
+    gp_free(b.ms);
+    return st;
+}

@@ -1,0 +1,375 @@
+/* The techniques, and the table of what they cost and how wrong they are: for
+ * readers, as CSV and as JSON. */
+#include "bench/bench_priv.h"
+
+#include "core/json.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "io/file.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define PLAIN .cluster_fill = 0.9f, .method = GP_GROUP_CORE
+#define FULL(...)                                                             \
+    { .group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,        \
+      __VA_ARGS__ }
+
+/* From the exact ones over one step of Ando et al. after the other to all of
+ * them together, by method and by primitive. */
+const struct gp_bench_technique gp_bench_techniques[] = {
+    {"direct", "direct", GP_SPLAT_EXACT},
+    {"fft", "fft", GP_SPLAT_EXACT},
+    {"splat", "splat", GP_SPLAT_EXACT},
+    {"splat group 2", "splat", {.group = 2, PLAIN}},
+    {"splat group 4", "splat", {.group = 4, PLAIN}},
+    {"splat group 8", "splat", {.group = 8, PLAIN}},
+    {"splat group 4, cluster 8", "splat", {.group = 4, .cluster = 8, PLAIN}},
+    {"splat group 4, shrink 1e-3", "splat",
+     {.group = 4, .shrink = 1e-3f, PLAIN}},
+    {"splat 4/8/1e-3 centroid", "splat", FULL(.method = GP_GROUP_CENTROID)},
+    {"splat 4/8/1e-3 moments", "splat", FULL(.method = GP_GROUP_MOMENTS)},
+    {"splat 4/8/1e-3 core", "splat", FULL(.method = GP_GROUP_CORE)},
+    {"splat 4/8/1e-3 tiles", "splat",
+     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_TILE)},
+    {"splat 4/8/1e-3 quads", "splat",
+     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_QUAD)},
+    {"splat 4/8/1e-3 points", "splat",
+     FULL(.method = GP_GROUP_CORE, .primitive = GP_PRIMITIVE_POINT)},
+    {"auto", "auto", GP_SPLAT_DEFAULTS},
+    {0},
+};
+_Static_assert(sizeof gp_bench_techniques / sizeof *gp_bench_techniques ==
+                   GP_BENCH_ROWS + 1, "a row for each technique");
+
+void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
+                      char *line, size_t size)
+{
+    static const char *const methods[] = {
+        [GP_GROUP_CENTROID] = "centroid", [GP_GROUP_MOMENTS] = "moments",
+        [GP_GROUP_CORE] = "core",
+    };
+    static const char *const primitives[] = {
+        [GP_PRIMITIVE_AUTO] = "auto", [GP_PRIMITIVE_QUAD] = "quad",
+        [GP_PRIMITIVE_POINT] = "point", [GP_PRIMITIVE_TILE] = "tile",
+    };
+    const struct gp_splat_params *p = &t->splat;
+    if (strcmp(t->engine, "auto") == 0)
+        snprintf(line, size, "-e auto --tolerance %g", (double) tolerance);
+    else if (strcmp(t->engine, "splat") != 0)
+        snprintf(line, size, "-e %s", t->engine);
+    else
+        snprintf(line, size, "-e splat --group %d --group-method %s --cluster "
+                 "%d --shrink %g --primitive %s", p->group,
+                 methods[p->method], p->cluster, (double) p->shrink,
+                 primitives[p->primitive]);
+}
+
+void gp_bench_mark_pareto(struct gp_bench_frame *f)
+{
+    for (int i = 0; i < f->rows; i++) {
+        f->row[i].pareto = f->row[i].measured;
+        for (int k = 0; k < f->rows; k++) {
+            const struct gp_bench_row *const a = &f->row[k], *b = &f->row[i];
+            const double ea = a->error.rel_l2, eb = b->error.rel_l2;
+            if (a->measured && a->ms <= b->ms && ea <= eb &&
+                (a->ms < b->ms || ea < eb))
+                f->row[i].pareto = false;
+        }
+    }
+}
+
+void gp_bench_table_free(struct gp_bench_table *t)
+{
+    for (int i = 0; i < t->frames; i++) {
+        GP_FREE(t->frame[i].input);
+        GP_FREE(t->frame[i].kernel);
+    }
+    t->frames = 0;
+}
+
+// -- text -----------------------------------------------------------------------
+
+/* A number of a column, or "-" where it is not known. */
+static void print_cell(int width, const char *format, double v)
+{
+    char text[32];
+    if (isnan(v))
+        snprintf(text, sizeof text, "-");
+    else
+        snprintf(text, sizeof text, format, v);
+    printf(" %*s", width, text);
+}
+
+static void print_head(const struct gp_bench_table *t,
+                       const struct gp_bench_frame *f)
+{
+    printf("%s: %dx%d, %lld sources, kernel %s %dx%d; bright pass to "
+           "layer, median of %d runs, %d threads\n", f->input, f->width,
+           f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h,
+           t->runs, gp_threads());
+    if (f->paper)
+        printf("beside the %s of the paper's frame rates (GeForce 7800 "
+               "GTX, approximate method, whole picture): %d frames a second\n",
+               f->paper->rate, f->paper->fps);
+    printf("  %-26s %9s  %8s %8s %8s %8s %9s %8s %8s %8s %9s %8s",
+           "technique", "ms", "min", "max", "first", "frames/s", "rel_l2",
+           "max_rel", "FLIP", "bound", "polygons", "Mpixels");
+    printf(f->paper ? " %8s\n" : "\n", "x paper");
+}
+
+static void print_row(const struct gp_bench_frame *f,
+                      const struct gp_bench_row *r)
+{
+    enum { WHY = 88 };
+    if (r->why[0]) { // cut to the table's width; the files have all of it
+        printf("  %-26s cannot run: %.*s%s\n", r->name, WHY, r->why,
+               strlen(r->why) > WHY ? "..." : "");
+        return;
+    }
+    const bool known = r->measured;
+    printf("%c %-26s", r->pareto ? '>' : ' ', r->name);
+    print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
+    putchar(r->extrapolated ? '*' : ' ');
+    print_cell(8, "%.2f", r->extrapolated ? (double) NAN : r->ms_min);
+    print_cell(8, "%.2f", r->extrapolated ? (double) NAN : r->ms_max);
+    print_cell(8, r->ms_first < 1e4 ? "%.1f" : "%.0f", r->ms_first);
+    print_cell(8, "%.4g", 1e3 / r->ms);
+    print_cell(9, "%.2e", known ? r->error.rel_l2 : (double) NAN);
+    print_cell(8, "%.1e", known ? r->error.max_rel : (double) NAN);
+    print_cell(8, "%.1e", r->flip);
+    print_cell(8, "%.1e", r->bound);
+    print_cell(9, "%.0f", r->polygons > 0.0 ? r->polygons : (double) NAN);
+    print_cell(8, "%.4g", r->polygons > 0.0 ? r->polygon_pixels * 1e-6
+                                            : (double) NAN);
+    if (f->paper)
+        print_cell(8, "%.2f", 1e3 / r->ms / f->paper->fps);
+    putchar('\n');
+}
+
+/* The table and its legend. */
+static void print_table(const struct gp_bench_table *t)
+{
+    for (int i = 0; i < t->frames; i++) {
+        const struct gp_bench_frame *const f = &t->frame[i];
+        const char *gl = NULL; // where it ran
+        print_head(t, f);
+        for (int k = 0; k < f->rows; k++)
+            print_row(f, &f->row[k]);
+        for (int k = 0; k < f->rows; k++) {
+            const struct gp_bench_row *const r = &f->row[k];
+            if (!r->why[0] && strcmp(r->name, "auto") == 0)
+                printf("  auto took %s: %s\n", r->stats.engine, r->stats.why);
+            gl = !gl && r->gl[0] ? r->gl : gl;
+        }
+        if (gl)
+            printf("  splat ran on %s\n", gl);
+        putchar('\n');
+    }
+    printf("> on the Pareto front: no other row is both faster and nearer\n"
+           "* a whole run takes over 6 s: extrapolated from a tenth (or "
+           "hundredth) of the sources\n"
+           "first: the first run, which makes plans, spectra and contexts "
+           "that later frames keep\n"
+           "4/8/1e-3: --group 4 --cluster 8 --shrink 1e-3, all of Ando's "
+           "techniques; FLIP: of the tone-mapped pictures\n");
+}
+
+// -- files ----------------------------------------------------------------------
+
+/* Milliseconds to the microsecond. */
+static double round_us(double ms)
+{
+    return round(ms * 1e3) * 1e-3;
+}
+
+/* A cell: text, a number, or nothing. CSV and JSON have the same ones. */
+struct cell {
+    const char *name;
+    const char *text;  // or NULL
+    double number;     // NaN: nothing
+    enum { REAL, WHOLE, TRUTH } kind; // of the number
+};
+enum { CELLS = 23 };
+
+/* All cells of a row; those of the same index have the same name. */
+static void make_cells(const struct gp_bench_frame *f,
+                       const struct gp_bench_row *r, struct cell c[CELLS])
+{
+    const bool ran = !r->why[0], drew = ran && r->polygons > 0.0;
+    const double none = (double) NAN;
+    const struct gp_glare_error *const e = r->measured ? &r->error : NULL;
+    const struct cell all[CELLS] = {
+        {"input", f->input, none, REAL},
+        {"name", r->name, none, REAL},
+        {"options", r->options, none, REAL},
+        {"ms", NULL, ran ? round_us(r->ms) : none, REAL},
+        {"ms_min", NULL, ran ? round_us(r->ms_min) : none, REAL},
+        {"ms_max", NULL, ran ? round_us(r->ms_max) : none, REAL},
+        {"ms_first", NULL, ran ? round_us(r->ms_first) : none, REAL},
+        {"frames_per_second", NULL, ran ? 1e3 / r->ms : none, REAL},
+        {"runs", NULL, ran ? r->runs : none, WHOLE},
+        {"extrapolated", NULL, r->extrapolated, TRUTH},
+        {"share", NULL, r->extrapolated ? r->share : none, REAL},
+        {"rel_l2", NULL, e ? e->rel_l2 : none, REAL},
+        {"max_rel", NULL, e ? e->max_rel : none, REAL},
+        {"max_abs", NULL, e ? e->max_abs : none, REAL},
+        {"flip", NULL, r->flip, REAL},
+        {"bound", NULL, r->bound, REAL},
+        {"polygons", NULL, drew ? r->polygons : none, WHOLE},
+        {"polygon_pixels", NULL, drew ? r->polygon_pixels : none, REAL},
+        {"pareto", NULL, r->pareto, TRUTH},
+        {"engine", ran ? r->stats.engine : NULL, none, REAL},
+        {"form", ran ? r->stats.form : NULL, none, REAL},
+        {"gl", ran && r->gl[0] ? r->gl : NULL, none, REAL},
+        {"why", ran ? NULL : r->why, none, REAL},
+    };
+    memcpy(c, all, sizeof all);
+}
+
+static void print_csv_text(FILE *to, const char *s)
+{
+    if (!s[strcspn(s, ",\"\r\n")]) {
+        fputs(s, to);
+        return;
+    }
+    fputc('"', to);
+    for (; *s; s++) {
+        if (*s == '"')
+            fputc('"', to);
+        fputc(*s, to);
+    }
+    fputc('"', to);
+}
+
+static gp_status save_csv(const struct gp_log *log,
+                          const struct gp_bench_table *t, const char *path)
+{
+    char *text = NULL;
+    size_t size = 0;
+    struct cell c[CELLS];
+    FILE *const to = open_memstream(&text, &size);
+    if (!to)
+        return gp_no_memory(log, path);
+    make_cells(&t->frame[0], &t->frame[0].row[0], c);
+    for (int i = 0; i < CELLS; i++)
+        fprintf(to, "%s%s", c[i].name, i < CELLS - 1 ? "," : "\r\n");
+    for (int i = 0; i < t->frames; i++) {
+        for (int k = 0; k < t->frame[i].rows; k++) {
+            make_cells(&t->frame[i], &t->frame[i].row[k], c);
+            for (int n = 0; n < CELLS; n++) {
+                if (c[n].text)
+                    print_csv_text(to, c[n].text);
+                else if (c[n].kind == TRUTH)
+                    fputs(c[n].number > 0.0 ? "true" : "false", to);
+                else if (!isnan(c[n].number))
+                    fprintf(to, c[n].kind == WHOLE ? "%.0f" : "%.10g",
+                            c[n].number);
+                fputs(n < CELLS - 1 ? "," : "\r\n", to);
+            }
+        }
+    }
+    const bool lost = ferror(to), closed = fclose(to) == 0;
+    gp_status st = !lost && closed ? gp_file_save(log, path, text, size)
+                                   : gp_no_memory(log, path);
+    free(text);
+    return st;
+}
+
+static json_t *make_json_row(const struct gp_bench_frame *f,
+                             const struct gp_bench_row *r)
+{
+    struct cell c[CELLS];
+    json_t *const row = json_object();
+    make_cells(f, r, c);
+    for (int i = 1; i < CELLS; i++) { // the input is said once, above
+        const double v = c[i].number;
+        if (!c[i].text && isnan(v))
+            continue;
+        json_object_set_new(
+            row, c[i].name,
+            c[i].text            ? gp_json_name(c[i].text)
+            : c[i].kind == TRUTH ? json_boolean(v > 0.0)
+            : c[i].kind == WHOLE ? json_integer((json_int_t) llround(v))
+            : isfinite(v)        ? json_real(v)
+                                 : json_null());
+    }
+    if (!r->why[0] && strcmp(r->name, "auto") == 0)
+        json_object_set_new(row, "engine_why", gp_json_name(r->stats.why));
+    return row;
+}
+
+static json_t *make_json_frame(const struct gp_bench_frame *f)
+{
+    json_t *const o = json_object(), *const rows = json_array();
+    json_object_set_new(o, "input", gp_json_name(f->input));
+    json_object_set_new(o, "width", json_integer(f->width));
+    json_object_set_new(o, "height", json_integer(f->height));
+    json_object_set_new(o, "sources", json_integer(f->sources));
+    json_object_set_new(o, "kernel", gp_json_name(f->kernel));
+    json_object_set_new(o, "kernel_size",
+                        json_pack("[ii]", f->kernel_w, f->kernel_h));
+    if (f->paper)
+        json_object_set_new(
+            o, "paper",
+            json_pack("{ss ss si}", "gpu", "GeForce 7800 GTX", "rate",
+                      f->paper->rate, "frames_per_second", f->paper->fps));
+    for (int i = 0; i < f->rows; i++)
+        json_array_append_new(rows, make_json_row(f, &f->row[i]));
+    json_object_set_new(o, "rows", rows);
+    return o;
+}
+
+gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
+                             const char *path)
+{
+    char *const text =
+        gp_json_print(o, JSON_INDENT(1) | JSON_REAL_PRECISION(10));
+    if (!text)
+        return gp_no_memory(log, path);
+    const size_t size = strlen(text);
+    text[size] = '\n'; // in the place of its end
+    gp_status st = gp_file_save(log, path, text, size + 1);
+    free(text);
+    return st;
+}
+
+gp_status gp_bench_flush(const struct gp_log *log)
+{
+    if (fflush(stdout) != 0 || ferror(stdout))
+        return gp_fail(log, GP_ERR_IO,
+                       "-: cannot write to stdout (%s); check who reads it",
+                       strerror(errno));
+    return GP_OK;
+}
+
+gp_status gp_bench_write(const struct gp_log *log,
+                         const struct gp_bench_params *p,
+                         const struct gp_bench_table *t)
+{
+    gp_status st = GP_OK;
+    if (p->csv)
+        GP_TRY(save_csv(log, t, p->csv));
+    if (p->json) {
+        json_t *const o = json_object(), *const frames = json_array();
+        for (int i = 0; i < t->frames; i++)
+            json_array_append_new(frames, make_json_frame(&t->frame[i]));
+        json_object_set_new(o, "frames", frames);
+        json_object_set_new(o, "runs", json_integer(t->runs));
+        json_object_set_new(o, "threads", json_integer(gp_threads()));
+        json_object_set_new(o, "version", json_string(GP_VERSION));
+        GP_TRY(gp_bench_save_json(log, o, p->json));
+    }
+    if (p->plot)
+        GP_TRY(gp_bench_plot(log, t, p->plot));
+    if (gp_bench_on_stdout(p->csv) || gp_bench_on_stdout(p->json) ||
+        gp_bench_on_stdout(p->plot))
+        return GP_OK;
+    print_table(t);
+    st = gp_bench_flush(log);
+out:
+    return st;
+}
