@@ -136,7 +136,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                        &fs->facts.depth_type);
     fs->facts.depth = fs->depth;
     if (st == GP_ERR_BUG && !asked)
-        return gp_fail(fs->log, st, "%s: out of memory", fs->job->input);
+        return gp_no_memory(fs->log, fs->job->input);
     return asked ? st : GP_OK;
 out:
     return st;
@@ -166,7 +166,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
                                     struct gp_frame_state *fs)
 {
     struct gp_sources *const src = &fs->sources;
-    struct gp_sources all = {0};
+    struct gp_sources none = {0}, all = {0};
     void *block;
     size_t n = 0;
     memset(src->faint, 0, sizeof src->faint);
@@ -198,14 +198,12 @@ static gp_status sense_light_groups(const struct gp_run *r,
         }
     }
     // the frame's geometry and counts stay, its light goes
-    src->n = 0;
-    memset(src->row, 0, ((size_t) src->h + 1) * sizeof *src->row);
-    memset(src->flux, 0, sizeof src->flux);
-    memset(src->energy, 0, sizeof src->energy);
-    memset(src->count, 0, sizeof src->count);
-    src->brightest = 0.0f;
-    src->box = (struct gp_rect) {0};
-    st = gp_sources_join(fs->log, src, list, n, &all);
+    st = gp_sources_make(fs->log, src, 0, &none);
+    if (!st) {
+        gp_sources_finish(&none);
+        st = gp_sources_join(fs->log, &none, list, n, &all);
+    }
+    gp_sources_free(&none);
     gp_free(list);
     if (st)
         return st;
@@ -402,7 +400,7 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
     facts->depth = fs->depth = o->depth ? gp_strdup(o->depth->name) : NULL;
     facts->mask = fs->mask = o->mask ? gp_strdup(o->mask->name) : NULL;
     if ((o->depth && !fs->depth) || (o->mask && !fs->mask))
-        return gp_fail_bare(fs->log, GP_ERR_BUG, "lights: out of memory");
+        return gp_no_memory_bare(fs->log, "lights");
     if (o->depth) {
         memcpy(facts->depth_empty, o->facts.empty, sizeof o->facts.empty);
         facts->depth_reversed = o->facts.reversed;
@@ -558,8 +556,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
             continue; // is in the first view's file
         char *const name = gp_job_name(fs->job, t);
         if (!name)
-            return gp_fail(fs->log, GP_ERR_BUG, "%s: out of memory",
-                           t->name.path);
+            return gp_no_memory(fs->log, t->name.path);
         fs->names[fs->facts.n_outputs] = name;
         gp_status st = write_target(r, fs, t, name, &stats);
         if (st)
