@@ -23,7 +23,7 @@ static const char *command_name(int i, enum gp_command *command)
 
 /* A text inside single quotes: ' becomes '\'', and each of `escaped` gets a
  * backslash. */
-static void quoted(FILE *f, const char *text, const char *escaped)
+static void print_quoted(FILE *f, const char *text, const char *escaped)
 {
     for (; *text; text++) {
         if (*text == '\'')
@@ -35,13 +35,14 @@ static void quoted(FILE *f, const char *text, const char *escaped)
 }
 
 /* The values of an option, a blank before each but the first. */
-static void values(FILE *f, const struct gp_option *o, const char *escaped)
+static void print_values(FILE *f, const struct gp_option *o,
+                         const char *escaped)
 {
     const char *name, *text;
     for (int i = 0; (name = gp_option_value(o, i, &text)); i++) {
         if (i)
             putc(' ', f);
-        quoted(f, name, escaped);
+        print_quoted(f, name, escaped);
         if (o->kind == GP_KIND_NAMED && !strchr(escaped, '='))
             putc('=', f);
     }
@@ -62,7 +63,7 @@ static void print_topics(FILE *f)
         fprintf(f, "%s ", word);
 }
 
-static void command_words(FILE *f)
+static void print_commands(FILE *f)
 {
     enum gp_command command;
     const char *word;
@@ -102,25 +103,7 @@ static const char bash_tail[] =
     "}\n"
     "complete -F _glarepp glarepp\n";
 
-/* One `case` of the option whose value is completed. */
-static void bash_option(FILE *f, const struct gp_option *o)
-{
-    fprintf(f, "    --%s", o->name);
-    if (o->letter)
-        fprintf(f, " | -%c", o->letter);
-    fprintf(f, ")\n        words='");
-    values(f, o, "");
-    fprintf(f, "' kind=%s\n", takes_file(o) ? "file" : "value");
-    if (o->kind == GP_KIND_NAMED)
-        fprintf(f, "        if [[ $value == *=* ]]; then\n"
-                   "            value=${value#*=} words=\n"
-                   "        else\n"
-                   "            kind=value\n"
-                   "        fi\n");
-    fprintf(f, "        ;;\n");
-}
-
-static void bash(FILE *f)
+static void print_bash(FILE *f)
 {
     enum gp_command command;
     const char *name;
@@ -135,8 +118,21 @@ static void bash(FILE *f)
                "    fi\n"
                "    case $option in\n");
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (is_shown(o, ~0u) && o->arg)
-            bash_option(f, o);
+        if (!is_shown(o, ~0u) || !o->arg)
+            continue;
+        fprintf(f, "    --%s", o->name);
+        if (o->letter)
+            fprintf(f, " | -%c", o->letter);
+        fprintf(f, ")\n        words='");
+        print_values(f, o, "");
+        fprintf(f, "' kind=%s\n", takes_file(o) ? "file" : "value");
+        if (o->kind == GP_KIND_NAMED)
+            fprintf(f, "        if [[ $value == *=* ]]; then\n"
+                       "            value=${value#*=} words=\n"
+                       "        else\n"
+                       "            kind=value\n"
+                       "        fi\n");
+        fprintf(f, "        ;;\n");
     }
     fprintf(f, "    esac\n"
                "    case $kind:$command:$word in\n");
@@ -152,7 +148,7 @@ static void bash(FILE *f)
     print_topics(f);
     fprintf(f, "' ;;\n    :*)\n        kind=file\n"
                "        ((n > 1)) || words='");
-    command_words(f);
+    print_commands(f);
     fprintf(f, "' ;;\n    esac\n%s", bash_tail);
 }
 
@@ -161,18 +157,18 @@ static void bash(FILE *f)
 static void zsh_action(FILE *f, const struct gp_option *o)
 {
     fputs(":", f);
-    quoted(f, o->arg, ":");
+    print_quoted(f, o->arg, ":");
     if (o->kind == GP_KIND_NAMED) {
         fprintf(f, ":{if compset -P \"*=\"; then _files; else compadd -S = -- ");
-        values(f, o, ":=");
+        print_values(f, o, ":=");
         fprintf(f, "; fi}");
     } else if (has_values(o) && o->open) {
         fprintf(f, ":{compadd -- ");
-        values(f, o, ":");
+        print_values(f, o, ":");
         fprintf(f, "; _files}");
     } else if (has_values(o)) {
         fprintf(f, ":(");
-        values(f, o, ":");
+        print_values(f, o, ":");
         fprintf(f, ")");
     } else {
         fprintf(f, "%s", takes_file(o) ? ":_files" : ": ");
@@ -190,7 +186,7 @@ static void zsh_option(FILE *f, const struct gp_option *o)
             fprintf(f, "-%c%s[", o->letter, o->arg ? "+" : "");
         else
             fprintf(f, "--%s%s[", o->name, o->arg ? "=" : "");
-        quoted(f, o->help, "[]:\\");
+        print_quoted(f, o->help, "[]:\\");
         putc(']', f);
         if (o->arg)
             zsh_action(f, o);
@@ -198,7 +194,7 @@ static void zsh_option(FILE *f, const struct gp_option *o)
     }
 }
 
-static void zsh(FILE *f)
+static void print_zsh(FILE *f)
 {
     enum gp_command command;
     const char *name;
@@ -217,7 +213,7 @@ static void zsh(FILE *f)
                "        fi ;;\n    esac\n"
                "    (( CURRENT > 2 )) || [[ $command != main ]] ||\n"
                "        compadd -- ");
-    command_words(f);
+    print_commands(f);
     fprintf(f, "\n    case $command in\n");
     for (int i = 0; (name = command_name(i, &command)); i++) {
         fprintf(f, "    %s) options=(\n", name);
@@ -240,53 +236,49 @@ static void zsh(FILE *f)
 
 // -- fish --------------------------------------------------------------------
 
-static void fish_option(FILE *f, const struct gp_option *o)
+static void print_fish(FILE *f)
 {
     enum gp_command command;
     const char *name;
-    fprintf(f, "complete -c glarepp -n '__glarepp_in");
-    for (int i = 0; (name = command_name(i, &command)); i++) {
-        if (o->commands & command)
-            fprintf(f, " %s", name);
-    }
-    fprintf(f, "' -l %s", o->name);
-    if (o->letter)
-        fprintf(f, " -s %c", o->letter);
-    if (o->arg)
-        fprintf(f, takes_file(o) ? " -r -F" : " -x");
-    if (has_values(o)) {
-        fprintf(f, " -a '");
-        values(f, o, "");
-        fprintf(f, "'");
-    }
-    fprintf(f, " -d '");
-    // fish knows \' inside single quotes, and no other way out of them
-    for (const char *c = o->help; *c; c++)
-        fprintf(f, *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c);
-    fprintf(f, "'\n");
-}
-
-static void fish(FILE *f)
-{
     fprintf(f, "# fish completion of glarepp; made by: "
                "glarepp help --completion fish\n"
                "function __glarepp_in\n"
                "    set -l words (commandline -opc)\n"
                "    set -l command main\n"
                "    if set -q words[2]; and contains -- $words[2] ");
-    command_words(f);
+    print_commands(f);
     fprintf(f, "\n        set command $words[2]\n    end\n"
                "    contains -- $command $argv\nend\n"
                "function __glarepp_first\n"
                "    test (count (commandline -opc)) -eq 1\nend\n"
                "complete -c glarepp -n __glarepp_first -a '");
-    command_words(f);
+    print_commands(f);
     fprintf(f, "'\ncomplete -c glarepp -n '__glarepp_in help' -f -a '");
     print_topics(f);
     fprintf(f, "'\n");
     for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (is_shown(o, ~0u))
-            fish_option(f, o);
+        if (!is_shown(o, ~0u))
+            continue;
+        fprintf(f, "complete -c glarepp -n '__glarepp_in");
+        for (int i = 0; (name = command_name(i, &command)); i++) {
+            if (o->commands & command)
+                fprintf(f, " %s", name);
+        }
+        fprintf(f, "' -l %s", o->name);
+        if (o->letter)
+            fprintf(f, " -s %c", o->letter);
+        if (o->arg)
+            fprintf(f, takes_file(o) ? " -r -F" : " -x");
+        if (has_values(o)) {
+            fprintf(f, " -a '");
+            print_values(f, o, "");
+            fprintf(f, "'");
+        }
+        fprintf(f, " -d '");
+        // fish knows \' inside single quotes, and no other way out of them
+        for (const char *c = o->help; *c; c++)
+            fprintf(f, *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c);
+        fprintf(f, "'\n");
     }
 }
 
@@ -294,13 +286,13 @@ void gp_complete(FILE *f, enum gp_shell shell)
 {
     switch (shell) {
     case GP_SHELL_BASH:
-        bash(f);
+        print_bash(f);
         break;
     case GP_SHELL_ZSH:
-        zsh(f);
+        print_zsh(f);
         break;
     case GP_SHELL_FISH:
-        fish(f);
+        print_fish(f);
         break;
     case GP_SHELL_NONE:
         break;
