@@ -1,16 +1,7 @@
 /* app/options, app/help, app/complete: the one table, and the help and
  * completions made from it. */
 #include "unit.h"
-#include "app/options.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "app/option_line.h"
 
 static void the_table_is_sound(void **state)
 {
@@ -101,32 +92,6 @@ static void help_is_complete(void **state)
 
 // -- the line that a wrong word gets -----------------------------------------
 
-static char said[4096];
-
-static void keep_line(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_INFO};
-
-/* Parses a line of words with single blanks between, its first the program's;
- * the words of *s last until the next call. */
-static gp_status parse(const char *line, struct gp_settings *s)
-{
-    static char copy[512];
-    char *argv[32];
-    int argc = 0;
-    snprintf(copy, sizeof copy, "%s", line);
-    said[0] = '\0';
-    for (char *w = strtok(copy, " "); w && argc < 31; w = strtok(NULL, " "))
-        argv[argc++] = w;
-    argv[argc] = NULL;
-    return gp_options_parse(&keeper, argc, argv, s);
-}
-
 /* Each group has a word of its own and an example that the parser takes,
  * which --help of its command shows. */
 static void examples_are_right(void **state)
@@ -140,7 +105,7 @@ static void examples_are_right(void **state)
         assert_non_null(h->example);
         for (int k = 0; k < g; k++)
             assert_string_not_equal(h->word, gp_option_groups[k].word);
-        if (parse(h->example, &s) != GP_OK || said[0])
+        if (parse(h->example + strlen("glarepp "), &s) != GP_OK || said[0])
             fail_msg("%s: %s", h->example, said);
         char *help = printed(s.command == GP_COMMAND_HELP ? GP_COMMAND_MAIN
                                                           : s.command, false);
@@ -156,20 +121,20 @@ static void slips_of_commands(void **state)
     static const struct {
         const char *line, *part;  // of the message; NULL: no slip
     } rows[] = {
-        {"glarepp bnech a", "bnech: no such command or file; did you mean "
+        {"bnech a", "bnech: no such command or file; did you mean "
                             "glarepp bench?"},
-        {"glarepp benc a", "glarepp bench?"},
-        {"glarepp hlep", "glarepp help?"},
-        {"glarepp helpp gain", "glarepp help?"},
-        {"glarepp -o a bnech", NULL},       // not the first word
-        {"glarepp bench.exr -o a", NULL},   // a file's name
-        {"glarepp ./bnech -o a", NULL},
-        {"glarepp he -o a", NULL},          // too short to say
-        {"glarepp tests -o a", NULL},       // far from all
-        {"glarepp help a b", "too many words (found b)"},
-        {"glarepp help --completion tcsh", "give one of bash, zsh, fish"},
-        {"glarepp help --completion bash a", "too many words (found a)"},
-        {"glarepp --completion bash", "glarepp help --completion"},
+        {"benc a", "glarepp bench?"},
+        {"hlep", "glarepp help?"},
+        {"helpp gain", "glarepp help?"},
+        {"-o a bnech", NULL},       // not the first word
+        {"bench.exr -o a", NULL},   // a file's name
+        {"./bnech -o a", NULL},
+        {"he -o a", NULL},          // too short to say
+        {"tests -o a", NULL},       // far from all
+        {"help a b", "too many words (found b)"},
+        {"help --completion tcsh", "give one of bash, zsh, fish"},
+        {"help --completion bash a", "too many words (found a)"},
+        {"--completion bash", "glarepp help --completion"},
     };
     (void) state;
     for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {

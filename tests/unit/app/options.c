@@ -1,4 +1,4 @@
-/* app/options: what right lines set. */
+/* app/options: what right lines set, and what is said of wrong ones. */
 #include "unit.h"
 #include "app/option_line.h"
 
@@ -227,6 +227,155 @@ static void compare_is_a_command(void **state)
     gp_settings_free(&s);
 }
 
+// -- lines that are wrong, or do nothing -------------------------------------
+
+/* Values that an option does not take: the line names it. Words of the line
+ * after "-o a i ", or with a "!" the whole line; several with "|" between. */
+static const char *const bad_values[][2] = {
+    {"--gain", "--gain|-g ''|-g x|-g 1x|-g 1,5|-g -0.1|-g nan|-g inf"},
+    {"-g", "-g"},
+    {"-o", "!-o --hdr i"},
+    {"--dither=1", "--dither=1"},
+    {"-qv", "-qv"},
+    {"--output", "!-o '' i"},
+    {"--depth", "--depth ''|--depth="},
+    {"--threshold", "-t nan|-t -nan|-t 1e39"},
+    {"--knee", "--knee 1.001"},
+    {"--max-value", "--max-value 0|--max-value nan"},
+    {"--exposure", "--exposure -33"},
+    {"--threads", "--threads 1.5|--threads -1|--threads 99999999999999999999"},
+    {"--max-pixels", "--max-pixels 0|--max-pixels 1e6"},
+    {"--kernel-center", "--kernel-center 1|--kernel-center 1,|"
+     "--kernel-center 1,2,3|--kernel-center ,2|--kernel-center nan,2|"
+     "--kernel-center 1,inf"},
+    {"--engine", "-e gpu|-e ''"},
+    {"--tonemap", "--tonemap filmic"},
+    {"--kernel", "-k builtin:foo"},
+    {"--mix", "--mix screen"},
+    {"--compression", "--compression lzw"},
+    {"--depth-bits", "--depth-bits 12"},
+    {"--debug", "--debug foo=x|--debug sensors|--debug sensors=|"
+     "--debug polygons="},
+    {"--sun", "--sun 1|--sun 1,2,3,4|--sun 1,2,|--sun 1,inf"},
+    {"--sun-color", "--sun 1,2 --sun-color -1"},
+    {"--sun-map", "--sun 1,2 --sun-map 258"},
+    {"--group", "--group 0|--group 3|--group 128|--group x"},
+    {"--cluster", "--cluster 12|--cluster -8"},
+    {"--cluster-fill", "--cluster-fill 0|--cluster-fill 1.01"},
+    {"--shrink", "--shrink 1|--shrink nan"},
+    {"--tolerance", "--tolerance -1|--tolerance nan"},
+    {"--group-method", "--group-method mean"},
+    {"--primitive", "--primitive disc"},
+    {"--rotate", "--rotate inf|--rotate north"},
+    {"--csv", "--csv x"},
+};
+
+static const char *const wrong[][2] = {
+    {"", "no input; write glarepp -o out.png frame.exr"},
+    {"-o a.png", "no input"},
+    {"f.exr", "nothing to make; write glarepp -o out.png f.exr"},
+    {"-v -t 2 f.exr", "nothing to make"},
+    {"--gian 2 i", "--gian: unknown option; did you mean --gain?"},
+    {"--gian=2 i", "--gian: unknown option; did you mean --gain?"},
+    {"--treshold 2 i", "did you mean --threshold?"},
+    {"--Knee 2 i", "did you mean --knee?"},
+    {"--xyzzyquux i", "glarepp --help lists them"},
+    {"--x i", "glarepp --help lists them"},
+    {"-Z i", "-Z: unknown option"},
+    {"--help-ma i", "did you mean --help?"},
+    {"-o a i --mix scatter -g 1.5", "more light would be scattered"},
+    {"-o a i --verify", "--verify: its result would be shown nowhere"},
+    {"-o a i --sun 1,2,-1", "--sun: a negative radius (found -1)"},
+    {"-o a i --sun 1,2 --sun-dir 0,0,1", "leave one out"},
+    {"-o a i --sun 1,2 --sun-color 1,2", "--sun-color: two numbers"},
+    {"-o a i --sun 1,2 --sun-map 5", "--sun-map: odd (found 5)"},
+    {"-o a i --sun 1,2 --flare f", "--flare: the sun has no flux"},
+    {"-o a i --lights l --sun-color 1", "--sun-color: there is no sun"},
+    {"-o a i --flare f", "--flare: there is no light"},
+    {"-o a i --mask A", "--mask: there is no light"},
+    {"-o a i --sun-method mask", "--sun-method: there is no light"},
+    {"-o a i --debug sunmap=f", "--debug sunmap: there is no light"},
+    {"-o a i --sun-map 16", "--sun-map: there is no light"},
+    {"-o a i --sun-adapt 0", "--sun-adapt: there is no light"},
+    {"-o a i --view v", "--view: there is no config"},
+    {"--hdr h i --ocio c --view v", "--view: there is no picture to show"},
+    {"-o a i --ocio c --output-space s", "there is no frame to convert"},
+    {"-o a i --ocio c --tonemap reinhard", "--tonemap: --ocio takes its"},
+    {"bench --paper --sun 1,2", "--paper: its frames have no depth"},
+    {"bench --sun 1,2 --flare f i", "--flare: not for glarepp bench"},
+    {"-o a i --cluster 1", "no larger than --group (found 1 and 4)"},
+    {"-o a i --cluster 4", "no larger than --group (found 4 and 4)"},
+    {"-o a i --group 1 --cluster 1", "no larger than --group"},
+    {"-o a i --csw", "unknown option; glarepp --help lists them"},
+    {"bench", "no input; write glarepp bench frame.exr"},
+    {"bench a b", "b: one frame at a time"},
+    {"bench --paper a", "--paper: brings its own frames (found a"},
+    {"bench -o a b", "--output: not for glarepp bench"},
+    {"bench --hdr a b", "--hdr: not for glarepp bench"},
+    {"bench --papr", "did you mean --paper?"},
+    {"bench --outptu a", "unknown option; glarepp bench --help lists them"},
+    {"bench a --runs 0", "--runs: out of range (found 0); give 1 to 1000"},
+    {"bench a --runs 1001", "--runs: out of range"},
+    {"bench a --mix scatter -g 2", "more light would be scattered"},
+};
+
+static void check_wrong(const char *line, const char *part)
+{
+    struct gp_settings s;
+    gp_status st = parse(line, &s);
+    if (st != GP_ERR_USAGE || lines != 1 || !strstr(said, part))
+        fail_msg("\"%s\": status %d, %d lines: %s", line, st, lines, said);
+    gp_settings_free(&s);
+}
+
+static void errors_say_what_is_wrong(void **state)
+{
+    (void) state;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+        check_wrong(wrong[i][0], wrong[i][1]);
+    for (size_t i = 0; i < sizeof bad_values / sizeof bad_values[0]; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%s: ", bad_values[i][0]);
+        for (const char *p = bad_values[i][1]; *p; p += *p == '|') {
+            char line[256];
+            const int n = (int) strcspn(p, "|");
+            snprintf(line, sizeof line, "%s%.*s", *p == '!' ? "" : "-o a i ",
+                     *p == '!' ? n - 1 : n, p + (*p == '!'));
+            check_wrong(line, name);
+            p += n;
+        }
+    }
+}
+
+/* Settings that are right and do nothing; NULL: no word is said. */
+static void warnings(void **state)
+{
+    static const char *const rows[][2] = {
+        {"-o a i --tonemap none --exposure 1", "--exposure: does nothing"},
+        {"-o a i --tonemap none --auto-exposure", "--auto-exposure: does"},
+        {"-o a i --tonemap hable --white 3", "--white: does nothing"},
+        {"-o a i -e fft --group 8", "--group: does nothing with --engine fft"},
+        {"-o a i -e fft --group 4", "--group: does nothing"}, // its default
+        {"-o a i -e direct --cluster 8", "--cluster: does nothing"},
+        {"-o a i -e splat --tolerance 0.1", "--tolerance: does nothing"},
+        {"-o a i --sun 1,2 --sun-sum 8bit", "--sun-sum: does nothing"},
+        {"--report r --no-clobber i", "--no-clobber: does nothing"},
+        {"-o a i --raw rgb24", "--raw: does nothing"},
+        // the polygons are drawn by it; the picture has that size
+        {"-o a i -e fft --shrink 0 --debug polygons=p", NULL},
+        {"-o a i --sun 1,2 --sun-map 8 --debug sunmap=m", NULL},
+        {"-q -o a i --tonemap hable --white 3", NULL},
+    };
+    (void) state;
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+        struct gp_settings s;
+        assert_int_equal(parse(rows[i][0], &s), GP_OK);
+        if (rows[i][1] ? !strstr(said, rows[i][1]) : lines != 0)
+            fail_msg("%s: %s", rows[i][0], said);
+        gp_settings_free(&s);
+    }
+}
+
 // -- laws of the table -------------------------------------------------------
 
 /* Each value that an option names is one that it takes. */
@@ -258,6 +407,8 @@ SUITE(options)
         cmocka_unit_test(clusters_follow_groups),
         cmocka_unit_test(bench_is_a_command),
         cmocka_unit_test(compare_is_a_command),
+        cmocka_unit_test(errors_say_what_is_wrong),
+        cmocka_unit_test(warnings),
         cmocka_unit_test(named_values_parse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

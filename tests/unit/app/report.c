@@ -1,6 +1,7 @@
 /* app/report: what a run says about itself. */
 #include "unit.h"
 #include "app/report.h"
+#include "said.h"
 
 #include <jansson.h>
 #include <locale.h>
@@ -15,17 +16,6 @@
 #include <unistd.h>
 
 #include <cmocka.h>
-
-static char said[4096];
-
-static void keep_line(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_INFO};
 
 static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
 
@@ -59,16 +49,16 @@ static char *reported(const struct gp_facts *facts, int n)
     assert_true(fd >= 0);
     close(fd);
     struct gp_report r;
-    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
     for (int i = 0; i < n; i++)
-        assert_int_equal(gp_report_frame(&keeper, &r, facts), GP_OK);
+        assert_int_equal(gp_report_frame(&said_log, &r, facts), GP_OK);
     char *text = calloc(1, 65536);
     FILE *f = fopen(path, "r"); // before the close: each line is flushed
     size_t size = fread(text, 1, 65535, f);
     fclose(f);
     text[size] = '\0';
-    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
-    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     unlink(path);
     return text;
 }
@@ -188,20 +178,20 @@ static void files_are_touched_with_the_first_line(void **state)
     snprintf(path, sizeof path, "%s/r.json", folder);
     struct gp_facts facts = full_facts();
     struct gp_report r;
-    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
-    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_int_equal(size_of(path), -1);
 
     FILE *f = fopen(path, "w");
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
-    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_int_equal(size_of(path), 16000);
-    assert_int_equal(gp_report_open(&keeper, path, false, &r), GP_OK);
-    assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_OK);
-    assert_int_equal(gp_report_close(&keeper, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
+    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_in_range(size_of(path), 100, 2000);
     unlink(path);
     rmdir(folder);
@@ -212,15 +202,15 @@ static void errors_of_files(void **state)
     (void) state;
     struct gp_facts facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&keeper, "/no/such/r.json", false, &r),
+    assert_int_equal(gp_report_open(&said_log, "/no/such/r.json", false, &r),
                      GP_ERR_IO);
-    assert_non_null(strstr(said, "/no/such/r.json: cannot write the report"));
-    assert_int_equal(gp_report_open(&keeper, "/tmp", false, &r), GP_ERR_IO);
+    assert_non_null(strstr(said_line, "/no/such/r.json: cannot write the report"));
+    assert_int_equal(gp_report_open(&said_log, "/tmp", false, &r), GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip();
-    assert_int_equal(gp_report_open(&keeper, "/dev/full", false, &r), GP_OK);
-    assert_int_equal(gp_report_frame(&keeper, &r, &facts), GP_ERR_IO);
-    assert_non_null(strstr(said, "No space left"));
+    assert_int_equal(gp_report_open(&said_log, "/dev/full", false, &r), GP_OK);
+    assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_ERR_IO);
+    assert_non_null(strstr(said_line, "No space left"));
     (void) gp_report_close(NULL, &r);
 }
 
