@@ -4,7 +4,7 @@
 #include "app/options.h"
 
 #include "compare/compare.h"
-#include "io/file_name.h"
+#include "io/file.h"
 
 #include <string.h>
 

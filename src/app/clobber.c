@@ -1,7 +1,7 @@
 #include "app/clobber.h"
 
 #include "core/memory.h"
-#include "io/file_name.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 #include "app/options.h"
 
-#include "io/versions.h"
+#include "io/read.h"
 
 #include <ctype.h>
 #include <errno.h>

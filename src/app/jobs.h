@@ -5,7 +5,7 @@
 
 #include "app/settings.h"
 #include "core/status.h"
-#include "io/members.h"
+#include "io/read.h"
 #include "io/sequence.h"
 
 #include <stdbool.h>

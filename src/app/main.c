@@ -9,7 +9,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "gl/gl.h"
-#include "io/file_temp.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <fcntl.h>

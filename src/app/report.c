@@ -3,7 +3,7 @@
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/file_name.h"
+#include "io/file.h"
 
 #include <errno.h>
 #include <fcntl.h>

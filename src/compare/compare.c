@@ -266,8 +266,8 @@ static gp_status draw_heatmap(struct run *r, const struct gp_compare_match *m,
     return st;
 }
 
-static gp_status compare_images(struct run *r, const struct gp_raw_image *a,
-                                const struct gp_raw_image *b)
+static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
+                                const struct gp_stored_image *b)
 {
     gp_status st;
     struct gp_compare_match m;
@@ -292,14 +292,14 @@ out:
     return st;
 }
 
-static gp_status compare_part(struct run *r, const struct gp_raw_file f[2],
+static gp_status compare_part(struct run *r, const struct gp_stored_file f[2],
                               int part)
 {
     gp_status st;
-    struct gp_raw_image image[2] = {0};
+    struct gp_stored_image image[2] = {0};
     r->row.part = part;
     for (int i = 0; i < 2; i++)
-        GP_TRY(gp_raw_read(r->log, r->job->read, &f[i], part, &image[i]));
+        GP_TRY(gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]));
     if (image[0].deep != image[1].deep)
         report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
     else if (image[0].deep)
@@ -309,14 +309,14 @@ static gp_status compare_part(struct run *r, const struct gp_raw_file f[2],
     else
         st = compare_images(r, &image[0], &image[1]);
 out:
-    gp_raw_image_free(&image[0]);
-    gp_raw_image_free(&image[1]);
+    gp_stored_image_free(&image[0]);
+    gp_stored_image_free(&image[1]);
     return st;
 }
 
 // -- pairs -------------------------------------------------------------------
 
-static gp_status compare_parts(struct run *r, const struct gp_raw_file f[2])
+static gp_status compare_parts(struct run *r, const struct gp_stored_file f[2])
 {
     const int both = gp_min(f[0].parts, f[1].parts);
     char why[64];
@@ -334,22 +334,22 @@ static gp_status compare_parts(struct run *r, const struct gp_raw_file f[2])
 
 static gp_status compare_files(struct run *r)
 {
-    struct gp_raw_file f[2] = {
+    struct gp_stored_file f[2] = {
         {.stream = GP_STREAM_EMPTY}, {.stream = GP_STREAM_EMPTY},
     };
     const char *const path[2] = {r->row.a, r->row.b};
     gp_status st = GP_OK;
     r->drawn = false;
     for (int i = 0; i < 2 && !st; i++)
-        st = gp_raw_open(r->log, r->job->read, path[i], &f[i]);
+        st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
     if (!st)
         st = compare_parts(r, f);
     if (st && st != GP_ERR_BUG) {
         report(r, GP_COMPARE_FILE, "a file cannot be read or written");
         st = GP_OK;
     }
-    gp_raw_close(&f[0]);
-    gp_raw_close(&f[1]);
+    gp_stored_close(&f[0]);
+    gp_stored_close(&f[1]);
     return st;
 }
 

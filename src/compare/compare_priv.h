@@ -5,16 +5,16 @@
 
 #include "compare/compare.h"
 #include "compare/flip.h"
-#include "io/raw_read.h"
+#include "io/stored.h"
 
 /* Channels of one name; NULL, and 0 everywhere, in an image without it. */
 struct gp_compare_pair {
-    const struct gp_raw_channel *a, *b;
+    const struct gp_stored_channel *a, *b;
 };
 
 /* Two images laid over each other. What it borrows must live longer. */
 struct gp_compare_match {
-    const struct gp_raw_image *a, *b;
+    const struct gp_stored_image *a, *b;
     struct gp_rect window;         // union of the data windows
     struct gp_compare_pair *pair;  // R, G, B, A first, else a's order; owned
     int pairs;
@@ -25,8 +25,8 @@ struct gp_compare_match {
  *   m  written always; free with gp_compare_match_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_compare_match_make(const struct gp_log *log,
-                                              const struct gp_raw_image *a,
-                                              const struct gp_raw_image *b,
+                                              const struct gp_stored_image *a,
+                                              const struct gp_stored_image *b,
                                               struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
 

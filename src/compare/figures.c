@@ -10,8 +10,8 @@
 
 // -- pairs of channels -------------------------------------------------------
 
-static const struct gp_raw_channel *find_channel(
-    const struct gp_raw_image *image, const char *name)
+static const struct gp_stored_channel *find_channel(
+    const struct gp_stored_image *image, const char *name)
 {
     for (int i = 0; i < image->channels; i++) {
         if (strcmp(image->channel[i].name, name) == 0)
@@ -34,8 +34,8 @@ static void add_pair(struct gp_compare_match *m, const char *name)
 }
 
 gp_status gp_compare_match_make(const struct gp_log *log,
-                                const struct gp_raw_image *a,
-                                const struct gp_raw_image *b,
+                                const struct gp_stored_image *a,
+                                const struct gp_stored_image *b,
                                 struct gp_compare_match *m)
 {
     static const char *const first[] = {"R", "G", "B", "A"};
@@ -77,7 +77,7 @@ const char *gp_compare_name(const struct gp_compare_match *m, int pair)
 // -- values ------------------------------------------------------------------
 
 /* The index of a pixel of the window in an image, or -1 outside it. */
-static int64_t index_at(const struct gp_raw_image *image, int x, int y)
+static int64_t index_at(const struct gp_stored_image *image, int x, int y)
 {
     const struct gp_rect r = image->data;
     if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
@@ -85,7 +85,7 @@ static int64_t index_at(const struct gp_raw_image *image, int x, int y)
     return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
 }
 
-static double value_at(const struct gp_raw_channel *c, int64_t at)
+static double value_at(const struct gp_stored_channel *c, int64_t at)
 {
     if (!c || at < 0)
         return 0.0;
@@ -183,7 +183,7 @@ static void sum_row(void *ctx, int row, int thread)
 
 /* Luminance of a pixel, by the weights of the first image. */
 static double luminance(const struct gp_compare_match *m,
-                        const struct gp_raw_image *image, int64_t at)
+                        const struct gp_stored_image *image, int64_t at)
 {
     double y = 0.0;
     for (int c = 0; c < 3 && at >= 0; c++)
@@ -308,7 +308,7 @@ gp_status gp_compare_measure(const struct gp_log *log,
  * counts as BRIGHTEST for HDR-FLIP. */
 static gp_status lay_light(const struct gp_log *log,
                            const struct gp_compare_match *m,
-                           const struct gp_raw_image *image, bool hdr,
+                           const struct gp_stored_image *image, bool hdr,
                            struct gp_planes *out)
 {
     static const float BRIGHTEST = 65504.0f;

@@ -4,8 +4,17 @@
 #include "io/half.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+
+/* -- names ---------------------------------------------------------------- */
+
+size_t gp_layer_length(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot ? (size_t) (dot - name) + 1 : 0;
+}
 
 bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
                          const char *name)
@@ -30,7 +39,7 @@ static int channel_index(const struct gp_frame *f, const char *name)
     return -1;
 }
 
-gp_status gp_find_channel(const struct gp_log *log, const struct gp_frame *f,
+static gp_status find_by_name(const struct gp_log *log, const struct gp_frame *f,
                           const char *name, int *out)
 {
     char list[GP_CHANNEL_LIST] = "";
@@ -46,6 +55,293 @@ gp_status gp_find_channel(const struct gp_log *log, const struct gp_frame *f,
     return gp_fail(log, GP_ERR_USAGE,
                    "%s: has no channel %s (it has %s); give one of those",
                    f->path, name, list);
+}
+
+/* -- Cryptomatte ---------------------------------------------------------- */
+
+enum { DIGITS = 2 }; // of a layer's rank
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static bool ends_with_rank(const char *layer, size_t len)
+{
+    return len > DIGITS && is_digit(layer[len - 1]) && is_digit(layer[len - 2]);
+}
+
+static bool looks_like_ids(const char *layer, size_t len)
+{
+    static const char word[] = "crypto";
+    size_t start = len;
+    while (start > 0 && layer[start - 1] != '.')
+        start--;
+    return ends_with_rank(layer, len) &&
+           len - start >= sizeof word - 1 + DIGITS &&
+           strncasecmp(layer + start, word, sizeof word - 1) == 0;
+}
+
+enum gp_crypto_kind gp_crypto_layer(const struct gp_crypto *c,
+                                    const char *layer, size_t len)
+{
+    bool preview = false;
+    for (int i = 0; i < c->n; i++) {
+        const size_t n = strlen(c->layer[i]);
+        if (n > len || strncmp(c->layer[i], layer, n) != 0)
+            continue;
+        if (n + DIGITS == len && ends_with_rank(layer, len))
+            return GP_CRYPTO_IDS;
+        preview |= n == len;
+    }
+    if (looks_like_ids(layer, len))
+        return GP_CRYPTO_IDS;
+    return preview ? GP_CRYPTO_PREVIEW : GP_CRYPTO_NONE;
+}
+
+/* True for channels that are ids by their name: CryptoObject00.R. */
+static bool named_like_ids(const char *name)
+{
+    const size_t len = gp_layer_length(name);
+    return len > 0 && looks_like_ids(name, len - 1);
+}
+
+/* -- colour --------------------------------------------------------------- */
+
+static const char *const letters[3] = {"R", "G", "B"};
+static const char *const words[3] = {"red", "green", "blue"};
+
+/* The channel whose name is the first `len` bytes of `layer` and then `last`;
+ * -1 when there is none. */
+static int find_exact(const char *const *name, int n, const char *layer,
+                      size_t len, const char *last)
+{
+    for (int i = 0; i < n; i++) {
+        if (strncmp(name[i], layer, len) == 0 &&
+            strcmp(name[i] + len, last) == 0)
+            return i;
+    }
+    return -1;
+}
+
+/* How many of a set of three there are, letters as they are, words in any
+ * case; `layer` ends with a dot or is "". */
+static int find_three(const char *const *name, int n, const char *layer,
+                      size_t len, const char *const last[3], int index[3])
+{
+    int found = 0;
+    for (int c = 0; c < 3; c++) {
+        index[c] = -1;
+        for (int i = 0; i < n && index[c] < 0; i++) {
+            if (strncmp(name[i], layer, len) == 0 &&
+                (last[c][1] ? strcasecmp : strcmp)(name[i] + len,
+                                                   last[c]) == 0)
+                index[c] = i;
+        }
+        found += index[c] >= 0;
+    }
+    return found;
+}
+
+/* The last part of a layer's name of `len` bytes, which ends with a dot. */
+static bool is_picture(const char *layer, size_t len)
+{
+    static const char *const picture[] = {"combined", "beauty", "rgba"};
+    const size_t end = len - 1;
+    size_t start = end;
+    while (start > 0 && layer[start - 1] != '.')
+        start--;
+    for (size_t i = 0; i < sizeof picture / sizeof *picture; i++) {
+        if (strlen(picture[i]) == end - start &&
+            strncasecmp(layer + start, picture[i], end - start) == 0)
+            return true;
+    }
+    return false;
+}
+
+/* Whether the names that are not empty ascend, as an EXR's own do. */
+static bool ascend(const char *const *name, int n)
+{
+    const char *last = "";
+    for (int i = 0; i < n; i++) {
+        if (!name[i][0])
+            continue;
+        if (strcmp(last, name[i]) > 0)
+            return false;
+        last = name[i];
+    }
+    return true;
+}
+
+/* All three of a layer, whose first channel is name[i]. Those of a list that
+ * ascends stand together: a file may have thousands of layers. */
+static bool find_all(const char *const *name, int n, int i, size_t len,
+                     bool ascending, int index[3])
+{
+    const char *const layer = name[i];
+    int letter[3] = {-1, -1, -1}, word[3] = {-1, -1, -1};
+    for (; i < n; i++) {
+        if (strncmp(name[i], layer, len) != 0) {
+            if (ascending && name[i][0])
+                break;
+            continue;
+        }
+        for (int c = 0; c < 3; c++) {
+            if (letter[c] < 0 && strcmp(name[i] + len, letters[c]) == 0)
+                letter[c] = i;
+            if (word[c] < 0 && strcasecmp(name[i] + len, words[c]) == 0)
+                word[c] = i;
+        }
+    }
+    const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;
+    memcpy(index, by_letter ? letter : word, sizeof letter);
+    return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
+}
+
+static bool find_layer(const char *const *name, int n, int index[3])
+{
+    const bool ascending = ascend(name, n);
+    const char *last = ""; // with the layer that was looked at last
+    size_t last_len = 0;
+    bool found = false;
+    for (int i = 0; i < n; i++) {
+        const char *dot = strrchr(name[i], '.');
+        if (!dot || named_like_ids(name[i]))
+            continue;
+        size_t len = (size_t) (dot - name[i]) + 1;
+        if (len == last_len && strncmp(name[i], last, len) == 0)
+            continue;
+        last = name[i];
+        last_len = len;
+        bool picture = is_picture(name[i], len);
+        int at[3];
+        if ((found && !picture) ||
+            !find_all(name, n, i, len, ascending, at))
+            continue;
+        memcpy(index, at, sizeof at);
+        found = true;
+        if (picture)
+            break;
+    }
+    return found;
+}
+
+static bool is_alpha(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    const char *last = dot ? dot + 1 : name;
+    return strcmp(last, "A") == 0 || strcasecmp(last, "alpha") == 0;
+}
+
+static int find_lone(const char *const *name, int n)
+{
+    int lone = -1;
+    for (int i = 0; i < n; i++) {
+        if ((n > 1 && is_alpha(name[i])) || !name[i][0] ||
+            named_like_ids(name[i]))
+            continue;
+        if (lone >= 0)
+            return -1;
+        lone = i;
+    }
+    return lone;
+}
+
+static bool choose_grey(int channel, struct gp_colour_choice *out)
+{
+    *out = (struct gp_colour_choice) {GP_COLOUR_GREY, {channel, -1, -1}};
+    return channel >= 0;
+}
+
+/* A set in one layer, or the channels without one where `len` is 0. */
+static bool find_set(const char *const *name, int n, const char *layer,
+                     size_t len, struct gp_colour_choice *out)
+{
+    struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
+    int y = find_exact(name, n, layer, len, "Y");
+    int ry = find_exact(name, n, layer, len, "RY");
+    int by = find_exact(name, n, layer, len, "BY");
+    if (find_three(name, n, layer, len, letters, rgb.index) ||
+        find_three(name, n, layer, len, words, rgb.index)) {
+        *out = rgb;
+        return true;
+    }
+    if (y >= 0 && (ry >= 0 || by >= 0)) {
+        *out = (struct gp_colour_choice) {GP_COLOUR_YC, {ry, y, by}};
+        return true;
+    }
+    return choose_grey(y, out);
+}
+
+bool gp_find_colour(const char *const *name, int n, bool lone,
+                    struct gp_colour_choice *out)
+{
+    struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
+    if (find_set(name, n, "", 0, out))
+        return true;
+    if (find_layer(name, n, rgb.index)) {
+        *out = rgb;
+        return true;
+    }
+    return lone && choose_grey(find_lone(name, n), out);
+}
+
+bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
+                          bool lone, struct gp_colour_choice *out)
+{
+    char start[GP_CHANNEL_NAME + 2] = "";
+    const size_t len = strlen(layer);
+    if (len > GP_CHANNEL_NAME)
+        return false;
+    if (lone)
+        return len > 0 && choose_grey(find_exact(name, n, "", 0, layer), out);
+    if (len > 0)
+        snprintf(start, sizeof start, "%s.", layer);
+    return find_set(name, n, start, strlen(start), out);
+}
+
+char *gp_colour_name(const char *name, int c)
+{
+    static const char *const spelling[][3] = {
+        {"R", "G", "B"},
+        {"red", "green", "blue"},
+        {"Red", "Green", "Blue"},
+        {"RED", "GREEN", "BLUE"},
+    };
+    const size_t layer = gp_layer_length(name);
+    const char *own = name + layer, *want = spelling[0][c];
+    for (size_t i = 0; i < sizeof spelling / sizeof *spelling; i++) {
+        for (int k = 0; k < 3; k++) {
+            if (strcmp(own, spelling[i][k]) == 0)
+                want = spelling[i][c];
+        }
+    }
+    char *const full = malloc(layer + strlen(want) + 1);
+    if (full) {
+        memcpy(full, name, layer);
+        strcpy(full + layer, want);
+    }
+    return full;
+}
+
+int gp_find_alpha(const struct gp_frame *f)
+{
+    const char *colour = NULL;
+    for (int i = 0; i < f->channels && !colour; i++) {
+        if (f->channel[i].colour >= 0)
+            colour = f->channel[i].name;
+    }
+    if (!colour)
+        return -1;
+    const size_t layer = gp_layer_length(colour);
+    for (int i = 0; i < f->channels; i++) {
+        const char *name = f->channel[i].name;
+        if (f->channel[i].colour < 0 && strncmp(name, colour, layer) == 0 &&
+            (strcmp(name + layer, "A") == 0 ||
+             strcasecmp(name + layer, "alpha") == 0))
+            return i;
+    }
+    return -1;
 }
 
 /* -- depth ---------------------------------------------------------------- */
@@ -109,7 +405,7 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
 {
     int best = -1, second = -1, best_rank = RANKS;
     if (name)
-        return gp_find_channel(log, f, name, out);
+        return find_by_name(log, f, name, out);
     for (int i = 0; i < f->channels; i++) {
         int rank = depth_rank(f, f->channel[i].name);
         if (rank < best_rank) {

@@ -1,4 +1,4 @@
-/* Finding a channel by what it is for. */
+/* Channels by their names: which are the colour, its alpha, the depth, ids. */
 #ifndef GP_IO_CHANNELS_H
 #define GP_IO_CHANNELS_H
 
@@ -6,6 +6,56 @@
 #include "core/status.h"
 
 #include <stdbool.h>
+#include <stddef.h>
+
+/* -- colour ---------------------------------------------------------------- */
+
+struct gp_colour_choice {
+    enum gp_colour_model model;
+    /* Channels of R, G, B; for GREY the channel is [0]; for YC RY, Y, BY, as
+     * OpenEXR's Rgba keeps them. -1 where the file has none. */
+    int index[3];
+};
+
+enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
+
+/* Finds the colour among n channel names, in the order that read.h gives;
+ * false when there is none.
+ *
+ *   lone  also take the only channel there is (alpha does not count), which
+ *         in a file of many parts is more likely depth than colour
+ *
+ * Of several layers one that is called Combined, beauty or rgba comes before
+ * the first: Blender's ambient occlusion pass stands before its picture.
+ * Cryptomatte's ids are never colour, nor is an empty name, which
+ * stands for a channel that is not to be taken.
+ */
+bool gp_find_colour(const char *const *name, int n, bool lone,
+                    struct gp_colour_choice *out);
+
+/* Finds the colour of one layer: LAYER.R,G,B, LAYER.red,green,blue of any
+ * case, LAYER.Y with LAYER.RY or BY, LAYER.Y. Of "" the channels without a
+ * layer.
+ *
+ *   lone  only the channel that is called `layer` itself, as grey
+ */
+bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
+                          bool lone, struct gp_colour_choice *out);
+
+/* Length of the layer in front of a channel's own name, with its dot: 8 for
+ * "diffuse.R", 0 for "R". */
+size_t gp_layer_length(const char *name);
+
+/* The name of red, green or blue (c = 0, 1, 2) in the layer of `name`, and
+ * spelled as it: G for R, diffuse.blue for diffuse.red; R, G, B for a `name`
+ * that is no colour. From malloc, NULL when memory is full. */
+char *gp_colour_name(const char *name, int c);
+
+/* The channel of f with the opacity of its colour: A or alpha (any case) in
+ * the colour's layer. -1 when there is none. */
+int gp_find_alpha(const struct gp_frame *f);
+
+/* -- depth and samples ----------------------------------------------------- */
 
 /* Finds the depth channel.
  *
@@ -23,11 +73,6 @@ GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
                                       const struct gp_frame *f,
                                       const char *name, int *out);
 
-/* Finds a channel by its exact name; the error is as above. */
-GP_MUST_CHECK gp_status gp_find_channel(const struct gp_log *log,
-                                        const struct gp_frame *f,
-                                        const char *name, int *out);
-
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list
  * with commas, which begins empty. False when it ends with "...", for want of
  * room. */
@@ -38,5 +83,37 @@ bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
 /* Samples of a channel at full resolution as float, w * h of the frame, into
  * caller's `out`; subsampled channels are repeated. NaN and Inf stay. */
 void gp_channel_floats(const struct gp_frame *f, int channel, float *out);
+
+/* -- Cryptomatte -----------------------------------------------------------
+ *
+ * Layers that hold ids of objects as the bits of floats.
+ *
+ * Such samples are no light. A sum or a mean of two of them is another id, and
+ * one bit less is too, so they are never filtered and never stored with loss.
+ * Source: Friedman and Jones, "Cryptomatte specification", version 1.2.0: the
+ * attribute cryptomatte/HASH/name names a layer NAME, whose ids and coverages
+ * are the channels NAME00.R,G,B,A, NAME01.R, ... and whose preview, if there
+ * is one, is NAME.R,G,B.
+ */
+
+/* Layers that a file names; more of them are known by their channels' names
+ * alone, as in a file that names none. */
+enum { GP_CRYPTO_LAYERS = 64 };
+struct gp_crypto {
+    const char *layer[GP_CRYPTO_LAYERS];  // borrowed from the input
+    int n;
+};
+
+enum gp_crypto_kind {
+    GP_CRYPTO_NONE,
+    GP_CRYPTO_PREVIEW,  // a picture of ids, which nothing reads back
+    GP_CRYPTO_IDS,
+};
+
+/* What the layer of that name of `len` bytes holds. Without an attribute that
+ * names it, ids are what begins with "crypto" (any case) behind its last dot
+ * and ends with two digits. */
+enum gp_crypto_kind gp_crypto_layer(const struct gp_crypto *c,
+                                    const char *layer, size_t len);
 
 #endif

@@ -1,8 +1,6 @@
 #include "io/file.h"
 
 #include "core/memory.h"
-#include "io/file_name.h"
-#include "io/file_temp.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,6 +9,131 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+// -- names --------------------------------------------------------------------
+
+enum {
+    LINK_BYTES = 4096,
+    LINKS = 40, // as many as the system follows
+};
+
+static bool starts(const char *s, const char *with)
+{
+    return strncmp(s, with, strlen(with)) == 0;
+}
+
+bool gp_file_is_straight(const char *path)
+{
+    struct stat s;
+    if (strcmp(path, "-") == 0 || starts(path, "/dev/fd/") ||
+        starts(path, "/dev/std") || starts(path, "/proc/"))
+        return true;
+    return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
+}
+
+/* Where the last component starts. */
+static const char *base_of(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+char *gp_file_folder(const char *path)
+{
+    size_t n = (size_t) (base_of(path) - path);
+    if (n == 0)
+        return gp_strdup(".");
+    if (n > 1)
+        n--; // not the slash, unless it is the root
+    char *folder = malloc(n + 1);
+    if (folder) {
+        memcpy(folder, path, n);
+        folder[n] = '\0';
+    }
+    return folder;
+}
+
+/* What the link `path` says, seen from where `path` is seen from; NULL with
+ * errno. */
+static char *follow(const char *path)
+{
+    char to[LINK_BYTES];
+    const ssize_t n = readlink(path, to, sizeof to);
+    if (n == sizeof to)
+        errno = ENAMETOOLONG;
+    if (n < 0 || n == sizeof to)
+        return NULL;
+    const size_t folder = to[0] == '/' ? 0 : (size_t) (base_of(path) - path);
+    char *next = malloc(folder + (size_t) n + 1);
+    if (next) {
+        memcpy(next, path, folder);
+        memcpy(next + folder, to, (size_t) n);
+        next[folder + (size_t) n] = '\0';
+    }
+    return next;
+}
+
+char *gp_file_resolve(const char *path)
+{
+    struct stat s;
+    char *at = gp_strdup(path);
+    for (int i = 0; at && lstat(at, &s) == 0 && S_ISLNK(s.st_mode); i++) {
+        char *next = realpath(at, NULL);
+        if (!next && errno == ENOENT && i < LINKS)
+            next = follow(at);
+        const int error = errno;
+        gp_free(at);
+        at = next;
+        errno = error;
+    }
+    return at;
+}
+
+/* 0 where the folder is there afterwards, else the errno of mkdir(): what
+ * stat() says of a folder that could not be made is not why. */
+static int make_folder(const char *path)
+{
+    struct stat s;
+    if (mkdir(path, 0777) == 0)
+        return 0;
+    const int error = errno;
+    return stat(path, &s) == 0 && S_ISDIR(s.st_mode) ? 0 : error;
+}
+
+int gp_file_make_folders(const char *path)
+{
+    char *folder = gp_file_folder(path);
+    int error = folder ? 0 : ENOMEM;
+    for (char *p = folder + 1; error == 0; p++) {
+        const char keep = *p;
+        if (keep != '/' && keep != '\0')
+            continue;
+        *p = '\0';
+        error = make_folder(folder);
+        *p = keep;
+        if (keep == '\0')
+            break;
+    }
+    gp_free(folder);
+    if (error)
+        errno = error;
+    return error ? -1 : 0;
+}
+
+void gp_file_ending(const char *path, char *ending, int room)
+{
+    const char *base = base_of(path);
+    const char *dot = strrchr(base, '.');
+    ending[0] = '\0';
+    if (!dot || dot == base || strlen(dot + 1) >= (size_t) room)
+        return;
+    int n = 0;
+    for (const char *c = dot + 1; *c; c++)
+        ending[n++] = *c >= 'A' && *c <= 'Z' ? (char) (*c - 'A' + 'a') : *c;
+    ending[n] = '\0';
+}
+
+// -- files under way ----------------------------------------------------------
 
 enum { BUFFER_BYTES = 1 << 20 }; // chunk leaders of 8 bytes are no writes
 
@@ -79,7 +202,7 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
         return cannot_write(log, path, errno);
     char *folder = gp_file_folder(path);
     if (!folder)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", path);
+        return gp_no_memory(log, path);
     gp_status st = GP_OK;
     if (stat(folder, &s) && errno == ENOENT && create_dir)
         st = GP_OK; // it will be made
@@ -105,12 +228,12 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
     if (!f->target && errno != ENOMEM)
         return cannot_write(f->log, f->path, errno);
     if (!f->target)
-        return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
+        return gp_no_memory(f->log, f->path);
     if (create_dir && gp_file_make_folders(f->target))
         return cannot_write(f->log, f->path, errno);
     f->fd = gp_temp_make(&f->temp, f->target);
     if (f->fd < 0 && errno == ENOMEM)
-        return gp_fail(f->log, GP_ERR_BUG, "%s: out of memory", f->path);
+        return gp_no_memory(f->log, f->path);
     if (f->fd < 0)
         return cannot_write(f->log, f->path, errno);
     f->own_fd = true;
@@ -145,7 +268,7 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     f->buffer = malloc(BUFFER_BYTES);
     f->room = BUFFER_BYTES;
     if (!f->path || !f->buffer)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: out of memory", path));
+        GP_TRY(gp_no_memory(log, path));
     GP_TRY(gp_file_is_straight(path) ? open_straight(f)
                                      : open_temp(f, create_dir));
     *out = f;
@@ -157,7 +280,7 @@ out:
 
 // -- writing ------------------------------------------------------------------
 
-static gp_status failed(struct gp_file *f, int error)
+static gp_status write_failed(struct gp_file *f, int error)
 {
     f->st = cannot_write(f->log, f->path, error);
     return f->st;
@@ -182,16 +305,15 @@ static gp_status flush(struct gp_file *f)
 {
     int error = write_all(f->fd, f->buffer, f->held);
     if (error)
-        return failed(f, error);
+        return write_failed(f, error);
     f->flushed += f->held;
     f->held = 0;
     return GP_OK;
 }
 
-static gp_status full(struct gp_file *f)
+static gp_status memory_full(struct gp_file *f)
 {
-    f->st = gp_fail(f->log, GP_ERR_BUG, "%s: out of memory; close other "
-                    "programs", f->path);
+    f->st = gp_no_memory(f->log, f->path);
     return f->st;
 }
 
@@ -199,12 +321,12 @@ static gp_status grow(struct gp_file *f, size_t size)
 {
     size_t want = f->room, need;
     if (__builtin_add_overflow(f->held, size, &need))
-        return full(f);
+        return memory_full(f);
     while (want < need && !__builtin_mul_overflow(want, 2, &want))
         ;
     uint8_t *more = want >= need ? realloc(f->buffer, want) : NULL;
     if (!more)
-        return full(f);
+        return memory_full(f);
     f->buffer = more;
     f->room = want;
     return GP_OK;
@@ -222,7 +344,7 @@ gp_status gp_file_write(struct gp_file *f, const void *data, size_t size)
     if (size > f->room) { // a temporary file's buffer does not grow
         int error = write_all(f->fd, data, size);
         if (error)
-            return failed(f, error);
+            return write_failed(f, error);
         f->flushed += size;
         return GP_OK;
     }
@@ -248,7 +370,7 @@ gp_status gp_file_patch(struct gp_file *f, uint64_t at, const void *data,
         if (n < 0 && errno == EINTR)
             continue;
         if (n <= 0)
-            return failed(f, n < 0 ? errno : EIO);
+            return write_failed(f, n < 0 ? errno : EIO);
         from += n;
         at += (uint64_t) n;
         size -= (size_t) n;
@@ -275,7 +397,7 @@ static gp_status close_fd(struct gp_file *f)
     int fd = f->fd;
     f->fd = -1;
     if (fd >= 0 && f->own_fd && close(fd) && !f->st)
-        return failed(f, errno);
+        return write_failed(f, errno);
     return f->st;
 }
 
@@ -286,7 +408,7 @@ gp_status gp_file_commit(struct gp_file **file)
     if (!st)
         st = close_fd(f); // network file systems tell of a full disk here
     if (!st && f->temp.name && gp_temp_end(&f->temp, f->target))
-        st = failed(f, errno);
+        st = write_failed(f, errno);
     gp_file_discard(file);
     return st;
 }

@@ -72,4 +72,58 @@ GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
 /* True when a regular file stands under that name. */
 bool gp_file_exists(const char *path);
 
+/* -- names ------------------------------------------------------------------ */
+
+/* True for targets that are written to directly: "-", pipes, devices and
+ * sockets that exist, and the names of open descriptors (/dev/fd/N,
+ * /dev/stdout, /dev/stderr, /proc/...), whatever these stand for. */
+bool gp_file_is_straight(const char *path);
+
+/* Strings from malloc, NULL when memory is full: the folder a path is in
+ * ("." for a bare name), the path with links followed, also to a file
+ * that is still to be made (NULL with errno too where they cannot be followed:
+ * a circle, a folder that may not be searched). */
+char *gp_file_folder(const char *path);
+char *gp_file_resolve(const char *path);
+
+/* Makes every missing folder above `path`; 0, or -1 with errno set. */
+int gp_file_make_folders(const char *path);
+
+/* The ending of the name in lower case, without its dot, in a buffer of
+ * `room` bytes; "" when there is none or it does not fit. ".exr" alone is a
+ * hidden file without an ending. */
+void gp_file_ending(const char *path, char *ending, int room);
+
+/* -- temporary files and signals --------------------------------------------- */
+
+/* One temporary file; all zero: none. */
+struct gp_temp {
+    char *name; // owned; gone after gp_temp_end()
+    int live;   // where a signal finds the name, or -1
+};
+
+/* Makes the temporary file of `target`, open for writing; its descriptor, or
+ * -1 with errno set and nothing made. */
+int gp_temp_make(struct gp_temp *temp, const char *target);
+
+/* Renames it to `target`, or removes it when that is NULL; 0, or -1 with
+ * errno set: then it stays to be removed. Does nothing where there is none. */
+int gp_temp_end(struct gp_temp *temp, const char *target);
+
+/* Removes the temporary files of the whole process, which is to end at once:
+ * every thread that makes or gives up another waits from then on. Safe in a
+ * signal's handler. */
+void gp_temp_remove_all(void);
+
+/* Never returns once these are being removed: what goes wrong from then on is
+ * that one's doing and not worth a line. */
+void gp_temp_wait(void);
+
+/* Call once at start: signals that end a process, and that may be caught (from
+ * the terminal, a batch system or a timer), remove the temporary files that are
+ * under way and then end it as they would have; a signal that the parent set to
+ * be ignored stays ignored. SIGPIPE is ignored from then on, so that a closed
+ * pipe is GP_ERR_IO and not a silent end. */
+void gp_temp_cleanup_on_signal(void);
+
 #endif

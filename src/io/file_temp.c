@@ -1,7 +1,7 @@
-#include "io/file_temp.h"
+#include "io/file.h"
 
 #include "core/memory.h"
-#include "io/file_name.h"
+#include "io/io_priv.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -20,6 +21,7 @@ enum {
     LIVE_NAME_MAX = 4096,
     PATIENCE_MS = 1000,
     TRIES = 1000, // names of one target and one process number
+    NAME_BYTES = 255, // of one path component, on all usual systems
 };
 
 // -- what a signal must remove ------------------------------------------------
@@ -122,6 +124,25 @@ void gp_temp_cleanup_on_signal(void)
 }
 
 // -- names --------------------------------------------------------------------
+
+char *gp_file_temp_name(const char *path, int nth)
+{
+    const char *const slash = strrchr(path, '/');
+    const char *const base = slash ? slash + 1 : path;
+    const long pid = (long) getpid();
+    char tail[48];
+    int tail_bytes = nth ? snprintf(tail, sizeof tail, ".%ld-%d.tmp", pid, nth)
+                         : snprintf(tail, sizeof tail, ".%ld.tmp", pid);
+    int name_bytes = NAME_BYTES - 1 - tail_bytes;
+    if (strlen(base) < (size_t) name_bytes)
+        name_bytes = (int) strlen(base);
+    size_t size = (size_t) (base - path) + NAME_BYTES + 1;
+    char *name = malloc(size);
+    if (name)
+        snprintf(name, size, "%.*s.%.*s%s", (int) (base - path), path,
+                 name_bytes, base, tail);
+    return name;
+}
 
 int gp_temp_make(struct gp_temp *temp, const char *target)
 {

@@ -4,7 +4,6 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/colour.h"
 #include "io/half.h"
 
 #include <limits.h>
@@ -262,8 +261,7 @@ static gp_status make_channels(const struct gp_log *log,
                 c->colour = k;
         }
         if (!c->name)
-            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                           "programs", f->path);
+            return gp_no_memory(log, f->path);
         if (c->colour < 0)
             st = gp_alloc(log, c->name, gp_frame_pixels(f),
                           gp_type_size(c->type), &c->data);
@@ -286,8 +284,7 @@ static gp_status keep_attributes(const struct gp_log *log,
         to->name = gp_strdup(from->name);
         to->text = from->text ? gp_strdup(from->text) : NULL;
         if (!to->name || (from->text && !to->text))
-            st = gp_fail_bare(log, GP_ERR_BUG, "attributes: out of memory; "
-                              "close other programs");
+            st = gp_no_memory_bare(log, "attributes");
     }
     return st;
 }
@@ -311,8 +308,7 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
         .colour_type = image->half ? GP_HALF : GP_FLOAT,
     };
     if (!f.path)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                       "programs", image->path));
+        GP_TRY(gp_no_memory(log, image->path));
     memcpy(f.chromaticities, image->chromaticities ? image->chromaticities
                                                    : gp_rec709_chromaticities,
            sizeof f.chromaticities);

@@ -1,13 +1,277 @@
 #include "io/picture.h"
 
+#include "core/colour.h"
+#include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
-#include "io/colour_name.h"
-#include "io/quantize.h"
+#include "io/io_priv.h"
 
 #include <limits.h>
+#include <math.h>
 #include <string.h>
+
+// -- codes --------------------------------------------------------------------
+
+#define INLINE inline __attribute__((always_inline)) // else not in clones
+
+enum { BLOCK = 128 }; // samples at a time, in the first cache
+enum { ONE = 0x3f800000, INF = 0x7f800000 }; // bits of 1.0f and INFINITY
+
+/* A guess gives a code that is at most one off; the table of the least float
+ * of every code then settles it. For 8 bits the guess is a table too, by the
+ * upper half of the float: there is never more than one code's edge in the
+ * floats that share it. For 16 bits such a table would not fit in a cache, and
+ * the guess is an approximation of the curve, whose last bits do not matter.
+ *
+ * Choices are made on the bits of floats: those of values >= 0 are in the
+ * order of the values, and the compiler makes vectors of integer choices
+ * where it has to keep branches for float ones, which may trap.
+ */
+struct gp_quantizer {
+    int max;
+    int32_t *least; // bits of the smallest float of each code; max + 2 entries
+    uint8_t *first; // code of the float bits i << 16, i <= ONE >> 16; or NULL
+};
+
+static int plain_code(float linear, int max)
+{
+    return (int) (gp_srgb_encode(linear) * (float) max + 0.5f);
+}
+
+static inline int32_t bits_of(float v)
+{
+    int32_t i;
+    memcpy(&i, &v, sizeof i);
+    return i;
+}
+
+static inline float float_of(int32_t i)
+{
+    float v;
+    memcpy(&v, &i, sizeof v);
+    return v;
+}
+
+/* The smallest float of code c >= 1, by steps from the curve's inverse. */
+static float least_of(int c, int max)
+{
+    float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
+    while (plain_code(x, max) >= c)
+        x = nextafterf(x, 0.0f);
+    while (plain_code(x, max) < c)
+        x = nextafterf(x, 2.0f);
+    return x;
+}
+
+static gp_status make_first(const struct gp_log *log, struct gp_quantizer *q)
+{
+    void *first;
+    gp_status st = gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &first);
+    if (st)
+        return st;
+    q->first = first;
+    for (int32_t i = 0, c = 0; i <= ONE >> 16; i++) {
+        while (q->least[c + 1] <= i << 16)
+            c++;
+        q->first[i] = (uint8_t) c;
+    }
+    return GP_OK;
+}
+
+gp_status gp_quantizer_make(const struct gp_log *log, int bits,
+                            struct gp_quantizer **out)
+{
+    gp_status st;
+    void *mem = NULL, *least = NULL;
+    const int max = (1 << bits) - 1;
+    GP_TRY(gp_alloc_zero(log, "sRGB table", 1, sizeof(struct gp_quantizer),
+                         &mem));
+    GP_TRY(gp_alloc(log, "sRGB table", (size_t) max + 2, sizeof(int32_t),
+                    &least));
+    struct gp_quantizer *q = mem;
+    *q = (struct gp_quantizer) {.max = max, .least = least};
+    q->least[0] = 0;
+    for (int c = 1; c <= max; c++)
+        q->least[c] = bits_of(least_of(c, max));
+    q->least[max + 1] = INT32_MAX;
+    if (bits == 8)
+        GP_TRY(make_first(log, q));
+    *out = q;
+    return GP_OK;
+out:
+    gp_free(least);
+    gp_free(mem);
+    return st;
+}
+
+void gp_quantizer_free(struct gp_quantizer *q)
+{
+    if (q) {
+        gp_free(q->first);
+        gp_free(q->least);
+    }
+    gp_free(q);
+}
+
+int gp_quantizer_max(const struct gp_quantizer *q)
+{
+    return q->max;
+}
+
+static inline float clamp_by_bits(float v)
+{
+    int32_t i = bits_of(v);
+    i = i > INF ? 0 : i; // NaN
+    i = i < 0 ? 0 : i;   // negative values, and NaN with its sign set
+    i = i > ONE ? ONE : i;
+    return float_of(i);
+}
+
+/* 1.055 x^(1/2.4) - 0.055 within 4e-7, without a call: x^(1/2.4) is
+ * 2^(log2(x) / 2.4), log2 by the series of atanh around m in
+ * [sqrt(1/2), sqrt(2)), 2^t by its Taylor series around the nearest whole. */
+static INLINE float curve(float x)
+{
+    const int32_t half_root = 0x3f3504f3; // bits of sqrt(1/2)
+    const int32_t e = (bits_of(x) - half_root) >> 23;
+    const float m = float_of(bits_of(x) - (int32_t) ((uint32_t) e << 23));
+    const float s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
+    const float log2m =
+        s * (2.8853901f +
+             s2 * (0.96179669f + s2 * (0.57707802f + s2 * 0.41219859f)));
+    const float t = ((float) e + log2m) * (1.0f / 2.4f);
+    const int32_t whole = (int32_t) (t - 0.5f); // t <= 0: rounds to nearest
+    const float f = (t - (float) whole) * 0.69314718f;
+    const float p =
+        1.0f + f * (1.0f + f * (0.5f + f * (1.0f / 6 + f * (1.0f / 24 +
+               f * (1.0f / 120 + f * (1.0f / 720))))));
+    return 1.055f * (p * float_of((whole + 127) << 23)) - 0.055f;
+}
+
+/* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. One loop a
+ * step: arrays keep the compiler from making branches around a side of a
+ * choice, and branches from making vectors. Exact at 0 and from 1 on. */
+static INLINE void encode_block(const float *restrict in, float max,
+                                float *restrict x, float *restrict v, size_t n)
+{
+    float power[BLOCK];
+    for (size_t i = 0; i < n; i++)
+        x[i] = clamp_by_bits(in[i]);
+    for (size_t i = 0; i < n; i++)
+        power[i] = curve(x[i]) * max;
+    for (size_t i = 0; i < n; i++)
+        v[i] = x[i] * (12.92f * max);
+    for (size_t i = 0; i < n; i++) {
+        const float rest = x[i] <= 0.0031308f ? v[i] : power[i];
+        v[i] = x[i] < 1.0f ? rest : max;
+    }
+}
+
+static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
+                                        const float *linear, uint16_t *code,
+                                        size_t n)
+{
+    const int32_t *const least = q->least;
+    const uint8_t *const first = q->first;
+    float x[BLOCK];
+    for (size_t at = 0; at < n; at += BLOCK) {
+        const size_t m = n - at < BLOCK ? n - at : BLOCK;
+        for (size_t i = 0; i < m; i++)
+            x[i] = clamp_by_bits(linear[at + i]);
+        for (size_t i = 0; i < m; i++) {
+            const int32_t b = bits_of(x[i]), c = first[b >> 16];
+            code[at + i] = (uint16_t) (c + (b >= least[c + 1]));
+        }
+    }
+}
+
+static INLINE void quantize_block(const struct gp_quantizer *q,
+                                  const float *linear, uint16_t *code,
+                                  size_t n)
+{
+    const int32_t *const least = q->least;
+    float x[BLOCK], v[BLOCK];
+    encode_block(linear, (float) q->max, x, v, n);
+    for (size_t i = 0; i < n; i++) {
+        const int32_t c = (int32_t) (v[i] + 0.5f), b = bits_of(x[i]);
+        code[i] = (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
+    }
+}
+
+static GP_CLONES void quantize_by_curve(const struct gp_quantizer *q,
+                                        const float *linear, uint16_t *code,
+                                        size_t n)
+{
+    for (size_t i = 0; i < n; i += BLOCK)
+        quantize_block(q, linear + i, code + i, n - i < BLOCK ? n - i : BLOCK);
+}
+
+void gp_quantize(const struct gp_quantizer *q, const float *linear,
+                 uint16_t *code, size_t n)
+{
+    if (q->first)
+        quantize_by_table(q, linear, code, n);
+    else
+        quantize_by_curve(q, linear, code, n);
+}
+
+/* Jimenez: fract(52.9829189 * fract(0.06711056 x + 0.00583715 y)), with
+ * fractions as 32-bit numbers that wrap by themselves. */
+static const uint32_t noise_x = 288237660u;   // 0.06711056 * 2^32
+static const uint32_t noise_y = 25070368u;    // 0.00583715 * 2^32
+static const uint32_t noise_scale = 3472289u; // 52.9829189 * 2^16
+
+/* v is in codes. */
+static INLINE void dither_block(const float *v, uint32_t inner,
+                                uint16_t *code, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        const uint32_t at = inner + (uint32_t) i * noise_x;
+        const uint32_t d = (uint32_t) (((uint64_t) at * noise_scale) >> 16);
+        const int32_t c = (int32_t) v[i];
+        // v + d as one float would round some sums up to the next code
+        const int32_t up = (int32_t) ((1.0f - (v[i] - (float) c)) * 0x1p24f);
+        code[i] = (uint16_t) (c + ((int32_t) (d >> 8) >= up));
+    }
+}
+
+GP_CLONES void gp_quantize_dither(const struct gp_quantizer *q,
+                                  const float *linear, int x, int y,
+                                  uint16_t *code, size_t n)
+{
+    uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
+    float scratch[BLOCK], v[BLOCK];
+    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
+        const size_t m = n - i < BLOCK ? n - i : BLOCK;
+        encode_block(linear + i, (float) q->max, scratch, v, m);
+        dither_block(v, inner, code + i, m);
+    }
+}
+
+GP_CLONES void gp_quantize_linear_dither(const struct gp_quantizer *q,
+                                         const float *value, int x, int y,
+                                         uint16_t *code, size_t n)
+{
+    uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
+    float v[BLOCK];
+    for (size_t i = 0; i < n; i += BLOCK, inner += BLOCK * noise_x) {
+        const size_t m = n - i < BLOCK ? n - i : BLOCK;
+        for (size_t k = 0; k < m; k++)
+            v[k] = clamp_by_bits(value[i + k]) * (float) q->max;
+        dither_block(v, inner, code + i, m);
+    }
+}
+
+GP_CLONES void gp_quantize_linear(const struct gp_quantizer *q,
+                                  const float *value, uint16_t *code, size_t n)
+{
+    const float max = (float) q->max;
+    for (size_t i = 0; i < n; i++)
+        code[i] = (uint16_t) (int32_t) (clamp_by_bits(value[i]) * max + 0.5f);
+}
+
+// -- pictures -----------------------------------------------------------------
 
 // as --max-pixels, which bounds what files claim
 static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
@@ -146,8 +410,8 @@ static float clamp01(float v)
     return v > 0.0f ? (v < 1.0f ? v : 1.0f) : 0.0f;
 }
 
-/* Alpha codes and colours divided by what these codes mean; see the header. */
-static void take_apart(const struct gp_picture *pic, struct span s,
+/* Alpha codes, and colours divided by what these codes mean; see the header. */
+static void divide_by_alpha(const struct gp_picture *pic, struct span s,
                        struct gp_picture_row *row)
 {
     const float max = (float) gp_quantizer_max(pic->quantizer);
@@ -169,7 +433,7 @@ static void take_apart(const struct gp_picture *pic, struct span s,
     }
 }
 
-static void make_codes(const struct gp_picture *pic, const float *from,
+static void quantize_span(const struct gp_picture *pic, const float *from,
                        struct span s, int y, uint16_t *to)
 {
     const struct gp_quantizer *const q = pic->quantizer;
@@ -188,12 +452,12 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
 {
     const struct span s = span_of(pic, y);
     if (pic->alpha)
-        take_apart(pic, s, row);
+        divide_by_alpha(pic, s, row);
     for (int c = 0; c < 3; c++) {
         const float *from = pic->alpha ? row->linear[c]
                                        : pic->planes->c[c] + s.at;
         uint16_t *to = row->code[c] + s.x;
-        make_codes(pic, from, s, y, to);
+        quantize_span(pic, from, s, y, to);
     }
     for (int c = 0; c < pic->channels; c++)
         clear_around(row->code[c], sizeof(uint16_t), s, (size_t) pic->width);

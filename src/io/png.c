@@ -2,7 +2,7 @@
  * are filtered and deflated here, all at once, because libdeflate packs twice
  * as fast as zlib and filters of rows can be made in parallel when they look
  * at one row only. */
-#include "io/png.h"
+#include "io/io_priv.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
@@ -73,9 +73,7 @@ static void on_read_error(png_structp png, png_const_charp message)
 {
     struct png_input *in = png_get_error_ptr(png);
     if (!in->st && strstr(message, "ut of memory"))
-        in->st = gp_fail(in->log, GP_ERR_BUG,
-                         "%s: out of memory (%s); close other programs",
-                         in->path, message);
+        in->st = gp_no_memory(in->log, in->path);
     else if (!in->st)
         in->st = gp_fail(in->log, GP_ERR_DATA,
                          "%s: damaged (%s); copy or render the file again",
@@ -336,8 +334,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     if (in->png)
         in->info = png_create_info_struct(in->png);
     if (!in->info && !in->st)
-        in->st = gp_fail(log, GP_ERR_BUG, "%s: out of memory (libpng); close "
-                         "other programs", path);
+        in->st = gp_no_memory(log, path);
     if (in->info && !setjmp(png_jmpbuf(in->png)))
         in->st = read_header(in, max_pixels);
     if (!in->st)
@@ -443,7 +440,7 @@ static gp_status compress_picture(const struct gp_log *log,
                    (size_t) (pic->bits / 8);
     const size_t n = f.stride * (size_t) pic->height;
     if (!c)
-        GP_TRY(gp_fail_bare(log, GP_ERR_BUG, "PNG compressor: out of memory"));
+        GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
     GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
     f.to = raw;
     GP_TRY(gp_picture_each_row(log, pic, filter_row, &f));
@@ -548,7 +545,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (!info || setjmp(png_jmpbuf(png))) {
         png_destroy_write_struct(&png, &info);
         return t->st ? t->st
-                     : gp_fail_bare(t->log, GP_ERR_BUG, "PNG: out of memory");
+                     : gp_no_memory_bare(t->log, "PNG");
     }
     png_set_write_fn(png, t, write_bytes, flush_nothing);
     png_set_benign_errors(png, 1); // of odd primaries: a file without them
@@ -577,13 +574,14 @@ gp_status gp_png_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
                        const struct gp_frame *f,
                        const struct gp_planes *planes,
-                       enum gp_picture_kind kind)
+                       enum gp_picture_kind kind, struct gp_write_stats *stats)
 {
     gp_status st;
     struct gp_picture pic;
     void *data = NULL;
     size_t size = 0;
     struct target t = {.log = log};
+    (void) stats;
     GP_TRY(gp_picture_make(log, p, path, f, planes, kind, true, &pic));
     GP_TRY(compress_picture(log, &pic, &data, &size));
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));

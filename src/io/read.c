@@ -1,74 +1,237 @@
 #include "io/read.h"
 
+#include "core/bytes.h"
+#include "core/memory.h"
 #include "io/exr/exr.h"
-#include "io/format.h"
-#include "io/image.h"
+#include "io/io_priv.h"
 #include "io/oiio/oiio.h"
-#include "io/png.h"
-#include "io/read_open.h"
 
+#include <libdeflate.h>
+#include <limits.h>
+#include <png.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
-static const uint8_t exr_magic[4] = {0x76, 0x2f, 0x31, 0x01};
+// -- what a file begins with --------------------------------------------------
 
-static bool ends_with_exr(const char *path)
-{
-    size_t n = strlen(path);
-    return n > 4 && strcasecmp(path + n - 4, ".exr") == 0;
-}
-
-/* The first bytes of an input. */
-struct start {
-    uint8_t byte[GP_FORMAT_BYTES];
-    size_t n;
+/* The bytes that formats begin with. */
+static const struct {
+    const char *name;
+    const char *bytes;
+    size_t n, at;
+} magics[] = {
+    {"EXR", "\x76\x2f\x31\x01", 4, 0},
+    {"PNG", "\x89PNG", 4, 0},
+    {"JPEG", "\xff\xd8\xff", 3, 0},
+    {"TIFF", "II*\0", 4, 0}, // and most cameras' raw files
+    {"TIFF", "MM\0*", 4, 0},
+    {"TIFF", "II+\0", 4, 0}, // over 4 GiB
+    {"TIFF", "MM\0+", 4, 0},
+    {"Radiance HDR", "#?", 2, 0},
+    {"DPX", "SDPX", 4, 0},
+    {"DPX", "XPDS", 4, 0},
+    {"Cineon", "\x80\x2a\x5f\xd7", 4, 0},
+    {"Cineon", "\xd7\x5f\x2a\x80", 4, 0},
+    {"WebP or AVI", "RIFF", 4, 0},
+    {"GIF", "GIF8", 4, 0},
+    {"BMP", "BM", 2, 0},
+    {"icon", "\0\0\1\0", 4, 0},
+    {"IFF", "FOR4", 4, 0},
+    {"JPEG 2000", "\0\0\0\x0cjP", 6, 0},
+    {"JPEG 2000", "\xff\x4f\xff\x51", 4, 0},
+    {"Photoshop", "8BPS", 4, 0},
+    {"SGI", "\x01\xda", 2, 0},
+    {"Softimage", "\x53\x80\xf6\x34", 4, 0},
+    {"FITS", "SIMPLE", 6, 0},
+    {"HEIF, AVIF or a movie", "ftyp", 4, 4},
+    {"a movie", "\0\0\1\xba", 4, 0},
+    {"DDS", "DDS ", 4, 0},
+    {"DICOM", "DICM", 4, 128},
+    {"Zfile", "\x2f\x08\x67\xab", 4, 0},
+    {"Zfile", "\xab\x67\x08\x2f", 4, 0},
+    {"a camera's raw file", "FUJIFILM", 8, 0},
+    {"a camera's raw file", "IIRO", 4, 0},
+    {"a camera's raw file", "IIRS", 4, 0},
+    {"a camera's raw file", "MMOR", 4, 0},
+    {"a camera's raw file", "IIU\0", 4, 0},
+    {"a camera's raw file", "II\x1a\0", 4, 0},
+    {"a camera's raw file", "\0MRM", 4, 0},
+    {"a camera's raw file", "FOVb", 4, 0},
+    {"gzip", "\x1f\x8b", 2, 0},
+    {"zip", "PK\x03\x04", 4, 0},
+    {"a web page", "<!DOC", 5, 0},
+    {"a web page", "<html", 5, 0},
+    {"a git-lfs pointer", "version https://", 16, 0},
 };
 
-/* "PATH: is ... (found PNG); do ..." */
+/* PBM, PGM, PPM and PFM: "P", a letter, white space or a comment. */
+static const char *netpbm(const uint8_t *b, size_t n)
+{
+    if (n < 3 || b[0] != 'P' || !b[2] || !strchr(" \t\n\v\f\r#", b[2]))
+        return NULL;
+    if (b[1] == 'F' || b[1] == 'f')
+        return "PFM";
+    return b[1] >= '1' && b[1] <= '6' ? "PNM" : NULL;
+}
+
+const char *gp_format_name(const uint8_t *b, size_t n)
+{
+    const char *const pnm = netpbm(b, n);
+    if (pnm)
+        return pnm;
+    for (size_t i = 0; i < sizeof magics / sizeof *magics; i++) {
+        if (n >= magics[i].at + magics[i].n &&
+            memcmp(b + magics[i].at, magics[i].bytes, magics[i].n) == 0)
+            return magics[i].name;
+    }
+    // Targa has no magic. Its header of 18 bytes: bytes for the name, palette
+    // or none, kind of pixels, ..., width and height, bits of a pixel
+    const bool targa =
+        n >= 18 && b[1] <= 1 &&
+        ((b[2] >= 1 && b[2] <= 3) || (b[2] >= 9 && b[2] <= 11)) &&
+        (b[12] | b[13]) && (b[14] | b[15]) &&
+        (b[16] == 15 || (b[16] % 8 == 0 && b[16] >= 8 && b[16] <= 32));
+    return targa ? "Targa" : NULL;
+}
+
+// -- where images end that come one after the other ---------------------------
+
+static gp_status exr_length(const uint8_t *data, uint64_t size,
+                            uint64_t *length)
+{
+    struct gp_stream view = {.fd = -1, .borrowed = true, .size = size,
+                             .data = (uint8_t *) (uintptr_t) data};
+    struct gp_input *in;
+    const gp_status st = gp_exr_open(NULL, "-", &view, &in);
+    if (st)
+        return st == GP_ERR_BUG ? st : GP_OK;
+    *length = in->end;
+    gp_input_free(in);
+    return GP_OK;
+}
+
+static gp_status png_length(const uint8_t *data, uint64_t size,
+                            uint64_t *length)
+{
+    uint64_t at = 8; // after the signature
+    while (size >= 20 && size - at >= 12) { // length, type, checksum
+        const uint64_t n = gp_be32(data + at);
+        const uint8_t *const type = data + at + 4;
+        if (n > size - at - 12)
+            break;
+        at += 12 + n;
+        if (memcmp(type, "IEND", 4) == 0) {
+            *length = at;
+            break;
+        }
+    }
+    return GP_OK;
+}
+
+static bool is_space(uint8_t c)
+{
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+/* A whole number up to INT_MAX after white space; 0 when there is none. */
+static uint64_t whole_number(const uint8_t *data, uint64_t size, uint64_t *at)
+{
+    uint64_t v = 0;
+    while (*at < size && is_space(data[*at]))
+        (*at)++;
+    for (; *at < size && data[*at] >= '0' && data[*at] <= '9'; (*at)++) {
+        if (v > INT_MAX)
+            break;
+        v = v * 10 + (uint64_t) (data[*at] - '0');
+    }
+    return v <= INT_MAX ? v : 0;
+}
+
+/* Portable float map, by P. Debevec: "PF" or "Pf", width, height, scale, one
+ * white space, then three floats or one for each pixel. */
+static gp_status pfm_length(const uint8_t *data, uint64_t size,
+                            uint64_t *length)
+{
+    const uint64_t sample = data[1] == 'F' ? 12 : 4;
+    uint64_t at = 2;
+    const uint64_t w = whole_number(data, size, &at);
+    const uint64_t h = whole_number(data, size, &at);
+    while (at < size && is_space(data[at]))
+        at++;
+    while (at < size && !is_space(data[at])) // the scale
+        at++;
+    if (w > 0 && h > 0 && at < size && h <= (size - at - 1) / (w * sample))
+        *length = at + 1 + w * h * sample;
+    return GP_OK;
+}
+
+// -- readers ------------------------------------------------------------------
+
+/* Other formats that OpenImageIO knows have readers that end it, make pictures
+ * up, or read them wrong. */
+const struct gp_reader gp_readers[] = {
+    {.format = "EXR", .oiio = "openexr", .length = exr_length},
+    {.format = "PNG", .open = gp_png_open, .length = png_length},
+    {.format = "PFM", .oiio = "pnm", .length = pfm_length},
+    {.format = "PNM", .oiio = "pnm"},
+    {.format = "TIFF", .oiio = "tiff"},
+    {.format = "JPEG", .oiio = "jpeg"},
+    {.format = "Radiance HDR", .oiio = "hdr"},
+    {.format = "DPX", .oiio = "dpx"},
+    {.format = "BMP", .oiio = "bmp"},
+    {.format = "SGI", .oiio = "sgi"},
+    {.format = "Targa", .oiio = "targa"},
+    {.format = "WebP or AVI", .oiio = "webp"},
+    {0},
+};
+
+/* NULL for what is not read. */
+static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
+{
+    const char *const name = gp_format_name(first, n);
+    const struct gp_reader *r = gp_readers;
+    while (r->format && !(name && strcmp(name, r->format) == 0))
+        r++;
+    return r->format ? r : NULL;
+}
+
 static gp_status refuse(const struct gp_log *log, const char *path,
-                        const struct start *s, const char *is,
-                        const char *instead)
+                        const uint8_t first[GP_FIRST_BYTES], size_t n,
+                        const char *is, const char *instead)
 {
-    char found[64];
-    const char *const name = gp_format_name(s->byte, s->n);
-    if (name)
-        snprintf(found, sizeof found, "%s", name);
-    else
-        snprintf(found, sizeof found, "unknown data, %02x %02x %02x %02x ...",
-                 s->byte[0], s->byte[1], s->byte[2], s->byte[3]);
-    return gp_fail(log, GP_ERR_DATA, "%s: %s (found %s); %s", path, is, found,
-                   instead);
+    char unknown[64];
+    const char *const name = gp_format_name(first, n);
+    snprintf(unknown, sizeof unknown, "unknown data, %02x %02x %02x %02x ...",
+             first[0], first[1], first[2], first[3]);
+    return gp_fail(log, GP_ERR_DATA, "%s: %s (found %s); %s", path, is,
+                   name ? name : unknown, instead);
 }
 
-/* Bytes that a frame of max_pixels may have in a pipe: four float channels
- * for each, and a header. */
-static uint64_t pipe_limit(const struct gp_read_params *p)
-{
-    const uint64_t most = UINT64_MAX / 32;
-    uint64_t pixels = (uint64_t) p->max_pixels;
-    return (pixels < most ? pixels : most) * 16 + (1 << 26);
-}
+static const char no_format[] = "no image format that can be read",
+                  convert_it[] = "convert it, e.g. with oiiotool";
 
-/* Looks at the first bytes of an open stream, and closes it on failure. Of a
- * pipe that has more to give, they must be those of an image. */
-static gp_status look(const struct gp_log *log, const char *path,
-                      struct gp_stream *stream, bool *exr)
+/* Reads the first bytes of an open stream, which must be those of a format
+ * that is read; closes it on failure. */
+static gp_status check_start(const struct gp_log *log, const char *path,
+                             struct gp_stream *stream, bool *exr)
 {
+    uint8_t first[GP_FIRST_BYTES] = {0};
+    const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
+    const size_t n = got < 0 ? 0 : (size_t) got, length = strlen(path);
+    const bool named_exr =
+        length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
+    const struct gp_reader *const r = find_reader(first, n);
     gp_status st = GP_OK;
-    struct start s = {0};
-    const int64_t n = gp_stream_read(stream, s.byte, sizeof s.byte, 0);
-    s.n = n < 0 ? 0 : (size_t) n;
-    if (n < 0)
+    *exr = r == gp_readers;
+    if (got < 0)
         st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                      path);
-    *exr = memcmp(s.byte, exr_magic, sizeof exr_magic) == 0;
-    if (!st && !*exr && ends_with_exr(path))
-        st = refuse(log, path, &s, "is not an EXR", "rename it to its real "
-                    "ending, or give the EXR");
-    if (!st && stream->more && !gp_format_reads(s.byte, s.n))
-        st = refuse(log, path, &s, "no image format that can be read",
-                    "give an EXR or convert it");
+    else if (!*exr && named_exr)
+        st = refuse(log, path, first, n, "is not an EXR", "rename it to its "
+                    "real ending, or give the EXR");
+    else if (!r)
+        st = refuse(log, path, first, n, no_format, convert_it);
     if (st)
         gp_stream_close(stream);
     return st;
@@ -78,10 +241,13 @@ gp_status gp_read_open(const struct gp_log *log,
                        const struct gp_read_params *p, const char *path,
                        struct gp_stream *stream, bool *exr)
 {
-    gp_status st = gp_stream_open(log, path, GP_FORMAT_BYTES, stream);
+    // four float channels for each pixel, and a header
+    const uint64_t most = UINT64_MAX / 32, pixels = (uint64_t) p->max_pixels;
+    const uint64_t limit = (pixels < most ? pixels : most) * 16 + (1 << 26);
+    gp_status st = gp_stream_open(log, path, GP_FIRST_BYTES, stream);
     if (!st)
-        st = look(log, path, stream, exr);
-    return st ? st : gp_stream_fill(log, path, pipe_limit(p), stream);
+        st = check_start(log, path, stream, exr);
+    return st ? st : gp_stream_fill(log, path, limit, stream);
 }
 
 gp_status gp_read_image(const struct gp_log *log,
@@ -89,14 +255,19 @@ gp_status gp_read_image(const struct gp_log *log,
                         const struct gp_stream *stream, int part,
                         struct gp_image *out)
 {
-    uint8_t first[4] = {0};
-    if (gp_stream_read(stream, first, sizeof first, 0) == sizeof first &&
-        memcmp(first, "\x89PNG", sizeof first) == 0)
-        return gp_png_open(log, path, stream, part, p->max_pixels, out);
-    return gp_oiio_open(log, path, stream, part, p->max_pixels, out);
+    uint8_t first[GP_FIRST_BYTES] = {0};
+    const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
+    const size_t n = got < 0 ? 0 : (size_t) got;
+    const struct gp_reader *const r = find_reader(first, n);
+    if (r && r->open)
+        return r->open(log, path, stream, part, p->max_pixels, out);
+    if (r)
+        return gp_oiio_open(log, path, stream, r->oiio, part, p->max_pixels,
+                            out);
+    return refuse(log, path, first, n, no_format, convert_it);
 }
 
-/* What formats other than EXR have of parts and views. */
+/* Formats other than EXR have numbered parts and no views. */
 static gp_status choose_part(const struct gp_log *log,
                              const struct gp_read_params *p, const char *path,
                              int *part)
@@ -142,7 +313,7 @@ gp_status gp_read_stream(const struct gp_log *log,
                          struct gp_stream *stream, struct gp_frame *out)
 {
     bool exr;
-    gp_status st = look(log, path, stream, &exr);
+    gp_status st = check_start(log, path, stream, &exr);
     if (st)
         return st;
     if (exr)
@@ -160,4 +331,102 @@ gp_status gp_read_frame(const struct gp_log *log,
     bool exr;
     gp_status st = gp_read_open(log, p, path, &stream, &exr);
     return st ? st : gp_read_stream(log, p, path, &stream, out);
+}
+
+// -- several images in one stream ---------------------------------------------
+
+static gp_status add_member(const struct gp_log *log, struct gp_members *m,
+                            uint64_t at, uint64_t size)
+{
+    void *list = m->member;
+    if ((m->n & (m->n - 1)) == 0) { // doubles at powers of two
+        const size_t room = m->n ? 2 * (size_t) m->n : 1;
+        gp_status st = gp_resize(log, "frame list", room * sizeof *m->member,
+                                 &list);
+        if (st)
+            return st;
+    }
+    m->member = list;
+    m->member[m->n++] = (struct gp_member) {at, size};
+    return GP_OK;
+}
+
+/* An image whose end cannot be told reaches to the end of the stream. */
+static gp_status find_members(const struct gp_log *log, const char *path,
+                              struct gp_members *m)
+{
+    const uint64_t end = m->stream.size;
+    for (uint64_t at = 0; at < end;) {
+        const uint8_t *const data = m->stream.data + at;
+        const uint64_t left = end - at;
+        const size_t n = left < GP_FIRST_BYTES ? (size_t) left : GP_FIRST_BYTES;
+        const struct gp_reader *const r = find_reader(data, n);
+        uint64_t size = 0;
+        if (r && r->length && r->length(data, left, &size))
+            return gp_no_memory(log, path);
+        if ((!r || !r->length) && m->n > 0)
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: what follows frame %d is no EXR, PNG or PFM "
+                           "(found %02x at byte %llu); give whole files, one "
+                           "after the other", path, m->n, data[0],
+                           (unsigned long long) at);
+        if (size == 0 || size > left)
+            size = left;
+        gp_status st = add_member(log, m, at, size);
+        if (st)
+            return st;
+        for (at += size; at < end && m->stream.data[at] == 0; at++)
+            ; // padding
+    }
+    return GP_OK;
+}
+
+gp_status gp_members_read(const struct gp_log *log,
+                          const struct gp_read_params *p, const char *path,
+                          struct gp_members *out)
+{
+    struct gp_members m = {.stream = GP_STREAM_EMPTY};
+    bool exr;
+    gp_status st = gp_read_open(log, p, path, &m.stream, &exr);
+    if (!st && !m.stream.data)
+        st = gp_fail(log, GP_ERR_BUG, "%s: is no pipe", path);
+    if (!st)
+        st = find_members(log, path, &m);
+    if (st)
+        gp_members_free(&m);
+    else
+        *out = m;
+    return st;
+}
+
+void gp_members_free(struct gp_members *m)
+{
+    if (m->stream.data) // one that is all zero has no stream either
+        gp_stream_close(&m->stream);
+    gp_free(m->member);
+    *m = (struct gp_members) {.stream = GP_STREAM_EMPTY};
+}
+
+gp_status gp_members_frame(const struct gp_log *log,
+                           const struct gp_read_params *p, const char *name,
+                           const struct gp_members *m, int i,
+                           struct gp_frame *out)
+{
+    struct gp_stream view = {
+        .fd = -1, .borrowed = true, .size = m->member[i].size,
+        .data = m->stream.data + m->member[i].at,
+    };
+    return gp_read_stream(log, p, name, &view, out);
+}
+
+// -- versions -----------------------------------------------------------------
+
+void gp_io_versions(char *line, size_t size)
+{
+    int major, minor, patch;
+    const char *tag;
+    exr_get_library_version(&major, &minor, &patch, &tag);
+    snprintf(line, size, "OpenEXRCore %d.%d.%d%s, libpng %s, libdeflate %s",
+             major, minor, patch, tag ? tag : "", png_get_libpng_ver(NULL),
+             LIBDEFLATE_VERSION_STRING);
 }

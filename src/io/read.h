@@ -8,6 +8,9 @@
 
 #include "core/frame.h"
 #include "core/status.h"
+#include "io/stream.h"
+
+#include <stddef.h>
 
 struct gp_read_params {
     /* A data window of more pixels is refused, and so is a frame's display
@@ -28,8 +31,8 @@ static inline struct gp_read_params gp_read_limits(
     return (struct gp_read_params) {.max_pixels = p->max_pixels};
 }
 
-/* Reads a frame: EXR by OpenEXRCore, any other format by the OpenImageIO
- * bridge, told apart by the first bytes, never by the name.
+/* Reads a frame: EXR by OpenEXRCore, PNG by libpng, any other format by the
+ * OpenImageIO bridge, told apart by the first bytes, never by the name.
  *
  *   path  file, or "-" for stdin (read to its end, like any pipe; refused by
  *         its first bytes when no format begins so)
@@ -61,8 +64,8 @@ static inline struct gp_read_params gp_read_limits(
  * ones without a name by sRGB's.
  *
  * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty,
- * truncated, damaged, deep, over max_pixels, or no colour channel; GP_ERR_USAGE the
- * file has no such layer, part or view (the line lists what it has), or the
+ * truncated, damaged, deep, over max_pixels, or no colour channel;
+ * GP_ERR_USAGE the file has no such layer, part or view (the line lists what it has), or the
  * layer is Cryptomatte's.
  */
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
@@ -90,5 +93,65 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
                                       const struct gp_read_params *p,
                                       const struct gp_frame *f,
                                       const char *layer, struct gp_frame *out);
+
+/* -- several images in one stream ------------------------------------------
+ *
+ * One after the other, as `cat a.exr b.exr` makes them. The stream is read to
+ * its end into memory before the first frame: a program that writes to a pipe
+ * says nowhere how many frames will come.
+ */
+
+/* Where one image lies in the stream. */
+struct gp_member {
+    uint64_t at, size; // bytes
+};
+
+struct gp_members {
+    struct gp_stream stream;  // owned: all bytes
+    struct gp_member *member; // owned; in the stream's order
+    int n;
+};
+
+/* Reads stdin (or another pipe) to its end and finds its images.
+ *
+ * EXR, PNG and PFM say where they end: EXR by its offset tables, PNG by IEND,
+ * PFM by its header. Any other format has the stream for itself. An image
+ * whose end cannot be told (damaged, cut off) reaches to the end of the
+ * stream, so that its reader reports what is wrong.
+ * Zero bytes after an image are padding.
+ *
+ *   p     max_pixels bounds the bytes of the whole stream: 16 for each pixel,
+ *         and 64 MiB
+ *   path  "-", or a pipe
+ *   out   written only on GP_OK; free with gp_members_free() after the last
+ *         frame read from it is freed
+ *
+ * Errors: those of gp_read_open(); GP_ERR_DATA bytes after an image that
+ * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,
+                                        const struct gp_read_params *p,
+                                        const char *path,
+                                        struct gp_members *out);
+/* Frees what it owns and clears it; an empty or all-zero one is fine. */
+void gp_members_free(struct gp_members *m);
+
+/* gp_read_frame() for image `i` of [0, m->n). The frame borrows the stream's
+ * bytes; several threads may read at once.
+ *
+ *   name  for messages and gp_frame.path
+ */
+GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
+                                         const struct gp_read_params *p,
+                                         const char *name,
+                                         const struct gp_members *m, int i,
+                                         struct gp_frame *out);
+
+/* -- versions --------------------------------------------------------------- */
+
+/* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: what this
+ * process runs with where the library can say so, else what it was built
+ * with. Opens nothing. */
+void gp_io_versions(char *line, size_t size);
 
 #endif

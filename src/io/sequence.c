@@ -4,6 +4,7 @@
 
 #include <dirent.h>
 #include <errno.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +13,12 @@
 static bool is_digit(char c)
 {
     return c >= '0' && c <= '9';
+}
+
+static int ascending(const void *a, const void *b)
+{
+    int x = *(const int *) a, y = *(const int *) b;
+    return (x > y) - (x < y);
 }
 
 /* Where the last component of a path starts. */
@@ -29,15 +36,8 @@ static size_t view_token(const char *s)
     return s[0] == '%' && (s[1] == 'V' || s[1] == 'v') ? 2 : 0;
 }
 
-static int count_views(const char *path)
-{
-    int n = 0;
-    for (; *path; path++)
-        n += view_token(path) > 0;
-    return n;
-}
-
-size_t gp_view_letter(const char *view)
+/* Bytes of a view's first letter, which in UTF-8 may be several. */
+static size_t letter_bytes(const char *view)
 {
     size_t n = *view ? 1 : 0;
     while (n && ((unsigned char) view[n] & 0xc0) == 0x80)
@@ -47,7 +47,7 @@ size_t gp_view_letter(const char *view)
 
 /* `p` with its places for views filled; NULL for `view` leaves them. The new
  * path is the caller's (free()); NULL when memory is full. */
-static char *fill_views(const struct gp_pattern *p, const char *view,
+static char *name_with_views(const struct gp_pattern *p, const char *view,
                         struct gp_pattern *out)
 {
     const size_t places = view ? (size_t) p->views : 0;
@@ -62,7 +62,7 @@ static char *fill_views(const struct gp_pattern *p, const char *view,
     while (p->path[from]) {
         const size_t n = places ? view_token(p->path + from) : 0;
         const size_t bytes = !n ? 1 : p->path[from + 1] == 'V'
-                                ? strlen(view) : gp_view_letter(view);
+                                ? strlen(view) : letter_bytes(view);
         if (p->len && from == p->at)
             out->at = to;
         memcpy(path + to, n ? view : p->path + from, bytes);
@@ -104,11 +104,6 @@ static size_t run_token(const char *s, char sign, int *digits)
     return n;
 }
 
-static size_t token(const char *s, char sign, int *digits)
-{
-    return sign == '%' ? percent_token(s, digits) : run_token(s, sign, digits);
-}
-
 gp_status gp_pattern_find(const struct gp_log *log, const char *path,
                           struct gp_pattern *out)
 {
@@ -117,7 +112,8 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
     for (const char *sign = signs; *sign && !p.len; sign++) {
         for (size_t i = name_at(path); path[i];) {
             int digits;
-            size_t n = token(path + i, *sign, &digits);
+            size_t n = *sign == '%' ? percent_token(path + i, &digits)
+                                    : run_token(path + i, *sign, &digits);
             if (n && p.len)
                 return gp_fail(log, GP_ERR_USAGE,
                                "%s: two places for the frame number (%.*s and "
@@ -135,7 +131,8 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: frame numbers this long do not exist (%d digits); "
                        "use at most %d", path, p.digits, GP_FRAME_DIGITS);
-    p.views = count_views(path);
+    for (const char *c = path; *c; c++)
+        p.views += view_token(c) > 0;
     *out = p;
     return GP_OK;
 }
@@ -151,7 +148,7 @@ char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view)
 {
     struct gp_pattern filled;
     char number[24];
-    char *const path = fill_views(p, view, &filled);
+    char *const path = name_with_views(p, view, &filled);
     if (!path || !filled.len)
         return path;
     const int n = snprintf(number, sizeof number, "%0*d", p->digits, frame);
@@ -166,13 +163,195 @@ char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view)
     return name;
 }
 
-// -- what is on disk ---------------------------------------------------------
+// -- lists of frames ----------------------------------------------------------
 
-static int ascending(const void *a, const void *b)
+void gp_frames_free(struct gp_frames *f)
 {
-    int x = *(const int *) a, y = *(const int *) b;
-    return (x > y) - (x < y);
+    free(f->number);
+    *f = (struct gp_frames) {0};
 }
+
+static bool add_frame(struct gp_frames *f, int number)
+{
+    if (!(f->n & (f->n - 1))) { // doubles at powers of two
+        int *grown = realloc(f->number, (size_t) (f->n ? 2 * f->n : 1) *
+                                            sizeof *grown);
+        if (!grown)
+            return false;
+        f->number = grown;
+    }
+    f->number[f->n++] = number;
+    return true;
+}
+
+struct place {
+    int number, at;
+};
+
+/* Sorts by number, byte by byte from the lowest; equal ones stay in order.
+ * (Comparing took a second for the longest lists.) `spare` has as much room. */
+static void sort_by_number(struct place *place, struct place *spare, int n)
+{
+    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
+        int start[257] = {0};
+        struct place *const from = shift / 8 % 2 ? spare : place;
+        struct place *const to = shift / 8 % 2 ? place : spare;
+        for (int pass = 0; pass < 2; pass++) {
+            for (int i = 0; i < n; i++) {
+                // the sign's bit turned: negative numbers come first
+                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
+                const uint32_t byte = key >> shift & 0xff;
+                if (pass)
+                    to[start[byte]++] = from[i];
+                else
+                    start[byte + 1]++;
+            }
+            for (int k = 0; !pass && k < 256; k++)
+                start[k + 1] += start[k];
+        }
+    }
+}
+
+/* Whether all numbers go one way, as those of a single range do. */
+static bool goes_one_way(const struct gp_frames *f)
+{
+    const bool down = f->n > 1 && f->number[1] < f->number[0];
+    for (int i = 1; i < f->n; i++) {
+        if (down ? f->number[i] >= f->number[i - 1]
+                 : f->number[i] <= f->number[i - 1])
+            return false;
+    }
+    return true;
+}
+
+/* Keeps the first of equal numbers, in the order they came. */
+static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
+{
+    void *block;
+    if (goes_one_way(f)) // sorting a million frames takes a while
+        return GP_OK;
+    const int n = f->n;
+    gp_status st = gp_alloc(log, "frame list", 2 * (size_t) n,
+                            sizeof(struct place), &block);
+    if (st)
+        return st;
+    struct place *const place = block;
+    for (int i = 0; i < n; i++)
+        place[i] = (struct place) {f->number[i], i};
+    sort_by_number(place, place + n, n);
+    bool *const again = (bool *) (place + n); // of the frame at that place
+    for (int i = 0; i < n; i++)
+        again[place[i].at] = i > 0 && place[i].number == place[i - 1].number;
+    f->n = 0;
+    for (int i = 0; i < n; i++) {
+        if (!again[i])
+            f->number[f->n++] = f->number[i];
+    }
+    gp_free(block);
+    return GP_OK;
+}
+
+/* Reads [-]digits at *s and moves *s after it. */
+static bool read_number(const char **s, int *out)
+{
+    const char *c = *s;
+    bool minus = *c == '-';
+    c += minus;
+    int value = 0, digits = 0;
+    for (; is_digit(*c) && digits <= GP_FRAME_DIGITS; c++, digits++)
+        value = digits < GP_FRAME_DIGITS ? 10 * value + (*c - '0') : value;
+    if (digits == 0 || digits > GP_FRAME_DIGITS)
+        return false;
+    *out = minus ? -value : value;
+    *s = c;
+    return true;
+}
+
+struct range {
+    int from, to, step;  // step >= 1, whatever the direction
+};
+
+/* Reads one item at *s, up to its comma or the end. */
+static bool read_range(const char **s, struct range *r)
+{
+    r->step = 1;
+    if (!read_number(s, &r->from))
+        return false;
+    r->to = r->from;
+    if (**s == '-') {
+        ++*s;
+        if (!read_number(s, &r->to))
+            return false;
+        if (**s == 'x') {
+            ++*s;
+            if (!read_number(s, &r->step) || r->step < 1)
+                return false;
+        }
+    }
+    return **s == ',' || **s == '\0';
+}
+
+static gp_status append_range(const struct gp_log *log, const char *text,
+                              struct range r, struct gp_frames *f)
+{
+    int way = r.to < r.from ? -1 : 1;
+    int64_t frames = ((int64_t) r.to - r.from) * way / r.step + 1;
+    if (frames > GP_FRAME_LIST_MAX - f->n)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--frames: too many frames (over %d in %s); make "
+                       "them in several runs", GP_FRAME_LIST_MAX, text);
+    for (int64_t i = 0; i < frames; i++) {
+        if (!add_frame(f, (int) (r.from + way * i * r.step)))
+            return gp_no_memory(log, "--frames");
+    }
+    return GP_OK;
+}
+
+gp_status gp_frames_parse(const struct gp_log *log, const char *text,
+                          struct gp_frames *out)
+{
+    gp_status st;
+    struct gp_frames f = {0};
+    for (const char *s = text;; s++) {
+        struct range r;
+        const char *item = s;
+        if (!read_range(&s, &r)) {
+            st = gp_fail(log, GP_ERR_USAGE,
+                         "--frames: not a list of frames (found %.*s in %s); "
+                         "write 7, 1-100, 1-100x2 or 3,4,10-20x2",
+                         (int) strcspn(item, ","), item, text);
+            goto out;
+        }
+        GP_TRY(append_range(log, text, r, &f));
+        if (!*s)
+            break;
+    }
+    GP_TRY(drop_repeats(log, &f));
+    *out = f;
+    return GP_OK;
+out:
+    gp_frames_free(&f);
+    return st;
+}
+
+bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more)
+{
+    for (int i = 0; i < more->n; i++) {
+        if (!add_frame(all, more->number[i]))
+            return false;
+    }
+    if (all->n)
+        qsort(all->number, (size_t) all->n, sizeof *all->number, ascending);
+    int kept = 0;
+    for (int i = 0; i < all->n; i++) {
+        if (i == 0 || all->number[i] != all->number[kept - 1])
+            all->number[kept++] = all->number[i];
+    }
+    all->n = kept;
+    return true;
+}
+
+// -- what is on disk ---------------------------------------------------------
 
 /* The number of `name` when it is a frame of the pattern whose component
  * starts at `start`; -1 else. */
@@ -191,7 +370,7 @@ static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
     return snprintf(NULL, 0, "%0*d", p->digits, number) == n ? number : -1;
 }
 
-static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
+static gp_status scan_folder(const struct gp_log *log, const struct gp_pattern *p,
                       DIR *folder, struct gp_frames *f)
 {
     const size_t start = name_at(p->path);
@@ -203,9 +382,8 @@ static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: too many frames (over %d); choose some with "
                            "--frames", p->path, f->n);
-        if (!gp_frames_add(f, number))
-            return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                           "programs", p->path);
+        if (!add_frame(f, number))
+            return gp_no_memory(log, p->path);
     }
     if (f->n == 0)
         return gp_fail(log, GP_ERR_IO,
@@ -215,41 +393,34 @@ static gp_status scan(const struct gp_log *log, const struct gp_pattern *p,
     return GP_OK;
 }
 
-/* The frames of a pattern whose views are filled. */
-static gp_status list_folder(const struct gp_log *log,
-                             const struct gp_pattern *p, struct gp_frames *out)
-{
-    size_t start = name_at(p->path);
-    char *path = start ? strndup(p->path, start) : gp_strdup(".");
-    if (!path)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", p->path);
-    DIR *folder = opendir(path);
-    int reason = errno;
-    free(path);
-    if (!folder)
-        return gp_fail(log, reason == ENOMEM ? GP_ERR_BUG : GP_ERR_IO,
-                       "%s: cannot list the folder (%s); check the path",
-                       p->path, strerror(reason));
-    struct gp_frames f = {0};
-    gp_status st = scan(log, p, folder, &f);
-    closedir(folder);
-    if (st)
-        gp_frames_free(&f);
-    else
-        *out = f;
-    return st;
-}
-
 gp_status gp_frames_on_disk(const struct gp_log *log,
                             const struct gp_pattern *p, const char *view,
                             struct gp_frames *out)
 {
     struct gp_pattern filled;
-    char *const path = fill_views(p, view, &filled);
-    if (!path)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory", p->path);
-    gp_status st = list_folder(log, &filled, out);
+    struct gp_frames f = {0};
+    gp_status st = GP_OK;
+    char *const path = name_with_views(p, view, &filled);
+    const size_t start = path ? name_at(path) : 0;
+    char *const name = start ? strndup(path, start) : gp_strdup(".");
+    DIR *const folder = path && name ? opendir(name) : NULL;
+    const int reason = errno;
+    if (!path || !name || (!folder && reason == ENOMEM))
+        st = gp_no_memory(log, p->path);
+    else if (!folder)
+        st = gp_fail(log, GP_ERR_IO,
+                     "%s: cannot list the folder (%s); check the path", path,
+                     strerror(reason));
+    else
+        st = scan_folder(log, &filled, folder, &f);
+    if (folder)
+        closedir(folder);
+    free(name);
     free(path);
+    if (st)
+        gp_frames_free(&f);
+    else
+        *out = f;
     return st;
 }
 
@@ -271,4 +442,93 @@ bool gp_frame_number(const char *path, int *out)
     for (size_t i = at; i < end; i++)
         *out = 10 * *out + (name[i] - '0');
     return true;
+}
+
+// -- lists of views -----------------------------------------------------------
+
+void gp_views_free(struct gp_views *v)
+{
+    gp_free(v->text);
+    gp_free(v->name);
+    *v = (struct gp_views) {0};
+}
+
+static gp_status check_name(const struct gp_log *log, const char *text,
+                            const struct gp_views *v, const char *name)
+{
+    if (!*name)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--views: an empty name (found in \"%s\"); write "
+                       "left,right", text);
+    if (strchr(name, '/'))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "--views: a name with a slash (found %s); views are "
+                       "names, %%V may stand for a folder", name);
+    for (int i = 0; i < v->n; i++) {
+        if (strcmp(v->name[i], name) == 0)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--views: %s comes twice (found in %s); name each "
+                           "view once", name, text);
+    }
+    return GP_OK;
+}
+
+/* Cuts v->text at its commas into at most GP_VIEWS_MAX names. */
+static gp_status split_names(const struct gp_log *log, const char *text,
+                     struct gp_views *v)
+{
+    for (char *at = v->text; at;) {
+        char *const comma = strchr(at, ',');
+        if (comma)
+            *comma = '\0';
+        if (v->n == GP_VIEWS_MAX)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "--views: too many (over %d); make them in several "
+                           "runs", GP_VIEWS_MAX);
+        gp_status st = check_name(log, text, v, at);
+        if (st)
+            return st;
+        v->name[v->n++] = at;
+        at = comma ? comma + 1 : NULL;
+    }
+    return GP_OK;
+}
+
+gp_status gp_views_parse(const struct gp_log *log, const char *text,
+                         struct gp_views *out)
+{
+    gp_status st;
+    void *block;
+    struct gp_views v = {0};
+    GP_TRY(gp_alloc_zero(log, "view list", GP_VIEWS_MAX, sizeof *v.name,
+                         &block));
+    v.name = block;
+    v.text = gp_strdup(text);
+    if (!v.text)
+        GP_TRY(gp_no_memory_bare(log, "view list"));
+    GP_TRY(split_names(log, text, &v));
+    *out = v;
+    return GP_OK;
+out:
+    gp_views_free(&v);
+    return st;
+}
+
+gp_status gp_views_check(const struct gp_log *log, const struct gp_pattern *p,
+                         const struct gp_views *v)
+{
+    bool longs = false;
+    for (const char *s = p->path; p->views && (s = strchr(s, '%')); s++)
+        longs = longs || s[1] == 'V';
+    for (int i = 1; p->views && !longs && i < v->n; i++) {
+        const size_t n = letter_bytes(v->name[i]);
+        for (int k = 0; k < i; k++) {
+            if (strncmp(v->name[i], v->name[k], n) == 0)
+                return gp_fail(log, GP_ERR_USAGE,
+                               "%s: %%v is the same letter for two views "
+                               "(found %s and %s); write %%V", p->path,
+                               v->name[k], v->name[i]);
+        }
+    }
+    return GP_OK;
 }

@@ -88,9 +88,6 @@ GP_MUST_CHECK gp_status gp_frames_parse(const struct gp_log *log,
                                         struct gp_frames *out);
 void gp_frames_free(struct gp_frames *f);
 
-/* Appends a number that is not there yet. False when memory is full. */
-bool gp_frames_add(struct gp_frames *f, int number);
-
 /* Adds those of `more` that are not there yet; *all comes out ascending.
  * False when memory is full. */
 bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
@@ -109,9 +106,6 @@ void gp_views_free(struct gp_views *v);
 GP_MUST_CHECK gp_status gp_views_check(const struct gp_log *log,
                                        const struct gp_pattern *p,
                                        const struct gp_views *v);
-
-/* Bytes of a view's first letter, which in UTF-8 may be several. */
-size_t gp_view_letter(const char *view);
 
 /* The frame number in a file's own name: the last run of up to
  * GP_FRAME_DIGITS digits before the ending, 1001 in shot_v2.1001.exr. False

@@ -1,11 +1,8 @@
 #include "io/write.h"
 
-#include "io/exr/exr.h"
 #include "io/file.h"
-#include "io/file_name.h"
+#include "io/io_priv.h"
 #include "io/oiio/oiio.h"
-#include "io/png.h"
-#include "io/raw_write.h"
 
 #include <string.h>
 
@@ -13,8 +10,8 @@ enum { ENDING_BYTES = 16 };
 
 /* The ending that decides; true when it is not the path's own, but that of
  * stdout, pipes and devices without one. */
-static bool format_of(const struct gp_write_params *p, const char *path,
-                      char ending[ENDING_BYTES])
+static bool find_ending(const struct gp_write_params *p, const char *path,
+                        char ending[ENDING_BYTES])
 {
     static const char *const formats[] = {
         [GP_STDOUT_EXR] = "exr", [GP_STDOUT_PNG] = "png",
@@ -27,17 +24,56 @@ static bool format_of(const struct gp_write_params *p, const char *path,
     return true;
 }
 
-/* Raw frames have no files of their own: .raw is what cameras write. */
-static bool is_raw(bool straight, const char *ending)
+// -- writers ------------------------------------------------------------------
+
+/* DWA is packed by OpenImageIO. */
+static gp_status check_exr(const struct gp_log *log,
+                           const struct gp_write_params *p, const char *path,
+                           const char *ending)
 {
-    return straight && strcmp(ending, "raw") == 0;
+    (void) ending;
+    return p->compression < GP_COMPRESSION_DWAA ? GP_OK
+                                                : gp_oiio_check(log, path);
+}
+
+static gp_status write_other(const struct gp_log *log,
+                             const struct gp_write_params *p, const char *path,
+                             const struct gp_frame *f,
+                             const struct gp_planes *planes,
+                             enum gp_picture_kind kind,
+                             struct gp_write_stats *stats)
+{
+    char ending[ENDING_BYTES];
+    (void) stats;
+    (void) find_ending(p, path, ending);
+    return gp_other_write(log, p, path, ending, f, planes, kind);
+}
+
+/* Raw frames have no files of their own: .raw is what cameras write. */
+const struct gp_writer gp_writers[] = {
+    {"exr", false, check_exr, gp_exr_write_picture},
+    {"png", false, NULL, gp_png_write},
+    {"raw", true, NULL, gp_raw_write},
+    {NULL, false, gp_other_check, write_other},
+};
+
+static const struct gp_writer *find_writer(const struct gp_write_params *p,
+                                           const char *path,
+                                           char ending[ENDING_BYTES])
+{
+    const bool straight = find_ending(p, path, ending);
+    const struct gp_writer *w = gp_writers;
+    while (w->ending && (strcmp(w->ending, ending) != 0 ||
+                         (w->only_straight && !straight)))
+        w++;
+    return w;
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,
                              const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    const bool straight = format_of(p, path, ending);
+    const bool straight = find_ending(p, path, ending);
     if (straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: --hdr keeps all channels, which EXR alone can "
@@ -60,18 +96,9 @@ gp_status gp_write_check(const struct gp_log *log,
                          const struct gp_write_params *p, const char *path)
 {
     char ending[ENDING_BYTES];
-    if (is_raw(format_of(p, path, ending), ending))
-        return gp_file_check(log, path, p->create_dir);
-    if (strcmp(ending, "exr") != 0 && strcmp(ending, "png") != 0) {
-        gp_status st = gp_other_check(log, p, path, ending);
-        if (st)
-            return st;
-    } else if (p->compression >= GP_COMPRESSION_DWAA && ending[0] == 'e') {
-        const gp_status st = gp_oiio_check(log, path); // DWA is made by it
-        if (st)
-            return st;
-    }
-    return gp_file_check(log, path, p->create_dir);
+    const struct gp_writer *const w = find_writer(p, path, ending);
+    gp_status st = w->check ? w->check(log, p, path, ending) : GP_OK;
+    return st ? st : gp_file_check(log, path, p->create_dir);
 }
 
 gp_status gp_write_picture(const struct gp_log *log,
@@ -82,17 +109,12 @@ gp_status gp_write_picture(const struct gp_log *log,
                            struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
-    const bool straight = format_of(p, path, ending);
     if (gp_write_would_clobber(p, path))
         return GP_OK;
-    if (strcmp(ending, "exr") == 0)
-        return gp_exr_write_picture(log, p, path, f, planes, kind, stats);
-    if (strcmp(ending, "png") == 0)
-        return gp_png_write(log, p, path, f, planes, kind);
-    if (is_raw(straight, ending))
-        return gp_raw_write(log, p, path, f, planes, kind, stats);
-    return gp_other_write(log, p, path, ending, f, planes, kind);
+    return find_writer(p, path, ending)->write(log, p, path, f, planes, kind,
+                                               stats);
 }
+
 
 gp_status gp_write_hdr(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,

@@ -4,7 +4,7 @@
 #include "glare/sensors.h"
 #include "harness.h"
 #include "io/plane.h"
-#include "io/read_open.h"
+#include "io/io_priv.h"
 #include "io/write.h"
 
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* A kernel's file. The last byte chooses centre, turn and normalising. */
 #include "glare/kernel.h"
 #include "harness.h"
-#include "io/read_open.h"
+#include "io/io_priv.h"
 
 static void make_kernel(const struct gp_frame *f, uint8_t choice)
 {

@@ -1,6 +1,6 @@
 /* Several images in one pipe. */
 #include "harness.h"
-#include "io/members.h"
+#include "io/read.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
  * before and with itself. */
 #include "compare/compare_priv.h"
 #include "harness.h"
-#include "io/raw_read.h"
+#include "io/stored.h"
 
 #include <stdlib.h>
 
@@ -12,7 +12,7 @@ static bool fits(struct gp_rect r)
     return w <= FUZZ_PIXELS && h <= FUZZ_PIXELS / w;
 }
 
-static void compare(const struct gp_raw_image *a, const struct gp_raw_image *b)
+static void compare(const struct gp_stored_image *a, const struct gp_stored_image *b)
 {
     const struct gp_compare_params limits = GP_COMPARE_DEFAULTS;
     struct gp_compare_match m;
@@ -32,16 +32,16 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     enum { MOST = 4 }; // parts of one input
     const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
-    struct gp_raw_file f;
-    struct gp_raw_image image[2] = {0};
+    struct gp_stored_file f;
+    struct gp_stored_image image[2] = {0};
     const char *const path = size ? fuzz_file(data, size) : NULL;
     fuzz_begin();
-    if (path && !fuzz_said(gp_raw_open(&fuzz_log, &p, path, &f))) {
+    if (path && !fuzz_said(gp_stored_open(&fuzz_log, &p, path, &f))) {
         bool before = false;
         for (int i = 0; i < f.parts && i < MOST; i++) {
-            struct gp_raw_image *const a = &image[i & 1];
-            gp_raw_image_free(a);
-            if (fuzz_said(gp_raw_read(&fuzz_log, &p, &f, i, a))) {
+            struct gp_stored_image *const a = &image[i & 1];
+            gp_stored_image_free(a);
+            if (fuzz_said(gp_stored_read(&fuzz_log, &p, &f, i, a))) {
                 before = false;
                 continue;
             }
@@ -50,11 +50,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
                 compare(&image[!(i & 1)], a);
             before = true;
         }
-        gp_raw_image_free(&image[0]);
-        gp_raw_image_free(&image[1]);
+        gp_stored_image_free(&image[0]);
+        gp_stored_image_free(&image[1]);
     }
     if (path)
-        gp_raw_close(&f);
+        gp_stored_close(&f);
     fuzz_end(fuzz_allowed(data, size) * 3 - 2 * (uint64_t) FUZZ_FIXED);
     fuzz_file_close();
     return 0;

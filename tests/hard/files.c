@@ -8,7 +8,7 @@
 #include "hardcases.h"
 
 #include "core/parallel.h"
-#include "io/raw_write.h"
+#include "io/io_priv.h"
 #include "io/read.h"
 
 #include <unistd.h>

@@ -1,7 +1,7 @@
 #include "files_read.h"
 #include "hardcases.h"
 
-#include "io/raw_read.h"
+#include "io/stored.h"
 
 #include <png.h>
 
@@ -138,10 +138,10 @@ static void read_image(const char *path, float largest,
                        struct hard_picture *out)
 {
     const struct gp_read_params limits = GP_READ_DEFAULTS;
-    struct gp_raw_file file;
-    struct gp_raw_image image;
-    if (gp_raw_open(&scene_log, &limits, path, &file) ||
-        gp_raw_read(&scene_log, &limits, &file, 0, &image))
+    struct gp_stored_file file;
+    struct gp_stored_image image;
+    if (gp_stored_open(&scene_log, &limits, path, &file) ||
+        gp_stored_read(&scene_log, &limits, &file, 0, &image))
         hard_die(path, scene_line);
     if (image.channels < 3 || image.channels > 4)
         hard_die(path, "is not RGB");
@@ -155,8 +155,8 @@ static void read_image(const char *path, float largest,
             ((const float *) image.channel[3].v)[i / 3] != 1.0f)
             hard_die(path, "is not opaque");
     }
-    gp_raw_image_free(&image);
-    gp_raw_close(&file);
+    gp_stored_image_free(&image);
+    gp_stored_close(&file);
 }
 
 void hard_read_8(const char *path, struct hard_picture *out)

@@ -2,7 +2,7 @@
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
-#include "io/colour_name.h"
+#include "io/channels.h"
 
 #include <limits.h>
 #include <stdio.h>

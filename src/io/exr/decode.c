@@ -469,7 +469,7 @@ static gp_status decode_by_bridge(const struct gp_log *log,
                            "which nothing here decodes; write the file with "
                            "another compression", cs->path, e->name.str);
     }
-    gp_status st = gp_oiio_open(log, cs->path, s, cs->part,
+    gp_status st = gp_oiio_open(log, cs->path, s, "openexr", cs->part,
                                 (long long) cs->w * cs->h, &image);
     if (st)
         return st;

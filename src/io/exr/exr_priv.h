@@ -2,8 +2,7 @@
 #ifndef GP_IO_EXR_EXR_PRIV_H
 #define GP_IO_EXR_EXR_PRIV_H
 
-#include "io/colour.h"
-#include "io/crypto.h"
+#include "io/channels.h"
 #include "io/exr/exr.h"
 #include "io/file.h"
 

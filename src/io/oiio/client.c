@@ -5,7 +5,7 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/format.h"
+#include "io/io_priv.h"
 #include "io/oiio/protocol.h"
 
 #include <errno.h>

@@ -27,12 +27,11 @@
 /* -- reading ---------------------------------------------------------------- */
 
 /* Opens picture `part` (0: the first) of a stream, which stays the caller's
- * and must live until gp_image_close(). Formats are told apart by their first
- * bytes: Radiance HDR, PFM and PNM, TIFF, JPEG, DPX, Targa, BMP, SGI, WebP, and
- * EXR for those compressed with DWA. Of EXR, channels that are stored as
+ * and must live until gp_image_close(). Of EXR, channels that are stored as
  * uint32 come as those 32 bits in the place of the float, and each four
  * channels count on their own for max_pixels.
  *
+ *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...
  *   out  written only on GP_OK; rows from rows(), which the helper decodes
  *        ahead
  *
@@ -42,7 +41,8 @@
  */
 GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log,
                                      const char *path,
-                                     const struct gp_stream *stream, int part,
+                                     const struct gp_stream *stream,
+                                     const char *reader, int part,
                                      long long max_pixels,
                                      struct gp_image *out);
 

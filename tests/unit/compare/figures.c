@@ -21,8 +21,8 @@ enum { CHANNELS = 8, ROOM = 4096 };
 
 /* An image on the stack; channel names are one letter each. */
 struct image {
-    struct gp_raw_image raw;
-    struct gp_raw_channel channel[CHANNELS];
+    struct gp_stored_image raw;
+    struct gp_stored_channel channel[CHANNELS];
     char name[CHANNELS][2];
     float v[CHANNELS][ROOM];
 };
@@ -47,7 +47,7 @@ static void make(struct image *m, const char *names, struct gp_rect window)
     memcpy(m->raw.luminance, gp_rec709_luminance, sizeof m->raw.luminance);
     for (int i = 0; i < m->raw.channels; i++) {
         m->name[i][0] = names[i];
-        m->channel[i] = (struct gp_raw_channel) {m->name[i], false, m->v[i]};
+        m->channel[i] = (struct gp_stored_channel) {m->name[i], false, m->v[i]};
     }
     set_light(m, names);
 }
@@ -228,8 +228,8 @@ static void whole_numbers_are_exact(void **state)
     uint32_t x[2] = {4000000001u, 7u}, y[2] = {4000000000u, 7u};
     make(&a, "i", (struct gp_rect) {0, 0, 2, 1});
     make(&b, "i", (struct gp_rect) {0, 0, 2, 1});
-    a.channel[0] = (struct gp_raw_channel) {a.name[0], true, x};
-    b.channel[0] = (struct gp_raw_channel) {b.name[0], true, y};
+    a.channel[0] = (struct gp_stored_channel) {a.name[0], true, x};
+    b.channel[0] = (struct gp_stored_channel) {b.name[0], true, y};
     const struct gp_compare_figures f = measure(&a, &b, &defaults);
     assert_true(f.max == 1.0 && f.failed == 1); // floats would be equal
 }

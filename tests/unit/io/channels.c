@@ -122,12 +122,12 @@ static void channels_by_name(void **state)
     // what the user names is taken, also where searching would not
     assert_int_equal(gp_find_depth(&hear, &f, "normals.Z", &found), GP_OK);
     assert_int_equal(found, 2);
-    assert_int_equal(gp_find_channel(&hear, &f, "A", &found), GP_OK);
+    assert_int_equal(gp_find_depth(&hear, &f, "A", &found), GP_OK);
     assert_int_equal(found, 0);
-    assert_int_equal(gp_find_channel(&hear, &f, "a", &found), GP_ERR_USAGE);
+    assert_int_equal(gp_find_depth(&hear, &f, "a", &found), GP_ERR_USAGE);
     assert_non_null(strstr(last_line, "A, R, normals.Z, Z"));
     assert_int_equal(gp_find_depth(&hear, &f, "Y", &found), GP_ERR_USAGE);
-    assert_int_equal(gp_find_channel(NULL, &f, "", &found), GP_ERR_USAGE);
+    assert_int_equal(gp_find_depth(NULL, &f, "", &found), GP_ERR_USAGE);
 }
 
 /* A line that lists the channels of a huge file stays a line. */
@@ -144,7 +144,7 @@ static void long_lists_are_cut(void **state)
     struct gp_frame f = {.path = name[0], .channel = channel,
                          .channels = MANY};
     int found;
-    assert_int_equal(gp_find_channel(&hear, &f, "Z", &found), GP_ERR_USAGE);
+    assert_int_equal(gp_find_depth(&hear, &f, "Z", &found), GP_ERR_USAGE);
     assert_true(strlen(last_line) < 2000);
     assert_non_null(strstr(last_line, ", ..."));
 }

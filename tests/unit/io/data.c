@@ -157,7 +157,7 @@ static void every_frame_as_openimageio_reads_it(void **state)
         } else {
             struct gp_stream s;
             assert_int_equal(gp_stream_open(NULL, file[i], 1, &s), GP_OK);
-            if (gp_oiio_open(&said_log, file[i], &s, f.part, INT_MAX,
+            if (gp_oiio_open(&said_log, file[i], &s, "openexr", f.part, INT_MAX,
                              &image) ||
                 gp_image_load(&said_log, &image))
                 fail_msg("%s", said_line);

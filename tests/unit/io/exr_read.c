@@ -247,7 +247,7 @@ static void colour_part_of_many(void **state)
             assert_int_equal(cs.chunk[i].idx, i);
         gp_exr_chunks_free(&cs);
     }
-    assert_int_equal(gp_find_channel(&hear, &frame, "Z", &found),
+    assert_int_equal(gp_find_depth(&hear, &frame, "Z", &found),
                      GP_ERR_USAGE);
     assert_non_null(strstr(heard.line, "A, B, G, R"));
     assert_int_equal(gp_find_depth(&hear, &frame, NULL, &found), GP_OK);

@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "core/cpu.h"
 #include "core/parallel.h"
-#include "io/members.h"
+#include "io/read.h"
 #include "io/plane.h"
 
 #include "exr_fixture.h"

@@ -1,10 +1,9 @@
 /* io/exr_view, io/plane_find, io/exr_there, io/crypto: views, layers and ids
  * that attributes and names of parts tell of. */
 #include "unit.h"
-#include "io/colour.h"
-#include "io/crypto.h"
+#include "io/channels.h"
 #include "io/exr/exr_priv.h"
-#include "io/plane_find.h"
+#include "io/io_priv.h"
 
 #include "plane_fixture.h"
 

@@ -5,9 +5,9 @@
 #include "unit.h"
 #include "core/parallel.h"
 #include "io/file.h"
-#include "io/members.h"
+#include "io/read.h"
 #include "io/plane.h"
-#include "io/raw_read.h"
+#include "io/stored.h"
 #include "io/sequence.h"
 #include "sun/camera.h"
 #include "sun/flare.h"
@@ -48,16 +48,16 @@ static gp_status read_any(const char *name)
 static gp_status read_every_channel(const char *name)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
-    struct gp_raw_file file;
-    gp_status st = gp_raw_open(&hear, &p, in_folder(name), &file);
+    struct gp_stored_file file;
+    gp_status st = gp_stored_open(&hear, &p, in_folder(name), &file);
     for (int part = 0; !st && part < file.parts; part++) {
-        struct gp_raw_image image = {0};
-        st = gp_raw_read(&hear, &p, &file, part, &image);
+        struct gp_stored_image image = {0};
+        st = gp_stored_read(&hear, &p, &file, part, &image);
         if (st)
             assert_null(image.channel);
-        gp_raw_image_free(&image);
+        gp_stored_image_free(&image);
     }
-    gp_raw_close(&file);
+    gp_stored_close(&file);
     return st;
 }
 

@@ -3,8 +3,7 @@
 #include "write_fixture.h"
 
 #include "io/file.h"
-#include "io/file_name.h"
-#include "io/file_temp.h"
+#include "io/io_priv.h"
 
 #include <errno.h>
 #include <fcntl.h>

@@ -5,7 +5,7 @@
 #include "reading.h"
 
 #include "core/memory.h"
-#include "io/colour.h"
+#include "io/channels.h"
 #include "io/exr/exr_priv.h"
 
 enum { W = 13, H = 9 };

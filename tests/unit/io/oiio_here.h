@@ -2,6 +2,7 @@
 #ifndef OIIO_HERE_H
 #define OIIO_HERE_H
 
+#include "io/io_priv.h"
 #include "io/oiio/oiio.h"
 
 #include "bridge_here.h"
@@ -41,7 +42,8 @@ static inline gp_status read_stream(const char *path,
 {
     said_nothing();
     *out = (struct gp_image) {0};
-    gp_status st = gp_oiio_open(&said_log, path, s, 0, max_pixels, out);
+    const struct gp_read_params p = {.max_pixels = max_pixels};
+    gp_status st = gp_read_image(&said_log, &p, path, s, 0, out);
     if (!st)
         st = gp_image_load(&said_log, out);
     if (st)

@@ -5,7 +5,7 @@
 #include "core/parallel.h"
 #include "core/colour.h"
 #include "io/oiio/oiio.h"
-#include "io/png.h"
+#include "io/io_priv.h"
 #include "io/read.h"
 
 #include <libdeflate.h>

@@ -7,7 +7,7 @@
 
 #include "unit.h"
 #include "core/colour.h"
-#include "io/quantize.h"
+#include "io/io_priv.h"
 
 #include <math.h>
 #include <stdlib.h>

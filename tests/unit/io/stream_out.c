@@ -3,7 +3,7 @@
 #include "write_fixture.h"
 
 #include "core/colour.h"
-#include "io/members.h"
+#include "io/read.h"
 
 #include <fcntl.h>
 #include <math.h>

@@ -305,7 +305,7 @@ static void add_frame(struct machine *m, const char *stem,
     snprintf(name, sizeof name, "%s.%lld.exr", stem,
              (long long) json_integer_value(json_object_get(frame, "frame")));
     assert_int_equal(read_file(name, &f), GP_OK);
-    assert_ok(gp_find_channel(&log_kept, &f, "Z", &index));
+    assert_ok(gp_find_depth(&log_kept, &f, "Z", &index));
     struct gp_plane z = plane_of(f.data);
     gp_channel_floats(&f, index, z.v);
     struct gp_occluders o = {.depth = &z, .frame = f.data};

@@ -1,6 +1,6 @@
 /* io/raw_read: every channel as stored, and which of them are light. */
 #include "unit.h"
-#include "io/raw_read.h"
+#include "io/stored.h"
 
 #include "bridge_here.h"
 #include "exr_fixture.h"
@@ -13,20 +13,20 @@ static const struct gp_read_params limits = GP_READ_DEFAULTS;
 
 /* Reads part 0 of a fixture. */
 static gp_status read_fixture(const struct fixture *f,
-                              struct gp_raw_image *out)
+                              struct gp_stored_image *out)
 {
-    struct gp_raw_file file;
+    struct gp_stored_file file;
     snprintf(path, sizeof path, "%s/a.exr", folder);
     fixture_write_file(path, f);
-    *out = (struct gp_raw_image) {0};
-    gp_status st = gp_raw_open(&hear, &limits, path, &file);
+    *out = (struct gp_stored_image) {0};
+    gp_status st = gp_stored_open(&hear, &limits, path, &file);
     if (!st)
-        st = gp_raw_read(&hear, &limits, &file, 0, out);
-    gp_raw_close(&file);
+        st = gp_stored_read(&hear, &limits, &file, 0, out);
+    gp_stored_close(&file);
     return st;
 }
 
-static int index_of(const struct gp_raw_image *image, const char *name)
+static int index_of(const struct gp_stored_image *image, const char *name)
 {
     for (int i = 0; i < image->channels; i++) {
         if (strcmp(image->channel[i].name, name) == 0)
@@ -61,7 +61,7 @@ static void light(void **state)
                     .data = WIDE}}}, {NULL}},
     };
     for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
-        struct gp_raw_image image;
+        struct gp_stored_image image;
         assert_int_equal(read_fixture(&row[i].f, &image), GP_OK);
         for (int c = 0; c < 3; c++) {
             const char *name = row[i].light[c];
@@ -70,7 +70,7 @@ static void light(void **state)
             if (image.light[c] != want)
                 fail_msg("row %d, colour %d", (int) i, c);
         }
-        gp_raw_image_free(&image);
+        gp_stored_image_free(&image);
     }
 }
 
@@ -84,11 +84,11 @@ static void samples(void **state)
                               {"id", EXR_PIXEL_UINT, 0, 0}},
                   .data = FIXTURE_WINDOW(-4, 2, 8, 6)}},
     };
-    struct gp_raw_image image;
+    struct gp_stored_image image;
     assert_int_equal(read_fixture(&f, &image), GP_OK);
-    const struct gp_raw_channel *id = &image.channel[index_of(&image, "id")];
-    const struct gp_raw_channel *few = &image.channel[index_of(&image, "few")];
-    const struct gp_raw_channel *half =
+    const struct gp_stored_channel *id = &image.channel[index_of(&image, "id")];
+    const struct gp_stored_channel *few = &image.channel[index_of(&image, "few")];
+    const struct gp_stored_channel *half =
         &image.channel[index_of(&image, "half")];
     assert_true(id->whole);
     assert_false(few->whole);
@@ -102,7 +102,7 @@ static void samples(void **state)
         assert_true(((const float *) half->v)[i] ==
                     fixture_value("half", x & ~1, y));
     }
-    gp_raw_image_free(&image);
+    gp_stored_image_free(&image);
 }
 
 static void header(void **state)
@@ -113,7 +113,7 @@ static void header(void **state)
         .display = FIXTURE_WINDOW(-3, -2, 100, 50),
         .part = {{.channel = {RGB(HALVES)}, .data = WIDE}},
     };
-    struct gp_raw_image image;
+    struct gp_stored_image image;
     assert_int_equal(read_fixture(&f, &image), GP_OK);
     assert_true(image.chromaticities[0] == fixture_ap0.red_x);
     assert_true(image.chromaticities[5] == fixture_ap0.blue_y);
@@ -122,13 +122,13 @@ static void header(void **state)
     assert_int_equal(image.display.y1, 48);
     assert_int_equal(image.data.x1, 512);
     assert_false(image.deep);
-    gp_raw_image_free(&image);
+    gp_stored_image_free(&image);
 
     f.part[0].deep = true; // nothing of it is read
     assert_int_equal(read_fixture(&f, &image), GP_OK);
     assert_true(image.deep);
     assert_int_equal(image.channels, 0);
-    gp_raw_image_free(&image);
+    gp_stored_image_free(&image);
 }
 
 /* -- DWA that is none ----------------------------------------------------------*/
@@ -185,7 +185,7 @@ static int start(void **state)
     return find_bridges(state) || make_folder(state);
 }
 
-SUITE(raw_read)
+SUITE(stored)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(light),

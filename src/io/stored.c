@@ -1,17 +1,16 @@
-#include "io/raw_read.h"
+#include "io/stored.h"
 
 #include "core/colour.h"
 #include "core/memory.h"
 #include "io/channels.h"
-#include "io/colour.h"
 #include "io/exr/exr.h"
-#include "io/read_open.h"
+#include "io/io_priv.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 static gp_status make_list(const struct gp_log *log, int n,
-                           struct gp_raw_image *out)
+                           struct gp_stored_image *out)
 {
     void *list;
     gp_status st = gp_alloc_zero(log, "channels", (size_t) n,
@@ -22,18 +21,17 @@ static gp_status make_list(const struct gp_log *log, int n,
 }
 
 static gp_status make_channel(const struct gp_log *log, const char *name,
-                              size_t samples, struct gp_raw_channel *c)
+                              size_t samples, struct gp_stored_channel *c)
 {
     c->name = gp_strdup(name);
     if (!c->name)
-        return gp_fail(log, GP_ERR_BUG, "%s: out of memory; close other "
-                       "programs", name);
+        return gp_no_memory(log, name);
     return gp_alloc(log, name, samples, sizeof(float), &c->v);
 }
 
 /* The colour among the names of the list. */
 static gp_status find_light(const struct gp_log *log, bool lone,
-                            struct gp_raw_image *out)
+                            struct gp_stored_image *out)
 {
     void *block;
     struct gp_colour_choice colour;
@@ -63,7 +61,7 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 /* A subsampled channel at full resolution in place of its samples. */
 static gp_status widen(const struct gp_log *log, struct gp_rect window,
                        const exr_attr_chlist_entry_t *e,
-                       struct gp_raw_channel *c)
+                       struct gp_stored_channel *c)
 {
     struct gp_channel small = {
         .type = c->whole ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
@@ -87,7 +85,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
 
 static gp_status read_channels(const struct gp_log *log,
                                const struct gp_exr_chunks *l,
-                               struct gp_raw_image *out)
+                               struct gp_stored_image *out)
 {
     const int n = l->channel->num_channels;
     const exr_attr_chlist_entry_t *const entry = l->channel->entries;
@@ -98,7 +96,7 @@ static gp_status read_channels(const struct gp_log *log,
                          sizeof(struct gp_exr_sink), &block));
     struct gp_exr_sink *const sink = block;
     for (int i = 0; i < n; i++) {
-        struct gp_raw_channel *const c = &out->channel[i];
+        struct gp_stored_channel *const c = &out->channel[i];
         c->whole = entry[i].pixel_type == EXR_PIXEL_UINT;
         GP_TRY(make_channel(log, entry[i].name.str,
                             (size_t) l->w * (size_t) l->h, c));
@@ -116,8 +114,8 @@ out:
 
 static gp_status read_exr(const struct gp_log *log,
                           const struct gp_read_params *p,
-                          const struct gp_raw_file *file, int part,
-                          struct gp_raw_image *out)
+                          const struct gp_stored_file *file, int part,
+                          struct gp_stored_image *out)
 {
     struct gp_exr_chunks l;
     out->deep = gp_exr_is_deep(file->input, part);
@@ -145,7 +143,7 @@ static gp_status read_exr(const struct gp_log *log,
 
 static gp_status split(const struct gp_log *log,
                        const struct gp_image *image,
-                       struct gp_raw_image *out)
+                       struct gp_stored_image *out)
 {
     const size_t pixels = (size_t) gp_rect_w(image->data) *
                           (size_t) gp_rect_h(image->data);
@@ -163,8 +161,8 @@ static gp_status split(const struct gp_log *log,
 
 static gp_status read_other(const struct gp_log *log,
                             const struct gp_read_params *p,
-                            const struct gp_raw_file *f,
-                            struct gp_raw_image *out)
+                            const struct gp_stored_file *f,
+                            struct gp_stored_image *out)
 {
     gp_status st;
     struct gp_image image = {0};
@@ -191,12 +189,12 @@ out:
 
 /* -- both ------------------------------------------------------------------ */
 
-gp_status gp_raw_open(const struct gp_log *log,
+gp_status gp_stored_open(const struct gp_log *log,
                       const struct gp_read_params *p, const char *path,
-                      struct gp_raw_file *f)
+                      struct gp_stored_file *f)
 {
     bool exr;
-    *f = (struct gp_raw_file) {
+    *f = (struct gp_stored_file) {
         .path = path, .stream = GP_STREAM_EMPTY, .parts = 1,
     };
     gp_status st = gp_read_open(log, p, path, &f->stream, &exr);
@@ -208,29 +206,29 @@ gp_status gp_raw_open(const struct gp_log *log,
     return st;
 }
 
-void gp_raw_close(struct gp_raw_file *f)
+void gp_stored_close(struct gp_stored_file *f)
 {
     gp_input_free(f->input);
     gp_stream_close(&f->stream);
     f->input = NULL;
 }
 
-gp_status gp_raw_read(const struct gp_log *log,
+gp_status gp_stored_read(const struct gp_log *log,
                       const struct gp_read_params *p,
-                      const struct gp_raw_file *f, int part,
-                      struct gp_raw_image *out)
+                      const struct gp_stored_file *f, int part,
+                      struct gp_stored_image *out)
 {
-    struct gp_raw_image made = {0};
+    struct gp_stored_image made = {0};
     gp_status st = f->input ? read_exr(log, p, f, part, &made)
                              : read_other(log, p, f, &made);
     if (st)
-        gp_raw_image_free(&made);
+        gp_stored_image_free(&made);
     else
         *out = made;
     return st;
 }
 
-void gp_raw_image_free(struct gp_raw_image *image)
+void gp_stored_image_free(struct gp_stored_image *image)
 {
     for (int i = 0; i < image->channels; i++) {
         free(image->channel[i].name);
@@ -238,5 +236,5 @@ void gp_raw_image_free(struct gp_raw_image *image)
     }
     gp_free(image->channel);
     gp_planes_free(&image->own);
-    *image = (struct gp_raw_image) {0};
+    *image = (struct gp_stored_image) {0};
 }

@@ -1,6 +1,6 @@
 /* Every channel of a file with its values as stored: what comparing needs. */
-#ifndef GP_IO_RAW_READ_H
-#define GP_IO_RAW_READ_H
+#ifndef GP_IO_STORED_H
+#define GP_IO_STORED_H
 
 #include "core/frame.h"
 #include "core/status.h"
@@ -13,7 +13,7 @@ struct gp_input;
 
 /* One channel at full resolution: a value for each pixel of the data window,
  * rows from the top; subsampled ones are repeated. */
-struct gp_raw_channel {
+struct gp_stored_channel {
     char *name;   // owned
     bool whole;   // `v` holds uint32_t (EXR's UINT), else float
     void *v;      // owned
@@ -21,9 +21,9 @@ struct gp_raw_channel {
 
 /* One part. Half and float samples are as stored, integers of other formats
  * are divided by their largest code, without a curve. */
-struct gp_raw_image {
+struct gp_stored_image {
     struct gp_rect data, display;   // EXR pixel space
-    struct gp_raw_channel *channel; // owned; in the file's order
+    struct gp_stored_channel *channel; // owned; in the file's order
     int channels;
     bool deep;          // deep data: no channel was read
     bool integers;      // display-referred: stored as integers, not EXR
@@ -38,7 +38,7 @@ struct gp_raw_image {
 };
 
 /* An open file. */
-struct gp_raw_file {
+struct gp_stored_file {
     const char *path;         // borrowed
     struct gp_input *input; // of an EXR, else NULL
     struct gp_stream stream;  // of other formats
@@ -47,19 +47,19 @@ struct gp_raw_file {
 
 /* Opens a file or stdin ("-") of any format. Close it in any case.
  * Errors: as gp_read_frame(). */
-GP_MUST_CHECK gp_status gp_raw_open(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_stored_open(const struct gp_log *log,
                                     const struct gp_read_params *p,
-                                    const char *path, struct gp_raw_file *f);
-void gp_raw_close(struct gp_raw_file *f);
+                                    const char *path, struct gp_stored_file *f);
+void gp_stored_close(struct gp_stored_file *f);
 
 /* Reads part `part` of [0, f->parts).
- *   out  written only on GP_OK; free with gp_raw_image_free()
+ *   out  written only on GP_OK; free with gp_stored_image_free()
  * Errors: as gp_read_frame(), but for deep parts and parts without colour,
  * which are none. */
-GP_MUST_CHECK gp_status gp_raw_read(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
                                     const struct gp_read_params *p,
-                                    const struct gp_raw_file *f, int part,
-                                    struct gp_raw_image *out);
-void gp_raw_image_free(struct gp_raw_image *image);
+                                    const struct gp_stored_file *f, int part,
+                                    struct gp_stored_image *out);
+void gp_stored_image_free(struct gp_stored_image *image);
 
 #endif

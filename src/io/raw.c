@@ -1,4 +1,4 @@
-#include "io/raw_write.h"
+#include "io/io_priv.h"
 
 #include "core/memory.h"
 #include "io/file.h"

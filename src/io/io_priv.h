@@ -1,0 +1,289 @@
+/* What the files of io share: readers, writers, and which plane is meant. */
+#ifndef GP_IO_IO_PRIV_H
+#define GP_IO_IO_PRIV_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "io/exr/exr.h"
+#include "io/image.h"
+#include "io/read.h"
+#include "io/stream.h"
+#include "io/write.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* -- reading --------------------------------------------------------------- */
+
+enum { GP_FIRST_BYTES = 132 }; // that are looked at: DICOM's magic is at 128
+
+/* The format that begins so, of which the first n bytes are there, as a message
+ * names it ("PNG", but also what is likely to be found under a wrong name:
+ * "gzip", "a web page"); NULL when nothing known does. Of Targa, which has no
+ * magic, the first fields must hold what it allows. */
+const char *gp_format_name(const uint8_t *first, size_t n);
+
+/* A format that is read. */
+struct gp_reader {
+    const char *format; // by gp_format_name()
+    const char *oiio;   // OpenImageIO's name of its reader, or:
+    // opens a picture as gp_png_open() does
+    gp_status (*open)(const struct gp_log *log, const char *path,
+                      const struct gp_stream *stream, int part,
+                      long long max_pixels, struct gp_image *out);
+    // bytes of the image that `data` begins with, *length as it was when they
+    // cannot be told; fails, without a line, only when memory is full. NULL:
+    // has a stream for itself
+    gp_status (*length)(const uint8_t *data, uint64_t size, uint64_t *length);
+};
+extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
+
+/* Opens `path` or stdin, looks at its first bytes and, when an image may begin
+ * so, reads a pipe to its end.
+ *
+ *   stream  empty on failure; else the caller's to close
+ *   exr     written on GP_OK: it begins as an EXR
+ *
+ * Errors: those of gp_stream_open() and gp_stream_fill(), whose limit is 16
+ * bytes for each of max_pixels, and 64 MiB; GP_ERR_DATA the name says EXR and
+ * the bytes do not, or a pipe begins like no image.
+ */
+GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
+                                     const struct gp_read_params *p,
+                                     const char *path,
+                                     struct gp_stream *stream, bool *exr);
+
+/* Opens picture `part` of a stream of any format, of EXR those with DWA, by its
+ * first bytes;
+ * the stream stays the caller's and must live until gp_image_close().
+ * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, cut off, over
+ * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
+                                      const struct gp_read_params *p,
+                                      const char *path,
+                                      const struct gp_stream *stream, int part,
+                                      struct gp_image *out);
+
+/* gp_read_frame() for an open stream, from its first bytes on; takes the
+ * stream over: it is closed, or lives on in the frame. */
+GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
+                                       const struct gp_read_params *p,
+                                       const char *path,
+                                       struct gp_stream *stream,
+                                       struct gp_frame *out);
+
+/* -- writing --------------------------------------------------------------- */
+
+/* A format that is written. */
+struct gp_writer {
+    const char *ending; // in lower case; NULL: any other
+    bool only_straight; // only to stdout, a pipe or a device
+    // whether these params can be; NULL: all. Errors as gp_write_check()
+    gp_status (*check)(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const char *ending);
+    // gp_write_picture() for this format
+    gp_status (*write)(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_frame *f,
+                       const struct gp_planes *planes,
+                       enum gp_picture_kind kind,
+                       struct gp_write_stats *stats);
+};
+extern const struct gp_writer gp_writers[]; // the last one is for all endings
+
+/* -- linear light to 8- and 16-bit sRGB codes -------------------------------- */
+
+struct gp_quantizer;
+
+/* Makes the tables for codes 0 .. 2^bits - 1.
+ *
+ *   bits  8 or 16
+ *   out   written only on GP_OK; free with gp_quantizer_free(). Read only
+ *         after this, so any number of threads may share it.
+ *
+ * Errors: GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
+                                          struct gp_quantizer **out);
+void gp_quantizer_free(struct gp_quantizer *q);
+
+/* The largest code, 255 or 65535. */
+int gp_quantizer_max(const struct gp_quantizer *q);
+
+/* n samples to the nearest codes: exactly
+ * (int) (gp_srgb_encode(linear[i]) * max + 0.5f) for every float; NaN and
+ * values below 0 become 0, values over 1 the largest code. */
+void gp_quantize(const struct gp_quantizer *q, const float *linear,
+                 uint16_t *code, size_t n);
+
+/* The same with ordered dither: floor(encoded * max + d), where d in [0, 1)
+ * depends on the pixel's place only, so a picture has the same bytes whoever
+ * writes it, and grey stays grey. Over an area of one value the mean of the
+ * codes is the encoded value. 0 and 1 stay the smallest and largest code.
+ *
+ *   x, y  place of linear[0] in the picture
+ *
+ * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
+ * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
+ * so that wide pictures do not lose its low bits.
+ */
+void gp_quantize_dither(const struct gp_quantizer *q, const float *linear,
+                        int x, int y, uint16_t *code, size_t n);
+
+/* n values to codes with no curve, for alpha and what is encoded already: the
+ * nearest code of the value clamped to [0, 1]; NaN becomes 0. */
+void gp_quantize_linear(const struct gp_quantizer *q, const float *value,
+                        uint16_t *code, size_t n);
+
+/* The same with the dither of gp_quantize_dither(). */
+void gp_quantize_linear_dither(const struct gp_quantizer *q,
+                               const float *value, int x, int y,
+                               uint16_t *code, size_t n);
+
+/* -- PNG ------------------------------------------------------------------- */
+
+/* Opens a PNG of any colour type, depth and interlacing.
+ *
+ *   stream  stays the caller's and must live until gp_image_close()
+ *   part    must be 0: there is one picture
+ *   out     written only on GP_OK. Channels Y, YA, RGB or RGBA: palettes and
+ *           transparent colours are resolved, alpha is associated as
+ *           OpenImageIO 2.4 does it, on codes: truncated c * a with an sRGB
+ *           curve or none, c * a^g with a gamma of g. Samples of less than 8
+ *           bits come as 8. colour_space is sRGB of a file with sRGB or
+ *           without gAMA, else its gamma to two digits. Text chunks and the
+ *           time are attributes; profiles, XMP and Exif are not looked at
+ *
+ * Memory is that of a block of rows, with interlacing of all rows, and what
+ * libpng holds of other chunks, which is bounded.
+ *
+ * Errors, also of rows(): GP_ERR_DATA cut off, a chunk's checksum or data are
+ * wrong (the last rows() reads on to IEND), over max_pixels; GP_ERR_IO cannot
+ * be read; GP_ERR_BUG out of memory.
+ * Source: W3C PNG (third edition).
+ */
+GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
+                                    const struct gp_stream *stream, int part,
+                                    long long max_pixels,
+                                    struct gp_image *out);
+
+/* gp_write_picture() for PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha
+ * channel (picture.h says what alpha means where light has none).
+ *
+ * Colour chunks: for BT.709 primaries cICP (BT.709, sRGB curve), sRGB, gAMA
+ * and cHRM; for a scene-linear picture in other primaries gAMA, and cHRM with
+ * these primaries unless they are imaginary. Pixels that are not square get a
+ * pHYs chunk.
+ */
+GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
+                                     const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     const struct gp_planes *planes,
+                                     enum gp_picture_kind kind,
+                                     struct gp_write_stats *stats);
+
+/* -- raw frames, as ffmpeg's rawvideo takes them ---------------------------- */
+
+/* gp_write_picture() for frames that follow each other in one stream: the
+ * display window's pixels, R, G, B, rows from the top, no padding.
+ *
+ *   p      raw and dither are used. Integers are the codes that a PNG of 8 or
+ *          16 bits has; floats are the values as they are
+ *   stats  raw is the size of the frames before, 0 x 0 at the first, and
+ *          becomes this frame's
+ *
+ * Errors: those of gp_write_picture(); GP_ERR_DATA a size other than that of
+ * the frames before, which a stream without headers cannot say.
+ */
+GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
+                                     const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     const struct gp_planes *planes,
+                                     enum gp_picture_kind kind,
+                                     struct gp_write_stats *stats);
+
+/* -- temporary files --------------------------------------------------------- */
+
+/* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
+ * cut where the whole would be longer than a file name may be. From malloc,
+ * NULL when memory is full. */
+char *gp_file_temp_name(const char *path, int nth);
+
+/* -- which channel of which part a plane is, in a file of any format -------- */
+
+/* One part and its channels, of which only names count. */
+struct gp_plane_part {
+    int part;                // number in the file
+    const char *name;        // NULL when it has none; borrowed
+    const char *view;        // of stereo, NULL when it has none; borrowed
+    bool colour;             // this is the part of the frame's colour
+    bool deep;
+    struct gp_channel *channel;  // into gp_plane_list.channel
+    int channels;
+};
+
+/* All parts of a file in the order in which they are searched. */
+struct gp_plane_list {
+    const char *path;            // for messages; borrowed
+    struct gp_plane_part *part;  // owned
+    int parts;
+    struct gp_channel *channel;  // owned; names are borrowed
+    int channels;                // of all parts
+    const char *view;            // of the frame's colour, where its part has
+                                 // several and it is not the first; else NULL
+    const struct gp_input *input; // with a view; borrowed
+};
+
+/* What was found: a part of the list and a channel of it. Nothing when `part`
+ * is NULL. */
+struct gp_plane_place {
+    const struct gp_plane_part *part;
+    int channel;  // index in its part, which is the file's order
+};
+
+/* The parts of an EXR. First comes the one of the colour, where there is one;
+ * then those of its view or of none; within these, when `depth`, those called
+ * depth, as a part of a layer-per-part file has plain Z whatever its layer;
+ * deep ones last; then by number.
+ *
+ *   colour  o->part holds the colour of a frame
+ *   list    written always; lives no longer than `o`; free with
+ *           gp_plane_list_free()
+ *
+ * Errors: GP_ERR_BUG out of memory.
+ */
+GP_MUST_CHECK gp_status gp_plane_list_exr(const struct gp_log *log,
+                                          const char *path,
+                                          const struct gp_input *o,
+                                          bool colour, bool depth,
+                                          struct gp_plane_list *list);
+
+/* A file of one part with `channels` channels, whose names the caller puts
+ * into list->channel[]. Else as above. */
+GP_MUST_CHECK gp_status gp_plane_list_one(const struct gp_log *log,
+                                          const char *path, bool colour,
+                                          int channels,
+                                          struct gp_plane_list *list);
+void gp_plane_list_free(struct gp_plane_list *list);
+
+/* Finds a channel.
+ *
+ *   name   a channel of any part, or PART.CHANNEL; NULL searches: for depth
+ *          by gp_find_depth() part by part, else A
+ *   whole  the file is there for this plane alone: its only channel will do
+ *          (for depth A does not count), and finding none is an error
+ *   out    written on GP_OK
+ *
+ * Errors: GP_ERR_USAGE not there, with a list of what is, in the form in
+ * which --depth takes it; GP_ERR_DATA two of equal rank in one part.
+ */
+GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
+                                      const struct gp_plane_list *list,
+                                      const char *name, bool depth, bool whole,
+                                      struct gp_plane_place *out);
+
+#endif
