@@ -13,22 +13,6 @@
 
 /* -- transfer curves ------------------------------------------------------ */
 
-/* ITU-R BT.709-6, item 1.2, turned round. */
-static float decode_rec709(float v)
-{
-    return v < 0.081f ? v / 4.5f : powf((v + 0.099f) / 1.099f, 1.0f / 0.45f);
-}
-
-/* Kodak, "Grayscale Transformations of Cineon Digital Film Data", 1993:
- * white at code 685 of 1023, black at 95, 0.002 density a code, gamma 0.6. */
-static float decode_cineon(float v)
-{
-    const float step = 0.002f / 0.6f;
-    float black = powf(10.0f, (95.0f - 685.0f) * step);
-    float light = powf(10.0f, (v * 1023.0f - 685.0f) * step);
-    return (light - black) / (1.0f - black);
-}
-
 enum curve { LINEAR, SRGB, REC709, CINEON, GAMMA };
 
 static enum curve curve_of(const struct gp_image *image, float *gamma)
@@ -61,13 +45,19 @@ static enum curve curve_of(const struct gp_image *image, float *gamma)
 
 static float decode(enum curve curve, float gamma, float v)
 {
+    // Kodak, "Grayscale Transformations of Cineon Digital Film Data", 1993:
+    // white at code 685 of 1023, black at 95, 0.002 density a code, gamma 0.6
+    const float step = 0.002f / 0.6f;
+    const float black = powf(10.0f, (95.0f - 685.0f) * step);
     switch (curve) {
     case SRGB:
         return gp_srgb_decode(v);
-    case REC709:
-        return decode_rec709(v);
+    case REC709: // ITU-R BT.709-6, item 1.2, turned round
+        return v < 0.081f ? v / 4.5f
+                          : powf((v + 0.099f) / 1.099f, 1.0f / 0.45f);
     case CINEON:
-        return decode_cineon(v);
+        return (powf(10.0f, (v * 1023.0f - 685.0f) * step) - black) /
+               (1.0f - black);
     case GAMMA:
         return powf(v, gamma);
     case LINEAR:
@@ -128,32 +118,15 @@ static void split_row(void *ctx, int y, int thread)
     }
 }
 
-/* Splits an image that is still in its file, a block at a time. */
-static gp_status split_blocks(const struct gp_log *log, struct gp_image *image,
-                              struct split *s)
-{
-    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
-    void *block = NULL;
-    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
-                            (size_t) image->channels * sizeof(float), &block);
-    s->pixels = block;
-    for (; !st && s->y0 < h; s->y0 += image->block) {
-        const int left = h - s->y0;
-        st = image->rows(log, image, s->y0, block);
-        if (!st)
-            gp_parallel_do(left < image->block ? left : image->block,
-                           split_row, s);
-    }
-    gp_free(block);
-    return st;
-}
-
+/* All planes, from the pixels or from the file, a block at a time. */
 static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
                               struct gp_frame *f)
 {
     gp_status st;
     struct split s = {.image = image, .f = f, .pixels = image->pixels};
-    void *table = NULL, *row = NULL;
+    const size_t w = (size_t) gp_frame_w(f);
+    const int h = gp_frame_h(f), step = image->pixels ? h : image->block;
+    void *table = NULL, *row = NULL, *block = NULL;
     s.curve = curve_of(image, &s.gamma);
     if (s.curve != LINEAR) {
         GP_TRY(gp_alloc(log, "curve", CODES, sizeof *s.table, &table));
@@ -162,14 +135,21 @@ static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
                                           (float) i / 65535.0f);
     }
     s.table = table;
-    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(),
-                    (size_t) gp_rect_w(image->data) * sizeof(float), &row));
+    GP_TRY(gp_alloc(log, "row", (size_t) gp_threads(), w * sizeof(float),
+                    &row));
     s.row = row;
-    if (image->pixels)
-        gp_parallel_do(gp_rect_h(image->data), split_row, &s);
-    else
-        GP_TRY(split_blocks(log, image, &s));
+    if (!image->pixels) {
+        GP_TRY(gp_alloc(log, "rows", (size_t) step * w,
+                        (size_t) image->channels * sizeof(float), &block));
+        s.pixels = block;
+    }
+    for (; s.y0 < h; s.y0 += step) {
+        if (!image->pixels)
+            GP_TRY(image->rows(log, image, s.y0, block));
+        gp_parallel_do(h - s.y0 < step ? h - s.y0 : step, split_row, &s);
+    }
 out:
+    gp_free(block);
     gp_free(row);
     gp_free(table);
     return st;

@@ -57,30 +57,6 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
     }
 }
 
-static gp_status gather(const struct gp_log *log, const struct gp_picture *pic,
-                        enum gp_raw_format raw, size_t bytes, void **out)
-{
-    struct gathering g = {.pic = pic, .raw = raw};
-    gp_status st = gp_alloc(log, "raw frame", bytes, 1, out);
-    if (st)
-        return st;
-    g.to = *out;
-    return gp_picture_each_row(log, pic, gather_row, &g);
-}
-
-static gp_status check_size(const struct gp_log *log, const char *frame,
-                            const struct gp_picture *pic,
-                            struct gp_raw_size *before)
-{
-    if (before->w && (before->w != pic->width || before->h != pic->height))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: another size than the raw frames before it (found "
-                       "%d x %d behind %d x %d); make it in a run of its own",
-                       frame, pic->width, pic->height, before->w, before->h);
-    *before = (struct gp_raw_size) {pic->width, pic->height};
-    return GP_OK;
-}
-
 gp_status gp_raw_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
                        const struct gp_frame *f, const struct gp_planes *planes,
@@ -97,8 +73,17 @@ gp_status gp_raw_write(const struct gp_log *log,
                            p->raw != GP_RAW_RGBF32LE, &pic));
     const size_t size = (size_t) pic.width * (size_t) pic.height * 3 *
                         sample_bytes(p->raw);
-    GP_TRY(check_size(log, f->path ? f->path : path, &pic, &stats->raw));
-    GP_TRY(gather(log, &pic, p->raw, size, &bytes));
+    const struct gp_raw_size before = stats->raw;
+    if (before.w && (before.w != pic.width || before.h != pic.height))
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+                       "%s: another size than the raw frames before it (found "
+                       "%d x %d after %d x %d); make it in a run of its own",
+                       f->path ? f->path : path, pic.width, pic.height,
+                       before.w, before.h));
+    stats->raw = (struct gp_raw_size) {pic.width, pic.height};
+    GP_TRY(gp_alloc(log, "raw frame", size, 1, &bytes));
+    struct gathering g = {.pic = &pic, .raw = p->raw, .to = bytes};
+    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
     GP_TRY(gp_file_write(file, bytes, size));
     GP_TRY(gp_file_commit(&file));

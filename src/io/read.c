@@ -267,27 +267,6 @@ gp_status gp_read_image(const struct gp_log *log,
     return refuse(log, path, first, n, no_format, convert_it);
 }
 
-/* Formats other than EXR have numbered parts and no views. */
-static gp_status choose_part(const struct gp_log *log,
-                             const struct gp_read_params *p, const char *path,
-                             int *part)
-{
-    *part = 0;
-    if (p->view)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: has no view %.200s: only EXR has views; give the "
-                       "file of that view", path, p->view);
-    for (const char *c = p->part; c && (*c || c == p->part); c++) {
-        if (*c < '0' || *c > '9' || *part > 99999)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: has no part %.200s: parts of formats other "
-                           "than EXR have numbers alone; give one from 0",
-                           path, p->part);
-        *part = 10 * *part + (*c - '0');
-    }
-    return GP_OK;
-}
-
 static gp_status read_other(const struct gp_log *log,
                             const struct gp_read_params *p, const char *path,
                             const struct gp_stream *stream,
@@ -295,13 +274,24 @@ static gp_status read_other(const struct gp_log *log,
 {
     gp_status st;
     struct gp_image image = {0};
-    int part;
-    GP_TRY(choose_part(log, p, path, &part));
+    int part = 0;
+    if (p->view)
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: has no view %.200s: only EXR has views; give the "
+                       "file of that view", path, p->view);
+    for (const char *c = p->part; c && (*c || c == p->part); c++) {
+        if (*c < '0' || *c > '9' || part > 99999)
+            return gp_fail(log, GP_ERR_USAGE,
+                           "%s: has no part %.200s: parts of formats other "
+                           "than EXR have only numbers; give one from 0",
+                           path, p->part);
+        part = 10 * part + (*c - '0');
+    }
     GP_TRY(gp_read_image(log, p, path, stream, part, &image));
-    const struct gp_rect show = image.display;
-    if (!gp_rect_empty(show)) // else it is the data window
-        GP_TRY(gp_window_check(log, path, "display", gp_rect_w(show),
-                               gp_rect_h(show), p->max_pixels));
+    if (!gp_rect_empty(image.display)) // else it is the data window
+        GP_TRY(gp_window_check(log, path, "display",
+                               gp_rect_w(image.display),
+                               gp_rect_h(image.display), p->max_pixels));
     GP_TRY(gp_image_frame(log, p->layer, &image, out));
 out:
     gp_image_close(&image);

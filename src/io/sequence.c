@@ -94,16 +94,6 @@ static size_t percent_token(const char *s, int *digits)
     return s[n] == 'd' ? n + 1 : 0;
 }
 
-/* Length of a run of `sign` at `s`. */
-static size_t run_token(const char *s, char sign, int *digits)
-{
-    size_t n = 0;
-    while (s[n] == sign)
-        n++;
-    *digits = n < 1000 ? (int) n : 1000;
-    return n;
-}
-
 gp_status gp_pattern_find(const struct gp_log *log, const char *path,
                           struct gp_pattern *out)
 {
@@ -111,9 +101,12 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
     struct gp_pattern p = {.path = path};
     for (const char *sign = signs; *sign && !p.len; sign++) {
         for (size_t i = name_at(path); path[i];) {
-            int digits;
+            const char run[2] = {*sign, '\0'};
+            int digits = 0;
             size_t n = *sign == '%' ? percent_token(path + i, &digits)
-                                    : run_token(path + i, *sign, &digits);
+                                    : strspn(path + i, run);
+            if (*sign != '%')
+                digits = n < 1000 ? (int) n : 1000;
             if (n && p.len)
                 return gp_fail(log, GP_ERR_USAGE,
                                "%s: two places for the frame number (%.*s and "
@@ -267,62 +260,39 @@ static bool read_number(const char **s, int *out)
     return true;
 }
 
-struct range {
-    int from, to, step;  // step >= 1, whatever the direction
-};
-
-/* Reads one item at *s, up to its comma or the end. */
-static bool read_range(const char **s, struct range *r)
-{
-    r->step = 1;
-    if (!read_number(s, &r->from))
-        return false;
-    r->to = r->from;
-    if (**s == '-') {
-        ++*s;
-        if (!read_number(s, &r->to))
-            return false;
-        if (**s == 'x') {
-            ++*s;
-            if (!read_number(s, &r->step) || r->step < 1)
-                return false;
-        }
-    }
-    return **s == ',' || **s == '\0';
-}
-
-static gp_status append_range(const struct gp_log *log, const char *text,
-                              struct range r, struct gp_frames *f)
-{
-    int way = r.to < r.from ? -1 : 1;
-    int64_t frames = ((int64_t) r.to - r.from) * way / r.step + 1;
-    if (frames > GP_FRAME_LIST_MAX - f->n)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--frames: too many frames (over %d in %s); make "
-                       "them in several runs", GP_FRAME_LIST_MAX, text);
-    for (int64_t i = 0; i < frames; i++) {
-        if (!add_frame(f, (int) (r.from + way * i * r.step)))
-            return gp_no_memory(log, "--frames");
-    }
-    return GP_OK;
-}
-
 gp_status gp_frames_parse(const struct gp_log *log, const char *text,
                           struct gp_frames *out)
 {
     gp_status st;
     struct gp_frames f = {0};
     for (const char *s = text;; s++) {
-        struct range r;
-        const char *item = s;
-        if (!read_range(&s, &r)) {
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "--frames: not a list of frames (found %.*s in %s); "
-                         "write 7, 1-100, 1-100x2 or 3,4,10-20x2",
-                         (int) strcspn(item, ","), item, text);
-            goto out;
+        const char *const item = s;
+        int from = 0, to, step = 1;
+        bool good = read_number(&s, &from);
+        to = from;
+        if (good && *s == '-') {
+            s++;
+            good = read_number(&s, &to);
+            if (good && *s == 'x') {
+                s++;
+                good = read_number(&s, &step) && step >= 1;
+            }
         }
-        GP_TRY(append_range(log, text, r, &f));
+        if (!good || (*s != ',' && *s))
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "--frames: not a list of frames (found %.*s in "
+                           "%s); write 7, 1-100, 1-100x2 or 3,4,10-20x2",
+                           (int) strcspn(item, ","), item, text));
+        const int way = to < from ? -1 : 1;
+        const int64_t frames = ((int64_t) to - from) * way / step + 1;
+        if (frames > GP_FRAME_LIST_MAX - f.n)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "--frames: too many frames (over %d in %s); make "
+                           "them in several runs", GP_FRAME_LIST_MAX, text));
+        for (int64_t i = 0; i < frames; i++) {
+            if (!add_frame(&f, (int) (from + way * i * step)))
+                GP_TRY(gp_no_memory(log, "--frames"));
+        }
         if (!*s)
             break;
     }
@@ -370,57 +340,49 @@ static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
     return snprintf(NULL, 0, "%0*d", p->digits, number) == n ? number : -1;
 }
 
-static gp_status scan_folder(const struct gp_log *log, const struct gp_pattern *p,
-                      DIR *folder, struct gp_frames *f)
-{
-    const size_t start = name_at(p->path);
-    for (const struct dirent *e; (e = readdir(folder));) {
-        int number = frame_of(p, start, e->d_name);
-        if (number < 0)
-            continue;
-        if (f->n == GP_FRAME_LIST_MAX)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: too many frames (over %d); choose some with "
-                           "--frames", p->path, f->n);
-        if (!add_frame(f, number))
-            return gp_no_memory(log, p->path);
-    }
-    if (f->n == 0)
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: no frame on disk (found no file of that name); "
-                       "check the folder and the number of digits", p->path);
-    qsort(f->number, (size_t) f->n, sizeof *f->number, ascending);
-    return GP_OK;
-}
-
 gp_status gp_frames_on_disk(const struct gp_log *log,
                             const struct gp_pattern *p, const char *view,
                             struct gp_frames *out)
 {
+    gp_status st;
     struct gp_pattern filled;
     struct gp_frames f = {0};
-    gp_status st = GP_OK;
     char *const path = name_with_views(p, view, &filled);
     const size_t start = path ? name_at(path) : 0;
     char *const name = start ? strndup(path, start) : gp_strdup(".");
     DIR *const folder = path && name ? opendir(name) : NULL;
     const int reason = errno;
     if (!path || !name || (!folder && reason == ENOMEM))
-        st = gp_no_memory(log, p->path);
-    else if (!folder)
-        st = gp_fail(log, GP_ERR_IO,
-                     "%s: cannot list the folder (%s); check the path", path,
-                     strerror(reason));
-    else
-        st = scan_folder(log, &filled, folder, &f);
+        GP_TRY(gp_no_memory(log, p->path));
+    if (!folder)
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "%s: cannot list the folder (%s); check the path",
+                       path, strerror(reason)));
+    for (const struct dirent *e; (e = readdir(folder));) {
+        const int number = frame_of(&filled, start, e->d_name);
+        if (number < 0)
+            continue;
+        if (f.n == GP_FRAME_LIST_MAX)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "%s: too many frames (over %d); choose some with "
+                           "--frames", path, f.n));
+        if (!add_frame(&f, number))
+            GP_TRY(gp_no_memory(log, path));
+    }
+    if (f.n == 0)
+        GP_TRY(gp_fail(log, GP_ERR_IO,
+                       "%s: no frame on disk (found no file of that name); "
+                       "check the folder and the number of digits", path));
+    qsort(f.number, (size_t) f.n, sizeof *f.number, ascending);
+    *out = f;
+    f = (struct gp_frames) {0};
+    st = GP_OK;
+out:
     if (folder)
         closedir(folder);
     free(name);
     free(path);
-    if (st)
-        gp_frames_free(&f);
-    else
-        *out = f;
+    gp_frames_free(&f);
     return st;
 }
 
@@ -453,47 +415,6 @@ void gp_views_free(struct gp_views *v)
     *v = (struct gp_views) {0};
 }
 
-static gp_status check_name(const struct gp_log *log, const char *text,
-                            const struct gp_views *v, const char *name)
-{
-    if (!*name)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--views: an empty name (found in \"%s\"); write "
-                       "left,right", text);
-    if (strchr(name, '/'))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--views: a name with a slash (found %s); views are "
-                       "names, %%V may stand for a folder", name);
-    for (int i = 0; i < v->n; i++) {
-        if (strcmp(v->name[i], name) == 0)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "--views: %s comes twice (found in %s); name each "
-                           "view once", name, text);
-    }
-    return GP_OK;
-}
-
-/* Cuts v->text at its commas into at most GP_VIEWS_MAX names. */
-static gp_status split_names(const struct gp_log *log, const char *text,
-                     struct gp_views *v)
-{
-    for (char *at = v->text; at;) {
-        char *const comma = strchr(at, ',');
-        if (comma)
-            *comma = '\0';
-        if (v->n == GP_VIEWS_MAX)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "--views: too many (over %d); make them in several "
-                           "runs", GP_VIEWS_MAX);
-        gp_status st = check_name(log, text, v, at);
-        if (st)
-            return st;
-        v->name[v->n++] = at;
-        at = comma ? comma + 1 : NULL;
-    }
-    return GP_OK;
-}
-
 gp_status gp_views_parse(const struct gp_log *log, const char *text,
                          struct gp_views *out)
 {
@@ -506,7 +427,31 @@ gp_status gp_views_parse(const struct gp_log *log, const char *text,
     v.text = gp_strdup(text);
     if (!v.text)
         GP_TRY(gp_no_memory_bare(log, "view list"));
-    GP_TRY(split_names(log, text, &v));
+    for (char *at = v.text; at;) {
+        char *const comma = strchr(at, ',');
+        if (comma)
+            *comma = '\0';
+        if (v.n == GP_VIEWS_MAX)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "--views: too many (over %d); make them in several "
+                           "runs", GP_VIEWS_MAX));
+        if (!*at)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "--views: an empty name (found in \"%s\"); write "
+                           "left,right", text));
+        if (strchr(at, '/'))
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                           "--views: a name with a slash (found %s); views "
+                           "are names, %%V may stand for a folder", at));
+        for (int i = 0; i < v.n; i++) {
+            if (strcmp(v.name[i], at) == 0)
+                GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                               "--views: %s comes twice (found in %s); name "
+                               "each view once", at, text));
+        }
+        v.name[v.n++] = at;
+        at = comma ? comma + 1 : NULL;
+    }
     *out = v;
     return GP_OK;
 out:

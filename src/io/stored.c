@@ -141,24 +141,6 @@ static gp_status read_exr(const struct gp_log *log,
 
 /* -- other formats --------------------------------------------------------- */
 
-static gp_status split(const struct gp_log *log,
-                       const struct gp_image *image,
-                       struct gp_stored_image *out)
-{
-    const size_t pixels = (size_t) gp_rect_w(image->data) *
-                          (size_t) gp_rect_h(image->data);
-    const size_t n = (size_t) image->channels;
-    gp_status st = make_list(log, image->channels, out);
-    for (size_t c = 0; c < n && !st; c++) {
-        st = make_channel(log, image->channel_name[c], pixels,
-                          &out->channel[c]);
-        float *const to = out->channel[c].v;
-        for (size_t i = 0; i < pixels && !st; i++)
-            to[i] = image->pixels[i * n + c];
-    }
-    return st;
-}
-
 static gp_status read_other(const struct gp_log *log,
                             const struct gp_read_params *p,
                             const struct gp_stored_file *f,
@@ -180,7 +162,16 @@ static gp_status read_other(const struct gp_log *log,
     frame.rgb = (struct gp_planes) {0};
     for (int c = 0; c < 3; c++)
         out->light[c] = out->own.c[c];
-    GP_TRY(split(log, &image, out));
+    const size_t pixels = gp_frame_pixels(&frame);
+    const size_t n = (size_t) image.channels;
+    GP_TRY(make_list(log, image.channels, out));
+    for (size_t c = 0; c < n; c++) {
+        GP_TRY(make_channel(log, image.channel_name[c], pixels,
+                            &out->channel[c]));
+        float *const to = out->channel[c].v;
+        for (size_t i = 0; i < pixels; i++)
+            to[i] = image.pixels[i * n + c];
+    }
 out:
     gp_frame_free(&frame);
     gp_image_close(&image);

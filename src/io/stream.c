@@ -73,29 +73,11 @@ gp_status gp_stream_fill(const struct gp_log *log, const char *path,
     return st;
 }
 
-static gp_status take(const struct gp_log *log, const char *path,
-                      uint64_t first, struct gp_stream *s)
-{
-    struct stat info;
-    if (fstat(s->fd, &info))
-        return cannot_read(log, path);
-    if (S_ISDIR(info.st_mode))
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: is a folder; give a file or a pattern such as "
-                       "frame.####.exr", path);
-    // a redirected stdin is a file too, but its offset may not be 0
-    if (S_ISREG(info.st_mode) && s->fd != STDIN_FILENO) {
-        s->size = (uint64_t) info.st_size;
-        return GP_OK;
-    }
-    s->more = true;
-    const gp_status st = grow_to(log, first, s);
-    return st ? st : read_until(log, path, first, s);
-}
-
 gp_status gp_stream_open(const struct gp_log *log, const char *path,
                          uint64_t first, struct gp_stream *s)
 {
+    struct stat info;
+    gp_status st = GP_OK;
     *s = (struct gp_stream) GP_STREAM_EMPTY;
     s->fd = STDIN_FILENO;
     if (strcmp(path, "-") != 0)
@@ -103,7 +85,20 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
     if (s->fd < 0)
         return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
                        path, strerror(errno));
-    gp_status st = take(log, path, first, s);
+    if (fstat(s->fd, &info)) {
+        st = cannot_read(log, path);
+    } else if (S_ISDIR(info.st_mode)) {
+        st = gp_fail(log, GP_ERR_IO,
+                     "%s: is a folder; give a file or a pattern such as "
+                     "frame.####.exr", path);
+    } else if (S_ISREG(info.st_mode) && s->fd != STDIN_FILENO) {
+        s->size = (uint64_t) info.st_size;
+    } else { // a redirected stdin is a file too, but its offset may not be 0
+        s->more = true;
+        st = grow_to(log, first, s);
+        if (!st)
+            st = read_until(log, path, first, s);
+    }
     if (!st && s->size == 0)
         st = gp_fail(log, GP_ERR_DATA,
                      "%s: is empty (0 bytes); write or render it again", path);
@@ -112,11 +107,21 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
     return st;
 }
 
-static int64_t read_file(int fd, uint8_t *to, uint64_t n, uint64_t offset)
+int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,
+                       uint64_t offset)
 {
     uint64_t done = 0;
+    if (offset >= s->size)
+        return 0;
+    if (n > s->size - offset)
+        n = s->size - offset;
+    if (s->data) {
+        memcpy(to, s->data + offset, n);
+        return (int64_t) n;
+    }
     while (done < n) {
-        ssize_t got = pread(fd, to + done, n - done, (off_t) (offset + done));
+        const ssize_t got = pread(s->fd, (uint8_t *) to + done, n - done,
+                                  (off_t) (offset + done));
         if (got < 0 && errno == EINTR)
             continue;
         if (got < 0)
@@ -126,19 +131,6 @@ static int64_t read_file(int fd, uint8_t *to, uint64_t n, uint64_t offset)
         done += (uint64_t) got;
     }
     return (int64_t) done;
-}
-
-int64_t gp_stream_read(const struct gp_stream *s, void *to, uint64_t n,
-                       uint64_t offset)
-{
-    if (offset >= s->size)
-        return 0;
-    if (n > s->size - offset)
-        n = s->size - offset;
-    if (!s->data)
-        return read_file(s->fd, to, n, offset);
-    memcpy(to, s->data + offset, n);
-    return (int64_t) n;
 }
 
 void gp_stream_close(struct gp_stream *s)
