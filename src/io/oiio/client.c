@@ -5,7 +5,6 @@
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "io/io_priv.h"
 #include "io/oiio/protocol.h"
 
 #include <errno.h>
@@ -376,39 +375,6 @@ struct input {
     void *names, *attributes;
 };
 
-/* OpenImageIO's name of the format, by its first bytes. Others that it knows
- * have readers that end it, make pictures up, or read them wrong. */
-static gp_status choose_reader(const struct gp_log *log, const char *path,
-                               const struct gp_stream *s, char reader[16])
-{
-    static const char *const readers[][2] = {
-        {"EXR", "openexr"}, {"JPEG", "jpeg"},        {"TIFF", "tiff"},
-        {"DPX", "dpx"},     {"Radiance HDR", "hdr"}, {"WebP or AVI", "webp"},
-        {"BMP", "bmp"},     {"PFM", "pnm"},          {"PNM", "pnm"},
-        {"SGI", "sgi"},
-    };
-    uint8_t b[GP_FORMAT_BYTES] = {0};
-    const int64_t n = gp_stream_read(s, b, sizeof b, 0);
-    if (n < 0)
-        return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
-                       path);
-    const char *const name = gp_format_name(b, (size_t) n);
-    const char *its = NULL;
-    if (!name && gp_format_reads(b, (size_t) n))
-        its = "targa"; // which has no word at its start
-    for (size_t i = 0; name && i < sizeof readers / sizeof *readers; i++) {
-        if (strcmp(name, readers[i][0]) == 0)
-            its = readers[i][1];
-    }
-    if (!its)
-        return gp_fail(log, GP_ERR_DATA, "%s: no image format that can be "
-                       "read (found %s, %02x %02x %02x %02x ...); convert it, "
-                       "e.g. with oiiotool", path, name ? name : "unknown data",
-                       b[0], b[1], b[2], b[3]);
-    strcpy(reader, its);
-    return GP_OK;
-}
-
 /* A descriptor of the bytes: the file's own, or that of a copy in memory. */
 static gp_status make_descriptor(const struct gp_log *log, const char *path,
                                  const struct gp_stream *s,
@@ -600,8 +566,8 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
 }
 
 gp_status gp_oiio_open(const struct gp_log *log, const char *path,
-                       const struct gp_stream *stream, int part,
-                       long long max_pixels, struct gp_image *out)
+                       const struct gp_stream *stream, const char *reader,
+                       int part, long long max_pixels, struct gp_image *out)
 {
     gp_status st;
     void *block;
@@ -619,7 +585,7 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     };
     in->fd = -1;
     in->size = stream->size;
-    GP_TRY(choose_reader(log, path, stream, ask.format));
+    snprintf(ask.format, sizeof ask.format, "%s", reader);
     GP_TRY(make_descriptor(log, path, stream, in));
     GP_TRY(take_helper(log, path, &in->helper));
     struct helper *const h = in->helper;

@@ -157,7 +157,7 @@ static void raw_frames_have_one_size(void **state)
     assert_int_equal(to_stdout(out, &p, &b, GP_PICTURE_SHOWN, &stats),
                      GP_ERR_DATA);
     wf_assert_said("made: another size than the raw frames before it (found "
-                   "3 x 4 behind 4 x 3)");
+                   "3 x 4 after 4 x 3)");
     assert_int_equal(to_stdout(out, &p, &c, GP_PICTURE_SHOWN, &stats), GP_OK);
     free(wf_read(out, &n));
     assert_int_equal(n, 2 * 4 * 3 * 3); // not a byte of the wrong one
@@ -225,8 +225,8 @@ static const struct {
 } streams[] = {
     {"E", 1, ""},      {"EE", 2, ""},     {"EZBDP", 5, ""},
     {"PFPF", 4, ""},   {"gF", 2, ""},     {"Eg", 2, ""},
-    {"E0P0", 2, ""},   {"x", 1, ""},      {"Ex", 0, "follows frame 1"},
-    {"PEx", 0, "follows frame 2"},        {"0", 1, ""},
+    {"E0P0", 2, ""},   {"x", 0, "78 79 7a"}, {"Ex", 0, "follows frame 1"},
+    {"PEx", 0, "follows frame 2"}, {"0", 0, "unknown data"},
     {"E0x", 0, "found 78 at byte"},       {"h", 1, ""},
     {"Eh", 2, ""},     {"z", 1, ""},      {"w", 1, ""},
     {"l", 1, ""},      {"El", 2, ""},     {"hE", 1, ""},
