@@ -236,7 +236,7 @@ static gp_status open_ppm(struct gp_image *image)
     s = stream_of(ppm, sizeof ppm - 1);
     said_nothing();
     *image = (struct gp_image) {0};
-    return gp_oiio_open(&said_log, "a.ppm", &s, 0, MOST, image);
+    return gp_oiio_open(&said_log, "a.ppm", &s, "pnm", 0, MOST, image);
 }
 
 static void assert_sound(struct gp_image *image)
