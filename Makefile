@@ -105,7 +105,7 @@ $(B)/gl/shaders.o: $(B)/gl/shaders.c
 # OpenImageIO's faults are what it is there for
 $(B)/glarepp-oiio: $(BRIDGE_SRC) src/io/oiio/protocol.h
 	@mkdir -p $(@D)
-	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(CFLAGS) $(HERE) $(HARDEN_CXX) -fPIE -pie \
+	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(filter-out $(COUNTED),$(CFLAGS)) $(HERE) $(HARDEN_CXX) -fPIE -pie \
 	    $(HARDEN_SO) -pthread -Isrc -o $@ $(BRIDGE_SRC) \
 	    $(call pc,--cflags --libs,OpenImageIO)
 
@@ -243,14 +243,12 @@ check-ubsan: ## the tests under UndefinedBehaviorSanitizer
 	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined \
 	    -fsanitize=float-cast-overflow) check-san
 
-# What runs several threads: all but the hard cases, which would take hours,
-# and two suites of what OpenImageIO's threads make
+# What runs several threads: all but the hard cases, which would take hours
 TSAN_CLI := threads sequence stream farm flight layers views groups sun
 check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
 	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0 \
 	    allocator_may_return_null=1" \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
-	    GLAREPP_TEST_SKIP="io/data io/oiio_read" \
 	    UNIT_BIN="$(UNIT_ROOMS:%=$(B)/tsan/tests/%)" \
 	    SAN_CLI="$(TSAN_CLI)" check-san
 
@@ -275,8 +273,7 @@ coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
 	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill -harden -determinism; ran=$$?; \
 	    tests/tools/coverage.py $(B) $(FLOORS) && exit $$ran
 
-# io/data forks a child a file: OpenImageIO's thread pools die with each and
-# count as lost. The hard cases would take many minutes
+# io/data and the hard cases would take many minutes
 VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite --show-leak-kinds=definite \
            --suppressions=$(CURDIR)/tests/valgrind.supp

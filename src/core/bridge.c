@@ -1,11 +1,14 @@
 #include "core/bridge.h"
 
 #include <dlfcn.h>
+#include <errno.h>
+#include <fcntl.h>
 #include <limits.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 /* The folder of the running program, "" when the system does not say. */
@@ -65,4 +68,39 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
         dlclose(library);
     }
     return api;
+}
+
+gp_status gp_shared_make(const struct gp_log *log, const char *path,
+                         size_t size, struct gp_shared *out)
+{
+    struct gp_shared s = {.size = size};
+    s.fd = memfd_create("glarepp", MFD_CLOEXEC | MFD_ALLOW_SEALING);
+    // sealed: who shares it cannot take pages from under this process
+    const bool sized =
+        s.fd >= 0 && ftruncate(s.fd, (off_t) size) == 0 &&
+        fcntl(s.fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) ==
+            0;
+    s.at = sized ? mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED, s.fd, 0)
+                 : MAP_FAILED;
+    if (s.at != MAP_FAILED) {
+        *out = s;
+        return GP_OK;
+    }
+    const int error = errno;
+    if (s.fd >= 0)
+        close(s.fd);
+    if (error == EFBIG)
+        return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with "
+                       "a helper (%s); raise ulimit -f", path, size,
+                       strerror(error));
+    return gp_no_memory(log, path);
+}
+
+void gp_shared_free(struct gp_shared *shared)
+{
+    if (shared->at) {
+        munmap(shared->at, shared->size);
+        close(shared->fd);
+    }
+    *shared = (struct gp_shared) {0};
 }

@@ -4,6 +4,8 @@
 #ifndef GP_CORE_BRIDGE_H
 #define GP_CORE_BRIDGE_H
 
+#include "core/status.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -17,5 +19,20 @@ bool gp_bridge_find(const char *name, char *path, size_t size);
  * it or one of its libraries is missing, or it is of another version. */
 const void *gp_bridge_open(const char *name, const char *entry, char *why,
                            size_t why_size);
+
+/* Memory that another process is given by its descriptor. Zero is empty. */
+struct gp_shared {
+    int fd;
+    void *at;
+    size_t size;
+};
+
+/* Makes zeroed memory of `size` >= 1 bytes, which nobody can make smaller.
+ * `path` is for the message. Errors: GP_ERR_BUG out of memory; GP_ERR_IO more
+ * bytes than a file may have (ulimit -f). */
+GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
+                                       const char *path, size_t size,
+                                       struct gp_shared *out);
+void gp_shared_free(struct gp_shared *shared);
 
 #endif

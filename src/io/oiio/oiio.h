@@ -16,6 +16,7 @@
 #ifndef GP_IO_OIIO_OIIO_H
 #define GP_IO_OIIO_OIIO_H
 
+#include "core/bridge.h"
 #include "core/frame.h"
 #include "core/status.h"
 #include "io/image.h"
@@ -47,19 +48,6 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log,
                                      struct gp_image *out);
 
 /* -- writing ---------------------------------------------------------------- */
-
-/* Memory that the helper sees too. Zero is empty. */
-struct gp_shared {
-    int fd;
-    void *at;
-    size_t size;
-};
-
-/* Errors: GP_ERR_BUG out of memory, or of descriptors. */
-GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
-                                       const char *path, size_t size,
-                                       struct gp_shared *out);
-void gp_shared_free(struct gp_shared *shared);
 
 /* Makes a file in memory.
  *
