@@ -5,15 +5,7 @@
 #include "app/progress.h"
 #include "core/parallel.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
 #include <time.h>
-
-#include <cmocka.h>
 
 enum { MOST = 200 };
 
@@ -254,13 +246,6 @@ static void room_bounds_the_flight(void **state)
     assert_true(seen.most <= 2);
 }
 
-SUITE(flight)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_in_order),
-        cmocka_unit_test(failures_are_skipped),
-        cmocka_unit_test(first_failure_ends),
-        cmocka_unit_test(room_bounds_the_flight),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(flight, NULL, NULL,
+    all_in_order, failures_are_skipped, first_failure_ends,
+    room_bounds_the_flight)

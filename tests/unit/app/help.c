@@ -321,18 +321,7 @@ static void completions_are_complete(void **state)
     }
 }
 
-SUITE(help)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_table_is_sound),
-        cmocka_unit_test(help_is_complete),
-        cmocka_unit_test(examples_are_right),
-        cmocka_unit_test(slips_of_commands),
-        cmocka_unit_test(edits_are_counted),
-        cmocka_unit_test(topics_print_their_part),
-        cmocka_unit_test(every_topic_is_known),
-        cmocka_unit_test(unknown_topics_suggest),
-        cmocka_unit_test(completions_are_complete),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(help, NULL, NULL,
+    the_table_is_sound, help_is_complete, examples_are_right,
+    slips_of_commands, edits_are_counted, topics_print_their_part,
+    every_topic_is_known, unknown_topics_suggest, completions_are_complete)

@@ -398,18 +398,7 @@ static void named_values_parse(void **state)
     }
 }
 
-SUITE(options)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(defaults_hold),
-        cmocka_unit_test(every_option_is_stored),
-        cmocka_unit_test(words_that_look_like_options),
-        cmocka_unit_test(clusters_follow_groups),
-        cmocka_unit_test(bench_is_a_command),
-        cmocka_unit_test(compare_is_a_command),
-        cmocka_unit_test(errors_say_what_is_wrong),
-        cmocka_unit_test(warnings),
-        cmocka_unit_test(named_values_parse),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(options, NULL, NULL,
+    defaults_hold, every_option_is_stored, words_that_look_like_options,
+    clusters_follow_groups, bench_is_a_command, compare_is_a_command,
+    errors_say_what_is_wrong, warnings, named_values_parse)

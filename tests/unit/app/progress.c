@@ -5,16 +5,6 @@
 #include "core/clock.h"
 #include "said.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 // -- which frames failed -----------------------------------------------------
 
 /* The list in the last message, "" when it has none; *whole: --frames would
@@ -224,14 +214,6 @@ static void progress_lines(void **state)
     assert_string_equal(drawn(GP_PROGRESS_ALWAYS, true, 0, 2, 0.0, "f"), "");
 }
 
-SUITE(progress)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(failed_lists),
-        cmocka_unit_test(long_lists_are_cut),
-        cmocka_unit_test(names_without_numbers),
-        cmocka_unit_test(failed_views),
-        cmocka_unit_test(progress_lines),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(progress, NULL, NULL,
+    failed_lists, long_lists_are_cut, names_without_numbers, failed_views,
+    progress_lines)

@@ -5,17 +5,8 @@
 
 #include <jansson.h>
 #include <locale.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static char *const two_names[] = {(char *) "a.0007.png", (char *) "b.exr"};
 
@@ -234,16 +225,8 @@ static void lines_are_cut_not_overrun(void **state)
                                  "OSMesa: llvmpipe"));
 }
 
-SUITE(report)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(all_fields_in_order),
-        cmocka_unit_test(what_was_not_needed_is_left_out),
-        cmocka_unit_test(hard_values_stay_json),
-        cmocka_unit_test(locales_do_not_matter),
-        cmocka_unit_test(files_are_touched_with_the_first_line),
-        cmocka_unit_test(errors_of_files),
-        cmocka_unit_test(lines_are_cut_not_overrun),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(report, NULL, NULL,
+    all_fields_in_order, what_was_not_needed_is_left_out,
+    hard_values_stay_json, locales_do_not_matter,
+    files_are_touched_with_the_first_line, errors_of_files,
+    lines_are_cut_not_overrun)

@@ -3,18 +3,7 @@
 #include "bench/bench_priv.h"
 #include "core/memory.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 
 // -- the front -----------------------------------------------------------------------
 
@@ -204,15 +193,7 @@ static void gnuplot_that_is_missing_is_named(void **state)
     free(path);
 }
 
-SUITE(bench)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(the_front_is_what_nothing_beats),
-        cmocka_unit_test(options_ask_for_the_technique),
-        cmocka_unit_test(parts_are_even_and_untouched),
-        cmocka_unit_test(no_light_has_a_part_without_any),
-        cmocka_unit_test(gnuplot_gives_all_it_writes),
-        cmocka_unit_test(gnuplot_that_is_missing_is_named),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(bench, NULL, NULL,
+    the_front_is_what_nothing_beats, options_ask_for_the_technique,
+    parts_are_even_and_untouched, no_light_has_a_part_without_any,
+    gnuplot_gives_all_it_writes, gnuplot_that_is_missing_is_named)

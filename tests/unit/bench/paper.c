@@ -5,19 +5,6 @@
 #include "core/parallel.h"
 #include "glare/sensors.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
 /* FNV-1a, of the planes. */
 static uint64_t hash(const struct gp_frame *f)
 {
@@ -180,15 +167,7 @@ static void sizes_out_of_range_are_refused(void **state)
     }
 }
 
-SUITE(paper)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bytes_are_the_same_everywhere),
-        cmocka_unit_test(light_is_as_it_is_named),
-        cmocka_unit_test(windows_are_not_constant),
-        cmocka_unit_test(dim_pixels_stay_dim),
-        cmocka_unit_test(the_kernel_is_coloured_and_ends_inside),
-        cmocka_unit_test(sizes_out_of_range_are_refused),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(paper, NULL, NULL,
+    bytes_are_the_same_everywhere, light_is_as_it_is_named,
+    windows_are_not_constant, dim_pixels_stay_dim,
+    the_kernel_is_coloured_and_ends_inside, sizes_out_of_range_are_refused)

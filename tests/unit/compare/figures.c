@@ -5,16 +5,6 @@
 #include "core/colour.h"
 #include "core/parallel.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 static const struct gp_compare_params defaults = GP_COMPARE_DEFAULTS;
 
 enum { CHANNELS = 8, ROOM = 4096 };
@@ -324,20 +314,8 @@ static void magma_is_magma(void **state)
     }
 }
 
-SUITE(figures)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(two_pixels),
-        cmocka_unit_test(luminance_is_relative),
-        cmocka_unit_test(values_that_are_no_numbers),
-        cmocka_unit_test(limits_are_idiffs),
-        cmocka_unit_test(names_decide),
-        cmocka_unit_test(windows_are_joined),
-        cmocka_unit_test(whole_numbers_are_exact),
-        cmocka_unit_test(threads_do_not_matter),
-        cmocka_unit_test(flip_fits_the_files),
-        cmocka_unit_test(black_has_flip),
-        cmocka_unit_test(magma_is_magma),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(figures, NULL, NULL,
+    two_pixels, luminance_is_relative, values_that_are_no_numbers,
+    limits_are_idiffs, names_decide, windows_are_joined,
+    whole_numbers_are_exact, threads_do_not_matter, flip_fits_the_files,
+    black_has_flip, magma_is_magma)

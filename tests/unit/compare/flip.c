@@ -6,20 +6,8 @@
 #include "core/parallel.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #include "starved.h"
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 
 /* Single precision under a square root: a feature of 1e-9 counts 3e-5. */
 static const double NEAR = 3e-4;
@@ -418,20 +406,11 @@ static void memory_is_full(void **state)
     gp_set_threads(0);
 }
 
-SUITE(flip)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(flat_colours_are_as_far_as_they_are),
-        cmocka_unit_test(patterns_agree_with_the_plain_form),
-        cmocka_unit_test(laws_hold_at_any_size_and_distance),
-        cmocka_unit_test(one_pixel_is_seen_near_it_alone),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(exposures_fit_the_reference),
-        cmocka_unit_test(the_median_decides_where_exposures_stop),
-        cmocka_unit_test(dark_and_hostile_references_have_exposures),
-        cmocka_unit_test(the_largest_of_all_exposures_counts),
-        cmocka_unit_test(what_makes_no_sense_is_refused),
-        cmocka_unit_test(memory_is_full),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(flip, NULL, NULL,
+    flat_colours_are_as_far_as_they_are, patterns_agree_with_the_plain_form,
+    laws_hold_at_any_size_and_distance, one_pixel_is_seen_near_it_alone,
+    threads_change_nothing, exposures_fit_the_reference,
+    the_median_decides_where_exposures_stop,
+    dark_and_hostile_references_have_exposures,
+    the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused,
+    memory_is_full)

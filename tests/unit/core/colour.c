@@ -2,17 +2,6 @@
 #include "unit.h"
 #include "core/colour.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
 static const float D65[2] = {0.3127f, 0.3290f};
 
 static void assert_near(double got, double want, double tolerance)
@@ -169,17 +158,8 @@ static void srgb_goes_and_comes_back(void **state)
     }
 }
 
-SUITE(colour)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(weights_are_the_published_ones),
-        cmocka_unit_test(bt709_is_exactly_what_papers_print),
-        cmocka_unit_test(matrix_is_that_of_the_standard),
-        cmocka_unit_test(white_has_luminance_one),
-        cmocka_unit_test(degenerate_primaries_count_as_bt709),
-        cmocka_unit_test(srgb_points),
-        cmocka_unit_test(srgb_clamps),
-        cmocka_unit_test(srgb_goes_and_comes_back),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(colour, NULL, NULL,
+    weights_are_the_published_ones, bt709_is_exactly_what_papers_print,
+    matrix_is_that_of_the_standard, white_has_luminance_one,
+    degenerate_primaries_count_as_bt709, srgb_points, srgb_clamps,
+    srgb_goes_and_comes_back)

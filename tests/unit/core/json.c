@@ -5,18 +5,10 @@
 
 #include <float.h>
 #include <locale.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <sys/stat.h>
-
-#include <cmocka.h>
 
 static const struct gp_json_place place = {&jf_log, "a.json", "light", 3};
 
-#define LEN(a) (sizeof(a) / sizeof *(a))
 #define BYTES(text) text, sizeof(text) - 1
 
 static void must_say(size_t row, const char *needle)
@@ -68,7 +60,7 @@ static void files_by_content(void **state)
         {BYTES("[\x1b[31m]"), "(invalid token near '?"},
         {BYTES("// no\n[]"), "line 1"},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         json_t *const none = (json_t *) &jf_log;
         json_t *root = none;
         gp_status st =
@@ -136,7 +128,7 @@ static void deep_nesting_is_an_error(void **state)
     (void) state;
     static char text[1 << 19];
     static const char *const open[] = {"[", "{\"a\":"};
-    for (size_t i = 0; i < LEN(open); i++) {
+    for (size_t i = 0; i < COUNT(open); i++) {
         const size_t step = strlen(open[i]);
         size_t n = 0;
         json_t *root;
@@ -162,7 +154,7 @@ static void a_decimal_comma_changes_nothing(void **state)
     static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "de_DE",
                                         "fr_FR.UTF-8"};
     const char *set = NULL;
-    for (size_t i = 0; !set && i < LEN(names); i++)
+    for (size_t i = 0; !set && i < COUNT(names); i++)
         set = setlocale(LC_ALL, names[i]);
     if (!set)
         skip();
@@ -189,7 +181,7 @@ static void arrays_of_files(void **state)
         {"{\"items\": 3}", -1}, {"{\"items\": null}", -1},
         {"{\"Items\": []}", -1}, {"{}", -1},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         json_t *root = object(row[i].text), *a = NULL;
         gp_status st = gp_json_array(&place, root, "items", 3, &a);
         assert_int_equal(st, row[i].count < 0 ? GP_ERR_DATA : GP_OK);
@@ -217,7 +209,7 @@ static void keys_must_be_known(void **state)
         {"{\"\\u001b[2J\\nx\": 0}", "\"?[2J?x\""},
         {"[0, 1]", "(found an array of 2)"},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         json_t *root = object(row[i].text);
         gp_status st = gp_json_keys(&place, root, keys);
         assert_int_equal(st, row[i].say ? GP_ERR_DATA : GP_OK);
@@ -309,7 +301,7 @@ static void values(void **state)
         {CHOICE, "{\"v\": \"\"}", 0, 0, {9}, "(found \"\")"},
         {CHOICE, "{\"v\": 1}", 0, 0, {9}, "(found 1)"},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         json_t *o = object(row[i].text);
         const bool there = json_object_get(o, "v") != NULL;
         double v[3] = {9, 9, 9};
@@ -361,19 +353,8 @@ static void the_file_itself_has_no_number(void **state)
     json_decref(o);
 }
 
-SUITE(json)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_by_content),
-        cmocka_unit_test(files_that_cannot_be_read),
-        cmocka_unit_test(sizes_up_to_the_limit),
-        cmocka_unit_test(deep_nesting_is_an_error),
-        cmocka_unit_test(a_decimal_comma_changes_nothing),
-        cmocka_unit_test(arrays_of_files),
-        cmocka_unit_test(keys_must_be_known),
-        cmocka_unit_test(long_names_are_cut),
-        cmocka_unit_test(values),
-        cmocka_unit_test(the_file_itself_has_no_number),
-    };
-    return cmocka_run_group_tests(tests, jf_setup, jf_teardown);
-}
+SUITE_OF(json, jf_setup, jf_teardown,
+    files_by_content, files_that_cannot_be_read, sizes_up_to_the_limit,
+    deep_nesting_is_an_error, a_decimal_comma_changes_nothing, arrays_of_files,
+    keys_must_be_known, long_names_are_cut, values,
+    the_file_itself_has_no_number)

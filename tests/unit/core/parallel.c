@@ -4,16 +4,9 @@
 #include "core/parallel.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
 #include <stdatomic.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { MOST = 5000, CALLERS = 5 };
 
@@ -199,13 +192,5 @@ static void child_has_its_own(void **state)
     assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
 }
 
-SUITE(parallel)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_i_once),
-        cmocka_unit_test(lowest_failure),
-        cmocka_unit_test(callers_share),
-        cmocka_unit_test(child_has_its_own),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(parallel, NULL, NULL,
+    each_i_once, lowest_failure, callers_share, child_has_its_own)

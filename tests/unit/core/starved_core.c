@@ -13,13 +13,7 @@
 #include <limits.h>
 #include <pthread.h>
 #include <sched.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // -- threads ----------------------------------------------------------------------
 
@@ -313,20 +307,8 @@ static void cpu_can_be_told(void **state)
     unsetenv("GLAREPP_CPU");
 }
 
-SUITE(starved_core)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(processors_unknown),
-        cmocka_unit_test(threads_do_not_start),
-        cmocka_unit_test(sizes_are_checked),
-        cmocka_unit_test(memory_is_full),
-        cmocka_unit_test(no_memory_is_one_line),
-        cmocka_unit_test(json_is_whole_or_null),
-        cmocka_unit_test(frames_own_what_they_hold),
-        cmocka_unit_test(messages_are_one_line),
-        cmocka_unit_test(statuses_have_texts),
-        cmocka_unit_test(bridges_are_looked_for),
-        cmocka_unit_test(cpu_can_be_told),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(starved_core, NULL, NULL,
+    processors_unknown, threads_do_not_start, sizes_are_checked,
+    memory_is_full, no_memory_is_one_line, json_is_whole_or_null,
+    frames_own_what_they_hold, messages_are_one_line, statuses_have_texts,
+    bridges_are_looked_for, cpu_can_be_told)

@@ -5,7 +5,6 @@
 
 #include "gl/gl.h"
 
-#include <stdlib.h>
 #include <sys/wait.h>
 #include <unistd.h>
 

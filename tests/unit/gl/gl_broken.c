@@ -6,16 +6,7 @@
 #include "gl/gl_priv.h"
 
 #include <limits.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 static char last_line[4096];
 static int lines;
@@ -317,17 +308,7 @@ static void limit_is_only_lowered(void **state)
     unsetenv("GLAREPP_GL_MAX_SIZE");
 }
 
-SUITE(gl_broken)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(osmesa_refuses),
-        cmocka_unit_test(missing_functions_are_named),
-        cmocka_unit_test(egl_refuses),
-        cmocka_unit_test(flags_have_names),
-        cmocka_unit_test(objects_are_refused),
-        cmocka_unit_test(targets_are_refused),
-        cmocka_unit_test(unknown_files_are_named),
-        cmocka_unit_test(limit_is_only_lowered),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(gl_broken, NULL, NULL,
+    osmesa_refuses, missing_functions_are_named, egl_refuses, flags_have_names,
+    objects_are_refused, targets_are_refused, unknown_files_are_named,
+    limit_is_only_lowered)

@@ -349,16 +349,7 @@ static void lists_wait_for_draws(void **state)
     gp_gl_close(&gl);
 }
 
-SUITE(gl_program)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(compiler_speaks_of_the_file),
-        cmocka_unit_test(shader_files_open_with_a_comment),
-        cmocka_unit_test(attachments_are_apart),
-        cmocka_unit_test(uniforms_arrive),
-        cmocka_unit_test(linear_textures_mix),
-        cmocka_unit_test(points_are_squares),
-        cmocka_unit_test(lists_wait_for_draws),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(gl_program, NULL, NULL,
+    compiler_speaks_of_the_file, shader_files_open_with_a_comment,
+    attachments_are_apart, uniforms_arrive, linear_textures_mix,
+    points_are_squares, lists_wait_for_draws)

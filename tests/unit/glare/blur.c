@@ -4,13 +4,6 @@
 #include "glare/splat/polygons.h"
 #include "glare_scene.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 /* -- blurs ------------------------------------------------------------------*/
 
 struct blur_row {
@@ -320,15 +313,7 @@ static void no_light_draws_all(void **state)
     gp_kernel_free(&k);
 }
 
-SUITE(blur)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(blurs_are_box_means),
-        cmocka_unit_test(nothing_left_is_an_empty_blur),
-        cmocka_unit_test(no_memory_leaves_nothing),
-        cmocka_unit_test(what_is_left_out_is_allowed),
-        cmocka_unit_test(reach_falls_with_the_share),
-        cmocka_unit_test(no_light_draws_all),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(blur, NULL, NULL,
+    blurs_are_box_means, nothing_left_is_an_empty_blur,
+    no_memory_leaves_nothing, what_is_left_out_is_allowed,
+    reach_falls_with_the_share, no_light_draws_all)

@@ -239,17 +239,8 @@ static void out_of_reach(void **state)
     free_trial(&t);
 }
 
-SUITE(bound)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(measured_is_never_over_the_bound),
-        cmocka_unit_test(caches_change_nothing),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(nothing_is_said_of_lobes),
-        cmocka_unit_test(single_sensors_only_round),
-        cmocka_unit_test(darkness_is_no_error),
-        cmocka_unit_test(a_single_light_is_exact),
-        cmocka_unit_test(out_of_reach),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(bound, NULL, NULL,
+    measured_is_never_over_the_bound, caches_change_nothing,
+    threads_change_nothing, nothing_is_said_of_lobes,
+    single_sensors_only_round, darkness_is_no_error, a_single_light_is_exact,
+    out_of_reach)

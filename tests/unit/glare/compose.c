@@ -243,17 +243,8 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
-SUITE(compose)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(mixes_are_their_formulas),
-        cmocka_unit_test(no_layer_means_no_light),
-        cmocka_unit_test(a_huge_source_leaves_nothing_behind),
-        cmocka_unit_test(scatter_conserves_energy),
-        cmocka_unit_test(planes_are_made_once),
-        cmocka_unit_test(sources_of_another_frame_are_refused),
-        cmocka_unit_test(dim_takes_its_share),
-        cmocka_unit_test(threads_change_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(compose, NULL, NULL,
+    mixes_are_their_formulas, no_layer_means_no_light,
+    a_huge_source_leaves_nothing_behind, scatter_conserves_energy,
+    planes_are_made_once, sources_of_another_frame_are_refused,
+    dim_takes_its_share, threads_change_nothing)

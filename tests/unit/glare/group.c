@@ -335,17 +335,7 @@ static void threads_change_nothing(void **state)
     gp_sources_free(&s);
 }
 
-SUITE(group)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(formula_by_hand),
-        cmocka_unit_test(all_as_the_naive_form),
-        cmocka_unit_test(clusters_from_the_fill_on),
-        cmocka_unit_test(light_is_kept),
-        cmocka_unit_test(denormal_light_is_kept),
-        cmocka_unit_test(too_much_light_stays_finite),
-        cmocka_unit_test(windows_move_no_block),
-        cmocka_unit_test(threads_change_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(group, NULL, NULL,
+    formula_by_hand, all_as_the_naive_form, clusters_from_the_fill_on,
+    light_is_kept, denormal_light_is_kept, too_much_light_stays_finite,
+    windows_move_no_block, threads_change_nothing)

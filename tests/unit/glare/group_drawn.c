@@ -105,12 +105,5 @@ static void reach_cuts(void **state)
     gp_kernel_free(&k);
 }
 
-SUITE(group_drawn)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(moments_are_kept),
-        cmocka_unit_test(ungrouped_is_exact),
-        cmocka_unit_test(reach_cuts),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(group_drawn, NULL, NULL,
+    moments_are_kept, ungrouped_is_exact, reach_cuts)

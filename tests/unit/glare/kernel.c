@@ -286,18 +286,9 @@ static void builtin_fades_to_its_edge(void **state)
     gp_kernel_free(&k);
 }
 
-SUITE(kernel)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(builtin_fades_to_its_edge),
-        cmocka_unit_test(builtin_refuses),
-        cmocka_unit_test(image_keeps_the_ratios_of_its_channels),
-        cmocka_unit_test(image_borders_are_cut),
-        cmocka_unit_test(image_is_cut_to_the_union_of_its_channels),
-        cmocka_unit_test(image_of_any_size_is_normalised),
-        cmocka_unit_test(bad_images_are_refused),
-        cmocka_unit_test(faint_samples_are_zero),
-        cmocka_unit_test(negative_kernels_pass_unnormalised),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(kernel, NULL, NULL,
+    builtin_fades_to_its_edge, builtin_refuses,
+    image_keeps_the_ratios_of_its_channels, image_borders_are_cut,
+    image_is_cut_to_the_union_of_its_channels, image_of_any_size_is_normalised,
+    bad_images_are_refused, faint_samples_are_zero,
+    negative_kernels_pass_unnormalised)

@@ -353,20 +353,8 @@ static void eye_is_the_papers(void **state)
     }
 }
 
-SUITE(kernel_builtin)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(are_light),
-        cmocka_unit_test(end_softly),
-        cmocka_unit_test(have_their_colours),
-        cmocka_unit_test(follow_their_formulas),
-        cmocka_unit_test(are_the_same_for_any_threads),
-        cmocka_unit_test(eye_is_integrated),
-        cmocka_unit_test(eye_is_not_sampled),
-        cmocka_unit_test(eye_is_symmetric_to_the_bit),
-        cmocka_unit_test(eye_falls_on_every_side),
-        cmocka_unit_test(eye_keeps_all_light_of_its_square),
-        cmocka_unit_test(eye_is_the_papers),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(kernel_builtin, NULL, NULL,
+    are_light, end_softly, have_their_colours, follow_their_formulas,
+    are_the_same_for_any_threads, eye_is_integrated, eye_is_not_sampled,
+    eye_is_symmetric_to_the_bit, eye_falls_on_every_side,
+    eye_keeps_all_light_of_its_square, eye_is_the_papers)

@@ -259,16 +259,8 @@ static void engines_agree(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(kernel_rotate)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(samples_are_the_unturned_ones),
-        cmocka_unit_test(right_angles_move_samples),
-        cmocka_unit_test(no_turn_is_the_same_bytes),
-        cmocka_unit_test(turned_kernels_are_normalised),
-        cmocka_unit_test(what_cannot_be_is_refused),
-        cmocka_unit_test(turning_is_the_same_for_any_threads),
-        cmocka_unit_test(engines_agree),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(kernel_rotate, NULL, NULL,
+    samples_are_the_unturned_ones, right_angles_move_samples,
+    no_turn_is_the_same_bytes, turned_kernels_are_normalised,
+    what_cannot_be_is_refused, turning_is_the_same_for_any_threads,
+    engines_agree)

@@ -4,14 +4,6 @@
 
 #include "glare/splat/polygons.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
 enum { W = 60, H = 50 };
 
 /* A black frame with lights of 2 at these pixels. */
@@ -181,13 +173,6 @@ static void no_light_no_line(void **state)
     scene_free(&s);
 }
 
-SUITE(outline)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(single_sensors_have_the_kernels_box),
-        cmocka_unit_test(groups_have_one),
-        cmocka_unit_test(all_that_are_drawn_have_one),
-        cmocka_unit_test(no_light_no_line),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(outline, NULL, NULL,
+    single_sensors_have_the_kernels_box, groups_have_one,
+    all_that_are_drawn_have_one, no_light_no_line)

@@ -334,17 +334,7 @@ static void the_tolerance_is_kept_or_said(void **state)
     }
 }
 
-SUITE(plan)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(one_frame),
-        cmocka_unit_test(errors_come_back),
-        cmocka_unit_test(a_choice_is_kept),
-        cmocka_unit_test(a_lost_bound_ends_it),
-        cmocka_unit_test(no_flicker),
-        cmocka_unit_test(candidates_are_whole),
-        cmocka_unit_test(states_count),
-        cmocka_unit_test(the_tolerance_is_kept_or_said),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(plan, NULL, NULL,
+    one_frame, errors_come_back, a_choice_is_kept, a_lost_bound_ends_it,
+    no_flicker, candidates_are_whole, states_count,
+    the_tolerance_is_kept_or_said)

@@ -177,14 +177,6 @@ static void light_joins(void **state)
     gp_sources_free(&dark);
 }
 
-SUITE(sources)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lists_are_whole),
-        cmocka_unit_test(bins_are_half_octaves),
-        cmocka_unit_test(parts_hold_all),
-        cmocka_unit_test(light_outside_is_refused),
-        cmocka_unit_test(light_joins),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(sources, NULL, NULL,
+    lists_are_whole, bins_are_half_octaves, parts_hold_all,
+    light_outside_is_refused, light_joins)

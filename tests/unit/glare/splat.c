@@ -9,17 +9,6 @@
 #include "glare/engine.h"
 #include "splat_scene.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 static gp_status splat_or_skip(enum gp_gl_api gl,
                                const struct gp_sources *src,
                                const struct gp_kernel *k,

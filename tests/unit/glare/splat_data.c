@@ -15,16 +15,7 @@
 #include <ftw.h>
 #include <libgen.h>
 #include <limits.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 enum { FILES = 1000, WIDEST = 1300 };
 
@@ -141,11 +132,5 @@ static void every_frame_of_the_data_is_within_a_hundredth(void **state)
     gp_kernel_free(&k);
 }
 
-SUITE(splat_data)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(every_frame_of_the_data_is_within_a_hundredth),
-    };
-    return cmocka_run_group_tests_name("splat on real frames", tests, setup,
-                                       teardown);
-}
+SUITE_OF(splat_data, setup, teardown,
+    every_frame_of_the_data_is_within_a_hundredth)

@@ -9,9 +9,6 @@
 #include "driver_threads.h"
 #include "hash.h"
 
-#include <stdio.h>
-#include <stdlib.h>
-
 /* -- the forms ------------------------------------------------------------- */
 
 struct form {

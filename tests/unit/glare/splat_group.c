@@ -200,10 +200,5 @@ static void passes_equal_the_cpu(void **state)
     gp_engine_splat.close(&kept);
 }
 
-SUITE(splat_group)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_equal_the_cpu),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(splat_group, NULL, NULL,
+    passes_equal_the_cpu)

@@ -15,12 +15,6 @@
 #include "fail.h"
 #include "said.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-
-#include <cmocka.h>
-
 enum { W = 61, H = 43, SIZE = 25 };
 
 /* A frame of light and what a part of the room makes of it. */
@@ -455,10 +449,5 @@ static void faults_leave_nothing(void **state)
         sweep(&rows[i]);
 }
 
-SUITE(starved_glare)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(faults_leave_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(starved_glare, NULL, NULL,
+    faults_leave_nothing)

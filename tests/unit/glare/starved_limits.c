@@ -328,17 +328,7 @@ static void questions_may_fail(void **state)
     assert_true(failures > 100);
 }
 
-SUITE(starved_limits)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fftw_is_missing),
-        cmocka_unit_test(fftw_makes_no_plan),
-        cmocka_unit_test(wisdom_is_not_kept),
-        cmocka_unit_test(kernels_that_reach_nothing),
-        cmocka_unit_test(cpus_agree),
-        cmocka_unit_test(patience_is_asked_for),
-        cmocka_unit_test(limits_are_named),
-        cmocka_unit_test(questions_may_fail),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(starved_limits, NULL, NULL,
+    fftw_is_missing, fftw_makes_no_plan, wisdom_is_not_kept,
+    kernels_that_reach_nothing, cpus_agree, patience_is_asked_for,
+    limits_are_named, questions_may_fail)

@@ -7,8 +7,6 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-#include <stdlib.h>
-
 struct row {
     int w, h, x0, y0;
     enum light light;

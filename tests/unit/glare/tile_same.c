@@ -11,7 +11,6 @@
 
 #include "glare/splat/splat_priv.h"
 
-
 /* -- batches --------------------------------------------------------------- */
 
 /* Batches hold at least GP_TILE_BATCH polygons, whatever side is taken. */

@@ -3,16 +3,6 @@
 #include "core/frame.h"
 #include "io/channels.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { NAMES = 12 };
 
 static char last_line[4096];
@@ -234,17 +224,7 @@ static void windows_past_the_last_sample(void **state)
         assert_true(out[i] == (i % 5 < 2 ? 1.0f : 2.0f));
 }
 
-SUITE(channels)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth_by_search),
-        cmocka_unit_test(names_of_any_length),
-        cmocka_unit_test(channels_by_name),
-        cmocka_unit_test(long_lists_are_cut),
-        cmocka_unit_test(samples_of_every_type),
-        cmocka_unit_test(subsampled_samples_are_repeated),
-        cmocka_unit_test(channels_without_samples),
-        cmocka_unit_test(windows_past_the_last_sample),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(channels, NULL, NULL,
+    depth_by_search, names_of_any_length, channels_by_name, long_lists_are_cut,
+    samples_of_every_type, subsampled_samples_are_repeated,
+    channels_without_samples, windows_past_the_last_sample)

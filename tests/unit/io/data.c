@@ -14,7 +14,6 @@
 #include <ftw.h>
 #include <libgen.h>
 #include <limits.h>
-#include <math.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 

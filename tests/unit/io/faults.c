@@ -406,14 +406,5 @@ static int end(void **state)
     return wf_end(state);
 }
 
-SUITE(faults)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reading),
-        cmocka_unit_test(reading_by_bridge),
-        cmocka_unit_test(json),
-        cmocka_unit_test(writing),
-        cmocka_unit_test(writing_by_bridge),
-    };
-    return cmocka_run_group_tests(tests, start, end);
-}
+SUITE_OF(faults, start, end,
+    reading, reading_by_bridge, json, writing, writing_by_bridge)

@@ -386,22 +386,6 @@ static void checks(void **state)
     }
 }
 
-SUITE(file)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(whole_or_nothing, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(large_writes_and_patches, wf_start,
-                                        wf_end),
-        cmocka_unit_test_setup_teardown(links_and_permissions_stay, wf_start,
-                                        wf_end),
-        cmocka_unit_test_setup_teardown(folders, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(names, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(taken_names, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(full_disk, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(pipes, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(signals, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(no_clobber, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(checks, wf_start, wf_end),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF_EACH(file, wf_start, wf_end,
+    whole_or_nothing, large_writes_and_patches, links_and_permissions_stay,
+    folders, names, taken_names, full_disk, pipes, signals, no_clobber, checks)

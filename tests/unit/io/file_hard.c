@@ -238,18 +238,7 @@ static void files_under_way_are_removed(void **state)
     assert_int_equal(wf_names(), OPEN - LIVE);
 }
 
-SUITE(file_hard)
-{
-#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {
-        TEST(folders_that_are_none),
-        TEST(folders_are_made_or_not),
-        TEST(links_to_full_paths),
-        TEST(without_permission),
-        TEST(patches_stay_inside),
-        TEST(no_name_is_left),
-        TEST(more_files_than_a_signal_removes),
-        TEST(files_under_way_are_removed),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF_EACH(file_hard, wf_start, wf_end,
+    folders_that_are_none, folders_are_made_or_not, links_to_full_paths,
+    without_permission, patches_stay_inside, no_name_is_left,
+    more_files_than_a_signal_removes, files_under_way_are_removed)

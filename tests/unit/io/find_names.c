@@ -3,15 +3,6 @@
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { NAMES = 8 };
 
 static int count(const char *const name[NAMES])
@@ -162,12 +153,5 @@ static void layers_of_ids(void **state)
     }
 }
 
-SUITE(find_names)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(colour_of_names),
-        cmocka_unit_test(alpha_of_the_colour),
-        cmocka_unit_test(layers_of_ids),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(find_names, NULL, NULL,
+    colour_of_names, alpha_of_the_colour, layers_of_ids)

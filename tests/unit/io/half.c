@@ -3,16 +3,6 @@
 #include "core/cpu.h"
 #include "io/half.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { HALFS = 65536 };
 
 static uint32_t bits_of(float f)

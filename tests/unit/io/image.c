@@ -6,8 +6,6 @@
 
 #include "reading.h"
 
-#include <math.h>
-
 static const char *const rgba[] = {"R", "G", "B", "A"};
 
 /* A row of pixels; its windows are right. */
@@ -247,15 +245,6 @@ static void parts_and_views(void **state)
     }
 }
 
-SUITE(image)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(curves),
-        cmocka_unit_test(values_outside),
-        cmocka_unit_test(names),
-        cmocka_unit_test(no_such_layer),
-        cmocka_unit_test(windows_and_attributes),
-        cmocka_unit_test(parts_and_views),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(image, make_folder, remove_folder,
+    curves, values_outside, names, no_such_layer, windows_and_attributes,
+    parts_and_views)

@@ -12,7 +12,6 @@
 #include "tiff_bytes.h"
 #include "write_fixture.h"
 
-#include <math.h>
 #include <signal.h>
 
 enum { W = 16, H = 12, PIXELS = W * H };
@@ -652,26 +651,9 @@ static int teardown(void **state)
     return wf_end(state) || remove_folder(state);
 }
 
-SUITE(oiio_formats)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(written_formats_come_back),
-        cmocka_unit_test(alpha_of_every_type),
-        cmocka_unit_test(blocks_and_channels),
-        cmocka_unit_test(pfm_is_linear),
-        cmocka_unit_test(alpha_and_attributes),
-        cmocka_unit_test(display_window_that_lies),
-        cmocka_unit_test(bytes_cannot_hold_the_claim),
-        cmocka_unit_test(odd_tiffs),
-        cmocka_unit_test(tiffs_that_are_read),
-        cmocka_unit_test(no_pixels),
-        cmocka_unit_test(odd_exrs),
-        cmocka_unit_test(cut_off),
-        cmocka_unit_test(formats_that_are_not_read),
-        cmocka_unit_test(tiffs_of_every_kind),
-        cmocka_unit_test(pictures_that_do_not_fit),
-        cmocka_unit_test(more_than_a_format_has),
-        cmocka_unit_test(endings),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+SUITE_OF(oiio_formats, setup, teardown,
+    written_formats_come_back, alpha_of_every_type, blocks_and_channels,
+    pfm_is_linear, alpha_and_attributes, display_window_that_lies,
+    bytes_cannot_hold_the_claim, odd_tiffs, tiffs_that_are_read, no_pixels,
+    odd_exrs, cut_off, formats_that_are_not_read, tiffs_of_every_kind,
+    pictures_that_do_not_fit, more_than_a_format_has, endings)

@@ -4,14 +4,6 @@
 #include "core/parallel.h"
 #include "io/picture.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 struct seen {
     int width;
     int *runs, *wrong; // of each row
@@ -66,10 +58,5 @@ static void each_row_is_run_once(void **state)
     gp_set_threads(0);
 }
 
-SUITE(picture)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_row_is_run_once),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(picture, NULL, NULL,
+    each_row_is_run_once)

@@ -230,16 +230,6 @@ static int set_up(void **state)
     return make_folder(state);
 }
 
-SUITE(plane_file)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(channels_of_a_plane_file),
-        cmocka_unit_test(small_windows),
-        cmocka_unit_test(planes_of_other_formats),
-        cmocka_unit_test(one_channel_of_many),
-        cmocka_unit_test(planes_by_the_bridge),
-        cmocka_unit_test(deep_files),
-        cmocka_unit_test(damaged_files),
-    };
-    return cmocka_run_group_tests(tests, set_up, remove_folder);
-}
+SUITE_OF(plane_file, set_up, remove_folder,
+    channels_of_a_plane_file, small_windows, planes_of_other_formats,
+    one_channel_of_many, planes_by_the_bridge, deep_files, damaged_files)

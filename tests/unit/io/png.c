@@ -9,7 +9,6 @@
 #include "io/read.h"
 
 #include <libdeflate.h>
-#include <math.h>
 #include <png.h>
 
 // -- reading ------------------------------------------------------------------

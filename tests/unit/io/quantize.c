@@ -1,17 +1,8 @@
 /* Codes against gp_srgb_encode(), and the laws of the dither. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
 
 #include "unit.h"
 #include "core/colour.h"
 #include "io/io_priv.h"
-
-#include <math.h>
-#include <stdlib.h>
-#include <string.h>
 
 static int plain(float v, int max)
 {

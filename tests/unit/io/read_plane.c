@@ -378,17 +378,7 @@ static void matrices_of_real_files(void **state)
     gp_frame_free(&frame);
 }
 
-SUITE(read_plane)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(depth_of_any_part),
-        cmocka_unit_test(channels_by_name),
-        cmocka_unit_test(names_that_are_not_there),
-        cmocka_unit_test(samples_are_those_of_the_file),
-        cmocka_unit_test(frames_without_a_file),
-        cmocka_unit_test(matrices),
-        cmocka_unit_test(depth_of_real_files),
-        cmocka_unit_test(matrices_of_real_files),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
-}
+SUITE_OF(read_plane, make_folder, remove_folder,
+    depth_of_any_part, channels_by_name, names_that_are_not_there,
+    samples_are_those_of_the_file, frames_without_a_file, matrices,
+    depth_of_real_files, matrices_of_real_files)

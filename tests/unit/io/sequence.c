@@ -3,17 +3,8 @@
 #include "io/sequence.h"
 
 #include <fcntl.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // -- patterns ----------------------------------------------------------------
 
@@ -424,19 +415,7 @@ static void numbers_in_names(void **state)
     }
 }
 
-SUITE(sequence)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(names_of_frames),
-        cmocka_unit_test(names_of_views),
-        cmocka_unit_test(lists_of_views),
-        cmocka_unit_test(longest_view_list),
-        cmocka_unit_test(views_of_one_letter),
-        cmocka_unit_test(lists_of_frames),
-        cmocka_unit_test(longest_list),
-        cmocka_unit_test(frames_together),
-        cmocka_unit_test(frames_that_exist),
-        cmocka_unit_test(numbers_in_names),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(sequence, NULL, NULL,
+    names_of_frames, names_of_views, lists_of_views, longest_view_list,
+    views_of_one_letter, lists_of_frames, longest_list, frames_together,
+    frames_that_exist, numbers_in_names)

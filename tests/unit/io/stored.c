@@ -185,13 +185,5 @@ static int start(void **state)
     return find_bridges(state) || make_folder(state);
 }
 
-SUITE(stored)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(light),
-        cmocka_unit_test(samples),
-        cmocka_unit_test(header),
-        cmocka_unit_test(dwa_that_is_none),
-    };
-    return cmocka_run_group_tests(tests, start, remove_folder);
-}
+SUITE_OF(stored, start, remove_folder,
+    light, samples, header, dwa_that_is_none)

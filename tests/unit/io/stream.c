@@ -5,16 +5,7 @@
 #include "io/stream.h"
 
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 #include <unistd.h>
-
-#include <cmocka.h>
 
 // -- pipes -----------------------------------------------------------------------
 
@@ -142,11 +133,5 @@ static void first_bytes(void **state)
     assert_null(gp_format_name(zeros, sizeof zeros - 1));
 }
 
-SUITE(stream)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pipes_to_their_limit),
-        cmocka_unit_test(first_bytes),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(stream, NULL, NULL,
+    pipes_to_their_limit, first_bytes)

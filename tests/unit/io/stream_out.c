@@ -6,7 +6,6 @@
 #include "io/read.h"
 
 #include <fcntl.h>
-#include <math.h>
 #include <unistd.h>
 
 // -- stdin and stdout as files -------------------------------------------------

@@ -4,15 +4,6 @@
 #include "sun/camera.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#define LEN(a) (sizeof(a) / sizeof *(a))
 
 static const double PI = 3.14159265358979323846;
 static const struct gp_rect hd = {0, 0, 1920, 1080};
@@ -90,7 +81,7 @@ static void places_of_a_hand_made_camera(void **state)
         hand_matrix(&h, form & 1, m);
         if (gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_AUTO, &c))
             fail_msg("%s", jf_line);
-        for (size_t i = 0; i < LEN(row); i++) {
+        for (size_t i = 0; i < COUNT(row); i++) {
             struct gp_projected p =
                 gp_camera_project(&c, hd, row[i].at, row[i].w);
             if (p.behind != row[i].behind)
@@ -122,7 +113,7 @@ static void windows_move_and_scale(void **state)
     hand_matrix(&plain, false, m);
     assert_int_equal(
         gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_AUTO, &c), GP_OK);
-    for (size_t i = 0; i < LEN(rows); i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rect r = rows[i];
         struct gp_projected p = gp_camera_project(&c, r, dir, 0.0);
         const double w = (double) r.x1 - r.x0, h = (double) r.y1 - r.y0;
@@ -164,7 +155,7 @@ static void conventions_are_told_apart(void **state)
         {0.21, 0, false, false},   {0, 0.3, false, false},
         {0, 0.11, true, false},    {5, 5, false, false},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct hand h = plain;
         static const double dir[3] = {0.1, 1, 0.2};
         double m[16];
@@ -215,7 +206,7 @@ static void matrices_that_are_none(void **state)
         {13, -DBL_MAX, "no view axis"},
         {12, 1e9, NULL},             // far from the origin
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         double m[16];
         struct gp_camera c;
         memset(&c, 0x55, sizeof c);
@@ -241,7 +232,7 @@ static void cameras_that_are_none(void **state)
     static const double all[] = {0, 1, NAN, INFINITY, DBL_MAX, DBL_TRUE_MIN};
     double m[16];
     hand_matrix(&plain, false, m);
-    for (size_t i = 0; i < LEN(all); i++) {
+    for (size_t i = 0; i < COUNT(all); i++) {
         double to_camera[16];
         struct gp_camera c;
         for (int k = 0; k < 16; k++)
@@ -300,8 +291,8 @@ static void discs_cover_what_their_cones_cut(void **state)
     hand_matrix(&h, true, m);
     assert_int_equal(
         gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_CLIP, &c), GP_OK);
-    for (size_t i = 0; i < LEN(dirs); i++) {
-        for (size_t k = 0; k < LEN(degrees); k++) {
+    for (size_t i = 0; i < COUNT(dirs); i++) {
+        for (size_t k = 0; k < COUNT(degrees); k++) {
             const double want = traced_radius(&c, dirs[i], degrees[k]);
             near_to("radius", gp_camera_disc(&c, hd, dirs[i], degrees[k]),
                     want, 1e-6 * want);
@@ -326,7 +317,7 @@ static void discs_that_are_none(void **state)
     hand_matrix(&plain, false, m);
     assert_int_equal(
         gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_SPEC, &c), GP_OK);
-    for (size_t i = 0; i < LEN(row); i++)
+    for (size_t i = 0; i < COUNT(row); i++)
         near_to("radius", gp_camera_disc(&c, hd, row[i].dir, row[i].degrees),
                 0.0, 0.0);
     static const double ahead[3] = {0, 1, 0};
@@ -335,17 +326,8 @@ static void discs_that_are_none(void **state)
             gp_camera_disc(&c, (struct gp_rect) {5, 5, 5, 5}, ahead, 1), 0, 0);
 }
 
-SUITE(camera)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(places_of_a_hand_made_camera),
-        cmocka_unit_test(windows_move_and_scale),
-        cmocka_unit_test(depth_counts_in_camera_units),
-        cmocka_unit_test(conventions_are_told_apart),
-        cmocka_unit_test(matrices_that_are_none),
-        cmocka_unit_test(cameras_that_are_none),
-        cmocka_unit_test(discs_cover_what_their_cones_cut),
-        cmocka_unit_test(discs_that_are_none),
-    };
-    return cmocka_run_group_tests(tests, jf_setup, jf_teardown);
-}
+SUITE_OF(camera, jf_setup, jf_teardown,
+    places_of_a_hand_made_camera, windows_move_and_scale,
+    depth_counts_in_camera_units, conventions_are_told_apart,
+    matrices_that_are_none, cameras_that_are_none,
+    discs_cover_what_their_cones_cut, discs_that_are_none)

@@ -8,15 +8,6 @@
 #include "sun/camera.h"
 
 #include <jansson.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#define LEN(a) (sizeof(a) / sizeof *(a))
 
 static const double SUN = 0.533; // degrees, as the data's generator took it
 
@@ -84,7 +75,7 @@ static void files_by_content(void **state)
         {"[{\"frame\": 9, " SPEC ", \"frame\": 9}]", 0, "duplicate"},
         {"", 0, "empty"},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_camera_file f = {0};
         gp_status st = gp_camera_read(&jf_log, jf_write(row[i].text), &f);
         if (st != (row[i].frames ? GP_OK : GP_ERR_DATA) ||
@@ -157,7 +148,7 @@ static void large_files_have_an_end(void **state)
     } row[] = {
         {2 << 20, GP_OK}, {8 << 20, GP_OK}, {(8 << 20) + 1, GP_ERR_DATA},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         char *text = malloc(row[i].bytes);
         struct gp_camera_file f = {0};
         assert_non_null(text);
@@ -276,7 +267,7 @@ static void suns_and_lamps_of_the_data(void **state)
         "rendered/brightsky", "rendered/night",
     };
     int suns = 0, outside = 0;
-    for (size_t i = 0; i < LEN(names); i++) {
+    for (size_t i = 0; i < COUNT(names); i++) {
         char path[256];
         struct gp_camera_file file;
         json_t *truth = truth_of(names[i]), *frame;
@@ -331,7 +322,7 @@ static void arnold_is_told_from_the_spec(void **state)
         {"camera/arnold_reference_worldToScreen.exr", "worldToScreen"},
     };
     static const struct gp_read_params params = GP_READ_DEFAULTS;
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame f;
         struct gp_camera c, clip;
         double camera[16], ndc[16];
@@ -363,15 +354,7 @@ static void arnold_is_told_from_the_spec(void **state)
     }
 }
 
-SUITE(camera_read)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(files_by_content),
-        cmocka_unit_test(both_forms_are_one_camera),
-        cmocka_unit_test(frames_are_found_by_number),
-        cmocka_unit_test(large_files_have_an_end),
-        cmocka_unit_test(suns_and_lamps_of_the_data),
-        cmocka_unit_test(arnold_is_told_from_the_spec),
-    };
-    return cmocka_run_group_tests(tests, jf_setup, jf_teardown);
-}
+SUITE_OF(camera_read, jf_setup, jf_teardown,
+    files_by_content, both_forms_are_one_camera, frames_are_found_by_number,
+    large_files_have_an_end, suns_and_lamps_of_the_data,
+    arnold_is_told_from_the_spec)

@@ -4,16 +4,6 @@
 #include "sun/sun_priv.h"
 #include "sun/occluder.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-
-#include <cmocka.h>
-
 static unsigned next_random(unsigned *seed)
 {
     *seed = *seed * 1664525u + 1013904223u;
@@ -322,14 +312,7 @@ static void test_disc_ends(void **state)
     }
 }
 
-SUITE(disc)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_pixel_area),   cmocka_unit_test(test_area_sum),
-        cmocka_unit_test(test_area_symmetry), cmocka_unit_test(test_area_grows),
-        cmocka_unit_test(test_area_corner),  cmocka_unit_test(test_area_hard),
-        cmocka_unit_test(test_rect_area),
-        cmocka_unit_test(test_disc_samples), cmocka_unit_test(test_disc_ends),
-    };
-    return cmocka_run_group_tests_name("disc", tests, NULL, NULL);
-}
+SUITE_OF(disc, NULL, NULL,
+    test_pixel_area, test_area_sum, test_area_symmetry, test_area_grows,
+    test_area_corner, test_area_hard, test_rect_area, test_disc_samples,
+    test_disc_ends)

@@ -3,7 +3,6 @@
 #include "core/parallel.h"
 #include "flare_scene.h"
 
-#include <stdlib.h>
 #include <unistd.h>
 
 /* -- files ----------------------------------------------------------------- */
@@ -425,23 +424,9 @@ static void threads_change_nothing(void **state)
     free_images(e, f.n);
 }
 
-SUITE(flare)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(reads_elements),
-        cmocka_unit_test(refuses_elements),
-        cmocka_unit_test(refuses_too_many),
-        cmocka_unit_test(example_is_faint),
-        cmocka_unit_test(totals_hold),
-        cmocka_unit_test(places_lie_on_the_axis),
-        cmocka_unit_test(rotation_is_counter_clockwise),
-        cmocka_unit_test(small_steps_are_small),
-        cmocka_unit_test(reach_holds_all),
-        cmocka_unit_test(plain_images_keep_total_and_centroid),
-        cmocka_unit_test(scaled_images_keep_their_totals),
-        cmocka_unit_test(unseen_lights_draw_nothing),
-        cmocka_unit_test(odd_frames_hold),
-        cmocka_unit_test(threads_change_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(flare, NULL, NULL,
+    reads_elements, refuses_elements, refuses_too_many, example_is_faint,
+    totals_hold, places_lie_on_the_axis, rotation_is_counter_clockwise,
+    small_steps_are_small, reach_holds_all,
+    plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,
+    unseen_lights_draw_nothing, odd_frames_hold, threads_change_nothing)

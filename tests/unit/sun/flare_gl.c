@@ -5,8 +5,6 @@
 #include "flare_scene.h"
 #include "gl/gl.h"
 
-#include <stdlib.h>
-
 static struct gp_gl *open_or_skip(void)
 {
     struct gp_gl *gl = NULL;

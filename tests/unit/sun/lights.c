@@ -5,16 +5,6 @@
 #include "sun/lights.h"
 #include "sun/map.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
-#define LEN(a) (sizeof(a) / sizeof *(a))
-
 static const struct gp_rect window = {0, 0, 400, 200};
 
 /* -- reading --------------------------------------------------------------- */
@@ -48,7 +38,7 @@ static void lights_by_text(void **state)
         {"{\"pixel\": [0, 0], \"color\": [1, 2, 3]}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
     };
-    for (size_t i = 0; i < 2 * LEN(row); i++) { // both forms of a file
+    for (size_t i = 0; i < 2 * COUNT(row); i++) { // both forms of a file
         const struct gp_light_spec *want = &row[i / 2].want;
         struct gp_light_spec *got = NULL;
         char text[400];
@@ -111,7 +101,7 @@ static void files_that_are_refused(void **state)
         {"[{\"pixel\": [1, 2], \"color\": [1, 1, 2e6]}]", "\"color\" out of"},
         {"[{\"pixel\": [1, 2], \"name\": 1}]", "\"name\" is no text"},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light_spec *const none = (struct gp_light_spec *) jf_line;
         struct gp_light_spec *got = none;
         int n = -1;
@@ -131,7 +121,7 @@ static void counts_up_to_the_limit(void **state)
     (void) state;
     static const int counts[] = {0, 1, GP_LIGHTS_MAX, GP_LIGHTS_MAX + 1};
     static char text[1 << 16];
-    for (size_t k = 0; k < LEN(counts); k++) {
+    for (size_t k = 0; k < COUNT(counts); k++) {
         struct gp_light_spec *got = NULL;
         int at = snprintf(text, sizeof text, "["), n = -1;
         for (int i = 0; i < counts[k]; i++)
@@ -201,7 +191,7 @@ static void places_by_kind(void **state)
         {{.place = GP_PLACE_WORLD, .at = {3, 0, 0}, .radius = 1, .depth = NAN},
          GP_DEPTH_Z, 0, 0, 1, 0, true},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {0};
         struct gp_light_spec spec = row[i].spec;
         spec.bias = 0.25;
@@ -241,7 +231,7 @@ static void places_that_cannot_be(void **state)
         {{.place = GP_PLACE_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK,
          ""},
     };
-    for (size_t i = 0; i < LEN(row); i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};
         jf_line[0] = '\0';
         gp_status st = gp_light_place_in(&jf_log, "a.exr", &row[i].spec,
@@ -254,14 +244,6 @@ static void places_that_cannot_be(void **state)
     }
 }
 
-SUITE(lights)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lights_by_text),
-        cmocka_unit_test(files_that_are_refused),
-        cmocka_unit_test(counts_up_to_the_limit),
-        cmocka_unit_test(places_by_kind),
-        cmocka_unit_test(places_that_cannot_be),
-    };
-    return cmocka_run_group_tests(tests, jf_setup, jf_teardown);
-}
+SUITE_OF(lights, jf_setup, jf_teardown,
+    lights_by_text, files_that_are_refused, counts_up_to_the_limit,
+    places_by_kind, places_that_cannot_be)

@@ -7,15 +7,6 @@
 #include "sun/occluder.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 enum { MOST = 6 };
 
@@ -370,14 +361,6 @@ static void test_threads(void **state)
     gp_set_threads(0);
 }
 
-SUITE(occluder)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_backgrounds), cmocka_unit_test(test_facts),
-        cmocka_unit_test(test_no_depth),    cmocka_unit_test(test_show),
-        cmocka_unit_test(test_bias),        cmocka_unit_test(test_runs),
-        cmocka_unit_test(test_empty_run),   cmocka_unit_test(test_far_windows),
-        cmocka_unit_test(test_threads),
-    };
-    return cmocka_run_group_tests_name("occluder", tests, NULL, NULL);
-}
+SUITE_OF(occluder, NULL, NULL,
+    test_backgrounds, test_facts, test_no_depth, test_show, test_bias,
+    test_runs, test_empty_run, test_far_windows, test_threads)

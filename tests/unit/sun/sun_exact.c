@@ -271,13 +271,6 @@ static void test_many_lights(void **state)
     gp_plane_free(&depth);
 }
 
-SUITE(sun_exact)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places),  cmocka_unit_test(test_nowhere),
-        cmocka_unit_test(test_no_planes), cmocka_unit_test(test_windows),
-        cmocka_unit_test(test_vast_frame), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_many_lights),
-    };
-    return cmocka_run_group_tests_name("sun_exact", tests, NULL, NULL);
-}
+SUITE_OF(sun_exact, NULL, NULL,
+    test_places, test_nowhere, test_no_planes, test_windows, test_vast_frame,
+    test_threads, test_many_lights)

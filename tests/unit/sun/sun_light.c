@@ -3,16 +3,6 @@
 #include "sun/sun_priv.h"
 #include "core/memory.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 enum { W = 40, H = 30, MOST = 4096 };
 
 /* The sources of a small frame that scene_extra pixels made. */
@@ -202,14 +192,6 @@ static void a_disc_is_cut_to_the_frame(void **state)
     gp_free(d.weight);
 }
 
-SUITE(sun_light)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(pixels_join),
-        cmocka_unit_test(order_does_not_matter),
-        cmocka_unit_test(outside_is_refused),
-        cmocka_unit_test(a_disc_keeps_flux_and_place),
-        cmocka_unit_test(a_disc_is_cut_to_the_frame),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(sun_light, NULL, NULL,
+    pixels_join, order_does_not_matter, outside_is_refused,
+    a_disc_keeps_flux_and_place, a_disc_is_cut_to_the_frame)

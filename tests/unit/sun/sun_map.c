@@ -381,19 +381,8 @@ static void pictures(void **state)
     free_frame(&f);
 }
 
-SUITE(sun_map)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(maps_equal_the_reference),
-        cmocka_unit_test(depth_types),
-        cmocka_unit_test(frames_of_one_pixel_and_none),
-        cmocka_unit_test(bytes_are_the_papers),
-        cmocka_unit_test(bytes_saturate),
-        cmocka_unit_test(many_equal_single_ones),
-        cmocka_unit_test(points_may_be_small),
-        cmocka_unit_test(textures_may_be_small),
-        cmocka_unit_test(what_is_too_large_is_refused),
-        cmocka_unit_test(pictures),
-    };
-    return cmocka_run_group_tests(tests, open_machines, close_machines);
-}
+SUITE_OF(sun_map, open_machines, close_machines,
+    maps_equal_the_reference, depth_types, frames_of_one_pixel_and_none,
+    bytes_are_the_papers, bytes_saturate, many_equal_single_ones,
+    points_may_be_small, textures_may_be_small, what_is_too_large_is_refused,
+    pictures)

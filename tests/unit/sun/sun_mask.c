@@ -353,14 +353,6 @@ static void the_datas_frames(void **state)
     }
 }
 
-SUITE(sun_mask)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(readback_is_a_plain_count),
-        cmocka_unit_test(ends_of_the_scale),
-        cmocka_unit_test(mask_64_is_near_exact),
-        cmocka_unit_test(a_fence_slides_without_jumps),
-        cmocka_unit_test(the_datas_frames),
-    };
-    return cmocka_run_group_tests(tests, open_machines, close_machines);
-}
+SUITE_OF(sun_mask, open_machines, close_machines,
+    readback_is_a_plain_count, ends_of_the_scale, mask_64_is_near_exact,
+    a_fence_slides_without_jumps, the_datas_frames)

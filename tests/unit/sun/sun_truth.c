@@ -163,11 +163,5 @@ static void test_truth(void **state)
     assert_true(worst[0] <= 0.02 && worst[1] <= 0.02);
 }
 
-SUITE(sun_truth)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_fence),
-        cmocka_unit_test(test_truth),
-    };
-    return cmocka_run_group_tests_name("sun_truth", tests, NULL, NULL);
-}
+SUITE_OF(sun_truth, NULL, NULL,
+    test_fence, test_truth)

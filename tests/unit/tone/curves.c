@@ -6,17 +6,6 @@
 #include "tone/tone.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 
 static unsigned seed = 1;
 
@@ -232,16 +221,7 @@ static void reinhard_keeps_luminance_and_hue(void **state)
     }
 }
 
-SUITE(curves)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(operators_are_their_equations),
-        cmocka_unit_test(dark_light_keeps_its_digits),
-        cmocka_unit_test(published_points),
-        cmocka_unit_test(grey_ramps_rise),
-        cmocka_unit_test(output_is_always_in_range),
-        cmocka_unit_test(darkness_is_black),
-        cmocka_unit_test(reinhard_keeps_luminance_and_hue),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(curves, NULL, NULL,
+    operators_are_their_equations, dark_light_keeps_its_digits,
+    published_points, grey_ramps_rise, output_is_always_in_range,
+    darkness_is_black, reinhard_keeps_luminance_and_hue)

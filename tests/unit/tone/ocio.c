@@ -4,8 +4,6 @@
 
 #include "core/parallel.h"
 
-#include <math.h>
-
 /* Sizes of one pixel, one column, and over several blocks; exposure is a
  * scale before the view. */
 static void view_of_every_pixel(void **state)
@@ -124,14 +122,6 @@ static void only_what_was_asked(void **state)
     gp_ocio_close(&o);
 }
 
-SUITE(ocio)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(view_of_every_pixel),
-        cmocka_unit_test(auto_exposure_is_a_scale),
-        cmocka_unit_test(bad_pixels_stay_alone),
-        cmocka_unit_test(same_for_any_threads),
-        cmocka_unit_test(only_what_was_asked),
-    };
-    return cmocka_run_group_tests(tests, start, wf_end);
-}
+SUITE_OF(ocio, start, wf_end,
+    view_of_every_pixel, auto_exposure_is_a_scale, bad_pixels_stay_alone,
+    same_for_any_threads, only_what_was_asked)

@@ -197,15 +197,6 @@ static void bad_configs(void **state)
     }
 }
 
-SUITE(ocio_names)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(what_is_chosen),
-        cmocka_unit_test(context_names_the_file),
-        cmocka_unit_test(environment_names_the_config),
-        cmocka_unit_test(wrong_names_list_the_right_ones),
-        cmocka_unit_test(many_names_are_cut),
-        cmocka_unit_test(bad_configs),
-    };
-    return cmocka_run_group_tests(tests, start, wf_end);
-}
+SUITE_OF(ocio_names, start, wf_end,
+    what_is_chosen, context_names_the_file, environment_names_the_config,
+    wrong_names_list_the_right_ones, many_names_are_cut, bad_configs)

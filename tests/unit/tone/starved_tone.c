@@ -6,13 +6,6 @@
 #include "core/parallel.h"
 #include "tone/tone.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
 #include "starved.h"
 
 enum { W = 33, H = 21 };
@@ -46,10 +39,5 @@ static void memory_is_full(void **state)
     gp_planes_free(&frame.lit);
 }
 
-SUITE(starved_tone)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory_is_full),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(starved_tone, NULL, NULL,
+    memory_is_full)

@@ -5,17 +5,6 @@
 #include "tone/tone.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
 
 static char last_line[512];
 
@@ -378,21 +367,9 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
-SUITE(tone)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(curves_are_listed),
-        cmocka_unit_test(unknown_curve_is_refused),
-        cmocka_unit_test(one_stop_is_a_factor_of_two),
-        cmocka_unit_test(none_copies),
-        cmocka_unit_test(primaries_become_bt709),
-        cmocka_unit_test(white_stays_white),
-        cmocka_unit_test(white_zero_is_the_frames_maximum),
-        cmocka_unit_test(log_average_skips_what_is_not_light),
-        cmocka_unit_test(log_average_of_few_pixels),
-        cmocka_unit_test(auto_exposure_sets_the_key),
-        cmocka_unit_test(exposure_of_any_size_is_finite),
-        cmocka_unit_test(threads_change_nothing),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(tone, NULL, NULL,
+    curves_are_listed, unknown_curve_is_refused, one_stop_is_a_factor_of_two,
+    none_copies, primaries_become_bt709, white_stays_white,
+    white_zero_is_the_frames_maximum, log_average_skips_what_is_not_light,
+    log_average_of_few_pixels, auto_exposure_sets_the_key,
+    exposure_of_any_size_is_finite, threads_change_nothing)
