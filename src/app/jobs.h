@@ -86,8 +86,8 @@ int gp_jobs_of_frame(const struct gp_jobs *j);
  * memory is full. */
 char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
 
-/* True when p->no_clobber is set, there are outputs and all of the job's stand
- * on disk: nothing is left to make. A file that holds all views is made from
+/* True when p->no_clobber is set, there are outputs and all of the job's
+ * exist: nothing is left to make. A file that holds all views is made from
  * all of them: with one, those of every view of the frame must be there.
  *
  *   job  one of j->job

@@ -3,7 +3,7 @@
 #include "app/options.h"
 #include "app/pipeline.h"
 #include "app/progress.h"
-#include "app/sun_files.h"
+#include "app/stages.h"
 #include "bench/bench.h"
 #include "compare/compare.h"
 #include "core/memory.h"
@@ -20,16 +20,6 @@
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
-/* A standard stream that is closed must not become a picture's descriptor:
- * opened the wrong way round, it gives an error to who uses it. */
-static void keep_streams(void)
-{
-    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
-        if (fcntl(fd, F_GETFD) < 0)
-            (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
-    }
-}
 
 struct voice {
     struct gp_progress *progress; // NULL: none is drawn
@@ -53,7 +43,7 @@ static void print_line(void *user, enum gp_level level, const char *line)
         fprintf(stderr, "%s\n", whole);
 }
 
-/* What asks for text only. */
+/* Prints a text that was asked for: help, version, completions. */
 static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
@@ -231,7 +221,12 @@ int main(int argc, char *argv[])
     int status = 0; // of what has exit statuses of its own
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
-    keep_streams();
+    // a standard stream that is closed must not become a picture's descriptor:
+    // opened the wrong way round, it gives an error to who uses it
+    for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
+        if (fcntl(fd, F_GETFD) < 0)
+            (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
+    }
     gp_keep_memory();
     gp_temp_cleanup_on_signal();
     // a reader that leaves is an error with a line, not a silent death

@@ -2,7 +2,6 @@
 
 #include "app/flight.h"
 #include "app/stages.h"
-#include "app/sun_files.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"

@@ -87,7 +87,7 @@ struct gp_settings {
     int threads;                       // 0: all processors
     int frame_jobs;                    // frames in flight; 0: as fits
     bool verify;
-    bool skip_bad_frames;              // goes on behind a frame that fails
+    bool skip_bad_frames;              // goes on after a frame that fails
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;

@@ -1,7 +1,6 @@
 #include "app/stages.h"
 
 #include "core/clock.h"
-#include "app/sun_files.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/compose.h"

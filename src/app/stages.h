@@ -101,6 +101,15 @@ struct gp_run {
     struct gp_raw_size raw;        // of the frames that went to stdout raw
 };
 
+/* Files for the sun's stage: planes of depth and coverage, pictures of flare
+ * elements, and what a frame's file says of its camera. `files` must stay as
+ * long as what is returned; in sun_files.c. */
+struct gp_sun_files {
+    const struct gp_settings *s;
+    const struct gp_job *job; // whose frame it is; NULL: pictures only
+};
+struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files);
+
 /* A step of a frame. `time` is an enum gp_time, -1 for steps that are no part
  * of the picture; steps of one time add up. What the last stage needs is what
  * the targets need. `asked`, where there is one, says whether the command line

@@ -1,4 +1,4 @@
-#include "app/sun_files.h"
+#include "app/stages.h"
 
 #include "io/plane.h"
 #include "io/sequence.h"
@@ -20,7 +20,7 @@ static bool number_of(const struct gp_job *job, int *number)
     return job->numbered || gp_frame_number(job->input, number);
 }
 
-static void tell_about(void *user, const struct gp_frame *f,
+static void describe_frame(void *user, const struct gp_frame *f,
                        struct gp_sun_about *out)
 {
     const struct gp_job *const job = ((struct gp_sun_files *) user)->job;
@@ -83,6 +83,6 @@ static gp_status read_planes(void *user, const struct gp_log *log,
 
 struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files)
 {
-    return (struct gp_sun_reader) {files, read_picture, tell_about,
+    return (struct gp_sun_reader) {files, read_picture, describe_frame,
                                    read_planes};
 }
