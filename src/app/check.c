@@ -1,6 +1,6 @@
-/* Checks of settings that no single option can make. What an option needs of
- * others is in the option table, as bits (options.h); here is when each need
- * is met, and its message. */
+/* Checks of settings that no single option can make. The option table has the
+ * needs of each option, as bits (options.h); here is when a need is met, and
+ * its message. */
 #include "app/options.h"
 
 #include "compare/compare.h"
@@ -213,7 +213,7 @@ static gp_status check_sun(const struct gp_log *log,
     return GP_OK;
 }
 
-/* What to read and to make. */
+/* Something must be read and made. */
 static gp_status check_files(const struct gp_log *log,
                              const struct gp_settings *s)
 {

@@ -18,7 +18,8 @@ static const struct single {
     size_t at;  // of its const char * in struct gp_settings
     bool written;
 } singles[] = {
-#define SINGLE(f, what, written) {what, offsetof(struct gp_settings, f), written}
+#define SINGLE(f, what, written)                                              \
+    {what, offsetof(struct gp_settings, f), written}
     SINGLE(report, "--report", true),
     SINGLE(bench.csv, "--csv", true),
     SINGLE(bench.json, "--json", true),

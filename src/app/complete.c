@@ -4,7 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
-/* What stands behind an option. */
+/* True when the option's value is a file. */
 static bool takes_file(const struct gp_option *o)
 {
     return o->arg && (strstr(o->arg, "FILE") || strstr(o->arg, "CONFIG"));
@@ -74,7 +74,7 @@ static void print_commands(FILE *f)
 // -- bash --------------------------------------------------------------------
 
 /* The part of a function's head that does not come from the table. Readline
- * splits words at = and :, so they are put together first, and what stands
+ * splits words at = and :, so they are put together first, and the text
  * before the last such sign is taken off the answers. */
 static const char bash_head[] =
     "# bash completion of glarepp; made by: glarepp help --completion bash\n"
@@ -159,7 +159,8 @@ static void zsh_action(FILE *f, const struct gp_option *o)
     fputs(":", f);
     print_quoted(f, o->arg, ":");
     if (o->kind == GP_KIND_NAMED) {
-        fprintf(f, ":{if compset -P \"*=\"; then _files; else compadd -S = -- ");
+        fprintf(f, ":{if compset -P \"*=\"; then _files; "
+                   "else compadd -S = -- ");
         print_values(f, o, ":=");
         fprintf(f, "; fi}");
     } else if (has_values(o) && o->open) {

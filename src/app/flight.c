@@ -39,7 +39,7 @@ static struct slot *slot_of(struct sky *s, int unit)
     return &s->slot[unit % s->p->slots];
 }
 
-// -- what to do next, under the lock --------------------------------------------
+// -- what to do next, under the lock -----------------------------------------
 
 static bool can_compute(struct sky *s, int *unit)
 {
@@ -107,14 +107,14 @@ static void end_units(struct sky *s)
         s->result = s->work->end(s->work->user, s->head % s->p->slots, s->head,
                                  slot->st);
         *slot = (struct slot) {FREE, GP_OK};
-        if (s->result) // and nothing is heard of the units behind
+        if (s->result) // the units after it are not ended
             break;
         s->head++;
         atomic_store(&s->f->head, s->head);
     }
 }
 
-// -- threads ----------------------------------------------------------------------
+// -- threads -----------------------------------------------------------------
 
 /* Runs one step; the lock is held before and after. */
 static void run_step(struct sky *s, int unit, enum gp_phase phase)

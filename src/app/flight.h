@@ -2,7 +2,7 @@
  * written, so that no core waits for a file.
  *
  * Each unit passes READ, COMPUTE, WRITE (stages.h) and is then ended. COMPUTE
- * runs on the caller's thread alone, and units are computed and ended in their
+ * runs on the caller's thread only, and units are computed and ended in their
  * order, whatever the number in flight: what they share may depend on the
  * units before, and never on threads. */
 #ifndef GP_APP_FLIGHT_H
@@ -25,15 +25,15 @@ struct gp_flight_params {
     bool ordered; // a unit is written only when those before are
 };
 
-/* What is done with a unit. A slot, [0, slots), is one unit's from its READ
+/* The steps of a unit. A slot, [0, slots), is one unit's from its READ
  * to its end; no two steps of a slot run at once. */
 struct gp_flight_work {
     void *user;
-    /* Runs a step. What fails is not carried on. */
+    /* Runs a step. A unit whose step fails gets no further one. */
     gp_status (*step)(void *user, int slot, int unit, enum gp_phase phase);
-    /* Whether units behind one that failed with `st` are carried on. */
+    /* True when units after one that failed with `st` go on. */
     bool (*goes_on)(void *user, int slot, gp_status st);
-    /* Whether one more may start while others are in flight. */
+    /* True when one more may start while others are in flight. */
     bool (*has_room)(void *user, int in_flight);
     /* In the order of units, one at a time: `st` is that of its steps. What it
      * returns, unless GP_OK, ends the flight. */
@@ -50,7 +50,7 @@ struct gp_flight {
  *
  *   f  written by it; gp_flight_head() may be asked from steps
  *
- * Returns the first status other than GP_OK of work->end; units behind that
+ * Returns the first status other than GP_OK of work->end; units after that
  * one may have run steps, and are not ended. */
 GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
                                       const struct gp_flight_work *work,

@@ -142,7 +142,8 @@ static void print_usage(FILE *f, enum gp_command command)
                "(see glarepp compare --help)\n"
                "  glarepp help [TOPIC]\n\n"
                "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or "
-               "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; %%V in them is a view.\n");
+               "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; %%V in "
+               "them is a view.\n");
 }
 
 /* True when the example is explained by the --help of that command. */
@@ -201,7 +202,8 @@ void gp_version(FILE *f)
     gp_io_versions(io, sizeof io);
     fprintf(f, "glarepp " GP_VERSION "\n"
                "with %s, jansson %s\n"
-               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
+               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, "
+               "EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
 }
 

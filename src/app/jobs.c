@@ -86,7 +86,7 @@ static gp_status add_input(const struct gp_log *log,
 {
     struct gp_frames f = {0};
     gp_status st = GP_OK;
-    if (is_dash(p->path)) { // one frame stands for stdin until it is read
+    if (is_dash(p->path)) { // one frame until stdin is read
         if (s->frames)
             st = gp_frames_parse(log, s->frames, &f);
         if (!st)
@@ -154,7 +154,7 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (s->inputs.n > 1)
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin goes with no other input (found %d); "
-                         "give - alone", s->inputs.n);
+                         "give only -", s->inputs.n);
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");

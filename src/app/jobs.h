@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-/* What a file that is written shows. */
+/* Contents of a file that is written. */
 enum gp_target_kind {
     GP_TARGET_HDR,
     GP_TARGET_LAYER,
@@ -36,7 +36,7 @@ struct gp_job {
     const char *view;  // of gp_jobs.view; NULL without views
 };
 
-/* The views of a frame stand together, in the order of the list. */
+/* The views of a frame follow each other, in the order of the list. */
 struct gp_jobs {
     struct gp_job *job;        // owned; at least one
     int n;
@@ -51,9 +51,9 @@ struct gp_jobs {
 
 /* Expands the inputs and checks every name that the command line gives:
  *
- *   - a pattern stands for the frames of --frames, or those on disk; a file
+ *   - a pattern means the frames of --frames, or those on disk; a file
  *     that really has the pattern's name is that file
- *   - %V and %v in inputs stand for the views of --views, or left,right: a
+ *   - %V and %v in inputs are the views of --views, or left,right: a
  *     file for each, and `views` is 1. Without them, --views are parts or
  *     channels of each file: `views` jobs for it. Not both in one run
  *   - several views need %V or %v in all outputs but `-`, and but --hdr where

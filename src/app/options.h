@@ -51,7 +51,7 @@ struct gp_option_choice {
     const char *text;  // one line for the man page; NULL: the name says it
 };
 
-/* What an option needs of the other settings; check.c has the messages. */
+/* Needs that an option has of other settings; check.c has the messages. */
 enum gp_need {
     GP_NEED_OWN_FRAMES = 1 << 0,  // no input
     GP_NEED_NO_LIGHT = 1 << 1,
@@ -91,7 +91,7 @@ struct gp_option {
     const char *arg;       // what --help calls the value; NULL: takes none
     const char *help;      // one line, no full stop
     const struct gp_option_choice *choices;  // NULL name at the end
-    /* The i-th value and its line, NULL behind the last. */
+    /* The i-th value and its line, NULL after the last. */
     const char *(*list)(int i, const char **text);
     bool open;             // values outside `list` are taken as well
     bool blank;            // GP_KIND_TEXT: an empty word is a value
@@ -100,7 +100,7 @@ struct gp_option {
 extern const struct gp_option gp_options[];  // NULL name at the end
 
 /* The i-th value that the option names, with its line in *text (may come out
- * NULL); NULL behind the last. */
+ * NULL); NULL after the last. */
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
@@ -121,7 +121,7 @@ bool gp_option_given(const struct gp_settings *s, const char *name);
  * GP_COMMAND_MAIN. */
 const char *gp_command_word(enum gp_command command);
 
-/* The i-th command with its word, from GP_COMMAND_MAIN on; NULL behind the
+/* The i-th command with its word, from GP_COMMAND_MAIN on; NULL after the
  * last, which leaves *command as it is. */
 const char *gp_command_at(int i, enum gp_command *command);
 
@@ -147,7 +147,7 @@ GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
 void gp_help(FILE *f, enum gp_command command);
 
 /* The parts of the man page that come from the table and the status list:
- * mdoc items, each part behind a line @NAME@ that names its place. */
+ * mdoc items, each part after a line @NAME@ that names its place. */
 void gp_help_man(FILE *f);
 
 /* --version: the program's and the libraries'. */
@@ -168,7 +168,7 @@ struct gp_nearest gp_nearest_to(const char *word, size_t length, int most);
 /* Tries one name, borrowed. */
 void gp_nearest_try(struct gp_nearest *search, const char *name);
 
-/* What `glarepp help TOPIC` prints, to `f`; a NULL topic lists the topics. A
+/* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A
  * topic is a command, the word of a group, an option's name or letter with or
  * without dashes, a value's name, or a section of the manual, which man(1)
  * shows in place of this program.
@@ -182,7 +182,7 @@ GP_MUST_CHECK gp_status gp_help_topic(const struct gp_log *log, FILE *f,
 enum { GP_TOPIC_BYTES = 32 };
 const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES]);
 
-/* What `glarepp help --completion SHELL` prints: a script for the shell that
+/* Prints `glarepp help --completion SHELL` to `f`: a script for the shell that
  * completes commands, options, their values and topics. */
 void gp_complete(FILE *f, enum gp_shell shell);
 

@@ -47,10 +47,10 @@ static gp_status make_schedule(const struct gp_log *log,
     unsigned written = 0;
     for (int i = 0; i < r->jobs->targets; i++)
         written |= gp_target_needs(r->s, r->jobs->target[i].kind);
-    const bool told = r->s->report || r->s->level >= GP_LEVEL_INFO;
+    const bool reports = r->s->report || r->s->level >= GP_LEVEL_INFO;
     unsigned wanted = (r->jobs->targets ? GP_HAS_FILES : 0u) |
                       (r->s->report ? GP_HAS_FLUX : 0u) |
-                      (told ? GP_HAS_SHARES : 0u) |
+                      (reports ? GP_HAS_SHARES : 0u) |
                       (r->s->verify ? GP_HAS_MEASURED : 0u);
     unsigned needs[GP_STAGES], have = 0;
     for (int i = GP_STAGES - 1; i >= 0; i--) {
@@ -96,7 +96,7 @@ static gp_status run_stages(struct pipeline *p, struct gp_frame_state *fs,
         const struct gp_stage *const stage = &gp_stages[i];
         if (!p->schedule.on[i] || stage->phase != phase)
             continue;
-        // frames that were left alone count as if they had not been asked for
+        // frames that are skipped count as if they had not been asked for
         const int kept = atomic_load(&p->kept);
         gp_progress_update(p->progress,
                            gp_flight_head(&p->flight) * views - kept,
@@ -203,14 +203,14 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
     const bool skipped = st && can_skip(p, slot, st);
-    gp_status told = GP_OK;
+    gp_status reported = GP_OK;
     gp_frame_log_flush(&u->log);
     if (u->kept)
         p->failures.kept += p->jobs->views;
-    for (int v = 0; v < u->begun && !told && (!st || skipped); v++)
-        told = report_view(p, u, unit, v, st);
+    for (int v = 0; v < u->begun && !reported && (!st || skipped); v++)
+        reported = report_view(p, u, unit, v, st);
     free_unit(u);
-    return st && !skipped ? st : told;
+    return st && !skipped ? st : reported;
 }
 
 // -- how many in flight ------------------------------------------------------
@@ -229,7 +229,8 @@ static bool has_room(void *user, int in_flight)
     const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
     if (p->asked->frame_jobs || pages <= 0 || page <= 0)
         return true;
-    return frame < (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
+    return frame <
+           (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
 }
 
 static gp_status make_slots(struct pipeline *p)

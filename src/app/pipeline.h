@@ -16,11 +16,10 @@
 #include "app/settings.h"
 #include "core/status.h"
 
-/* Makes all frames of `jobs` but those that gp_job_made() says are there; ends
- * at the first that fails. With --skip-bad-frames it goes on behind a frame
- * that has bad data or cannot be read or written, has a line in the report for
- * it, and says at the end how many and which. Files that were written before
- * stay.
+/* Makes all frames of `jobs` but those for which gp_job_made() is true; ends at
+ * the first that fails. With --skip-bad-frames it skips a frame that has bad
+ * data or cannot be read or written, has a line in the report for it, and lists
+ * them at the end. Files that were written before stay.
  *
  *   log       gets the errors, and with --verbose a line for each frame
  *   progress  open

@@ -1,4 +1,4 @@
-/* What a run prints on stderr: the line on the terminal that shows how far it
+/* Output of a run on stderr: the line on the terminal that shows how far it
  * is, the messages about each frame in the order of frames, and at the end
  * which frames failed. */
 #ifndef GP_APP_PROGRESS_H
@@ -83,7 +83,7 @@ struct gp_failures {
     const struct gp_jobs *jobs;  // borrowed
     bool *failed;                // one a job, owned
     int bad;                     // frames with a job that failed
-    int kept;                    // jobs left alone, by --no-clobber
+    int kept;                    // jobs skipped, by --no-clobber
 };
 
 /* Starts with no frame failed. Free with gp_failures_free().
@@ -96,7 +96,7 @@ void gp_failures_free(struct gp_failures *f);
 /* Counts jobs->job[index] as failed; a frame once, whatever its views. */
 void gp_failures_add(struct gp_failures *f, int index);
 
-/* Says how many frames were left alone (a warning), and how many failed and
+/* Says how many frames were skipped (a warning), and how many failed and
  * which, each in one line and only when there are any: the frames as a list
  * that --frames takes back (2-4,9,20-40x10) when all have numbers, else the
  * names of their inputs, in at most GP_FAILURES_BYTES; the rest is counted.

@@ -96,7 +96,7 @@ static void put_frame(struct object *o, const struct gp_facts *f)
     put_name(o, "input", f->input);
 }
 
-/* What the engine had to do, and its result. */
+/* The engine, its work and its result. */
 static void put_glare(struct object *o, const struct gp_facts *f)
 {
     const struct gp_glare_stats *g = &f->glare;

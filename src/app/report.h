@@ -23,7 +23,7 @@ enum gp_time {
     GP_TIMES,
 };
 
-/* What became known about one frame. Strings are borrowed. */
+/* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
     bool numbered;
     int frame;                   // when numbered

@@ -1,4 +1,4 @@
-/* What the command line sets: the params of every stage, and the app's own.
+/* Settings of the command line: the params of every stage, and the app's own.
  * Stages never see this struct, only their part of it.
  */
 #ifndef GP_APP_SETTINGS_H
@@ -37,8 +37,8 @@ enum gp_debug_kind {
     GP_DEBUG_KINDS,
 };
 
-/* What the first word of the command line asks for, as bits: an option says
- * by them which commands take it. */
+/* Commands: the first word of the command line. Bits, by which an option says
+ * which commands take it. */
 enum gp_command {
     GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
     GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error

@@ -16,7 +16,7 @@
 
 #include <stdbool.h>
 
-/* What stages need and give, as bits. */
+/* Data that stages need and give, as bits. */
 enum {
     GP_HAS_RGB = 1 << 0,       // frame.rgb
     GP_HAS_SOURCES = 1 << 1,   // sources
@@ -70,8 +70,8 @@ struct gp_frame_state {
     struct gp_facts facts;
 };
 
-/* Starts with the facts that jobs->job[index] gives. End with gp_frame_state_end(),
- * also after a failure. Errors: GP_ERR_BUG out of memory. */
+/* Starts with the facts that jobs->job[index] gives. End with
+ * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
                                       const struct gp_jobs *jobs, int index,
                                       struct gp_frame_state *out);
@@ -80,7 +80,7 @@ void gp_frame_state_end(struct gp_frame_state *fs);
 /* Frees what the frame no longer needs; bits as above. */
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 
-/* What is made once for all frames. Stages of the COMPUTE phase change it,
+/* Data that is made once for all frames. Stages of the COMPUTE phase change it,
  * which run on one thread, frame after frame. The write stage changes `raw`
  * only, and only when `ordered`: then frames are written one after the other.
  */
@@ -125,7 +125,7 @@ struct gp_stage {
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
-/* What must exist for a target to be written. */
+/* Returns what must exist for a target to be written. */
 unsigned gp_target_needs(const struct gp_settings *s,
                          enum gp_target_kind kind);
 
