@@ -87,7 +87,8 @@ int __wrap_open(const char *path, int flags, ...)
     return hits(FAIL_IO, EMFILE) ? -1 : __real_open(path, flags, mode);
 }
 
-// -- memory -----------------------------------------------------------------------
+// -- memory
+// -----------------------------------------------------------------------
 
 static void *counted(void *p)
 {
@@ -141,7 +142,8 @@ void __wrap_free(void *p)
     __real_free(p);
 }
 
-// -- threads, processors, libraries -----------------------------------------------
+// -- threads, processors, libraries
+// -----------------------------------------------
 
 int __real_pthread_create(pthread_t *id, const pthread_attr_t *attributes,
                           void *(*body)(void *), void *arg);
@@ -179,10 +181,70 @@ void *__wrap_dlopen(const char *file, int flags)
     return __real_dlopen(gone ? "/nonexistent/library.so" : file, flags);
 }
 
+// -- answers of GL
+// ----------------------------------------------------------------
+
+typedef void (*function)(void);
+enum { OUT_OF_MEMORY = 0x0505 }; // GL_OUT_OF_MEMORY
+
+/* The two libraries that contexts come from: how each finds a function, and
+ * its glGetError(). */
+static struct {
+    function (*find)(const char *name);
+    unsigned (*error)(void);
+} libraries[2];
+
+static unsigned answer(int i)
+{
+    return hits(FAIL_GL, 0) ? OUT_OF_MEMORY : libraries[i].error();
+}
+
+static unsigned osmesa_error(void)
+{
+    return answer(0);
+}
+
+static unsigned egl_error(void)
+{
+    return answer(1);
+}
+
+static function find_in(int i, const char *name)
+{
+    const function f = libraries[i].find(name);
+    if (!f || strcmp(name, "glGetError") != 0)
+        return f;
+    libraries[i].error = (unsigned (*)(void)) f;
+    return i ? (function) egl_error : (function) osmesa_error;
+}
+
+static function osmesa_find(const char *name)
+{
+    return find_in(0, name);
+}
+
+static function egl_find(const char *name)
+{
+    return find_in(1, name);
+}
+
 void *__real_dlsym(void *library, const char *name);
 void *__wrap_dlsym(void *library, const char *name);
 void *__wrap_dlsym(void *library, const char *name)
 {
-    return fail_always.symbol && strcmp(name, fail_always.symbol) == 0
-               ? NULL : __real_dlsym(library, name);
+    static const struct {
+        const char *name;
+        function (*find)(const char *name);
+    } hooks[2] = {{"OSMesaGetProcAddress", osmesa_find},
+                  {"eglGetProcAddress", egl_find}};
+    void *symbol = fail_always.symbol && strcmp(name, fail_always.symbol) == 0
+                       ? NULL : __real_dlsym(library, name);
+    for (int i = 0; symbol && i < 2; i++) {
+        if (strcmp(name, hooks[i].name) == 0) {
+            memcpy(&libraries[i].find, &symbol, sizeof symbol);
+            memcpy(&symbol, &hooks[i].find, sizeof symbol);
+            break;
+        }
+    }
+    return symbol;
 }

@@ -12,6 +12,7 @@ enum fail_class {
     FAIL_IO,     // open, close, read, write, pread, pwrite, fstat, rename,
                  // memfd_create: EMFILE, EIO, ENOSPC, EACCES
     FAIL_THREAD, // pthread_create: EAGAIN
+    FAIL_GL,     // glGetError: GL_OUT_OF_MEMORY
 };
 
 /* The n-th call of that class from here on fails, from 1. */
@@ -25,7 +26,8 @@ long fail_blocks(void);
 
 /* What fails each time, until it is set back. */
 struct fail_always {
-    bool threads, affinity, links; // pthread_create, sched_getaffinity, readlink
+    bool threads, affinity,
+        links; // pthread_create, sched_getaffinity, readlink
     const char *library, *symbol;  // the dlopen, dlsym of these names
 };
 extern struct fail_always fail_always;

@@ -1,6 +1,7 @@
 /* The pair harness: a reference and a fast form of the same thing run on the
  * same generated frames; it proves that they agree, and with --time in the
- * arguments (or GLAREPP_TIME in the environment) times both.
+ * arguments (or GLAREPP_TIME in the environment) times both. A room's pairs are
+ * one table (tests/unit/ROOM/pairs.c).
  *
  *   GLAREPP_SEED=N   another seed; failures print the one they had
  *
@@ -15,6 +16,7 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -48,9 +50,12 @@ struct pair {
     float max;    // what "near the maximum" and the hot pixel are near to
     double bar;   // of |fast - reference|_2 / |reference|_2; 0: equal samples
     double lost;  // differences up to this are none: underflow
+    int w, h;     // of the frame that is timed
+    bool gl;      // needs a context
+    const void *how; // settings, for open()
 
     /* What both forms need beside the frame; `input` may be changed. */
-    void *(*open)(struct pair_input *input);
+    void *(*open)(const struct pair *pair, struct pair_input *input);
     void (*reference)(void *ctx, double *out); // 3 * w * h samples
     void (*fast)(void *ctx, float *out);
     void (*close)(void *ctx);
@@ -60,12 +65,6 @@ static inline uint32_t pair_seed(void)
 {
     const char *const s = getenv("GLAREPP_SEED");
     return s ? (uint32_t) strtoul(s, NULL, 10) : 20071u;
-}
-
-static inline int pair_wants_time(int argc, char **argv)
-{
-    return getenv("GLAREPP_TIME") ||
-           (argc > 1 && strcmp(argv[1], "--time") == 0);
 }
 
 /* In [0, 1). */
@@ -141,7 +140,7 @@ static inline void pair_check(const struct pair *p, int w, int h,
     if (!want || !got)
         abort();
     memset(got, 0xff, n * sizeof *got); // every sample must be written
-    void *const ctx = p->open(&in);
+    void *const ctx = p->open(p, &in);
     p->reference(ctx, want);
     p->fast(ctx, got);
     p->close(ctx);
@@ -195,7 +194,7 @@ static inline void pair_time(const struct pair *p, int w, int h,
     float *const got = calloc(n, sizeof *got);
     if (!want || !got)
         abort();
-    void *const ctx = p->open(&in);
+    void *const ctx = p->open(p, &in);
     const double slow = pair_ms(p, ctx, want, NULL);
     const double fast = pair_ms(p, ctx, NULL, got);
     p->close(ctx);
@@ -206,6 +205,20 @@ static inline void pair_time(const struct pair *p, int w, int h,
         free(in.rgb[c]);
     free(want);
     free(got);
+}
+
+/* Times the pairs whose name begins with the argument after --time, or all;
+ * false where no times are asked for. */
+static inline bool pair_time_table(const struct pair *p, size_t n, bool no_gl,
+                                   int argc, char **argv)
+{
+    const bool asked = argc > 1 && strcmp(argv[1], "--time") == 0;
+    const char *const name = argc > 2 ? argv[2] : "";
+    for (size_t i = 0; (asked || getenv("GLAREPP_TIME")) && i < n; i++) {
+        if (!strncmp(p[i].name, name, strlen(name)) && !(p[i].gl && no_gl))
+            pair_time(&p[i], p[i].w, p[i].h, PAIR_UNIFORM);
+    }
+    return asked;
 }
 
 #endif

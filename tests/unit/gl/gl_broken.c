@@ -3,6 +3,7 @@
  * are tests/faults/broken_gl.c and broken_egl.c. */
 #include "unit.h"
 #include "core/memory.h"
+#include "fail.h"
 #include "gl/gl_priv.h"
 
 #include <limits.h>
@@ -61,8 +62,7 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
     }
 }
 
-// -- systems
-// --------------------------------------------------------------------
+// -- systems ------------------------------------------------------------------
 
 /* What breaks, and the line that says so; NULL: a context all the same. */
 struct broken {
@@ -141,8 +141,7 @@ static void egl_refuses(void **state)
     unsetenv("GLAREPP_EGL");
 }
 
-// -- a driver's answers
-// -----------------------------------------------------------
+// -- a driver's answers -------------------------------------------------------
 
 static GLenum flag; // what glGetError() says
 static int times;   // so many times, then that all is well
@@ -204,7 +203,6 @@ static void flags_have_names(void **state)
 static void objects_are_refused(void **state)
 {
     struct gp_gl *gl = open_or_skip();
-    const PFNGLGETERRORPROC real = gl->f.GetError;
     (void) state;
     for (int broken = 1; broken >= 0; broken--) {
         struct gp_texture t = {0};
@@ -213,11 +211,10 @@ static void objects_are_refused(void **state)
         struct gp_uniform_block b = {0};
         struct gp_program p = {0};
         const gp_status want = broken ? GP_ERR_GL : GP_OK;
-        gl->f.GetError = broken ? broken_error : real;
-        flag = GL_OUT_OF_MEMORY;
 #define MAKES(call)                                                           \
-        times = 1;                                                            \
+        fail_at(broken ? FAIL_GL : FAIL_NONE, 1);                             \
         assert_int_equal(call, want);                                         \
+        assert_int_equal(fail_end(), broken);                                 \
         if (broken)                                                           \
             assert_said(#call, "GL_OUT_OF_MEMORY")
         MAKES(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
@@ -242,7 +239,6 @@ static void objects_are_refused(void **state)
 static void targets_are_refused(void **state)
 {
     struct gp_gl *gl = open_or_skip();
-    const PFNGLGETERRORPROC error = gl->f.GetError;
     const PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC check =
         gl->f.CheckNamedFramebufferStatus;
     struct gp_target t = {0};
@@ -254,14 +250,12 @@ static void targets_are_refused(void **state)
     assert_said("unsupported", "framebuffer status 0x8cdd");
     gl->f.CheckNamedFramebufferStatus = check;
     // a byte target that memory cannot hold
-    gl->f.GetError = broken_error;
-    flag = GL_OUT_OF_MEMORY;
-    times = 1;
+    fail_at(FAIL_GL, 1);
     assert_int_equal(
         gp_target_make(&log_kept, gl, "layer", GP_TEXEL_BYTE, 1, 2, 2, &t),
         GP_ERR_GL);
     assert_said("byte", "GL_OUT_OF_MEMORY");
-    gl->f.GetError = error;
+    assert_true(fail_end());
     assert_int_equal(t.framebuffer, 0);
     assert_int_equal(
         gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t),

@@ -1,75 +1,10 @@
-/* glare/direct/direct.c: the fast sum against the sum in double, taps, counted work.
- *
- *   test_direct --time   also times both forms
- */
+/* glare/direct/direct.c: the fast sum against the sum in double, taps, counted
+ * work. */
 #include "unit.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "hard_cases.h"
-#include "pair.h"
-
-/* -- reference and fast form ------------------------------------------------*/
-
-struct direct_pair {
-    struct scene s;
-    struct gp_taps taps;
-    struct gp_planes layer;
-};
-
-static void *open_pair(struct pair_input *in)
-{
-    struct direct_pair *const p = scene_alloc(1, sizeof *p);
-    const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
-    struct gp_frame f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
-    for (int c = 0; c < 3; c++)
-        memcpy(f.rgb.c[c], in->rgb[c], gp_frame_pixels(&f) * sizeof(float));
-    p->s = scene_sense(f, scene_kernel(33, 21, 20, 9, TINTED), &open_all);
-    if (gp_taps_make(NULL, &p->s.k, -1, &p->taps) ||
-        gp_planes_make(NULL, "layer", gp_frame_pixels(&p->s.f), &p->layer))
-        abort();
-    return p;
-}
-
-static void run_reference(void *ctx, double *out)
-{
-    struct direct_pair *const p = ctx;
-    gp_glare_reference_direct(&p->s.src, &p->s.k, out);
-}
-
-static void run_direct(void *ctx, float *out)
-{
-    struct direct_pair *const p = ctx;
-    const size_t n = gp_frame_pixels(&p->s.f);
-    for (int c = 0; c < 3; c++)
-        memset(p->layer.c[c], 0xff, n * sizeof(float));
-    if (gp_direct_sum(NULL, &p->s.src, &p->taps, false, &p->layer))
-        abort();
-    for (int c = 0; c < 3; c++)
-        memcpy(out + (size_t) c * n, p->layer.c[c], n * sizeof *out);
-}
-
-static void close_pair(void *ctx)
-{
-    struct direct_pair *const p = ctx;
-    gp_taps_free(&p->taps);
-    gp_planes_free(&p->layer);
-    scene_free(&p->s);
-    free(p);
-}
-
-/* A product under FLT_MIN loses up to half of the least denormal, and a
- * sample is the sum of up to 693 of them. */
-static const struct pair direct_pair = {
-    "direct", 1e28f, 1e-6, 693 * 0.5 * 1.4013e-45,
-    open_pair, run_reference, run_direct, close_pair,
-};
-
-static void direct_equals_the_reference(void **state)
-{
-    (void) state;
-    pair_run(&direct_pair);
-}
 
 /* -- taps -------------------------------------------------------------------*/
 
@@ -219,7 +154,6 @@ static void equal_sources_do_not_drift(void **state)
 SUITE(direct)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(direct_equals_the_reference),
         cmocka_unit_test(taps_are_the_kernel),
         cmocka_unit_test(parts_add_up),
         cmocka_unit_test(work_is_counted),
@@ -228,8 +162,5 @@ SUITE(direct)
     quick = getenv("GLAREPP_TEST_QUICK") != NULL;
     if (quick)
         cmocka_set_skip_filter("equal_sources_do_not_drift");
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    if (pair_wants_time(argc, argv))
-        pair_time(&direct_pair, 512, 384, PAIR_UNIFORM);
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

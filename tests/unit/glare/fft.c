@@ -1,13 +1,8 @@
 /* The fft engine and its parts: lengths, passes, what it keeps, what it hands
- * to direct, and what it promises.
- *
- *   test_fft          the tests
- *   test_fft --time   also times the engine against the reference
- */
+ * to direct, and what it promises. */
 #include "unit.h"
 #include "glare/fft/fft.h"
 #include "hard_cases.h"
-#include "pair.h"
 
 #include <unistd.h>
 
@@ -199,7 +194,8 @@ static void passes_go_round(void **state)
 /* -- the engine -------------------------------------------------------------*/
 
 /* Where hardly any light may be lost at the frame's edge (the bound is small),
- * the transform alone meets the bar; lobes may cancel, and these meet it too. */
+ * the transform alone meets the bar; lobes may cancel, and these meet it too.
+ */
 static void check_alone(const struct hard_case *h, const struct scene *s,
                         const struct gp_glare_stats *stats)
 {
@@ -324,65 +320,6 @@ static void measured_plans_hold(void **state)
     scene_free(&s);
 }
 
-/* -- reference and fast form ------------------------------------------------*/
-
-struct fft_pair {
-    struct scene s;
-    struct gp_glare g;
-};
-
-static void *open_pair(struct pair_input *in)
-{
-    struct fft_pair *const p = scene_alloc(1, sizeof *p);
-    const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
-    const int side = in->w * in->h > 100000 ? 129 : 25;
-    p->s.f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
-    p->s.k = scene_kernel(side, side - 2, MID, 0, TINTED);
-    for (int c = 0; c < 3; c++)
-        memcpy(p->s.f.rgb.c[c], in->rgb[c],
-               (size_t) in->w * (size_t) in->h * sizeof(float));
-    if (gp_sense(NULL, &open_all, &p->s.f, &p->s.src))
-        abort();
-    return p;
-}
-
-static void run_reference(void *ctx, double *out)
-{
-    struct fft_pair *const p = ctx;
-    if (gp_glare_reference(NULL, &p->s.src, &p->s.k, out))
-        abort();
-}
-
-static void run_fft(void *ctx, float *out)
-{
-    struct fft_pair *const p = ctx;
-    struct gp_glare_stats stats;
-    const size_t n = gp_frame_pixels(&p->s.f);
-    if (scene_run("fft", &p->s, &p->g, &stats))
-        abort();
-    for (int c = 0; c < 3; c++)
-        memcpy(out + (size_t) c * n, p->s.f.layer.c[c], n * sizeof *out);
-}
-
-static void close_pair(void *ctx)
-{
-    struct fft_pair *const p = ctx;
-    gp_glare_close(&p->g);
-    scene_free(&p->s);
-    free(p);
-}
-
-static const struct pair fft_pair = {
-    "fft", 1e25f, 1e-6, (double) FLT_MIN,
-    open_pair, run_reference, run_fft, close_pair,
-};
-
-static void fft_equals_the_reference(void **state)
-{
-    (void) state;
-    pair_run(&fft_pair);
-}
-
 SUITE(fft)
 {
     const struct CMUnitTest tests[] = {
@@ -390,12 +327,8 @@ SUITE(fft)
         cmocka_unit_test(passes_go_round),
         cmocka_unit_test(transform_alone_holds),
         cmocka_unit_test(plans_outlive_each_other),
-        cmocka_unit_test(fft_equals_the_reference),
         cmocka_unit_test(measured_plans_hold),
     };
     quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    if (pair_wants_time(argc, argv))
-        pair_time(&fft_pair, 1024, 768, PAIR_UNIFORM);
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

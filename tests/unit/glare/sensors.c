@@ -1,109 +1,8 @@
-/* glare/sensors.c against a plain pixel-by-pixel form of its contract.
- *
- *   test_sensors --time   also times both forms
- */
+/* glare/sensors.c against a plain pixel-by-pixel form of its contract. */
 #include "unit.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 #include "hard_cases.h"
-#include "pair.h"
-
-/* -- reference and fast form ------------------------------------------------*/
-
-static const struct gp_sensor_params *pair_params;
-
-struct sensors_pair {
-    struct gp_frame f;
-    float *plain; // the frame as it was
-};
-
-static void *open_pair(struct pair_input *in)
-{
-    struct sensors_pair *const p = scene_alloc(1, sizeof *p);
-    p->f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
-    const size_t n = gp_frame_pixels(&p->f);
-    p->plain = scene_alloc(3 * n, sizeof(float));
-    for (int c = 0; c < 3; c++)
-        memcpy(p->plain + (size_t) c * n, in->rgb[c], n * sizeof(float));
-    return p;
-}
-
-/* What a channel's value becomes, by the contract's words. */
-static float plain_clean(float v, float max)
-{
-    if (isnan(v) || v == -INFINITY)
-        return 0.0f;
-    return v > max ? max : v;
-}
-
-/* A pixel's luminance is taken of its light: what is over 0. */
-static float plain_luminance(const float weight[3], const float rgb[3])
-{
-    float y = weight[0] * fmaxf(rgb[0], 0.0f);
-    y += weight[1] * fmaxf(rgb[1], 0.0f);
-    return y + weight[2] * fmaxf(rgb[2], 0.0f);
-}
-
-static void run_plain(void *ctx, double *out)
-{
-    const struct sensors_pair *const p = ctx;
-    const size_t n = gp_frame_pixels(&p->f);
-    for (size_t i = 0; i < n; i++) {
-        float rgb[3];
-        for (int c = 0; c < 3; c++)
-            rgb[c] = plain_clean(p->plain[(size_t) c * n + i],
-                                 pair_params->max_value);
-        const float y = plain_luminance(p->f.luminance, rgb);
-        for (int c = 0; c < 3; c++) {
-            const float v = fmaxf(rgb[c], 0.0f) * gp_bright_pass(pair_params, y);
-            out[(size_t) c * n + i] = v < FLT_MIN ? 0.0 : (double) v;
-        }
-    }
-}
-
-static void run_sense(void *ctx, float *out)
-{
-    struct sensors_pair *const p = ctx;
-    struct gp_sources src;
-    struct gp_planes image;
-    const size_t n = gp_frame_pixels(&p->f);
-    for (int c = 0; c < 3; c++)
-        memcpy(p->f.rgb.c[c], p->plain + (size_t) c * n, n * sizeof(float));
-    if (gp_sense(NULL, pair_params, &p->f, &src) ||
-        gp_sources_planes(NULL, &src, &image))
-        abort();
-    for (int c = 0; c < 3; c++)
-        memcpy(out + (size_t) c * n, image.c[c], n * sizeof(float));
-    gp_planes_free(&image);
-    gp_sources_free(&src);
-}
-
-static void close_pair(void *ctx)
-{
-    struct sensors_pair *const p = ctx;
-    gp_frame_free(&p->f);
-    free(p->plain);
-    free(p);
-}
-
-static const struct pair sensors_pair = {
-    "sensors", FLT_MAX, 0.0, 0.0, open_pair, run_plain, run_sense, close_pair,
-};
-
-static void sensors_equal_the_words(void **state)
-{
-    static const struct gp_sensor_params params[] = {
-        GP_SENSOR_DEFAULTS, {0.0f, 0.0f, 65504.0f}, {0.0f, 1.0f, 65504.0f},
-        {1.0f, 0.5f, 65504.0f}, {1.0f, 1.0f, 1e30f}, {0.5f, 0.01f, 0.75f},
-        {1.0f, 0.0f, FLT_MAX}, {FLT_MIN, 0.0f, FLT_MIN},
-        {FLT_MAX, 0.0f, FLT_MAX},
-    };
-    (void) state;
-    for (size_t i = 0; i < COUNT(params); i++) {
-        pair_params = &params[i];
-        pair_run(&sensors_pair);
-    }
-}
 
 /* -- cleaning ---------------------------------------------------------------*/
 
@@ -281,50 +180,15 @@ static void weights_are_the_frames(void **state)
     gp_frame_free(&f);
 }
 
-/* Pieces of a row of any length hold the same pixels, whole vectors or not. */
-static void pieces_of_any_length(void **state)
-{
-    enum { MOST = 600 };
-    static const float odd[] = {0.0f, -0.0f, 1.0f, -3.0f, 2.0f, 65504.0f};
-    static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
-    float rgb[3][MOST], fast[3 * MOST];
-    double words[3 * MOST];
-    uint32_t seed = 3u;
-    (void) state;
-    pair_params = &usual;
-    for (int n = 1; n <= MOST; n += n < 40 ? 1 : 36) {
-        for (int i = 0; i < 3 * n; i++) {
-            const float v = 2.0f * scene_random(&seed);
-            rgb[i % 3][i / 3] = i % 11 ? v : odd[i / 11 % 6];
-        }
-        struct pair_input in = {
-            .w = n, .h = 1, .rgb = {rgb[0], rgb[1], rgb[2]},
-        };
-        void *const both = open_pair(&in);
-        run_plain(both, words);
-        run_sense(both, fast);
-        close_pair(both);
-        for (int i = 0; i < 3 * n; i++)
-            assert_true((double) fast[i] == words[i]);
-    }
-}
-
 SUITE(sensors)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sensors_equal_the_words),
         cmocka_unit_test(bad_pixels_stay_alone),
         cmocka_unit_test(threshold_is_shut),
         cmocka_unit_test(knee_is_smooth),
         cmocka_unit_test(darkest_is_robust),
         cmocka_unit_test(threads_change_nothing),
         cmocka_unit_test(weights_are_the_frames),
-        cmocka_unit_test(pieces_of_any_length),
     };
-    const int failed = cmocka_run_group_tests(tests, NULL, NULL);
-    const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
-    pair_params = &usual;
-    if (pair_wants_time(argc, argv))
-        pair_time(&sensors_pair, 1920, 1080, PAIR_UNIFORM);
-    return failed;
+    return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,7 +5,6 @@
 #include "unit.h"
 #include "core/memory.h"
 #include "core/parallel.h"
-#include "gl/gl_priv.h"
 #include "glare/bound/bound.h"
 #include "glare/compose.h"
 #include "glare/sources.h"
@@ -37,8 +36,7 @@ static struct gp_kernel other;    // takes the place of what is kept
 static struct gp_glare glare;
 static uint64_t hash;             // of what was made
 
-/* -- the engines ------------------------------------------------------------
- */
+/* -- the engines ----------------------------------------------------------- */
 
 static gp_status run_with(const struct gp_kernel *k)
 {
@@ -93,8 +91,7 @@ static gp_status run_bound(void)
     return GP_ERR_USAGE;
 }
 
-/* -- the parts ---------------------------------------------------------------
- */
+/* -- the parts ------------------------------------------------------------- */
 
 static gp_status hash_planes(gp_status st, struct gp_planes *p, size_t n)
 {
@@ -185,8 +182,7 @@ static gp_status run_group_reference(void)
     return st;
 }
 
-/* -- kernels ------------------------------------------------------------------
- */
+/* -- kernels --------------------------------------------------------------- */
 
 static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 {
@@ -234,8 +230,7 @@ static gp_status run_from_frame(void)
     return hash_kernel(st, &k);
 }
 
-/* -- every n
- * ------------------------------------------------------------------- */
+/* -- every n --------------------------------------------------------------- */
 
 #define EXACT GP_SPLAT_EXACT
 #define GROUPS(how, form, few)                                                \
@@ -301,59 +296,15 @@ static bool is_drawn(const struct starved *r)
            r->run == run_engine;
 }
 
-/* A fault at the n-th call of a kind. */
+/* A fault at the n-th call of a class. */
 struct fault {
     const char *name, *said;
     gp_status status;
-    void (*arm)(long n);
-    bool (*end)(void); // whether it fired
+    enum fail_class class;
 };
-
-static long answers, wrong; // of glGetError(), and which is an error
-static PFNGLGETERRORPROC real_answer;
-
-static GLenum APIENTRY answer(void)
-{
-    return ++answers == wrong ? GL_OUT_OF_MEMORY : real_answer();
-}
-
-/* The context that splat keeps, once it has drawn. */
-static struct gp_gl *drawing_gl(void)
-{
-    struct gp_splat *s = NULL;
-    for (int i = 0; gp_engines[i]; i++) {
-        if (gp_engines[i] == &gp_engine_splat)
-            s = glare.state[i];
-    }
-    assert_true(s && s->gl);
-    return s->gl;
-}
-
-static void break_gl(long n)
-{
-    struct gp_gl *const gl = drawing_gl();
-    if (gl->f.GetError != answer)
-        real_answer = gl->f.GetError;
-    gl->f.GetError = answer;
-    answers = 0;
-    wrong = n;
-}
-
-static bool mend_gl(void)
-{
-    drawing_gl()->f.GetError = real_answer;
-    return answers >= wrong;
-}
-
-static void fail_memory(long n)
-{
-    fail_at(FAIL_ALLOC, n);
-}
-
-static const struct fault memory_fault = {
-    "allocations", "out of memory", GP_ERR_BUG, fail_memory, fail_end,
-}, gl_fault = {
-    "answers of GL", "GL_OUT_OF_MEMORY", GP_ERR_GL, break_gl, mend_gl,
+static const struct fault faults[] = {
+    {"allocations", "out of memory", GP_ERR_BUG, FAIL_ALLOC},
+    {"answers of GL", "GL_OUT_OF_MEMORY", GP_ERR_GL, FAIL_GL},
 };
 
 /* Makes the n-th call fail; false when there were fewer. */
@@ -364,9 +315,9 @@ static bool fail_once(const struct fault *f, long n, uint64_t want)
         forget();
     said_nothing();
     const long blocks = fail_blocks();
-    f->arm(n);
+    fail_at(f->class, n);
     const gp_status st = row->run();
-    const bool fired = f->end();
+    const bool fired = fail_end();
     if (!fired) {
         assert_int_equal(st, GP_OK);
         assert_true(hash == want);
@@ -429,9 +380,8 @@ static void sweep(const struct starved *r)
     } else {
         assert_int_equal(st, GP_OK);
         const uint64_t want = hash;
-        fail_each(&memory_fault, want);
-        if (is_drawn(r))
-            fail_each(&gl_fault, want);
+        for (int i = 0; i < 1 + is_drawn(r); i++)
+            fail_each(&faults[i], want);
     }
     gp_glare_close(&glare);
     glare = (struct gp_glare) {0};
@@ -449,5 +399,4 @@ static void faults_leave_nothing(void **state)
         sweep(&rows[i]);
 }
 
-SUITE_OF(starved_glare, NULL, NULL,
-    faults_leave_nothing)
+SUITE_OF(starved_glare, NULL, NULL, faults_leave_nothing)
