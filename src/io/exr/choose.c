@@ -9,7 +9,7 @@
 #include <string.h>
 #include <strings.h>
 
-/* -- parts and views -------------------------------------------------------- */
+/* -- parts and views ------------------------------------------------------ */
 
 bool gp_exr_is_deep(const struct gp_input *in, int part)
 {
@@ -153,7 +153,7 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
     return st;
 }
 
-/* -- Cryptomatte ------------------------------------------------------------ */
+/* -- Cryptomatte ---------------------------------------------------------- */
 
 /* cryptomatte/HASH/name */
 static bool names_layer(const exr_attribute_t *a)
@@ -196,7 +196,7 @@ enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
     return gp_crypto_layer(c, layer, n);
 }
 
-/* -- the search ------------------------------------------------------------- */
+/* -- the search ----------------------------------------------------------- */
 
 struct search {
     const struct gp_log *log;
@@ -315,7 +315,7 @@ static int part_number(const struct gp_input *in, const char *part)
     return -1;
 }
 
-/* -- what a file has, for the line about what it has not -------------------- */
+/* -- what a file has, for the line about what it has not ------------------ */
 
 /* Names, cut after so many bytes or names. */
 enum { NAMES_BYTES = 400, NAMES_MOST = 32 };

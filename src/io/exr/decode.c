@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* -- which chunks there are ------------------------------------------------- */
+/* -- which chunks there are ----------------------------------------------- */
 
 /* The most bytes that one byte of a chunk can become, by compression, rounded
  * up. DEFLATE: a 2-bit code can stand for 258 bytes, and there is nothing
@@ -225,7 +225,7 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
     *chunks = (struct gp_exr_chunks) {0};
 }
 
-/* -- one chunk -------------------------------------------------------------- */
+/* -- one chunk ------------------------------------------------------------ */
 
 /* What one thread needs; its pipeline is reused for all its chunks. */
 struct worker {
@@ -406,7 +406,7 @@ static gp_status open_worker(const struct gp_log *log,
     return st || w->inflate ? st : gp_no_memory(log, cs->path);
 }
 
-/* -- DWAA and DWAB, by OpenImageIO ------------------------------------------ */
+/* -- DWAA and DWAB, by OpenImageIO ---------------------------------------- */
 
 static gp_status sort_channels(const struct gp_log *log,
                                const struct gp_exr_chunks *cs,
@@ -455,9 +455,9 @@ out:
     return st;
 }
 
-static gp_status decode_by_bridge(const struct gp_log *log,
-                                  const struct gp_exr_chunks *cs,
-                                  const struct gp_exr_sink *sink)
+static gp_status decode_by_oiio(const struct gp_log *log,
+                                const struct gp_exr_chunks *cs,
+                                const struct gp_exr_sink *sink)
 {
     const struct gp_stream *s = &cs->input->stream;
     struct gp_image image = {0};
@@ -487,7 +487,7 @@ static gp_status decode_by_bridge(const struct gp_log *log,
     return st;
 }
 
-/* -- all chunks ------------------------------------------------------------- */
+/* -- all chunks ----------------------------------------------------------- */
 
 static gp_status decode_body(void *ctx, int index, int thread)
 {
@@ -516,7 +516,7 @@ static gp_status explain(const struct gp_log *log, struct worker *w, int index,
     if (gp_exr_fault())
         return gp_exr_fault_print(log, cs->path, gp_exr_fault());
     if (r == EXR_ERR_FEATURE_NOT_IMPLEMENTED)
-        return decode_by_bridge(log, cs, w->sink);
+        return decode_by_oiio(log, cs, w->sink);
     const bool cut = gp_exr_fault_short();
     // zlib takes its memory without the library's knowledge, which says the
     // same of a full one and of blocks that end early

@@ -42,7 +42,7 @@ int gp_exr_chunk_count(const struct gp_exr_image *img)
     return (gp_rect_h(img->data) + rows - 1) / rows;
 }
 
-/* -- packing ---------------------------------------------------------------- */
+/* -- packing -------------------------------------------------------------- */
 
 /* B44 counts each 4x4 block down from its largest value in steps of up to 2048
  * codes, to the nearest: its least one may be 1024 codes lower. From -32752
@@ -226,7 +226,7 @@ static exr_result_t library_prepare(struct library *l)
     return r;
 }
 
-/* -- chunks in parallel ----------------------------------------------------- */
+/* -- chunks in parallel --------------------------------------------------- */
 
 struct worker { // of one thread
     uint8_t *raw, *scratch;
@@ -277,7 +277,7 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
         if (library_prepare(l) || exr_encoding_run(l->ctxt, 0, &l->pipe))
             return gp_exr_fault() ? gp_exr_fault() : GP_ERR_USAGE;
         // a chunk that did not shrink is stored as it is, and readers know
-        // such a chunk by its size alone; 3.1.5 forgets that for the equal
+        // such a chunk by its size; 3.1.5 forgets that for the equal
         // size
         const exr_encode_pipeline_t *p = &l->pipe;
         const bool stored = p->compressed_bytes >= p->packed_bytes;
@@ -516,7 +516,7 @@ out:
     return st;
 }
 
-/* -- all compressions ------------------------------------------------------- */
+/* -- all compressions ----------------------------------------------------- */
 
 gp_status gp_exr_encode(struct gp_exr_out *out, int part,
                         const struct gp_exr_image *img, float quality,

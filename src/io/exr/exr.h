@@ -18,7 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-/* -- an open file ---------------------------------------------------------- */
+/* -- an open file --------------------------------------------------------- */
 
 /* The EXR that a frame came from, for the writer: gp_frame.input.
  *
@@ -107,7 +107,7 @@ GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
                                         struct gp_exr_names *out);
 void gp_exr_names_free(struct gp_exr_names *names);
 
-/* -- pixels ---------------------------------------------------------------- */
+/* -- pixels --------------------------------------------------------------- */
 
 /* The chunks of level 0 of a part, checked. */
 struct gp_exr_chunks {
@@ -173,7 +173,7 @@ GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
                                     const char *path, struct gp_stream *stream,
                                     struct gp_frame *out);
 
-/* -- out ------------------------------------------------------------------- */
+/* -- out ------------------------------------------------------------------ */
 
 /* gp_write_picture() and gp_write_hdr() once `path` is checked. */
 GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_log *log,

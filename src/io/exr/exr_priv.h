@@ -145,7 +145,7 @@ const struct gp_exr_attr *
 gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
                  const char *type);
 
-/* -- chunks as bytes (open.c) ---------------------------------------------- */
+/* -- chunks as bytes (open.c) --------------------------------------------- */
 
 /* Reads `n` entries of a part's offset table, from `first` on. False when
  * they are not all there. */
@@ -158,7 +158,7 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
 uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
                             uint64_t offset);
 
-/* -- which part and which channels (choose.c) ------------------------------ */
+/* -- which part and which channels (choose.c) ----------------------------- */
 
 /* The part's name without the view at its end: "rgba" of rgba.left and
  * rgba_left in a part whose view is left. Returns its length; 0 and "" when
@@ -286,7 +286,7 @@ void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
 void gp_split_half_to_float(const uint8_t *even, const uint8_t *odd,
                             float *out, size_t n);
 
-/* -- pixels to the chunks of a scanline part (encode.c) -------------------- */
+/* -- pixels to the chunks of a scanline part (encode.c) ------------------- */
 
 struct gp_exr_out;
 
@@ -326,7 +326,7 @@ GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
                                       float quality,
                                       struct gp_write_stats *stats);
 
-/* -- which channels a part gets (sources.c) -------------------------------- */
+/* -- which channels a part gets (sources.c) ------------------------------- */
 
 /* `source` borrows names and samples from the frame and the planes, which
  * must live longer. Free with gp_exr_sources_free(). */
@@ -365,7 +365,7 @@ GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
                                            int n, struct gp_exr_sources *out);
 void gp_exr_sources_free(struct gp_exr_sources *s);
 
-/* -- a header in the making (out.c) ---------------------------------------- */
+/* -- a header in the making (out.c) --------------------------------------- */
 
 /* Bytes that grow. A failed allocation is remembered and reported at the end
  * by gp_exr_header_done(). Free with gp_exr_header_free(). */
@@ -398,7 +398,7 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  *   own     of the input; NULL when that was not EXR
  *   name    of the part; may be NULL in files of one part
  *   chunks  of the part in a multi-part file, where type and number of chunks
- *           must be said; 0 in files of one part
+ *           are required; 0 in files of one part
  */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                         const struct gp_exr_image *img,
@@ -417,9 +417,7 @@ void gp_exr_header_free(struct gp_exr_header *h);
 
 /* -- the file on its way out (out.c) ---------------------------------------
  *
- * Header, offset tables, chunks (openexr file layout, "Chunk Layout"). Written
- * here and not with OpenEXRCore's chunk functions, because those of 3.1.5
- * refuse chunks out of order and deep tiles without samples.
+ * Header, offset tables, chunks (openexr file layout, "Chunk Layout").
  */
 
 struct gp_exr_table {
@@ -473,7 +471,7 @@ GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
 GP_MUST_CHECK gp_status gp_exr_out_end(struct gp_exr_out *out);
 void gp_exr_out_free(struct gp_exr_out *out);
 
-/* -- one file (write.c) ---------------------------------------------------- */
+/* -- one file (write.c) --------------------------------------------------- */
 
 /* True when samples of that channel may come back with other bits; of AUTO,
  * never. What EXR's lossy compressions do to channels that are not colour:

@@ -43,7 +43,7 @@ static uint32_t get32(const uint8_t *p)
            (uint32_t) p[3] << 24;
 }
 
-/* -- values ----------------------------------------------------------------- */
+/* -- values --------------------------------------------------------------- */
 
 /* A value in the file: bytes [at, at + size). */
 struct value {
@@ -54,21 +54,22 @@ struct value {
 /* Walks a list of channels, as far as `most` of them; returns how many there
  * are.
  *
- *   whole  written: the list ends where the value does, or the file before
+ *   complete  written: the list ends where the value does, or the file
+ *             before
  */
 static uint64_t count_channels(const struct value *v, uint64_t most,
-                               bool *whole)
+                               bool *complete)
 {
     const uint64_t end = v->at + v->size;
     uint64_t n = 0;
-    *whole = false;
+    *complete = false;
     for (uint64_t at = v->at; at < end && n < most; n++) {
         const uint64_t room = end - at < NAME ? end - at : NAME;
         size_t left;
         const uint8_t *const name = window_at(v->w, at, room, &left);
         const uint8_t *const null = name ? memchr(name, 0, left) : NULL;
         if (!null || null == name) { // no more, or the list's end
-            *whole = null ? at + 1 == end : left < NAME && at + left < end;
+            *complete = null ? at + 1 == end : left < NAME && at + left < end;
             break;
         }
         at += (uint64_t) (null - name) + 1 + CHANNEL;
@@ -78,9 +79,9 @@ static uint64_t count_channels(const struct value *v, uint64_t most,
 
 static bool is_chlist(const struct value *v)
 {
-    bool whole;
-    (void) count_channels(v, UINT64_MAX, &whole);
-    return whole;
+    bool complete;
+    (void) count_channels(v, UINT64_MAX, &complete);
+    return complete;
 }
 
 static bool is_floatvector(const struct value *v)
@@ -220,7 +221,7 @@ static const char *type_of(const char *name, bool multi)
     return NULL;
 }
 
-/* -- the walk --------------------------------------------------------------- */
+/* -- the walk ------------------------------------------------------------- */
 
 struct walk {
     const struct gp_log *log;
@@ -308,8 +309,8 @@ static gp_status add_attribute(struct walk *walk,
     GP_TRY(check_length(walk, walk->attributes, "attributes",
                         (uint64_t) ++part->attrs));
     if (strcmp(walk->type, "chlist") == 0) {
-        bool whole;
-        const uint64_t n = count_channels(&v, LIST_MOST + 1, &whole);
+        bool complete;
+        const uint64_t n = count_channels(&v, LIST_MOST + 1, &complete);
         GP_TRY(check_length(walk, walk->channels, "channels", n));
         walk->channels += n * n;
     }

@@ -158,7 +158,7 @@ static void colours_of_row(const struct rows *rows, int y,
                            const struct colours *row)
 {
     const struct gp_yc *in = rows->in;
-    // luminance of a row outside is that of the chroma row that stands in
+    // luminance of a row outside is that of the chroma row in its place
     int inside = y < 0 ? 0 : y >= in->h ? in->h - 2 : y;
     const float *luma = in->y + (size_t) inside * (size_t) in->w;
     chroma_of_row(rows, 0, y, row->c[0]);
@@ -187,7 +187,7 @@ static void desaturate(const struct gp_yc *in, float f, float rgb[3])
 }
 
 /* fixSaturation() of the row between two others. The mean is of the four
- * diagonal neighbours; beside the image stands its edge column. */
+ * diagonal neighbours; beside the image its edge column counts. */
 static void fix_row(const struct rows *rows, const struct colours row[3],
                     int y)
 {

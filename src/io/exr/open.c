@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* -- what went wrong -------------------------------------------------------- */
+/* -- what went wrong ------------------------------------------------------ */
 
 static _Thread_local bool full;  // an allocation failed
 static _Thread_local int unread; // errno of a read that failed
@@ -57,7 +57,7 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
                    strerror(unread ? unread : EIO));
 }
 
-/* -- the library's context -------------------------------------------------- */
+/* -- the library's context ------------------------------------------------ */
 
 /* Some files of one part carry the "type" of another file along: OpenEXR's own
  * readers go by the flags of the version there; OpenEXRCore 3.1.5 believes the
@@ -106,8 +106,8 @@ static gp_status damaged_header(const struct gp_log *log, const char *path,
 }
 
 /* Parses the header with the library, and finds the offset tables. */
-static gp_status parse(const struct gp_log *log, const char *path,
-                       struct gp_input *in)
+static gp_status parse_header(const struct gp_log *log, const char *path,
+                              struct gp_input *in)
 {
     struct gp_exr_index *const index = in->index;
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
@@ -143,7 +143,7 @@ static gp_status parse(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* -- chunks as bytes -------------------------------------------------------- */
+/* -- chunks as bytes ------------------------------------------------------ */
 
 bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
                          uint64_t *offset)
@@ -224,7 +224,7 @@ static uint64_t find_end(const struct gp_input *in)
     return bytes ? last + bytes : 0;
 }
 
-/* -- opening and closing ---------------------------------------------------- */
+/* -- opening and closing -------------------------------------------------- */
 
 gp_status gp_exr_open(const struct gp_log *log, const char *path,
                       struct gp_stream *stream, struct gp_input **out)
@@ -242,7 +242,7 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &mem));
     in->index = mem;
     GP_TRY(gp_exr_index_make(log, path, &in->stream, in->index));
-    GP_TRY(parse(log, path, in));
+    GP_TRY(parse_header(log, path, in));
     // parts and levels that nobody reads must be whole as well
     in->end = find_end(in);
     if (in->end > in->stream.size)
@@ -272,7 +272,7 @@ void gp_input_free(void *input)
     gp_free(in);
 }
 
-/* -- what is carried to the output ------------------------------------------ */
+/* -- what is carried to the output ---------------------------------------- */
 
 /* Points `carried` into its bytes as the index says. False when they are not
  * those that were indexed: names and types must end where they did. */

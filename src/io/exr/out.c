@@ -2,7 +2,10 @@
  * (openexr file layout, "Header" and "Chunk Layout").
  *
  * Written here and not with OpenEXRCore's chunk functions, because those of
- * 3.1.5 refuse chunks out of order and deep tiles without samples.
+ * 3.1.5 refuse chunks out of order (unless the part's lineOrder is random) and
+ * deep chunks without samples, and parts are carried with both. A release
+ * whose write_scan_chunk() and write_tile_chunk() take them ends this file;
+ * those of its repository at 01e9f18f do not yet.
  */
 #include "io/exr/exr_priv.h"
 
@@ -16,7 +19,7 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "EXR is little-endian and is written from memory as it is");
 
-/* -- a header's bytes ------------------------------------------------------- */
+/* -- a header's bytes ----------------------------------------------------- */
 
 enum { SHORT_NAME = 31 }; // longest name without GP_EXR_LONG_NAMES
 
@@ -79,13 +82,13 @@ void gp_exr_header_free(struct gp_exr_header *h)
     *h = (struct gp_exr_header) {0};
 }
 
-/* -- attributes of a new part ----------------------------------------------- */
+/* -- attributes of a new part --------------------------------------------- */
 
 static void put_channels(struct gp_exr_header *h,
                          const struct gp_exr_image *img)
 {
     struct gp_exr_header list = {0};
-    // the bridge has no way to tell the DWA compressor of the flag, and a
+    // OpenImageIO has no way to give the DWA compressor the flag, and a
     // reader must not believe what the chunks are not made for
     const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
                      img->compression == GP_COMPRESSION_DWAB;
@@ -114,17 +117,19 @@ static void put_window(struct gp_exr_header *h, const char *name,
 }
 
 /* An attribute of the input, or its default. */
-static void put_or(struct gp_exr_header *h, const struct gp_exr_carried_part *own,
+static void put_or(struct gp_exr_header *h,
+                   const struct gp_exr_carried_part *own,
                    const char *name, const char *type, const void *data,
                    size_t size)
 {
-    const struct gp_exr_attr *a = own ? gp_exr_attr_find(own, name, type) : NULL;
+    const struct gp_exr_attr *a =
+        own ? gp_exr_attr_find(own, name, type) : NULL;
     if (a && a->size == size)
         data = a->data;
     gp_exr_header_put(h, name, type, data, size);
 }
 
-static bool listed(const char *name, const char *const *list)
+static bool is_listed(const char *name, const char *const *list)
 {
     for (; *list; list++) {
         if (strcmp(name, *list) == 0)
@@ -153,12 +158,12 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
         "chromaticities", "adoptedNeutral", "whiteLuminance",
         "renderingTransform", "lookModTransform", NULL,
     };
-    if (listed(name, own))
+    if (is_listed(name, own))
         return false;
-    if (kept != GP_EXR_KEEP_ALL && listed(name, scene) &&
+    if (kept != GP_EXR_KEEP_ALL && is_listed(name, scene) &&
         !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
         return false;
-    return in_own_light(kept) || !listed(name, shown);
+    return in_own_light(kept) || !is_listed(name, shown);
 }
 
 /* The attributes of the input that are kept: manifests of ids, or all but
@@ -180,7 +185,7 @@ static void put_carried(struct gp_exr_header *h,
  * file was stored; only those about the picture are carried. */
 static bool about_storage(const char *name)
 {
-    static const char *const whole[] = {
+    static const char *const exact[] = {
         "compression", "Compression", "CompressionQuality", "Orientation",
         "ResolutionUnit", "XResolution", "YResolution", "planarconfig",
         "PixelAspectRatio", "ICCProfile", "chromaticities", "gamma", NULL,
@@ -193,7 +198,7 @@ static bool about_storage(const char *name)
         if (strncmp(name, start[i], strlen(start[i])) == 0)
             return true;
     }
-    return listed(name, whole);
+    return is_listed(name, exact);
 }
 
 static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
@@ -259,7 +264,7 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     gp_exr_header_raw(h, "", 1);
 }
 
-/* -- tables and chunks ------------------------------------------------------ */
+/* -- tables and chunks ---------------------------------------------------- */
 
 gp_status gp_exr_out_begin(const struct gp_log *log, struct gp_file *file,
                            const void *header, size_t size, const int *chunks,
@@ -328,9 +333,9 @@ void gp_exr_out_free(struct gp_exr_out *out)
     *out = (struct gp_exr_out) {0};
 }
 
-/* -- chunks of the input, as they are ---------------------------------------- */
+/* -- chunks of the input, as they are ------------------------------------- */
 
-/* One chunk of the input: its number in the table and where it stands. */
+/* One chunk of the input: its number in the table and its place. */
 struct place {
     uint64_t offset;
     int index;

@@ -50,7 +50,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
     f->parts = cs->input->parts;
 }
 
-/* -- channels --------------------------------------------------------------- */
+/* -- channels ------------------------------------------------------------- */
 
 /* Full resolution for all but chroma, which may be halved in both ways. */
 static gp_status check_sampling(const struct reading *r)
@@ -144,7 +144,7 @@ static gp_status make_planes(struct reading *r)
     return st;
 }
 
-/* -- colour ----------------------------------------------------------------- */
+/* -- colour --------------------------------------------------------------- */
 
 /* RGB from luminance and chroma. A chroma channel that is missing is 0. */
 static gp_status finish_yc(struct reading *r)
@@ -246,7 +246,7 @@ out:
     return st;
 }
 
-/* -- other layers of a file that is open ------------------------------------ */
+/* -- other layers of a file that is open ---------------------------------- */
 
 /* Chooses in the view that is asked for; else in that of f's part first, since
  * a layer of the other eye is the last that is meant. */

@@ -59,7 +59,7 @@ gp_status gp_exr_sources_picture(const struct gp_log *log,
     return st;
 }
 
-/* -- --hdr ------------------------------------------------------------------ */
+/* -- --hdr ---------------------------------------------------------------- */
 
 /* The frames of one part. */
 struct group {

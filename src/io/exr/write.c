@@ -6,7 +6,7 @@
 
 #include <string.h>
 
-/* -- compressions ----------------------------------------------------------- */
+/* -- compressions --------------------------------------------------------- */
 
 bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
                   const char *name)
@@ -41,7 +41,7 @@ static float dwa_quality(const struct gp_exr_carried_part *own)
     return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
 }
 
-/* -- a file on its way ------------------------------------------------------ */
+/* -- a file on its way ---------------------------------------------------- */
 
 /* A part that gets a new header and new chunks. */
 struct new_part {
@@ -210,7 +210,7 @@ out:
     return st;
 }
 
-/* -- pictures --------------------------------------------------------------- */
+/* -- pictures ------------------------------------------------------------- */
 
 gp_status gp_exr_write_picture(const struct gp_log *log,
                                const struct gp_write_params *p,
@@ -232,7 +232,7 @@ gp_status gp_exr_write_picture(const struct gp_log *log,
     return st;
 }
 
-/* -- --hdr: the frame as it came in, with glare ----------------------------- */
+/* -- --hdr: the frame as it came in, with glare --------------------------- */
 
 /* The frames of set[i]'s part, from i on, into `group`; 0 when an earlier one
  * has that part already, -1 when their windows differ, or no frame has all

@@ -15,10 +15,10 @@
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
                "big-endian machines need byte swaps in io");
 
-/* -- out ------------------------------------------------------------------- */
+/* -- out ------------------------------------------------------------------ */
 
 /* libdeflate's level against zlib's level 4, which is what OpenEXR writes.
- * CPU milliseconds and megabytes of the deflate step alone, 16-line chunks:
+ * CPU milliseconds and megabytes of only the deflate step, 16-line chunks:
  *
  *                       1920x1080 half     960x540 half       960x540 float
  *                       light sources      rendered night     rendered night
@@ -62,7 +62,7 @@ size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
     return libdeflate_zlib_compress(c, scratch, n, out, n - 1);
 }
 
-/* -- in -------------------------------------------------------------------- */
+/* -- in ------------------------------------------------------------------- */
 
 bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out,
               size_t out_size)

@@ -1,4 +1,4 @@
-/* io/exr_view, io/plane_find, io/exr_there, io/crypto: views, layers and ids
+/* io/exr/choose.c, io/plane: views, layers and ids
  * that attributes and names of parts tell of. */
 #include "unit.h"
 #include "io/channels.h"
