@@ -1,6 +1,7 @@
-/* What --hdr carries from an EXR input: attributes of every kind and other
- * parts, byte by byte. Inputs are made here, with parts that no library of
- * this program could write. */
+/* What EXR files get of their input: which attributes a header has, and what
+ * --hdr carries, attributes of every kind and other parts, byte by byte.
+ * Inputs are made here, with parts that no library of this program could
+ * write. */
 #include "unit.h"
 #include "write_fixture.h"
 
@@ -12,7 +13,232 @@
 
 static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 
+// -- headers ------------------------------------------------------------------
+
+/* The attribute of that name, and how many there are. */
+static struct gp_exr_attr find(const struct gp_exr_header *h, const char *name,
+                               int *count)
+{
+    struct gp_exr_attr found = {0};
+    *count = 0;
+    for (const uint8_t *p = h->bytes + 8; *p;) {
+        struct gp_exr_attr a = {.name = (const char *) p};
+        p += strlen(a.name) + 1;
+        a.type = (const char *) p;
+        p += strlen(a.type) + 1;
+        memcpy(&a.size, p, 4);
+        a.data = p + 4;
+        p += 4 + a.size;
+        assert_true(p < h->bytes + h->size);
+        if (strcmp(a.name, name) != 0)
+            continue;
+        found = a;
+        ++*count;
+    }
+    return found;
+}
+
+static const struct gp_exr_source one_source = {
+    .name = "Y", .type = GP_HALF, .xs = 1, .ys = 1, .linear = true,
+};
+
+/* A header's only part, of a frame with that attribute. */
+static struct gp_exr_header make_header(struct gp_attribute *attribute,
+                                        const struct gp_exr_carried_part *raw,
+                                        enum gp_exr_kept kept, uint32_t flags,
+                                        enum gp_compression compression)
+{
+    const struct gp_rect r = {0, 0, 2, 2};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    const struct gp_exr_image img = {r, compression, &one_source, 1};
+    struct gp_exr_header h;
+    f.attribute = attribute;
+    f.attributes = attribute != NULL;
+    gp_exr_header_start(&h, flags);
+    gp_exr_header_part(&h, &f, &img, raw, kept, NULL, 0);
+    assert_int_equal(gp_exr_header_done(&wf_log, "h.exr", &h), GP_OK);
+    f.attribute = NULL;
+    f.attributes = 0;
+    gp_frame_free(&f);
+    return h;
+}
+
+/* What other formats tell of the picture, and not of how they stored it. */
+static void attributes_of_other_formats(void **state)
+{
+    (void) state;
+    static char longest[257], longer[258];
+    const struct {
+        struct gp_attribute a;
+        const char *type; // NULL: not carried
+        bool shown;       // carried to a display-referred picture too
+    } row[] = {
+        {{"owner", 0, "me", 0, 0}, "string", true},
+        {{"empty", 0, "", 0, 0}, "string", true},
+        {{"frame", 1, NULL, -7, 0}, "int", true},
+        {{"fov", 2, NULL, 0, 1.5f}, "float", true},
+        {{"whiteLuminance", 2, NULL, 0, 100.0f}, "float", false},
+        {{longest, 1, NULL, 3, 0}, "int", true},
+        {{longer, 1, NULL, 3, 0}, NULL, false},
+        {{"", 1, NULL, 3, 0}, NULL, false},
+        {{"nothing", 0, NULL, 0, 0}, NULL, false},
+        {{"unknown", 3, NULL, 0, 0}, NULL, false},
+        {{"tiff:Predictor", 1, NULL, 2, 0}, NULL, false},
+        {{"Orientation", 1, NULL, 6, 0}, NULL, false},
+        {{"name", 0, "x", 0, 0}, NULL, false}, // EXR's own
+        {{"preview", 0, "x", 0, 0}, "string", false},
+    };
+    memset(longest, 'a', 255);
+    memset(longer, 'b', 256);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        for (int shown = 0; shown < 2; shown++) {
+            struct gp_attribute a = row[i].a;
+            struct gp_exr_header h = make_header(
+                &a, NULL, shown ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0,
+                GP_COMPRESSION_ZIP);
+            int count;
+            const struct gp_exr_attr got = find(&h, a.name, &count);
+            const bool want = row[i].type && (!shown || row[i].shown);
+            if (count != want)
+                fail_msg("%s: %d of it", a.name, count);
+            if (want) {
+                const size_t n = a.kind == 0 ? strlen(a.text) : 4;
+                assert_string_equal(got.type, row[i].type);
+                assert_int_equal(got.size, n);
+                assert_memory_equal(got.data,
+                                    a.kind == 0 ? (const void *) a.text
+                                    : a.kind == 1 ? (const void *) &a.whole
+                                                  : &a.real, n);
+            }
+            assert_int_equal(!(h.flags & GP_EXR_LONG_NAMES),
+                             !(want && strlen(a.name) > 31));
+            gp_exr_header_free(&h);
+        }
+    }
+}
+
+static void attributes_of_another_exr(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *name;
+        uint32_t flags;
+        int count[4]; // for each gp_exr_kept
+    } row[] = {
+        {"owner", 0, {1, 1, 1, 1}},
+        {"owner", GP_EXR_DEEP, {1, 1, 1, 1}},
+        {"multiView", 0, {1, 1, 0, 0}},
+        {"preview", 0, {1, 0, 0, 0}},
+        {"chromaticities", 0, {1, 0, 1, 0}},
+        {"compression", 0, {1, 1, 1, 1}},       // the picture's own
+        {"version", 0, {1, 1, 1, 1}},
+        {"version", GP_EXR_DEEP, {1, 1, 1, 1}}, // not twice
+        {"tiles", 0, {0, 0, 0, 0}},
+        {"screenWindowWidth", 0, {1, 1, 1, 1}}, // of a wrong size: made anew
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        static const uint8_t data[3] = {9, 9, 9};
+        const bool wide = strcmp(row[i].name, "screenWindowWidth") == 0;
+        const struct gp_exr_attr a = {row[i].name, wide ? "float" : "opaque",
+                                      data, sizeof data};
+        const struct gp_exr_carried_part raw = {.attr = &a, .attrs = 1};
+        for (int kept = 0; kept < 4; kept++) {
+            struct gp_exr_header h = make_header(
+                NULL, &raw, (enum gp_exr_kept) kept, row[i].flags,
+                GP_COMPRESSION_PIZ);
+            int count;
+            const struct gp_exr_attr got = find(&h, a.name, &count);
+            if (count != row[i].count[kept])
+                fail_msg("%s: %d where %d is kept", a.name, count, kept);
+            if (wide)
+                assert_int_equal(got.size, 4);
+            gp_exr_header_free(&h);
+        }
+    }
+}
+
+/* Readers may believe a channel's flag, which DWA's chunks are not made for. */
+static void linear_flag(void **state)
+{
+    (void) state;
+    static const struct {
+        enum gp_compression compression;
+        int linear;
+    } row[] = {
+        {GP_COMPRESSION_B44, 1}, {GP_COMPRESSION_ZIP, 1},
+        {GP_COMPRESSION_DWAA, 0}, {GP_COMPRESSION_DWAB, 0},
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        int count;
+        struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL, 0,
+                                             row[i].compression);
+        const struct gp_exr_attr list = find(&h, "channels", &count);
+        assert_int_equal(list.size, 2 + 4 + 4 + 8 + 1);
+        assert_int_equal(list.data[6], row[i].linear);
+        gp_exr_header_free(&h);
+    }
+}
+
+static void chunks_that_nobody_wrote(void **state)
+{
+    (void) state;
+    static const int chunks[2] = {1, 3};
+    struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL,
+                                         GP_EXR_MULTIPART, GP_COMPRESSION_ZIP);
+    struct gp_file *file;
+    struct gp_exr_out out;
+    assert_int_equal(gp_file_open(&wf_log, wf_path("o"), false, &file), GP_OK);
+    assert_int_equal(gp_exr_out_begin(&wf_log, file, h.bytes, h.size, chunks,
+                                      2, &out), GP_OK);
+    assert_int_equal(gp_exr_out_scanlines(&out, 0, 0, 0, "abc", 3), GP_OK);
+    assert_int_equal(gp_exr_out_scanlines(&out, 1, 0, 0, "abc", 3), GP_OK);
+    assert_int_equal(gp_exr_out_scanlines(&out, 1, 2, 0, "abc", 3), GP_OK);
+    assert_int_equal(gp_exr_out_end(&out), GP_ERR_BUG);
+    wf_assert_said("chunk 1 of part 1");
+    assert_int_equal(gp_exr_out_scanlines(&out, 1, 1, 0, "abc", 3), GP_OK);
+    assert_int_equal(gp_exr_out_end(&out), GP_OK);
+    gp_exr_out_free(&out);
+    gp_exr_out_free(&out); // one that is empty
+    gp_file_discard(&file);
+    gp_exr_header_free(&h);
+}
+
 // -- making inputs ------------------------------------------------------------
+
+/* B, G and R of a frame as `type`. */
+static struct gp_exr_image colour_of(const struct gp_frame *f,
+                                     enum gp_pixel_type type,
+                                     enum gp_compression compression,
+                                     struct gp_exr_source source[3])
+{
+    static const char *const name[] = {"B", "G", "R"};
+    for (int i = 0; i < 3; i++)
+        source[i] = (struct gp_exr_source) {
+            .name = name[i], .type = type, .xs = 1, .ys = 1,
+            .columns = gp_frame_w(f), .plane = f->rgb.c[2 - i],
+        };
+    return (struct gp_exr_image) {f->data, compression, source, 3};
+}
+
+static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
+                                  const int *chunks, int parts,
+                                  struct gp_exr_out *out)
+{
+    struct gp_file *file;
+    assert_int_equal(gp_exr_header_done(NULL, path, h), 0);
+    assert_int_equal(gp_file_open(&wf_log, path, false, &file), 0);
+    assert_int_equal(gp_exr_out_begin(NULL, file, h->bytes, h->size, chunks,
+                                      parts, out), 0);
+    gp_exr_header_free(h);
+    return file;
+}
+
+static void end_file(struct gp_exr_out *out, struct gp_file *file)
+{
+    assert_int_equal(gp_exr_out_end(out), 0);
+    assert_int_equal(gp_file_commit(&file), 0);
+    gp_exr_out_free(out);
+}
 
 static void put_int(struct gp_exr_header *h, const char *name, int32_t v)
 {
@@ -112,19 +338,12 @@ static void make_parts(const char *path, const struct gp_frame *f,
                        const struct damage *damage)
 {
     enum { ROWS = 5 };
-    struct gp_exr_source source[3] = {{.name = "B"}, {.name = "G"},
-                                      {.name = "R"}};
-    for (int i = 0; i < 3; i++) {
-        source[i].type = GP_HALF;
-        source[i].xs = source[i].ys = 1;
-        source[i].columns = gp_frame_w(f);
-        source[i].plane = f->rgb.c[2 - i];
-    }
-    const struct gp_exr_image img = {f->data, GP_COMPRESSION_ZIPS, source, 3};
+    struct gp_exr_source source[3];
+    const struct gp_exr_image img = colour_of(f, GP_HALF, GP_COMPRESSION_ZIPS,
+                                              source);
     const int chunks[4] = {TILES, gp_rect_h(f->data), ROWS, ROWS};
     struct gp_exr_header h;
     struct gp_exr_out out;
-    struct gp_file *file;
     struct gp_write_stats stats = {0};
     gp_exr_header_start(&h, GP_EXR_MULTIPART | GP_EXR_DEEP);
     put_part(&h, "rips", "tiledimage", 8, 8, TILES);
@@ -140,11 +359,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
     put_part(&h, "last", "scanlineimage", 2, ROWS, ROWS);
     put_int(&h, "version", 1);
     gp_exr_header_raw(&h, "\0", 2);
-    assert_int_equal(gp_exr_header_done(NULL, path, &h), 0);
-
-    assert_int_equal(gp_file_open(&wf_log, path, false, &file), 0);
-    assert_int_equal(gp_exr_out_begin(NULL, file, h.bytes, h.size, chunks, 4,
-                                      &out), 0);
+    struct gp_file *const file = begin_file(path, &h, chunks, 4, &out);
     put_rips(&out, 0);
     assert_int_equal(gp_exr_encode(&out, 1, &img, 45, &stats), 0);
     for (int32_t y = ROWS - 1; y >= 0; y--)
@@ -153,15 +368,12 @@ static void make_parts(const char *path, const struct gp_frame *f,
         put_chunk(&out, 3, y, &y, 1, false, 3);
     if (damage)
         put_damage(&out, damage);
-    assert_int_equal(gp_exr_out_end(&out), 0);
-    assert_int_equal(gp_file_commit(&file), 0);
-    gp_exr_out_free(&out);
-    gp_exr_header_free(&h);
+    end_file(&out, file);
 }
 
 // -- comparing ----------------------------------------------------------------
 
-static struct gp_exr_carried raw_of(const struct gp_frame *f)
+static struct gp_exr_carried header_of(const struct gp_frame *f)
 {
     struct gp_exr_carried raw;
     assert_int_equal(gp_exr_carried_read(&wf_log, f->path, gp_input_of(f), &raw),
@@ -208,7 +420,7 @@ static void other_parts(void **state)
     p.compression = GP_COMPRESSION_PIZ;
     assert_int_equal(wf_write_hdr(&p, wf_path("out.exr"), &a, &stats), GP_OK);
     struct gp_frame b = wf_read_back(wf_path("out.exr"));
-    struct gp_exr_carried ra = raw_of(&a), rb = raw_of(&b);
+    struct gp_exr_carried ra = header_of(&a), rb = header_of(&b);
     assert_int_equal(rb.version, ra.version);
     for (int i = 0; i < 4; i++) {
         if (i == 1)
@@ -226,7 +438,7 @@ static void other_parts(void **state)
                                       &a.rgb, GP_PICTURE_SCENE, &stats), 0);
     b = wf_read_back(wf_path("pic.exr"));
     assert_int_equal(b.parts, 1);
-    rb = raw_of(&b);
+    rb = header_of(&b);
     assert_int_equal(rb.version, GP_EXR_VERSION);
     assert_null(gp_exr_attr_find(&rb.part[0], "name", "string"));
     gp_exr_carried_free(&rb);
@@ -317,19 +529,12 @@ static void make_attributes(const char *path, const struct gp_frame *f)
                           0.0001f, -0.077f, 0.32168f, 0.33767f};
     const float centre[2] = {0.25f, -1.5f}, width = 3, level = 80;
     const uint8_t preview[12] = {1, 0, 0, 0, 1, 0, 0, 0, 9, 8, 7, 6};
-    struct gp_exr_source source[3] = {{.name = "B"}, {.name = "G"},
-                                      {.name = "R"}};
-    for (int i = 0; i < 3; i++) {
-        source[i].type = GP_FLOAT;
-        source[i].xs = source[i].ys = 1;
-        source[i].columns = gp_frame_w(f);
-        source[i].plane = f->rgb.c[2 - i];
-    }
-    const struct gp_exr_image img = {f->data, GP_COMPRESSION_PXR24, source, 3};
+    struct gp_exr_source source[3];
+    const struct gp_exr_image img = colour_of(f, GP_FLOAT,
+                                              GP_COMPRESSION_PXR24, source);
     const int chunks = gp_exr_chunk_count(&img);
     struct gp_exr_header h, end;
     struct gp_exr_out out;
-    struct gp_file *file;
     struct gp_write_stats stats = {0};
     gp_exr_header_start(&h, 0);
     gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "only", 0);
@@ -352,16 +557,10 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     put_text(&h, long_name, "two\nlines");
     put_text(&h, "version", "v002"); // of the shot, as Nuke says it
     gp_exr_header_raw(&h, "", 1);
-    assert_int_equal(gp_exr_header_done(NULL, path, &h), 0);
     assert_true(h.flags & GP_EXR_LONG_NAMES);
-    assert_int_equal(gp_file_open(&wf_log, path, false, &file), 0);
-    assert_int_equal(gp_exr_out_begin(NULL, file, h.bytes, h.size, &chunks, 1,
-                                      &out), 0);
+    struct gp_file *const file = begin_file(path, &h, &chunks, 1, &out);
     assert_int_equal(gp_exr_encode(&out, 0, &img, 45, &stats), 0);
-    assert_int_equal(gp_exr_out_end(&out), 0);
-    assert_int_equal(gp_file_commit(&file), 0);
-    gp_exr_out_free(&out);
-    gp_exr_header_free(&h);
+    end_file(&out, file);
     gp_exr_header_free(&end);
 }
 
@@ -381,7 +580,7 @@ static void attributes(void **state)
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_attributes(wf_path("in.exr"), &made);
     struct gp_frame a = wf_read_back(wf_path("in.exr"));
-    struct gp_exr_carried ra = raw_of(&a);
+    struct gp_exr_carried ra = header_of(&a);
     for (int i = 0; i < 3; i++) {
         const char *out = wf_path("out.exr");
         gp_status st =
@@ -391,7 +590,7 @@ static void attributes(void **state)
                                              : GP_PICTURE_SHOWN, &stats);
         assert_int_equal(st, GP_OK);
         struct gp_frame b = wf_read_back(out);
-        struct gp_exr_carried rb = raw_of(&b);
+        struct gp_exr_carried rb = header_of(&b);
         assert_attributes(&ra.part[0], &rb.part[0], but[i]);
         // and none came twice, or from nowhere
         int left = rb.part[0].attrs;
@@ -431,5 +630,7 @@ static void primaries(void **state)
     gp_frame_free(&f);
 }
 
-SUITE_OF_EACH(exr_hdr, wf_start, wf_end, other_parts, damaged_parts, cut_parts,
-              rip_maps_by_number, attributes, primaries)
+SUITE_OF_EACH(exr_hdr, wf_start, wf_end, attributes_of_other_formats,
+              attributes_of_another_exr, linear_flag, chunks_that_nobody_wrote,
+              other_parts, damaged_parts, cut_parts, rip_maps_by_number,
+              attributes, primaries)

@@ -47,24 +47,6 @@ static void files_that_are_none(void **state)
     assert_refused(path, GP_ERR_DATA, "68 65 6c 6c");
 }
 
-/* Frames one behind the other are read from pipes alone. */
-static void members_of_a_file(void **state)
-{
-    (void) state;
-    static const struct gp_read_params p = GP_READ_DEFAULTS;
-    static const struct fixture f = {.part = {{
-        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
-    }}};
-    struct gp_members m = {0};
-    snprintf(path, sizeof path, "%s/file.exr", folder);
-    fixture_write_file(path, &f);
-    heard.count = 0;
-    assert_int_equal(gp_members_read(&hear, &p, path, &m), GP_ERR_BUG);
-    assert_int_equal(heard.count, 1);
-    assert_non_null(strstr(heard.line, "is no pipe"));
-    assert_null(m.member);
-}
-
 static void deep_data(void **state)
 {
     (void) state;
@@ -326,6 +308,6 @@ static void changed_head(void **state)
 }
 
 SUITE_OF(exr_refuse, make_folder, remove_folder, no_colour_is_an_error,
-         files_that_are_none, members_of_a_file, deep_data, cut_files,
+         files_that_are_none, deep_data, cut_files,
          sizes_that_lie, display_windows_that_lie, one_huge_tile,
          changed_bytes, changed_head)

@@ -1,6 +1,8 @@
 /* io/picture: each row is run once, in scratch that no other row has at the
- * same time. */
+ * same time; display windows that are none; alpha. */
 #include "unit.h"
+#include "write_fixture.h"
+
 #include "core/parallel.h"
 #include "io/picture.h"
 
@@ -36,7 +38,7 @@ static void each_row_is_run_once(void **state)
         {7, 2, 256}, {97, 211, 1}, {4099, 1000, 5}, {4099, 1000, 0},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_picture pic = {.width = rows[i].w,
                                        .height = rows[i].h};
         const size_t h = (size_t) rows[i].h;
@@ -58,5 +60,57 @@ static void each_row_is_run_once(void **state)
     gp_set_threads(0);
 }
 
-SUITE_OF(picture, NULL, NULL,
-    each_row_is_run_once)
+static void windows_that_are_no_picture(void **state)
+{
+    (void) state;
+    static const struct gp_rect display[] = {
+        {0, 0, 0, 5}, {0, 0, 5, 0}, {3, 0, -2, 5}, {0, 9, 5, 2},
+        {INT32_MIN, 0, INT32_MAX, 1}, {0, INT32_MIN, 1, INT32_MAX},
+        {0, 0, 1 << 29, 1}, {0, 0, 1 << 20, (1 << 20) + 1},
+    };
+    const struct gp_rect r = {0, 0, 2, 2};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    for (size_t i = 0; i < COUNT(display); i++) {
+        struct gp_picture pic;
+        f.display = display[i];
+        wf_line[0] = '\0';
+        assert_int_equal(gp_picture_make(&wf_log, &p, "p.png", &f, &f.rgb,
+                                         GP_PICTURE_SCENE, false, &pic),
+                         GP_ERR_DATA);
+        wf_assert_said("p.png: no picture of this display window (");
+        assert_int_equal(pic.channels, 0); // empty
+    }
+    gp_frame_free(&f);
+}
+
+/* Rows of floats with alpha, the picture wider than the data. */
+static void floats_with_alpha(void **state)
+{
+    (void) state;
+    const struct gp_rect data = {1, 0, 3, 2}, display = {0, 0, 4, 2};
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_frame f = wf_frame(data, display, wf_all);
+    struct gp_picture pic;
+    float to[4][4];
+    struct gp_picture_row row = {.linear = {to[0], to[1], to[2], to[3]}};
+    p.alpha = GP_ALPHA_KEEP;
+    assert_int_equal(gp_picture_make(&wf_log, &p, "p", &f, &f.rgb,
+                                     GP_PICTURE_SCENE, false, &pic), GP_OK);
+    assert_int_equal(pic.channels, 4);
+    for (int y = 0; y < 2; y++) {
+        memset(to, 0xff, sizeof to);
+        gp_picture_floats(&pic, y, &row);
+        for (int c = 0; c < 4; c++) {
+            const int number = c < 3 ? c : 0; // alpha is channel 0 of the list
+            assert_true(to[c][0] == 0.0f && to[c][3] == 0.0f);
+            for (int x = 0; x < 2; x++)
+                assert_true(to[c][1 + x] == wf_value(number, x, y));
+        }
+    }
+    gp_picture_free(&pic);
+    gp_frame_free(&f);
+}
+
+SUITE_OF(picture, NULL, NULL, each_row_is_run_once,
+         windows_that_are_no_picture, floats_with_alpha)
