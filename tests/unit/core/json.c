@@ -5,21 +5,20 @@
 
 #include <float.h>
 #include <locale.h>
-#include <sys/stat.h>
 
-static const struct gp_json_place place = {&jf_log, "a.json", "light", 3};
+static const struct gp_json_place place = {&said_log, "a.json", "light", 3};
 
 #define BYTES(text) text, sizeof(text) - 1
 
 static void must_say(size_t row, const char *needle)
 {
-    if (!strstr(jf_line, needle))
-        fail_msg("row %zu: \"%s\" lacks \"%s\"", row, jf_line, needle);
+    if (!strstr(said_line, needle))
+        fail_msg("row %zu: \"%s\" lacks \"%s\"", row, said_line, needle);
 }
 
 static gp_status read_small(const char *path, json_t **root)
 {
-    return gp_json_read(&jf_log, path, GP_JSON_SMALL, root);
+    return gp_json_read(&said_log, path, GP_JSON_SMALL, root);
 }
 
 /* -- files ---------------------------------------------------------------- */
@@ -61,18 +60,18 @@ static void files_by_content(void **state)
         {BYTES("// no\n[]"), "line 1"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        json_t *const none = (json_t *) &jf_log;
+        json_t *const none = (json_t *) &said_log;
         json_t *root = none;
         gp_status st =
             read_small(jf_write_bytes(row[i].bytes, row[i].n), &root);
         if (st != (row[i].say ? GP_ERR_DATA : GP_OK))
-            fail_msg("row %zu: status %d, \"%s\"", i, st, jf_line);
+            fail_msg("row %zu: status %d, \"%s\"", i, st, said_line);
         if (row[i].say) {
             assert_ptr_equal(root, none);
             must_say(i, row[i].say);
             must_say(i, jf_file);
             must_say(i, "; ");
-            assert_null(strchr(jf_line, '\x1b'));
+            assert_null(strchr(said_line, '\x1b'));
         } else {
             json_decref(root);
         }
@@ -105,7 +104,7 @@ static gp_status read_padded(size_t n, size_t most)
     text[0] = '[';
     text[1] = '1';
     text[n - 1] = ']';
-    gp_status st = gp_json_read(&jf_log, jf_write_bytes(text, n), most, &root);
+    gp_status st = gp_json_read(&said_log, jf_write_bytes(text, n), most, &root);
     free(text);
     if (!st)
         json_decref(root);
@@ -144,7 +143,7 @@ static json_t *object(const char *text)
 {
     json_t *o;
     if (read_small(jf_write(text), &o))
-        fail_msg("%s: %s", text, jf_line);
+        fail_msg("%s: %s", text, said_line);
     return o;
 }
 
@@ -159,7 +158,7 @@ static void a_decimal_comma_changes_nothing(void **state)
     if (!set)
         skip();
     double v = 0.0;
-    json_t *o = object("{\"a\": 1.25}");
+    json_t *o = object("{'a': 1.25}");
     gp_status st = gp_json_number(&place, o, "a", 0, 2, &v, NULL);
     json_decref(o);
     setlocale(LC_ALL, "C");
@@ -176,10 +175,10 @@ static void arrays_of_files(void **state)
         const char *text;
         int count; // -1: an error
     } row[] = {
-        {"[]", 0}, {"[1, 2]", 2}, {"{\"items\": [1]}", 1},
-        {"{\"x\": 0, \"items\": [1]}", 1}, {"[1, 2, 3, 4]", -1},
-        {"{\"items\": 3}", -1}, {"{\"items\": null}", -1},
-        {"{\"Items\": []}", -1}, {"{}", -1},
+        {"[]", 0}, {"[1, 2]", 2}, {"{'items': [1]}", 1},
+        {"{'x': 0, 'items': [1]}", 1}, {"[1, 2, 3, 4]", -1},
+        {"{'items': 3}", -1}, {"{'items': null}", -1},
+        {"{'Items': []}", -1}, {"{}", -1},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         json_t *root = object(row[i].text), *a = NULL;
@@ -201,12 +200,12 @@ static void keys_must_be_known(void **state)
         const char *text, *say;
     } row[] = {
         {"{}", NULL},
-        {"{\"bc\": 0, \"a\": 0}", NULL},
-        {"{\"a\": 0, \"b\": 0}", "a.json: light 3: "},
-        {"{\"z\": 0, \"y\": 0}", "\"z\""}, // the file's first
-        {"{\"A\": 0}", "\"A\""},
-        {"{\"\": 0}", "(found \"\")"},
-        {"{\"\\u001b[2J\\nx\": 0}", "\"?[2J?x\""},
+        {"{'bc': 0, 'a': 0}", NULL},
+        {"{'a': 0, 'b': 0}", "a.json: light 3: "},
+        {"{'z': 0, 'y': 0}", "\"z\""}, // the file's first
+        {"{'A': 0}", "\"A\""},
+        {"{'': 0}", "(found \"\")"},
+        {"{'\\u001b[2J\\nx': 0}", "\"?[2J?x\""},
         {"[0, 1]", "(found an array of 2)"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -227,13 +226,13 @@ static void long_names_are_cut(void **state)
     static char text[4000];
     for (size_t i = 0; i < 2; i++) {
         // two bytes each: a cut falls between them in one of the rows
-        int n = snprintf(text, sizeof text, i ? "{\"x" : "{\"");
+        int n = snprintf(text, sizeof text, i ? "{'x" : "{'");
         while (n < 3900)
             n += snprintf(text + n, sizeof text - (size_t) n, "\xc3\xa4");
-        snprintf(text + n, sizeof text - (size_t) n, "\": 0}");
+        snprintf(text + n, sizeof text - (size_t) n, "': 0}");
         json_t *root = object(text);
         assert_int_equal(gp_json_keys(&place, root, keys), GP_ERR_DATA);
-        assert_true(strlen(jf_line) < 250);
+        assert_true(strlen(said_line) < 250);
         must_say(i, "\xc3\xa4\"); there are");
         json_decref(root);
     }
@@ -257,49 +256,49 @@ static void values(void **state)
         const char *say; // NULL: no error
     } row[] = {
         {NUMBER, "{}", 0, 1, {9}, NULL},
-        {NUMBER, "{\"v\": 0}", 0, 1, {0}, NULL},
-        {NUMBER, "{\"v\": 1}", 0, 1, {1}, NULL},
-        {NUMBER, "{\"v\": 2.5e-1}", 0, 1, {0.25}, NULL},
-        {NUMBER, "{\"v\": -1e308}", -DBL_MAX, DBL_MAX, {-1e308}, NULL},
-        {NUMBER, "{\"v\": 1.0000001}", 0, 1, {9}, "(found 1.0000001)"},
-        {NUMBER, "{\"v\": -1e-9}", 0, 1, {9}, "(found -1e-09); give 0 to 1"},
-        {NUMBER, "{\"v\": \"1\"}", 0, 1, {9}, "(found a text)"},
-        {NUMBER, "{\"v\": true}", 0, 1, {9}, "(found true)"},
-        {NUMBER, "{\"v\": false}", 0, 1, {9}, "(found false)"},
-        {NUMBER, "{\"v\": null}", 0, 1, {9}, "(found null)"},
-        {NUMBER, "{\"v\": [1]}", 0, 1, {9}, "(found an array of 1)"},
-        {NUMBER, "{\"v\": {}}", -DBL_MAX, DBL_MAX, {9}, "a finite number"},
+        {NUMBER, "{'v': 0}", 0, 1, {0}, NULL},
+        {NUMBER, "{'v': 1}", 0, 1, {1}, NULL},
+        {NUMBER, "{'v': 2.5e-1}", 0, 1, {0.25}, NULL},
+        {NUMBER, "{'v': -1e308}", -DBL_MAX, DBL_MAX, {-1e308}, NULL},
+        {NUMBER, "{'v': 1.0000001}", 0, 1, {9}, "(found 1.0000001)"},
+        {NUMBER, "{'v': -1e-9}", 0, 1, {9}, "(found -1e-09); give 0 to 1"},
+        {NUMBER, "{'v': '1'}", 0, 1, {9}, "(found a text)"},
+        {NUMBER, "{'v': true}", 0, 1, {9}, "(found true)"},
+        {NUMBER, "{'v': false}", 0, 1, {9}, "(found false)"},
+        {NUMBER, "{'v': null}", 0, 1, {9}, "(found null)"},
+        {NUMBER, "{'v': [1]}", 0, 1, {9}, "(found an array of 1)"},
+        {NUMBER, "{'v': {}}", -DBL_MAX, DBL_MAX, {9}, "a finite number"},
         {INT, "{}", INT32_MIN, INT32_MAX, {9}, NULL},
-        {INT, "{\"v\": 3}", INT32_MIN, INT32_MAX, {3}, NULL},
-        {INT, "{\"v\": 4.0}", INT32_MIN, INT32_MAX, {4}, NULL},
-        {INT, "{\"v\": -2147483648}", INT32_MIN, INT32_MAX, {INT32_MIN}, NULL},
-        {INT, "{\"v\": 2147483647}", INT32_MIN, INT32_MAX, {INT32_MAX}, NULL},
-        {INT, "{\"v\": 2147483648}", INT32_MIN, INT32_MAX, {9}, "range"},
-        {INT, "{\"v\": 1e300}", INT32_MIN, INT32_MAX, {9}, "range"},
-        {INT, "{\"v\": 3.5}", INT32_MIN, INT32_MAX, {9}, "(found 3.5)"},
-        {INT, "{\"v\": \"3\"}", INT32_MIN, INT32_MAX, {9}, "no number"},
+        {INT, "{'v': 3}", INT32_MIN, INT32_MAX, {3}, NULL},
+        {INT, "{'v': 4.0}", INT32_MIN, INT32_MAX, {4}, NULL},
+        {INT, "{'v': -2147483648}", INT32_MIN, INT32_MAX, {INT32_MIN}, NULL},
+        {INT, "{'v': 2147483647}", INT32_MIN, INT32_MAX, {INT32_MAX}, NULL},
+        {INT, "{'v': 2147483648}", INT32_MIN, INT32_MAX, {9}, "range"},
+        {INT, "{'v': 1e300}", INT32_MIN, INT32_MAX, {9}, "range"},
+        {INT, "{'v': 3.5}", INT32_MIN, INT32_MAX, {9}, "(found 3.5)"},
+        {INT, "{'v': '3'}", INT32_MIN, INT32_MAX, {9}, "no number"},
         {GREY, "{}", 0, 10, {9, 9, 9}, NULL},
-        {ARRAY, "{\"v\": [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
-        {GREY, "{\"v\": [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
-        {GREY, "{\"v\": 2.5}", 0, 10, {2.5, 2.5, 2.5}, NULL},
-        {ARRAY, "{\"v\": 2.5}", 0, 10, {9, 9, 9}, "(found 2.5)"},
-        {GREY, "{\"v\": []}", 0, 10, {9, 9, 9}, "(found an array of 0)"},
-        {GREY, "{\"v\": [1, 2]}", 0, 10, {9, 9, 9}, ", or one"},
-        {ARRAY, "{\"v\": [1, 2, 3, 4]}", 0, 10, {9, 9, 9}, "array of 4"},
-        {ARRAY, "{\"v\": [1, 2, 11]}", 0, 10, {9, 9, 9}, "(found 11)"},
-        {ARRAY, "{\"v\": [1, \"2\", 3]}", 0, 10, {9, 9, 9}, "(found a text)"},
-        {GREY, "{\"v\": {\"0\": 1}}", 0, 10, {9, 9, 9}, "(found an object)"},
-        {GREY, "{\"v\": 11}", 0, 10, {9, 9, 9}, "(found 11)"},
+        {ARRAY, "{'v': [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
+        {GREY, "{'v': [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
+        {GREY, "{'v': 2.5}", 0, 10, {2.5, 2.5, 2.5}, NULL},
+        {ARRAY, "{'v': 2.5}", 0, 10, {9, 9, 9}, "(found 2.5)"},
+        {GREY, "{'v': []}", 0, 10, {9, 9, 9}, "(found an array of 0)"},
+        {GREY, "{'v': [1, 2]}", 0, 10, {9, 9, 9}, ", or one"},
+        {ARRAY, "{'v': [1, 2, 3, 4]}", 0, 10, {9, 9, 9}, "array of 4"},
+        {ARRAY, "{'v': [1, 2, 11]}", 0, 10, {9, 9, 9}, "(found 11)"},
+        {ARRAY, "{'v': [1, '2', 3]}", 0, 10, {9, 9, 9}, "(found a text)"},
+        {GREY, "{'v': {'0': 1}}", 0, 10, {9, 9, 9}, "(found an object)"},
+        {GREY, "{'v': 11}", 0, 10, {9, 9, 9}, "(found 11)"},
         {TEXT, "{}", 0, 0, {9}, NULL},
-        {TEXT, "{\"v\": \"\"}", 0, 0, {0}, NULL},
-        {TEXT, "{\"v\": \"ring\"}", 0, 0, {4}, NULL},
-        {TEXT, "{\"v\": 1}", 0, 0, {9}, "(found 1)"},
+        {TEXT, "{'v': ''}", 0, 0, {0}, NULL},
+        {TEXT, "{'v': 'ring'}", 0, 0, {4}, NULL},
+        {TEXT, "{'v': 1}", 0, 0, {9}, "(found 1)"},
         {CHOICE, "{}", 0, 0, {9}, NULL},
-        {CHOICE, "{\"v\": \"disc\"}", 0, 0, {0}, NULL},
-        {CHOICE, "{\"v\": \"ring\"}", 0, 0, {1}, NULL},
-        {CHOICE, "{\"v\": \"rin\"}", 0, 0, {9}, "there are \"disc\", \"ring\""},
-        {CHOICE, "{\"v\": \"\"}", 0, 0, {9}, "(found \"\")"},
-        {CHOICE, "{\"v\": 1}", 0, 0, {9}, "(found 1)"},
+        {CHOICE, "{'v': 'disc'}", 0, 0, {0}, NULL},
+        {CHOICE, "{'v': 'ring'}", 0, 0, {1}, NULL},
+        {CHOICE, "{'v': 'rin'}", 0, 0, {9}, "there are \"disc\", \"ring\""},
+        {CHOICE, "{'v': ''}", 0, 0, {9}, "(found \"\")"},
+        {CHOICE, "{'v': 1}", 0, 0, {9}, "(found 1)"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         json_t *o = object(row[i].text);
@@ -327,7 +326,7 @@ static void values(void **state)
         if (row[i].kind == TEXT && text)
             v[0] = (double) strlen(text);
         if (st != (row[i].say ? GP_ERR_DATA : GP_OK))
-            fail_msg("row %zu: status %d %s", i, st, jf_line);
+            fail_msg("row %zu: status %d %s", i, st, said_line);
         for (int k = 0; k < (row[i].kind == ARRAY || row[i].kind == GREY ? 3
                                                                          : 1);
              k++)
@@ -344,8 +343,8 @@ static void values(void **state)
 static void the_file_itself_has_no_number(void **state)
 {
     (void) state;
-    const struct gp_json_place whole = {&jf_log, "a.json", "light", 0};
-    json_t *o = object("{\"v\": 3}");
+    const struct gp_json_place whole = {&said_log, "a.json", "light", 0};
+    json_t *o = object("{'v': 3}");
     double v;
     assert_int_equal(gp_json_number(&whole, o, "v", 0, 1, &v, NULL),
                      GP_ERR_DATA);
@@ -353,8 +352,8 @@ static void the_file_itself_has_no_number(void **state)
     json_decref(o);
 }
 
-SUITE_OF(json, jf_setup, jf_teardown,
-    files_by_content, files_that_cannot_be_read, sizes_up_to_the_limit,
-    deep_nesting_is_an_error, a_decimal_comma_changes_nothing, arrays_of_files,
-    keys_must_be_known, long_names_are_cut, values,
-    the_file_itself_has_no_number)
+SUITE_OF(json, jf_setup, jf_teardown, files_by_content,
+         files_that_cannot_be_read, sizes_up_to_the_limit,
+         deep_nesting_is_an_error, a_decimal_comma_changes_nothing,
+         arrays_of_files, keys_must_be_known, long_names_are_cut, values,
+         the_file_itself_has_no_number)

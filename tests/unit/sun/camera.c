@@ -1,11 +1,15 @@
-/* sun/camera: matrices by hand, places and discs under them. */
-#include "unit.h"
+/* sun/camera: matrices by hand, places and discs under them; cameras from JSON,
+ * and against the data folder's frames and their headers. The folder is
+ * $GLAREPP_DATA, or ../shared/data; without it those tests skip. */
 #include "json_file.h"
+
+#include "core/json.h"
+#include "io/plane.h"
 #include "sun/camera.h"
 
 #include <float.h>
 
-static const double PI = 3.14159265358979323846;
+static const double SUN = 0.533; // degrees, as the data's generator took it
 static const struct gp_rect hd = {0, 0, 1920, 1080};
 
 static void near_to(const char *what, double got, double want, double within)
@@ -14,7 +18,7 @@ static void near_to(const char *what, double got, double want, double within)
         fail_msg("%s: %.12g is not %.12g within %g", what, got, want, within);
 }
 
-/* -- a camera by hand ----------------------------------------------------- */
+// -- a camera by hand --------------------------------------------------------
 
 /* A pinhole that looks along +y, z up, x right: focal length f in heights,
  * aspect 16:9, lens shift (sx, sy) in shares of the picture. For the spec's
@@ -79,8 +83,8 @@ static void places_of_a_hand_made_camera(void **state)
         struct gp_camera c;
         h.scale = form & 2 ? 1e-200 : 1.0; // of a projection says nothing
         hand_matrix(&h, form & 1, m);
-        if (gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_AUTO, &c))
-            fail_msg("%s", jf_line);
+        if (gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_AUTO, &c))
+            fail_msg("%s", said_line);
         for (size_t i = 0; i < COUNT(row); i++) {
             struct gp_projected p =
                 gp_camera_project(&c, hd, row[i].at, row[i].w);
@@ -112,7 +116,7 @@ static void windows_move_and_scale(void **state)
     struct gp_camera c;
     hand_matrix(&plain, false, m);
     assert_int_equal(
-        gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_AUTO, &c), GP_OK);
+        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_AUTO, &c), GP_OK);
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rect r = rows[i];
         struct gp_projected p = gp_camera_project(&c, r, dir, 0.0);
@@ -134,7 +138,7 @@ static void depth_counts_in_camera_units(void **state)
         to_camera[5 * i] = 0.01; // world in cm, camera in m
     to_camera[15] = 1;
     assert_int_equal(
-        gp_camera_make(&jf_log, "a.exr", to_camera, m, GP_NDC_AUTO, &c),
+        gp_camera_make(&said_log, "a.exr", to_camera, m, GP_NDC_AUTO, &c),
         GP_OK);
     struct gp_projected p = gp_camera_project(&c, hd, at, 1.0);
     near_to("z", p.z, 0.04, 1e-12);
@@ -164,13 +168,13 @@ static void conventions_are_told_apart(void **state)
         h.sy = row[i].sy;
         hand_matrix(&h, row[i].clip, m);
         gp_status st =
-            gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_AUTO, &c);
+            gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_AUTO, &c);
         if (st != (row[i].told ? GP_OK : GP_ERR_DATA))
             fail_msg("row %zu: status %d", i, st);
         if (!row[i].told)
-            assert_non_null(strstr(jf_line, "--ndc"));
+            assert_non_null(strstr(said_line, "--ndc"));
         assert_int_equal(
-            gp_camera_make(&jf_log, "a.exr", NULL, m,
+            gp_camera_make(&said_log, "a.exr", NULL, m,
                            row[i].clip ? GP_NDC_CLIP : GP_NDC_SPEC, &known),
             GP_OK);
         struct gp_projected p = gp_camera_project(&known, hd, dir, 0.0);
@@ -215,12 +219,12 @@ static void matrices_that_are_none(void **state)
         for (int k = 0; k < 16; k++)
             m[k] = row[i].at < 0 || row[i].at == k ? row[i].to : m[k];
         gp_status st =
-            gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_SPEC, &c);
+            gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_SPEC, &c);
         if (st != (row[i].say ? GP_ERR_DATA : GP_OK))
-            fail_msg("row %zu: status %d %s", i, st, jf_line);
+            fail_msg("row %zu: status %d %s", i, st, said_line);
         if (row[i].say) {
-            if (!strstr(jf_line, row[i].say) || !strstr(jf_line, "a.exr: "))
-                fail_msg("row %zu: %s", i, jf_line);
+            if (!strstr(said_line, row[i].say) || !strstr(said_line, "a.exr: "))
+                fail_msg("row %zu: %s", i, said_line);
             assert_memory_equal(&c, &before, sizeof c);
         }
     }
@@ -237,13 +241,13 @@ static void cameras_that_are_none(void **state)
         struct gp_camera c;
         for (int k = 0; k < 16; k++)
             to_camera[k] = all[i];
-        assert_int_equal(gp_camera_make(&jf_log, "a.exr", to_camera, m,
+        assert_int_equal(gp_camera_make(&said_log, "a.exr", to_camera, m,
                                         GP_NDC_AUTO, &c), GP_ERR_DATA);
-        assert_non_null(strstr(jf_line, "a.exr: worldToCamera"));
+        assert_non_null(strstr(said_line, "a.exr: worldToCamera"));
     }
 }
 
-/* -- discs ----------------------------------------------------------------- */
+// -- discs -------------------------------------------------------------------
 
 /* The half-axes' mean from the cone's own outline, which is an ellipse: by the
  * area that many of its points enclose. */
@@ -257,11 +261,11 @@ static double traced_radius(const struct gp_camera *c, const double dir[3],
     const double k = sqrt(d[0] * d[0] + d[1] * d[1]);
     const double u[3] = {d[1] / k, -d[0] / k, 0.0};
     const double v[3] = {u[1] * d[2], -u[0] * d[2], u[0] * d[1] - u[1] * d[0]};
-    const double t = tan(degrees * PI / 360.0);
+    const double t = tan(degrees * M_PI / 360.0);
     const struct gp_projected middle = gp_camera_project(c, hd, d, 0.0);
     double area = 0.0, x0 = 0.0, y0 = 0.0;
     for (int i = 0; i <= POINTS; i++) {
-        const double a = 2.0 * PI * i / POINTS;
+        const double a = 2.0 * M_PI * i / POINTS;
         double at[3];
         for (int j = 0; j < 3; j++)
             at[j] = d[j] + t * (cos(a) * u[j] + sin(a) * v[j]);
@@ -274,7 +278,7 @@ static double traced_radius(const struct gp_camera *c, const double dir[3],
         x0 = p.x;
         y0 = p.y;
     }
-    return sqrt(fabs(area) / PI);
+    return sqrt(fabs(area) / M_PI);
 }
 
 static void discs_cover_what_their_cones_cut(void **state)
@@ -290,7 +294,7 @@ static void discs_cover_what_their_cones_cut(void **state)
     h.sx = 0.1;
     hand_matrix(&h, true, m);
     assert_int_equal(
-        gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_CLIP, &c), GP_OK);
+        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_CLIP, &c), GP_OK);
     for (size_t i = 0; i < COUNT(dirs); i++) {
         for (size_t k = 0; k < COUNT(degrees); k++) {
             const double want = traced_radius(&c, dirs[i], degrees[k]);
@@ -316,7 +320,7 @@ static void discs_that_are_none(void **state)
     struct gp_camera c;
     hand_matrix(&plain, false, m);
     assert_int_equal(
-        gp_camera_make(&jf_log, "a.exr", NULL, m, GP_NDC_SPEC, &c), GP_OK);
+        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_SPEC, &c), GP_OK);
     for (size_t i = 0; i < COUNT(row); i++)
         near_to("radius", gp_camera_disc(&c, hd, row[i].dir, row[i].degrees),
                 0.0, 0.0);
@@ -326,8 +330,344 @@ static void discs_that_are_none(void **state)
             gp_camera_disc(&c, (struct gp_rect) {5, 5, 5, 5}, ahead, 1), 0, 0);
 }
 
-SUITE_OF(camera, jf_setup, jf_teardown,
-    places_of_a_hand_made_camera, windows_move_and_scale,
-    depth_counts_in_camera_units, conventions_are_told_apart,
-    matrices_that_are_none, cameras_that_are_none,
-    discs_cover_what_their_cones_cut, discs_that_are_none)
+// -- files -------------------------------------------------------------------
+
+// looks along +y, z up; the same camera in both forms
+#define SPEC "'worldToNDC_rowmajor': " \
+    "[1,0,0,0, 0.5,0.5,1,1, 0,-2,0,0, 0,0,-0.1,0]"
+#define CLIP "'worldToNDC_blender_colvec': " \
+    "[2,0,0,0, 0,0,4,0, 0,1,0,-0.1, 0,1,0,0]"
+#define UNIT "'worldToCamera_rowmajor': [1,0,0,0, 0,0,1,0, 0,1,0,0, 0,0,0,1]"
+#define NONE "[0,0,0,0, 0,0,0,0, 0,0,0,0, 0,0,0,0]"
+#define NINE "[{'frame': 9, "
+
+static void files_by_content(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *text;
+        int frames;      // 0: an error
+        const char *say; // of frame 9, whatever has a number
+    } row[] = {
+        {"{'frames': [{'frame': 1, " SPEC "}]}", 1, NULL},
+        {"[{'frame': 1, " SPEC "}]", 1, NULL},
+        {"{'x': 1, 'frames': [{'frame': 1, " CLIP ", 'y': null}]}", 1, NULL},
+        {"[{'frame': 5, " SPEC "}, {'frame': -3, " CLIP "}]", 2, NULL},
+        {NINE SPEC ", 'worldToNDC_blender_colvec': " NONE "}]", 1, NULL},
+        {NINE UNIT ", " CLIP ", 'sun_dir_world': [0,1,0.1], "
+         "'sun_radius_px': 2.5}]", 1, NULL},
+        {"{}", 0, "no \"frames\""},
+        {"[]", 0, "no frames"},
+        {"{'frames': []}", 0, "no frames"},
+        {"{'frames': 3}", 0, "no array"},
+        {"[3]", 0, "frame 1 in order"},
+        {"[{" SPEC "}]", 0, "frame 1 in order"},
+        {"[{'frame': 1.5, " SPEC "}]", 0, "a fraction"},
+        {"[{'frame': 1e17, " SPEC "}]", 0, "out of range"},
+        {"[{'frame': '1', " SPEC "}]", 0, "no number"},
+        {"[{'frame': 9}]", 0, "frame 9: no projection"},
+        {NINE UNIT "}]", 0, "frame 9: no projection"},
+        {NINE "'worldToNDC_rowmajor': [1, 2]}]", 0, "frame 9: \"worldToNDC"},
+        {NINE "'worldToNDC_rowmajor': [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}]",
+         0, "frame 9: worldToNDC"},
+        {NINE SPEC ", 'worldToCamera_rowmajor': " NONE "}]", 0,
+         "frame 9: worldToCamera"},
+        {NINE SPEC ", 'worldToCamera_rowmajor': null}]", 0,
+         "frame 9: \"worldToCamera"},
+        {"[{'frame': 7, " SPEC "}, {'frame': 8, " SPEC "}, {'frame': 7, "
+         SPEC "}]", 0, "frame 7 is there twice"},
+        {NINE SPEC ", 'sun_dir_world': [0,0,0]}]", 0, "frame 9: \"sun_dir"},
+        {NINE SPEC ", 'sun_dir_world': [0,1]}]", 0, "frame 9: \"sun_dir"},
+        {NINE SPEC ", 'sun_radius_px': -1}]", 0, "frame 9: \"sun_radius"},
+        {NINE SPEC ", 'frame': 9}]", 0, "duplicate"},
+        {"", 0, "empty"},
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_camera_file f = {0};
+        gp_status st = gp_camera_read(&said_log, jf_write(row[i].text), &f);
+        if (st != (row[i].frames ? GP_OK : GP_ERR_DATA) ||
+            f.n != row[i].frames)
+            fail_msg("row %zu: status %d, %d frames, %s", i, st, f.n,
+                     said_line);
+        if (st && (!strstr(said_line, row[i].say) ||
+                   strstr(said_line, jf_file) != said_line))
+            fail_msg("row %zu: %s", i, said_line);
+        gp_camera_file_free(&f);
+        gp_camera_file_free(&f);
+    }
+}
+
+static void both_forms_are_one_camera(void **state)
+{
+    (void) state;
+    struct gp_camera_file f;
+    assert_int_equal(
+        gp_camera_read(&said_log, jf_write("[{'frame': 2, " SPEC "}, "
+                                         "{'frame': 1, " CLIP ", " UNIT ", "
+                                         "'sun_dir_world': [0, 3, 1]}]"),
+                       &f), GP_OK);
+    const struct gp_camera_frame *a = gp_camera_frame_find(&f, 1);
+    const struct gp_camera_frame *b = gp_camera_frame_find(&f, 2);
+    assert_true(a && b && a != b);
+    assert_memory_equal(a->camera.to_ndc, b->camera.to_ndc,
+                        sizeof a->camera.to_ndc);
+    assert_true(a->camera.has_camera && !b->camera.has_camera);
+    assert_true(a->has_sun && !b->has_sun);
+    assert_true(a->sun_dir[1] == 3.0 && a->sun_radius == 0.0);
+    gp_camera_file_free(&f);
+}
+
+static void frames_are_found_by_number(void **state)
+{
+    (void) state;
+    static char text[1 << 20];
+    struct gp_camera_file f;
+    int n = 0;
+    // 37 and 100 have no common factor: every number once, in no order
+    for (int i = 0; i < 100; i++)
+        n += snprintf(text + n, sizeof text - (size_t) n,
+                      "%s{'frame': %d, " SPEC ", 'sun_radius_px': %d}",
+                      i ? ", " : "[", i * 37 % 100 - 50, i * 37 % 100);
+    snprintf(text + n, sizeof text - (size_t) n, "]");
+    assert_int_equal(gp_camera_read(&said_log, jf_write(text), &f), GP_OK);
+    assert_int_equal(f.n, 100);
+    for (int i = -60; i < 60; i++) {
+        const struct gp_camera_frame *at = gp_camera_frame_find(&f, i);
+        assert_int_equal(at != NULL, i >= -50 && i < 50);
+        assert_true(!at || (at->frame == i && at->sun_radius == i + 50));
+    }
+    gp_camera_file_free(&f);
+    assert_null(gp_camera_frame_find(&f, 0));
+    // a lone camera is every frame's
+    assert_int_equal(
+        gp_camera_read(&said_log, jf_write("[{'frame': 9, " SPEC "}]"), &f),
+        GP_OK);
+    assert_non_null(gp_camera_frame_find(&f, 1234));
+    gp_camera_file_free(&f);
+}
+
+/* A long sequence is more than the other files may be, but not without end. */
+static void large_files_have_an_end(void **state)
+{
+    (void) state;
+    static const char frame[] = "[{'frame': 9, " SPEC "}";
+    static const struct {
+        size_t bytes;
+        gp_status st;
+    } row[] = {
+        {2 << 20, GP_OK}, {8 << 20, GP_OK}, {(8 << 20) + 1, GP_ERR_DATA},
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        char *text = malloc(row[i].bytes + 1);
+        struct gp_camera_file f = {0};
+        assert_non_null(text);
+        memset(text, ' ', row[i].bytes);
+        memcpy(text, frame, sizeof frame - 1);
+        text[row[i].bytes - 1] = ']';
+        text[row[i].bytes] = '\0';
+        assert_int_equal(gp_camera_read(&said_log, jf_write(text), &f),
+                         row[i].st);
+        free(text);
+        gp_camera_file_free(&f);
+    }
+    struct gp_camera_file f;
+    assert_int_equal(gp_camera_read(&said_log, jf_folder, &f), GP_ERR_IO);
+    assert_int_equal(gp_camera_read(&said_log, "/nowhere", &f), GP_ERR_IO);
+}
+
+// -- the data's frames -------------------------------------------------------
+
+static const char *data_path(const char *name)
+{
+    static char path[4096];
+    const char *data = getenv("GLAREPP_DATA");
+    snprintf(path, sizeof path, "%s/%s", data ? data : "../shared/data", name);
+    return path;
+}
+
+static json_t *truth_of(const char *name)
+{
+    char path[256];
+    snprintf(path, sizeof path, "%s.camera.json", name);
+    return json_load_file(data_path(path), 0, NULL);
+}
+
+static double item(const json_t *array, size_t i)
+{
+    return json_number_value(json_array_get(array, i));
+}
+
+static void vector(const json_t *o, const char *key, double out[3])
+{
+    for (size_t i = 0; i < 3; i++)
+        out[i] = item(json_object_get(o, key), i);
+}
+
+/* The sun of a frame by one of its cameras. The data's radius is that of the
+ * picture's middle: f tan a, without the growth off the axis. */
+static void check_sun(const struct gp_camera *c, struct gp_rect display,
+                      const json_t *truth)
+{
+    double dir[3];
+    const json_t *pixel = json_object_get(truth, "sun_pixel_xy_depth");
+    const double want =
+        json_number_value(json_object_get(truth, "sun_radius_px"));
+    vector(truth, "sun_dir_world", dir);
+    struct gp_projected p = gp_camera_project(c, display, dir, 0.0);
+    assert_false(p.behind);
+    near_to("sun x", p.x, item(pixel, 0), 0.01);
+    near_to("sun y", p.y, item(pixel, 1), 0.01);
+    const double axis[3] = {c->to_ndc[3], c->to_ndc[7], c->to_ndc[11]};
+    const double cos_t = dir[0] * axis[0] + dir[1] * axis[1] +
+                         dir[2] * axis[2]; // both of length 1
+    near_to("middle", gp_camera_disc(c, display, axis, SUN), want, 1e-3);
+    near_to("radius", gp_camera_disc(c, display, dir, SUN) * pow(cos_t, 1.5),
+            want, 1e-3);
+}
+
+/* The lamps of a frame: place and distance along the axis. */
+static int check_lamps(const struct gp_camera *c, struct gp_rect display,
+                       const json_t *lamps)
+{
+    int outside = 0;
+    size_t i;
+    json_t *lamp;
+    json_array_foreach (lamps, i, lamp) {
+        double pos[3], want[3];
+        vector(lamp, "pos", pos);
+        vector(lamp, "pixel_xy_depth", want);
+        struct gp_projected p = gp_camera_project(c, display, pos, 1.0);
+        assert_false(p.behind);
+        near_to("lamp x", p.x, want[0], 0.05);
+        near_to("lamp y", p.y, want[1], 0.05);
+        near_to("lamp z", p.z, want[2], 1e-4 * want[2]);
+        assert_true(p.ray > p.z && p.ray < 2.0 * p.z);
+        outside += !(p.x >= 0 && p.x < display.x1 && p.y >= 0 &&
+                     p.y < display.y1);
+    }
+    return outside;
+}
+
+/* From the frame's own header. */
+static struct gp_camera header_camera(const char *name, int number,
+                                      struct gp_rect *display)
+{
+    static const struct gp_read_params params = GP_READ_DEFAULTS;
+    char path[256];
+    struct gp_frame f;
+    struct gp_camera c;
+    double camera[16], ndc[16];
+    snprintf(path, sizeof path, "%s.%d.exr", name, number);
+    if (gp_read_frame(&said_log, &params, data_path(path), &f))
+        fail_msg("%s", said_line);
+    assert_true(gp_frame_matrix(&f, "worldToCamera", camera));
+    assert_true(gp_frame_matrix(&f, "worldToNDC", ndc));
+    if (gp_camera_make(&said_log, path, camera, ndc, GP_NDC_AUTO, &c))
+        fail_msg("%s", said_line);
+    *display = f.display;
+    gp_frame_free(&f);
+    return c;
+}
+
+static void suns_and_lamps_of_the_data(void **state)
+{
+    (void) state;
+    static const char *const names[] = {
+        "seq_foliage/foliage", "seq_foliage/foliage_f32", "rendered/window",
+        "rendered/brightsky", "rendered/night",
+    };
+    int suns = 0, outside = 0;
+    for (size_t i = 0; i < COUNT(names); i++) {
+        char path[256];
+        struct gp_camera_file file;
+        json_t *truth = truth_of(names[i]), *frame;
+        size_t k;
+        if (!truth)
+            skip();
+        snprintf(path, sizeof path, "%s.camera.json", names[i]);
+        if (gp_camera_read(&said_log, data_path(path), &file))
+            fail_msg("%s", said_line);
+        json_array_foreach (json_object_get(truth, "frames"), k, frame) {
+            const int number =
+                (int) json_integer_value(json_object_get(frame, "frame"));
+            struct gp_rect display;
+            const struct gp_camera header =
+                header_camera(names[i], number, &display);
+            const struct gp_camera_frame *at =
+                gp_camera_frame_find(&file, number);
+            assert_non_null(at);
+            assert_int_equal(at->frame, number);
+            assert_true(at->camera.has_camera);
+            for (int j = 0; j < 16; j++)
+                near_to("entry", at->camera.to_ndc[j], header.to_ndc[j], 1e-5);
+            assert_int_equal(at->has_sun,
+                             json_object_get(frame, "sun_dir_world") != NULL);
+            if (at->has_sun) {
+                check_sun(&at->camera, display, frame);
+                check_sun(&header, display, frame);
+                assert_true(at->sun_radius == json_number_value(
+                                json_object_get(frame, "sun_radius_px")));
+                suns++;
+            }
+            const json_t *lamps = json_object_get(frame, "lamps");
+            outside += check_lamps(&at->camera, display, lamps);
+            assert_int_equal(check_lamps(&header, display, lamps),
+                             check_lamps(&at->camera, display, lamps));
+        }
+        gp_camera_file_free(&file);
+        json_decref(truth);
+    }
+    assert_int_equal(suns, 11);
+    assert_int_equal(outside, 1);
+}
+
+/* Arnold's matrices, whatever they are called, are of the other convention. */
+static void arnold_is_told_from_the_spec(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *file, *matrix;
+    } row[] = {
+        {"camera/arnold_multichannel_tiled64.exr", "worldToNDC"},
+        {"camera/arnold_reference_worldToScreen.exr", "worldToScreen"},
+    };
+    static const struct gp_read_params params = GP_READ_DEFAULTS;
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_frame f;
+        struct gp_camera c, clip;
+        double camera[16], ndc[16];
+        if (access(data_path(row[i].file), R_OK) != 0)
+            skip();
+        if (gp_read_frame(&said_log, &params, data_path(row[i].file), &f))
+            fail_msg("%s", said_line);
+        assert_true(gp_frame_matrix(&f, "worldToCamera", camera));
+        assert_true(gp_frame_matrix(&f, row[i].matrix, ndc));
+        assert_int_equal(gp_camera_make(&said_log, f.path, camera, ndc,
+                                        GP_NDC_AUTO, &c), GP_OK);
+        assert_int_equal(gp_camera_make(&said_log, f.path, camera, ndc,
+                                        GP_NDC_CLIP, &clip), GP_OK);
+        assert_memory_equal(&c, &clip, sizeof c);
+        // what stands above the axis in the camera is higher in the picture
+        const double up[3] = {camera[2] + 0.1 * camera[1],
+                              camera[6] + 0.1 * camera[5],
+                              camera[10] + 0.1 * camera[9]};
+        const double back[3] = {0.2 * camera[1] - up[0],
+                                0.2 * camera[5] - up[1],
+                                0.2 * camera[9] - up[2]};
+        struct gp_projected p = gp_camera_project(&c, f.display, up, 0.0);
+        if (p.behind) // its z may count backwards
+            p = gp_camera_project(&c, f.display, back, 0.0);
+        assert_false(p.behind);
+        near_to("x", p.x, 0.5 * f.display.x1, 1e-3);
+        assert_true(p.y < 0.49 * f.display.y1 && p.y > 0.0);
+        gp_frame_free(&f);
+    }
+}
+
+SUITE_OF(camera, jf_setup, jf_teardown, places_of_a_hand_made_camera,
+         windows_move_and_scale, depth_counts_in_camera_units,
+         conventions_are_told_apart, matrices_that_are_none,
+         cameras_that_are_none, discs_cover_what_their_cones_cut,
+         discs_that_are_none, files_by_content, both_forms_are_one_camera,
+         frames_are_found_by_number, large_files_have_an_end,
+         suns_and_lamps_of_the_data, arnold_is_told_from_the_spec)

@@ -1,22 +1,14 @@
 /* flare: files are read strictly; totals, places and edges hold. */
-#include "unit.h"
-#include "core/parallel.h"
 #include "flare_scene.h"
 
-#include <unistd.h>
+#include "core/parallel.h"
+#include "json_file.h"
 
-/* -- files ----------------------------------------------------------------- */
+// -- files -------------------------------------------------------------------
 
 static gp_status read_text(const char *text, struct gp_flare *out)
 {
-    char path[] = "/tmp/glarepp-flare-XXXXXX";
-    const int fd = mkstemp(path);
-    assert_true(fd >= 0);
-    assert_int_equal(write(fd, text, strlen(text)), (ssize_t) strlen(text));
-    close(fd);
-    const gp_status st = gp_flare_read(&log_kept, path, out);
-    unlink(path);
-    return st;
+    return gp_flare_read(&said_log, jf_write(text), out);
 }
 
 static void reads_elements(void **state)
@@ -24,13 +16,13 @@ static void reads_elements(void **state)
     (void) state;
     struct gp_flare f = {0};
     assert_int_equal(read_text(
-        "{\"elements\": [{\"shape\": \"disc\"},"
-        "{\"shape\": \"streak\", \"color\": [1, 2, 3], \"rotation\": -30},"
-        "{\"shape\": \"polygon\", \"sides\": 8, \"position\": 2,"
-        " \"scale\": [1, 1.5, 2], \"size\": 0.25, \"color\": 0.5},"
-        "{\"shape\": \"ring\", \"width\": 0.5},"
-        "{\"shape\": \"image\", \"image\": \"a/b.exr\"},"
-        "{\"shape\": \"image\", \"image\": \"/c.exr\"}]}", &f), GP_OK);
+        "{'elements': [{'shape': 'disc'},"
+        "{'shape': 'streak', 'color': [1, 2, 3], 'rotation': -30},"
+        "{'shape': 'polygon', 'sides': 8, 'position': 2,"
+        " 'scale': [1, 1.5, 2], 'size': 0.25, 'color': 0.5},"
+        "{'shape': 'ring', 'width': 0.5},"
+        "{'shape': 'image', 'image': 'a/b.exr'},"
+        "{'shape': 'image', 'image': '/c.exr'}]}", &f), GP_OK);
     assert_int_equal(f.n, 6);
     assert_int_equal(f.element[0].shape, GP_FLARE_DISC);
     assert_true(f.element[0].size == 0.1 && f.element[0].at == 0.0);
@@ -43,7 +35,8 @@ static void reads_elements(void **state)
     assert_true(f.element[2].colour[0] == 0.5f);
     assert_true(f.element[2].colour[2] == 0.5f);
     assert_true(f.element[3].width == 0.5);
-    assert_string_equal(f.element[4].path, "/tmp/a/b.exr");
+    assert_memory_equal(f.element[4].path, jf_folder, strlen(jf_folder));
+    assert_string_equal(f.element[4].path + strlen(jf_folder), "/a/b.exr");
     assert_string_equal(f.element[5].path, "/c.exr");
     gp_flare_free(&f);
     assert_null(f.element);
@@ -58,39 +51,39 @@ static void refuses_elements(void **state)
         const char *text, *says;
     } rows[] = {
         {"[{}]", "element 1"},
-        {"[{\"size\": 1}]", "shape"},
-        {"[{\"shape\": \"disc\"}, {\"shape\": \"blob\"}]", "element 2"},
-        {"[{\"shape\": \"disc\", \"colour\": 1}]", "colour"},
-        {"[{\"shape\": \"disc\", \"sides\": 5}]", "sides"},
-        {"[{\"shape\": \"disc\", \"size\": 11}]", "size"},
-        {"[{\"shape\": \"disc\", \"size\": -1}]", "size"},
-        {"[{\"shape\": \"disc\", \"position\": 11}]", "position"},
-        {"[{\"shape\": \"disc\", \"color\": [1, 2]}]", "color"},
-        {"[{\"shape\": \"disc\", \"color\": 1e7}]", "color"},
-        {"[{\"shape\": \"disc\", \"scale\": [1, 1, 0]}]", "scale"},
-        {"[{\"shape\": \"disc\", \"scale\": 1}]", "scale"},
-        {"[{\"shape\": \"ring\", \"width\": 0}]", "width"},
-        {"[{\"shape\": \"ring\", \"width\": 2}]", "width"},
-        {"[{\"shape\": \"polygon\", \"sides\": 2}]", "sides"},
-        {"[{\"shape\": \"polygon\", \"sides\": 65}]", "sides"},
-        {"[{\"shape\": \"polygon\", \"sides\": 3.5}]", "sides"},
-        {"[{\"shape\": \"image\"}]", "image"},
-        {"[{\"shape\": \"image\", \"image\": \"\"}]", "image"},
-        {"[{\"shape\": \"disc\", \"rotation\": \"x\"}]", "rotation"},
+        {"[{'size': 1}]", "shape"},
+        {"[{'shape': 'disc'}, {'shape': 'blob'}]", "element 2"},
+        {"[{'shape': 'disc', 'colour': 1}]", "colour"},
+        {"[{'shape': 'disc', 'sides': 5}]", "sides"},
+        {"[{'shape': 'disc', 'size': 11}]", "size"},
+        {"[{'shape': 'disc', 'size': -1}]", "size"},
+        {"[{'shape': 'disc', 'position': 11}]", "position"},
+        {"[{'shape': 'disc', 'color': [1, 2]}]", "color"},
+        {"[{'shape': 'disc', 'color': 1e7}]", "color"},
+        {"[{'shape': 'disc', 'scale': [1, 1, 0]}]", "scale"},
+        {"[{'shape': 'disc', 'scale': 1}]", "scale"},
+        {"[{'shape': 'ring', 'width': 0}]", "width"},
+        {"[{'shape': 'ring', 'width': 2}]", "width"},
+        {"[{'shape': 'polygon', 'sides': 2}]", "sides"},
+        {"[{'shape': 'polygon', 'sides': 65}]", "sides"},
+        {"[{'shape': 'polygon', 'sides': 3.5}]", "sides"},
+        {"[{'shape': 'image'}]", "image"},
+        {"[{'shape': 'image', 'image': ''}]", "image"},
+        {"[{'shape': 'disc', 'rotation': 'x'}]", "rotation"},
         {"[3]", "element 1"},
-        {"{\"lights\": []}", "elements"},
-        {"[{\"shape\": \"disc\"", "/tmp/glarepp-flare-"},
+        {"{'lights': []}", "elements"},
+        {"[{'shape': 'disc'", "/tmp/glarepp-json-"},
     };
     (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_flare f = {.n = -7};
         assert_int_equal(read_text(rows[i].text, &f), GP_ERR_DATA);
         assert_int_equal(f.n, -7);
-        if (!strstr(last_line, rows[i].says))
-            fail_msg("\"%s\" is not in \"%s\"", rows[i].says, last_line);
+        if (!strstr(said_line, rows[i].says))
+            fail_msg("\"%s\" is not in \"%s\"", rows[i].says, said_line);
     }
     struct gp_flare f;
-    assert_int_equal(gp_flare_read(&log_kept, "/nonexistent/f.json", &f),
+    assert_int_equal(gp_flare_read(&said_log, "/nonexistent/f.json", &f),
                      GP_ERR_IO);
 }
 
@@ -100,7 +93,7 @@ static void example_is_faint(void **state)
     (void) state;
     struct gp_flare f = {0};
     double share[3] = {0};
-    assert_int_equal(gp_flare_read(&log_kept, "examples/flare.json", &f),
+    assert_int_equal(gp_flare_read(&said_log, "examples/flare.json", &f),
                      GP_OK);
     assert_int_equal(f.n, 8);
     for (int i = 0; i < f.n; i++) {
@@ -121,7 +114,7 @@ static void refuses_too_many(void **state)
     assert_non_null(text);
     *p++ = '[';
     for (int i = 0; i < 1025; i++)
-        p += sprintf(p, "%s{\"shape\":\"disc\"}", i ? "," : "");
+        p += sprintf(p, "%s{'shape':'disc'}", i ? "," : "");
     strcpy(p, "]");
     assert_int_equal(read_text(text, &f), GP_ERR_DATA);
     free(text);
@@ -142,7 +135,7 @@ static void centroid(const struct picture *p, int c, double *x, double *y)
     *y /= sum;
 }
 
-/* -- laws ------------------------------------------------------------------ */
+// -- laws --------------------------------------------------------------------
 
 static void totals_hold(void **state)
 {
@@ -266,7 +259,7 @@ static void reach_holds_all(void **state)
     }
 }
 
-/* -- images ---------------------------------------------------------------- */
+// -- images ------------------------------------------------------------------
 
 static void plain_images_keep_total_and_centroid(void **state)
 {
@@ -347,7 +340,7 @@ static void scaled_images_keep_their_totals(void **state)
     }
 }
 
-/* -- hard cases ------------------------------------------------------------ */
+// -- hard cases --------------------------------------------------------------
 
 static void unseen_lights_draw_nothing(void **state)
 {
@@ -424,9 +417,10 @@ static void threads_change_nothing(void **state)
     free_images(e, f.n);
 }
 
-SUITE_OF(flare, NULL, NULL,
-    reads_elements, refuses_elements, refuses_too_many, example_is_faint,
-    totals_hold, places_lie_on_the_axis, rotation_is_counter_clockwise,
-    small_steps_are_small, reach_holds_all,
-    plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,
-    unseen_lights_draw_nothing, odd_frames_hold, threads_change_nothing)
+SUITE_OF(flare, jf_setup, jf_teardown, reads_elements, refuses_elements,
+         refuses_too_many, example_is_faint, totals_hold,
+         places_lie_on_the_axis, rotation_is_counter_clockwise,
+         small_steps_are_small, reach_holds_all,
+         plain_images_keep_total_and_centroid,
+         scaled_images_keep_their_totals, unseen_lights_draw_nothing,
+         odd_frames_hold, threads_change_nothing)

@@ -1,15 +1,13 @@
 /* flare on GL: equals the plain form, in tiles too; hidden lights stay shut.
  * `--time` prints what a typical flare costs in both. */
-#include "unit.h"
 #include "core/clock.h"
 #include "flare_scene.h"
-#include "gl/gl.h"
 
 static struct gp_gl *open_or_skip(void)
 {
     struct gp_gl *gl = NULL;
-    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK) {
-        print_message("no context: %s\n", last_line);
+    if (gp_gl_open(&said_log, GP_GL_AUTO, &gl) != GP_OK) {
+        print_message("no context: %s\n", said_line);
         skip();
     }
     return gl;
@@ -27,12 +25,12 @@ static void draw(struct gp_gl *gl, struct picture *p, const struct gp_flare *f,
         rgba[4 * i + 1] = 0.5f;
     }
     assert_int_equal(
-        gp_texture_make(&log_kept, gl, "test", GP_TEXEL_FLOAT, n, 1, &t),
+        gp_texture_make(&said_log, gl, "test", GP_TEXEL_FLOAT, n, 1, &t),
         GP_OK);
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, n, 1}, rgba);
-    assert_int_equal(gp_flare_draw(&log_kept, gl, f, light, n, &t, p->frame,
+    assert_int_equal(gp_flare_draw(&said_log, gl, f, light, n, &t, p->frame,
                                    p->display, state), GP_OK);
-    assert_int_equal(gp_flare_read_layer(&log_kept, gl, *state, p->frame,
+    assert_int_equal(gp_flare_read_layer(&said_log, gl, *state, p->frame,
                                          &p->layer), GP_OK);
     gp_texture_free(gl, &t);
     free(rgba);
@@ -146,7 +144,7 @@ static void hidden_lights_stay_shut(void **state)
     gp_gl_close(&gl);
 }
 
-/* -- time ------------------------------------------------------------------ */
+// -- time --------------------------------------------------------------------
 
 static const struct gp_flare_element typical[] = {
     {.shape = GP_FLARE_RING, .size = 0.4, .width = 0.06},
@@ -195,7 +193,7 @@ static void time_all(void)
     struct gp_light light[64];
     for (int i = 0; i < 64; i++)
         light[i] = light_at(640.3 + 17.0 * i, 300.7 + 7.0 * i);
-    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK)
+    if (gp_gl_open(&said_log, GP_GL_AUTO, &gl) != GP_OK)
         return;
     printf("%s\n", gp_gl_info(gl)->name);
     for (int with_gl = 0; with_gl < 2; with_gl++) {

@@ -7,7 +7,7 @@
 
 static const struct gp_rect window = {0, 0, 400, 200};
 
-/* -- reading --------------------------------------------------------------- */
+// -- reading -----------------------------------------------------------------
 
 static void lights_by_text(void **state)
 {
@@ -16,26 +16,26 @@ static void lights_by_text(void **state)
         const char *text; // of one light
         struct gp_light_spec want;
     } row[] = {
-        {"{\"pixel\": [3, -4.5]}",
+        {"{'pixel': [3, -4.5]}",
          {GP_PLACE_PIXEL, {3, -4.5, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
-        {"{\"world\": [1, 2, 3], \"name\": \"lamp\"}",
+        {"{'world': [1, 2, 3], 'name': 'lamp'}",
          {GP_PLACE_WORLD, {1, 2, 3}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
-        {"{\"direction\": [0, 0, 1e-9]}",
+        {"{'direction': [0, 0, 1e-9]}",
          {GP_PLACE_DIRECTION, {0, 0, 1e-9}, -1, 0.533, NAN, 1e-3, {0, 0, 0}}},
-        {"{\"direction\": [0, 0, 1], \"radius\": 2}",
+        {"{'direction': [0, 0, 1], 'radius': 2}",
          {GP_PLACE_DIRECTION, {0, 0, 1}, 2, 0.533, NAN, 1e-3, {0, 0, 0}}},
-        {"{\"direction\": [0, 0, 1], \"degrees\": 2}",
+        {"{'direction': [0, 0, 1], 'degrees': 2}",
          {GP_PLACE_DIRECTION, {0, 0, 1}, -1, 2, NAN, 1e-3, {0, 0, 0}}},
-        {"{\"pixel\": [0, 0], \"radius\": 0, \"depth\": 0, \"bias\": 0}",
+        {"{'pixel': [0, 0], 'radius': 0, 'depth': 0, 'bias': 0}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0, 0.533, 0, 0, {0, 0, 0}}},
-        {"{\"pixel\": [0, 0], \"depth\": 1e30, \"bias\": 1, \"flux\": 1e12}",
+        {"{'pixel': [0, 0], 'depth': 1e30, 'bias': 1, 'flux': 1e12}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, 1e30, 1,
           {1e12f, 1e12f, 1e12f}}},
-        {"{\"pixel\": [0, 0], \"flux\": [1, 2, 3]}",
+        {"{'pixel': [0, 0], 'flux': [1, 2, 3]}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {1, 2, 3}}},
-        {"{\"pixel\": [0, 0], \"flux\": 4, \"color\": [1, 0.5, 0]}",
+        {"{'pixel': [0, 0], 'flux': 4, 'color': [1, 0.5, 0]}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {4, 2, 0}}},
-        {"{\"pixel\": [0, 0], \"color\": [1, 2, 3]}",
+        {"{'pixel': [0, 0], 'color': [1, 2, 3]}",
          {GP_PLACE_PIXEL, {0, 0, 0}, 0.5, 0.533, NAN, 1e-3, {0, 0, 0}}},
     };
     for (size_t i = 0; i < 2 * COUNT(row); i++) { // both forms of a file
@@ -43,10 +43,10 @@ static void lights_by_text(void **state)
         struct gp_light_spec *got = NULL;
         char text[400];
         int n = -1;
-        snprintf(text, sizeof text, i % 2 ? "[%s]" : "{\"lights\": [%s]}",
+        snprintf(text, sizeof text, i % 2 ? "[%s]" : "{'lights': [%s]}",
                  row[i / 2].text);
-        if (gp_lights_read(&jf_log, jf_write(text), &got, &n) || n != 1)
-            fail_msg("row %zu: %s", i, jf_line);
+        if (gp_lights_read(&said_log, jf_write(text), &got, &n) || n != 1)
+            fail_msg("row %zu: %s", i, said_line);
         assert_int_equal(got->place, want->place);
         assert_memory_equal(got->at, want->at, sizeof got->at);
         assert_true(got->radius == want->radius);
@@ -68,52 +68,53 @@ static void files_that_are_refused(void **state)
         {"", "empty"},
         {"3", "not JSON"},
         {"{}", "no \"lights\""},
-        {"{\"lights\": [], \"sun\": 1}", "unknown key (found \"sun\")"},
-        {"{\"lights\": {}}", "no array"},
+        {"{'lights': [], 'sun': 1}", "unknown key (found \"sun\")"},
+        {"{'lights': {}}", "no array"},
         {"[3]", "light 1: no object (found 3)"},
         {"[{}]", "light 1 needs one place (found 0)"},
-        {"[{\"pixel\": [1, 2]}, {\"flux\": 1}]", "light 2 needs one place"},
-        {"[{\"pixel\": [1, 2], \"world\": [1, 2, 3]}]", "(found 2)"},
-        {"[{\"pixel\": [1, 2], \"direction\": [1, 2, 3], "
-         "\"world\": [1, 2, 3]}]", "(found 3)"},
-        {"[{\"pixel\": [1, 2], \"pixel\": [1, 2]}]", "duplicate"},
-        {"[{\"pixel\": [1, 2, 3]}]", "light 1: \"pixel\""},
-        {"[{\"pixel\": 1}]", "light 1: \"pixel\""},
-        {"[{\"pixel\": [1, 1.1e9]}]", "light 1: \"pixel\" out of range"},
-        {"[{\"world\": [1, 2]}]", "light 1: \"world\""},
-        {"[{\"direction\": [0, -0.0, 0]}]", "\"direction\" has no direction"},
-        {"[{\"pixel\": [1, 2], \"Radius\": 1}]", "(found \"Radius\")"},
-        {"[{\"pixel\": [1, 2], \"radius\": -1}]", "\"radius\" out of range"},
-        {"[{\"pixel\": [1, 2], \"radius\": 1000001}]", "\"radius\" out of"},
-        {"[{\"pixel\": [1, 2], \"degrees\": 1}]",
+        {"[{'pixel': [1, 2]}, {'flux': 1}]", "light 2 needs one place"},
+        {"[{'pixel': [1, 2], 'world': [1, 2, 3]}]", "(found 2)"},
+        {"[{'pixel': [1, 2], 'direction': [1, 2, 3], "
+         "'world': [1, 2, 3]}]", "(found 3)"},
+        {"[{'pixel': [1, 2], 'pixel': [1, 2]}]", "duplicate"},
+        {"[{'pixel': [1, 2, 3]}]", "light 1: \"pixel\""},
+        {"[{'pixel': 1}]", "light 1: \"pixel\""},
+        {"[{'pixel': [1, 1.1e9]}]", "light 1: \"pixel\" out of range"},
+        {"[{'world': [1, 2]}]", "light 1: \"world\""},
+        {"[{'direction': [0, -0.0, 0]}]", "\"direction\" has no direction"},
+        {"[{'pixel': [1, 2], 'Radius': 1}]", "(found \"Radius\")"},
+        {"[{'pixel': [1, 2], 'radius': -1}]", "\"radius\" out of range"},
+        {"[{'pixel': [1, 2], 'radius': 1000001}]", "\"radius\" out of"},
+        {"[{'pixel': [1, 2], 'degrees': 1}]",
          "\"degrees\" is for a \"direction\" without \"radius\" (found it with "
          "\"pixel\")"},
-        {"[{\"direction\": [1, 2, 3], \"degrees\": 1, \"radius\": 1}]",
+        {"[{'direction': [1, 2, 3], 'degrees': 1, 'radius': 1}]",
          "(found it with \"radius\")"},
-        {"[{\"direction\": [1, 2, 3], \"degrees\": 91}]", "\"degrees\" out of"},
-        {"[{\"pixel\": [1, 2], \"depth\": -1}]", "\"depth\" out of range"},
-        {"[{\"pixel\": [1, 2], \"depth\": \"inf\"}]", "\"depth\" is no number"},
-        {"[{\"pixel\": [1, 2], \"bias\": 1.5}]", "\"bias\" out of range"},
-        {"[{\"pixel\": [1, 2], \"flux\": [1, 2]}]", "\"flux\""},
-        {"[{\"pixel\": [1, 2], \"flux\": -1}]", "\"flux\" out of range"},
-        {"[{\"pixel\": [1, 2], \"flux\": 1e13}]", "\"flux\" out of range"},
-        {"[{\"pixel\": [1, 2], \"color\": 1}]", "\"color\""},
-        {"[{\"pixel\": [1, 2], \"color\": [1, 1, 2e6]}]", "\"color\" out of"},
-        {"[{\"pixel\": [1, 2], \"name\": 1}]", "\"name\" is no text"},
+        {"[{'direction': [1, 2, 3], 'degrees': 91}]", "\"degrees\" out of"},
+        {"[{'pixel': [1, 2], 'depth': -1}]", "\"depth\" out of range"},
+        {"[{'pixel': [1, 2], 'depth': 'inf'}]", "\"depth\" is no number"},
+        {"[{'pixel': [1, 2], 'bias': 1.5}]", "\"bias\" out of range"},
+        {"[{'pixel': [1, 2], 'flux': [1, 2]}]", "\"flux\""},
+        {"[{'pixel': [1, 2], 'flux': -1}]", "\"flux\" out of range"},
+        {"[{'pixel': [1, 2], 'flux': 1e13}]", "\"flux\" out of range"},
+        {"[{'pixel': [1, 2], 'color': 1}]", "\"color\""},
+        {"[{'pixel': [1, 2], 'color': [1, 1, 2e6]}]", "\"color\" out of"},
+        {"[{'pixel': [1, 2], 'name': 1}]", "\"name\" is no text"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_light_spec *const none = (struct gp_light_spec *) jf_line;
+        struct gp_light_spec *const none = (struct gp_light_spec *) said_line;
         struct gp_light_spec *got = none;
         int n = -1;
-        gp_status st = gp_lights_read(&jf_log, jf_write(row[i].text), &got, &n);
-        if (st != GP_ERR_DATA || !strstr(jf_line, row[i].say) ||
-            !strstr(jf_line, "; ") || strstr(jf_line, jf_file) != jf_line)
-            fail_msg("row %zu: status %d, %s", i, st, jf_line);
+        gp_status st =
+            gp_lights_read(&said_log, jf_write(row[i].text), &got, &n);
+        if (st != GP_ERR_DATA || !strstr(said_line, row[i].say) ||
+            !strstr(said_line, "; ") || strstr(said_line, jf_file) != said_line)
+            fail_msg("row %zu: status %d, %s", i, st, said_line);
         assert_true(got == none && n == -1);
     }
     struct gp_light_spec *got;
     int n;
-    assert_int_equal(gp_lights_read(&jf_log, jf_folder, &got, &n), GP_ERR_IO);
+    assert_int_equal(gp_lights_read(&said_log, jf_folder, &got, &n), GP_ERR_IO);
 }
 
 static void counts_up_to_the_limit(void **state)
@@ -126,12 +127,12 @@ static void counts_up_to_the_limit(void **state)
         int at = snprintf(text, sizeof text, "["), n = -1;
         for (int i = 0; i < counts[k]; i++)
             at += snprintf(text + at, sizeof text - (size_t) at,
-                           "%s{\"pixel\": [%d, 7]}", i ? "," : "", i);
+                           "%s{'pixel': [%d, 7]}", i ? "," : "", i);
         snprintf(text + at, sizeof text - (size_t) at, "]");
-        gp_status st = gp_lights_read(&jf_log, jf_write(text), &got, &n);
+        gp_status st = gp_lights_read(&said_log, jf_write(text), &got, &n);
         if (counts[k] > GP_LIGHTS_MAX) {
             assert_int_equal(st, GP_ERR_DATA);
-            assert_non_null(strstr(jf_line, "found 1025); at most 1024"));
+            assert_non_null(strstr(said_line, "found 1025); at most 1024"));
             continue;
         }
         assert_int_equal(st, GP_OK);
@@ -142,7 +143,7 @@ static void counts_up_to_the_limit(void **state)
     }
 }
 
-/* -- placing --------------------------------------------------------------- */
+// -- placing -----------------------------------------------------------------
 
 /* Looks along +y, z up; 200 pixels of height span 1 at distance 1. */
 static struct gp_camera camera(void)
@@ -150,8 +151,8 @@ static struct gp_camera camera(void)
     static const double ndc[16] = {0.5, 0, 0, 0, 0.5, 0.5, 1, 1,
                                    0,   -1, 0, 0, 0, 0, -0.1, 0};
     struct gp_camera c;
-    if (gp_camera_make(&jf_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
-        fail_msg("%s", jf_line);
+    if (gp_camera_make(&said_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
+        fail_msg("%s", said_line);
     return c;
 }
 
@@ -196,9 +197,9 @@ static void places_by_kind(void **state)
         struct gp_light_spec spec = row[i].spec;
         spec.bias = 0.25;
         spec.flux[1] = 7;
-        if (gp_light_place_in(&jf_log, "a.exr", &spec, &c, row[i].type, window,
-                              &l))
-            fail_msg("row %zu: %s", i, jf_line);
+        if (gp_light_place_in(&said_log, "a.exr", &spec, &c, row[i].type,
+                              window, &l))
+            fail_msg("row %zu: %s", i, said_line);
         if (!(fabs(l.x - row[i].x) < 1e-9 && fabs(l.y - row[i].y) < 1e-9 &&
               fabs(l.radius - row[i].radius) < 1e-9 &&
               (l.depth == row[i].depth ||
@@ -233,17 +234,17 @@ static void places_that_cannot_be(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};
-        jf_line[0] = '\0';
-        gp_status st = gp_light_place_in(&jf_log, "a.exr", &row[i].spec,
+        said_line[0] = '\0';
+        gp_status st = gp_light_place_in(&said_log, "a.exr", &row[i].spec,
                                          row[i].has_camera ? &c : NULL,
                                          row[i].type, window, &l);
-        if (st != row[i].st || !strstr(jf_line, row[i].say))
-            fail_msg("row %zu: status %d, %s", i, st, jf_line);
+        if (st != row[i].st || !strstr(said_line, row[i].say))
+            fail_msg("row %zu: status %d, %s", i, st, said_line);
         assert_true(st == GP_OK || l.x == 99);
-        assert_true(st == GP_OK || strstr(jf_line, "a.exr: ") == jf_line);
+        assert_true(st == GP_OK || strstr(said_line, "a.exr: ") == said_line);
     }
 }
 
-SUITE_OF(lights, jf_setup, jf_teardown,
-    lights_by_text, files_that_are_refused, counts_up_to_the_limit,
-    places_by_kind, places_that_cannot_be)
+SUITE_OF(lights, jf_setup, jf_teardown, lights_by_text,
+         files_that_are_refused, counts_up_to_the_limit, places_by_kind,
+         places_that_cannot_be)

@@ -32,7 +32,7 @@ static void assert_same(double got, double want, const char *what, int i)
         fail_msg("%s, %d: %.17g, not %.17g", what, i, got, want);
 }
 
-/* -- backgrounds ----------------------------------------------------------- */
+// -- backgrounds -------------------------------------------------------------
 
 #define Z GP_DEPTH_Z
 #define RAY GP_DEPTH_RAY
@@ -89,7 +89,7 @@ static const struct {
     {"reversed, under 0", NRM, true, "0, negative", 3, {0, -1, 0.75f},
      {NO, NO, 0.25}},
 };
-enum { GROUNDS = sizeof grounds / sizeof *grounds };
+enum { GROUNDS = COUNT(grounds) };
 
 static void test_backgrounds(void **state)
 {
@@ -120,7 +120,7 @@ static void test_facts(void **state)
     (void) state;
     float v[] = {0, -0.0f, NAN, -NAN, INFINITY, -INFINITY, 1e9f, -1e30f,
                  MAXF, 65504, -65504, -1, -1e-45f, 1, 1, 2, 1e-45f};
-    const struct gp_plane p = row_of(v, (int) (sizeof v / sizeof *v));
+    const struct gp_plane p = row_of(v, (int) COUNT(v));
     const struct gp_depth_facts f = surveyed(&p, NULL, Z).facts;
     assert_int_equal(f.zero, 2);
     assert_int_equal(f.nan, 2);
@@ -154,7 +154,7 @@ static void test_no_depth(void **state)
     }
 }
 
-/* -- what a pixel shows ---------------------------------------------------- */
+// -- what a pixel shows ------------------------------------------------------
 
 /* Depth and mask of a pixel, a light's depth, and the share by depth alone,
  * by the mask alone, and by both. */
@@ -187,7 +187,7 @@ static const struct {
     {"a light at the camera", Z, 5, 1, 0, 1, 0, 1},
     {"a light of NaN depth", Z, 5, 1, NAN, 1, 0, 1},
 };
-enum { SHOWS = sizeof shows / sizeof *shows };
+enum { SHOWS = COUNT(shows) };
 
 static void test_show(void **state)
 {
@@ -226,7 +226,7 @@ static void test_bias(void **state)
     assert_same(gp_occluders_sum(&o, &l, 0, 1, 0), 1, "lamp", 1);
 }
 
-/* -- runs of pixels -------------------------------------------------------- */
+// -- runs of pixels ----------------------------------------------------------
 
 static unsigned next_random(unsigned *seed)
 {
@@ -241,7 +241,7 @@ static float random_sample(unsigned *seed)
         0, -0.0f, 1, 65504, -65504, 1e9f, 999999936.0f, 1e10f, 1e30f, -1e10f,
         NAN, INFINITY, -INFINITY, 1e-45f, -1e-45f, 0.5f, 9.99f, 10, -9.99f,
         -10, 0.1001001f, 0.99f, 0.01f, MAXF, FLT_MIN};
-    const unsigned n = sizeof hard / sizeof *hard;
+    const unsigned n = COUNT(hard);
     const unsigned pick = next_random(seed) % (2 * n);
     if (pick < n)
         return hard[pick];
@@ -270,7 +270,7 @@ static void check_runs(enum gp_depth_type type, bool reversed, int planes,
     static const double depths[] = {0,    1e-50, 0.1,  0.5, 0.99, 1,  2,
                                     9.99, 10,    10.1, 1e3, 65504, 1e9, 1e60,
                                     (double) INFINITY};
-    for (size_t k = 0; k < sizeof depths / sizeof *depths; k++) {
+    for (size_t k = 0; k < COUNT(depths); k++) {
         struct gp_light l = GP_LIGHT_DEFAULTS;
         l.depth = depths[k];
         double want = 0.0, parts = 0.0;
@@ -333,7 +333,7 @@ static void test_far_windows(void **state)
     }
 }
 
-/* -- threads --------------------------------------------------------------- */
+// -- threads -----------------------------------------------------------------
 
 static void test_threads(void **state)
 {
@@ -361,6 +361,6 @@ static void test_threads(void **state)
     gp_set_threads(0);
 }
 
-SUITE_OF(occluder, NULL, NULL,
-    test_backgrounds, test_facts, test_no_depth, test_show, test_bias,
-    test_runs, test_empty_run, test_far_windows, test_threads)
+SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_facts, test_no_depth,
+         test_show, test_bias, test_runs, test_empty_run, test_far_windows,
+         test_threads)

@@ -2,32 +2,12 @@
 #ifndef GP_TESTS_FLARE_SCENE_H
 #define GP_TESTS_FLARE_SCENE_H
 
+#include "unit.h"
+
+#include "said.h"
 #include "sun/sun_priv.h"
 
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
-
-static char last_line[4096];
-
-static inline void keep(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(last_line, sizeof last_line, "%s", line);
-}
-
-static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
-
-#define COUNT(a) (sizeof(a) / sizeof *(a))
-
-/* -- pictures -------------------------------------------------------------- */
+// -- pictures ----------------------------------------------------------------
 
 struct picture {
     struct gp_rect frame, display;
@@ -39,7 +19,7 @@ static inline struct picture picture_make(struct gp_rect frame,
 {
     struct picture p = {.frame = frame, .display = display};
     const size_t n = (size_t) gp_rect_w(frame) * (size_t) gp_rect_h(frame);
-    assert_int_equal(gp_planes_make(&log_kept, "test", n, &p.layer), GP_OK);
+    assert_int_equal(gp_planes_make(&said_log, "test", n, &p.layer), GP_OK);
     for (int c = 0; c < 3; c++)
         memset(p.layer.c[c], 0, n * sizeof(float));
     return p;
@@ -66,7 +46,7 @@ static inline double total(const struct picture *p, int c)
 static inline void add(struct picture *p, const struct gp_flare *f,
                        const struct gp_light *light, int n)
 {
-    assert_int_equal(gp_flare_add(&log_kept, f, light, n, p->frame,
+    assert_int_equal(gp_flare_add(&said_log, f, light, n, p->frame,
                                   p->display, &p->layer), GP_OK);
 }
 
@@ -130,7 +110,7 @@ static inline struct gp_flare_image image_make(int w, int h, double cx,
     static unsigned long serial;
     struct gp_flare_image m = {.w = w, .h = h, .cx = cx, .cy = cy,
                                .serial = ++serial};
-    assert_int_equal(gp_planes_make(&log_kept, "test",
+    assert_int_equal(gp_planes_make(&said_log, "test",
                                     (size_t) w * (size_t) h, &m.rgb), GP_OK);
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < w * h; i++) {

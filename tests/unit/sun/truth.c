@@ -1,16 +1,14 @@
-/* sun/exact over sequences: a fence that slides before a light, and the truth
- * beside the data's frames. Their folder is $GLAREPP_DATA, or ../shared/data;
- * without it that test skips. */
-#include "unit.h"
-#include "io/channels.h"
-#include "sun/sun_priv.h"
+/* Every way to find a share, over sequences: a fence that slides before a
+ * light, and the truth beside the data's frames. Their folder is $GLAREPP_DATA,
+ * or ../shared/data; without it that test skips. */
+#include "scene.h"
 
+#include "io/channels.h"
 #include "reading.h"
-#include "sun_scene.h"
 
 #include <jansson.h>
 
-/* -- a fence that slides --------------------------------------------------- */
+// -- a fence that slides -----------------------------------------------------
 
 enum { BAR = 3, PERIOD = 8, STEPS = 8, FENCE_W = 64, FENCE_H = 48 };
 
@@ -76,18 +74,68 @@ static void check_fence(double x, double y, double r, bool coverage)
     gp_plane_free(&p);
 }
 
-static void test_fence(void **state)
+static void exact_follows_a_fence(void **state)
 {
     (void) state;
     static const double at[][3] = {{32, 24, 2.48}, {31.3, 23.8, 0.45},
                                    {32.5, 24.5, 6}, {30.1, 24.2, 15}};
-    for (int i = 0; i < 4; i++) {
-        check_fence(at[i][0], at[i][1], at[i][2], true);
-        check_fence(at[i][0], at[i][1], at[i][2], false);
-    }
+    for (int i = 0; i < 8; i++)
+        check_fence(at[i / 2][0], at[i / 2][1], at[i / 2][2], i % 2);
 }
 
-/* -- the data's truth ------------------------------------------------------ */
+/* Coverage lets every method move in small steps: an edge of the fence sweeps
+ * 12 of the disc's 113 square pixels in a step at most, and 4 cross it. */
+static void masks_follow_a_fence(void **state)
+{
+    // 8 bits round each grey texel's 1/255 to all or nothing; a square sees
+    // more than the disc
+    static const struct {
+        const char *name;
+        struct gp_map_params p;
+        bool readback;
+        double most, worst; // bars of step and error
+    } curves[] = {
+        {"mask 4", {.side = 4}, false, 0.04, 0.04},
+        {"mask 16", {.side = 16}, false, 0.04, 0.04},
+        {"mask 64", {.side = 64}, false, 0.04, 0.005},
+        {"mask 16 bilinear", {.side = 16, .sum = GP_SUM_BILINEAR}, false, 0.04,
+         0.04},
+        {"mask 16 8bit", {.side = 16, .sum = GP_SUM_BYTE}, false, 0.25, 0.25},
+        {"mask 16 square", {.side = 16, .pattern = GP_PATTERN_SQUARE}, false,
+         0.06, 0.12},
+        {"readback", {.side = 16}, true, 0.04, 0.04},
+    };
+    struct gp_plane mask = plane_of((struct gp_rect) {0, 0, FENCE_W, FENCE_H});
+    const struct gp_occluders o = {.mask = &mask, .frame = mask.window};
+    (void) state;
+    for (size_t k = 0; k < COUNT(curves) * (size_t) machine_count; k++) {
+        const size_t c = k % COUNT(curves);
+        struct machine *const m = machine_at((int) (k / COUNT(curves)));
+        double last = -1.0, step = 0.0, error = 0.0;
+        for (int shift = 0; shift < 2 * STEPS * PERIOD; shift++) {
+            struct gp_light l = light_at(31.3, 23.8, 6.0);
+            draw_fence(&mask, shift, true);
+            const double exact = visibility(&o, GP_OUTSIDE_IGNORE, l);
+            measure(m, &o, &curves[c].p, curves[c].readback, &l, 1);
+            step = last < 0.0 ? 0.0 : fmax(step, fabs(l.visibility - last));
+            error = fmax(error, fabs(l.visibility - exact));
+            last = l.visibility;
+        }
+        print_message("fence, %s: largest step %.4f, worst error %.4f\n",
+                      curves[c].name, step, error);
+        assert_true(step > 0.0 && step < curves[c].most);
+        assert_true(error < curves[c].worst);
+    }
+    gp_plane_free(&mask);
+}
+
+// -- the data's truth --------------------------------------------------------
+
+struct errors {
+    double depth, alpha;          // worst of exact to the truth
+    double truth, exact, worst;   // mask 16 to truth; mask 64 to exact: sums
+    int frames, masks;
+};
 
 /* Floats of the channel called `name`. */
 static struct gp_plane channel_of(const struct gp_frame *f, const char *name)
@@ -99,45 +147,53 @@ static struct gp_plane channel_of(const struct gp_frame *f, const char *name)
     return p;
 }
 
-/* One frame of a .camera.json; errors of depth alone, the mask alone. */
-static void frame_errors(const char *stem, const json_t *frame,
-                         double error[2])
+/* One frame of a .camera.json. */
+static void add_frame(const char *stem, const json_t *frame, struct errors *e)
 {
     const json_t *const at = json_object_get(frame, "sun_pixel_xy_depth");
+    const double by_depth =
+        json_number_value(json_object_get(frame, "sun_visibility_depth"));
+    const double by_alpha =
+        json_number_value(json_object_get(frame, "sun_visibility_alpha"));
     struct gp_light l = light_at(
         json_number_value(json_array_get(at, 0)),
         json_number_value(json_array_get(at, 1)),
         json_number_value(json_object_get(frame, "sun_radius_px")));
-    l.depth = json_number_value(json_array_get(at, 2));
     char name[600];
+    struct gp_frame f;
+    l.depth = json_number_value(json_array_get(at, 2));
     snprintf(name, sizeof name, "%s.%lld.exr", stem,
              (long long) json_integer_value(json_object_get(frame, "frame")));
-    struct gp_frame f;
     assert_int_equal(read_file(name, &f), GP_OK);
     struct gp_plane z = channel_of(&f, "Z"), a = channel_of(&f, "A");
     const struct gp_occluders by_z = occluders(&z, NULL, f.data);
     const struct gp_occluders by_a = occluders(NULL, &a, f.data);
-    error[0] = visibility(&by_z, 0, l) -
-               json_number_value(json_object_get(frame,
-                                                 "sun_visibility_depth"));
-    error[1] = visibility(&by_a, 0, l) -
-               json_number_value(json_object_get(frame,
-                                                 "sun_visibility_alpha"));
+    const double exact = visibility(&by_z, 0, l);
+    e->depth = fmax(e->depth, fabs(exact - by_depth));
+    e->alpha = fmax(e->alpha, fabs(visibility(&by_a, 0, l) - by_alpha));
+    e->frames++;
+    for (int k = 0; k < machine_count; k++, e->masks++) {
+        const struct gp_map_params small = {.side = 16}, large = {.side = 64};
+        measure(machine_at(k), &by_z, &small, false, &l, 1);
+        e->truth += fabs(l.visibility - by_depth);
+        measure(machine_at(k), &by_z, &large, false, &l, 1);
+        e->exact += fabs(l.visibility - exact);
+        e->worst = fmax(e->worst, fabs(l.visibility - exact));
+    }
     gp_plane_free(&z);
     gp_plane_free(&a);
     gp_frame_free(&f);
 }
 
-static void test_truth(void **state)
+static void frames_of_the_data(void **state)
 {
     (void) state;
     static const char *const stems[] = {
         "seq_foliage/foliage", "seq_foliage/foliage_f32", "rendered/window",
         "rendered/brightsky", "rendered/night"};
     const char *const data = getenv("GLAREPP_DATA");
-    int frames = 0;
-    double worst[2] = {0.0};
-    for (int i = 0; i < 5; i++) {
+    struct errors e = {0};
+    for (size_t i = 0; i < COUNT(stems); i++) {
         char stem[400], name[500];
         snprintf(stem, sizeof stem, "%.300s/%s", data ? data : "../shared/data",
                  stems[i]);
@@ -146,22 +202,24 @@ static void test_truth(void **state)
         const json_t *const list = json_object_get(root, "frames");
         for (size_t k = 0; k < json_array_size(list); k++) {
             const json_t *const frame = json_array_get(list, k);
-            if (!json_object_get(frame, "sun_visibility_depth"))
-                continue;
-            double error[2];
-            frame_errors(stem, frame, error);
-            worst[0] = fmax(worst[0], fabs(error[0]));
-            worst[1] = fmax(worst[1], fabs(error[1]));
-            frames++;
+            if (json_object_get(frame, "sun_visibility_depth"))
+                add_frame(stem, frame, &e);
         }
         json_decref(root);
     }
-    if (frames == 0)
+    if (e.frames == 0)
         skip();
-    print_message("%d frames: worst error by depth %.4f, by mask %.4f\n",
-                  frames, worst[0], worst[1]);
-    assert_true(worst[0] <= 0.02 && worst[1] <= 0.02);
+    print_message("%d frames: exact to truth, worst by depth %.4f, by mask "
+                  "%.4f\n", e.frames, e.depth, e.alpha);
+    assert_true(e.depth <= 0.02 && e.alpha <= 0.02);
+    if (!e.masks)
+        return;
+    print_message("mask 16 to truth, mean %.4f; mask 64 to exact, mean %.4f, "
+                  "worst %.4f\n", e.truth / e.masks, e.exact / e.masks,
+                  e.worst);
+    assert_true(e.truth / e.masks <= 0.06);
+    assert_true(e.exact / e.masks <= 0.01 && e.worst <= 0.03);
 }
 
-SUITE_OF(sun_truth, NULL, NULL,
-    test_fence, test_truth)
+SUITE_OF(truth, open_machines, close_machines, exact_follows_a_fence,
+         masks_follow_a_fence, frames_of_the_data)

@@ -1,15 +1,13 @@
 /* sun/map: GL's sun maps equal the reference texel by texel, their sums in
- * each form are what it says they are, and what cannot be drawn is refused. */
-#include "unit.h"
-#include "sun_maps.h"
+ * each form are what it says they are, readback is a plain count, masks are
+ * near gp_sun_exact(), and what cannot be drawn is refused. */
+#include "scene.h"
 
-#include "core/memory.h"
 #include "gl/gl_priv.h"
-#include "sun/sun_priv.h"
 
 static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100
 
-/* -- sun maps ---------------------------------------------------------------*/
+// -- sun maps ----------------------------------------------------------------
 
 enum { CASES = 14 };
 
@@ -77,7 +75,7 @@ static void assert_sums(const struct machine *m, const struct sun_frame *f,
                         const struct gp_map_params *p, struct gp_light *l,
                         int n)
 {
-    assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, l, n));
+    assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, l, n));
     for (int i = 0; i < n; i++) {
         const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
         if (!(fabs(l[i].visibility - want) <= 1e-6))
@@ -91,11 +89,11 @@ static void assert_sums(const struct machine *m, const struct sun_frame *f,
 static void try_lights(struct machine *m, const struct sun_frame *f,
                        struct gp_map_params p, struct gp_light *l, int n)
 {
-    assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f->o, &p, l, n, &m->map));
+    assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
     assert_maps(m, f, &p, l, n);
     assert_sums(m, f, &p, l, n);
     p.sum = GP_SUM_BILINEAR;
-    assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f->o, &p, l, n, &m->map));
+    assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
     assert_sums(m, f, &p, l, n);
 }
 
@@ -165,7 +163,7 @@ static void frames_of_one_pixel_and_none(void **state)
     }
 }
 
-/* -- sums -------------------------------------------------------------------*/
+// -- sums --------------------------------------------------------------------
 
 /* The paper's sum, on the CPU: 8 bits, a step rounded at a time. */
 static double byte_sum(const float *map, int texels, bool weight)
@@ -190,8 +188,7 @@ static void bytes_are_the_papers(void **state)
         struct gp_map_params p = {.side = size, .sum = GP_SUM_BYTE};
         struct gp_light l = light_at(30.3, 70.8, size / 2);
         float *const map = malloc(2 * (size_t) (size * size) * sizeof *map);
-        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, &l, 1, &m->map));
-        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, &l, 1));
+        measure(m, &f.o, &p, false, &l, 1);
         const double exact = gp_sun_map_reference(&f.o, &p, &l, map);
         const double r = byte_sum(map, size * size, false);
         const double g = byte_sum(map, size * size, true);
@@ -214,7 +211,7 @@ static void bytes_saturate(void **state)
         struct machine *const m = machine_at(i);
         const struct gp_light l = light_at(30.0, 70.0, 5.0);
         float texel[4];
-        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &clear, &p, &l, 1,
+        assert_ok(gp_sun_map_draw(&said_log, m->gl, &clear, &p, &l, 1,
                                   &m->map));
         gp_target_read(m->gl, &m->map->byte_sums, 0,
                        (struct gp_rect) {0, 0, 1, 1}, texel);
@@ -237,13 +234,10 @@ static void many_equal_single_ones(void **state)
             all[i] = light_at(-45.0 + 170.0 * uniform01(),
                               20.0 + 110.0 * uniform01(),
                               20.0 * uniform01() * uniform01());
-        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, all, N, &m->map));
-        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, all, N));
+        measure(m, &f.o, &p, false, all, N);
         for (int i = 0; i < N; i++) {
             struct gp_light one = all[i];
-            assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, &one, 1,
-                                      &m->map));
-            assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, &one, 1));
+            measure(m, &f.o, &p, false, &one, 1);
             assert_memory_equal(&one.visibility, &all[i].visibility,
                                 sizeof one.visibility);
         }
@@ -267,7 +261,7 @@ static void points_may_be_small(void **state)
         const struct gp_map_params p = {.side = 8};
         const float limit = m->gl->info.max_point;
         m->gl->info.max_point = most[k % 3];
-        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, N, &m->map));
+        assert_ok(gp_sun_map_draw(&said_log, m->gl, &f.o, &p, l, N, &m->map));
         m->gl->info.max_point = limit;
         assert_sums(m, &f, &p, l, N);
     }
@@ -297,7 +291,7 @@ static void textures_may_be_small(void **state)
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
         m->gl->info.max_size = rows[k % 4].most;
         gp_sun_map_close(m->gl, &m->map); // its textures may be larger
-        const gp_status st = gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, 2,
+        const gp_status st = gp_sun_map_draw(&said_log, m->gl, &f.o, &p, l, 2,
                                              &m->map);
         m->gl->info.max_size = limit;
         assert_int_equal(st, rows[k % 4].want);
@@ -307,7 +301,177 @@ static void textures_may_be_small(void **state)
     free_frame(&f);
 }
 
-/* -- refusals, pictures -----------------------------------------------------*/
+// -- readback ----------------------------------------------------------------
+
+static bool inside(const struct gp_light *l, enum gp_sun_pattern pattern,
+                   int x, int y)
+{
+    const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y, r = l->radius;
+    return pattern == GP_PATTERN_DISC ? dx * dx + dy * dy <= r * r
+                                      : fabs(dx) <= r && fabs(dy) <= r;
+}
+
+/* Pixel by pixel over a box around the light. */
+static double plain_count(const struct gp_occluders *o,
+                          const struct gp_map_params *p,
+                          const struct gp_light *l)
+{
+    double shown = 0.0, weight = 0.0;
+    const bool none = l->radius < 0.5;
+    const double r = none ? 0.0 : l->radius;
+    for (int y = (int) floor(l->y - r) - 1; y <= l->y + r + 1.0; y++) {
+        for (int x = (int) floor(l->x - r) - 1; x <= l->x + r + 1.0; x++) {
+            const bool within = x >= o->frame.x0 && x < o->frame.x1 &&
+                                y >= o->frame.y0 && y < o->frame.y1;
+            const bool nearest = x == (int) floor(l->x) &&
+                                 y == (int) floor(l->y);
+            if (none ? !nearest : !inside(l, p->pattern, x, y))
+                continue;
+            if (!within && p->outside == GP_OUTSIDE_IGNORE)
+                continue;
+            shown += within ? gp_occluders_show(o, l, x, y)
+                            : p->outside == GP_OUTSIDE_VISIBLE;
+            weight += 1.0;
+        }
+    }
+    return weight > 0.0 ? shown / weight : 0.0;
+}
+
+static void readback_is_a_plain_count(void **state)
+{
+    static const double at[][3] = { // 0.1 and 0.2 are between all centres
+        {37.3, 70.8, 2.5}, {20.0, 60.0, 24.0}, {-41.0, 70.0, 9.0},
+        {120.0, 125.0, 12.0}, {-300.0, 70.0, 8.0}, {50.0, 50.0, 0.1},
+        {-40.9, 52.0, 0.2}, {10.0, 75.0, 300.0}, {-50.0, 60.0, 0.2},
+    };
+    enum { N = 9 };
+    (void) state;
+    for (int k = 0; k < 24 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 24);
+        const struct gp_map_params p = {
+            .side = 16, .pattern = k % 2, .outside = k / 2 % 3,
+        };
+        struct sun_frame f;
+        struct gp_light l[N];
+        make_frame(&f, (struct gp_rect) {-40, 25, 120, 125}, k / 6 % 4, 2);
+        for (int i = 0; i < N; i++)
+            l[i] = light_at(at[i][0], at[i][1], at[i][2]);
+        assert_ok(gp_sun_readback(&said_log, m->gl, &f.o, &p, l, N, &m->map));
+        for (int i = 0; i < N; i++) {
+            const double want = plain_count(&f.o, &p, &l[i]);
+            if (!(fabs(l[i].visibility - want) < 1e-6))
+                fail_msg("row %d, light %d: %.9g is %.9g", k, i, want,
+                         l[i].visibility);
+        }
+        struct gp_light again[N];
+        memcpy(again, l, sizeof l);
+        assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, again, N));
+        for (int i = 0; i < N; i++)
+            assert_true(fabs(again[i].visibility - l[i].visibility) < 1e-7);
+        assert_true(gp_sun_intensity(m->map)->w == N);
+        free_frame(&f);
+    }
+}
+
+// -- hidden, behind, outside -------------------------------------------------
+
+static void ends_of_the_scale(void **state)
+{
+    static const struct {
+        float depth;       // of every pixel
+        double x;          // of a light of radius 5 in 64 x 64; behind at 99
+        enum gp_sun_outside outside;
+        double want;
+    } rows[] = {
+        {5.0f, 30.0, GP_OUTSIDE_IGNORE, 0.0},
+        {1e10f, 30.0, GP_OUTSIDE_IGNORE, 1.0},
+        {1e10f, 99.0, GP_OUTSIDE_VISIBLE, 0.0},
+        {1e10f, -30.0, GP_OUTSIDE_IGNORE, 0.0},
+        {1e10f, -30.0, GP_OUTSIDE_HIDDEN, 0.0},
+        {5.0f, -30.0, GP_OUTSIDE_VISIBLE, 1.0},
+        {5.0f, 0.0, GP_OUTSIDE_VISIBLE, 0.5},
+        {1e10f, 0.0, GP_OUTSIDE_HIDDEN, 0.5},
+        {1e10f, 0.0, GP_OUTSIDE_IGNORE, 1.0},
+    };
+    struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 64, 64});
+    (void) state;
+    for (int k = 0; k < 9 * machine_count; k++) {
+        struct machine *const m = machine_at(k / 9);
+        for (int i = 0; i < 64 * 64; i++)
+            depth.v[i] = rows[k % 9].depth;
+        const struct gp_occluders o = occluders(&depth, NULL, depth.window);
+        for (int method = 0; method < 3; method++) {
+            const struct gp_map_params p = {
+                .side = 16, .outside = rows[k % 9].outside,
+                .pattern = method % 2,
+            };
+            struct gp_light l = light_at(rows[k % 9].x, 32.0, 5.0);
+            l.behind = l.x == 99.0;
+            if (method == 2)
+                assert_ok(gp_sun_readback(&said_log, m->gl, &o, &p, &l, 1,
+                                          &m->map));
+            else
+                measure(m, &o, &p, false, &l, 1);
+            if (!(fabs(l.visibility - rows[k % 9].want) < 1e-6))
+                fail_msg("row %d, method %d: %g is %g", k % 9, method,
+                         rows[k % 9].want, l.visibility);
+        }
+    }
+    gp_plane_free(&depth);
+}
+
+// -- against the exact share -------------------------------------------------
+
+/* Leaves: discs of random size that cover about half of the plane. */
+static void grow_leaves(struct gp_plane *p)
+{
+    const int w = gp_rect_w(p->window), h = gp_rect_h(p->window);
+    for (int i = 0; i < w * h; i++)
+        p->v[i] = 1e10f;
+    for (int leaf = 0; leaf < 4000; leaf++) {
+        const double r = 1.0 + 10.0 * uniform01() * uniform01();
+        const int x = (int) (w * uniform01()), y = (int) (h * uniform01());
+        for (int dy = (int) -r; dy <= r; dy++)
+            for (int dx = (int) -r; dx <= r; dx++)
+                if (dx * dx + dy * dy <= r * r && x + dx >= 0 && x + dx < w &&
+                    y + dy >= 0 && y + dy < h)
+                    p->v[(y + dy) * w + x + dx] = 8.0f;
+    }
+}
+
+static void mask_64_is_near_exact(void **state)
+{
+    enum { N = 60 };
+    struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 1024, 768});
+    const struct gp_map_params p = {.side = 64};
+    struct gp_light exact[N], mask[N];
+    (void) state;
+    seed = 9;
+    grow_leaves(&depth);
+    const struct gp_occluders o = occluders(&depth, NULL, depth.window);
+    for (int i = 0; i < N; i++) {
+        const double r = 2.0 + 58.0 * i / (N - 1);
+        exact[i] = mask[i] = light_at(1024.0 * uniform01(),
+                                      768.0 * uniform01(), r);
+    }
+    gp_sun_exact(&o, p.outside, exact, N);
+    for (int k = 0; k < machine_count; k++) {
+        struct machine *const m = machine_at(k);
+        double mean = 0.0, worst = 0.0;
+        measure(m, &o, &p, false, mask, N);
+        for (int i = 0; i < N; i++) {
+            const double off = fabs(mask[i].visibility - exact[i].visibility);
+            mean += off / N;
+            worst = fmax(worst, off);
+        }
+        print_message("64x64 against exact: mean %.5f, worst %.5f\n", mean,
+                      worst);
+        assert_true(mean > 0.0 && mean <= 0.01 && worst <= 0.03);
+    }
+    gp_plane_free(&depth);
+}
+
+// -- refusals, pictures ------------------------------------------------------
 
 static void refused(struct machine *m, const struct gp_occluders *o, int map,
                     int n, gp_status want, const char *said)
@@ -316,13 +480,13 @@ static void refused(struct machine *m, const struct gp_occluders *o, int map,
     static struct gp_light l[GP_LIGHTS_MAX];
     for (int i = 0; i < GP_LIGHTS_MAX; i++)
         l[i] = light_at(30.0, 60.0, 4.0);
-    last_line[0] = '\0';
-    assert_int_equal(gp_sun_map_draw(&log_kept, m->gl, o, &p, l, n, &m->map),
+    said_nothing();
+    assert_int_equal(gp_sun_map_draw(&said_log, m->gl, o, &p, l, n, &m->map),
                      want);
-    if (!strstr(last_line, said))
-        fail_msg("\"%s\" is not in \"%s\"", said, last_line);
+    if (!strstr(said_line, said))
+        fail_msg("\"%s\" is not in \"%s\"", said, said_line);
     // nothing was drawn, so nothing is read
-    assert_int_equal(gp_sun_map_read(&log_kept, m->gl, m->map, l, 1),
+    assert_int_equal(gp_sun_map_read(&said_log, m->gl, m->map, l, 1),
                      GP_ERR_BUG);
 }
 
@@ -357,9 +521,8 @@ static void pictures(void **state)
         int w, h;
         for (int k = 0; k < 5; k++)
             l[k] = light_at(20.0 * k, 70.0, 6.0);
-        assert_ok(gp_sun_map_draw(&log_kept, m->gl, &f.o, &p, l, 5, &m->map));
-        assert_ok(gp_sun_map_read(&log_kept, m->gl, m->map, l, 5));
-        assert_ok(gp_sun_map_picture(&log_kept, m->gl, m->map, false, &w, &h,
+        measure(m, &f.o, &p, false, l, 5);
+        assert_ok(gp_sun_map_picture(&said_log, m->gl, m->map, false, &w, &h,
                                      &grey));
         assert_true(w == 24 && h == 16);
         assert_true(grey[8 * w + 16] == 0.0f && grey[16 * w - 1] == 0.0f);
@@ -368,21 +531,21 @@ static void pictures(void **state)
             sum += (double) grey[(8 + t / 8) * w + 8 + t % 8];
         assert_true(fabs(sum / 64.0 - l[4].visibility) < 1e-6);
         gp_free(grey);
-        assert_ok(gp_sun_map_picture(&log_kept, m->gl, m->map, true, &w, &h,
+        assert_ok(gp_sun_map_picture(&said_log, m->gl, m->map, true, &w, &h,
                                      &grey));
         assert_true(w == 5 && h == 1);
         for (int k = 0; k < 5; k++)
             assert_true(fabs((double) grey[k] - l[k].visibility) < 1e-6);
         gp_free(grey);
-        assert_ok(gp_sun_readback(&log_kept, m->gl, &f.o, &p, l, 5, &m->map));
-        assert_int_equal(gp_sun_map_picture(&log_kept, m->gl, m->map, false,
+        assert_ok(gp_sun_readback(&said_log, m->gl, &f.o, &p, l, 5, &m->map));
+        assert_int_equal(gp_sun_map_picture(&said_log, m->gl, m->map, false,
                                             &w, &h, &grey), GP_ERR_USAGE);
     }
     free_frame(&f);
 }
 
-SUITE_OF(sun_map, open_machines, close_machines,
-    maps_equal_the_reference, depth_types, frames_of_one_pixel_and_none,
-    bytes_are_the_papers, bytes_saturate, many_equal_single_ones,
-    points_may_be_small, textures_may_be_small, what_is_too_large_is_refused,
-    pictures)
+SUITE_OF(map, open_machines, close_machines, maps_equal_the_reference,
+         depth_types, frames_of_one_pixel_and_none, bytes_are_the_papers,
+         bytes_saturate, many_equal_single_ones, points_may_be_small,
+         textures_may_be_small, readback_is_a_plain_count, ends_of_the_scale,
+         mask_64_is_near_exact, what_is_too_large_is_refused, pictures)

@@ -1,0 +1,566 @@
+/* sun/exact: the area of a disc in a pixel by quadrature and by laws, the
+ * samples of a disc, and the share in every place that a light may have,
+ * against what it must be and against pixel after pixel. */
+#include "scene.h"
+
+#include "core/parallel.h"
+
+// -- area in a pixel, by quadrature ------------------------------------------
+
+/* A disc and a pixel in whole sixteenths, so that what is squared is exact. */
+struct exact_case {
+    long long dx, dy, r; // pixel's corner from the centre
+};
+
+/* The roots of t^2 + 2 u t + g = 0 without cancellation, where u^2 - g is
+ * `square`; false for none. */
+static bool roots(double u, double g, double square, double out[2])
+{
+    if (!(square > 0.0))
+        return false;
+    const double half = sqrt(square);
+    out[u < 0.0] = u < 0.0 ? half - u : -u - half;
+    out[!(u < 0.0)] = g / out[u < 0.0];
+    return true;
+}
+
+/* Covered height of the pixel's column at s from its left side. */
+static double height_at(const struct exact_case *c, double s)
+{
+    const double dx = (double) c->dx / 16, dy = (double) c->dy / 16;
+    const double g = (double) (c->dx * c->dx + c->dy * c->dy - c->r * c->r) /
+                     256;
+    const double square = ((double) (c->r - c->dx) / 16 - s) *
+                          ((double) (c->r + c->dx) / 16 + s);
+    double t[2];
+    if (!roots(dy, g + 2.0 * dx * s + s * s, square, t))
+        return 0.0;
+    return fmax(fmin(t[1], 1.0) - fmax(t[0], 0.0), 0.0);
+}
+
+/* Simpson's rule over a piece without kinks; both ends are approached as a
+ * square, which makes the square roots there smooth. */
+static double integral(const struct exact_case *c, double a, double b)
+{
+    enum { STEPS = 8192 };
+    double sum = 0.0;
+    for (int i = 0; i <= STEPS; i++) {
+        const double t = (double) i / STEPS;
+        const double s = a + (b - a) * t * t * (3.0 - 2.0 * t);
+        const double weight = i == 0 || i == STEPS ? 1.0 : i % 2 ? 4.0 : 2.0;
+        sum += weight * 6.0 * t * (1.0 - t) * height_at(c, s);
+    }
+    return (b - a) * sum / (3.0 * STEPS);
+}
+
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+static double area_by_quadrature(const struct exact_case *c)
+{
+    // kinks: where the circle crosses the pixel's top and bottom, and its ends
+    double cut[8] = {0.0, 1.0, (double) (c->r - c->dx) / 16,
+                     (double) (-c->r - c->dx) / 16};
+    int n = 4;
+    for (long long line = c->dy; line <= c->dy + 16; line += 16) {
+        const double g = (double) (c->dx * c->dx + line * line -
+                                   c->r * c->r) / 256;
+        const double square = (double) ((c->r - line) * (c->r + line)) / 256;
+        n += roots((double) c->dx / 16, g, square, cut + n) ? 2 : 0;
+    }
+    for (int i = 0; i < n; i++)
+        cut[i] = fmin(fmax(cut[i], 0.0), 1.0);
+    qsort(cut, (size_t) n, sizeof *cut, by_value);
+    double sum = 0.0;
+    for (int i = 1; i < n; i++)
+        sum += cut[i] > cut[i - 1] ? integral(c, cut[i - 1], cut[i]) : 0.0;
+    return sum;
+}
+
+static void test_pixel_area(void **state)
+{
+    (void) state;
+    static const long long radii[] = {1,   3,    8,     16,     23,     39,
+                                      160, 1001, 16000, 160007, 1600000};
+    seed = 20071u;
+    for (size_t k = 0; k < COUNT(radii); k++) {
+        for (int i = 0; i < 40; i++) {
+            const double r = (double) radii[k] / 16;
+            // a pixel near the edge, at axes and between
+            const double turn = i < 8 ? i * M_PI_4 : uniform01() * 2 * M_PI;
+            const double fx = (double) ((int) (16 * uniform01())) / 16;
+            const double fy = (double) ((int) (16 * uniform01())) / 16;
+            const int x = (int) floor(fx + r * cos(turn));
+            const int y = (int) floor(fy + r * sin(turn)) - (i % 3 == 2);
+            const struct exact_case c = {(long long) (16 * (x - fx)),
+                                         (long long) (16 * (y - fy)),
+                                         radii[k]};
+            assert_near(gp_disc_pixel_area(fx, fy, r, x, y),
+                        area_by_quadrature(&c), 1e-12, "area, radius", r);
+        }
+    }
+}
+
+// -- laws of areas -----------------------------------------------------------
+
+static double sum_of_pixels(double cx, double cy, double r)
+{
+    double sum = 0.0;
+    for (int y = (int) floor(cy - r) - 1; y <= (int) ceil(cy + r); y++) {
+        for (int x = (int) floor(cx - r) - 1; x <= (int) ceil(cx + r); x++)
+            sum += gp_disc_pixel_area(cx, cy, r, x, y);
+    }
+    return sum;
+}
+
+/* Centres on corners, on edges, a hair beside them, anywhere. */
+static const double centres[][2] = {
+    {0, 0}, {0.5, 0.5}, {0.5, 0}, {1, 0.25}, {0x1.fffffffffffffp-1, 7},
+    {1 + 0x1p-52, 1 - 0x1p-53}, {1e-20, -1e-20}, {0.3, 0.7},
+    {-0.3, 100.123456789}, {283.2402801513672, 129.05892848968506},
+    {-1000.4999999, 2047.0000001}, {99999.7, -99999.1}};
+static const double law_radii[] = {1e-3, 0.01, 0.3, 0.5, M_SQRT1_2, 1, 1.5,
+                                   M_SQRT2, 2.480712533280226, 17.3, 60};
+enum {
+    CENTRES = COUNT(centres),
+    LAW_RADII = COUNT(law_radii)
+};
+
+static void test_area_sum(void **state)
+{
+    (void) state;
+    for (int c = 0; c < CENTRES; c++) {
+        for (int k = 0; k < LAW_RADII; k++) {
+            const double r = law_radii[k], want = M_PI * r * r;
+            assert_near(sum_of_pixels(centres[c][0], centres[c][1], r), want,
+                        1e-12 * want, "sum of areas, radius", r);
+        }
+    }
+}
+
+/* Whole pixels, reflections and the diagonal change nothing. */
+static void test_area_symmetry(void **state)
+{
+    (void) state;
+    seed = 77;
+    for (int i = 0; i < 4000; i++) {
+        const double r = law_radii[i % LAW_RADII] * (1.0 + i % 3);
+        const double cx = uniform01(), cy = uniform01();
+        const int reach = (int) r + 2;
+        const int x = (int) (uniform01() * 2 * reach) - reach;
+        const int y = (int) (uniform01() * 2 * reach) - reach;
+        const double want = gp_disc_pixel_area(cx, cy, r, x, y);
+        assert_true(want >= 0.0 && want <= 1.0);
+        assert_near(gp_disc_pixel_area(cx + 4096, cy - 512, r, x + 4096,
+                                       y - 512), want, 2e-12, "moved", r);
+        assert_near(gp_disc_pixel_area(-cx, cy, r, -x - 1, y), want, 1e-14,
+                    "left and right", r);
+        assert_near(gp_disc_pixel_area(cx, -cy, r, x, -y - 1), want, 1e-14,
+                    "up and down", r);
+        assert_near(gp_disc_pixel_area(cy, cx, r, y, x), want, 1e-14,
+                    "diagonal", r);
+    }
+}
+
+/* Circles through a corner, which the edges on its two sides may find in or
+ * out each for itself: four pixels are the square that they make. */
+static void test_area_corner(void **state)
+{
+    (void) state;
+    static const double hard[][4] = {
+        {0x1.4b00a5f6498ep-1, 0x1.86fce2dae58cp-1, 2, 3},
+        {0x1.80de57310c6cp-2, 0x1.c91a4c9b5228p-2, 1, -1},
+        {0x1.4d0f142fc826p-1, 0x1.3fa7f4c9711p-3, 2, 9},
+        {0x1.071431436786p-1, 0x1.0b632c3d7824p-1, -13, -7},
+        {0x1.4ccb6a63d66cp-2, 0x1.31254add50ap-4, 2, -2}};
+    seed = 41;
+    for (int i = 0; i < 20000; i++) {
+        const double cx = i < 5 ? hard[i][0] : uniform01();
+        const double cy = i < 5 ? hard[i][1] : uniform01();
+        const int x = (int) (i < 5 ? hard[i][2] : 40 * uniform01() - 20);
+        const int y = (int) (i < 5 ? hard[i][3] : 40 * uniform01() - 20);
+        const double r = hypot(x - cx, y - cy);
+        double sum = 0.0;
+        for (int k = 0; k < 4; k++)
+            sum += gp_disc_pixel_area(cx, cy, r, x - k % 2, y - k / 2);
+        assert_near(sum, gp_disc_rect_area(cx, cy, r, x - 1, y - 1, x + 1,
+                                           y + 1), 1e-13, "corner", i);
+    }
+}
+
+static void test_area_grows(void **state)
+{
+    (void) state;
+    double last = 0.0;
+    for (int i = 0; i <= 4000; i++) {
+        const double area = gp_disc_pixel_area(0.3, 0.6, i / 2000.0, 0, 0);
+        assert_true(area >= last - 1e-15);
+        last = area;
+    }
+    assert_near(last, 1.0, 0.0, "a pixel inside", 2);
+}
+
+static void test_area_hard(void **state)
+{
+    (void) state;
+    const double inf = (double) INFINITY, nan = (double) NAN;
+    assert_near(gp_disc_pixel_area(0.5, 0.5, 0.5, 0, 0), M_PI / 4, 1e-15,
+                "touches all sides", 0.5);
+    assert_near(gp_disc_pixel_area(0, 0, 1, 0, 0), M_PI / 4, 1e-15, "quarter",
+                1);
+    assert_near(gp_disc_pixel_area(0, 0, M_SQRT2 * 1.0000001, 0, 0), 1, 0,
+                "over the corner", 0);
+    const struct {
+        double cx, cy, r;
+    } none[] = {{0, 0, 0},    {0, 0, -1},  {0, 0, nan}, {nan, 0, 1},
+                {0, nan, 1},  {-1, 0, 1},  {2, 0.5, 1}, {-1, -1, M_SQRT2},
+                {1e300, 0, 1}, {inf, 0, 5}, {0, -inf, 5}};
+    for (size_t i = 0; i < COUNT(none); i++)
+        assert_near(gp_disc_pixel_area(none[i].cx, none[i].cy, none[i].r, 0,
+                                       0), 0, 1e-15, "no area", (double) i);
+    assert_near(gp_disc_pixel_area(INT32_MAX + 0.5, INT32_MIN + 0.5, 9,
+                                   INT32_MAX, INT32_MIN), 1, 0, "far", 9);
+}
+
+/* A rectangle holds what its pixels hold. */
+static void test_rect_area(void **state)
+{
+    (void) state;
+    seed = 3;
+    for (int i = 0; i < 300; i++) {
+        const double cx = 40 * uniform01(), cy = 40 * uniform01();
+        const double r = pow(10.0, -2 + 4 * uniform01());
+        const int x0 = (int) (40 * uniform01());
+        const int y0 = (int) (40 * uniform01());
+        const int x1 = x0 + (int) (30 * uniform01());
+        const int y1 = y0 + (int) (30 * uniform01());
+        double want = 0.0;
+        for (int y = y0; y < y1; y++) {
+            for (int x = x0; x < x1; x++)
+                want += gp_disc_pixel_area(cx, cy, r, x, y);
+        }
+        assert_near(gp_disc_rect_area(cx, cy, r, x0, y0, x1, y1), want,
+                    1e-13 + 1e-12 * want, "rectangle, radius", r);
+    }
+}
+
+// -- samples of a disc -------------------------------------------------------
+
+/* Cells of (u, v) cover equal areas: sectors and rings hold their share. */
+static void test_disc_samples(void **state)
+{
+    (void) state;
+    enum { N = 256 };
+    int ring[4] = {0}, sector[8] = {0};
+    double sum_x = 0.0, sum_y = 0.0;
+    for (int j = 0; j < N; j++) {
+        for (int i = 0; i < N; i++) {
+            double x, y, sx, sy;
+            const double u = (i + 0.5) / N, v = (j + 0.5) / N;
+            gp_pattern_place(GP_PATTERN_DISC, u, v, &x, &y);
+            gp_pattern_place(GP_PATTERN_SQUARE, u, v, &sx, &sy);
+            assert_true(sx == 2 * u - 1 && sy == 2 * v - 1);
+            assert_near(hypot(x, y), fmax(fabs(sx), fabs(sy)), 1e-15,
+                        "radius", u);
+            ring[(int) (4 * (x * x + y * y))]++;
+            sector[(int) (atan2(y, x) / M_PI_4 + 4.0)]++;
+            sum_x += x;
+            sum_y += y;
+        }
+    }
+    for (int i = 0; i < 4; i++)
+        assert_near(ring[i] / (double) (N * N), 0.25, 0.01, "ring", i);
+    for (int i = 0; i < 8; i++)
+        assert_near(sector[i] / (double) (N * N), 0.125, 0.002, "sector", i);
+    assert_near(sum_x, 0, 1e-9, "mean x", N);
+    assert_near(sum_y, 0, 1e-9, "mean y", N);
+}
+
+static void test_disc_ends(void **state)
+{
+    (void) state;
+    static const double at[][4] = {{0.5, 0.5, 0, 0}, {0, 0.5, -1, 0},
+                                   {1, 0.5, 1, 0},   {0.5, 0, 0, -1},
+                                   {0, 0, -M_SQRT1_2, -M_SQRT1_2}};
+    for (int i = 0; i < 5; i++) {
+        double x, y;
+        gp_pattern_place(GP_PATTERN_DISC, at[i][0], at[i][1], &x, &y);
+        assert_near(x, at[i][2], 1e-15, "x", i);
+        assert_near(y, at[i][3], 1e-15, "y", i);
+    }
+}
+
+static void fill_plane(struct gp_plane *p, float v)
+{
+    const int n = gp_rect_w(p->window) * gp_rect_h(p->window);
+    for (int i = 0; i < n; i++)
+        p->v[i] = v;
+}
+
+static void fill_random(struct gp_plane *p, unsigned seed, float scale)
+{
+    const int n = gp_rect_w(p->window) * gp_rect_h(p->window);
+    for (int i = 0; i < n; i++) {
+        seed = seed * 1664525u + 1013904223u;
+        p->v[i] = scale * (float) (seed >> 8) * 0x1p-24f;
+    }
+}
+
+// -- places of a light -------------------------------------------------------
+
+/* Lights over a frame of 20 x 10 whose left half (x under 10) is hidden: the
+ * share by mode. */
+static const struct {
+    const char *name;
+    double x, y, r;
+    double want[MODES]; // ignore, visible, hidden
+    double bar;
+} places[] = {
+    {"clear", 15, 5, 3, {1, 1, 1}, 0},
+    {"hidden", 5, 5, 3, {0, 0, 0}, 0},
+    {"on the edge", 10, 5, 3, {0.5, 0.5, 0.5}, 1e-14},
+    {"touches the edge", 13, 5, 3, {1, 1, 1}, 0},
+    {"touches the frame", 3, 5, 3, {0, 0, 0}, 0},
+    {"half outside, clear", 20, 5, 3, {1, 1, 0.5}, 1e-14},
+    {"half outside, hidden", 0, 5, 3, {0, 0.5, 0}, 1e-14},
+    {"a quarter inside, clear", 20, 10, 3, {1, 1, 0.25}, 1e-14},
+    {"a quarter inside, hidden", 0, 0, 3, {0, 0.75, 0}, 1e-14},
+    {"three ways", 10, 0, 4, {0.5, 0.75, 0.25}, 1e-14},
+    {"outside", -4, 5, 3, {0, 1, 0}, 0},
+    {"far outside", 1e12, -1e12, 3, {0, 1, 0}, 0},
+    {"outside, touches", -3, 5, 3, {0, 1, 0}, 0},
+    {"beside a corner", -2.2, -2.2, 3, {0, 1, 0}, 0},
+    {"point, clear", 15.5, 5.5, 0, {1, 1, 1}, 0},
+    {"point, hidden", 5.5, 5.5, 0, {0, 0, 0}, 0},
+    {"point on the edge", 10, 5.25, 0, {0.5, 0.5, 0.5}, 1e-12},
+    {"point on a corner of the frame", 20, 0, 0, {1, 1, 0.25}, 1e-12},
+    {"smaller than a pixel", 9.9, 5.5, 0.2,
+     {0.19550110947788532, 0.19550110947788532, 0.19550110947788532}, 1e-13},
+    {"negative radius", 15.5, 5.5, -5, {1, 1, 1}, 0},
+    {"larger than the frame", 10, 5, 1e4, {0.5, 1, 0}, 1e-6},
+    {"of a huge radius", 10, 5, 1e300, {0.5, 1, 0}, 1e-6},
+    {"of an infinite radius", 10, 5, INFINITY, {0.5, 1, 0}, 1e-6},
+};
+enum { PLACES = COUNT(places) };
+
+static void test_places(void **state)
+{
+    (void) state;
+    static const int corner[][2] = {{0, 0}, {-1000, -77}, {100000, 70000}};
+    for (int c = 0; c < 3; c++) {
+        const int x0 = corner[c][0], y0 = corner[c][1];
+        const struct gp_rect frame = {x0, y0, x0 + 20, y0 + 10};
+        struct gp_plane depth = plane_of(frame), mask = plane_of(frame);
+        for (int i = 0; i < 200; i++) {
+            depth.v[i] = i % 20 < 10 ? 5.0f : 1e10f;
+            mask.v[i] = i % 20 < 10 ? 1.0f : 0.0f;
+        }
+        const struct gp_occluders o[] = {occluders(&depth, NULL, frame),
+                                         occluders(NULL, &mask, frame),
+                                         occluders(&depth, &mask, frame)};
+        for (int i = 0; i < PLACES * MODES * 3; i++) {
+            const int p = i / (3 * MODES), mode = i / 3 % MODES;
+            // where pixels are far from 0, so are ulps of the place
+            assert_near(visibility(&o[i % 3], mode,
+                                   light_at(places[p].x + x0, places[p].y + y0,
+                                            places[p].r)),
+                        places[p].want[mode],
+                        places[p].bar + (c > 0 ? 1e-9 : 0.0), places[p].name,
+                        mode);
+        }
+        struct gp_light behind = light_at(15 + x0, 5 + y0, 3);
+        behind.behind = true;
+        for (int mode = 0; mode < MODES; mode++)
+            assert_near(visibility(&o[0], mode, behind), 0, 0, "behind", mode);
+        gp_plane_free(&depth);
+        gp_plane_free(&mask);
+    }
+}
+
+/* A light of NaN place must come out a share all the same. */
+static void test_nowhere(void **state)
+{
+    (void) state;
+    const struct gp_rect frame = {0, 0, 20, 10};
+    const struct gp_occluders o = occluders(NULL, NULL, frame);
+    const double nan = (double) NAN;
+    for (int mode = 0; mode < MODES; mode++) {
+        const double v[] = {visibility(&o, mode, light_at(nan, nan, 3)),
+                            visibility(&o, mode, light_at(3, 3, nan)),
+                            visibility(&o, mode, light_at(nan, 3, nan))};
+        for (int i = 0; i < 3; i++)
+            assert_true(v[i] >= 0.0 && v[i] <= 1.0);
+    }
+}
+
+/* Nothing to hide behind, whether a window is large or empty. */
+static void test_no_planes(void **state)
+{
+    (void) state;
+    const struct gp_rect vast = {-1000000000, -1000000000, 1000000000,
+                                 1000000000};
+    for (int mode = 0; mode < MODES; mode++) {
+        const struct gp_occluders o = occluders(NULL, NULL, vast);
+        assert_near(visibility(&o, mode, light_at(3, 4, 5)), 1, 0, "all", mode);
+        assert_near(visibility(&o, mode, light_at(3, 4, 1e8)), 1, 0, "vast",
+                    mode);
+        const struct gp_occluders none = occluders(NULL, NULL,
+                                                   (struct gp_rect) {0});
+        assert_near(visibility(&none, mode, light_at(3, 4, 5)), mode == 1, 0,
+                    "empty frame", mode);
+    }
+}
+
+// -- against pixel after pixel -----------------------------------------------
+
+static double by_pixels(const struct gp_occluders *o, int outside,
+                        const struct gp_light *l)
+{
+    double area = 0.0, shown = 0.0;
+    for (int y = o->frame.y0; y < o->frame.y1; y++) {
+        for (int x = o->frame.x0; x < o->frame.x1; x++) {
+            const double a = gp_disc_pixel_area(l->x, l->y, l->radius, x, y);
+            area += a;
+            shown += a * gp_occluders_show(o, l, x, y);
+        }
+    }
+    const double rest = M_PI * l->radius * l->radius - area;
+    if (outside != (int) GP_OUTSIDE_IGNORE)
+        area += rest;
+    if (outside == (int) GP_OUTSIDE_VISIBLE)
+        shown += rest;
+    return area > 0.0 ? shown / area : 0.0;
+}
+
+/* Windows of depth, of the mask, and of the frame, in every relation. */
+static const struct gp_rect windows[][3] = {
+    {{0, 0, 60, 40}, {0, 0, 60, 40}, {0, 0, 60, 40}},
+    {{10, 5, 50, 30}, {10, 5, 50, 30}, {0, 0, 60, 40}},
+    {{-10, -5, 70, 50}, {-10, -5, 70, 50}, {0, 0, 60, 40}},
+    {{0, 0, 30, 40}, {20, 10, 60, 30}, {0, 0, 60, 40}},
+    {{20, 10, 40, 30}, {0, 0, 60, 40}, {0, 0, 60, 40}},
+    {{0, 0, 20, 20}, {40, 20, 60, 40}, {0, 0, 60, 40}},
+    {{0, 0, 0, 0}, {5, 5, 55, 35}, {0, 0, 60, 40}},
+    {{100, 100, 120, 120}, {5, 5, 55, 35}, {0, 0, 60, 40}},
+    {{0, 0, 1, 1}, {0, 0, 1, 1}, {0, 0, 1, 1}},
+    {{0, 0, 60, 1}, {0, 0, 60, 1}, {0, 0, 60, 1}},
+};
+enum { WINDOWS = COUNT(windows) };
+
+static void test_windows(void **state)
+{
+    (void) state;
+    static const double lights[][3] = {
+        {30, 20, 7.3}, {11.7, 6.1, 4}, {0.5, 0.5, 0.4}, {30, 20, 100},
+        {25.25, 38, 20}, {59, 3, 12}, {-3, 20, 9}};
+    for (int i = 0; i < WINDOWS; i++) {
+        struct gp_plane depth = plane_of(windows[i][0]);
+        struct gp_plane mask = plane_of(windows[i][1]);
+        fill_random(&depth, 3u, 20.0f);
+        fill_random(&mask, 5u, 1.0f);
+        for (int k = 0; k < 7 * 4 * MODES; k++) {
+            const int planes = k / MODES % 4, mode = k % MODES;
+            const struct gp_occluders o =
+                occluders(planes & 1 ? &depth : NULL, planes & 2 ? &mask : NULL,
+                          windows[i][2]);
+            const double *const at = lights[k / (4 * MODES)];
+            struct gp_light l = light_at(at[0], at[1], at[2]);
+            l.depth = 10.0;
+            assert_near(visibility(&o, mode, l), by_pixels(&o, mode, &l),
+                        1e-12, "windows", 100 * i + k);
+        }
+        gp_plane_free(&depth);
+        gp_plane_free(&mask);
+    }
+}
+
+/* A frame far larger than its planes costs what the planes cost, and what is
+ * hidden stays a hole in it. */
+static void test_vast_frame(void **state)
+{
+    (void) state;
+    struct gp_plane depth = plane_of((struct gp_rect) {5, 5, 15, 15});
+    struct gp_plane mask =
+        plane_of((struct gp_rect) {900000000, 900000000, 900000010, 900000010});
+    fill_plane(&depth, 5.0f);
+    fill_plane(&mask, 1.0f);
+    const struct gp_occluders o = occluders(
+        &depth, &mask, (struct gp_rect) {-1000000000, -1000000000, 1000000000,
+                                         1000000000});
+    // the mask does not cover what depth finds before the light: s = 1 - m
+    assert_near(visibility(&o, 0, light_at(10, 10, 3)), 1, 0, "both", 0);
+    struct gp_occluders alone = o;
+    alone.mask = NULL;
+    assert_near(visibility(&alone, 0, light_at(10, 10, 3)), 0, 0, "depth", 0);
+    assert_near(visibility(&alone, 0, light_at(10, 10, 1000)),
+                1.0 - 100.0 / (M_PI * 1e6), 1e-12, "a hole", 0);
+    assert_near(visibility(&o, 0, light_at(900000005, 900000005, 3)), 0, 0,
+                "mask", 0);
+    assert_near(visibility(&o, 0, light_at(10, 10, 1e9)), 1, 1e-12, "all", 0);
+    gp_plane_free(&depth);
+    gp_plane_free(&mask);
+}
+
+// -- threads -----------------------------------------------------------------
+
+static void test_threads(void **state)
+{
+    (void) state;
+    const struct gp_rect frame = {-13, 7, 700, 420};
+    struct gp_plane depth = plane_of(frame), mask = plane_of(frame);
+    fill_random(&depth, 17u, 20.0f);
+    fill_random(&mask, 19u, 1.0f);
+    const struct gp_occluders o = occluders(&depth, &mask, frame);
+    static const int threads[] = {1, 2, 3, 8};
+    static const double radius[] = {2.5, 60, 190.7, 2000};
+    double first[4] = {0};
+    for (int i = 0; i < 16; i++) {
+        gp_set_threads(threads[i / 4]);
+        struct gp_light l = light_at(300.3, 200.7, radius[i % 4]);
+        l.depth = 10.0;
+        const double got = visibility(&o, 1, l);
+        if (i < 4)
+            first[i] = got;
+        assert_true(got > 0.0 && got < 1.0);
+        assert_memory_equal(&got, &first[i % 4], sizeof got);
+    }
+    gp_set_threads(0);
+    gp_plane_free(&depth);
+    gp_plane_free(&mask);
+}
+
+/* Each light has its own share, whatever it held before and whoever is beside
+ * it; none is fine. */
+static void test_many_lights(void **state)
+{
+    (void) state;
+    enum { N = 64 };
+    const struct gp_rect frame = {0, 0, 90, 50};
+    struct gp_plane depth = plane_of(frame);
+    fill_random(&depth, 23u, 20.0f);
+    const struct gp_occluders o = occluders(&depth, NULL, frame);
+    struct gp_light light[N];
+    for (int i = 0; i < N; i++) {
+        light[i] = light_at(1.7 * i - 5.0, 0.9 * i - 3.0, 0.2 * i);
+        light[i].depth = i;
+        light[i].behind = i % 9 == 4;
+        light[i].visibility = (double) NAN;
+    }
+    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, light, N);
+    for (int i = 0; i < N; i++) {
+        const double alone = visibility(&o, 0, light[i]);
+        assert_true(light[i].visibility == alone);
+        assert_true(!light[i].behind || alone == 0.0);
+    }
+    gp_sun_exact(&o, GP_OUTSIDE_IGNORE, NULL, 0);
+    gp_plane_free(&depth);
+}
+
+SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_sum, test_area_symmetry,
+         test_area_grows, test_area_corner, test_area_hard, test_rect_area,
+         test_disc_samples, test_disc_ends, test_places, test_nowhere,
+         test_no_planes, test_windows, test_vast_frame, test_threads,
+         test_many_lights)
