@@ -100,16 +100,16 @@ static struct tint random_tint(struct dice *d, struct tint low)
     return tint_of(c[0], c[1], c[2]);
 }
 
-static void set(const struct canvas *v, int x, int y, const struct tint *t,
-                double luminance)
+static void set_light(const struct canvas *v, int x, int y,
+                      const struct tint *t, double luminance)
 {
     const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
     for (int c = 0; c < 3; c++)
         v->f->rgb.c[c][at] = (float) (luminance * t->c[c]);
 }
 
-static void add(const struct canvas *v, int x, int y, const struct tint *t,
-                double luminance)
+static void add_light(const struct canvas *v, int x, int y,
+                      const struct tint *t, double luminance)
 {
     const size_t at = (size_t) y * (size_t) v->w + (size_t) x;
     for (int c = 0; c < 3; c++)
@@ -126,22 +126,12 @@ static void paint_background(const struct canvas *v, uint64_t seed)
             const double n = 0.5 * noise(seed, 4.0 * u, 4.0 * t) +
                              0.3 * noise(seed + 1, 16.0 * u, 16.0 * t) +
                              0.2 * noise(seed + 2, 97.0 * u, 97.0 * t);
-            set(v, x, y, &warm, 0.05 + 0.75 * n);
+            set_light(v, x, y, &warm, 0.05 + 0.75 * n);
         }
     }
 }
 
-/* A point of light between pixels: its four neighbours by their nearness. */
-static void paint_point(const struct canvas *v, double x, double y,
-                        const struct tint *t, double luminance)
-{
-    const int ix = (int) x, iy = (int) y;
-    const double fx = x - ix, fy = y - iy;
-    for (int i = 0; i < 4; i++)
-        add(v, ix + i % 2, iy + i / 2, t,
-            luminance * (i % 2 ? fx : 1.0 - fx) * (i / 2 ? fy : 1.0 - fy));
-}
-
+/* Points of light between pixels, each on its four neighbours. */
 static void paint_points(const struct canvas *v)
 {
     enum { POINTS = 32 };
@@ -150,7 +140,13 @@ static void paint_points(const struct canvas *v)
     for (int i = 0; i < POINTS; i++) {
         const struct tint t = random_tint(&d, least);
         const double x = between(&d, 2.0, v->w - 4), y = between(&d, 2.0, v->h - 4);
-        paint_point(v, x, y, &t, octaves(&d, 10.0, 5000.0));
+        const double luminance = octaves(&d, 10.0, 5000.0);
+        const int ix = (int) x, iy = (int) y;
+        const double fx = x - ix, fy = y - iy;
+        for (int k = 0; k < 4; k++) // by their nearness
+            add_light(v, ix + k % 2, iy + k / 2, &t,
+                      luminance * (k % 2 ? fx : 1.0 - fx) *
+                          (k / 2 ? fy : 1.0 - fy));
     }
 }
 
@@ -164,7 +160,7 @@ static void paint_lamp(const struct canvas *v, double x, double y, double radius
             const double dx = i - x, dy = j - y;
             const double in = radius + 0.5 - sqrt(dx * dx + dy * dy);
             if (i >= 0 && j >= 0 && i < v->w && j < v->h && in > 0.0)
-                add(v, i, j, t, luminance * (in < 1.0 ? in : 1.0));
+                add_light(v, i, j, t, luminance * (in < 1.0 ? in : 1.0));
         }
     }
 }
@@ -188,7 +184,7 @@ static void paint_window(const struct canvas *v, struct gp_rect r,
             double l = luminance / (1.0 + 0.8 * (du * du + ds * ds));
             if ((left ? u : 1.0 - u) < curtain)
                 l *= (x - r.x0) % 3 == 0 ? 0.3 : 0.45;
-            set(v, x, y, &t, l);
+            set_light(v, x, y, &t, l);
         }
     }
 }
@@ -227,7 +223,7 @@ static void paint_sky(const struct canvas *v)
             const double cloud = 0.55 * noise(33, 5.0 * u, 7.0 * t) +
                                  0.3 * noise(34, 17.0 * u, 23.0 * t) +
                                  0.15 * noise(35, 61.0 * u, 71.0 * t);
-            set(v, x, y, &blue, 2.1 + 17.8 * cloud);
+            set_light(v, x, y, &blue, 2.1 + 17.8 * cloud);
         }
     }
 }
@@ -286,21 +282,6 @@ struct streak {
 
 enum { STREAKS = 44, STRONG = 8 };
 
-/* 8 strong ones that cross, the others anywhere and weaker. Directions are
- * ((1 - t^2), 2 t) / (1 + t^2), points of the circle without a sine. */
-static void make_streaks(struct streak s[STREAKS])
-{
-    struct dice d = {7};
-    for (int i = 0; i < STREAKS; i++) {
-        const double t = i < STRONG ? 0.47 * (i / 2) - 0.9
-                                    : between(&d, -1.0, 1.0);
-        const double side = i % 2 ? -1.0 : 1.0, q = 1.0 + t * t;
-        s[i].x = side * (1.0 - t * t) / q;
-        s[i].y = side * 2.0 * t / q;
-        s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&d) * roll(&d);
-    }
-}
-
 /* At offset x, y of a picture `spread` times as wide; `half` of its side. */
 static double kernel_at(const struct streak s[STREAKS], double x, double y,
                         double spread, double half)
@@ -334,7 +315,17 @@ gp_status gp_paper_kernel(const struct gp_log *log, int size,
     gp_status st = make_frame(log, "kernel", size, size, out);
     if (st)
         return st;
-    make_streaks(s);
+    // 8 strong ones that cross, the others anywhere and weaker. Directions are
+    // ((1 - t^2), 2 t) / (1 + t^2), points of the circle without a sine
+    struct dice d = {7};
+    for (int i = 0; i < STREAKS; i++) {
+        const double t = i < STRONG ? 0.47 * (i / 2) - 0.9
+                                    : between(&d, -1.0, 1.0);
+        const double side = i % 2 ? -1.0 : 1.0, q = 1.0 + t * t;
+        s[i].x = side * (1.0 - t * t) / q;
+        s[i].y = side * 2.0 * t / q;
+        s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&d) * roll(&d);
+    }
     for (int c = 0; c < 3; c++) {
         float *to = out->rgb.c[c];
         for (int y = 0; y < size; y++) {

@@ -48,12 +48,6 @@ static double along(const struct panel *p, int axis, double v)
     return log(v / p->low[axis]) / log(p->high[axis] / p->low[axis]);
 }
 
-static void widen(struct panel *p, int axis, double v)
-{
-    p->low[axis] = p->low[axis] < v ? p->low[axis] : v;
-    p->high[axis] = p->high[axis] > v ? p->high[axis] : v;
-}
-
 static void place_points(const struct gp_bench_frame *f, struct panel *p)
 {
     *p = (struct panel) {.f = f, .low = {INFINITY, INFINITY}};
@@ -64,8 +58,11 @@ static void place_points(const struct gp_bench_frame *f, struct panel *p)
             continue;
         struct point *const at = &p->at[p->n++];
         *at = (struct point) {.row = r, .ms = r->ms, .error = fmax(e, LEAST)};
-        widen(p, 0, at->ms);
-        widen(p, 1, at->error);
+        const double v[2] = {at->ms, at->error};
+        for (int axis = 0; axis < 2; axis++) {
+            p->low[axis] = fmin(p->low[axis], v[axis]);
+            p->high[axis] = fmax(p->high[axis], v[axis]);
+        }
     }
     for (int axis = 0; axis < 2; axis++) {
         if (p->n == 0)
@@ -80,11 +77,6 @@ static void place_points(const struct gp_bench_frame *f, struct panel *p)
     }
 }
 
-static bool meet(const struct box *a, const struct box *b)
-{
-    return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
-}
-
 /* How many points and labels before the i-th the box would cover. */
 static int covered(const struct panel *p, int i, const struct box *b)
 {
@@ -94,7 +86,10 @@ static int covered(const struct panel *p, int i, const struct box *b)
     for (int k = 0; k < p->n; k++) {
         const struct point *o = &p->at[k];
         const struct box dot = {o->x - 4, o->y - 4, o->x + 4, o->y + 4};
-        n += meet(b, &dot) + (k < i && meet(b, &o->label));
+        const struct box *const other[2] = {&dot, &o->label};
+        for (int m = 0; m < (k < i ? 2 : 1); m++)
+            n += b->x0 < other[m]->x1 && other[m]->x0 < b->x1 &&
+                 b->y0 < other[m]->y1 && other[m]->y0 < b->y1;
     }
     return n;
 }
@@ -209,22 +204,6 @@ static void write_script(const struct gp_bench_table *t, FILE *to)
  * much is written. */
 enum { STREAMS = 3 };
 
-static bool open_streams(int fd[STREAMS])
-{
-    static const char *const names[STREAMS] = {"script", "picture", "errors"};
-    for (int i = 0; i < STREAMS; i++)
-        fd[i] = memfd_create(names[i], MFD_CLOEXEC);
-    return fd[0] >= 0 && fd[1] >= 0 && fd[2] >= 0;
-}
-
-static void close_streams(const int fd[STREAMS])
-{
-    for (int i = 0; i < STREAMS; i++) {
-        if (fd[i] >= 0)
-            close(fd[i]);
-    }
-}
-
 static bool write_script_to(int fd, const char *script)
 {
     size_t n = strlen(script);
@@ -281,46 +260,46 @@ static int run_child(const int fd[STREAMS], int *status)
     return 0;
 }
 
-/* The first line of what it complained about, without its indent. */
-static gp_status complain(const struct gp_log *log, int fd)
-{
-    size_t size;
-    char *const text = read_stream(fd, &size);
-    const char *line = text ? text + strspn(text, " \n\t^") : "";
-    gp_status st = gp_fail(log, GP_ERR_IO,
-                           "gnuplot: made no picture (%.*s); check the Debian "
-                           "package gnuplot-nox",
-                           *line ? (int) strcspn(line, "\n") : 10,
-                           *line ? line : "no reason");
-    free(text);
-    return st;
-}
-
 gp_status gp_gnuplot(const struct gp_log *log, const char *script, char **out,
                      size_t *size)
 {
+    static const char *const names[STREAMS] = {"script", "picture", "errors"};
     int fd[STREAMS], status = 0;
     gp_status st = GP_OK;
-    int error = open_streams(fd) && write_script_to(fd[0], script) ? 0 : errno;
+    for (int i = 0; i < STREAMS; i++)
+        fd[i] = memfd_create(names[i], MFD_CLOEXEC);
+    const bool open = fd[0] >= 0 && fd[1] >= 0 && fd[2] >= 0;
+    int error = open && write_script_to(fd[0], script) ? 0 : errno;
     if (!error)
         error = run_child(fd, &status);
-    if (error)
+    if (error) {
         st = gp_fail(log, GP_ERR_IO,
                      "gnuplot: cannot be run (%s); install the Debian package "
                      "gnuplot-nox, or leave --plot out", strerror(error));
-    else if (!WIFEXITED(status) || WEXITSTATUS(status) == 127)
+    } else if (!WIFEXITED(status) || WEXITSTATUS(status) == 127) {
         st = gp_fail(log, GP_ERR_IO,
                      "gnuplot: cannot be run (it ended with %#x); install the "
                      "Debian package gnuplot-nox, or leave --plot out",
                      (unsigned) status);
-    else if (WEXITSTATUS(status) != 0)
-        st = complain(log, fd[2]);
+    } else if (WEXITSTATUS(status) != 0) { // its first line, without indent
+        char *const text = read_stream(fd[2], size);
+        const char *line = text ? text + strspn(text, " \n\t^") : "";
+        st = gp_fail(log, GP_ERR_IO,
+                     "gnuplot: made no picture (%.*s); check the Debian "
+                     "package gnuplot-nox",
+                     *line ? (int) strcspn(line, "\n") : 10,
+                     *line ? line : "no reason");
+        free(text);
+    }
     char *const text = st ? NULL : read_stream(fd[1], size);
     if (!st && !text)
         st = gp_no_memory(log, "gnuplot");
     if (!st)
         *out = text;
-    close_streams(fd);
+    for (int i = 0; i < STREAMS; i++) {
+        if (fd[i] >= 0)
+            close(fd[i]);
+    }
     return st;
 }
 

@@ -40,6 +40,33 @@ static struct {
     bool on;                // set before there are threads
 } kept = {.lock = PTHREAD_MUTEX_INITIALIZER};
 
+/* Counts a block in use. Locked. */
+static void count_block(size_t bytes)
+{
+    kept.used += bytes;
+    kept.most = kept.used > kept.most ? kept.used : kept.most;
+}
+
+/* The bytes of a block that is large enough to count, else 0. */
+static size_t counted_bytes(void *block)
+{
+    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
+    return bytes < KEPT_LEAST ? 0 : bytes;
+}
+
+/* A block is in use from here on, or no more. */
+static void count_use(size_t bytes, bool used)
+{
+    if (!bytes)
+        return;
+    pthread_mutex_lock(&kept.lock);
+    if (used)
+        count_block(bytes);
+    else
+        kept.used -= bytes < kept.used ? bytes : kept.used;
+    pthread_mutex_unlock(&kept.lock);
+}
+
 static void *take_kept(int i)
 {
     void *const block = kept.block[i];
@@ -52,39 +79,27 @@ static void *take_kept(int i)
     return block;
 }
 
-static void count_used(size_t bytes)
+/* A block of about that size, or NULL; then so much is given back that what is
+ * kept never adds to the most that was in use. */
+static void *reuse_kept(size_t bytes)
 {
-    kept.used += bytes;
-    kept.most = kept.used > kept.most ? kept.used : kept.most;
-}
-
-/* The smallest block that is large enough and not much more, or -1. An aligned
- * block may have up to a huge page behind it. */
-static int find_kept(size_t bytes)
-{
+    // the smallest that is large enough and not much more; an aligned block
+    // may have up to a huge page after it
     const size_t page = bytes < LARGE ? 0 : HUGE_PAGE;
     const size_t most = bytes + (bytes / 8 > page ? bytes / 8 : page);
+    void *found = NULL;
     int best = -1;
+    if (!kept.on || bytes < KEPT_LEAST)
+        return NULL;
+    pthread_mutex_lock(&kept.lock);
     for (int i = 0; i < kept.n; i++) {
         if (kept.bytes[i] >= bytes && kept.bytes[i] <= most &&
             (best < 0 || kept.bytes[i] <= kept.bytes[best]))
             best = i;
     }
-    return best;
-}
-
-/* A block of about that size, or NULL; then so much is given back that what is
- * kept never adds to the most that was in use. */
-static void *reuse(size_t bytes)
-{
-    void *found = NULL;
-    if (!kept.on || bytes < KEPT_LEAST)
-        return NULL;
-    pthread_mutex_lock(&kept.lock);
-    const int at = find_kept(bytes);
-    if (at >= 0) {
-        count_used(kept.bytes[at]);
-        found = take_kept(at);
+    if (best >= 0) {
+        count_block(kept.bytes[best]);
+        found = take_kept(best);
     }
     while (!found && kept.n > 0 &&
            kept.used + bytes + kept.waiting > kept.most)
@@ -93,37 +108,21 @@ static void *reuse(size_t bytes)
     return found;
 }
 
-static void count_new(void *block)
+void gp_free(void *p)
 {
-    const size_t bytes = kept.on ? malloc_usable_size(block) : 0;
-    if (bytes < KEPT_LEAST)
+    const size_t bytes = counted_bytes(p);
+    if (!bytes) {
+        free(p);
         return;
-    pthread_mutex_lock(&kept.lock);
-    count_used(bytes);
-    pthread_mutex_unlock(&kept.lock);
-}
-
-/* Locked. */
-static void count_unused(size_t bytes)
-{
-    kept.used -= bytes < kept.used ? bytes : kept.used;
-}
-
-/* False when the block is not to be kept. */
-static bool keep(void *block)
-{
-    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
-    if (bytes < KEPT_LEAST)
-        return false;
+    }
     pthread_mutex_lock(&kept.lock);
     if (kept.n == KEPT_MOST)
         free(take_kept(0));
-    count_unused(bytes);
+    kept.used -= bytes < kept.used ? bytes : kept.used;
     kept.waiting += bytes;
-    kept.block[kept.n] = block;
+    kept.block[kept.n] = p;
     kept.bytes[kept.n++] = bytes;
     pthread_mutex_unlock(&kept.lock);
-    return true;
 }
 
 // -- allocation -------------------------------------------------------------------
@@ -148,7 +147,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
                             "%s: more memory than there can be (%zu x %zu "
                             "bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is for failure alone
-    *out = reuse(bytes);
+    *out = reuse_kept(bytes);
     if (*out)
         return GP_OK;
     if (posix_memalign(out, bytes < LARGE ? GP_ALIGN : HUGE_PAGE, bytes) != 0)
@@ -159,29 +158,18 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
 #endif
     if (!*out)
         return no_memory(log, what, bytes);
-    count_new(*out);
+    count_use(counted_bytes(*out), true);
     return GP_OK;
-}
-
-static void count_gone(void *block)
-{
-    const size_t bytes = kept.on && block ? malloc_usable_size(block) : 0;
-    if (bytes < KEPT_LEAST)
-        return;
-    pthread_mutex_lock(&kept.lock);
-    count_unused(bytes);
-    pthread_mutex_unlock(&kept.lock);
 }
 
 gp_status gp_resize(const struct gp_log *log, const char *what, size_t bytes,
                     void **block)
 {
-    count_gone(*block);
+    count_use(counted_bytes(*block), false);
     void *const moved = realloc(*block, bytes);
     if (moved)
         *block = moved;
-    if (*block)
-        count_new(*block);
+    count_use(counted_bytes(*block), true);
     if (!moved)
         return no_memory(log, what, bytes);
     return GP_OK;
@@ -194,12 +182,6 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
     if (!st)
         memset(*out, 0, count * size);
     return st;
-}
-
-void gp_free(void *p)
-{
-    if (!keep(p))
-        free(p);
 }
 
 void gp_keep_memory(void)

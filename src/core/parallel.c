@@ -50,27 +50,21 @@ void gp_set_threads(int threads)
     atomic_store(&threads_wanted, threads);
 }
 
-static int count_processors(void)
-{
-    cpu_set_t set;
-    int n = atomic_load(&processors);
-    if (n == 0) {
-        n = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
-        atomic_store(&processors, n);
-    }
-    return n;
-}
-
 int gp_threads(void)
 {
     const int wanted = atomic_load(&threads_wanted);
-    const int n = wanted > 0 ? wanted : count_processors();
+    int n = wanted > 0 ? wanted : atomic_load(&processors);
+    if (n == 0) { // not asked yet
+        cpu_set_t set;
+        n = sched_getaffinity(0, sizeof set, &set) == 0 ? CPU_COUNT(&set) : 1;
+        atomic_store(&processors, n);
+    }
     return n > MOST_THREADS ? MOST_THREADS : n;
 }
 
 /* Takes one i after another until none is left, or, as a helper, until some
  * thread waits for its place. */
-static void work(struct loop *l, int thread)
+static void run_share(struct loop *l, int thread)
 {
     inside = true;
     while (!thread || !atomic_load(&pool.waiting)) {
@@ -120,7 +114,7 @@ static void call_help(void)
 }
 
 /* Works for a loop as its next free number. Locked. */
-static void help(struct loop *l)
+static void help_loop(struct loop *l)
 {
     int thread = 1;
     while (l->taken[thread])
@@ -130,7 +124,7 @@ static void help(struct loop *l)
     pool.active++;
     call_help();
     pthread_mutex_unlock(&pool.lock);
-    work(l, thread);
+    run_share(l, thread);
     pthread_mutex_lock(&pool.lock);
     l->taken[thread] = false;
     if (--l->busy == 0)
@@ -144,7 +138,7 @@ static void *worker(void *arg)
     for (;;) {
         struct loop *const l = find_loop();
         if (l)
-            help(l);
+            help_loop(l);
         else
             pthread_cond_wait(&pool.wake, &pool.lock);
     }
@@ -186,55 +180,38 @@ static void start_workers(int team)
     pthread_sigmask(SIG_SETMASK, &before, NULL);
 }
 
-/* Opens a loop to helpers. Locked. */
-static void open_loop(struct loop *l)
-{
-    struct loop **end = &pool.open;
-    while (*end)
-        end = &(*end)->younger;
-    *end = l;
-    call_help();
-}
-
-/* Shuts it and waits for its helpers. Locked. */
-static void close_loop(struct loop *l)
-{
-    struct loop **at = &pool.open;
-    while (*at != l)
-        at = &(*at)->younger;
-    *at = l->younger;
-    while (l->busy > 0)
-        pthread_cond_wait(&pool.rest, &pool.lock);
-}
-
-static gp_status run_alone(int n, gp_body body, void *ctx, int *failed)
-{
-    for (int i = 0; i < n; i++) {
-        const gp_status st = body(ctx, i, 0);
-        if (st) {
-            if (failed)
-                *failed = i;
-            return st;
-        }
-    }
-    return GP_OK;
-}
-
 gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
 {
     const int team = gp_threads() < n ? gp_threads() : n;
-    if (team < 2 || inside)
-        return run_alone(n, body, ctx, failed);
+    if (team < 2 || inside) {
+        for (int i = 0; i < n; i++) {
+            const gp_status st = body(ctx, i, 0);
+            if (st && failed)
+                *failed = i;
+            if (st)
+                return st;
+        }
+        return GP_OK;
+    }
     struct loop l = {.body = body, .ctx = ctx, .n = n, .team = team};
     atomic_init(&l.next, 0);
     atomic_init(&l.first, INT_MAX);
     pthread_mutex_lock(&pool.lock);
     start_workers(team);
-    open_loop(&l);
+    struct loop **at = &pool.open; // after the others
+    while (*at)
+        at = &(*at)->younger;
+    *at = &l;
+    call_help();
     pthread_mutex_unlock(&pool.lock);
-    work(&l, 0);
+    run_share(&l, 0);
     pthread_mutex_lock(&pool.lock);
-    close_loop(&l);
+    at = &pool.open; // its place may be another by now
+    while (*at != &l)
+        at = &(*at)->younger;
+    *at = l.younger;
+    while (l.busy > 0)
+        pthread_cond_wait(&pool.rest, &pool.lock);
     pthread_mutex_unlock(&pool.lock);
     if (l.result && failed)
         *failed = atomic_load(&l.first);

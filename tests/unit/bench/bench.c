@@ -193,7 +193,7 @@ static void gnuplot_that_is_missing_is_named(void **state)
     free(path);
 }
 
-SUITE_OF(bench, NULL, NULL,
-    the_front_is_what_nothing_beats, options_ask_for_the_technique,
-    parts_are_even_and_untouched, no_light_has_a_part_without_any,
-    gnuplot_gives_all_it_writes, gnuplot_that_is_missing_is_named)
+SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,
+         options_ask_for_the_technique, parts_are_even_and_untouched,
+         no_light_has_a_part_without_any, gnuplot_gives_all_it_writes,
+         gnuplot_that_is_missing_is_named)

@@ -167,7 +167,7 @@ static void sizes_out_of_range_are_refused(void **state)
     }
 }
 
-SUITE_OF(paper, NULL, NULL,
-    bytes_are_the_same_everywhere, light_is_as_it_is_named,
-    windows_are_not_constant, dim_pixels_stay_dim,
-    the_kernel_is_coloured_and_ends_inside, sizes_out_of_range_are_refused)
+SUITE_OF(paper, NULL, NULL, bytes_are_the_same_everywhere,
+         light_is_as_it_is_named, windows_are_not_constant,
+         dim_pixels_stay_dim, the_kernel_is_coloured_and_ends_inside,
+         sizes_out_of_range_are_refused)

@@ -127,7 +127,7 @@ static void values_that_are_no_numbers(void **state)
         {INFINITY, 3e38f, false}, {-3e38f, -INFINITY, false},
         {0.0f, -0.0f, true},     {1e-40f, 0.0f, true},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         make(&a, "Z", (struct gp_rect) {-3, -2, 4, 3});
         make(&b, "Z", (struct gp_rect) {-3, -2, 4, 3});
         a.v[0][9] = rows[i].a;
@@ -306,7 +306,7 @@ static void magma_is_magma(void **state)
         {1.0f, {252, 253, 191}}, {2.0f, {252, 253, 191}},
         {-1.0f, {0, 0, 4}},      {NAN, {0, 0, 4}},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         float rgb[3];
         gp_compare_magma(rows[i].v, rgb);
         for (int c = 0; c < 3; c++)
@@ -314,8 +314,7 @@ static void magma_is_magma(void **state)
     }
 }
 
-SUITE_OF(figures, NULL, NULL,
-    two_pixels, luminance_is_relative, values_that_are_no_numbers,
-    limits_are_idiffs, names_decide, windows_are_joined,
-    whole_numbers_are_exact, threads_do_not_matter, flip_fits_the_files,
-    black_has_flip, magma_is_magma)
+SUITE_OF(figures, NULL, NULL, two_pixels, luminance_is_relative,
+         values_that_are_no_numbers, limits_are_idiffs, names_decide,
+         windows_are_joined, whole_numbers_are_exact, threads_do_not_matter,
+         flip_fits_the_files, black_has_flip, magma_is_magma)

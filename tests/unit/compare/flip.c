@@ -406,11 +406,11 @@ static void memory_is_full(void **state)
     gp_set_threads(0);
 }
 
-SUITE_OF(flip, NULL, NULL,
-    flat_colours_are_as_far_as_they_are, patterns_agree_with_the_plain_form,
-    laws_hold_at_any_size_and_distance, one_pixel_is_seen_near_it_alone,
-    threads_change_nothing, exposures_fit_the_reference,
-    the_median_decides_where_exposures_stop,
-    dark_and_hostile_references_have_exposures,
-    the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused,
-    memory_is_full)
+SUITE_OF(flip, NULL, NULL, flat_colours_are_as_far_as_they_are,
+         patterns_agree_with_the_plain_form,
+         laws_hold_at_any_size_and_distance, one_pixel_is_seen_near_it_alone,
+         threads_change_nothing, exposures_fit_the_reference,
+         the_median_decides_where_exposures_stop,
+         dark_and_hostile_references_have_exposures,
+         the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused,
+         memory_is_full)

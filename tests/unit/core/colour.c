@@ -158,8 +158,7 @@ static void srgb_goes_and_comes_back(void **state)
     }
 }
 
-SUITE_OF(colour, NULL, NULL,
-    weights_are_the_published_ones, bt709_is_exactly_what_papers_print,
-    matrix_is_that_of_the_standard, white_has_luminance_one,
-    degenerate_primaries_count_as_bt709, srgb_points, srgb_clamps,
-    srgb_goes_and_comes_back)
+SUITE_OF(colour, NULL, NULL, weights_are_the_published_ones,
+         bt709_is_exactly_what_papers_print, matrix_is_that_of_the_standard,
+         white_has_luminance_one, degenerate_primaries_count_as_bt709,
+         srgb_points, srgb_clamps, srgb_goes_and_comes_back)

@@ -26,7 +26,7 @@ static void impossible_sizes(void **state)
         {(size_t) 1 << 62, 1}, {(size_t) 1 << 32, (size_t) 1 << 32},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         void *p = &p;
         assert_int_equal(gp_alloc(NULL, "t", row[i].count, row[i].size, &p),
                          GP_ERR_BUG);
@@ -72,7 +72,7 @@ static void resized(void **state)
     void *p = NULL, *before;
     size_t held = 0;
     (void) state;
-    for (size_t i = 0; i < sizeof size / sizeof *size; i++) {
+    for (size_t i = 0; i < COUNT(size); i++) {
         assert_int_equal(gp_resize(NULL, "t", size[i], &p), GP_OK);
         for (size_t k = 0; k < held && k < size[i]; k += 997)
             assert_int_equal(((uint8_t *) p)[k], 0x5a);

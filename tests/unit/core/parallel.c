@@ -76,8 +76,8 @@ static void each_i_once(void **state)
     static const int threads[] = {1, 2, 3, 8, 200}, n[] = {0, 1, 2, 7, 5000};
     static struct seen s;
     (void) state;
-    for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
-        for (size_t k = 0; k < sizeof n / sizeof *n; k++) {
+    for (size_t t = 0; t < COUNT(threads); t++) {
+        for (size_t k = 0; k < COUNT(n); k++) {
             memset(&s, 0, sizeof s);
             s.nested = 9;
             gp_set_threads(threads[t]);
@@ -97,7 +97,7 @@ static void lowest_failure(void **state)
     };
     static struct seen s;
     (void) state;
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+    for (size_t k = 0; k < COUNT(row); k++) {
         int failed = -1;
         memset(&s, 0, sizeof s);
         s.fail_from = row[k].from;
@@ -145,7 +145,7 @@ static void callers_share(void **state)
     static const int threads[] = {1, 2, 3, 8};
     static struct caller c[CALLERS];
     (void) state;
-    for (size_t t = 0; t < sizeof threads / sizeof *threads; t++) {
+    for (size_t t = 0; t < COUNT(threads); t++) {
         pthread_t id[CALLERS];
         gp_set_threads(threads[t]);
         atomic_store(&most_at_work, 0);
@@ -192,5 +192,5 @@ static void child_has_its_own(void **state)
     assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
 }
 
-SUITE_OF(parallel, NULL, NULL,
-    each_i_once, lowest_failure, callers_share, child_has_its_own)
+SUITE_OF(parallel, NULL, NULL, each_i_once, lowest_failure, callers_share,
+         child_has_its_own)

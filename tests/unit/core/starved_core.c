@@ -31,7 +31,7 @@ static void processors_unknown(void **state)
         {1, 1}, {7, 7}, {256, 256}, {257, 256}, {INT_MAX, 256}, {-3, 1},
         {INT_MIN, 1}, {0, 1},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         gp_set_threads(rows[i].wanted);
         assert_int_equal(gp_threads(), rows[i].got);
     }
@@ -55,7 +55,7 @@ static void threads_do_not_start(void **state)
     fail_always.threads = true;
     for (int threads = 1; threads <= 4; threads += 3) {
         gp_set_threads(threads);
-        for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        for (size_t i = 0; i < COUNT(rows); i++) {
             atomic_int done = 0;
             int failed = -1;
             assert_int_equal(gp_parallel(rows[i].n, body, &done, &failed),
@@ -81,7 +81,7 @@ static void sizes_are_checked(void **state)
         {0, 4, NULL}, {4, 0, NULL}, {1, 1, NULL}, {5 << 20, 1, NULL},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         for (int zero = 0; zero < 2; zero++) {
             void *p = &p;
             said_nothing();
@@ -152,7 +152,7 @@ static void json_is_whole_or_null(void **state)
          "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         char *const text = gp_json_print(gp_json_name(rows[i].bytes),
                                          JSON_ENCODE_ANY);
         assert_string_equal(text, rows[i].text);
@@ -242,12 +242,12 @@ static void statuses_have_texts(void **state)
     };
 #undef ROW
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         assert_int_equal(rows[i].status, rows[i].code);
         assert_string_equal(gp_status_text(rows[i].code), rows[i].text);
     }
     static const int others[] = {-1, 1, 7, 69, 71, 255, INT_MAX, INT_MIN};
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+    for (size_t i = 0; i < COUNT(others); i++)
         assert_string_equal(gp_status_text(others[i]), "unknown status");
 }
 
@@ -273,7 +273,7 @@ static void bridges_are_looked_for(void **state)
         {NULL, "odd.so", "odd.so is not there"},
         {longest, "odd.so", "odd.so is not there"},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         if (rows[i].folder)
             setenv("GLAREPP_BRIDGES", rows[i].folder, 1);
         else
@@ -307,8 +307,8 @@ static void cpu_can_be_told(void **state)
     unsetenv("GLAREPP_CPU");
 }
 
-SUITE_OF(starved_core, NULL, NULL,
-    processors_unknown, threads_do_not_start, sizes_are_checked,
-    memory_is_full, no_memory_is_one_line, json_is_whole_or_null,
-    frames_own_what_they_hold, messages_are_one_line, statuses_have_texts,
-    bridges_are_looked_for, cpu_can_be_told)
+SUITE_OF(starved_core, NULL, NULL, processors_unknown, threads_do_not_start,
+         sizes_are_checked, memory_is_full, no_memory_is_one_line,
+         json_is_whole_or_null, frames_own_what_they_hold,
+         messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
+         cpu_can_be_told)

@@ -221,7 +221,7 @@ static void reinhard_keeps_luminance_and_hue(void **state)
     }
 }
 
-SUITE_OF(curves, NULL, NULL,
-    operators_are_their_equations, dark_light_keeps_its_digits,
-    published_points, grey_ramps_rise, output_is_always_in_range,
-    darkness_is_black, reinhard_keeps_luminance_and_hue)
+SUITE_OF(curves, NULL, NULL, operators_are_their_equations,
+         dark_light_keeps_its_digits, published_points, grey_ramps_rise,
+         output_is_always_in_range, darkness_is_black,
+         reinhard_keeps_luminance_and_hue)

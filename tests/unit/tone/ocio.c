@@ -15,7 +15,7 @@ static void view_of_every_pixel(void **state)
     } rows[] = {{1, 1, 0}, {1, 37, 1}, {4097, 3, -2}, {64, 64, 3}};
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = lit_frame(rows[i].w, rows[i].h, 40000.0f);
         struct gp_tone_params tone = GP_TONE_DEFAULTS;
         tone.exposure = rows[i].ev;
@@ -60,7 +60,7 @@ static void bad_pixels_stay_alone(void **state)
     static const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+    for (size_t i = 0; i < COUNT(bad); i++) {
         struct gp_frame f = lit_frame(5, 5, bad[i]);
         struct gp_tone_params tone = GP_TONE_DEFAULTS;
         tone.exposure = 8;
@@ -122,6 +122,5 @@ static void only_what_was_asked(void **state)
     gp_ocio_close(&o);
 }
 
-SUITE_OF(ocio, start, wf_end,
-    view_of_every_pixel, auto_exposure_is_a_scale, bad_pixels_stay_alone,
-    same_for_any_threads, only_what_was_asked)
+SUITE_OF(ocio, start, wf_end, view_of_every_pixel, auto_exposure_is_a_scale,
+         bad_pixels_stay_alone, same_for_any_threads, only_what_was_asked)

@@ -39,7 +39,7 @@ static void what_is_chosen(void **state)
         {NULL, "Hidden", NULL, NULL, "lin", "Hidden", "Plain", 1.0f},
         {NULL, NULL, "Shot", NULL, "lin", "Screen", "Shot", 4.0f},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_ocio_params p = ask();
         p.input = rows[i].input;
         p.display = rows[i].display;
@@ -119,7 +119,7 @@ static void wrong_names_list_the_right_ones(void **state)
          "NAME=VALUE"},
         {{.context = blank, .contexts = 1}, "--ocio-context: ", "NAME=VALUE"},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_ocio_params p = rows[i].p;
         struct gp_ocio *o;
         p.config = wf_path("c.ocio");
@@ -185,7 +185,7 @@ static void bad_configs(void **state)
         {"missing.ocio", GP_ERR_IO, "No such file"},
         {".", GP_ERR_IO, "is a file"},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_ocio_params p = {.config = wf_path(rows[i].name),
                                    .shows = true};
         struct gp_ocio *o;
@@ -197,6 +197,6 @@ static void bad_configs(void **state)
     }
 }
 
-SUITE_OF(ocio_names, start, wf_end,
-    what_is_chosen, context_names_the_file, environment_names_the_config,
-    wrong_names_list_the_right_ones, many_names_are_cut, bad_configs)
+SUITE_OF(ocio_names, start, wf_end, what_is_chosen, context_names_the_file,
+         environment_names_the_config, wrong_names_list_the_right_ones,
+         many_names_are_cut, bad_configs)

@@ -39,5 +39,4 @@ static void memory_is_full(void **state)
     gp_planes_free(&frame.lit);
 }
 
-SUITE_OF(starved_tone, NULL, NULL,
-    memory_is_full)
+SUITE_OF(starved_tone, NULL, NULL, memory_is_full)

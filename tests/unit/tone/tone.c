@@ -367,9 +367,9 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
-SUITE_OF(tone, NULL, NULL,
-    curves_are_listed, unknown_curve_is_refused, one_stop_is_a_factor_of_two,
-    none_copies, primaries_become_bt709, white_stays_white,
-    white_zero_is_the_frames_maximum, log_average_skips_what_is_not_light,
-    log_average_of_few_pixels, auto_exposure_sets_the_key,
-    exposure_of_any_size_is_finite, threads_change_nothing)
+SUITE_OF(tone, NULL, NULL, curves_are_listed, unknown_curve_is_refused,
+         one_stop_is_a_factor_of_two, none_copies, primaries_become_bt709,
+         white_stays_white, white_zero_is_the_frames_maximum,
+         log_average_skips_what_is_not_light, log_average_of_few_pixels,
+         auto_exposure_sets_the_key, exposure_of_any_size_is_finite,
+         threads_change_nothing)
