@@ -37,6 +37,9 @@ LIBRARIES = [
 # Files of an unusual size, and why.
 SHORT, LONG = 80, 700
 SIZES = {
+    "core/cpu.c": "what the CPU has; nothing else belongs there",
+    "core/frame.c": "the frame is its header: shapes, owners, units",
+    "core/status.c": "the error line; the list of statuses is its header",
 }
 SUBJECT = re.compile(r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*: \S.*[^.]$")
 SINCE = "8c81615"  # subjects are held to the form from here on
