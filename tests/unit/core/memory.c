@@ -1,7 +1,10 @@
 /* core/memory: sizes that overflow, alignment, and large blocks that stay
  * from frame to frame without adding to what was in use. */
 #include "unit.h"
+#include "core/frame.h"
 #include "core/memory.h"
+#include "fail.h"
+#include "said.h"
 
 #include <malloc.h>
 #include <pthread.h>
@@ -15,27 +18,6 @@ static void *get(size_t bytes)
     assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
     memset(p, 0x5a, bytes);
     return p;
-}
-
-static void impossible_sizes(void **state)
-{
-    static const struct {
-        size_t count, size;
-    } row[] = {
-        {SIZE_MAX, 2}, {SIZE_MAX / 4 + 1, 4}, {SIZE_MAX, 1},
-        {(size_t) 1 << 62, 1}, {(size_t) 1 << 32, (size_t) 1 << 32},
-    };
-    (void) state;
-    for (size_t i = 0; i < COUNT(row); i++) {
-        void *p = &p;
-        assert_int_equal(gp_alloc(NULL, "t", row[i].count, row[i].size, &p),
-                         GP_ERR_BUG);
-        assert_null(p);
-        assert_int_equal(
-            gp_alloc_zero(NULL, "t", row[i].count, row[i].size, &p),
-            GP_ERR_BUG);
-        assert_null(p);
-    }
 }
 
 static void small_and_none(void **state)
@@ -157,11 +139,72 @@ static void threads_share(void **state)
     }
 }
 
+// -- refusals ------------------------------------------------------------------
+
+static void sizes_are_checked(void **state)
+{
+    static const struct { size_t count, size; const char *said; } rows[] = {
+        {SIZE_MAX, 2, "more memory than there can be"},
+        {SIZE_MAX, SIZE_MAX, "more memory than there can be"},
+        {SIZE_MAX, 1, "more memory than there can be"},
+        {SIZE_MAX / 4 + 1, 4, "more memory than there can be"},
+        {(size_t) 1 << 32, (size_t) 1 << 32, "more memory than there can be"},
+        {(size_t) 1 << 62, 1, "out of memory"},
+        {0, 4, NULL}, {4, 0, NULL}, {1, 1, NULL}, {5 << 20, 1, NULL},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        for (int zero = 0; zero < 2; zero++) {
+            void *p = &p;
+            said_nothing();
+            const gp_status st =
+                zero ? gp_alloc_zero(&said_log, "it", rows[i].count,
+                                     rows[i].size, &p)
+                     : gp_alloc(&said_log, "it", rows[i].count, rows[i].size,
+                                &p);
+            assert_int_equal(st, rows[i].said ? GP_ERR_BUG : GP_OK);
+            assert_true((p != NULL) == !rows[i].said);
+            assert_int_equal(said_errors, rows[i].said ? 1 : 0);
+            if (rows[i].said)
+                assert_non_null(strstr(said_line, rows[i].said));
+            assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
+            GP_FREE(p);
+            assert_null(p);
+        }
+    }
+}
+
+static void memory_is_full(void **state)
+{
+    const long blocks = fail_blocks();
+    (void) state;
+    for (int n = 1; n <= 4; n++) {
+        struct gp_planes p = {{NULL, NULL, NULL}};
+        fail_at(FAIL_ALLOC, n);
+        assert_int_equal(gp_planes_make(NULL, "planes", 100, &p),
+                         n < 4 ? GP_ERR_BUG : GP_OK);
+        fail_end();
+        for (int c = 0; c < 3; c++)
+            assert_true((p.c[c] != NULL) == (n == 4));
+        gp_planes_free(&p);
+        gp_planes_free(&p);
+        assert_null(p.c[0]);
+    }
+    fail_at(FAIL_ALLOC, 1);
+    assert_null(gp_strdup("a name"));
+    fail_end();
+    char *copy = gp_strdup("");
+    assert_string_equal(copy, "");
+    gp_free(copy);
+    assert_int_equal(fail_blocks(), blocks);
+}
+
 SUITE(memory)
 {
     gp_keep_memory();
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(impossible_sizes),
+        cmocka_unit_test(sizes_are_checked),
+        cmocka_unit_test(memory_is_full),
         cmocka_unit_test(small_and_none),
         cmocka_unit_test(zero_of_a_used_block),
         cmocka_unit_test(resized),

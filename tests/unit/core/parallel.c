@@ -2,7 +2,9 @@
  * once, and never more threads at work than there may be. */
 #include "unit.h"
 #include "core/parallel.h"
+#include "fail.h"
 
+#include <limits.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <sys/wait.h>
@@ -192,5 +194,60 @@ static void child_has_its_own(void **state)
     assert_true(WIFEXITED(how) && WEXITSTATUS(how) == 0);
 }
 
-SUITE_OF(parallel, NULL, NULL, each_i_once, lowest_failure, callers_share,
-         child_has_its_own)
+// -- where the system refuses ---------------------------------------------------
+
+/* More processors than the system can list count as one. First of all tests:
+ * processors are asked for once. */
+static void processors_unknown(void **state)
+{
+    (void) state;
+    fail_always.affinity = true;
+    gp_set_threads(0);
+    assert_int_equal(gp_threads(), 1);
+    fail_always.affinity = false;
+    assert_int_equal(gp_threads(), 1); // and are not asked for again
+    static const struct { int wanted, got; } rows[] = {
+        {1, 1}, {7, 7}, {256, 256}, {257, 256}, {INT_MAX, 256}, {-3, 1},
+        {INT_MIN, 1}, {0, 1},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        gp_set_threads(rows[i].wanted);
+        assert_int_equal(gp_threads(), rows[i].got);
+    }
+}
+
+static gp_status count_body(void *ctx, int i, int thread)
+{
+    atomic_int *const done = ctx;
+    assert_int_equal(thread, 0);
+    atomic_fetch_add(done, 1);
+    return i >= 40 ? GP_ERR_DATA : GP_OK;
+}
+
+static void threads_do_not_start(void **state)
+{
+    static const struct { int n; gp_status st; int failed, done; } rows[] = {
+        {0, GP_OK, -1, 0}, {1, GP_OK, -1, 1}, {40, GP_OK, -1, 40},
+        {100, GP_ERR_DATA, 40, 41},
+    };
+    (void) state;
+    fail_always.threads = true;
+    for (int threads = 1; threads <= 4; threads += 3) {
+        gp_set_threads(threads);
+        for (size_t i = 0; i < COUNT(rows); i++) {
+            atomic_int done = 0;
+            int failed = -1;
+            assert_int_equal(gp_parallel(rows[i].n, count_body, &done, &failed),
+                             rows[i].st);
+            assert_int_equal(failed, rows[i].failed);
+            assert_int_equal(done, rows[i].done);
+            assert_int_equal(gp_parallel(rows[i].n, count_body, &done, NULL),
+                             rows[i].st);
+        }
+    }
+    fail_always.threads = false;
+    gp_set_threads(1);
+}
+
+SUITE_OF(parallel, NULL, NULL, processors_unknown, each_i_once, lowest_failure,
+         callers_share, child_has_its_own, threads_do_not_start)

@@ -2,19 +2,10 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "core/parallel.h"
+#include "starved.h"
 #include "tone/tone.h"
 
 #include <float.h>
-
-static char last_line[512];
-
-static void keep_line(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    strncpy(last_line, line, sizeof last_line - 1);
-}
-static const struct gp_log log_to_line = {keep_line, NULL, GP_LEVEL_INFO};
 
 static unsigned seed = 1;
 
@@ -60,10 +51,10 @@ static void unknown_curve_is_refused(void **state)
     struct gp_frame f = make_frame(2, 2);
     struct gp_tone_params p = {.curve = "filmic"};
     (void) state;
-    assert_int_equal(gp_tone_map(&log_to_line, &p, &f, NULL), GP_ERR_USAGE);
-    assert_non_null(strstr(last_line, "filmic"));
-    assert_non_null(strstr(last_line, "reinhard, reinhard-extended"));
-    assert_non_null(strstr(last_line, "none"));
+    assert_int_equal(gp_tone_map(&said_log, &p, &f, NULL), GP_ERR_USAGE);
+    assert_non_null(strstr(said_line, "filmic"));
+    assert_non_null(strstr(said_line, "reinhard, reinhard-extended"));
+    assert_non_null(strstr(said_line, "none"));
     assert_null(f.shown.c[0]);
     gp_frame_free(&f);
 }
@@ -367,9 +358,32 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
+// -- memory -------------------------------------------------------------------
+
+static struct gp_frame starved;
+static double found;
+
+static gp_status run_map(void)
+{
+    const struct gp_tone_params p = GP_TONE_DEFAULTS;
+    const gp_status st = gp_tone_map(&said_log, &p, &starved, NULL);
+    for (size_t i = 0; !st && i < gp_frame_pixels(&starved); i++)
+        found += (double) starved.shown.c[i % 3][i];
+    gp_planes_free(&starved.shown);
+    return st;
+}
+
+static void memory_is_full(void **state)
+{
+    (void) state;
+    starved = make_frame(33, 21);
+    starve("tone map", run_map, &found, 3);
+    gp_frame_free(&starved);
+}
+
 SUITE_OF(tone, NULL, NULL, curves_are_listed, unknown_curve_is_refused,
          one_stop_is_a_factor_of_two, none_copies, primaries_become_bt709,
          white_stays_white, white_zero_is_the_frames_maximum,
          log_average_skips_what_is_not_light, log_average_of_few_pixels,
          auto_exposure_sets_the_key, exposure_of_any_size_is_finite,
-         threads_change_nothing)
+         threads_change_nothing, memory_is_full)

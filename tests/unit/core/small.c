@@ -1,0 +1,197 @@
+/* core's small files: frames and what they own, messages, JSON's text, the
+ * program's other files, the CPU. */
+#include "unit.h"
+#include "core/bridge.h"
+#include "core/cpu.h"
+#include "core/frame.h"
+#include "core/json.h"
+#include "core/memory.h"
+#include "fail.h"
+#include "said.h"
+
+#include <limits.h>
+#include <unistd.h>
+
+// -- frames -----------------------------------------------------------------------
+
+static int origins;
+
+static void free_origin(void *origin)
+{
+    assert_ptr_equal(origin, &origins);
+    origins++;
+}
+
+static void frames_own_what_they_hold(void **state)
+{
+    static const char *const names[] = {"R", "Z", "depth.Z"};
+    const long blocks = fail_blocks();
+    struct gp_frame f = {0};
+    void *channels;
+    (void) state;
+    gp_frame_free(&f); // an empty one
+    assert_null(gp_frame_channel(&f, "Z"));
+    assert_int_equal(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
+                                   &channels), GP_OK);
+    f.channel = channels;
+    f.channels = 3;
+    for (int i = 0; i < 3; i++)
+        f.channel[i].name = gp_strdup(names[i]);
+    assert_int_equal(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data), GP_OK);
+    assert_int_equal(gp_planes_make(NULL, "rgb", 4, &f.rgb), GP_OK);
+    f.path = gp_strdup("a.exr");
+    f.input = &origins;
+    f.input_free = free_origin;
+    for (int i = 0; i < 3; i++)
+        assert_ptr_equal(gp_frame_channel(&f, names[i]), &f.channel[i]);
+    static const char *const absent[] = {"z", "", "depth", "depth.Z2"};
+    for (int i = 0; i < 4; i++)
+        assert_null(gp_frame_channel(&f, absent[i]));
+    gp_frame_free(&f);
+    gp_frame_free(&f);
+    assert_int_equal(origins, 1);
+    struct gp_plane p = {.name = gp_strdup("Z")};
+    gp_plane_free(&p);
+    gp_plane_free(&p);
+    assert_int_equal(fail_blocks(), blocks);
+}
+
+// -- messages ---------------------------------------------------------------------
+
+static void messages_are_one_line(void **state)
+{
+    static const struct gp_log deaf = {NULL, NULL, GP_LEVEL_INFO};
+    const struct gp_log errors = {said_keep, NULL, GP_LEVEL_ERROR};
+    char text[5000];
+    (void) state;
+    said_nothing();
+    assert_int_equal(gp_fail(NULL, GP_ERR_IO, "unheard"), GP_ERR_IO);
+    assert_int_equal(gp_fail(&deaf, GP_ERR_GL, "unheard"), GP_ERR_GL);
+    gp_say(NULL, GP_LEVEL_ERROR, "unheard");
+    gp_say(&errors, GP_LEVEL_WARN, "unheard");
+    gp_say(&errors, GP_LEVEL_INFO, "unheard");
+    assert_int_equal(said_errors, 0);
+    assert_string_equal(said_line, "");
+    assert_int_equal(gp_fail(&errors, GP_ERR_DATA, "a\nb\r\nc: %d\n", 7),
+                     GP_ERR_DATA);
+    assert_string_equal(said_line, "a b  c: 7 ");
+    memset(text, 'x', sizeof text);
+    text[sizeof text - 1] = '\0';
+    assert_int_equal(gp_fail(&errors, GP_ERR_USAGE, "%s", text), GP_ERR_USAGE);
+    assert_int_equal(said_errors, 2);
+    assert_int_equal(strlen(said_line), sizeof said_line - 1);
+}
+
+static void no_memory_is_one_line(void **state)
+{
+    (void) state;
+    said_nothing();
+    assert_int_equal(gp_no_memory(&said_log, "a.exr"), GP_ERR_BUG);
+    assert_string_equal(said_line,
+                        "a.exr: out of memory; close other programs");
+    assert_int_equal(gp_no_memory_bare(&said_log, "names"), GP_ERR_BUG);
+    assert_string_equal(said_line,
+                        "names: out of memory; close other programs");
+    assert_int_equal(said_errors, 2);
+}
+
+static void json_is_whole_or_null(void **state)
+{
+    static const struct { const char *bytes, *text; } rows[] = {
+        {"", "\"\""}, {"a", "\"a\""},
+        {"\xc3\xa4\xff", "\"\xc3\xa4\xef\xbf\xbd\""},
+        {"\xe0\x80\x80", // overlong: three bytes that are none
+         "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
+        {"\xf0\x9f\x8c\x9e", "\"\xf0\x9f\x8c\x9e\""},
+        {"\xed\xa0\x80", // half of a surrogate pair
+         "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        char *const text = gp_json_print(gp_json_name(rows[i].bytes),
+                                         JSON_ENCODE_ANY);
+        assert_string_equal(text, rows[i].text);
+        free(text);
+    }
+    assert_null(gp_json_print(NULL, 0));
+    fail_at(FAIL_ALLOC, 1);
+    assert_null(gp_json_name("a"));
+    assert_true(fail_end());
+}
+
+static void statuses_have_texts(void **state)
+{
+#define ROW(name, code, text) {name, code, text},
+    static const struct { int status, code; const char *text; } rows[] = {
+        GP_STATUS_LIST(ROW)
+    };
+#undef ROW
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        assert_int_equal(rows[i].status, rows[i].code);
+        assert_string_equal(gp_status_text(rows[i].code), rows[i].text);
+    }
+    static const int others[] = {-1, 1, 7, 69, 71, 255, INT_MAX, INT_MIN};
+    for (size_t i = 0; i < COUNT(others); i++)
+        assert_string_equal(gp_status_text(others[i]), "unknown status");
+}
+
+// -- the program's own shared objects -----------------------------------------------
+
+static void bridges_are_looked_for(void **state)
+{
+    char folder[] = "/tmp/glarepp-bridge-XXXXXX", path[64], why[512];
+    char longest[PATH_MAX + 8];
+    (void) state;
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/odd.so", folder);
+    FILE *const f = fopen(path, "w");
+    assert_non_null(f);
+    fputs("no library\n", f);
+    fclose(f);
+    memset(longest, 'a', sizeof longest - 1);
+    longest[sizeof longest - 1] = '\0';
+    const struct { const char *folder, *name, *said; } rows[] = {
+        {folder, "odd.so", "odd.so"},         // there, but no library
+        {folder, "none.so", "none.so is not there"},
+        {"", "odd.so", "odd.so is not there"},
+        {NULL, "odd.so", "odd.so is not there"},
+        {longest, "odd.so", "odd.so is not there"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        if (rows[i].folder)
+            setenv("GLAREPP_BRIDGES", rows[i].folder, 1);
+        else
+            unsetenv("GLAREPP_BRIDGES");
+        for (int lost = 0; lost < 2; lost++) {
+            fail_always.links = lost; // the program does not know where it is
+            assert_null(gp_bridge_open(rows[i].name, "none", why,
+                                       sizeof why));
+            if (!strstr(why, rows[i].said))
+                fail_msg("row %zu: \"%s\"", i, why);
+        }
+    }
+    fail_always.links = false;
+    unlink(path);
+    rmdir(folder);
+    unsetenv("GLAREPP_BRIDGES");
+}
+
+static void cpu_can_be_told(void **state)
+{
+    static const char *const others[] = {"", "bas", "basement", "avx2"};
+    (void) state;
+    unsetenv("GLAREPP_CPU");
+    const bool there = gp_cpu_has_avx2();
+    setenv("GLAREPP_CPU", "base", 1);
+    assert_false(gp_cpu_has_avx2());
+    for (int i = 0; i < 4; i++) {
+        setenv("GLAREPP_CPU", others[i], 1);
+        assert_true(gp_cpu_has_avx2() == there);
+    }
+    unsetenv("GLAREPP_CPU");
+}
+
+SUITE_OF(small, NULL, NULL, no_memory_is_one_line, json_is_whole_or_null,
+         frames_own_what_they_hold, messages_are_one_line, statuses_have_texts,
+         bridges_are_looked_for, cpu_can_be_told)
