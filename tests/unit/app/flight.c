@@ -166,7 +166,7 @@ static const struct {
 static void all_in_order(void **state)
 {
     (void) state;
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+    for (size_t k = 0; k < COUNT(row); k++) {
         for (int ordered = 0; ordered < 2; ordered++) {
             clear();
             seen.ordered = ordered;
@@ -189,7 +189,7 @@ static void all_in_order(void **state)
 static void failures_are_skipped(void **state)
 {
     (void) state;
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+    for (size_t k = 0; k < COUNT(row); k++) {
         for (int phase = 0; phase < 3; phase++) {
             clear();
             seen.skip = true;
@@ -211,7 +211,7 @@ static void failures_are_skipped(void **state)
 static void first_failure_ends(void **state)
 {
     (void) state;
-    for (size_t k = 0; k < sizeof row / sizeof *row; k++) {
+    for (size_t k = 0; k < COUNT(row); k++) {
         for (int phase = 0; phase < 3; phase++) {
             const int at = row[k].units / 2;
             clear();

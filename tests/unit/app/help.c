@@ -137,7 +137,7 @@ static void slips_of_commands(void **state)
         {"--completion bash", "glarepp help --completion"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         const gp_status st = parse(rows[i].line, &s);
         if (rows[i].part ? st != GP_ERR_USAGE || !strstr(said, rows[i].part)
@@ -175,7 +175,7 @@ static void edits_are_counted(void **state)
         {"0", "01234567890123456789012345678901", 99},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+    for (size_t i = 0; i < COUNT(rows); i++)
         assert_int_equal(edits_between(rows[i].a, rows[i].b), rows[i].edits);
     struct gp_nearest near = gp_nearest_to("ab", 2, 3);
     gp_nearest_try(&near, "xy"); // half of it at most may be wrong
@@ -231,7 +231,7 @@ static void topics_print_their_part(void **state)
         {"splat", "-e, --engine NAME"}, {"streak", "-k, --kernel FILE"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+    for (size_t i = 0; i < COUNT(rows); i++)
         topic_has(rows[i].name, rows[i].part);
 }
 
@@ -251,7 +251,8 @@ static void every_topic_is_known(void **state)
         if (!strstr(list, word) && strcmp(word, "help") != 0)
             fail_msg("%s is not in the list", word);
         const gp_status st = gp_help_topic(&keeper, null_file, word);
-        assert_true(st == GP_OK || st == GP_ERR_IO || strcmp(word, "help") == 0);
+        assert_true(st == GP_OK || st == GP_ERR_IO ||
+                    strcmp(word, "help") == 0);
         sections += st == GP_ERR_IO && strstr(said, "man/glarepp.1") != NULL;
     }
     fclose(null_file);
@@ -282,7 +283,7 @@ static void unknown_topics_suggest(void **state)
         {"%s%n", "(found \"%s%n\")"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         char *text = topic(rows[i].name);
         if (text || !strstr(said, rows[i].part))
             fail_msg("help %s: %s", rows[i].name, text ? text : said);

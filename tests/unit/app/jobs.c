@@ -62,26 +62,6 @@ static void check_row(const struct job_row *r, bool views, bool parts)
     gp_settings_free(&s);
 }
 
-struct made_row {
-    const char *line;
-    bool made;  // of the first frame
-};
-
-/* A test whose state is rows, the last without a line. */
-static void what_is_made(void **state)
-{
-    for (const struct made_row *r = *state; r->line; r++) {
-        struct gp_settings s;
-        struct gp_jobs j = {0};
-        if (make(r->line, &s, &j) != GP_OK)
-            fail_msg("%s: %s", r->line, said);
-        if (gp_job_made(&s.write, &j, &j.job[0]) != r->made)
-            fail_msg("%s", r->line);
-        gp_jobs_free(&j);
-        gp_settings_free(&s);
-    }
-}
-
 // -- a folder with frames ----------------------------------------------------
 
 static const char *const files[] = {
@@ -100,7 +80,7 @@ static int make_folder(void **state)
     (void) state;
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return -1;
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+    for (size_t i = 0; i < COUNT(files); i++)
         close(creat(files[i], 0600));
     for (int i = 0; i < 2; i++) {
         char name[16];
@@ -116,7 +96,7 @@ static int make_folder(void **state)
 static int remove_folder(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+    for (size_t i = 0; i < COUNT(files); i++)
         unlink(files[i]);
     for (int i = 0; i < 2; i++) {
         char name[16];
@@ -333,28 +313,28 @@ static const struct job_row stdin_rows[] = {
 static void frames(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++)
+    for (size_t i = 0; i < COUNT(rows); i++)
         check_row(&rows[i], false, false);
 }
 
 static void views_in_names(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof view_rows / sizeof view_rows[0]; i++)
+    for (size_t i = 0; i < COUNT(view_rows); i++)
         check_row(&view_rows[i], true, false);
 }
 
 static void views_in_files(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof part_rows / sizeof part_rows[0]; i++)
+    for (size_t i = 0; i < COUNT(part_rows); i++)
         check_row(&part_rows[i], true, true);
 }
 
 static void views_in_stdin(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof stdin_rows / sizeof stdin_rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(stdin_rows); i++) {
         static const char picture[] = "Pf\n1 1\n-1.0\n\0\0\200?";
         FILE *const f = fopen("three.pfm", "wb");
         assert_non_null(f);
@@ -382,6 +362,11 @@ static void too_many_jobs(void **state)
 
 // -- what is made already ----------------------------------------------------
 
+struct made_row {
+    const char *line;
+    bool made;  // of the first frame
+};
+
 static const struct made_row made_rows[] = {
     {"--no-clobber -o m.#.png s.0001.exr", true},
     {"--no-clobber -o m.#.png --layer m.#.exr s.0001.exr", true},
@@ -405,18 +390,24 @@ static const struct made_row made_rows[] = {
     {"--no-clobber --views left,right --hdr m.#.exr -o m.%V.#.png s.0002.exr",
      false},
     {"--no-clobber --views left,right --layer m.%V.#.png s.0002.exr", true},
-    {0},
 };
 
-SUITE(jobs)
+static void what_is_made(void **state)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames),
-        cmocka_unit_test(views_in_names),
-        cmocka_unit_test(views_in_files),
-        cmocka_unit_test(views_in_stdin),
-        cmocka_unit_test(too_many_jobs),
-        cmocka_unit_test_prestate(what_is_made, (void *) made_rows),
-    };
-    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+    (void) state;
+    for (size_t i = 0; i < COUNT(made_rows); i++) {
+        const struct made_row *const r = &made_rows[i];
+        struct gp_settings s;
+        struct gp_jobs j = {0};
+        if (make(r->line, &s, &j) != GP_OK)
+            fail_msg("%s: %s", r->line, said);
+        if (gp_job_made(&s.write, &j, &j.job[0]) != r->made)
+            fail_msg("%s", r->line);
+        gp_jobs_free(&j);
+        gp_settings_free(&s);
+    }
 }
+
+SUITE_OF(jobs, make_folder, remove_folder,
+    frames, views_in_names, views_in_files, views_in_stdin, too_many_jobs,
+    what_is_made)

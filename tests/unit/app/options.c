@@ -2,6 +2,9 @@
 #include "unit.h"
 #include "app/option_line.h"
 
+#include <float.h>
+#include <math.h>
+
 static void defaults_hold(void **state)
 {
     (void) state;
@@ -26,93 +29,95 @@ static void defaults_hold(void **state)
     gp_settings_free(&s);
 }
 
+/* A line that may take the option: its command, and what it needs. */
+static int line_for(const struct gp_option *o, char *line, size_t size)
+{
+    if (!(o->commands & GP_COMMAND_MAIN))
+        return snprintf(line, size, "%s",
+                        o->needs & GP_NEED_OWN_FRAMES    ? "bench"
+                        : o->commands & GP_COMMAND_BENCH ? "bench i"
+                                                         : "compare a b");
+    return snprintf(line, size, "-v -o a --hdr h i%s%s",
+                    o->needs & GP_NEED_LIGHT || o->kind == GP_KIND_NAMED
+                        ? " --sun 1,2 --sun-color 3" : "",
+                    o->needs & GP_NEED_CONFIG ? " --ocio c" : "");
+}
+
+/* Puts one value into the line, and checks where it is stored. */
+static void check_stored(const struct gp_option *o, const char *value,
+                         double v, int choice)
+{
+    struct gp_settings s;
+    char line[256];
+    const int n = line_for(o, line, sizeof line);
+    snprintf(line + n, sizeof line - (size_t) n, " --%s %s%s", o->name, value,
+             o->kind == GP_KIND_NAMED ? "=f" : "");
+    if (parse(line, &s) != GP_OK)
+        fail_msg("%s: %s", line, said);
+    const void *const at = (const char *) &s + o->at;
+    const struct gp_numbers *const list = at;
+    const struct gp_texts *const texts = at;
+    const double *const pair = at;
+    const char *const *const word = at;
+    const bool stored =
+        o->kind == GP_KIND_FLAG      ? *(const bool *) at
+        : o->kind == GP_KIND_SET     ? *(const int *) at == o->set
+        : o->kind == GP_KIND_FLOAT   ? *(const float *) at == (float) v
+        : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
+        : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
+        : o->kind == GP_KIND_PAIR    ? pair[0] == 1.0 && pair[1] == 2.0
+        : o->kind == GP_KIND_NUMBERS ? list->n == o->least &&
+                                           list->v[list->n - 1] == list->n
+        : o->kind == GP_KIND_CHOICE  ? *(const int *) at == choice
+        : o->kind == GP_KIND_TEXT    ? strcmp(*word, value) == 0
+        : o->kind == GP_KIND_TEXTS ? strcmp(texts->at[texts->n - 1], value) == 0
+                                     : strcmp(word[choice], "f") == 0;
+    if (!stored || !gp_option_given(&s, o->name))
+        fail_msg("%s: not stored", line);
+    assert_false(gp_option_given(&s, "help-man"));
+    gp_settings_free(&s);
+}
+
+/* Every option stores every value that it names; a number its largest one. */
 static void every_option_is_stored(void **state)
 {
     (void) state;
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        const char *name, *text;
+        char value[64] = "word";
+        const double v = o->hi < (double) FLT_MAX ? o->hi : 2.5;
+        if (o->hidden)
+            continue;
+        if (o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET)
+            value[0] = '\0';
+        else if (o->kind == GP_KIND_PAIR || o->kind == GP_KIND_NUMBERS)
+            snprintf(value, sizeof value, "%.*s",
+                     o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
+        else if (o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
+                 o->kind == GP_KIND_COUNT)
+            snprintf(value, sizeof value, "%.17g", v);
+        if (!gp_option_value(o, 0, &text) || o->open)
+            check_stored(o, value, v, 0);
+        for (int i = 0; (name = gp_option_value(o, i, &text)); i++)
+            check_stored(o, name, v, o->choices ? o->choices[i].value : 0);
+    }
+}
+
+/* A value is in the word or the next one; the last one holds. */
+static void forms_of_values(void **state)
+{
+    (void) state;
     struct gp_settings s;
-    assert_int_equal(parse("--output=a.png -ob.exr --hdr h.exr --layer=l.exr "
-                           "--debug sensors=s.exr i.exr --report - -v", &s),
-                     GP_OK);
+    assert_int_equal(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
+                           "i.exr --exposure -1.5 -k k.exr --kernel-center "
+                           "3.5,-2 --report - -q -v", &s), GP_OK);
     assert_int_equal(s.outputs.n, 2);
     assert_string_equal(s.outputs.at[1], "b.exr");
-    assert_string_equal(s.hdr, "h.exr");
-    assert_string_equal(s.layer, "l.exr");
-    assert_string_equal(s.debug[GP_DEBUG_SENSORS], "s.exr");
-    assert_string_equal(s.report, "-");
-    assert_int_equal(s.level, GP_LEVEL_INFO);
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("-o a i -t2.5 --knee .5 -g 0.25 --mix scatter "
-                           "--max-value 1e5 -k k.exr --kernel-center 3.5,-2 "
-                           "--kernel-normalize none -f 1-9 --depth d.Z "
-                           "--max-pixels 1000000000000", &s), GP_OK);
+    assert_string_equal(s.layer, "l");
     assert_true(s.sensor.threshold == 2.5f && s.sensor.knee == 0.5f);
-    assert_true(s.sensor.max_value == 1e5f);
-    assert_true(s.compose.gain == 0.25f && s.glare.gain == 0.25f);
-    assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
-    assert_string_equal(s.kernel.source, "k.exr");
-    assert_true(s.kernel.centered);
+    assert_true(s.tone.exposure == -1.5f && s.kernel.centered);
     assert_true(s.kernel.center[0] == 3.5 && s.kernel.center[1] == -2.0);
-    assert_int_equal(s.kernel.normalize, GP_NORMALIZE_NONE);
-    assert_string_equal(s.frames, "1-9");
-    assert_string_equal(s.depth, "d.Z");
-    assert_true(s.read.max_pixels == 1000000000000LL);
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("-o a i -e fft --gl egl --fft-plan measure "
-                           "--threads 3 --tonemap reinhard-extended --exposure "
-                           "-1.5 --auto-exposure --white 4 --type float "
-                           "--compression dwab --depth-bits 16", &s), GP_OK);
-    assert_int_equal(lines, 0);
-    assert_string_equal(s.glare.engine, "fft");
-    assert_int_equal(s.glare.gl, GP_GL_EGL);
-    assert_int_equal(s.glare.fft_plan, GP_FFT_PLAN_MEASURE);
-    assert_int_equal(s.threads, 3);
-    assert_string_equal(s.tone.curve, "reinhard-extended");
-    assert_true(s.tone.exposure == -1.5f && s.tone.white == 4.0f);
-    assert_true(s.tone.auto_exposure);
-    assert_int_equal(s.write.type, GP_OUT_FLOAT);
-    assert_int_equal(s.write.compression, GP_COMPRESSION_DWAB);
-    assert_int_equal(s.write.depth_bits, 16);
-    gp_settings_free(&s);
-
-    assert_null(gp_defaults.read.layer);
-    assert_null(gp_defaults.read.part);
-    assert_null(gp_defaults.read.view);
-    assert_int_equal(parse("-o a i --layer-in key.fill --part 2", &s), GP_OK);
-    assert_int_equal(lines, 0);
-    assert_string_equal(s.read.layer, "key.fill");
-    assert_string_equal(s.read.part, "2");
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("-o a i --tolerance 1e-4 --group 2 --cluster=16 "
-                           "--cluster-fill 0.5 --shrink 0 --group-method "
-                           "moments --primitive tile --rotate -22.5 "
-                           "--debug polygons=p.png", &s), GP_OK);
-    assert_int_equal(lines, 0);
-    assert_true(s.glare.tolerance == 1e-4f);
-    assert_int_equal(s.glare.splat.group, 2);
-    assert_int_equal(s.glare.splat.cluster, 16);
-    assert_true(s.glare.splat.cluster_fill == 0.5f);
-    assert_true(s.glare.splat.shrink == 0.0f);
-    assert_int_equal(s.glare.splat.method, GP_GROUP_MOMENTS);
-    assert_int_equal(s.glare.splat.primitive, GP_PRIMITIVE_TILE);
-    assert_true(s.kernel.rotate == -22.5f);
-    assert_string_equal(s.debug[GP_DEBUG_POLYGONS], "p.png");
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("-o a i --dither --alpha keep --create-dir "
-                           "--verify --progress never -q -v", &s), GP_OK);
-    assert_true(s.write.dither && s.write.create_dir && s.verify);
-    assert_false(s.write.no_clobber || s.skip_bad_frames);
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("-o a --dither --alpha keep --no-clobber "
-                           "--skip-bad-frames --progress never -q -v i", &s),
-                     GP_OK);
-    assert_true(s.write.no_clobber && s.skip_bad_frames);
-    assert_int_equal(s.write.alpha, GP_ALPHA_KEEP);
-    assert_int_equal(s.progress, GP_PROGRESS_NEVER);
+    assert_string_equal(s.report, "-");
     assert_int_equal(s.level, GP_LEVEL_INFO);
     gp_settings_free(&s);
 }
@@ -160,7 +165,7 @@ static void clusters_follow_groups(void **state)
         {"-o a i --group 1 --cluster 2", 1, 2},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i].line, &s), GP_OK);
         assert_int_equal(s.glare.splat.group, rows[i].group);
@@ -170,61 +175,33 @@ static void clusters_follow_groups(void **state)
     }
 }
 
-static void bench_is_a_command(void **state)
+/* The word of a command counts in the first place only. */
+static void commands(void **state)
 {
+    static const struct {
+        const char *line;
+        enum gp_command command;
+        int inputs;
+        bool help;
+    } rows[] = {
+        {"bench i.exr --csv c -k builtin:eye -t 2 -v", GP_COMMAND_BENCH, 1, 0},
+        {"bench --paper", GP_COMMAND_BENCH, 0, 0},
+        {"bench --help", GP_COMMAND_BENCH, 0, 1},
+        {"bench -- bench", GP_COMMAND_BENCH, 1, 0},
+        {"-o a ./bench bench", GP_COMMAND_MAIN, 2, 0},
+        {"compare a.exr b.exr --fail .5 --json j", GP_COMMAND_COMPARE, 2, 0},
+    };
     (void) state;
-    struct gp_settings s;
-    assert_int_equal(parse("bench i.exr --csv c --json=j --plot p.svg --runs 3 "
-                           "-k builtin:eye --threads 2 -t 2 --tonemap agx -v",
-                           &s), GP_OK);
-    assert_int_equal(lines, 0);
-    assert_int_equal(s.command, GP_COMMAND_BENCH);
-    assert_int_equal(s.inputs.n, 1);
-    assert_string_equal(s.inputs.at[0], "i.exr");
-    assert_string_equal(s.bench.csv, "c");
-    assert_string_equal(s.bench.json, "j");
-    assert_string_equal(s.bench.plot, "p.svg");
-    assert_int_equal(s.bench.runs, 3);
-    assert_false(s.bench.paper);
-    assert_int_equal(s.threads, 2);
-    gp_settings_free(&s);
-
-    assert_int_equal(parse("bench --paper", &s), GP_OK);
-    assert_true(s.bench.paper);
-    assert_int_equal(s.bench.runs, 9);
-    gp_settings_free(&s);
-    assert_int_equal(parse("bench --help", &s), GP_OK);
-    assert_true(s.help && s.command == GP_COMMAND_BENCH);
-    gp_settings_free(&s);
-
-    // the word counts in the first place only
-    assert_int_equal(parse("-o a ./bench bench", &s), GP_OK);
-    assert_int_equal(s.command, GP_COMMAND_MAIN);
-    assert_int_equal(s.inputs.n, 2);
-    gp_settings_free(&s);
-    assert_int_equal(parse("bench -- bench", &s), GP_OK);
-    assert_string_equal(s.inputs.at[0], "bench");
-    gp_settings_free(&s);
-}
-
-static void compare_is_a_command(void **state)
-{
-    (void) state;
-    struct gp_settings s;
-    assert_int_equal(parse("compare a.exr b.exr --fail .5 --warnpercent 2 "
-                           "--hardfail=3 --flip-exposures -1,2,4 --heatmap h "
-                           "--json j -f 1-9", &s), GP_OK);
-    assert_int_equal(lines, 0);
-    assert_int_equal(s.command, GP_COMMAND_COMPARE);
-    assert_int_equal(s.inputs.n, 2);
-    assert_true(s.compare.fail == 0.5f && s.compare.warn == 1e-6f);
-    assert_true(s.compare.warn_percent == 2.0f && s.compare.hard_fail == 3.0f);
-    assert_true(isinf(s.compare.hard_warn));
-    assert_true(s.compare.flip_exposures.n == 3 &&
-                s.compare.flip_exposures.v[2] == 4.0);
-    assert_string_equal(s.compare.heatmap, "h");
-    assert_string_equal(s.bench.json, "j");
-    gp_settings_free(&s);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_settings s;
+        assert_int_equal(parse(rows[i].line, &s), GP_OK);
+        assert_int_equal(lines, 0);
+        assert_int_equal(s.command, rows[i].command);
+        assert_int_equal(s.inputs.n, rows[i].inputs);
+        assert_int_equal(s.help, rows[i].help);
+        assert_true(s.bench.runs == 9 && isinf(s.compare.hard_warn));
+        gp_settings_free(&s);
+    }
 }
 
 // -- lines that are wrong, or do nothing -------------------------------------
@@ -331,9 +308,9 @@ static void check_wrong(const char *line, const char *part)
 static void errors_say_what_is_wrong(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++)
+    for (size_t i = 0; i < COUNT(wrong); i++)
         check_wrong(wrong[i][0], wrong[i][1]);
-    for (size_t i = 0; i < sizeof bad_values / sizeof bad_values[0]; i++) {
+    for (size_t i = 0; i < COUNT(bad_values); i++) {
         char name[64];
         snprintf(name, sizeof name, "%s: ", bad_values[i][0]);
         for (const char *p = bad_values[i][1]; *p; p += *p == '|') {
@@ -367,7 +344,7 @@ static void warnings(void **state)
         {"-q -o a i --tonemap hable --white 3", NULL},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i][0], &s), GP_OK);
         if (rows[i][1] ? !strstr(said, rows[i][1]) : lines != 0)
@@ -376,29 +353,7 @@ static void warnings(void **state)
     }
 }
 
-// -- laws of the table -------------------------------------------------------
-
-/* Each value that an option names is one that it takes. */
-static void named_values_parse(void **state)
-{
-    (void) state;
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        const char *name, *text;
-        const bool pictures = o->commands & GP_COMMAND_MAIN;
-        for (int i = 0;
-             pictures && (name = gp_option_value(o, i, &text)); i++) {
-            struct gp_settings s;
-            char line[256];
-            snprintf(line, sizeof line, "-o a i --sun 1,2 --%s %s%s",
-                     o->name, name, o->kind == GP_KIND_NAMED ? "=f" : "");
-            if (parse(line, &s) != GP_OK)
-                fail_msg("%s: %s", line, said);
-            gp_settings_free(&s);
-        }
-    }
-}
-
 SUITE_OF(options, NULL, NULL,
-    defaults_hold, every_option_is_stored, words_that_look_like_options,
-    clusters_follow_groups, bench_is_a_command, compare_is_a_command,
-    errors_say_what_is_wrong, warnings, named_values_parse)
+    defaults_hold, every_option_is_stored, forms_of_values,
+    words_that_look_like_options, clusters_follow_groups, commands,
+    errors_say_what_is_wrong, warnings)

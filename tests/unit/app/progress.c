@@ -54,7 +54,7 @@ static void failed_lists(void **state)
          "-999999999,999999999,-999999998"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frames f, back;
         bool whole;
         assert_int_equal(gp_frames_parse(NULL, rows[i][0], &f), GP_OK);
@@ -138,7 +138,7 @@ static void failed_views(void **state)
         {2, false, ".xx.......", 2, "1.l, 2.l"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_job job[10];
         char name[10][24];
         struct gp_failures f;
@@ -199,7 +199,7 @@ static void progress_lines(void **state)
         {1, 101, 100000, "1 of 101 made, 0.010 frames/s, 2 h 46 min left: f"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         char line[128];
         snprintf(line, sizeof line, "glarepp: %s: read\n", rows[i].line);
         assert_string_equal(drawn(GP_PROGRESS_ALWAYS, false, rows[i].done,
