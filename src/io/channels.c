@@ -39,36 +39,15 @@ static int channel_index(const struct gp_frame *f, const char *name)
     return -1;
 }
 
-static gp_status find_by_name(const struct gp_log *log, const struct gp_frame *f,
-                          const char *name, int *out)
-{
-    char list[GP_CHANNEL_LIST] = "";
-    const int at = channel_index(f, name);
-    if (at >= 0) {
-        *out = at;
-        return GP_OK;
-    }
-    for (int i = 0; i < f->channels; i++) {
-        if (!gp_channel_list_add(list, NULL, f->channel[i].name))
-            break;
-    }
-    return gp_fail(log, GP_ERR_USAGE,
-                   "%s: has no channel %s (it has %s); give one of those",
-                   f->path, name, list);
-}
-
 /* -- Cryptomatte ---------------------------------------------------------- */
 
 enum { DIGITS = 2 }; // of a layer's rank
 
-static bool is_digit(char c)
-{
-    return c >= '0' && c <= '9';
-}
-
 static bool ends_with_rank(const char *layer, size_t len)
 {
-    return len > DIGITS && is_digit(layer[len - 1]) && is_digit(layer[len - 2]);
+    static const char digits[] = "0123456789";
+    return len > DIGITS && strchr(digits, layer[len - 1]) &&
+           strchr(digits, layer[len - 2]);
 }
 
 static bool looks_like_ids(const char *layer, size_t len)
@@ -226,27 +205,6 @@ static bool find_layer(const char *const *name, int n, int index[3])
     return found;
 }
 
-static bool is_alpha(const char *name)
-{
-    const char *dot = strrchr(name, '.');
-    const char *last = dot ? dot + 1 : name;
-    return strcmp(last, "A") == 0 || strcasecmp(last, "alpha") == 0;
-}
-
-static int find_lone(const char *const *name, int n)
-{
-    int lone = -1;
-    for (int i = 0; i < n; i++) {
-        if ((n > 1 && is_alpha(name[i])) || !name[i][0] ||
-            named_like_ids(name[i]))
-            continue;
-        if (lone >= 0)
-            return -1;
-        lone = i;
-    }
-    return lone;
-}
-
 static bool choose_grey(int channel, struct gp_colour_choice *out)
 {
     *out = (struct gp_colour_choice) {GP_COLOUR_GREY, {channel, -1, -1}};
@@ -283,7 +241,18 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         *out = rgb;
         return true;
     }
-    return lone && choose_grey(find_lone(name, n), out);
+    int found = -1;
+    for (int i = 0; i < n && lone; i++) {
+        const char *const last = name[i] + gp_layer_length(name[i]);
+        const bool alpha = strcmp(last, "A") == 0 ||
+                           strcasecmp(last, "alpha") == 0;
+        if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]))
+            continue;
+        if (found >= 0)
+            return false;
+        found = i;
+    }
+    return choose_grey(found, out);
 }
 
 bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
@@ -346,12 +315,6 @@ int gp_find_alpha(const struct gp_frame *f)
 
 /* -- depth ---------------------------------------------------------------- */
 
-static bool ends_with(const char *s, const char *end)
-{
-    size_t n = strlen(s), m = strlen(end);
-    return n > m && strcmp(s + n - m, end) == 0;
-}
-
 /* "layer.Z" of a layer that holds vectors: it has X and Y too, or says so by
  * the last part of its name. */
 static bool is_vector(const struct gp_frame *f, const char *name)
@@ -395,17 +358,29 @@ static int depth_rank(const struct gp_frame *f, const char *name)
         if (strcmp(name, exact[i]) == 0)
             return i;
     }
-    if (ends_with(name, ".Depth.Z"))
+    const size_t n = strlen(name);
+    if (n > 8 && strcmp(name + n - 8, ".Depth.Z") == 0)
         return 3;
-    return ends_with(name, ".Z") && !is_vector(f, name) ? 4 : RANKS;
+    return n > 2 && strcmp(name + n - 2, ".Z") == 0 && !is_vector(f, name)
+               ? 4 : RANKS;
 }
 
 gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
                         const char *name, int *out)
 {
     int best = -1, second = -1, best_rank = RANKS;
-    if (name)
-        return find_by_name(log, f, name, out);
+    if (name) {
+        char list[GP_CHANNEL_LIST] = "";
+        *out = channel_index(f, name);
+        for (int i = 0; *out < 0 && i < f->channels; i++) {
+            if (!gp_channel_list_add(list, NULL, f->channel[i].name))
+                break;
+        }
+        return *out >= 0 ? GP_OK
+                         : gp_fail(log, GP_ERR_USAGE,
+                                   "%s: has no channel %s (it has %s); give "
+                                   "one of those", f->path, name, list);
+    }
     for (int i = 0; i < f->channels; i++) {
         int rank = depth_rank(f, f->channel[i].name);
         if (rank < best_rank) {
@@ -427,23 +402,6 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
 
 /* -- samples -------------------------------------------------------------- */
 
-static void row_to_floats(const struct gp_channel *c, size_t row, float *out)
-{
-    const size_t w = (size_t) c->w;
-    const uint8_t *from =
-        (const uint8_t *) c->data + row * w * gp_type_size(c->type);
-    if (c->type == GP_HALF) {
-        gp_half_to_float((const uint16_t *) (const void *) from, out, w);
-        return;
-    }
-    memcpy(out, from, w * sizeof *out);
-    for (size_t x = 0; c->type == GP_UINT && x < w; x++) {
-        uint32_t u;
-        memcpy(&u, &out[x], sizeof u);
-        out[x] = (float) u;
-    }
-}
-
 /* The sample that covers position `at` >= 0 of a window that begins with a
  * multiple of the sampling, as EXR's do. */
 static int sample(int at, int step, int count)
@@ -458,7 +416,7 @@ struct rows {
     float *out;
 };
 
-static void fill_row(void *ctx, int y, int thread)
+static void float_row(void *ctx, int y, int thread)
 {
     (void) thread;
     const struct rows *r = ctx;
@@ -470,7 +428,19 @@ static void fill_row(void *ctx, int y, int thread)
                (size_t) w * sizeof *row);
         return;
     }
-    row_to_floats(c, (size_t) sample(y, c->ys, c->h), row);
+    const size_t n = (size_t) c->w;
+    const uint8_t *const from =
+        (const uint8_t *) c->data +
+        (size_t) sample(y, c->ys, c->h) * n * gp_type_size(c->type);
+    if (c->type == GP_HALF)
+        gp_half_to_float((const uint16_t *) (const void *) from, row, n);
+    else
+        memcpy(row, from, n * sizeof *row);
+    for (size_t x = 0; c->type == GP_UINT && x < n; x++) {
+        uint32_t u;
+        memcpy(&u, &row[x], sizeof u);
+        row[x] = (float) u;
+    }
     // from the right, so that no sample is overwritten before its use
     for (int x = w - 1; x >= 0 && c->xs > 1; x--)
         row[x] = row[sample(x, c->xs, c->w)];
@@ -481,5 +451,5 @@ void gp_channel_floats(const struct gp_frame *f, int channel, float *out)
     const struct gp_channel *c = &f->channel[channel];
     struct rows r = {f, c, out};
     if (!c->data || (c->w > 0 && c->h > 0))
-        gp_parallel_do(gp_frame_h(f), fill_row, &r);
+        gp_parallel_do(gp_frame_h(f), float_row, &r);
 }

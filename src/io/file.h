@@ -110,11 +110,6 @@ int gp_temp_make(struct gp_temp *temp, const char *target);
  * errno set: then it stays to be removed. Does nothing where there is none. */
 int gp_temp_end(struct gp_temp *temp, const char *target);
 
-/* Removes the temporary files of the whole process, which is to end at once:
- * every thread that makes or gives up another waits from then on. Safe in a
- * signal's handler. */
-void gp_temp_remove_all(void);
-
 /* Never returns once these are being removed: what goes wrong from then on is
  * that one's doing and not worth a line. */
 void gp_temp_wait(void);

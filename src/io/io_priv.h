@@ -213,6 +213,11 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
  * NULL when memory is full. */
 char *gp_file_temp_name(const char *path, int nth);
 
+/* Removes the temporary files of the whole process, which is to end at once:
+ * every thread that makes or gives up another waits from then on. Safe in a
+ * signal's handler. */
+void gp_temp_remove_all(void);
+
 /* -- which channel of which part a plane is, in a file of any format -------- */
 
 /* One part and its channels, of which only names count. */

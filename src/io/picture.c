@@ -53,37 +53,11 @@ static inline float float_of(int32_t i)
     return v;
 }
 
-/* The smallest float of code c >= 1, by steps from the curve's inverse. */
-static float least_of(int c, int max)
-{
-    float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
-    while (plain_code(x, max) >= c)
-        x = nextafterf(x, 0.0f);
-    while (plain_code(x, max) < c)
-        x = nextafterf(x, 2.0f);
-    return x;
-}
-
-static gp_status make_first(const struct gp_log *log, struct gp_quantizer *q)
-{
-    void *first;
-    gp_status st = gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &first);
-    if (st)
-        return st;
-    q->first = first;
-    for (int32_t i = 0, c = 0; i <= ONE >> 16; i++) {
-        while (q->least[c + 1] <= i << 16)
-            c++;
-        q->first[i] = (uint8_t) c;
-    }
-    return GP_OK;
-}
-
 gp_status gp_quantizer_make(const struct gp_log *log, int bits,
                             struct gp_quantizer **out)
 {
     gp_status st;
-    void *mem = NULL, *least = NULL;
+    void *mem = NULL, *least = NULL, *first = NULL;
     const int max = (1 << bits) - 1;
     GP_TRY(gp_alloc_zero(log, "sRGB table", 1, sizeof(struct gp_quantizer),
                          &mem));
@@ -92,11 +66,24 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
     struct gp_quantizer *q = mem;
     *q = (struct gp_quantizer) {.max = max, .least = least};
     q->least[0] = 0;
-    for (int c = 1; c <= max; c++)
-        q->least[c] = bits_of(least_of(c, max));
+    for (int c = 1; c <= max; c++) { // by steps from the curve's inverse
+        float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
+        while (plain_code(x, max) >= c)
+            x = nextafterf(x, 0.0f);
+        while (plain_code(x, max) < c)
+            x = nextafterf(x, 2.0f);
+        q->least[c] = bits_of(x);
+    }
     q->least[max + 1] = INT32_MAX;
-    if (bits == 8)
-        GP_TRY(make_first(log, q));
+    if (bits == 8) {
+        GP_TRY(gp_alloc(log, "sRGB table", (ONE >> 16) + 1, 1, &first));
+        q->first = first;
+        for (int32_t i = 0, c = 0; i <= ONE >> 16; i++) {
+            while (q->least[c + 1] <= i << 16)
+                c++;
+            q->first[i] = (uint8_t) c;
+        }
+    }
     *out = q;
     return GP_OK;
 out:
@@ -186,25 +173,21 @@ static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
     }
 }
 
-static INLINE void quantize_block(const struct gp_quantizer *q,
-                                  const float *linear, uint16_t *code,
-                                  size_t n)
-{
-    const int32_t *const least = q->least;
-    float x[BLOCK], v[BLOCK];
-    encode_block(linear, (float) q->max, x, v, n);
-    for (size_t i = 0; i < n; i++) {
-        const int32_t c = (int32_t) (v[i] + 0.5f), b = bits_of(x[i]);
-        code[i] = (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
-    }
-}
-
 static GP_CLONES void quantize_by_curve(const struct gp_quantizer *q,
                                         const float *linear, uint16_t *code,
                                         size_t n)
 {
-    for (size_t i = 0; i < n; i += BLOCK)
-        quantize_block(q, linear + i, code + i, n - i < BLOCK ? n - i : BLOCK);
+    const int32_t *const least = q->least;
+    float x[BLOCK], v[BLOCK];
+    for (size_t at = 0; at < n; at += BLOCK) {
+        const size_t m = n - at < BLOCK ? n - at : BLOCK;
+        encode_block(linear + at, (float) q->max, x, v, m);
+        for (size_t i = 0; i < m; i++) {
+            const int32_t c = (int32_t) (v[i] + 0.5f), b = bits_of(x[i]);
+            code[at + i] =
+                (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
+        }
+    }
 }
 
 void gp_quantize(const struct gp_quantizer *q, const float *linear,
@@ -325,54 +308,36 @@ void gp_picture_free(struct gp_picture *pic)
 struct rows {
     gp_picture_body body;
     void *ctx;
-    struct scratch {
-        struct gp_picture_row row;
-        void *own;
-    } *of; // each thread; one without `own` ends them
+    struct gp_picture_row *of; // each thread
 };
-
-static void free_rows(struct rows *r)
-{
-    for (struct scratch *s = r->of; s && s->own; s++)
-        gp_free(s->own);
-    GP_FREE(r->of);
-}
-
-static gp_status make_scratch(const struct gp_log *log, size_t w,
-                              struct scratch *s)
-{
-    const gp_status st = gp_alloc(log, "picture rows", w * 4,
-                                  sizeof(float) + sizeof(uint16_t), &s->own);
-    if (st)
-        return st;
-    for (size_t c = 0; c < 4; c++) {
-        s->row.linear[c] = (float *) s->own + c * w;
-        s->row.code[c] = (uint16_t *) ((float *) s->own + 4 * w) + c * w;
-    }
-    return GP_OK;
-}
 
 static void run_row(void *ctx, int y, int thread)
 {
     const struct rows *const r = ctx;
-    r->body(r->ctx, y, &r->of[thread].row);
+    r->body(r->ctx, y, &r->of[thread]);
 }
 
 gp_status gp_picture_each_row(const struct gp_log *log,
                               const struct gp_picture *pic,
                               gp_picture_body body, void *ctx)
 {
-    void *list;
-    const size_t n = (size_t) gp_threads();
+    gp_status st;
+    void *list = NULL, *linear = NULL, *code = NULL;
+    const size_t n = (size_t) gp_threads(), w = (size_t) pic->width;
     struct rows r = {.body = body, .ctx = ctx};
-    gp_status st = gp_alloc_zero(log, "picture rows", n + 1, sizeof *r.of,
-                                 &list);
+    GP_TRY(gp_alloc_zero(log, "picture rows", n, sizeof *r.of, &list));
+    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(float), &linear));
+    GP_TRY(gp_alloc(log, "picture rows", 4 * n, w * sizeof(uint16_t), &code));
     r.of = list;
-    for (size_t i = 0; !st && i < n; i++)
-        st = make_scratch(log, (size_t) pic->width, &r.of[i]);
-    if (!st)
-        gp_parallel_do(pic->height, run_row, &r);
-    free_rows(&r);
+    for (size_t i = 0; i < 4 * n; i++) {
+        r.of[i / 4].linear[i % 4] = (float *) linear + i * w;
+        r.of[i / 4].code[i % 4] = (uint16_t *) code + i * w;
+    }
+    gp_parallel_do(pic->height, run_row, &r);
+out:
+    gp_free(code);
+    gp_free(linear);
+    gp_free(list);
     return st;
 }
 
@@ -433,31 +398,25 @@ static void divide_by_alpha(const struct gp_picture *pic, struct span s,
     }
 }
 
-static void quantize_span(const struct gp_picture *pic, const float *from,
-                       struct span s, int y, uint16_t *to)
-{
-    const struct gp_quantizer *const q = pic->quantizer;
-    if (pic->encoded && pic->dither)
-        gp_quantize_linear_dither(q, from, (int) s.x, y, to, s.n);
-    else if (pic->encoded)
-        gp_quantize_linear(q, from, to, s.n);
-    else if (pic->dither)
-        gp_quantize_dither(q, from, (int) s.x, y, to, s.n);
-    else
-        gp_quantize(q, from, to, s.n);
-}
-
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row)
 {
+    const struct gp_quantizer *const q = pic->quantizer;
     const struct span s = span_of(pic, y);
     if (pic->alpha)
         divide_by_alpha(pic, s, row);
     for (int c = 0; c < 3; c++) {
-        const float *from = pic->alpha ? row->linear[c]
-                                       : pic->planes->c[c] + s.at;
-        uint16_t *to = row->code[c] + s.x;
-        quantize_span(pic, from, s, y, to);
+        const float *const from = pic->alpha ? row->linear[c]
+                                             : pic->planes->c[c] + s.at;
+        uint16_t *const to = row->code[c] + s.x;
+        if (pic->encoded && pic->dither)
+            gp_quantize_linear_dither(q, from, (int) s.x, y, to, s.n);
+        else if (pic->encoded)
+            gp_quantize_linear(q, from, to, s.n);
+        else if (pic->dither)
+            gp_quantize_dither(q, from, (int) s.x, y, to, s.n);
+        else
+            gp_quantize(q, from, to, s.n);
     }
     for (int c = 0; c < pic->channels; c++)
         clear_around(row->code[c], sizeof(uint16_t), s, (size_t) pic->width);

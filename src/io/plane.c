@@ -62,19 +62,6 @@ static bool other_view(const char *a, const char *b)
     return a && b && strcmp(a, b) != 0;
 }
 
-enum { ORDERS = 8 }; // values of order_of()
-
-/* Smaller is searched first, the colour's part aside. */
-static int order_of(const struct gp_input *o, int part, bool colour,
-                    bool depth)
-{
-    const char *name = gp_exr_part_name(o, part);
-    const bool other = colour && other_view(gp_exr_part_view(o, part),
-                                          gp_exr_part_view(o, o->part));
-    const bool plain = depth && !(name && strcasestr(name, "depth"));
-    return 4 * gp_exr_is_deep(o, part) + 2 * other + plain;
-}
-
 static void add_part(const struct gp_input *o, int part, bool colour,
                      struct gp_plane_list *list)
 {
@@ -105,10 +92,15 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
         return st;
     if (colour)
         add_part(o, o->part, true, list);
-    for (int order = 0; order < ORDERS; order++) {
+    for (int order = 0; order < 8; order++) {
         for (int part = 0; part < o->parts; part++) {
+            const char *const name = gp_exr_part_name(o, part);
+            const bool other = colour &&
+                               other_view(gp_exr_part_view(o, part),
+                                          gp_exr_part_view(o, o->part));
+            const bool plain = depth && !(name && strcasestr(name, "depth"));
             if (!(colour && part == o->part) &&
-                order_of(o, part, colour, depth) == order)
+                4 * gp_exr_is_deep(o, part) + 2 * other + plain == order)
                 add_part(o, part, false, list);
         }
     }
@@ -265,19 +257,6 @@ static void search_lone(const struct gp_plane_list *list, bool depth,
     *out = lone;
 }
 
-static gp_status not_found(const struct gp_log *log,
-                           const struct gp_plane_list *list, bool depth)
-{
-    char names[GP_CHANNEL_LIST];
-    list_names(list, names);
-    return gp_fail(log, GP_ERR_USAGE,
-                   depth ? "%s: no channel is clearly depth (it has %s); name "
-                           "one with --depth"
-                         : "%s: has no alpha, and not one channel only (it "
-                           "has %s); name one with --mask",
-                   list->path, names);
-}
-
 /* Warns of what a search found that its user might not expect. */
 static void warn_unexpected(const struct gp_log *log, const struct gp_plane_list *list,
                  struct gp_plane_place *at, bool whole)
@@ -305,12 +284,12 @@ gp_status gp_plane_pick(const struct gp_log *log,
 {
     gp_status st = GP_OK;
     struct gp_plane_place at = {0};
+    char names[GP_CHANNEL_LIST];
+    list_names(list, names);
     if (name) {
-        char names[GP_CHANNEL_LIST];
         if (find_in_view(list, name, out) || find_exact(list, name, out) ||
             find_in_part(list, name, out))
             return GP_OK;
-        list_names(list, names);
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: has no channel %s (it has %s); give one of those",
                        list->path, name, names);
@@ -322,7 +301,12 @@ gp_status gp_plane_pick(const struct gp_log *log,
     if (!at.part && whole)
         search_lone(list, depth, &at);
     if (!at.part && whole)
-        return not_found(log, list, depth);
+        return gp_fail(log, GP_ERR_USAGE,
+                       depth ? "%s: no channel is clearly depth (it has %s); "
+                               "name one with --depth"
+                             : "%s: has no alpha, and not one channel only "
+                               "(it has %s); name one with --mask",
+                       list->path, names);
     warn_unexpected(log, list, &at, whole);
     *out = at;
 out:
@@ -365,23 +349,6 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 
 /* -- from an EXR ---------------------------------------------------------- */
 
-static gp_status decode_channel(const struct gp_log *log,
-                        const struct gp_exr_chunks *l, int channel,
-                        float *samples)
-{
-    void *list;
-    gp_status st = gp_alloc_zero(log, "channels",
-                                 (size_t) l->channel->num_channels,
-                                 sizeof(struct gp_exr_sink), &list);
-    if (st)
-        return st;
-    struct gp_exr_sink *sink = list;
-    sink[channel] = (struct gp_exr_sink) {samples, true};
-    st = gp_exr_decode(log, l, sink);
-    gp_free(list);
-    return st;
-}
-
 /* One channel of one part, from the file. */
 static gp_status from_part(const struct gp_log *log,
                            const struct gp_read_params *p, const char *path,
@@ -390,7 +357,8 @@ static gp_status from_part(const struct gp_log *log,
                            struct gp_plane *out)
 {
     gp_status st;
-    void *samples = NULL;
+    void *samples = NULL, *sinks = NULL;
+    struct gp_exr_sink *sink;
     struct gp_exr_chunks l;
     GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels,
                               &l));
@@ -402,7 +370,11 @@ static gp_status from_part(const struct gp_log *log,
     };
     GP_TRY(gp_alloc(log, "depth or coverage", (size_t) c.w * (size_t) c.h,
                     sizeof(float), &samples));
-    GP_TRY(decode_channel(log, &l, at->channel, samples));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) l.channel->num_channels,
+                         sizeof *sink, &sinks));
+    sink = sinks;
+    sink[at->channel] = (struct gp_exr_sink) {samples, true};
+    GP_TRY(gp_exr_decode(log, &l, sink));
     c.data = samples;
     if (c.xs == 1 && c.ys == 1) {
         out->window = window;
@@ -416,6 +388,7 @@ static gp_status from_part(const struct gp_log *log,
         gp_channel_floats(&one, 0, out->v);
     }
 out:
+    gp_free(sinks);
     gp_free(samples);
     gp_exr_chunks_free(&l);
     return st;
@@ -423,63 +396,33 @@ out:
 
 /* -- beside a frame ------------------------------------------------------- */
 
-/* The view of the frame's colour in a part of several. */
-static const char *view_of(const struct gp_frame *f, const struct gp_input *o)
-{
-    for (int i = 0; i < f->channels; i++) {
-        if (f->channel[i].colour >= 0)
-            return gp_exr_view_of(o, o->part, f->channel[i].name);
-    }
-    return NULL;
-}
-
-static gp_status list_frame(const struct gp_log *log, const struct gp_frame *f,
-                            bool depth, struct gp_plane_list *list)
-{
-    const struct gp_input *o = gp_input_of(f);
-    if (o && o->exr) {
-        gp_status st = gp_plane_list_exr(log, f->path, o, true, depth, list);
-        list->input = o;
-        list->view = view_of(f, o);
-        return st;
-    }
-    gp_status st = gp_plane_list_one(log, f->path, true, f->channels, list);
-    for (int i = 0; !st && i < f->channels; i++)
-        list->channel[i].name = f->channel[i].name;
-    return st;
-}
-
-/* Colour is read again from an EXR: its planes may be converted (luminance
- * and chroma) or cleaned of NaN. */
-static gp_status from_frame(const struct gp_log *log,
-                            const struct gp_read_params *p,
-                            const struct gp_frame *f,
-                            const struct gp_plane_place *at,
-                            struct gp_plane *out)
-{
-    const struct gp_input *o = gp_input_of(f);
-    const bool here = at->part->colour &&
-                      (f->channel[at->channel].data || !o || !o->exr);
-    if (!here)
-        return from_part(log, p, f->path, o, at, out);
-    gp_status st = make_samples(log, f->data, out);
-    if (!st)
-        gp_channel_floats(f, at->channel, out->v);
-    return st;
-}
-
-/* The channel of the list that is asked for, and its name; nothing when `at`
- * has no part. Free the list in any case. */
+/* Finds the channel that is asked for among all parts of the frame's file, and
+ * its name; nothing when `at` has no part. Free the list in any case. */
 static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
                              const char *name, bool depth,
                              struct gp_plane_list *list,
                              struct gp_plane_place *at, struct gp_plane *named)
 {
-    gp_status st = list_frame(log, f, depth, list);
-    if (!st)
-        st = gp_plane_pick(log, list, name, depth, false, at);
-    if (!st && at->part)
-        st = make_name(log, list, at, named);
+    gp_status st;
+    const struct gp_input *const in = gp_input_of(f);
+    if (in) {
+        GP_TRY(gp_plane_list_exr(log, f->path, in, true, depth, list));
+        list->input = in;
+        for (int i = 0; i < f->channels && !list->view; i++) {
+            if (f->channel[i].colour < 0)
+                continue;
+            list->view = gp_exr_view_of(in, in->part, f->channel[i].name);
+            break;
+        }
+    } else {
+        GP_TRY(gp_plane_list_one(log, f->path, true, f->channels, list));
+        for (int i = 0; i < f->channels; i++)
+            list->channel[i].name = f->channel[i].name;
+    }
+    GP_TRY(gp_plane_pick(log, list, name, depth, false, at));
+    if (at->part)
+        GP_TRY(make_name(log, list, at, named));
+out:
     return st;
 }
 
@@ -492,8 +435,17 @@ static gp_status read_beside(const struct gp_log *log,
     struct gp_plane_place at;
     struct gp_plane plane = {0};
     gp_status st = pick_beside(log, f, name, depth, &list, &at, &plane);
-    if (!st && at.part)
-        st = from_frame(log, p, f, &at, &plane);
+    // colour is read again from an EXR: its planes may be converted (luminance
+    // and chroma) or cleaned of NaN
+    const struct gp_input *const in = gp_input_of(f);
+    const bool here = !st && at.part && at.part->colour &&
+                      (f->channel[at.channel].data || !in);
+    if (!st && at.part && !here)
+        st = from_part(log, p, f->path, in, &at, &plane);
+    if (!st && here)
+        st = make_samples(log, f->data, &plane);
+    if (!st && here)
+        gp_channel_floats(f, at.channel, plane.v);
     if (st)
         gp_plane_free(&plane);
     else
@@ -510,16 +462,6 @@ gp_status gp_read_depth(const struct gp_log *log,
     return read_beside(log, p, f, name, true, out);
 }
 
-static enum gp_pixel_type type_of(const struct gp_frame *f,
-                                  const struct gp_plane_place *at)
-{
-    const exr_attr_chlist_t *list;
-    if (at->part->colour || // as it is in files that are not EXR
-        exr_get_channels(gp_input_of(f)->exr, at->part->part, &list))
-        return f->channel[at->channel].type;
-    return gp_exr_pixel_type(list->entries[at->channel].pixel_type);
-}
-
 gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
                         const char *name, char **channel,
                         enum gp_pixel_type *type)
@@ -528,8 +470,13 @@ gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
     struct gp_plane_place at;
     struct gp_plane named = {0};
     gp_status st = pick_beside(log, f, name, true, &list, &at, &named);
-    if (!st && at.part)
-        *type = type_of(f, &at);
+    const exr_attr_chlist_t *channels;
+    if (!st && at.part && (at.part->colour ||
+                           exr_get_channels(gp_input_of(f)->exr,
+                                            at.part->part, &channels)))
+        *type = f->channel[at.channel].type;
+    else if (!st && at.part)
+        *type = gp_exr_pixel_type(channels->entries[at.channel].pixel_type);
     *channel = named.name;
     gp_plane_list_free(&list);
     return st;
@@ -660,7 +607,7 @@ static bool part_matrix(const struct gp_input *o, int part, const char *name,
 bool gp_frame_matrix(const struct gp_frame *f, const char *name, double m[16])
 {
     const struct gp_input *o = gp_input_of(f);
-    if (!o || !o->exr)
+    if (!o)
         return false;
     if (part_matrix(o, o->part, name, m))
         return true;

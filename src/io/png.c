@@ -384,47 +384,32 @@ struct filtering {
     size_t stride;     // filter type and samples
 };
 
-static void sub8(const struct gp_picture *pic, const struct gp_picture_row *row,
-                 uint8_t *to)
-{
-    const int n = pic->channels;
-    for (int c = 0; c < n; c++) {
-        uint8_t before = 0;
-        for (int x = 0; x < pic->width; x++) {
-            const uint8_t v = (uint8_t) row->code[c][x];
-            to[(size_t) x * (size_t) n + (size_t) c] = (uint8_t) (v - before);
-            before = v;
-        }
-    }
-}
-
-/* High byte first; the filter is on bytes. */
-static void sub16(const struct gp_picture *pic,
-                  const struct gp_picture_row *row, uint8_t *to)
-{
-    const int n = pic->channels;
-    for (int c = 0; c < n; c++) {
-        uint16_t before = 0;
-        for (int x = 0; x < pic->width; x++) {
-            const uint16_t v = row->code[c][x];
-            uint8_t *t = to + 2 * ((size_t) x * (size_t) n + (size_t) c);
-            t[0] = (uint8_t) ((v >> 8) - (before >> 8));
-            t[1] = (uint8_t) (v - before);
-            before = v;
-        }
-    }
-}
-
+/* Codes of 16 bits have their high byte first; the filter is on bytes. */
 static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 {
-    const struct filtering *f = ctx;
-    uint8_t *to = f->to + (size_t) y * f->stride;
+    const struct filtering *const f = ctx;
+    const size_t n = (size_t) f->pic->channels, w = (size_t) f->pic->width;
+    uint8_t *const line = f->to + (size_t) y * f->stride;
+    uint8_t *const to = line + 1;
     gp_picture_codes(f->pic, y, row);
-    to[0] = FILTER_SUB;
-    if (f->pic->bits == 8)
-        sub8(f->pic, row, to + 1);
-    else
-        sub16(f->pic, row, to + 1);
+    line[0] = FILTER_SUB;
+    for (size_t c = 0; c < n; c++) {
+        const uint16_t *const code = row->code[c];
+        uint16_t before = 0;
+        if (f->pic->bits == 8) {
+            for (size_t x = 0; x < w; x++) {
+                to[x * n + c] = (uint8_t) (code[x] - before);
+                before = code[x];
+            }
+            continue;
+        }
+        for (size_t x = 0; x < w; x++) {
+            const uint16_t v = code[x];
+            to[2 * (x * n + c)] = (uint8_t) ((v >> 8) - (before >> 8));
+            to[2 * (x * n + c) + 1] = (uint8_t) (v - before);
+            before = v;
+        }
+    }
 }
 
 /* The picture as one zlib stream; *data is for free(). */
@@ -486,16 +471,12 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-static bool is_rec709(const float *chromaticities)
-{
-    return memcmp(chromaticities, gp_rec709_chromaticities,
-                  sizeof gp_rec709_chromaticities) == 0;
-}
-
 static bool is_srgb(const struct gp_frame *f, enum gp_picture_kind kind)
 {
     return kind == GP_PICTURE_SHOWN ||
-           (kind == GP_PICTURE_SCENE && is_rec709(f->chromaticities));
+           (kind == GP_PICTURE_SCENE &&
+            memcmp(f->chromaticities, gp_rec709_chromaticities,
+                   sizeof f->chromaticities) == 0);
 }
 
 static void set_colour(png_structp png, png_infop info,
@@ -518,16 +499,6 @@ static void set_colour(png_structp png, png_infop info,
                  (double) c[5]);
 }
 
-static void set_aspect(png_structp png, png_infop info,
-                       const struct gp_frame *f)
-{
-    const double unit = 10000.0; // pixels of no unit; only their ratio counts
-    const double a = (double) f->pixel_aspect;
-    if (a != 1.0 && a > 1e-4 && a < 1e4)
-        png_set_pHYs(png, info, (png_uint_32) (unit / a + 0.5),
-                     (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
-}
-
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
@@ -537,6 +508,8 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
 {
     // ITU-T H.273: BT.709 primaries, sRGB curve, RGB, full range
     static const png_byte cicp[4] = {1, 13, 0, 1};
+    const double unit = 10000.0; // pixels of no unit; only their ratio counts
+    const double aspect = (double) f->pixel_aspect;
     png_infop info = NULL;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t,
                                               on_write_error, on_warning);
@@ -557,7 +530,9 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_BASE,
                  PNG_FILTER_TYPE_BASE);
     set_colour(png, info, f, kind);
-    set_aspect(png, info, f);
+    if (aspect != 1.0 && aspect > 1e-4 && aspect < 1e4)
+        png_set_pHYs(png, info, (png_uint_32) (unit / aspect + 0.5),
+                     (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
     png_write_info(png, info);
     if (is_srgb(f, kind))
         png_write_chunk(png, (png_const_bytep) "cICP", cicp, sizeof cicp);

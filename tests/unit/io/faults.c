@@ -257,7 +257,7 @@ struct work {
     const char *what;
     gp_status (*run)(const char *argument);
     const char *argument;
-    bool bridge;  // OpenImageIO has its part in it
+    bool bridge;  // by the helper: descriptors count as memory
 };
 
 /* Whether the work was done without the fault. */
@@ -271,7 +271,8 @@ static bool one_point(const struct work *w, enum fail_class kind, int n)
     const bool fired = fail_end();
     const bool right = st == GP_OK || (fired && (kind == FAIL_ALLOC
                            ? st == GP_ERR_BUG
-                           : st == GP_ERR_IO || st == GP_ERR_DATA));
+                           : st == GP_ERR_IO || st == GP_ERR_DATA ||
+                             (w->bridge && st == GP_ERR_BUG)));
     if (!right || heard.count != (st != GP_OK))
         fail_msg("%s %s, %s %d: status %d, %d lines: %s", w->what, w->argument,
                  kind == FAIL_ALLOC ? "memory" : "files", n, st, heard.count,
@@ -305,6 +306,9 @@ static void reading(void **state)
         {"channels", read_every_channel, "parts.exr", false},
         {"channels", read_every_channel, "tiles.exr", false},
         {"channels", read_every_channel, "yc.exr", false},
+        {"read", read_any, "a.png", false},
+        {"channels", read_every_channel, "a.png", false},
+        {"plane", read_plane, "a.png", false},
         {"depth", read_plane, "depth.exr", false},
         {"coverage", read_coverage, "wide", false},
         {"coverage", read_coverage, "one.left.mask", false},
@@ -382,6 +386,8 @@ static int start(void **state)
     made = wf_frame((struct gp_rect) {0, 0, 20, 10},
                     (struct gp_rect) {0, 0, 20, 10}, wf_all);
     assert_int_equal(wf_write_hdr(&p, wf_path("made.exr"), &made, &stats), 0);
+    assert_int_equal(gp_write_picture(NULL, &p, wf_path("a.png"), &made,
+                                      &made.rgb, GP_PICTURE_SHOWN, &stats), 0);
     bridge = gp_write_picture(NULL, &p, wf_path("a.tif"), &made, &made.rgb,
                               GP_PICTURE_SHOWN, &stats) == GP_OK;
     p.compression = GP_COMPRESSION_DWAA;
