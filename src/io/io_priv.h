@@ -185,6 +185,24 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
                                      enum gp_picture_kind kind,
                                      struct gp_write_stats *stats);
 
+/* -- PFM ------------------------------------------------------------------- */
+
+/* As gp_reader and gp_writer have them; to be written, values as they are, over
+ * black, in the display window. */
+GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
+                                    const struct gp_stream *stream, int part,
+                                    long long max_pixels,
+                                    struct gp_image *out);
+GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
+                                      uint64_t *length);
+GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
+                                     const struct gp_write_params *p,
+                                     const char *path,
+                                     const struct gp_frame *f,
+                                     const struct gp_planes *planes,
+                                     enum gp_picture_kind kind,
+                                     struct gp_write_stats *stats);
+
 /* -- raw frames, as ffmpeg's rawvideo takes them ---------------------------- */
 
 /* gp_write_picture() for frames that follow each other in one stream: the

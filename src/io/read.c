@@ -129,43 +129,6 @@ static gp_status png_length(const uint8_t *data, uint64_t size,
     return GP_OK;
 }
 
-static bool is_space(uint8_t c)
-{
-    return c == ' ' || (c >= '\t' && c <= '\r');
-}
-
-/* A whole number up to INT_MAX after white space; 0 when there is none. */
-static uint64_t whole_number(const uint8_t *data, uint64_t size, uint64_t *at)
-{
-    uint64_t v = 0;
-    while (*at < size && is_space(data[*at]))
-        (*at)++;
-    for (; *at < size && data[*at] >= '0' && data[*at] <= '9'; (*at)++) {
-        if (v > INT_MAX)
-            break;
-        v = v * 10 + (uint64_t) (data[*at] - '0');
-    }
-    return v <= INT_MAX ? v : 0;
-}
-
-/* Portable float map, by P. Debevec: "PF" or "Pf", width, height, scale, one
- * white space, then three floats or one for each pixel. */
-static gp_status pfm_length(const uint8_t *data, uint64_t size,
-                            uint64_t *length)
-{
-    const uint64_t sample = data[1] == 'F' ? 12 : 4;
-    uint64_t at = 2;
-    const uint64_t w = whole_number(data, size, &at);
-    const uint64_t h = whole_number(data, size, &at);
-    while (at < size && is_space(data[at]))
-        at++;
-    while (at < size && !is_space(data[at])) // the scale
-        at++;
-    if (w > 0 && h > 0 && at < size && h <= (size - at - 1) / (w * sample))
-        *length = at + 1 + w * h * sample;
-    return GP_OK;
-}
-
 // -- readers ------------------------------------------------------------------
 
 /* Other formats that OpenImageIO knows have readers that end it, make pictures
@@ -173,7 +136,7 @@ static gp_status pfm_length(const uint8_t *data, uint64_t size,
 const struct gp_reader gp_readers[] = {
     {.format = "EXR", .oiio = "openexr", .length = exr_length},
     {.format = "PNG", .open = gp_png_open, .length = png_length},
-    {.format = "PFM", .oiio = "pnm", .length = pfm_length},
+    {.format = "PFM", .open = gp_pfm_open, .length = gp_pfm_length},
     {.format = "PNM", .oiio = "pnm"},
     {.format = "TIFF", .oiio = "tiff"},
     {.format = "JPEG", .oiio = "jpeg"},

@@ -53,6 +53,7 @@ static gp_status write_other(const struct gp_log *log,
 const struct gp_writer gp_writers[] = {
     {"exr", false, check_exr, gp_exr_write_picture},
     {"png", false, NULL, gp_png_write},
+    {"pfm", false, NULL, gp_pfm_write},
     {"raw", true, NULL, gp_raw_write},
     {NULL, false, gp_other_check, write_other},
 };

@@ -82,7 +82,7 @@ GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
                                       const char *path);
 
-/* gp_write_picture() for Radiance HDR and PFM, which hold floats; TIFF, which
+/* gp_write_picture() for Radiance HDR, which holds floats; TIFF, which
  * holds either; and integer formats: JPEG, DPX, TGA, BMP, PPM, SGI and WebP.
  * TIFF is what --type says, and without it floats for a scene-linear picture
  * and --depth-bits for one to be shown. All show the display window. Radiance

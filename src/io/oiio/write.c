@@ -1,4 +1,4 @@
-/* Pictures in the formats that OpenImageIO writes, and PFM. */
+/* Pictures in the formats that OpenImageIO writes. */
 #include "io/oiio/oiio.h"
 
 #include "core/colour.h"
@@ -20,7 +20,7 @@ static const struct format {
     bool floats, alpha;
 } formats[] = {
     {"hdr", 0, true, false},   {"rgbe", 0, true, false},
-    {"pfm", 0, true, false},   {"tif", 16, true, true},
+    {"tif", 16, true, true},
     {"tiff", 16, true, true},  {"dpx", 16, false, false},
     {"sgi", 16, false, false}, {"tga", 8, false, true},
     {"webp", 8, false, true},  {"jpg", 8, false, false},
@@ -51,7 +51,7 @@ static bool is_tiff(const struct format *t)
 
 static bool is_radiance(const struct format *t)
 {
-    return t->floats && t->bits == 0 && strcmp(t->ending, "pfm") != 0;
+    return t->floats && t->bits == 0;
 }
 
 /* OpenImageIO's names of the compressions that TIFF has as well; NULL for
@@ -92,7 +92,7 @@ gp_status gp_other_check(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: .%s holds %d bits (--depth-bits %d); use .png, "
                        ".tif or .exr", path, ending, t->bits, p->depth_bits);
-    return strcmp(ending, "pfm") == 0 ? GP_OK : gp_oiio_check(log, path);
+    return gp_oiio_check(log, path);
 }
 
 struct gathering {
@@ -141,22 +141,6 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
     }
     for (size_t x = 0; g->radiance && x < w; x++)
         round_radiance(to + x * n);
-}
-
-/* Portable float map, by P. Debevec: "PF", size, -1 for little-endian, rows
- * from the bottom. */
-static gp_status write_pfm(struct gp_file *file, const struct gp_picture *pic,
-                           const float *pixels)
-{
-    char head[64];
-    const size_t row = (size_t) pic->width * 3;
-    const int n = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n", pic->width,
-                           pic->height);
-    gp_status st = gp_file_write(file, head, (size_t) n);
-    for (int y = pic->height - 1; !st && y >= 0; y--)
-        st = gp_file_write(file, pixels + (size_t) y * row,
-                           row * sizeof *pixels);
-    return st;
 }
 
 static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
@@ -231,34 +215,24 @@ gp_status gp_other_write(const struct gp_log *log,
     struct gp_picture pic = {0};
     struct gp_file *file = NULL;
     struct gp_shared pixels = {0};
-    void *own_pixels = NULL;
     GP_TRY(gp_other_check(log, p, path, ending));
     if (!t->alpha)
         own.alpha = GP_ALPHA_BLACK;
     const bool integer = is_integer(t, p, kind);
     GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
-    const bool pfm = strcmp(ending, "pfm") == 0; // written here
     const size_t n = (size_t) pic.width * (size_t) pic.height *
                      (size_t) pic.channels;
-    if (pfm)
-        GP_TRY(gp_alloc(log, "picture", n, sizeof(float), &own_pixels));
-    else
-        GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
+    GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
     struct gathering g = {.pic = &pic, .integer = integer,
                           .radiance = is_radiance(t),
-                          .to = pfm ? own_pixels : pixels.at};
+                          .to = pixels.at};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
-    if (pfm)
-        GP_TRY(write_pfm(file, &pic, g.to));
-    else
-        GP_TRY(write_by_helper(log, &own, file, t, &pic, &pixels, integer,
-                               kind));
+    GP_TRY(write_by_helper(log, &own, file, t, &pic, &pixels, integer, kind));
     GP_TRY(gp_file_commit(&file));
 out:
     gp_file_discard(&file);
     gp_shared_free(&pixels);
-    gp_free(own_pixels);
     gp_picture_free(&pic);
     return st;
 }

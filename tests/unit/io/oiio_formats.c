@@ -169,38 +169,6 @@ static void save(const char *name, const void *bytes, size_t n)
     assert_int_equal(fclose(file), 0);
 }
 
-/* PFM stores rows from the bottom; values are light and stay what they are,
- * though OpenImageIO calls the format Rec709. */
-static void pfm_is_linear(void **state)
-{
-    (void) state;
-    static const float sample[2][3] = {{0.25f, 300.0f, -1.0f},
-                                       {1e-4f, 0.5f, 70000.0f}};
-    uint8_t bytes[64];
-    struct gp_frame f;
-    if (!has_oiio)
-        skip();
-    int n = snprintf((char *) bytes, sizeof bytes, "PF\n1 2\n-1.0\n");
-    memcpy(bytes + n, sample[1], sizeof sample[1]);
-    memcpy(bytes + n + sizeof sample[1], sample[0], sizeof sample[0]);
-    save("a.pfm", bytes, (size_t) n + sizeof sample);
-    assert_int_equal(read_file(path, &f), GP_OK);
-    for (int y = 0; y < 2; y++) {
-        for (int c = 0; c < 3; c++)
-            assert_true(f.rgb.c[c][y] == sample[y][c]);
-    }
-    gp_frame_free(&f);
-
-    n = snprintf((char *) bytes, sizeof bytes, "Pf\n2 1\n-1.0\n");
-    memcpy(bytes + n, sample[0], 8);
-    save("grey.pfm", bytes, (size_t) n + 8);
-    assert_int_equal(read_file(path, &f), GP_OK);
-    assert_int_equal(f.model, GP_COLOUR_GREY);
-    for (int c = 0; c < 3; c++)
-        assert_true(f.rgb.c[c][0] == 0.25f && f.rgb.c[c][1] == 300.0f);
-    gp_frame_free(&f);
-}
-
 /* Alpha is carried, not bent by the curve, and attributes are kept. */
 static void alpha_and_attributes(void **state)
 {
@@ -263,7 +231,6 @@ static void bytes_cannot_hold_the_claim(void **state)
     } row[] = {
 #define ROW(name, text) {name, text, sizeof text - 1}
         ROW("c.ppm", "P6\n9000 9000\n255\n0123456789"),
-        ROW("c.pfm", "PF\n9000 9000\n-1.0\n0123456789"),
         ROW("c.tga", "\0\0\2\0\0\0\0\0\0\0\0\0\0\x40\0\x40\x18\0 0123456789"),
         ROW("c.hdr", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 9000 +X 9000\n"
                      "\2\2\x23\x28"),
@@ -373,7 +340,6 @@ static void no_pixels(void **state)
         ROW("no width", "P6\n0 5\n255\n0123456789"),
         ROW("no height", "P6\n5 0\n255\n0123456789"),
         ROW("negative", "P5\n-3 4\n255\n0123456789"),
-        ROW("none", "PF\n0 0\n-1\n0123456789"),
         ROW("no channels", "\1\332\0\1\0\3\0\4\0\4\0\0"
                            "0123456789012345678901234567890123456789"
                            "0123456789012345678901234567890123456789"),
@@ -653,7 +619,7 @@ static int teardown(void **state)
 
 SUITE_OF(oiio_formats, setup, teardown,
     written_formats_come_back, alpha_of_every_type, blocks_and_channels,
-    pfm_is_linear, alpha_and_attributes, display_window_that_lies,
+    alpha_and_attributes, display_window_that_lies,
     bytes_cannot_hold_the_claim, odd_tiffs, tiffs_that_are_read, no_pixels,
     odd_exrs, cut_off, formats_that_are_not_read, tiffs_of_every_kind,
     pictures_that_do_not_fit, more_than_a_format_has, endings)

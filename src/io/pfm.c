@@ -1,0 +1,220 @@
+/* Portable float map, by P. Debevec: "PF" for three floats a pixel or "Pf" for
+ * one, width, height, and a scale, which is negative where the floats are
+ * little-endian; one white space; rows from the bottom. As netpbm's readers do,
+ * comments may stand in the header, and samples are multiplied by the scale. */
+#include "core/memory.h"
+#include "io/file.h"
+#include "io/io_priv.h"
+#include "io/picture.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    HEADER_BYTES = 4096,      // at most
+    BLOCK_SAMPLES = 1 << 20,  // near which many are read at a time
+};
+
+struct header {
+    int width, height, channels;
+    float scale;
+    uint64_t bytes;           // before the first row
+};
+
+/* The next word after white space and comments, cut to `room`; its length. */
+static size_t next_word(const uint8_t *data, size_t size, size_t *at,
+                        char *word, size_t room)
+{
+    size_t n = 0;
+    bool comment = false;
+    for (; *at < size; (*at)++) {
+        const uint8_t c = data[*at];
+        comment = comment ? c != '\n' : c == '#';
+        if (!comment && !(c == ' ' || (c >= '\t' && c <= '\r')))
+            break;
+    }
+    for (; *at < size && data[*at] > ' '; (*at)++) {
+        if (n + 1 < room)
+            word[n++] = (char) data[*at];
+    }
+    word[n] = '\0';
+    return n;
+}
+
+/* False for what is no header. */
+static bool parse_header(const uint8_t *data, size_t size, struct header *h)
+{
+    size_t at = 2;
+    char word[3][32], *end[3];
+    for (int i = 0; i < 3; i++) {
+        if (!next_word(data, size, &at, word[i], sizeof word[i]))
+            return false;
+    }
+    const long width = strtol(word[0], &end[0], 10);
+    const long height = strtol(word[1], &end[1], 10);
+    *h = (struct header) {
+        .channels = data[1] == 'F' ? 3 : 1, .bytes = at + 1,
+        .scale = strtof(word[2], &end[2]),
+    };
+    if (at >= size || *end[0] || *end[1] || *end[2] || width < 1 ||
+        height < 1 || width > INT_MAX || height > INT_MAX ||
+        !isfinite(h->scale) || h->scale == 0.0f)
+        return false;
+    h->width = (int) width;
+    h->height = (int) height;
+    return true;
+}
+
+/* Whether all rows are in `size` bytes. */
+static bool holds_rows(const struct header *h, uint64_t size)
+{
+    const uint64_t row = (uint64_t) h->width * (uint64_t) h->channels * 4;
+    return h->bytes <= size && (size - h->bytes) / row >= (uint64_t) h->height;
+}
+
+gp_status gp_pfm_length(const uint8_t *data, uint64_t size, uint64_t *length)
+{
+    struct header h;
+    const size_t n = size < HEADER_BYTES ? (size_t) size : HEADER_BYTES;
+    if (parse_header(data, n, &h) && holds_rows(&h, size))
+        *length = h.bytes + (uint64_t) h.width * (uint64_t) h.height *
+                                (uint64_t) h.channels * 4;
+    return GP_OK;
+}
+
+// -- reading ------------------------------------------------------------------
+
+struct pfm_input {
+    const struct gp_stream *stream;
+    struct header header;
+};
+
+static void close_input(struct gp_image *image)
+{
+    gp_free(image->own);
+}
+
+static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+                           int y, float *to)
+{
+    const struct pfm_input *const in = image->own;
+    const struct header *const h = &in->header;
+    const size_t n = (size_t) h->width * (size_t) h->channels;
+    const bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+    const bool swap = (h->scale < 0.0f) != little;
+    const float scale = fabsf(h->scale);
+    for (int end = y + image->block; y < end && y < h->height; y++, to += n) {
+        const uint64_t row = (uint64_t) (h->height - 1 - y);
+        const int64_t got = gp_stream_read(in->stream, to, 4 * n,
+                                           h->bytes + row * 4 * n);
+        if (got < 0)
+            return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the "
+                           "file", image->path);
+        if ((uint64_t) got < 4 * n)
+            return gp_fail(log, GP_ERR_DATA, "%s: cut off (row %d); copy or "
+                           "render the file again", image->path, y);
+        for (size_t i = 0; i < n && swap; i++) {
+            uint32_t u;
+            memcpy(&u, &to[i], sizeof u);
+            u = __builtin_bswap32(u);
+            memcpy(&to[i], &u, sizeof u);
+        }
+        for (size_t i = 0; i < n && scale != 1.0f; i++)
+            to[i] *= scale;
+    }
+    return GP_OK;
+}
+
+gp_status gp_pfm_open(const struct gp_log *log, const char *path,
+                      const struct gp_stream *stream, int part,
+                      long long max_pixels, struct gp_image *out)
+{
+    static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
+    uint8_t first[HEADER_BYTES] = {0};
+    struct header h;
+    void *own;
+    if (part > 0)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: has no part %d: a PFM is one picture; give part 0",
+                       path, part);
+    const int64_t n = gp_stream_read(stream, first, sizeof first, 0);
+    if (n < 0)
+        return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
+                       path);
+    if (!parse_header(first, (size_t) n, &h))
+        return gp_fail(log, GP_ERR_DATA, "%s: its header is damaged; a PFM "
+                       "begins with PF or Pf, width, height and scale", path);
+    gp_status st = gp_window_check(log, path, "data", h.width, h.height,
+                                   max_pixels);
+    if (!st && !holds_rows(&h, stream->size))
+        st = gp_fail(log, GP_ERR_DATA, "%s: cut off (%llu bytes cannot hold "
+                     "%d x %d pixels); copy or render the file again", path,
+                     (unsigned long long) stream->size, h.width, h.height);
+    if (!st)
+        st = gp_alloc(log, path, 1, sizeof(struct pfm_input), &own);
+    if (st)
+        return st;
+    *(struct pfm_input *) own = (struct pfm_input) {stream, h};
+    const struct gp_rect window = {0, 0, h.width, h.height};
+    *out = (struct gp_image) {
+        .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,
+        .channels = h.channels, .channel_name = h.channels == 3 ? rgb : grey,
+        .colour_space = "", .rows = read_rows, .close = close_input,
+        .block = BLOCK_SAMPLES / h.width / h.channels + 1, .own = own,
+    };
+    return GP_OK;
+}
+
+// -- writing ------------------------------------------------------------------
+
+struct gathering {
+    const struct gp_picture *pic;
+    float *to;
+};
+
+static void gather_row(void *ctx, int y, struct gp_picture_row *row)
+{
+    const struct gathering *const g = ctx;
+    const size_t w = (size_t) g->pic->width;
+    float *const to = g->to + (size_t) (g->pic->height - 1 - y) * 3 * w;
+    gp_picture_floats(g->pic, y, row);
+    for (size_t x = 0; x < w; x++) {
+        for (size_t c = 0; c < 3; c++)
+            to[3 * x + c] = row->linear[c][x];
+    }
+}
+
+gp_status gp_pfm_write(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_frame *f,
+                       const struct gp_planes *planes,
+                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+{
+    gp_status st;
+    struct gp_write_params own = *p;
+    struct gp_picture pic = {0};
+    struct gp_file *file = NULL;
+    void *pixels = NULL;
+    char head[64];
+    (void) stats;
+    own.alpha = GP_ALPHA_BLACK;
+    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, false, &pic));
+    const size_t n = (size_t) pic.width * (size_t) pic.height * 3;
+    GP_TRY(gp_alloc(log, "picture", n, sizeof(float), &pixels));
+    struct gathering g = {&pic, pixels};
+    GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
+    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",
+                                    pic.width, pic.height);
+    GP_TRY(gp_file_write(file, head, (size_t) head_bytes));
+    GP_TRY(gp_file_write(file, pixels, n * sizeof(float)));
+    GP_TRY(gp_file_commit(&file));
+out:
+    gp_file_discard(&file);
+    gp_free(pixels);
+    gp_picture_free(&pic);
+    return st;
+}
