@@ -250,6 +250,93 @@ run --verify -o there/x.png in.exr
 fails_with 2 --verify '--verify that nobody sees'
 empty_folder there 'nothing written by any of these'
 
+# -- whole lines ---------------------------------------------------------------
+
+# Messages about the command line, word for word: "ARGUMENTS => LINE", in a folder
+# of empty files. Other tests ask for the status and the name only.
+mkdir texts
+for name in s.0001 s.0002 s.0010 x.0001 x.10000 in v.left.0001 v.right.0001 \
+    v.left.0002 v.right.0002 q.left.0001 q.right.0001 q.left.0002 w.l w.r; do
+    : >texts/$name.exr
+done
+while read -r row; do
+    # shellcheck disable=SC2086
+    (cd texts && exec "$glarepp" ${row%% => *}) </dev/null >out 2>err
+    is "$(cat err)" "glarepp: ${row#* => }" "the whole line: ${row%% => *}"
+done <<'ROWS'
+-q => no input; write glarepp -o out.png frame.exr, or see glarepp --help
+f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
+--gian 2 i => --gian: unknown option; did you mean --gain?
+--xyzzyquux i => --xyzzyquux: unknown option; glarepp --help lists them
+-o a i --gain => --gain: needs a value; give G
+-o --hdr i => -o: needs a value (found the option --hdr); give FILE
+-o a i --dither=1 => --dither=1: takes no value (found "1"); leave it out
+-o a i -g x => --gain: not a number (found "x"); give 0 to 1000000
+-o a i -g -0.1 => --gain: out of range (found -0.1); give 0 to 1000000
+-o a i --threads 1.5 => --threads: not a whole number (found "1.5"); give 0 to 1024
+-o a i --kernel-center 1 => --kernel-center: not two numbers (found "1"); write X,Y
+-o a i -e gpu => --engine: no such value (found "gpu"); give one of auto, direct, fft, splat
+-o a i --debug sensors => --debug: no file (found "sensors"); write sensors=FILE
+-o a i --mix scatter -g 1.5 => --gain: more light would be scattered than there is (found 1.5 with --mix scatter); give 0 to 1, or --mix add
+-o a i --verify => --verify: its result would be shown nowhere; add --report FILE or -v
+-o a i --sun 1 => --sun: not the numbers that it takes (found "1"); write X,Y[,R]
+-o a i --sun 1,2,-1 => --sun: a negative radius (found -1); give 0 or more
+-o a i --sun 1,2 --sun-dir 0,0,1 => --sun-dir: the sun has a place by --sun already; leave one out
+-o a i --sun 1,2 --sun-color 1,2 => --sun-color: two numbers; give one or three
+-o a i --sun 1,2 --sun-map 5 => --sun-map: odd (found 5); give an even number
+-o a i --sun 1,2 --flare f => --flare: the sun has no flux to make it of; give --sun-color
+-o a i --lights l --sun-color 1 => --sun-color: there is no sun; lights of --lights have flux of their own
+-o a i --flare f => --flare: there is no light; give --sun, --sun-dir, --camera or --lights
+-o a i --debug sunmap=f => --debug sunmap: there is no light; give --sun, --sun-dir, --camera or --lights
+-o a i --view v => --view: there is no config; give --ocio CONFIG, or --ocio env
+--hdr h i --ocio c --view v => --view: there is no picture to show; give -o FILE
+-o a i --ocio c --output-space s => --output-space: there is no frame to convert; give --hdr FILE
+-o a i --ocio c --tonemap reinhard => --tonemap: --ocio takes its place; leave one of the two out
+bench --paper --sun 1,2 => --paper: its frames have no depth for a light; leave one of the two out
+bench --sun 1,2 --flare f i => --flare: not for glarepp bench; glarepp bench --help lists its options
+-o a i --group 3 => --group: not a power of two (found 3); give 1, 2, 4, 8, 16, 32 or 64
+-o a i --cluster 1 => --cluster: no larger than --group (found 1 and 4); give a larger one, or 0 for none
+-o a i --debug polygons= => --debug: no file (found "polygons="); write polygons=FILE
+-o a i --csv x => --csv: not for pictures; write glarepp bench --csv, or leave it out
+bench => no input; write glarepp bench frame.exr, or glarepp bench --paper
+bench a b => b: one frame at a time is measured (found 2); give one
+bench --paper a => --paper: brings its own frames (found a as well); leave one of the two out
+bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
+-o o.png s.####.exr => o.png: one name for a sequence (found 3 frames); write a pattern such as out.####.png, or -
+-o o.#.png in.exr => in.exr: no frame number in this input (needed for o.#.png); number it, or write plain names
+-o o.#.png s.0001.exr x.0001.exr => x.0001.exr: frame 1 comes twice (found it in s.0001.exr); make the two in separate runs
+-o o.#.#.png s.####.exr => o.#.#.png: two places for the frame number (# and #); leave one
+-f 1-2 -o o.png in.exr => in.exr: --frames needs a pattern (found a plain name); write shot.####.exr, or leave --frames out
+-f 1- -o o.#.png s.####.exr => --frames: not a list of frames (found 1- in 1-); write 7, 1-100, 1-100x2 or 3,4,10-20x2
+-f 77 -o o.@.png s.####.exr => s.0077.exr: no such frame (the first of 1 missing, of 1 in --frames 77); render it, or give --skip-bad-frames
+-f 1-10 -o o.@.png s.####.exr => s.0003.exr: no such frame (the first of 7 missing, of 10 in --frames 1-10); render them, or give --skip-bad-frames
+-f 10-8x2 -o m.@.png s.####.exr => s.0008.exr: no such frame (the first of 1 missing, of 2 in --frames 10-8x2); render it, or give --skip-bad-frames
+-o o.#.png none.####.exr => none.####.exr: no frame on disk (found no file of that name); check the folder and the number of digits
+-o o.png - in.exr => -: stdin goes with no other input (found 2); give only -
+-o o.png -o o.png in.exr => o.png: given for two outputs (--output o.png and --output o.png); give each a name of its own
+-o no/o.png - => no/o.png: cannot be written (folder no: No such file or directory); make the folder or give --create-dir
+-o - --raw rgb24 --stdout-format exr in.exr => --raw: --stdout-format says otherwise; leave one of the two out
+-o - --hdr - in.exr => -: given for two outputs (--hdr - and --output -); only one can go to stdout
+--hdr x.%d.exr -f 1,10000 --skip-bad-frames ./x.####.exr => x.10000.exr: --hdr would replace a file that is read (input ./x.10000.exr); write to another name
+--hdr t.%04d.exr --layer t.%d.exr -f 1,1000 --skip-bad-frames s.#.exr => t.1000.exr: given for two outputs (--hdr t.%04d.exr for s.1000.exr and --layer t.%d.exr for s.1000.exr); give each a name of its own
+-o o.%V.#.png q.%V.####.exr => q.right.0002.exr: no such frame (the first of 1 missing, of 4 in --views left,right); render it, or give --skip-bad-frames
+--views left,mono,right -o o.%V.#.png q.%V.####.exr => q.mono.0001.exr: no such frame (the first of 3 missing, of 6 in --views left,mono,right); render them, or give --skip-bad-frames
+-f 1-2 -o o.%V.#.png q.%V.####.exr => q.right.0002.exr: no such frame (the first of 1 missing, of 4 in --frames 1-2); render it, or give --skip-bad-frames
+-o o.%V.png q.%V.exr => q.left.exr: no such frame (the first of 2 missing, of 2 in --views left,right); render them, or give --skip-bad-frames
+-o o.%V.#.png none/%V.####.exr => none/left.####.exr: cannot list the folder (No such file or directory); check the path
+-o o.#.png v.%V.####.exr => o.#.png: one name for several views (found 2); write %V or %v into it, such as out.%V.png, or -
+-o o.%V.png in.exr => o.%V.png: %V and %v are views, and there are none (no %V in in.exr, no --views); give --views left,right
+--views left,lefty -o o.%V.png w.%v.exr => w.%v.exr: %v is the same letter for two views (found left and lefty); write %V
+--views left, -o o.%V.png w.%v.exr => --views: an empty name (found in "left,"); write left,right
+--views a,b,a -o o.%V.png w.%v.exr => --views: a comes twice (found in a,b,a); name each view once
+--views a/b -o o.%V.png w.%v.exr => --views: a name with a slash (found a/b); views are names, %V may stand for a folder
+-o o.%V.#.png v.%V.####.exr s.####.exr => s.####.exr: no %V or %v (found in v.%V.####.exr); make the two in separate runs
+--views l,r -o o.%V.png --debug sensors=o.%v.png w.%v.exr => o.l.png: given for two outputs (--output o.%V.png for w.l.exr, view l and --debug sensors o.%v.png for w.l.exr, view l); give each a name of its own
+--views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr => o.a11.png: given for two outputs (--output o.%V#.png for v.a1.0001.exr, view a1 and --output o.%V#.png for v.a.0011.exr, view a); give each a name of its own
+--views left,right --hdr h.#.exr -f 1,3,5 s.####.exr => s.0003.exr: no such frame (the first of 2 missing, of 3 in --frames 1,3,5); render them, or give --skip-bad-frames
+--views left,right -o no.%V/o.png in.exr => no.left/o.png: cannot be written (folder no.left: No such file or directory); make the folder or give --create-dir
+ROWS
+
 # -- kernels -------------------------------------------------------------------
 
 refuses 3 nowhere.exr 'no such kernel' -k nowhere.exr in.exr
