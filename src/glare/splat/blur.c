@@ -1,9 +1,8 @@
-#include "glare/splat/polygons.h"
-
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
+#include "glare/splat/splat_priv.h"
 
 #include <limits.h>
 #include <math.h>
@@ -339,6 +338,125 @@ gp_status gp_shrink_make(const struct gp_log *log,
 out:
     gp_free(r.peak);
     gp_free(r.left);
+    return st;
+}
+
+/* -- the plain form of drawing polygons ------------------------------------ */
+
+struct drawing {
+    const struct gp_sources *src;
+    const struct gp_kernel *kernel;
+    const struct gp_polygons *polygons;
+    const struct gp_shrink *shrink;
+    struct gp_blur blur[GP_BLURS]; // those in use
+    bool core;
+    double *layer;
+};
+
+/* Pixels of [0, size) within `reach` of `at` that samples [-1, n - 1] of a
+ * kernel meet, the sample at pixel 0 being `base`. */
+static void reached(float at, int reach, int base, int n, int size, int *from,
+                    int *to)
+{
+    const double low = ceil((double) at - reach);
+    const double high = floor((double) at + reach) + 1.0;
+    *from = (int) fmax(fmax(low, 0.0), -1.0 - base);
+    *to = (int) fmin(fmin(high, size), (double) n - base);
+}
+
+/* Adds row y of the polygon's blurred kernel, mixed from four samples. */
+static void draw_polygon(const struct drawing *d, const struct gp_polygon *p,
+                         int y)
+{
+    const struct gp_blur *const b = &d->blur[p->blur];
+    const int reach = d->shrink->reach[gp_source_bin(p->light)];
+    const size_t w = (size_t) d->src->w, plane = w * (size_t) d->src->h;
+    const double u = (double) b->cx - (double) p->x;
+    const double v = (double) b->cy - (double) p->y;
+    const int left = (int) floor(u), above = (int) floor(v);
+    int x0, x1, y0, y1;
+    reached(p->x, reach, left, b->w, d->src->w, &x0, &x1);
+    reached(p->y, reach, above, b->h, d->src->h, &y0, &y1);
+    if (y < y0 || y >= y1)
+        return;
+    for (int c = 0; c < 3; c++) {
+        double *const out = d->layer + (size_t) c * plane + (size_t) y * w;
+        for (int i = 0; i < 4; i++) {
+            const int down = i / 2, right = i % 2, ky = y + above + down;
+            const double share = (down ? v - above : 1.0 - (v - above)) *
+                                 (right ? u - left : 1.0 - (u - left));
+            const int first = gp_max(x0, -left - right);
+            const int end = gp_min(x1, b->w - left - right);
+            if (ky < 0 || ky >= b->h || share == 0.0)
+                continue;
+            const float *const row = b->k.c[c] + (size_t) ky * (size_t) b->w;
+            for (int x = first; x < end; x++)
+                out[x] += (double) p->rgb[c] * share *
+                          (double) row[x + left + right];
+        }
+    }
+}
+
+/* Adds the kernel's core of the sources of row `sy` to row y. */
+static void draw_cores(const struct drawing *d, int sy, int y)
+{
+    const struct gp_kernel *const k = d->kernel;
+    const size_t plane = (size_t) d->src->w * (size_t) d->src->h;
+    const int ky = y - sy + k->cy;
+    if (sy < 0 || sy >= d->src->h || ky < 0 || ky >= k->h)
+        return;
+    for (int c = 0; c < 3; c++) {
+        const float *const row = k->k.c[c] + (size_t) ky * (size_t) k->w;
+        double *const out =
+            d->layer + (size_t) c * plane + (size_t) y * (size_t) d->src->w;
+        for (uint32_t i = d->src->row[sy]; i < d->src->row[sy + 1]; i++) {
+            for (int dx = -GP_CORE_RADIUS; dx <= GP_CORE_RADIUS; dx++) {
+                const int x = d->src->x[i] + dx, kx = k->cx + dx;
+                if (x >= 0 && x < d->src->w && kx >= 0 && kx < k->w)
+                    out[x] += (double) d->src->rgb[c][i] * (double) row[kx];
+            }
+        }
+    }
+}
+
+static void draw_row(void *ctx, int y, int thread)
+{
+    const struct drawing *const d = ctx;
+    const size_t w = (size_t) d->src->w, plane = w * (size_t) d->src->h;
+    (void) thread;
+    for (size_t c = 0; c < 3; c++)
+        memset(d->layer + c * plane + (size_t) y * w, 0, w * sizeof(double));
+    for (size_t i = 0; i < d->polygons->n; i++)
+        draw_polygon(d, &d->polygons->at[i], y);
+    for (int sy = y - GP_CORE_RADIUS; d->core && sy <= y + GP_CORE_RADIUS; sy++)
+        draw_cores(d, sy, y);
+}
+
+gp_status gp_group_reference(const struct gp_log *log,
+                             const struct gp_sources *src,
+                             const struct gp_kernel *kernel,
+                             const struct gp_splat_params *p,
+                             const struct gp_polygons *polygons,
+                             const struct gp_shrink *shrink, double *layer)
+{
+    struct drawing d = {
+        .src = src, .kernel = kernel, .polygons = polygons, .shrink = shrink,
+        .core = p->method == GP_GROUP_CORE, .layer = layer,
+    };
+    const struct gp_rect whole = {0, 0, kernel->w, kernel->h};
+    bool used[GP_BLURS] = {0};
+    gp_status st = GP_OK;
+    for (size_t i = 0; i < polygons->n; i++)
+        used[polygons->at[i].blur] = true;
+    for (int i = 0; i < GP_BLURS && !st; i++) {
+        if (used[i])
+            st = gp_blur_make(log, kernel, whole, d.core, gp_blur_box[i],
+                              &d.blur[i]);
+    }
+    if (!st)
+        gp_parallel_do(src->h, draw_row, &d);
+    for (int i = 0; i < GP_BLURS; i++)
+        gp_blur_free(&d.blur[i]);
     return st;
 }
 
