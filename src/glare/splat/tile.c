@@ -35,9 +35,9 @@ static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
 _Static_assert((GP_TILE_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
                    GP_TILE_BATCH * ENTRIES_MAX, "a batch holds too little");
 
-/* Milliseconds, by `build/tests/glare tile --time` on two cores of a 2.5 GHz
- * Xeon, Mesa 22.3 llvmpipe: a pixel of an entry, and what an entry costs
- * beside. */
+/* Milliseconds on two cores of a 2.5 GHz Xeon, Mesa 22.3 llvmpipe (see
+ * `build/tests/glare splat --time`): a pixel of an entry, and what an entry
+ * costs beside. */
 static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
 
 /* -- pieces ---------------------------------------------------------------- */

@@ -36,7 +36,7 @@ static void missing_library_is_named(void **state)
         {GP_GL_EGL, "GLAREPP_EGL", "libegl1"},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
         setenv(rows[i].env, "/nonexistent/lib.so", 1);
         assert_int_equal(gp_gl_open(&log_kept, rows[i].api, &gl), GP_ERR_GL);
@@ -113,7 +113,7 @@ static void old_version_is_named(void **state)
     }
 }
 
-static void limit_can_be_lowered(void **state)
+static void limit_can_only_be_lowered(void **state)
 {
     (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
@@ -127,7 +127,8 @@ static void limit_can_be_lowered(void **state)
         {16, 16, GP_OK},     {1, 1, GP_OK},      {17, 1, GP_ERR_GL},
         {1, 17, GP_ERR_GL},  {0, 1, GP_ERR_GL},  {1, -1, GP_ERR_GL},
     };
-    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; i++) {
+    static const char *const others[] = {"", "none", "-5", "0", "999999999"};
+    for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
         last_line[0] = '\0';
@@ -146,6 +147,16 @@ static void limit_can_be_lowered(void **state)
         gp_target_free(gl, &g);
     }
     gp_gl_close(&gl);
+    gl = open_or_skip(GP_GL_AUTO);
+    const int most = gp_gl_info(gl)->max_size;
+    gp_gl_close(&gl);
+    for (size_t i = 0; i < COUNT(others); i++) { // no number, or over it
+        setenv("GLAREPP_GL_MAX_SIZE", others[i], 1);
+        gl = open_or_skip(GP_GL_AUTO);
+        unsetenv("GLAREPP_GL_MAX_SIZE");
+        assert_int_equal(gp_gl_info(gl)->max_size, most);
+        gp_gl_close(&gl);
+    }
 }
 
 /* -- textures and draws ---------------------------------------------------- */
@@ -303,7 +314,7 @@ SUITE(gl)
         cmocka_unit_test(missing_library_is_named),
         cmocka_unit_test(auto_falls_back),
         cmocka_unit_test(wrong_library_fails),
-        cmocka_unit_test(limit_can_be_lowered),
+        cmocka_unit_test(limit_can_only_be_lowered),
         cmocka_unit_test(contexts_live_side_by_side),
         cmocka_unit_test(errors_are_named_and_cleared),
         cmocka_unit_test(blocks_and_lists_have_limits),

@@ -5,38 +5,25 @@
 #include "core/memory.h"
 #include "fail.h"
 #include "gl/gl_priv.h"
+#include "said.h"
 
 #include <limits.h>
 #include <unistd.h>
 
-static char last_line[4096];
-static int lines;
-
-static void keep(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    lines++;
-    snprintf(last_line, sizeof last_line, "%s", line);
-}
-
-static const struct gp_log log_kept = {keep, NULL, GP_LEVEL_INFO};
-
 static void assert_said(const char *row, const char *part)
 {
-    if (lines != 1 || !strstr(last_line, part))
-        fail_msg("%s: %d lines; \"%s\" is not in \"%s\"", row, lines, part,
-                 last_line);
-    lines = 0;
-    last_line[0] = '\0';
+    if (said_errors != 1 || !strstr(said_line, part))
+        fail_msg("%s: %d lines; \"%s\" is not in \"%s\"", row, said_errors,
+                 part, said_line);
+    said_nothing();
 }
 
 /* Opens `api`; a context is closed again. */
 static gp_status try_open(enum gp_gl_api api)
 {
     struct gp_gl *gl = NULL;
-    lines = 0;
-    const gp_status st = gp_gl_open(&log_kept, api, &gl);
+    said_nothing();
+    const gp_status st = gp_gl_open(&said_log, api, &gl);
     assert_true((st == GP_OK) == (gl != NULL));
     gp_gl_close(&gl);
     return st;
@@ -56,7 +43,7 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
     strcpy(slash + 1, file);
     setenv(env, path, 1);
     if (try_open(api) != GP_OK) {
-        print_message("%s\n", last_line);
+        print_message("%s\n", said_line);
         unsetenv(env);
         skip();
     }
@@ -81,7 +68,7 @@ static void osmesa_refuses(void **state)
     };
     (void) state;
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         setenv("BROKEN_GL", rows[i].what, 1);
         const gp_status st = try_open(GP_GL_OSMESA);
         assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
@@ -100,7 +87,7 @@ static void missing_functions_are_named(void **state)
 #undef NAME
     (void) state;
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
-    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+    for (size_t i = 0; i < COUNT(names); i++) {
         char said[96];
         snprintf(said, sizeof said, "%s is missing", names[i]);
         setenv("BROKEN_GL_MISSING", names[i], 1);
@@ -125,7 +112,7 @@ static void egl_refuses(void **state)
     };
     (void) state;
     use_broken(GP_GL_EGL, "GLAREPP_EGL", "broken_egl.so");
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         setenv("BROKEN_EGL", rows[i].what, 1);
         const gp_status st = try_open(GP_GL_EGL);
         // Mesa's older contexts are of a version that may be enough, or not
@@ -161,9 +148,9 @@ static GLenum APIENTRY broken_framebuffer(GLuint framebuffer, GLenum target)
 static struct gp_gl *open_or_skip(void)
 {
     struct gp_gl *gl = NULL;
-    lines = 0;
-    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK) {
-        print_message("no context: %s\n", last_line);
+    said_nothing();
+    if (gp_gl_open(&said_log, GP_GL_AUTO, &gl) != GP_OK) {
+        print_message("no context: %s\n", said_line);
         skip();
     }
     return gl;
@@ -184,16 +171,16 @@ static void flags_have_names(void **state)
     struct gp_gl *gl = open_or_skip();
     const PFNGLGETERRORPROC real = gl->f.GetError;
     gl->f.GetError = broken_error;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         flag = rows[i].flag;
         times = INT_MAX; // a lost context answers for ever
-        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_ERR_GL);
+        assert_int_equal(gp_gl_check(&said_log, gl, "looking"), GP_ERR_GL);
         assert_said(rows[i].name, rows[i].name);
         assert_true(times > INT_MAX - 64);
         times = 2; // flags of two calls are cleared at once
-        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_ERR_GL);
+        assert_int_equal(gp_gl_check(&said_log, gl, "looking"), GP_ERR_GL);
         assert_said(rows[i].name, "while looking");
-        assert_int_equal(gp_gl_check(&log_kept, gl, "looking"), GP_OK);
+        assert_int_equal(gp_gl_check(&said_log, gl, "looking"), GP_OK);
     }
     gl->f.GetError = real;
     gp_gl_close(&gl);
@@ -217,11 +204,11 @@ static void objects_are_refused(void **state)
         assert_int_equal(fail_end(), broken);                                 \
         if (broken)                                                           \
             assert_said(#call, "GL_OUT_OF_MEMORY")
-        MAKES(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
-        MAKES(gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
-        MAKES(gp_texel_buffer_make(&log_kept, gl, "c", 2, &l));
-        MAKES(gp_uniform_block_make(&log_kept, gl, "d", 16, &b));
-        MAKES(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag", &p));
+        MAKES(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
+        MAKES(gp_target_make(&said_log, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
+        MAKES(gp_texel_buffer_make(&said_log, gl, "c", 2, &l));
+        MAKES(gp_uniform_block_make(&said_log, gl, "d", 16, &b));
+        MAKES(gp_program_make(&said_log, gl, "", "add.vert", "add.frag", &p));
 #undef MAKES
         assert_true((t.id && g.framebuffer && l.id && l.buffer && b.id &&
                      p.id) == !broken);
@@ -245,64 +232,28 @@ static void targets_are_refused(void **state)
     (void) state;
     gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
     assert_int_equal(
-        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT, 1, 2, 2, &t),
+        gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 1, 2, 2, &t),
         GP_ERR_GL);
     assert_said("unsupported", "framebuffer status 0x8cdd");
     gl->f.CheckNamedFramebufferStatus = check;
     // a byte target that memory cannot hold
     fail_at(FAIL_GL, 1);
     assert_int_equal(
-        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_BYTE, 1, 2, 2, &t),
+        gp_target_make(&said_log, gl, "layer", GP_TEXEL_BYTE, 1, 2, 2, &t),
         GP_ERR_GL);
     assert_said("byte", "GL_OUT_OF_MEMORY");
     assert_true(fail_end());
     assert_int_equal(t.framebuffer, 0);
     assert_int_equal(
-        gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t),
+        gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t),
         GP_OK);
     const struct gp_rect nothing = {5, 5, 9, 9}; // outside: nothing to do
     gp_target_clear(gl, &t, nothing);
-    assert_int_equal(gp_gl_check(&log_kept, gl, "clearing"), GP_OK);
+    assert_int_equal(gp_gl_check(&said_log, gl, "clearing"), GP_OK);
     gp_target_free(gl, &t);
     gp_gl_close(&gl);
 }
 
-/* A shader file that this build has not, by either name. */
-static void unknown_files_are_named(void **state)
-{
-    struct gp_gl *gl = open_or_skip();
-    struct gp_program p = {0};
-    (void) state;
-    assert_int_equal(
-        gp_program_make(&log_kept, gl, "", "add.vert", "no.frag", &p),
-        GP_ERR_BUG);
-    assert_said("fragment", "no.frag");
-    assert_int_equal(
-        gp_program_make(&log_kept, gl, "", "no.vert", "add.frag", &p),
-        GP_ERR_BUG);
-    assert_said("vertex", "no.vert");
-    assert_int_equal(p.id, 0);
-    gp_gl_close(&gl);
-}
-
-/* A limit that is no number, or over the driver's, changes nothing. */
-static void limit_is_only_lowered(void **state)
-{
-    static const char *const rows[] = {"", "none", "-5", "0", "999999999"};
-    struct gp_gl *gl = open_or_skip();
-    const int most = gp_gl_info(gl)->max_size;
-    (void) state;
-    gp_gl_close(&gl);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        setenv("GLAREPP_GL_MAX_SIZE", rows[i], 1);
-        gl = open_or_skip();
-        assert_int_equal(gp_gl_info(gl)->max_size, most);
-        gp_gl_close(&gl);
-    }
-    unsetenv("GLAREPP_GL_MAX_SIZE");
-}
-
 SUITE_OF(gl_broken, NULL, NULL,
     osmesa_refuses, missing_functions_are_named, egl_refuses, flags_have_names,
-    objects_are_refused, targets_are_refused, unknown_files_are_named,
-    limit_is_only_lowered)
+    objects_are_refused, targets_are_refused)

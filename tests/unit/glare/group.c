@@ -1,8 +1,44 @@
-/* glare/splat/group.c: formula (1), clusters, blurs. */
+/* glare/splat/group.c: formula (1), clusters, blurs; and that what is drawn of
+ * a group is what was meant. */
 #include "unit.h"
-#include "group_scene.h"
-
 #include "core/parallel.h"
+#include "glare/splat/splat_priv.h"
+#include "glare_scene.h"
+
+static const struct gp_sensor_params over_one = {1.0f, 0.0f, 65504.0f};
+
+static struct gp_sources scene_sources(int w, int h, int x0, int y0,
+                                              enum light light, uint32_t seed)
+{
+    struct gp_frame f = scene_frame(w, h, x0, y0, light, seed);
+    struct gp_sources s;
+    assert_int_equal(gp_sense(NULL, &over_one, &f, &s), GP_OK);
+    gp_frame_free(&f);
+    return s;
+}
+
+static struct gp_polygons group(const struct gp_sources *s,
+                                const struct gp_splat_params *p)
+{
+    struct gp_polygons q;
+    assert_int_equal(gp_polygons_make(NULL, s, p, &q), GP_OK);
+    assert_int_equal(q.n, q.groups + q.clusters);
+    return q;
+}
+
+/* The variance that drawing `q` by bilinear samples of a box gives it, in
+ * pixels^2. */
+static double spread_of(int box, const struct gp_polygon *q)
+{
+    double f[2] = {(double) q->x - (box - 1) / 2.0,
+                   (double) q->y - (box - 1) / 2.0};
+    double sum = (box * box - 1) / 12.0;
+    for (int i = 0; i < 2; i++) {
+        f[i] -= floor(f[i]);
+        sum += f[i] * (1.0 - f[i]) / 2.0;
+    }
+    return sum;
+}
 
 static const struct gp_sensor_params all_light = {0.0f, 0.0f, 65504.0f};
 
@@ -19,7 +55,8 @@ static struct gp_sources grey_sources(int w, int h, int x0, int y0,
     return s;
 }
 
-/* -- formula (1) -------------------------------------------------------------*/
+/* -- formula (1)
+ * -------------------------------------------------------------*/
 
 static void formula_by_hand(void **state)
 {
@@ -41,7 +78,8 @@ static void formula_by_hand(void **state)
     gp_sources_free(&s);
 }
 
-/* -- the naive form ----------------------------------------------------------*/
+/* -- the naive form
+ * ----------------------------------------------------------*/
 
 /* Block of side `side` that holds v, in EXR pixel space. */
 static int block_of(int v, int side)
@@ -169,7 +207,7 @@ static const struct naive_row naive_rows[] = {
 static void all_as_the_naive_form(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+    for (size_t i = 0; i < COUNT(naive_rows); i++) {
         const struct naive_row *const r = &naive_rows[i];
         if (r->w > 1000 && getenv("GLAREPP_TEST_QUICK"))
             continue;
@@ -220,7 +258,7 @@ static void clusters_from_the_fill_on(void **state)
         {8, 8, 1, 1e-6f, 1}, {8, 8, 0, 1e-6f, 0}, {1, 1, 1, 0.9f, 1},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
+    for (size_t i = 0; i < COUNT(rows); i++)
         assert_int_equal(clusters_of(rows[i].w, rows[i].h, rows[i].bright,
                                      rows[i].fill),
                          rows[i].clusters);
@@ -231,7 +269,7 @@ static void clusters_from_the_fill_on(void **state)
 static void light_is_kept(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof naive_rows / sizeof *naive_rows; i++) {
+    for (size_t i = 0; i < COUNT(naive_rows); i++) {
         const struct naive_row *const r = &naive_rows[i];
         struct gp_sources s =
             scene_sources(r->w, r->h, r->x0, r->y0, r->light, 3u);
@@ -248,24 +286,20 @@ static void light_is_kept(void **state)
     }
 }
 
-/* Light too small for a luminance stands in the middle of its block. */
-static void denormal_light_is_kept(void **state)
+/* Light without luminance, of unreal primaries, stands in its cell's middle. */
+static void light_without_luminance_is_kept(void **state)
 {
     (void) state;
-    struct gp_frame f = scene_frame(8, 8, 0, 0, DENORMAL, 1u);
-    struct gp_sources s;
-    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
-    assert_true(s.n > 0);
+    static const float grey[] = {1, 2, 0, 0};
+    struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
     s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
     struct gp_polygons q = group(&s, &(struct gp_splat_params) {
-        .group = 8, .method = GP_GROUP_MOMENTS});
+        .group = 2, .method = GP_GROUP_MOMENTS});
     assert_int_equal(q.n, 1);
-    assert_true(q.at[0].x == 3.5f && q.at[0].y == 3.5f);
-    assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] > 0.0f);
-    assert_true((double) q.at[0].rgb[0] <= s.flux[0] * 1.001);
+    assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
+    assert_true(q.at[0].light == 0.0f && q.at[0].rgb[0] == 3.0f);
     gp_polygons_free(&q);
     gp_sources_free(&s);
-    gp_frame_free(&f);
 }
 
 /* Light over the range of float stays finite. */
@@ -335,7 +369,114 @@ static void threads_change_nothing(void **state)
     gp_sources_free(&s);
 }
 
+/* -- what is drawn ----------------------------------------------------------
+ */
+
+static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
+                    const struct gp_splat_params *p,
+                    const struct gp_polygons *q)
+{
+    double *const layer =
+        scene_alloc(3 * (size_t) s->w * (size_t) s->h, sizeof *layer);
+    struct gp_shrink shrink;
+    assert_int_equal(gp_shrink_make(NULL, k, p, q, &shrink), GP_OK);
+    assert_int_equal(gp_group_reference(NULL, s, k, p, q, &shrink, layer),
+                     GP_OK);
+    return layer;
+}
+
+/* A point's polygon has its light, its centroid and the spread claimed. */
+static void moments_are_kept(void **state)
+{
+    (void) state;
+    struct gp_kernel point = scene_kernel(1, 1, MID, 0, BOX);
+    struct gp_sources s = scene_sources(96, 96, 0, 0, CORNERS, 1u);
+    for (int blur = 0; blur < GP_BLURS; blur++) {
+        struct gp_polygon at = {
+            .x = 47.3125f, .y = 46.75f, .rgb = {2, 2, 2}, .light = 2,
+            .side = 64, .blur = (uint8_t) blur,
+        };
+        const struct gp_polygons q = {1, 1, 0, &at};
+        const struct gp_splat_params p = {.group = 64};
+        double *const layer = draw(&s, &point, &p, &q);
+        double m0 = 0.0, mx = 0.0, my = 0.0, m2 = 0.0;
+        for (int i = 0; i < 96 * 96; i++) {
+            const double dx = i % 96 - (double) at.x;
+            const double dy = i / 96 - (double) at.y;
+            m0 += layer[i];
+            mx += layer[i] * dx;
+            my += layer[i] * dy;
+            m2 += layer[i] * (dx * dx + dy * dy);
+        }
+        assert_true(fabs(m0 - 2.0) < 1e-6 && fabs(mx) < 1e-5 &&
+                    fabs(my) < 1e-5);
+        const double want = spread_of(gp_blur_box[blur], &at);
+        assert_true(fabs(m2 / m0 / 2.0 - want) < 1e-5 * (1.0 + want));
+        free(layer);
+    }
+    gp_sources_free(&s);
+    gp_kernel_free(&point);
+}
+
+/* Ungrouped, it is the exact sum, whatever the method and the kernel. */
+static void ungrouped_is_exact(void **state)
+{
+    static const int kernels[][4] = {
+        {1, 1, MID, 0}, {9, 9, MID, 0}, {30, 18, MID, 0}, {121, 97, MID, 0},
+        {13, 11, -20, 5}, {13, 11, 30, 25}, {13, 11, 1048575, 5},
+    };
+    (void) state;
+    for (int i = 0; i < 7 * 3; i++) {
+        const int *const r = kernels[i / 3];
+        struct scene s = scene_make(
+            scene_frame(61, 47, -3, 7, FEW, 5u),
+            scene_kernel(r[0], r[1], r[2], r[3], TINTED), &over_one);
+        struct gp_splat_params p = GP_SPLAT_EXACT;
+        p.method = (enum gp_group_method) (i % 3);
+        struct gp_polygons q = group(&s.src, &p);
+        assert_int_equal(q.n, s.src.n);
+        double *const layer = draw(&s.src, &s.k, &p, &q);
+        for (size_t k = 0; k < 3 * gp_frame_pixels(&s.f); k++)
+            assert_true(fabs(layer[k] - s.exact[k]) <=
+                        1e-12 * fabs(s.exact[k]));
+        free(layer);
+        gp_polygons_free(&q);
+        scene_free(&s);
+    }
+}
+
+/* Pixels beyond the reach get nothing from the tail, those within all. */
+static void reach_cuts(void **state)
+{
+    (void) state;
+    struct gp_kernel k = scene_kernel(81, 81, MID, 0, PEAK);
+    struct gp_sources s = scene_sources(96, 96, 0, 0, DARK, 1u);
+    struct gp_polygon at = {
+        .x = 40.5f, .y = 44.0f, .rgb = {1, 1, 1}, .light = 1, .side = 4,
+        .blur = 1,
+    };
+    const struct gp_polygons q = {1, 1, 0, &at};
+    const struct gp_splat_params p = {.group = 4};
+    double *const whole = draw(&s, &k, &p, &q);
+    double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
+    struct gp_shrink shrink = {.reach = {0}};
+    shrink.reach[gp_source_bin(1.0f)] = 10;
+    assert_int_equal(gp_group_reference(NULL, &s, &k, &p, &q, &shrink, cut),
+                     GP_OK);
+    for (int i = 0; i < 3 * 96 * 96; i++) {
+        const double dx = i % 96 - 40.5, dy = i / 96 % 96 - 44.0;
+        const int inside = fabs(dx) <= 10.0 && fabs(dy) <= 10.0;
+        assert_true(cut[i] == (inside ? whole[i] : 0.0));
+        assert_true(!inside || cut[i] > 0.0);
+    }
+    free(whole);
+    free(cut);
+    gp_sources_free(&s);
+    gp_kernel_free(&k);
+}
+
 SUITE_OF(group, NULL, NULL,
     formula_by_hand, all_as_the_naive_form, clusters_from_the_fill_on,
-    light_is_kept, denormal_light_is_kept, too_much_light_stays_finite,
-    windows_move_no_block, threads_change_nothing)
+    light_is_kept, light_without_luminance_is_kept, too_much_light_stays_finite,
+    windows_move_no_block, threads_change_nothing, moments_are_kept,
+    ungrouped_is_exact, reach_cuts)
