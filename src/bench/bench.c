@@ -211,21 +211,6 @@ static gp_status show_layer(const struct bench *b)
     return st ? st : gp_tone_map(b->log, b->job->tone, b->f, NULL);
 }
 
-static gp_status measure_row(const struct trial *t)
-{
-    const struct bench *const b = t->b;
-    struct gp_bench_row *const row = t->row;
-    gp_glare_measure(b->f, &b->f->layer, b->exact, b->job->compose->gain,
-                     &row->error);
-    row->measured = true;
-    if (!b->shown.c[0])
-        return GP_OK;
-    gp_status st = show_layer(b);
-    return st ? st : gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
-                                 &b->shown, &b->f->shown, GP_FLIP_PPD, NULL,
-                                 &row->flip);
-}
-
 static gp_status run_technique(const struct bench *b, double *ms,
                                const struct gp_bench_technique *technique,
                                struct gp_bench_row *row)
@@ -243,8 +228,17 @@ static gp_status run_technique(const struct bench *b, double *ms,
         }
     }
     gp_status st = time_row(&t);
-    if (!st && !row->extrapolated)
-        st = measure_row(&t);
+    if (!st && !row->extrapolated) {
+        gp_glare_measure(b->f, &b->f->layer, b->exact, b->job->compose->gain,
+                         &row->error);
+        row->measured = true;
+        if (b->shown.c[0])
+            st = show_layer(b);
+        if (!st && b->shown.c[0])
+            st = gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
+                             &b->shown, &b->f->shown, GP_FLIP_PPD, NULL,
+                             &row->flip);
+    }
     // the renderer's name goes with its context
     snprintf(row->gl, sizeof row->gl, "%s", row->stats.gl ? row->stats.gl : "");
     row->stats.gl = row->gl;

@@ -165,42 +165,36 @@ static void paint_lamp(const struct canvas *v, double x, double y, double radius
     }
 }
 
-/* A lit room seen through a window: brighter towards its lamp, darker behind
- * a curtain on one side, whose folds are 3 pixels wide. */
-static void paint_window(const struct canvas *v, struct gp_rect r,
-                         struct dice *d)
-{
-    static const struct tint least = {{0.8, 0.6, 0.3}};
-    const struct tint t = random_tint(d, least);
-    const double luminance = octaves(d, 5.0, 50.0);
-    const double lamp_x = roll(d), lamp_y = roll(d);
-    const double curtain = between(d, -0.5, 0.5); // < 0: none
-    const bool left = roll(d) < 0.5;
-    for (int y = r.y0; y < r.y1; y++) {
-        for (int x = r.x0; x < r.x1; x++) {
-            const double u = (x - r.x0 + 0.5) / gp_rect_w(r);
-            const double s = (y - r.y0 + 0.5) / gp_rect_h(r);
-            const double du = u - lamp_x, ds = s - lamp_y;
-            double l = luminance / (1.0 + 0.8 * (du * du + ds * ds));
-            if ((left ? u : 1.0 - u) < curtain)
-                l *= (x - r.x0) % 3 == 0 ? 0.3 : 0.45;
-            set_light(v, x, y, &t, l);
-        }
-    }
-}
-
+/* Lit rooms seen through windows: brighter towards a room's lamp, darker behind
+ * a curtain on one side, whose folds are 3 pixels wide; and street lamps. */
 static void paint_windows(const struct canvas *v)
 {
     enum { ACROSS = 16, DOWN = 12, LAMPS = 6 };
-    static const struct tint least = {{0.7, 0.6, 0.4}};
+    static const struct tint room = {{0.8, 0.6, 0.3}}, least = {{0.7, 0.6, 0.4}};
     struct dice d = {22};
     for (int i = 0; i < ACROSS * DOWN; i++) {
         struct gp_rect r = {v->w * (10 * (i % ACROSS) + 3) / (10 * ACROSS),
                             v->h * (10 * (i / ACROSS) + 3) / (10 * DOWN), 0, 0};
         r.x1 = r.x0 + v->w * 26 / (100 * ACROSS);
         r.y1 = r.y0 + v->h * 35 / (100 * DOWN);
-        if (roll(&d) < 1.0 / 3.0)
-            paint_window(v, r, &d);
+        if (roll(&d) >= 1.0 / 3.0)
+            continue;
+        const struct tint t = random_tint(&d, room);
+        const double luminance = octaves(&d, 5.0, 50.0);
+        const double lamp_x = roll(&d), lamp_y = roll(&d);
+        const double curtain = between(&d, -0.5, 0.5); // < 0: none
+        const bool left = roll(&d) < 0.5;
+        for (int y = r.y0; y < r.y1; y++) {
+            for (int x = r.x0; x < r.x1; x++) {
+                const double u = (x - r.x0 + 0.5) / gp_rect_w(r);
+                const double s = (y - r.y0 + 0.5) / gp_rect_h(r);
+                const double du = u - lamp_x, ds = s - lamp_y;
+                double l = luminance / (1.0 + 0.8 * (du * du + ds * ds));
+                if ((left ? u : 1.0 - u) < curtain)
+                    l *= (x - r.x0) % 3 == 0 ? 0.3 : 0.45;
+                set_light(v, x, y, &t, l);
+            }
+        }
     }
     for (int i = 0; i < LAMPS; i++) {
         const struct tint t = random_tint(&d, least);

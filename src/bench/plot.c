@@ -77,24 +77,13 @@ static void place_points(const struct gp_bench_frame *f, struct panel *p)
     }
 }
 
-/* How many points and labels before the i-th the box would cover. */
-static int covered(const struct panel *p, int i, const struct box *b)
+static bool meet(const struct box *a, const struct box *b)
 {
-    int n = b->x0 < LEFT || b->x1 > WIDTH - RIGHT || b->y0 < BOTTOM ||
-                    b->y1 > HEIGHT - TOP
-                ? GP_BENCH_ROWS : 0;
-    for (int k = 0; k < p->n; k++) {
-        const struct point *o = &p->at[k];
-        const struct box dot = {o->x - 4, o->y - 4, o->x + 4, o->y + 4};
-        const struct box *const other[2] = {&dot, &o->label};
-        for (int m = 0; m < (k < i ? 2 : 1); m++)
-            n += b->x0 < other[m]->x1 && other[m]->x0 < b->x1 &&
-                 b->y0 < other[m]->y1 && other[m]->y0 < b->y1;
-    }
-    return n;
+    return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
 }
 
-/* Beside its point where there is room, else further up or down. */
+/* Beside its point where there is room, else further up or down: where it
+ * covers the fewest points, labels before it, and borders. */
 static void place_label(struct panel *p, int i)
 {
     struct point *const at = &p->at[i];
@@ -106,9 +95,17 @@ static void place_label(struct panel *p, int i)
         const double x = k % 2 ? at->x - 8 - w : at->x + 8;
         const struct box b = {x, at->y + dy - LINE / 2.0, x + w,
                               at->y + dy + LINE / 2.0};
-        const int n = covered(p, i, &b);
-        if (n < least) {
-            least = n;
+        int covered = b.x0 < LEFT || b.x1 > WIDTH - RIGHT || b.y0 < BOTTOM ||
+                              b.y1 > HEIGHT - TOP
+                          ? GP_BENCH_ROWS : 0;
+        for (int o = 0; o < p->n; o++) {
+            const struct point *const other = &p->at[o];
+            const struct box dot = {other->x - 4, other->y - 4, other->x + 4,
+                                    other->y + 4};
+            covered += meet(&b, &dot) + (o < i && meet(&b, &other->label));
+        }
+        if (covered < least) {
+            least = covered;
             at->label = b;
         }
     }

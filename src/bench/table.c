@@ -279,29 +279,6 @@ static gp_status save_csv(const struct gp_log *log,
     return st;
 }
 
-static json_t *make_json_row(const struct gp_bench_frame *f,
-                             const struct gp_bench_row *r)
-{
-    struct cell c[CELLS];
-    json_t *const row = json_object();
-    make_cells(f, r, c);
-    for (int i = 1; i < CELLS; i++) { // the input is said once, above
-        const double v = c[i].number;
-        if (!c[i].text && isnan(v))
-            continue;
-        json_object_set_new(
-            row, c[i].name,
-            c[i].text            ? gp_json_name(c[i].text)
-            : c[i].kind == TRUTH ? json_boolean(v > 0.0)
-            : c[i].kind == WHOLE ? json_integer((json_int_t) llround(v))
-            : isfinite(v)        ? json_real(v)
-                                 : json_null());
-    }
-    if (!r->why[0] && strcmp(r->name, "auto") == 0)
-        json_object_set_new(row, "engine_why", gp_json_name(r->stats.why));
-    return row;
-}
-
 static json_t *make_json_frame(const struct gp_bench_frame *f)
 {
     json_t *const o = json_object(), *const rows = json_array();
@@ -317,8 +294,27 @@ static json_t *make_json_frame(const struct gp_bench_frame *f)
             o, "paper",
             json_pack("{ss ss si}", "gpu", "GeForce 7800 GTX", "rate",
                       f->paper->rate, "frames_per_second", f->paper->fps));
-    for (int i = 0; i < f->rows; i++)
-        json_array_append_new(rows, make_json_row(f, &f->row[i]));
+    for (int i = 0; i < f->rows; i++) {
+        const struct gp_bench_row *const r = &f->row[i];
+        json_t *const row = json_object();
+        struct cell c[CELLS];
+        make_cells(f, r, c);
+        for (int k = 1; k < CELLS; k++) { // the input is said once, above
+            const double v = c[k].number;
+            if (!c[k].text && isnan(v))
+                continue;
+            json_object_set_new(
+                row, c[k].name,
+                c[k].text            ? gp_json_name(c[k].text)
+                : c[k].kind == TRUTH ? json_boolean(v > 0.0)
+                : c[k].kind == WHOLE ? json_integer((json_int_t) llround(v))
+                : isfinite(v)        ? json_real(v)
+                                     : json_null());
+        }
+        if (!r->why[0] && strcmp(r->name, "auto") == 0)
+            json_object_set_new(row, "engine_why", gp_json_name(r->stats.why));
+        json_array_append_new(rows, row);
+    }
     json_object_set_new(o, "rows", rows);
     return o;
 }

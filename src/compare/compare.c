@@ -69,22 +69,6 @@ static void print_worst(const struct row *r)
                gp_compare_name(r->match, f->channel), f->worst_a, f->worst_b);
 }
 
-/* Channels and windows, where the two differ. */
-static void print_layout(const struct gp_compare_match *m)
-{
-    const struct gp_rect a = m->a->data, b = m->b->data;
-    for (int i = 0; i < m->pairs; i++) {
-        const struct gp_compare_pair *const p = &m->pair[i];
-        if (!p->a || !p->b)
-            printf("  only in %s    %s (0 in the other)\n", p->a ? "A" : "B",
-                   gp_compare_name(m, i));
-    }
-    if (memcmp(&a, &b, sizeof a) != 0)
-        printf("  windows      %dx%d at (%d, %d) and %dx%d at (%d, %d); "
-               "0 outside\n", gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
-               gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
-}
-
 /* A block of lines. */
 static void print_block(const struct row *r, const struct gp_compare_params *p)
 {
@@ -97,7 +81,17 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
         printf("  %s\n", r->why);
         return;
     }
-    print_layout(r->match);
+    const struct gp_compare_match *const m = r->match;
+    const struct gp_rect a = m->a->data, b = m->b->data;
+    for (int i = 0; i < m->pairs; i++) {
+        if (!m->pair[i].a || !m->pair[i].b)
+            printf("  only in %s    %s (0 in the other)\n",
+                   m->pair[i].a ? "A" : "B", gp_compare_name(m, i));
+    }
+    if (memcmp(&a, &b, sizeof a) != 0)
+        printf("  windows      %dx%d at (%d, %d) and %dx%d at (%d, %d); "
+               "0 outside\n", gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
+               gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
     printf("  max error    ");
     print_worst(r);
     printf("\n  mean error   %g\n  RMS error    %g\n  PSNR         %g dB\n"
@@ -238,34 +232,6 @@ static void report(struct run *r, enum gp_compare_result result,
         print_block(&r->row, r->job->params);
 }
 
-/* Windows far apart would make a union that neither file asked for. */
-static gp_status check_union(const struct run *r, struct gp_rect u)
-{
-    const long long w = (long long) u.x1 - u.x0, h = (long long) u.y1 - u.y0;
-    const long long most = r->job->read->max_pixels;
-    if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
-        return gp_fail(r->log, GP_ERR_DATA,
-                       "%s: its window and that of %s are too far apart "
-                       "(%lld x %lld pixels over both, at most %lld); crop "
-                       "them, or raise --max-pixels", r->row.a, r->row.b, w, h,
-                       most);
-    return GP_OK;
-}
-
-static gp_status draw_heatmap(struct run *r, const struct gp_compare_match *m,
-                              const struct gp_compare_flip *flip)
-{
-    if (!r->job->params->heatmap || r->drawn || !flip->known)
-        return GP_OK;
-    char *const name = gp_pattern_name(&r->names.heatmap, r->row.frame, NULL);
-    if (!name)
-        return gp_no_memory(r->log, r->names.heatmap.path);
-    gp_status st = gp_compare_heatmap(r->log, r->job->write, name, m, flip);
-    free(name);
-    r->drawn = !st;
-    return st;
-}
-
 static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
                                 const struct gp_stored_image *b)
 {
@@ -273,20 +239,38 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     struct gp_compare_match m;
     struct gp_compare_figures figures;
     struct gp_compare_flip flip = {0};
+    char *name = NULL;
     GP_TRY(gp_compare_match_make(r->log, a, b, &m));
-    GP_TRY(check_union(r, m.window));
+    // windows far apart would make a union that neither file asked for
+    const long long w = (long long) m.window.x1 - m.window.x0;
+    const long long h = (long long) m.window.y1 - m.window.y0;
+    const long long most = r->job->read->max_pixels;
+    if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
+        GP_TRY(gp_fail(r->log, GP_ERR_DATA,
+                       "%s: its window and that of %s are too far apart "
+                       "(%lld x %lld pixels over both, at most %lld); crop "
+                       "them, or raise --max-pixels", r->row.a, r->row.b, w, h,
+                       most));
     if (m.shared == 0) {
         report(r, GP_COMPARE_DIFFERENT, "no channel has the same name in both");
         goto out;
     }
     GP_TRY(gp_compare_measure(r->log, r->job->params, &m, &figures));
     GP_TRY(gp_compare_flip(r->log, r->job->params, &m, &flip));
-    GP_TRY(draw_heatmap(r, &m, &flip));
+    if (r->job->params->heatmap && !r->drawn && flip.known) {
+        const struct gp_pattern *const p = &r->names.heatmap;
+        name = gp_pattern_name(p, r->row.frame, NULL);
+        if (!name)
+            GP_TRY(gp_no_memory(r->log, p->path));
+        GP_TRY(gp_compare_heatmap(r->log, r->job->write, name, &m, &flip));
+        r->drawn = true;
+    }
     r->row.match = &m;
     r->row.figures = &figures;
     r->row.flip = &flip;
     report(r, figures.result, NULL);
 out:
+    free(name);
     gp_compare_flip_free(&flip);
     gp_compare_match_free(&m);
     return st;
@@ -316,34 +300,27 @@ out:
 
 // -- pairs -------------------------------------------------------------------
 
-static gp_status compare_parts(struct run *r, const struct gp_stored_file f[2])
-{
-    const int both = gp_min(f[0].parts, f[1].parts);
-    char why[64];
-    gp_status st = GP_OK;
-    r->row.parts = gp_max(f[0].parts, f[1].parts);
-    for (int part = 0; part < both && !st; part++)
-        st = compare_part(r, f, part);
-    r->row.part = both;
-    if (!st && r->row.parts > both) { // as idiff -a
-        snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
-        report(r, GP_COMPARE_FAILURE, why);
-    }
-    return st;
-}
-
 static gp_status compare_files(struct run *r)
 {
     struct gp_stored_file f[2] = {
         {.stream = GP_STREAM_EMPTY}, {.stream = GP_STREAM_EMPTY},
     };
     const char *const path[2] = {r->row.a, r->row.b};
+    char why[64];
     gp_status st = GP_OK;
     r->drawn = false;
     for (int i = 0; i < 2 && !st; i++)
         st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
+    const int both = st ? 0 : gp_min(f[0].parts, f[1].parts);
     if (!st)
-        st = compare_parts(r, f);
+        r->row.parts = gp_max(f[0].parts, f[1].parts);
+    for (int part = 0; part < both && !st; part++)
+        st = compare_part(r, f, part);
+    if (!st && r->row.parts > both) { // as idiff -a
+        snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
+        r->row.part = both;
+        report(r, GP_COMPARE_FAILURE, why);
+    }
     if (st && st != GP_ERR_BUG) {
         report(r, GP_COMPARE_FILE, "a file cannot be read or written");
         st = GP_OK;

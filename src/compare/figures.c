@@ -130,38 +130,6 @@ static void note_worst(struct sums *s, double error, int x, int channel,
     s->worst_b = b;
 }
 
-/* One value; *failed and *warned are of its pixel. */
-static void add_value(const struct gp_compare_params *l, struct sums *s,
-                      const struct gp_compare_pair *p, int64_t at_a,
-                      int64_t at_b, int x, int channel, bool *failed,
-                      bool *warned)
-{
-    const double a = value_at(p->a, at_a), b = value_at(p->b, at_b);
-    if (!isfinite(a) || !isfinite(b)) {
-        if (same_nonfinite(a, b))
-            return;
-        s->nonfinite++;
-        *failed = *warned = true;
-        note_worst(s, (double) INFINITY, x, channel, a, b);
-        return;
-    }
-    const bool whole = (p->a && p->a->whole) || (p->b && p->b->whole);
-    // floats are subtracted as floats: idiff's figures to the last digit
-    const double f = whole ? fabs(a - b)
-                           : (double) fabsf((float) a - (float) b);
-    const double mean = 0.5 * (fabs(a) + fabs(b));
-    const double rel = mean > 0.0 ? f / mean : 0.0;
-    s->error += f;
-    s->square += f * f;
-    s->reference += a * a;
-    s->peak = fmax(s->peak, fmax(fabs(a), fabs(b)));
-    note_worst(s, f, x, channel, a, b);
-    *warned = *warned || (f > (double) l->warn &&
-                          rel > (double) l->warn_relative);
-    *failed = *failed || (f > (double) l->fail &&
-                          rel > (double) l->fail_relative);
-}
-
 static void sum_row(void *ctx, int row, int thread)
 {
     (void) thread;
@@ -169,11 +137,38 @@ static void sum_row(void *ctx, int row, int thread)
     const struct gp_compare_match *const m = t->m;
     struct sums *const s = &t->row[row];
     const int y = m->window.y0 + row;
+    const struct gp_compare_params *const l = t->limits;
     for (int x = m->window.x0; x < m->window.x1; x++) {
-        const int64_t a = index_at(m->a, x, y), b = index_at(m->b, x, y);
+        const int64_t at_a = index_at(m->a, x, y), at_b = index_at(m->b, x, y);
         bool failed = false, warned = false;
-        for (int c = 0; c < m->pairs; c++)
-            add_value(t->limits, s, &m->pair[c], a, b, x, c, &failed, &warned);
+        for (int c = 0; c < m->pairs; c++) {
+            const struct gp_compare_pair *const p = &m->pair[c];
+            const double a = value_at(p->a, at_a), b = value_at(p->b, at_b);
+            if (!isfinite(a) || !isfinite(b)) {
+                if (same_nonfinite(a, b))
+                    continue;
+                s->nonfinite++;
+                failed = warned = true;
+                note_worst(s, (double) INFINITY, x, c, a, b);
+                continue;
+            }
+            const bool whole = (p->a && p->a->whole) || (p->b && p->b->whole);
+            // floats are subtracted as floats: idiff's figures to the last
+            // digit
+            const double f = whole ? fabs(a - b)
+                                   : (double) fabsf((float) a - (float) b);
+            const double mean = 0.5 * (fabs(a) + fabs(b));
+            const double rel = mean > 0.0 ? f / mean : 0.0;
+            s->error += f;
+            s->square += f * f;
+            s->reference += a * a;
+            s->peak = fmax(s->peak, fmax(fabs(a), fabs(b)));
+            note_worst(s, f, x, c, a, b);
+            warned = warned || (f > (double) l->warn &&
+                                rel > (double) l->warn_relative);
+            failed = failed || (f > (double) l->fail &&
+                                rel > (double) l->fail_relative);
+        }
         s->failed += failed;
         s->warned += warned;
     }

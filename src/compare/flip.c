@@ -235,38 +235,32 @@ static float distance(const float a[3], const float b[3])
 
 // -- one picture in a tile ----------------------------------------------------
 
-/* The opponent colours YCxCz of row y, without their factors, which the way
- * back would take away again: Y, X - Y, Y - Z over white's. */
-static void load_row(const struct metric *m, const struct tile *t,
-                     const struct gp_planes *p, int y)
-{
-    const int r = m->filter.radius;
-    const size_t at = (size_t) gp_clamp(y, 0, m->h - 1) * (size_t) m->w;
-    for (int i = 0; i < t->w + 2 * r; i++) {
-        const size_t from =
-            at + (size_t) gp_clamp(t->x0 - r + i, 0, m->w - 1);
-        const float rgb[3] = {gp_clamp01(p->c[0][from]),
-                              gp_clamp01(p->c[1][from]),
-                              gp_clamp01(p->c[2][from])};
-        float xyz[3];
-        multiply(m->to_xyz, rgb, xyz);
-        t->row[0][i] = xyz[1];
-        t->row[1][i] = xyz[0] - xyz[1];
-        t->row[2][i] = xyz[1] - xyz[2];
-    }
-}
-
+/* Filters a tile's rows along x. They hold the opponent colours YCxCz without
+ * their factors, which the way back would take away again: Y, X - Y, Y - Z
+ * over white's; beyond the border the outermost pixels are repeated. */
 static void filter_rows(const struct metric *m, const struct tile *t,
                         const struct gp_planes *p)
 {
     static const int from[COLOURS] = {0, 1, 2, 2};
     const struct filters *f = &m->filter;
-    const int inset = f->radius - f->feature_radius;
-    for (int j = 0; j < t->h + 2 * f->radius; j++) {
-        load_row(m, t, p, t->y0 - f->radius + j);
+    const int r = f->radius, inset = r - f->feature_radius;
+    for (int j = 0; j < t->h + 2 * r; j++) {
+        const size_t row = (size_t) gp_clamp(t->y0 - r + j, 0, m->h - 1);
+        for (int i = 0; i < t->w + 2 * r; i++) {
+            const size_t at = row * (size_t) m->w +
+                              (size_t) gp_clamp(t->x0 - r + i, 0, m->w - 1);
+            const float rgb[3] = {gp_clamp01(p->c[0][at]),
+                                  gp_clamp01(p->c[1][at]),
+                                  gp_clamp01(p->c[2][at])};
+            float xyz[3];
+            multiply(m->to_xyz, rgb, xyz);
+            t->row[0][i] = xyz[1];
+            t->row[1][i] = xyz[0] - xyz[1];
+            t->row[2][i] = xyz[1] - xyz[2];
+        }
         for (int c = 0; c < COLOURS; c++)
-            filter_row(t->row[from[c]], f->colour[c].at, 2 * f->radius + 1,
-                       t->w, t->line[c] + j * TILE_W);
+            filter_row(t->row[from[c]], f->colour[c].at, 2 * r + 1, t->w,
+                       t->line[c] + j * TILE_W);
         for (int k = 0; k < FEATURES; k++)
             filter_row(t->row[0] + inset, f->feature[k].at,
                        2 * f->feature_radius + 1, t->w,
@@ -448,15 +442,6 @@ static float bounded(float v)
 
 // -- exposures -----------------------------------------------------------------
 
-/* The x for which the curve gives TARGET: its quadratic's positive root. */
-static double light_of_target(void)
-{
-    const double a = (double) ACES_A - TARGET * (double) ACES_C;
-    const double b = (double) ACES_B - TARGET * (double) ACES_D;
-    const double c = -TARGET * (double) ACES_E;
-    return (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
-}
-
 /* The k-th smallest of v[0, n), which is reordered (Hoare 1961). */
 static float kth(float *v, size_t n, size_t k)
 {
@@ -511,7 +496,11 @@ gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
     }
     *out = (struct gp_flip_exposures) {.count = 1};
     if (most > 0.0f) {
-        const double target = light_of_target();
+        // the x for which the curve gives TARGET: its quadratic's positive root
+        const double a = (double) ACES_A - TARGET * (double) ACES_C;
+        const double b = (double) ACES_B - TARGET * (double) ACES_D;
+        const double c = -TARGET * (double) ACES_E;
+        const double target = (-b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
         const double start = log2(target / (double) most);
         double middle = median(y, pixels);
         if (middle == 0.0) {

@@ -4,6 +4,7 @@
 
 #include "core/colour.h"
 #include "core/cpu.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <math.h>
@@ -218,16 +219,6 @@ static void measure_peak(void *ctx, int part, int thread)
     m->peak[part] = peak < (double) LIGHT_MAX ? (float) peak : LIGHT_MAX;
 }
 
-/* The largest luminance that the operator will see; 1 for a black frame. */
-static float find_white(struct mapping *m)
-{
-    float peak = 0.0f;
-    gp_parallel_do(PARTS, measure_peak, m);
-    for (int i = 0; i < PARTS; i++)
-        peak = m->peak[i] > peak ? m->peak[i] : peak;
-    return peak > 0.0f ? peak : 1.0f;
-}
-
 float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
 {
     double scale = exp2((double) p->exposure);
@@ -290,8 +281,15 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
         for (int i = 0; m.mixed && i < 9; i++)
             m.matrix[i] = (float) matrix[i];
     }
-    if (m.curve->reads_white)
-        m.white = p->white > 0.0f ? p->white : find_white(&m);
+    if (m.curve->reads_white && p->white > 0.0f) {
+        m.white = p->white;
+    } else if (m.curve->reads_white) { // the largest; 1 for a black frame
+        float peak = 0.0f;
+        gp_parallel_do(PARTS, measure_peak, &m);
+        for (int i = 0; i < PARTS; i++)
+            peak = gp_maxf(m.peak[i], peak);
+        m.white = peak > 0.0f ? peak : 1.0f;
+    }
     gp_parallel_do((int) ((pixels + BLOCK - 1) / BLOCK), map_block, &m);
     if (scale)
         *scale = m.scale;
