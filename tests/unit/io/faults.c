@@ -18,9 +18,75 @@
 #include "reading.h"
 
 #include "fail.h"
-#include "fault_files.h"
 
 #include <fcntl.h>
+
+// -- files that are read ------------------------------------------------------
+
+#define HALVES EXR_PIXEL_HALF
+#define W(n) FIXTURE_WINDOW(0, 0, n, n)
+
+/* Planes of several kinds beside the colour. */
+static const struct fixture parts = {
+    .parts = 2,
+    .part = {
+        {.name = "main",
+         .channel = {HALF_CH("A"), RGB(HALVES),
+                     {"Z", EXR_PIXEL_FLOAT, 0, 0}, HALF_CH("fog.B"),
+                     HALF_CH("fog.G"), HALF_CH("fog.R"),
+                     {"id", EXR_PIXEL_UINT, 0, 0}},
+         .data = W(12), .compression = EXR_COMPRESSION_ZIP},
+        {.name = "one.left",
+         .channel = {{"mask", EXR_PIXEL_FLOAT, 0, 0},
+                     {"wide", EXR_PIXEL_HALF, 2, 2}},
+         .data = FIXTURE_WINDOW(-4, 8, 6, 16),
+         .compression = EXR_COMPRESSION_RLE},
+    },
+};
+static const struct fixture tiles = {
+    .part = {{.channel = {RGB(EXR_PIXEL_FLOAT)}, .data = W(20), .tile = 8,
+              .compression = EXR_COMPRESSION_ZIP, .mipmap = true}},
+};
+static const struct fixture yc = {
+    .part = {{.channel = {{"BY", HALVES, 2, 2}, {"RY", HALVES, 2, 2},
+                          {"Y", HALVES, 1, 1}},
+              .data = W(12), .compression = EXR_COMPRESSION_PIZ}},
+};
+static const struct fixture depth = {
+    .part = {{.channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}}, .data = W(9),
+              .compression = EXR_COMPRESSION_ZIPS}},
+};
+
+static void save_text(const char *name, const char *text)
+{
+    fixture_save(wf_path(name), text, strlen(text));
+}
+
+static void save_twice(const char *name, const struct fixture *f)
+{
+    size_t size;
+    uint8_t *bytes = fixture_make(f, &size);
+    FILE *file = fopen(wf_path(name), "wb");
+    assert_non_null(file);
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+    free(bytes);
+}
+
+static void save_json(void)
+{
+    save_text("lights.json",
+              "[{\"pixel\": [1, 2], \"radius\": 2, \"flux\": [1, 2, 3]},"
+              " {\"direction\": [0, 1, 0], \"flux\": 3}]");
+    save_text("flare.json",
+              "{\"elements\": [{\"shape\": \"disc\", \"position\": 1,"
+              " \"size\": 0.1, \"color\": 1}, {\"shape\": \"image\","
+              " \"position\": 0, \"size\": 1, \"image\": \"a.exr\"}]}");
+    save_text("camera.json",
+              "{\"frames\": [{\"frame\": 1, \"worldToNDC_rowmajor\": [1,0,0,0,"
+              " 0,1,0,0, 0,0,1,-1, 0,0,0,1]}]}");
+}
 
 enum { POINTS_MAX = 20000 }; // more than any row has
 
@@ -293,7 +359,7 @@ static void every_point(const struct work *row, size_t rows)
         }
     }
 }
-#define EVERY_POINT(row) every_point(row, sizeof row / sizeof *row)
+#define EVERY_POINT(row) every_point(row, COUNT(row))
 
 static void reading(void **state)
 {
@@ -350,8 +416,7 @@ static void writing(void **state)
     (void) state;
     static const struct work row[] = {
         {"picture", picture, "out.exr", false},
-        {"picture", picture, "out.png", false},
-        {"hdr", hdr, "out.exr", false},
+        {"picture", picture, "out.png", false}, {"hdr", hdr, "out.exr", false},
         {"file", file, "out.bin", false},
         {"file", file, "/dev/null", false}, // held in memory to the end
     };

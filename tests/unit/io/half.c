@@ -106,7 +106,7 @@ static void large_values_are_clamped_and_counted(void **state)
         {2.9802326e-8f, 1, 0},      {-5.9604645e-8f, 0x8001, 0},
         {6.1035156e-5f, 0x0400, 0}, {6.0975552e-5f, 0x03ff, 0},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         // once in the tail and once in a whole vector
         float in[11];
         uint16_t out[11];
@@ -123,7 +123,7 @@ static void nan_stays_nan(void **state)
     (void) state;
     static const uint32_t in_bits[] = {0x7fc00000, 0x7f800001, 0xffc00001,
                                        0xff812345, 0x7fffffff};
-    for (size_t i = 0; i < sizeof in_bits / sizeof *in_bits; i++) {
+    for (size_t i = 0; i < COUNT(in_bits); i++) {
         float in[9], again[9];
         uint16_t out[9];
         for (int k = 0; k < 9; k++)

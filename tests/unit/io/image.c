@@ -41,8 +41,7 @@ static void curves(void **state)
     } row[] = {
         {"sRGB", 8, 0.2140411f, 0.0331048f, 1e-6f},
         {"srgb", 16, 0.2140411f, 0.0331048f, 1e-6f},
-        {"", 8, 0.2140411f, 0.0331048f, 1e-6f},
-        {"", 16, 0.5f, 0.2f, 0.0f},
+        {"", 8, 0.2140411f, 0.0331048f, 1e-6f}, {"", 16, 0.5f, 0.2f, 0.0f},
         {"sRGB", 0, 0.5f, 0.2f, 0.0f},
         {"Rec709", 10, 0.2595894f, 0.0554267f, 1e-6f},
         {"KodakLog", 10, 0.2560047f, 0.0143996f, 1e-6f},
@@ -51,12 +50,10 @@ static void curves(void **state)
         {"GammaCorrected 1.75", 8, 0.2973018f, 0.0598140f, 1e-6f},
         {"Gamma2.2:1", 8, 0.2176376f, 0.0289912f, 1e-6f},
         {"Gamma 2.2 ", 8, 0.2176376f, 0.0289912f, 1e-6f},
-        {"gamma3", 16, 0.125f, 0.008f, 1e-6f},
-        {"Gamma", 8, 0.5f, 0.2f, 0.0f},
-        {"Linear", 8, 0.5f, 0.2f, 0.0f},
-        {"ACEScg", 16, 0.5f, 0.2f, 0.0f},
+        {"gamma3", 16, 0.125f, 0.008f, 1e-6f}, {"Gamma", 8, 0.5f, 0.2f, 0.0f},
+        {"Linear", 8, 0.5f, 0.2f, 0.0f}, {"ACEScg", 16, 0.5f, 0.2f, 0.0f},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         float pixels[] = {0.5f, 0.5f, 0.5f, 0.5f, code, code, code, code};
         struct gp_image image = row_of(rgba, 4, pixels, 2);
         struct gp_frame f;
@@ -121,7 +118,7 @@ static void names(void **state)
         {{"R", "G", "B", "fog.Y"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
         {{"R", "G", "B", "fog"}, 4, "fog", GP_COLOUR_GREY, {3, 3, 3}},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         float pixels[] = {1.0f, 2.0f, 3.0f, 4.0f};
         struct gp_image image =
             row_of(row[i].name, row[i].channels, pixels, 1);
@@ -183,7 +180,7 @@ static void windows_and_attributes(void **state)
         {(char *) "owner", GP_ATTRIBUTE_TEXT, (char *) "me", 0, 0.0f},
         {(char *) "shots", GP_ATTRIBUTE_INT, NULL, 7, 0.0f},
     };
-    for (size_t i = 0; i < sizeof aspect / sizeof *aspect; i++) {
+    for (size_t i = 0; i < COUNT(aspect); i++) {
         float pixels[] = {1.0f, 2.0f, 3.0f, 0.333333f};
         struct gp_image image = row_of(rgba, 4, pixels, 1);
         struct gp_frame f;
@@ -223,16 +220,14 @@ static void parts_and_views(void **state)
         const char *part, *view, *says;
     } row[] = {
         {NULL, "left", "has no view left"},
-        {"beauty", NULL, "has no part beauty"},
-        {"", NULL, "has no part "},
-        {"1b", NULL, "has no part 1b"},
-        {"-1", NULL, "has no part -1"},
+        {"beauty", NULL, "has no part beauty"}, {"", NULL, "has no part "},
+        {"1b", NULL, "has no part 1b"}, {"-1", NULL, "has no part -1"},
         {"123456789", NULL, "has no part 123456789"},
     };
     snprintf(path, sizeof path, "%s/a.tif", folder);
     FILE *const file = fopen(path, "w");
     assert_true(file && fwrite("II*", 1, 4, file) == 4 && fclose(file) == 0);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_read_params p = GP_READ_DEFAULTS;
         struct gp_frame f = {0};
         p.part = row[i].part;

@@ -30,7 +30,7 @@ static void channels_of_a_plane_file(void **state)
          NULL, "B, G, R"},
         {{HALF_CH("l.Z"), HALF_CH("r.Z")}, true, NULL, "l.Z and r.Z"},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct fixture f = {.part = {{.data = FIXTURE_WINDOW(-5, 3, 9, 4),
                                       .compression = EXR_COMPRESSION_ZIP}}};
         struct gp_plane p = {0};
@@ -65,7 +65,7 @@ static void small_windows(void **state)
         {2, 2, 2, 2, EXR_COMPRESSION_ZIP}, {4, 2, 4, 1, EXR_COMPRESSION_NONE},
         {2, 6, 1, 2, EXR_COMPRESSION_ZIPS},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         const struct fixture f = {.part = {{
             .channel = {{"Z", EXR_PIXEL_FLOAT, row[i].xs, row[i].ys}},
             .data = FIXTURE_WINDOW(-8, -16, row[i].w, row[i].h),
@@ -97,7 +97,7 @@ static void planes_of_other_formats(void **state)
     static float v[N];
     if (!has_oiio)
         skip();
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         const bool real = row[i].scale == 0.0f;
         for (int k = 0; k < N; k++)
             v[k] = (float) k / 255.0f * (real ? 1e10f : 1.0f);

@@ -266,7 +266,7 @@ static void chunks(void **state)
 #undef ROW
     };
     static struct made m;
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_image image;
         put_head(&m, 1, 1, 8, 0, false);
         put_chunk(&m, row[i].type, row[i].data, row[i].n);
@@ -367,7 +367,7 @@ static void rows_and_sizes(void **state)
     };
     static struct made m;
     static const uint8_t zeros[1001 * 1049];
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         put_head(&m, rows[i].w, rows[i].h, 8, 0, rows[i].interlaced);
         put_pixels(&m, zeros, rows[i].rows, rows[i].part);
         if (check(m.bytes, m.n) != (rows[i].said ? GP_ERR_DATA : GP_OK))
@@ -458,6 +458,17 @@ static struct png read_png(const char *path)
     return p;
 }
 
+/* Writes a.png and reads it. */
+static struct png write_png(const struct gp_write_params *p,
+                            const struct gp_frame *f,
+                            enum gp_picture_kind kind)
+{
+    struct gp_write_stats stats = {0};
+    assert_int_equal(gp_write_picture(&wf_log, p, wf_path("a.png"), f, &f->rgb,
+                                      kind, &stats), GP_OK);
+    return read_png(wf_path("a.png"));
+}
+
 static void free_png(struct png *p)
 {
     free(p->bytes);
@@ -493,27 +504,21 @@ static void pixels_and_windows(void **state)
     static const struct {
         struct gp_rect data, display;
     } rows[] = {
-        {{0, 0, 1, 1}, {0, 0, 1, 1}},
-        {{0, 0, 67, 45}, {0, 0, 67, 45}},
+        {{0, 0, 1, 1}, {0, 0, 1, 1}}, {{0, 0, 67, 45}, {0, 0, 67, 45}},
         {{-5, -7, 30, 21}, {0, 0, 20, 10}},   // overscan
         {{3, 4, 13, 9}, {0, 0, 20, 17}},      // a part of the picture
         {{-9, 2, 5, 8}, {-4, -3, 12, 5}},     // both
         {{50, 50, 60, 60}, {0, 0, 7, 5}},     // nothing in common
-        {{0, 0, 257, 1}, {0, 0, 257, 1}},
-        {{0, 0, 1, 300}, {0, 0, 1, 300}},
+        {{0, 0, 257, 1}, {0, 0, 257, 1}}, {{0, 0, 1, 300}, {0, 0, 1, 300}},
     };
-    for (size_t i = 0; i < 2 * sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < 2 * COUNT(rows); i++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
-        struct gp_write_stats stats = {0};
         const struct gp_rect data = rows[i / 2].data;
         const struct gp_rect display = rows[i / 2].display;
         struct gp_frame f = wf_frame(data, display, wf_rgb);
         fill_unit(&f);
         p.depth_bits = i % 2 ? 16 : 8;
-        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
-                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
-                         GP_OK);
-        struct png png = read_png(wf_path("a.png"));
+        struct png png = write_png(&p, &f, GP_PICTURE_SHOWN);
         assert_int_equal(png.w, gp_rect_w(display));
         assert_int_equal(png.h, gp_rect_h(display));
         assert_int_equal(png.bits, p.depth_bits);
@@ -539,16 +544,12 @@ static void nonfinite(void **state)
     static const float v[6] = {NAN, -NAN, INFINITY, -INFINITY, 1e30f, -0.0f};
     static const int want[6] = {0, 0, 255, 0, 255, 0};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 6, 1};
     struct gp_frame f = wf_frame(r, r, wf_all);
     memcpy(f.rgb.c[1], v, sizeof v);
     for (int dither = 0; dither < 2; dither++) {
         p.dither = dither;
-        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
-                                          &f.rgb, GP_PICTURE_SHOWN, &stats),
-                         GP_OK);
-        struct png png = read_png(wf_path("a.png"));
+        struct png png = write_png(&p, &f, GP_PICTURE_SHOWN);
         for (int x = 0; x < 6; x++)
             assert_int_equal(sample(&png, x, 0, 1), want[x]);
         free_png(&png);
@@ -569,7 +570,6 @@ static void alpha_keeps_light(void **state)
     static const float light[8] = {0, 0.7f, 0.25f, 0.9f, 0.3f, 5, -1, 0.1f};
     static const double want[8] = {0, 0.7, 0.5, 0.9, 1, 1, 0.25, 0.1};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 8, 1};
     struct gp_frame f = wf_frame(r, r, layered);
     memcpy(f.channel[4].data, alpha, sizeof alpha);
@@ -579,9 +579,7 @@ static void alpha_keeps_light(void **state)
     }
     p.alpha = GP_ALPHA_KEEP;
     p.depth_bits = 16;
-    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
-                                      &f.rgb, GP_PICTURE_SHOWN, &stats), 0);
-    struct png png = read_png(wf_path("a.png"));
+    struct png png = write_png(&p, &f, GP_PICTURE_SHOWN);
     assert_int_equal(png.channels, 4);
     for (int x = 0; x < 8; x++) {
         const double a = sample(&png, x, 0, 3) / 65535.0;
@@ -597,9 +595,7 @@ static void alpha_keeps_light(void **state)
     }
     free_png(&png);
     p.alpha = GP_ALPHA_BLACK; // the same light with no alpha at all
-    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
-                                      &f.rgb, GP_PICTURE_SHOWN, &stats), 0);
-    png = read_png(wf_path("a.png"));
+    png = write_png(&p, &f, GP_PICTURE_SHOWN);
     assert_int_equal(png.channels, 3);
     for (int x = 0; x < 8; x++)
         assert_int_equal(sample(&png, x, 0, 0), plain(f.rgb.c[0][x], 16));
@@ -611,16 +607,13 @@ static void colour_chunks(void **state)
 {
     (void) state;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 3, 2};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
     for (int kind = GP_PICTURE_SCENE; kind <= GP_PICTURE_SHOWN; kind++) {
         for (int wide = 0; wide < 2; wide++) {
             f.chromaticities[0] = wide ? 0.65f : 0.64f;
             f.pixel_aspect = wide ? 2.0f : 1.0f;
-            assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"),
-                                              &f, &f.rgb, kind, &stats), 0);
-            struct png png = read_png(wf_path("a.png"));
+            struct png png = write_png(&p, &f, kind);
             const bool srgb = kind == GP_PICTURE_SHOWN || !wide;
             assert_int_equal(strstr(png.chunks, "sRGB") != NULL, srgb);
             assert_int_equal(strstr(png.chunks, "cICP") != NULL, srgb);
@@ -656,15 +649,11 @@ static void odd_primaries(void **state)
         {INFINITY, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
     };
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 3, 2};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         memcpy(f.chromaticities, rows[i], sizeof rows[i]);
-        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
-                                          &f.rgb, GP_PICTURE_SCENE, &stats),
-                         GP_OK);
-        struct png png = read_png(wf_path("a.png"));
+        struct png png = write_png(&p, &f, GP_PICTURE_SCENE);
         assert_null(strstr(png.chunks, "cHRM"));
         free_png(&png);
     }
@@ -698,13 +687,12 @@ static void hostile_windows_and_full_disk(void **state)
     (void) state;
     static const struct gp_rect windows[] = {
         {-1000000000, -1000000000, 1000000000, 1000000000},
-        {0, 0, 1 << 20, 1 << 21},
-        {5, 5, 5, 9},
+        {0, 0, 1 << 20, 1 << 21}, {5, 5, 5, 9},
     };
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 64, 64};
-    for (size_t i = 0; i < sizeof windows / sizeof *windows; i++) {
+    for (size_t i = 0; i < COUNT(windows); i++) {
         struct gp_frame f = wf_frame(r, windows[i], wf_rgb);
         assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
                                           &f.rgb, GP_PICTURE_SHOWN, &stats),
@@ -720,60 +708,6 @@ static void hostile_windows_and_full_disk(void **state)
                          GP_ERR_IO);
         wf_assert_said("full.png");
         assert_int_equal(wf_names(), 1);
-    }
-    gp_frame_free(&f);
-}
-
-/* PFM is written here; the others by the bridge, where it was built. */
-static void other_formats(void **state)
-{
-    (void) state;
-    static const struct {
-        const char *name;
-        enum gp_out_type type;
-        double tolerance;  // of a linear value in [0, 1]
-    } rows[] = {
-        {"a.pfm", GP_OUT_AUTO, 0},      {"a.tif", GP_OUT_FLOAT, 0},
-        {"a.tif", GP_OUT_HALF, 3e-4},   {"a.tif", GP_OUT_AUTO, 5e-3},
-        {"a.hdr", GP_OUT_AUTO, 8e-3},   {"a.tga", GP_OUT_AUTO, 5e-3},
-        {"a.jpg", GP_OUT_AUTO, 0.2},    {"a.dpx", GP_OUT_AUTO, 5e-3},
-        {"a.bmp", GP_OUT_AUTO, 5e-3},
-    };
-    struct gp_write_stats stats = {0};
-    const struct gp_rect r = {0, 0, 32, 16};
-    struct gp_frame f = wf_frame(r, r, wf_rgb);
-    fill_unit(&f);
-    for (size_t i = 0; i < 3 * gp_frame_pixels(&f); i++) {
-        float *v = &f.rgb.c[i % 3][i / 3]; // smooth, for JPEG
-        *v = (float) (i / 3 % 32) / 62.0f + (float) (i / 96) / 50.0f;
-    }
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
-        struct gp_write_params p = GP_WRITE_DEFAULTS;
-        struct gp_read_params q = GP_READ_DEFAULTS;
-        struct gp_frame back;
-        if (!wf_bridge()) {
-            assert_int_equal(gp_write_check(&wf_log, &p, wf_path("a.tif")),
-                             GP_ERR_IO);
-            break;
-        }
-        p.type = rows[i].type;
-        assert_int_equal(gp_write_check(&wf_log, &p, wf_path(rows[i].name)),
-                         GP_OK);
-        assert_int_equal(gp_write_picture(&wf_log, &p, wf_path(rows[i].name),
-                                          &f, &f.rgb, GP_PICTURE_SHOWN,
-                                          &stats), GP_OK);
-        assert_int_equal(gp_read_frame(&wf_log, &q, wf_path(rows[i].name),
-                                       &back), GP_OK);
-        assert_int_equal(gp_frame_pixels(&back), gp_frame_pixels(&f));
-        for (size_t k = 0; k < gp_frame_pixels(&f); k++) {
-            const double d = fabs((double) back.rgb.c[0][k] -
-                                  (double) f.rgb.c[0][k]);
-            if (!(d <= rows[i].tolerance))
-                fail_msg("%s row %zu: %g off by %g", rows[i].name, i,
-                         (double) f.rgb.c[0][k], d);
-        }
-        gp_frame_free(&back);
-        remove(wf_path(rows[i].name));
     }
     gp_frame_free(&f);
 }
@@ -836,7 +770,7 @@ static void shapes_of_pixels(void **state)
     const struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         size_t size;
         f.pixel_aspect = row[i].aspect;
         assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("a.png"), &f,
@@ -854,16 +788,13 @@ static void shapes_of_pixels(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(png)
+static int setup(void **state)
 {
-#define TEST(name) cmocka_unit_test_setup_teardown(name, wf_start, wf_end)
-    const struct CMUnitTest tests[] = {
-        TEST(kinds), TEST(chunks), TEST(damaged_bytes), TEST(rows_and_sizes),
-        TEST(texts_are_bounded), TEST(pixels_and_windows), TEST(nonfinite), TEST(alpha_keeps_light),
-        TEST(colour_chunks), TEST(odd_primaries), TEST(threads_and_places),
-        TEST(hostile_windows_and_full_disk), TEST(other_formats),
-        TEST(shapes_of_pixels),
-        TEST(bytes_hold_no_time_and_no_memory),
-    };
-    return cmocka_run_group_tests(tests, find_bridges, NULL);
+    return find_bridges(state) || wf_start(state);
 }
+
+SUITE_OF_EACH(png, setup, wf_end,
+    kinds, chunks, damaged_bytes, rows_and_sizes, texts_are_bounded,
+    pixels_and_windows, nonfinite, alpha_keeps_light, colour_chunks,
+    odd_primaries, threads_and_places, hostile_windows_and_full_disk,
+    shapes_of_pixels, bytes_hold_no_time_and_no_memory)

@@ -88,7 +88,7 @@ static void specials(void **state)
     };
     struct gp_quantizer *q;
     assert_int_equal(gp_quantizer_make(NULL, 8, &q), 0);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+    for (size_t i = 0; i < COUNT(rows); i++) {
         uint16_t code, dithered;
         gp_quantize(q, &rows[i].v, &code, 1);
         assert_int_equal(code, rows[i].code);
@@ -128,7 +128,7 @@ static void dither_laws(void **state)
     const double max = gp_quantizer_max(q);
     static const float value[] = {0.00002f, 0.0005f, 0.0021f, 0.013f, 0.18f,
                                   0.5f, 0.731f, 0.95f, 0.9999f};
-    for (size_t k = 0; k < sizeof value / sizeof *value; k++) {
+    for (size_t k = 0; k < COUNT(value); k++) {
         static float row[W];
         static uint16_t code[W], piece[W];
         const double want = (double) gp_srgb_encode(value[k]) * max;

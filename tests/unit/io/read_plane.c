@@ -79,7 +79,7 @@ static void depth_of_any_part(void **state)
          3, 1, "Z", "z.Z", NULL},
         {{COLOUR("c"), DEEP("d")}, 2, -1, NULL, NULL, "deep"},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct fixture f = {.parts = row[i].parts, .more = views_by_name};
         struct gp_frame frame;
         struct gp_plane p;
@@ -122,20 +122,16 @@ static void channels_by_name(void **state)
         int part;
         const char *channel, *called;
     } row[] = {
-        {"A", 0, "A", "A"},
-        {"R", 0, "R", "R"},
-        {"main.A", 0, "A", "A"},
+        {"A", 0, "A", "A"}, {"R", 0, "R", "R"}, {"main.A", 0, "A", "A"},
         {"mask", 1, "mask", "one.left.mask"},
         {"one.left.mask", 1, "mask", "one.left.mask"},
-        {"two.mask", 2, "mask", "two.mask"},
-        {"two.b.Z", 2, "b.Z", "two.b.Z"},
-        {"a.Z", 2, "a.Z", "two.a.Z"},
-        {"ids", 1, "ids", "one.left.ids"},
+        {"two.mask", 2, "mask", "two.mask"}, {"two.b.Z", 2, "b.Z", "two.b.Z"},
+        {"a.Z", 2, "a.Z", "two.a.Z"}, {"ids", 1, "ids", "one.left.ids"},
         {"wide", 1, "wide", "one.left.wide"},
     };
     struct gp_frame frame;
     open_fixture(&named, &frame);
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_plane p;
         assert_int_equal(gp_read_coverage(&hear, &limits, &frame, row[i].name,
                                           &p), GP_OK);
@@ -164,7 +160,7 @@ static void names_that_are_not_there(void **state)
     struct gp_frame frame;
     struct gp_plane p = {0};
     open_fixture(&named, &frame);
-    for (size_t i = 0; i < sizeof name / sizeof *name; i++) {
+    for (size_t i = 0; i < COUNT(name); i++) {
         assert_int_equal(gp_read_depth(&hear, &limits, &frame, name[i], &p),
                          GP_ERR_USAGE);
         assert_non_null(strstr(heard.line, list));
@@ -331,7 +327,7 @@ static void depth_of_real_files(void **state)
         {"camera/arnold_reference_worldToScreen.exr", NULL, {0}, 0, 0},
     };
     bool some = false;
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame frame;
         struct gp_plane p;
         if (!data_path(row[i].file))

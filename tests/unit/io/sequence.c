@@ -18,35 +18,25 @@ static const struct name_row names[] = {
     {"shot.####.exr", 7, "shot.0007.exr"},
     {"shot.####.exr", 12345, "shot.12345.exr"},
     {"shot.####.exr", -5, "shot.-005.exr"},
-    {"shot.#.exr", 1001, "shot.1001.exr"},
-    {"shot.@.exr", 7, "shot.7.exr"},
-    {"shot.@@@.exr", 7, "shot.007.exr"},
-    {"shot.%d.exr", 7, "shot.7.exr"},
+    {"shot.#.exr", 1001, "shot.1001.exr"}, {"shot.@.exr", 7, "shot.7.exr"},
+    {"shot.@@@.exr", 7, "shot.007.exr"}, {"shot.%d.exr", 7, "shot.7.exr"},
     {"shot.%04d.exr", 7, "shot.0007.exr"},
-    {"shot.%09d.exr", 7, "shot.000000007.exr"},
-    {"####", 1, "0001"},
+    {"shot.%09d.exr", 7, "shot.000000007.exr"}, {"####", 1, "0001"},
     {"render@2x.####.png", 3, "render@2x.0003.png"},
     {"render@2x#1.%02d.png", 3, "render@2x#1.03.png"},
     {"a@b/c#d/%d/shot.exr", 3, "a@b/c#d/%d/shot.exr"},
-    {"a@b/shot.#.exr", 3, "a@b/shot.3.exr"},
-    {"plain.exr", 3, "plain.exr"},
-    {"100%.exr", 3, "100%.exr"},
-    {"50%0.exr", 3, "50%0.exr"},
-    {"%00d.exr", 3, "%00d.exr"},
-    {"%4d.exr", 3, "%4d.exr"},
-    {"%s%n.exr", 3, "%s%n.exr"},
-    {"", 3, ""},
-    {"-", 3, "-"},
-    {"a.#.#.exr", 3, NULL},
-    {"a.%d.%04d.exr", 3, NULL},
-    {"a.##########.exr", 3, NULL},
-    {"a.%099999999999999d.exr", 3, NULL},
+    {"a@b/shot.#.exr", 3, "a@b/shot.3.exr"}, {"plain.exr", 3, "plain.exr"},
+    {"100%.exr", 3, "100%.exr"}, {"50%0.exr", 3, "50%0.exr"},
+    {"%00d.exr", 3, "%00d.exr"}, {"%4d.exr", 3, "%4d.exr"},
+    {"%s%n.exr", 3, "%s%n.exr"}, {"", 3, ""}, {"-", 3, "-"},
+    {"a.#.#.exr", 3, NULL}, {"a.%d.%04d.exr", 3, NULL},
+    {"a.##########.exr", 3, NULL}, {"a.%099999999999999d.exr", 3, NULL},
 };
 
 static void names_of_frames(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+    for (size_t i = 0; i < COUNT(names); i++) {
         const struct name_row *r = &names[i];
         struct gp_pattern p;
         gp_status st = gp_pattern_find(NULL, r->path, &p);
@@ -77,14 +67,10 @@ static const struct view_row view_names[] = {
     {"%V.exr", "%V", 1, "%V.exr"},
     {"%V.exr", "\xc3\xa9t\xc3\xa9", 1, "\xc3\xa9t\xc3\xa9.exr"},
     {"%v.exr", "\xc3\xa9t\xc3\xa9", 1, "\xc3\xa9.exr"},
-    {"%v.exr", "l", 1, "l.exr"},
-    {"%%V.exr", "left", 1, "%left.exr"},
-    {"%V%v.exr", "", 2, ".exr"},
-    {"%V", "left", 1, "left"},
-    {"%", "left", 0, "%"},
-    {"100%", "left", 0, "100%"},
-    {"%W%w.exr", "left", 0, "%W%w.exr"},
-    {"V/v.#.exr", "left", 0, "V/v.7.exr"},
+    {"%v.exr", "l", 1, "l.exr"}, {"%%V.exr", "left", 1, "%left.exr"},
+    {"%V%v.exr", "", 2, ".exr"}, {"%V", "left", 1, "left"},
+    {"%", "left", 0, "%"}, {"100%", "left", 0, "100%"},
+    {"%W%w.exr", "left", 0, "%W%w.exr"}, {"V/v.#.exr", "left", 0, "V/v.7.exr"},
     {"%V.####.exr", NULL, 1, "%V.0007.exr"},
     {"%v/plain.exr", NULL, 1, "%v/plain.exr"},
 };
@@ -92,7 +78,7 @@ static const struct view_row view_names[] = {
 static void names_of_views(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof view_names / sizeof view_names[0]; i++) {
+    for (size_t i = 0; i < COUNT(view_names); i++) {
         const struct view_row *r = &view_names[i];
         struct gp_pattern p;
         assert_int_equal(gp_pattern_find(NULL, r->path, &p), GP_OK);
@@ -113,26 +99,17 @@ struct view_list_row {
 };
 
 static const struct view_list_row view_lists[] = {
-    {"left,right", "left|right"},
-    {"left", "left"},
-    {"right,left,mono", "right|left|mono"},
-    {" left , right", " left | right"},
-    {"left,Left", "left|Left"},
-    {"a%V,.,-", "a%V|.|-"},
-    {"", NULL},
-    {",", NULL},
-    {"left,", NULL},
-    {",left", NULL},
-    {"left,,right", NULL},
-    {"left,right,left", NULL},
-    {"left,a/b", NULL},
-    {"/", NULL},
+    {"left,right", "left|right"}, {"left", "left"},
+    {"right,left,mono", "right|left|mono"}, {" left , right", " left | right"},
+    {"left,Left", "left|Left"}, {"a%V,.,-", "a%V|.|-"}, {"", NULL},
+    {",", NULL}, {"left,", NULL}, {",left", NULL}, {"left,,right", NULL},
+    {"left,right,left", NULL}, {"left,a/b", NULL}, {"/", NULL},
 };
 
 static void lists_of_views(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof view_lists / sizeof view_lists[0]; i++) {
+    for (size_t i = 0; i < COUNT(view_lists); i++) {
         const struct view_list_row *r = &view_lists[i];
         struct gp_views v = {0};
         gp_status st = gp_views_parse(NULL, r->text, &v);
@@ -173,12 +150,9 @@ static const struct alike_row {
     const char *path, *views;
     bool fine;
 } alike[] = {
-    {"%v.exr", "left,right", true},
-    {"%v.exr", "left,lefty", false},
-    {"%v/%v.exr", "a,b,c,ab", false},
-    {"%v/%V.exr", "left,lefty", true},
-    {"%V.exr", "left,lefty", true},
-    {"plain.exr", "left,lefty", true},
+    {"%v.exr", "left,right", true}, {"%v.exr", "left,lefty", false},
+    {"%v/%v.exr", "a,b,c,ab", false}, {"%v/%V.exr", "left,lefty", true},
+    {"%V.exr", "left,lefty", true}, {"plain.exr", "left,lefty", true},
     {"%v.exr", "left", true},
     {"%v.exr", "\xc3\xa9,\xc3\xa8", true},  // one first byte, two letters
     {"%v.exr", "\xc3\xa9,\xc3\xa9t", false},
@@ -187,7 +161,7 @@ static const struct alike_row {
 static void views_of_one_letter(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof alike / sizeof alike[0]; i++) {
+    for (size_t i = 0; i < COUNT(alike); i++) {
         struct gp_pattern p;
         struct gp_views v;
         assert_int_equal(gp_pattern_find(NULL, alike[i].path, &p), GP_OK);
@@ -207,49 +181,25 @@ struct list_row {
 };
 
 static const struct list_row lists[] = {
-    {"7", "7"},
-    {"1-5", "1 2 3 4 5"},
-    {"5-1", "5 4 3 2 1"},
-    {"1-10x4", "1 5 9"},
-    {"10-1x3", "10 7 4 1"},
-    {"3,4,10-20x5", "3 4 10 15 20"},
-    {"3-3", "3"},
-    {"3-4x9", "3"},
-    {"0007", "7"},
-    {"-2-1", "-2 -1 0 1"},
-    {"-2--4", "-2 -3 -4"},
-    {"1-3,2-5,1", "1 2 3 4 5"},
-    {"5,1,5,1", "5 1"},
+    {"7", "7"}, {"1-5", "1 2 3 4 5"}, {"5-1", "5 4 3 2 1"},
+    {"1-10x4", "1 5 9"}, {"10-1x3", "10 7 4 1"},
+    {"3,4,10-20x5", "3 4 10 15 20"}, {"3-3", "3"}, {"3-4x9", "3"},
+    {"0007", "7"}, {"-2-1", "-2 -1 0 1"}, {"-2--4", "-2 -3 -4"},
+    {"1-3,2-5,1", "1 2 3 4 5"}, {"5,1,5,1", "5 1"},
         {"2,-1,2,-3--1,0", "2 -1 -3 -2 0"},
-    {"999999999", "999999999"},
-    {"", NULL},
-    {",", NULL},
-    {"1,", NULL},
-    {"1,,2", NULL},
-    {"1-", NULL},
-    {"-", NULL},
-    {"1-5x", NULL},
-    {"1-5x0", NULL},
-    {"1-5x-1", NULL},
-    {"1-5x2x3", NULL},
-    {"1 - 5", NULL},
-    {" 1", NULL},
-    {"1..5", NULL},
-    {"a", NULL},
-    {"+1", NULL},
-    {"1.5", NULL},
-    {"1x2", NULL},
-    {"1000000000", NULL},
-    {"99999999999999999999", NULL},
-    {"1-999999999", NULL},
-    {"-999999999-999999999x1", NULL},
+    {"999999999", "999999999"}, {"", NULL}, {",", NULL}, {"1,", NULL},
+    {"1,,2", NULL}, {"1-", NULL}, {"-", NULL}, {"1-5x", NULL}, {"1-5x0", NULL},
+    {"1-5x-1", NULL}, {"1-5x2x3", NULL}, {"1 - 5", NULL}, {" 1", NULL},
+    {"1..5", NULL}, {"a", NULL}, {"+1", NULL}, {"1.5", NULL}, {"1x2", NULL},
+    {"1000000000", NULL}, {"99999999999999999999", NULL},
+    {"1-999999999", NULL}, {"-999999999-999999999x1", NULL},
     {"1-1000000,2000000", NULL},
 };
 
 static void lists_of_frames(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++) {
+    for (size_t i = 0; i < COUNT(lists); i++) {
         const struct list_row *r = &lists[i];
         struct gp_frames f = {0};
         gp_status st = gp_frames_parse(NULL, r->text, &f);
@@ -291,7 +241,7 @@ static const struct join_row {
 static void frames_together(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof joins / sizeof joins[0]; i++) {
+    for (size_t i = 0; i < COUNT(joins); i++) {
         struct gp_frames a, b, none = {0};
         char got[256] = "";
         assert_int_equal(gp_frames_parse(NULL, joins[i].a, &a), GP_OK);
@@ -330,18 +280,12 @@ struct disk_row {
 
 static const struct disk_row on_disk[] = {
     {"s.####.exr", "1 2 10 12345", NULL},
-    {"s.####.exr", "1 2 10 12345", "left"},
-    {"s.%V.####.exr", "4 6", "left"},
-    {"s.%v.####.exr", "4", "right"},
-    {"s.%V.####.exr", NULL, "mono"},
-    {"s.%V.####.exr", "5", NULL},
-    {"../%V/s.%v.####.exr", NULL, "right"},
-    {"s.%04d.exr", "1 2 10 12345", NULL},
-    {"s.@.exr", "7 12345", NULL},
-    {"s.###.exr", "7 12345", NULL},
-    {"t#", "9", NULL},
-    {"s.####.tif", NULL, NULL},
-    {"none/s.####.exr", NULL, NULL},
+    {"s.####.exr", "1 2 10 12345", "left"}, {"s.%V.####.exr", "4 6", "left"},
+    {"s.%v.####.exr", "4", "right"}, {"s.%V.####.exr", NULL, "mono"},
+    {"s.%V.####.exr", "5", NULL}, {"../%V/s.%v.####.exr", NULL, "right"},
+    {"s.%04d.exr", "1 2 10 12345", NULL}, {"s.@.exr", "7 12345", NULL},
+    {"s.###.exr", "7 12345", NULL}, {"t#", "9", NULL},
+    {"s.####.tif", NULL, NULL}, {"none/s.####.exr", NULL, NULL},
     {"t9/s.####.exr", NULL, NULL},
 };
 
@@ -350,13 +294,13 @@ static void frames_that_exist(void **state)
     (void) state;
     char folder[] = "/tmp/gp_sequence_XXXXXX", path[256];
     assert_non_null(mkdtemp(folder));
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+    for (size_t i = 0; i < COUNT(files); i++) {
         snprintf(path, sizeof path, "%s/%s", folder, files[i]);
         int fd = creat(path, 0600);
         assert_true(fd >= 0);
         close(fd);
     }
-    for (size_t i = 0; i < sizeof on_disk / sizeof on_disk[0]; i++) {
+    for (size_t i = 0; i < COUNT(on_disk); i++) {
         const struct disk_row *r = &on_disk[i];
         struct gp_pattern p;
         struct gp_frames f = {0};
@@ -379,7 +323,7 @@ static void frames_that_exist(void **state)
     assert_int_equal(f.n, 4);
     assert_int_equal(f.number[3], 12345);
     gp_frames_free(&f);
-    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+    for (size_t i = 0; i < COUNT(files); i++) {
         snprintf(path, sizeof path, "%s/%s", folder, files[i]);
         unlink(path);
     }
@@ -398,8 +342,7 @@ static const struct number_row numbers[] = {
     {"a/7/shot.exr", -1},      {"a/7/shot0012.exr", 12},
     {"shot.1001", 1001},       {"1001.exr", 1001},
     {"1001", 1001},            {"shot1001b.exr", 1001},
-    {"shot.exr", -1},          {"", -1},
-    {"-", -1},                 {".5", 5},
+    {"shot.exr", -1},          {"", -1}, {"-", -1},                 {".5", 5},
     {"a.mp4", -1},             {"a1.mp4", 1},
     {"x1234567890.exr", -1},   {"x999999999.exr", 999999999},
 };
@@ -407,7 +350,7 @@ static const struct number_row numbers[] = {
 static void numbers_in_names(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < sizeof numbers / sizeof numbers[0]; i++) {
+    for (size_t i = 0; i < COUNT(numbers); i++) {
         int frame = -1;
         bool found = gp_frame_number(numbers[i].path, &frame);
         if (found != (numbers[i].frame >= 0) || frame != numbers[i].frame)

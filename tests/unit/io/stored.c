@@ -60,7 +60,7 @@ static void light(void **state)
         {{.part = {{.channel = {{"u", HALVES, 0, 0}, {"v", HALVES, 0, 0}},
                     .data = WIDE}}}, {NULL}},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_stored_image image;
         assert_int_equal(read_fixture(&row[i].f, &image), GP_OK);
         for (int c = 0; c < 3; c++) {
@@ -168,7 +168,7 @@ static void dwa_that_is_none(void **state)
                     .compression = EXR_COMPRESSION_ZIP}}},
          "channel low is subsampled and DWA compressed"},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame f;
         call_dwaa(&row[i].f);
         const gp_status st = read_file(path, &f);

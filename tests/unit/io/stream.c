@@ -45,19 +45,15 @@ static void pipes_to_their_limit(void **state)
         size_t bytes, step;
         gp_status open, fill;
     } row[] = {
-        {0, 1, GP_ERR_DATA, GP_OK},
-        {1, 1, GP_OK, GP_OK},
-        {FIRST - 1, 1, GP_OK, GP_OK},
-        {FIRST, FIRST, GP_OK, GP_OK},
-        {FIRST + 1, 1, GP_OK, GP_OK},
-        {4099, 1, GP_OK, GP_OK},
-        {LIMIT - 1, 4096, GP_OK, GP_OK},
-        {LIMIT, 70000, GP_OK, GP_OK},
+        {0, 1, GP_ERR_DATA, GP_OK}, {1, 1, GP_OK, GP_OK},
+        {FIRST - 1, 1, GP_OK, GP_OK}, {FIRST, FIRST, GP_OK, GP_OK},
+        {FIRST + 1, 1, GP_OK, GP_OK}, {4099, 1, GP_OK, GP_OK},
+        {LIMIT - 1, 4096, GP_OK, GP_OK}, {LIMIT, 70000, GP_OK, GP_OK},
         {LIMIT + 1, 70000, GP_OK, GP_ERR_DATA},
         {LIMIT + 20000, 70000, GP_OK, GP_ERR_DATA},
     };
     (void) state;
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         int end[2];
         char name[32];
         pthread_t thread;
@@ -97,19 +93,14 @@ static void first_bytes(void **state)
         size_t n;
         const char *name; // NULL: none
     } row[] = {
-        {"\x76\x2f\x31\x01\2\0\0\0", 8, "EXR"},
-        {"\x76\x2f\x31", 3, NULL},
-        {"\x89PNG\r\n\x1a\n", 8, "PNG"},
-        {"PF\n1 1\n", 7, "PFM"},
-        {"Pf 1 1\n", 7, "PFM"},
-        {"P6#", 3, "PNM"},
-        {"P7\n", 3, NULL},
+        {"\x76\x2f\x31\x01\2\0\0\0", 8, "EXR"}, {"\x76\x2f\x31", 3, NULL},
+        {"\x89PNG\r\n\x1a\n", 8, "PNG"}, {"PF\n1 1\n", 7, "PFM"},
+        {"Pf 1 1\n", 7, "PFM"}, {"P6#", 3, "PNM"}, {"P7\n", 3, NULL},
         {"PFx", 3, NULL},
         {"\0\0\0\x1c" "ftypmif1", 12, "HEIF, AVIF or a movie"},
         {"<html>", 6, "a web page"},
         {"version https://git-lfs", 23, "a git-lfs pointer"},
-        {"hello", 5, NULL},
-        {"", 0, NULL},
+        {"hello", 5, NULL}, {"", 0, NULL},
         // Targa: RGB, palette, run lengths, and what is none
         {"\0\0\2\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, "Targa"},
         {"\0\1\1\0\0\0\1\x18\0\0\0\0\0\1\0\1\x08\0", 18, "Targa"},
@@ -121,7 +112,7 @@ static void first_bytes(void **state)
     };
     uint8_t zeros[GP_FIRST_BYTES] = {0};
     (void) state;
-    for (size_t i = 0; i < sizeof row / sizeof *row; i++) {
+    for (size_t i = 0; i < COUNT(row); i++) {
         const uint8_t *const b = (const uint8_t *) row[i].bytes;
         const char *const name = gp_format_name(b, row[i].n);
         if (!name != !row[i].name || (name && strcmp(name, row[i].name) != 0))

@@ -116,7 +116,7 @@ static void check_raw(const struct gp_frame *f, enum gp_raw_format raw,
 static void raw_pixels(void **state)
 {
     (void) state;
-    for (size_t i = 0; i < 4 * sizeof windows / sizeof windows[0]; i++) {
+    for (size_t i = 0; i < 4 * COUNT(windows); i++) {
         const enum gp_raw_format raw = (enum gp_raw_format) (i % 4);
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         struct gp_write_stats stats = {0};
@@ -259,7 +259,7 @@ static const struct {
 
 static uint8_t *piece_bytes(const struct gp_frame *f, char letter, size_t *n)
 {
-    for (size_t i = 0; i < sizeof pieces / sizeof pieces[0]; i++) {
+    for (size_t i = 0; i < COUNT(pieces); i++) {
         if (pieces[i].letter == letter) {
             uint8_t *copy = malloc(pieces[i].n);
             assert_non_null(copy);
@@ -306,7 +306,7 @@ static void streams_fall_into_images(void **state)
     (void) state;
     const struct gp_rect d = {3, -7, 40, 50};
     struct gp_frame f = wf_frame(d, d, wf_all);
-    for (size_t i = 0; i < sizeof streams / sizeof streams[0]; i++) {
+    for (size_t i = 0; i < COUNT(streams); i++) {
         const char *letter = streams[i].pieces;
         char path[64];
         size_t at[16];
