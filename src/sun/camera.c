@@ -49,7 +49,7 @@ static double length(struct v3 a)
     return sqrt(dot(a, a));
 }
 
-/* Whether three vectors span space, by what single precision can tell. */
+/* Returns whether three vectors span space, within single precision. */
 static bool spans(struct v3 a, struct v3 b, struct v3 c)
 {
     return fabs(det(a, b, c)) > 1e-9 * length(a) * length(b) * length(c);
@@ -169,7 +169,7 @@ static double unit(const struct gp_camera *c)
     return cbrt(fabs(det(column(m, 0), column(m, 1), column(m, 2))));
 }
 
-/* Where the camera stands: x, y and w are 0 there (Cramer's rule). */
+/* The camera's place: x, y and w are 0 there (Cramer's rule). */
 static struct v3 eye(const double m[16])
 {
     const struct v3 a = column(m, 0), b = column(m, 1), w = column(m, 3);

@@ -7,9 +7,9 @@
 
 #include <stdbool.h>
 
-/* What a worldToNDC matrix maps the picture to. */
+/* Range that a worldToNDC matrix maps the picture to. */
 enum gp_ndc {
-    GP_NDC_AUTO, // told apart by where the view axis falls
+    GP_NDC_AUTO, // found by where the view axis falls
     GP_NDC_SPEC, // [0, 1], y down (ImfStandardAttributes.h)
     GP_NDC_CLIP, // [-1, 1], y up (Arnold, Gaffer; worldToScreen)
 };
@@ -41,7 +41,7 @@ GP_MUST_CHECK gp_status gp_camera_make(const struct gp_log *log,
                                        const double to_ndc[16],
                                        enum gp_ndc ndc, struct gp_camera *out);
 
-/* Where a point (w = 1) or direction (w = 0) of the world stands. */
+/* Projects a point (w = 1) or direction (w = 0) of the world. */
 struct gp_projected {
     double x, y;     // EXR pixel space: NDC 0 to 1 spans the display window
     double z, ray;   // distance along the view axis and from the camera, scene
@@ -65,23 +65,22 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
  * test frames:
  *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],
  *     "worldToNDC_blender_colvec": [16], "sun_dir_world": [3],
- *     "sun_radius_px": r}], "width": w}      or that array alone
+ *     "sun_radius_px": r}], "width": w}      or only that array
  * where w, if it is there, is the width of the picture that r is for.
  * worldToCamera_rowmajor is for row vectors; worldToNDC_blender_colvec is for
  * column vectors, rows first, GP_NDC_CLIP; worldToNDC_rowmajor, for row
- * vectors and GP_NDC_SPEC, may stand in its place. All other keys are left
- * alone. */
+ * vectors and GP_NDC_SPEC, may replace it. All other keys are ignored. */
 struct gp_camera_frame {
     long long frame;
     struct gp_camera camera;
     bool has_sun;
     double sun_dir[3];
-    double sun_radius;   // pixels; 0: not told
+    double sun_radius;   // pixels; 0: not given
 };
 struct gp_camera_file {
     struct gp_camera_frame *at; // owned
     int n;
-    double width;        // of the pictures that radii are for; 0: not told
+    double width;        // of the pictures that radii are for; 0: not given
 };
 
 /* Files over 8 MiB (some 5000 frames) are refused.

@@ -58,7 +58,7 @@ struct point {
     double x, y;
 };
 
-/* What the disc covers of an edge: from `a` to `b`, when `some`. */
+/* The part of an edge that the disc covers: from `a` to `b`, when `some`. */
 struct piece {
     struct point a, b;
     bool some;
@@ -338,7 +338,7 @@ static struct gp_rect known(const struct gp_plane *p, struct gp_rect frame)
     return gp_rect_empty(r) ? (struct gp_rect) {0} : r;
 }
 
-/* What of `a` is outside of `b`, in up to four rectangles (some may be
+/* Cuts `b` out of `a`; the rest is in up to four rectangles (some may be
  * empty). */
 static int rect_without(struct gp_rect a, struct gp_rect b,
                         struct gp_rect out[4])
@@ -360,7 +360,7 @@ static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
     return gp_disc_rect_area(l->x, l->y, r, rect.x0, rect.y0, rect.x1, rect.y1);
 }
 
-/* Sums over the frame. Only pixels of which a plane tells are visited: a
+/* Sums over the frame. Only pixels in a plane's window are visited: a
  * display window may be larger than any plane by any factor. */
 static struct sums sum_frame(const struct gp_occluders *o,
                              const struct gp_light *l, double r)
@@ -370,17 +370,17 @@ static struct sums sum_frame(const struct gp_occluders *o,
     struct gp_rect part[5] = {depth};
     const int parts = 1 + rect_without(mask, depth, part + 1);
     struct sums all = {0};
-    double told = 0.0;
+    double known_area = 0.0;
     for (int i = 0; i < parts; i++) {
         const struct sums s = sum_rect(o, l, r, part[i]);
         all.area += s.area;
         all.shown += s.shown;
-        told += area_in(l, r, part[i]);
+        known_area += area_in(l, r, part[i]);
     }
-    // two closed forms of one area differ by rounding alone: no light shines
+    // two closed forms of one area differ only by rounding: no light shines
     // through that
     const double frame = area_in(l, r, o->frame);
-    const double clear = frame - told;
+    const double clear = frame - known_area;
     if (clear > 1e-12 * frame) {
         all.area += clear;
         all.shown += clear;

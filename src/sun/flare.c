@@ -1,5 +1,5 @@
-/* Elements from JSON; where they lie, how far they reach, and how much light a
- * pixel that they cover whole gets; and the sum of all of them on the CPU. */
+/* Flare elements: read from JSON, placed and measured for the lights of a
+ * frame, and added to a layer on the CPU. */
 #include "sun/sun_priv.h"
 
 #include "core/colour.h"
@@ -19,7 +19,7 @@ static const double pi = 3.14159265358979323846;
 #define RAMP (0.5 + 1.0 / pi)
 
 /* Elements up to so many pixels across are summed, not integrated: the sum over
- * pixels of a small shape depends on where it lies. Above, the two differ by
+ * pixels of a small shape depends on its place. Above, the two differ by
  * less than 1e-3. */
 enum { SUMMED = 128 };
 

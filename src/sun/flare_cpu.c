@@ -247,8 +247,8 @@ static struct run cut(const struct run *r, int first, int end)
     return part;
 }
 
-/* Ramps, what lies between them, ramps: all that is not within a pixel of an
- * edge is flat light, or the hole of a ring. */
+/* Ramps, flat light (or the hole of a ring) between them, ramps: only pixels
+ * within a pixel of an edge need a ramp. */
 static void add_closed(const struct run *r, const struct gp_flare_quad *q,
                        int c)
 {

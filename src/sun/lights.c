@@ -16,7 +16,7 @@ static const char *const keys[] = {
     "flux",  "color", "name",      NULL,
 };
 
-/* Where a light may stand; in the order of enum gp_light_place. */
+/* Places that a light may have; in the order of enum gp_light_place. */
 static const struct {
     const char *key;
     int count;

@@ -18,7 +18,7 @@
 
 enum { GP_LIGHTS_MAX = 1024 }; // of one frame
 
-/* What the samples of a depth channel are; occluder.h. */
+/* Kinds of depth; occluder.h says how each is read. */
 enum gp_depth_type {
     GP_DEPTH_Z,
     GP_DEPTH_RAY,
@@ -42,7 +42,7 @@ struct gp_light {
 #define GP_LIGHT_DEFAULTS \
     { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }
 
-/* Whether it has light to give: glare of its own, flare. */
+/* Returns whether it has light to give: glare of its own, flare. */
 static inline bool gp_light_has_flux(const struct gp_light *l)
 {
     return !l->behind && (l->flux[0] > 0.0f || l->flux[1] > 0.0f ||

@@ -117,7 +117,7 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
         return st;
     struct gp_sun_map *const s = *state;
     s->n = 0; // nothing is drawn until all is
-    if (!s->band) // zeroed: what lies between boxes is written too
+    if (!s->band) // zeroed: texels between boxes are written too
         GP_TRY(gp_alloc_zero(log, "sun map's pixels", GP_SUN_BAND,
                              4 * sizeof(float), (void **) &s->band));
     for (int i = 0; i < n; i++)

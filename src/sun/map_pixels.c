@@ -236,7 +236,8 @@ static void write_row(void *ctx, int i, int thread)
                                             : 0.0f;
 }
 
-/* The rows of a box that lie in rows [y0, y1) of the texture, w texels wide. */
+/* Writes the rows of a box that are in rows [y0, y1) of the texture, w texels
+ * wide. */
 static void write_box(const struct gp_occluders *o, struct gp_rect box,
                       int slot_x, int slot_y, int y0, int y1, int w,
                       float *band)

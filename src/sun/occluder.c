@@ -60,7 +60,7 @@ double gp_depth_place(const struct gp_occluders *o, float v)
     return place_of(o->type, reversed, v);
 }
 
-/* Whether a surface at `place` hides the light. */
+/* Returns whether a surface at `place` hides the light. */
 static bool hides(const struct gp_light *l, double place)
 {
     return isinf(l->depth) ? l->depth > 0.0

@@ -1,9 +1,9 @@
-/* What stands before a light, from a frame's depth and coverage.
+/* Surfaces before a light, from a frame's depth and coverage.
  *
  * A pixel shows a light's share s in [0, 1]:
  *   neither plane   1
- *   mask alone      1 - m
- *   depth alone     0 where a surface is nearer than the light, else 1
+ *   mask only       1 - m
+ *   depth only      0 where a surface is nearer than the light, else 1
  *   both            1 - m where a surface is nearer or where depth is empty
  *                   (a leaf's edge, whose depth sample missed it); else 1
  * m is the mask clamped to [0, 1], NaN 0. A surface is nearer when
@@ -45,7 +45,7 @@ struct gp_depth_facts {
 struct gp_occluders {
     const struct gp_plane *depth, *mask; // borrowed; NULL: none
     enum gp_depth_type type;
-    struct gp_rect frame;        // pixels about which the planes can tell:
+    struct gp_rect frame;        // pixels that may be hidden or clear:
                                  // display and data window together
     struct gp_depth_facts facts; // by gp_occluders_count()
 };
@@ -54,9 +54,8 @@ struct gp_occluders {
  * threads) and fills o->facts. Call before anything below; no depth is fine. */
 void gp_occluders_count(struct gp_occluders *o);
 
-/* Whether depth sample v is empty, and else its place on the light's scale:
- * distance for z, ray and inverse, 0 near to 1 far for normalized. INFINITY
- * when empty. */
+/* The place of depth sample v on the light's scale: distance for z, ray and
+ * inverse, 0 near to 1 far for normalized. INFINITY when it is empty. */
 double gp_depth_place(const struct gp_occluders *o, float v);
 
 /* s of a pixel, anywhere in the plane. */

@@ -1,5 +1,5 @@
-/* What the command line names, the lights' places in a frame, and how much of
- * each shows. */
+/* Reads what the command line names, places the lights in a frame, and measures
+ * how much of each shows. */
 #include "sun/stage.h"
 
 #include "core/memory.h"
@@ -100,7 +100,7 @@ out:
     return st;
 }
 
-// -- where the lights stand --------------------------------------------------
+// -- places of the lights ----------------------------------------------------
 
 /* The camera of --camera for this frame, with the sun that it gives, or that of
  * the frame's own attributes where a light needs one.
@@ -199,10 +199,10 @@ static void warn_of_window(const struct gp_log *log, const char *path,
                            struct gp_suns *suns)
 {
     const struct gp_rect common = gp_rect_meet(p->window, f->data);
-    if (!path || !p->v || suns->told_window ||
+    if (!path || !p->v || suns->warned_window ||
         memcmp(&common, &f->data, sizeof common) == 0)
         return;
-    suns->told_window = true;
+    suns->warned_window = true;
     gp_say(log, GP_LEVEL_WARN,
            "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
            "%dx%d at %d,%d); the rest counts as empty", path, f->path,
@@ -221,8 +221,8 @@ gp_status gp_suns_place(const struct gp_log *log,
     GP_TRY(reader->planes(reader->user, log, f, &suns->depth, &suns->mask));
     warn_of_window(log, suns->p->depth_file, &suns->depth, f, suns);
     warn_of_window(log, suns->p->mask_file, &suns->mask, f, suns);
-    if (!suns->depth.v && !suns->mask.v && !suns->told_clear) {
-        suns->told_clear = true;
+    if (!suns->depth.v && !suns->mask.v && !suns->warned_clear) {
+        suns->warned_clear = true;
         gp_say(log, GP_LEVEL_WARN,
                "%s: no depth channel and no --mask: nothing hides the lights",
                f->path);

@@ -1,9 +1,9 @@
-/* The sun's stage: suns and lamps of a run, where they stand in a frame, how
- * much of each shows, and the light that they bring.
+/* The sun's stage: places the suns and lamps of a run in each frame, measures
+ * how much of each shows, and adds the light that they bring.
  *
  * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
  * gp_suns_join() and gp_suns_spread() with the engines, gp_suns_draw(),
- * gp_suns_end_frame(). What hangs on files comes through a gp_sun_reader.
+ * gp_suns_end_frame(). Files are read through a gp_sun_reader.
  */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
@@ -54,7 +54,7 @@ struct gp_sun_params {
 };
 #define GP_SUN_DEFAULTS { .map = GP_MAP_DEFAULTS, .size = 0.533f }
 
-/* What a frame says of itself beside its pixels. */
+/* Facts of a frame's file that the stage needs beside its pixels. */
 struct gp_sun_about {
     const char *name;          // for messages
     bool numbered;
@@ -64,7 +64,7 @@ struct gp_sun_about {
     enum gp_ndc ndc;           // what to_ndc maps to, as far as it is known
 };
 
-/* How the stage gets at files. `user` is the first argument of each call. */
+/* Reads files for the stage. `user` is the first argument of each call. */
 struct gp_sun_reader {
     void *user;
     gp_status (*picture)(void *user, const struct gp_log *log,
@@ -94,8 +94,8 @@ struct gp_suns {
     int specs;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
-    bool told_clear;            // that nothing says what hides the lights
-    bool told_window;           // that a plane does not cover the frame
+    bool warned_clear;          // that nothing hides the lights
+    bool warned_window;         // that a plane does not cover the frame
     // on GL, kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
@@ -111,7 +111,7 @@ struct gp_suns {
     bool early;  // the mask's shares were read before the engines ran
 };
 
-/* Whether the command line names a light. */
+/* Returns whether the command line names a light. */
 bool gp_suns_wanted(const struct gp_sun_params *p);
 
 /* Reads what the command line names, before the first frame.
@@ -137,11 +137,11 @@ GP_MUST_CHECK gp_status gp_suns_place(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
-/* Whether any light needs the kernel, for glare of its own. */
+/* Returns whether any light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 
-/* Whether gp_suns_draw() may have light to add: lights with flux that are not
- * known to be hidden. */
+/* Returns whether gp_suns_draw() may have light to add: whether a light with
+ * flux is not known to be hidden. */
 bool gp_suns_add_light(const struct gp_suns *suns);
 
 /* The sources and the visible light of those lights that go through the

@@ -94,15 +94,15 @@ bool gp_suns_glare(const struct gp_suns *suns)
     return false;
 }
 
-/* Whether the shares are on GL still: what hangs on them is drawn there. On
- * the CPU the same takes a tenth of llvmpipe's time. */
+/* Returns whether the shares are still on GL: then all light that needs them is
+ * drawn there. On the CPU the same takes a tenth of llvmpipe's time. */
 static bool on_gl(const struct gp_suns *suns)
 {
     return suns->p->method == GP_SUN_MASK && !suns->early;
 }
 
-/* Whether light l is drawn as a sprite and not by the engines, which know no
- * sources beyond the pixels and would cut the light of one that is partly
+/* Returns whether light l is drawn as a sprite, not by the engines: they have
+ * no sources beyond the pixels and would cut the light of one that is partly
  * there. */
 static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
                       struct gp_rect data)
@@ -114,7 +114,7 @@ static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
            (on_gl(suns) || (l->visibility > 0.0 && beyond));
 }
 
-/* Whether light l goes through the engines. */
+/* Returns whether light l goes through the engines. */
 static bool is_source(const struct gp_suns *suns, const struct gp_light *l,
                       struct gp_rect data)
 {

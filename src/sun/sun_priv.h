@@ -75,10 +75,10 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
 // -- lights in pixels of the frame, and the pixels under them (map_pixels.c) -
 
 /* Place on the scale of depth of a pixel without surface, and of a light
- * beyond everything; surfaces lie under it. Known to sun_map.frag as EMPTY. */
+ * beyond everything; surfaces are under it. Known to sun_map.frag as EMPTY. */
 #define GP_SUN_EMPTY 3.4e38f
 
-/* Pixels that samples are moved to the right and down. A sample often lies on
+/* Pixels that samples are moved to the right and down. A sample is often on
  * the line between two pixels (whole positions and radii); this settles which
  * of them it reads, the same for every way to round. */
 #define GP_SUN_NUDGE (1.0 / 1048576.0)
@@ -99,7 +99,7 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
 /* Pixel of coordinate `at`, -1 or `size` outside of [0, size). */
 int gp_map_pixel_at(double at, int size);
 
-/* What counts for samples outside the frame: shown times weight, weight. */
+/* Counts for samples outside the frame: shown times weight, weight. */
 void gp_map_outside(enum gp_sun_outside outside, float count[2]);
 
 /* The texture of pixels under the lights: two a texel, w x h texels. */
@@ -115,7 +115,7 @@ GP_MUST_CHECK gp_status gp_map_pack(const struct gp_log *log,
                                     struct gp_map_light *light, int n, int most,
                                     struct gp_map_pixels *out);
 
-// -- what the sun map keeps on a context (map.c) -----------------------------
+// -- the sun map's state on a context (map.c) --------------------------------
 
 enum gp_sun_program {
     GP_SUN_TEXELS,          // sun map
@@ -164,7 +164,7 @@ GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
-/* What the CPU and GL forms evaluate alike, in float, pixel by pixel.
+/* The CPU and GL forms evaluate the same formulas, in float, pixel by pixel.
  *
  * With p the pixel's centre less the element's place, rho = |p|, and m the
  * larger of |x| and |y| of a unit vector across an edge, an edge at distance d
