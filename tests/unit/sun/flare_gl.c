@@ -144,72 +144,52 @@ static void hidden_lights_stay_shut(void **state)
     gp_gl_close(&gl);
 }
 
-// -- time --------------------------------------------------------------------
+// -- time ---------------------------------------------------------------------
 
-static const struct gp_flare_element typical[] = {
-    {.shape = GP_FLARE_RING, .size = 0.4, .width = 0.06},
-    {.shape = GP_FLARE_STREAK, .size = 1.2, .width = 0.005},
-    {.shape = GP_FLARE_POLYGON, .size = 0.25, .at = 1.5,
-            .scale = {0.97f, 1, 1.03f}},
-    {.shape = GP_FLARE_POLYGON, .size = 0.12, .at = 0.6},
-    {.shape = GP_FLARE_DISC, .size = 0.05, .at = 0.4},
-    {.shape = GP_FLARE_DISC, .size = 0.1, .at = 1.2},
-    {.shape = GP_FLARE_DISC, .size = 0.2, .at = 1.8,
-            .scale = {0.95f, 1, 1.05f}},
-    {.shape = GP_FLARE_DISC, .size = 0.4, .at = 2.0},
-};
-
-static void time_flare(struct gp_gl *gl, const char *what,
-                       const struct gp_flare *f, const struct gp_light *light,
-                       int n, bool with_gl)
-{
-    struct gp_flare_gl *kept = NULL;
-    const struct gp_rect frame = {0, 0, 1920, 1080};
-    double least = INFINITY;
-    struct picture p = picture_make(frame, frame);
-    for (int i = 0; i < 12; i++) {
-        const double start = gp_now_ms();
-        if (with_gl)
-            draw(gl, &p, f, light, n, &kept);
-        else
-            add(&p, f, light, n);
-        least = fmin(least, gp_now_ms() - start);
-    }
-    printf("%s, %s: %.2f ms\n", what, with_gl ? "GL" : "CPU", least);
-    gp_flare_close(gl, &kept);
-    picture_free(&p);
-}
-
+/* All shapes for 1 and 64 lights, and a sprite, on the CPU and on GL. */
 static void time_all(void)
 {
+    const struct gp_rect frame = {0, 0, 1920, 1080};
     struct gp_gl *gl = NULL;
-    struct gp_flare_element e[COUNT(typical)];
+    struct gp_flare_element e[COUNT(laws) + 4];
     struct gp_flare_element sprite = ELEMENT(.shape = GP_FLARE_IMAGE,
                                              .plain = true);
-    for (size_t i = 0; i < COUNT(typical); i++)
-        e[i] = whole(typical[i]);
-    sprite.image = image_make(512, 512, 256.5, 256.5, false);
-    const struct gp_flare f = {e, (int) COUNT(typical)}, s = {&sprite, 1};
     struct gp_light light[64];
-    for (int i = 0; i < 64; i++)
-        light[i] = light_at(640.3 + 17.0 * i, 300.7 + 7.0 * i);
     if (gp_gl_open(&said_log, GP_GL_AUTO, &gl) != GP_OK)
         return;
-    printf("%s\n", gp_gl_info(gl)->name);
-    for (int with_gl = 0; with_gl < 2; with_gl++) {
-        for (int i = 0; i < f.n; i++) {
-            const struct gp_flare one = {&e[i], 1};
-            char what[64];
-            snprintf(what, sizeof what, "element %d, 1920x1080", i + 1);
-            time_flare(gl, what, &one, light, 1, with_gl);
+    sprite.image = image_make(512, 512, 256.5, 256.5, false);
+    for (int i = 0; i < 64; i++)
+        light[i] = light_at(640.3 + 17.0 * i, 300.7 + 7.0 * i);
+    const struct {
+        const char *name;
+        struct gp_flare f;
+        int n;
+    } rows[] = {
+        {"all shapes, 1 light", all_shapes(e), 1},
+        {"all shapes, 64 lights", {e, COUNT(laws) + 4}, 64},
+        {"a sprite of 512x512", {&sprite, 1}, 1},
+    };
+    printf("1920x1080, %s\n", gp_gl_info(gl)->name);
+    for (size_t k = 0; k < 2 * COUNT(rows); k++) {
+        const struct gp_flare *const f = &rows[k / 2].f;
+        struct picture p = picture_make(frame, frame);
+        struct gp_flare_gl *kept = NULL;
+        double least = INFINITY;
+        for (int i = 0; i < 12; i++) {
+            const double start = gp_now_ms();
+            if (k % 2)
+                draw(gl, &p, f, light, rows[k / 2].n, &kept);
+            else
+                add(&p, f, light, rows[k / 2].n);
+            least = fmin(least, gp_now_ms() - start);
         }
-        time_flare(gl, "8 elements, 1 light, 1920x1080", &f, light, 1,
-                   with_gl);
-        time_flare(gl, "8 elements, 64 lights, 1920x1080", &f, light, 64,
-                   with_gl);
-        time_flare(gl, "a sprite of 512x512", &s, light, 1, with_gl);
+        printf("%s, %s: %.2f ms\n", rows[k / 2].name, k % 2 ? "GL" : "CPU",
+               least);
+        gp_flare_close(gl, &kept);
+        picture_free(&p);
     }
     gp_planes_free(&sprite.image.rgb);
+    free_images(e, COUNT(e));
     gp_gl_close(&gl);
 }
 
