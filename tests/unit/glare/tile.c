@@ -1,15 +1,9 @@
 /* Polygons gathered per tile against a plain double sum: sizes, kernels,
  * blurs, cuts, fields, limits, and the roundings they promise; and what a layer
- * does not depend on: batches, what was drawn before, the number of threads.
- *
- *   build/tests/glare tile --hash   prints a checksum of one layer (the tests
- *                                   call it)
- */
+ * does not depend on: batches, and what was drawn before. */
 #include "unit.h"
-#include "driver_threads.h"
 #include "gl_open.h"
 #include "glare/splat/splat_priv.h"
-#include "hash.h"
 
 #include <limits.h>
 
@@ -426,36 +420,6 @@ static void no_stale_kernel(void **state)
     gp_gl_close(&gl);
 }
 
-/* -- threads --------------------------------------------------------------- */
-
-/* The hash of a layer with all blurs, cuts and several fields. */
-static int print_hash(void)
-{
-    static const struct row row = {1211, 173, 300, MIXED, 10, 252, 64, 61, 32,
-                                   30, COLOUR, {0}, false};
-    struct gp_gl *gl;
-    struct gp_tiles *kept = NULL;
-    double roundings;
-    if (gp_gl_open(&log_kept, GP_GL_AUTO, &gl) != GP_OK)
-        return 77;
-    seed = 5u;
-    struct scene s = make_scene(&row);
-    if (draw(gl, &s, &kept, &roundings) != GP_OK)
-        return 1;
-    printf("%016llx\n",
-           (unsigned long long) hash_layer(&s.layer, 1211 * 173));
-    free_scene(&s);
-    gp_tiles_free(gl, &kept);
-    gp_gl_close(&gl);
-    return 0;
-}
-
-static void threads_change_no_byte(void **state)
-{
-    (void) state;
-    threads_same_bytes("tile");
-}
-
 SUITE(tile)
 {
     const struct CMUnitTest tests[] = {
@@ -466,10 +430,7 @@ SUITE(tile)
         cmocka_unit_test(batches_are_large),
         cmocka_unit_test(batches_equal_the_sum),
         cmocka_unit_test(no_stale_kernel),
-        cmocka_unit_test(threads_change_no_byte),
     };
-    if (argc > 1 && strcmp(argv[1], "--hash") == 0)
-        return print_hash();
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
         cmocka_set_test_filter("no_stale_kernel");
     return cmocka_run_group_tests(tests, NULL, NULL);
