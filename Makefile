@@ -120,7 +120,7 @@ $(B)/glarepp-ocio.so: $(OCIO_SRC) src/tone/ocio_bridge.h src/core/status.h
 FAIL_WRAP := malloc calloc realloc posix_memalign free read pread write pwrite \
              fstat rename memfd_create close open pthread_create \
              sched_getaffinity readlink dlopen dlsym
-UNIT_CFLAGS = -Itests/unit $(call pc,--cflags,cmocka)
+UNIT_CFLAGS = -Itests/unit -Wno-unused-parameter $(call pc,--cflags,cmocka)
 UNIT_OBJ := $(UNIT:tests/unit/%.c=$(B)/tests/obj/%.o)
 UNIT_COMMON := $(B)/tests/obj/unit.o $(B)/tests/obj/fail.o
 

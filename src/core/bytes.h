@@ -4,21 +4,11 @@
 
 #include <stdint.h>
 
-/* Little-endian: EXR, BMP. */
-static inline uint16_t gp_le16(const uint8_t *p)
-{
-    return (uint16_t) (p[0] | p[1] << 8);
-}
-
+/* Little-endian: EXR. */
 static inline uint32_t gp_le32(const uint8_t *p)
 {
     return (uint32_t) p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16 |
            (uint32_t) p[3] << 24;
-}
-
-static inline uint64_t gp_le64(const uint8_t *p)
-{
-    return gp_le32(p) | (uint64_t) gp_le32(p + 4) << 32;
 }
 
 /* Big-endian: PNG. */

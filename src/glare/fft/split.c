@@ -1,4 +1,5 @@
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft_priv.h"
 
@@ -7,30 +8,20 @@
 
 // -- where it stands ------------------------------------------------------------
 
-static int max(int a, int b)
-{
-    return a > b ? a : b;
-}
-
-static int min(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 /* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
  * Returns the least period. */
 static int place_axis(int in0, int in1, int c, int w, int n, int *out0,
                       int *out1, int *tap0, int *tap1)
 {
-    *out0 = max(0, in0 - c);
-    *out1 = min(n, in1 + w - 1 - c);
+    *out0 = gp_max(0, in0 - c);
+    *out1 = gp_min(n, in1 + w - 1 - c);
     if (*out1 <= *out0) // nothing of the kernel reaches the frame
         *out1 = *out0 = 0;
-    *tap0 = max(-c, *out0 - (in1 - 1));
-    *tap1 = min(w - c, *out1 - in0);
+    *tap0 = gp_max(-c, *out0 - (in1 - 1));
+    *tap1 = gp_min(w - c, *out1 - in0);
     const int right = in1 - 1 + *tap1 - 1 - *out0; // wraps to the left end
     const int left = *out1 - 1 - (in0 + *tap0);
-    return max(max(right, left) + 1, max(in1 - in0, *tap1 - *tap0));
+    return gp_max(gp_max(right, left) + 1, gp_max(in1 - in0, *tap1 - *tap0));
 }
 
 struct gp_fft_placing gp_fft_place(const struct gp_sources *s,

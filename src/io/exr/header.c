@@ -1,6 +1,7 @@
 /* The bytes of a header: one walk over them, before the library sees any. */
 #include "io/exr/exr_priv.h"
 
+#include "core/bytes.h"
 #include "core/memory.h"
 
 #include <limits.h>
@@ -35,12 +36,6 @@ static const uint8_t *window_at(struct window *w, uint64_t at, uint64_t n,
     }
     *left = (size_t) (w->to - at < n ? w->to - at : n);
     return *left > 0 ? w->b + (at - w->from) : NULL;
-}
-
-static uint32_t get32(const uint8_t *p)
-{
-    return (uint32_t) p[0] | (uint32_t) p[1] << 8 | (uint32_t) p[2] << 16 |
-           (uint32_t) p[3] << 24;
 }
 
 /* -- values --------------------------------------------------------------- */
@@ -115,7 +110,7 @@ static bool is_keycode(const struct value *v)
         return false;
     const uint8_t *const b = window_at(v->w, v->at, 4 * N, &left);
     for (size_t i = 0; left == 4 * N && i < N; i++) {
-        const uint32_t code = get32(b + 4 * i);
+        const uint32_t code = gp_le32(b + 4 * i);
         if (code < range[i].lo || code > range[i].hi)
             return false;
     }
@@ -131,7 +126,7 @@ static bool is_preview(const struct value *v)
     const uint8_t *const b = window_at(v->w, v->at, 8, &left);
     if (left < 8)
         return true;
-    const uint64_t w = get32(b), h = get32(b + 4);
+    const uint64_t w = gp_le32(b), h = gp_le32(b + 4);
     return w <= INT32_MAX && h <= INT32_MAX && v->size == 8 + 4 * w * h;
 }
 
@@ -147,9 +142,9 @@ static bool is_stringvector(const struct value *v)
         if (left < 4)
             return true;
         at += 4;
-        if (get32(b) > end - at)
+        if (gp_le32(b) > end - at)
             return false;
-        at += get32(b);
+        at += gp_le32(b);
     }
     return true;
 }
@@ -269,7 +264,7 @@ static enum found read_attribute(struct walk *walk, uint64_t at)
     b = window_at(&walk->w, at, 4, &left);
     if (left < 4)
         return DAMAGED;
-    to->size = get32(b);
+    to->size = gp_le32(b);
     to->value = at + 4;
     return ATTRIBUTE;
 }

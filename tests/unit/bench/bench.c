@@ -20,7 +20,6 @@ static void the_front_is_what_nothing_beats(void **state)
         {40, 0, true},     {5.1, 2e-1, false}, {50, 0, false},
         {60, INFINITY, false},
     };
-    (void) state;
     struct gp_bench_frame f = {.rows = COUNT(rows)};
     for (size_t i = 0; i < COUNT(rows); i++) {
         f.row[i].ms = rows[i].ms;
@@ -51,7 +50,6 @@ static void options_ask_for_the_technique(void **state)
                                   "point"},
         {"auto", "-e auto --tolerance 0.25"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_bench_technique *t = gp_bench_techniques;
         char line[sizeof((struct gp_bench_row *) 0)->options];
@@ -86,7 +84,6 @@ static void parts_are_even_and_untouched(void **state)
         {1000, 70, 10, 0.07, 0.13},    {70, 1000, 10, 0.07, 0.13},
         {2048, 1536, 100, 0.009, 0.011}, {7, 5, 10, 1.0, 1.0},
     };
-    (void) state;
     for (size_t r = 0; r < COUNT(rows); r++) {
         struct gp_frame f = grey(rows[r].w, rows[r].h, 2.0f), part;
         const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
@@ -120,7 +117,6 @@ static void parts_are_even_and_untouched(void **state)
 
 static void no_light_has_a_part_without_any(void **state)
 {
-    (void) state;
     struct gp_frame f = grey(40, 30, -9.0f), part;
     const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     struct gp_sources none = {0}, some = {0};
@@ -150,7 +146,6 @@ static void listen(void *user, enum gp_level level, const char *line)
 
 static void gnuplot_gives_all_it_writes(void **state)
 {
-    (void) state;
     const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
     char *out = NULL, *script = NULL;
     size_t size = 0;
@@ -183,7 +178,6 @@ static void gnuplot_gives_all_it_writes(void **state)
 
 static void gnuplot_that_is_missing_is_named(void **state)
 {
-    (void) state;
     const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
     char *const path = gp_strdup(getenv("PATH") ? getenv("PATH") : "");
     setenv("PATH", "/nonexistent", 1);

@@ -30,7 +30,6 @@ static void bytes_are_the_same_everywhere(void **state)
         0x21cfe2289c5f114du, 0xcbeacece0ef7d228u, 0x8d26befe0c8208bdu,
         0x3f2e76b5dda9753au,
     };
-    (void) state;
     for (int i = 0; i <= GP_PAPER_KINDS; i++) {
         struct gp_frame f = {0};
         if (i < GP_PAPER_KINDS)
@@ -56,7 +55,6 @@ static void light_is_as_it_is_named(void **state)
         {GP_PAPER_WINDOWS, 0.02, 0.04, 1.0, 5001.0},
         {GP_PAPER_SKY, 0.5, 0.7, 2.0, 20.0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
         struct gp_frame f = make(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
@@ -88,7 +86,6 @@ static double luminance(const struct gp_frame *f, int x, int y)
 /* No polygon of the paper's may be exact by luck: windows differ inside. */
 static void windows_are_not_constant(void **state)
 {
-    (void) state;
     struct gp_frame f = make(GP_PAPER_WINDOWS, GP_PAPER_W, GP_PAPER_H);
     int lit = 0, pairs = 0, same = 0;
     for (int y = 0; y < GP_PAPER_H; y++) {
@@ -106,7 +103,6 @@ static void windows_are_not_constant(void **state)
 
 static void dim_pixels_stay_dim(void **state)
 {
-    (void) state;
     for (int kind = 0; kind < GP_PAPER_KINDS; kind++) {
         struct gp_frame f = make((enum gp_paper_kind) kind, 300, 200);
         int dim = 0;
@@ -125,7 +121,6 @@ static void dim_pixels_stay_dim(void **state)
 static void the_kernel_is_coloured_and_ends_inside(void **state)
 {
     static const int sizes[] = {GP_PAPER_KERNEL, 511, 64, 16};
-    (void) state;
     for (size_t i = 0; i < COUNT(sizes); i++) {
         const int n = sizes[i], half = n / 2;
         struct gp_frame f = {0};
@@ -149,7 +144,6 @@ static void sizes_out_of_range_are_refused(void **state)
     static const int sizes[][2] = {
         {0, 0}, {63, 48}, {64, 47}, {-1024, 768}, {16385, 64}, {64, 1 << 30},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(sizes); i++) {
         struct gp_frame f = {0};
         for (int kind = 0; kind < GP_PAPER_KINDS; kind++)

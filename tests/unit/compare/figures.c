@@ -73,7 +73,6 @@ static struct image a, b;
 
 static void two_pixels(void **state)
 {
-    (void) state;
     make(&a, "R", (struct gp_rect) {0, 0, 2, 1});
     make(&b, "R", (struct gp_rect) {0, 0, 2, 1});
     a.v[0][0] = 3.0f, a.v[0][1] = -4.0f;
@@ -92,7 +91,6 @@ static void two_pixels(void **state)
 
 static void luminance_is_relative(void **state)
 {
-    (void) state;
     make(&a, "BGR", (struct gp_rect) {0, 0, 2, 1});
     make(&b, "BGR", (struct gp_rect) {0, 0, 2, 1});
     for (int c = 0; c < 3; c++) {
@@ -115,7 +113,6 @@ static void luminance_is_relative(void **state)
 /* What each pair of values is. */
 static void values_that_are_no_numbers(void **state)
 {
-    (void) state;
     static const struct {
         float a, b;
         bool same;
@@ -145,7 +142,6 @@ static void values_that_are_no_numbers(void **state)
 
 static void limits_are_idiffs(void **state)
 {
-    (void) state;
     struct gp_compare_params s = defaults;
     make(&a, "R", (struct gp_rect) {0, 0, 10, 10});
     make(&b, "R", (struct gp_rect) {0, 0, 10, 10});
@@ -175,7 +171,6 @@ static void limits_are_idiffs(void **state)
 
 static void names_decide(void **state)
 {
-    (void) state;
     make(&a, "ABGR", (struct gp_rect) {0, 0, 5, 4});
     fill(&a, 1);
     make(&b, "RAGB", (struct gp_rect) {0, 0, 5, 4});
@@ -199,7 +194,6 @@ static void names_decide(void **state)
 
 static void windows_are_joined(void **state)
 {
-    (void) state;
     make(&a, "R", (struct gp_rect) {-5, -5, -3, -4}); // 2 x 1
     make(&b, "R", (struct gp_rect) {2, 3, 3, 5});     // 1 x 2
     for (int i = 0; i < 2; i++)
@@ -214,7 +208,6 @@ static void windows_are_joined(void **state)
 
 static void whole_numbers_are_exact(void **state)
 {
-    (void) state;
     uint32_t x[2] = {4000000001u, 7u}, y[2] = {4000000000u, 7u};
     make(&a, "i", (struct gp_rect) {0, 0, 2, 1});
     make(&b, "i", (struct gp_rect) {0, 0, 2, 1});
@@ -226,7 +219,6 @@ static void whole_numbers_are_exact(void **state)
 
 static void threads_do_not_matter(void **state)
 {
-    (void) state;
     struct gp_compare_figures f[2];
     memset(f, 0, sizeof f);
     make(&a, "RGB", (struct gp_rect) {0, 0, 61, 53});
@@ -258,7 +250,6 @@ static struct gp_compare_flip flip(const struct gp_compare_params *s)
 
 static void flip_fits_the_files(void **state)
 {
-    (void) state;
     struct gp_compare_params s = defaults;
     make(&a, "RGB", (struct gp_rect) {0, 0, 20, 20});
     make(&b, "RGB", (struct gp_rect) {2, 1, 22, 21});
@@ -286,7 +277,6 @@ static void flip_fits_the_files(void **state)
 
 static void black_has_flip(void **state)
 {
-    (void) state;
     make(&a, "RGB", (struct gp_rect) {0, 0, 7, 5});
     make(&b, "RGB", (struct gp_rect) {0, 0, 7, 5});
     struct gp_compare_flip f = flip(&defaults);
@@ -296,7 +286,6 @@ static void black_has_flip(void **state)
 
 static void magma_is_magma(void **state)
 {
-    (void) state;
     // of 255, from the published table
     static const struct {
         float v, rgb[3];

@@ -107,7 +107,6 @@ static void flat_colours_are_as_far_as_they_are(void **state)
         // outside [0,1] there is nothing more to see, and NaN is black
         {{-3, -INFINITY, NAN}, {5, INFINITY, FLT_MAX}, 0.967380},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct pair p = flat(5, 4, rows[i].a, rows[i].b);
         char what[32];
@@ -131,7 +130,6 @@ static void patterns_agree_with_the_plain_form(void **state)
         {7, 3, 67.0206f, 0.0905933, 0.0855764, 0.1665924},
         {1, 9, 67.0206f, 0.0, 0.0, 0.0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct pair p = pattern(rows[i].w, rows[i].h);
         const double mean = ldr(&p, rows[i].ppd);
@@ -151,7 +149,6 @@ static void laws_hold_at_any_size_and_distance(void **state)
     static const int sizes[][2] = {{1, 1}, {1, 200}, {129, 65}, {130, 3}};
     static const float distances[] = {GP_FLIP_PPD_MIN, 67.0206f,
                                       GP_FLIP_PPD_MAX};
-    (void) state;
     for (size_t s = 0; s < COUNT(sizes) * COUNT(distances); s++) {
         struct pair p = pattern(sizes[s / 3][0], sizes[s / 3][1]);
         const double mean = ldr(&p, distances[s % 3]);
@@ -179,7 +176,6 @@ static void laws_hold_at_any_size_and_distance(void **state)
 
 static void one_pixel_is_seen_near_it_alone(void **state)
 {
-    (void) state;
     const float grey[3] = {0.2f, 0.2f, 0.2f};
     struct pair p = flat(200, 100, grey, grey);
     p.b.c[1][50 * 200 + 100] = 1.0f;
@@ -200,7 +196,6 @@ static void one_pixel_is_seen_near_it_alone(void **state)
 
 static void threads_change_nothing(void **state)
 {
-    (void) state;
     struct pair p = pattern(300, 200);
     gp_set_threads(1);
     const double one = ldr(&p, GP_FLIP_PPD), one_hdr = hdr(&p, NULL);
@@ -235,7 +230,6 @@ static void exposures_fit_the_reference(void **state)
         {60, 44, -3.859875, -2.135175, 0.1392478},
         {31, 70, -3.859875, -2.135175, 0.1420240},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct pair p = pattern(rows[i].w, rows[i].h);
         struct gp_flip_exposures e;
@@ -260,7 +254,6 @@ static int by_value(const void *a, const void *b)
 
 static void the_median_decides_where_exposures_stop(void **state)
 {
-    (void) state;
     uint32_t seed = 9;
     for (int n = 1; n < 60; n++) {
         struct pair p = make_pair(n, 1);
@@ -299,7 +292,6 @@ static void dark_and_hostile_references_have_exposures(void **state)
         {{1, 1, 1, 1024}, 10, 10},
         {{1e-30f, 1e-30f, 1e-30f, INFINITY}, 149.486f, GP_FLIP_EXPOSURES_MAX},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct pair p = make_pair(4, 1);
         struct gp_flip_exposures e;
@@ -319,7 +311,6 @@ static void dark_and_hostile_references_have_exposures(void **state)
 
 static void the_largest_of_all_exposures_counts(void **state)
 {
-    (void) state;
     struct pair p = pattern(40, 30);
     square(&p, 40.0f);
     const struct gp_flip_exposures all = {-4.0f, 2.0f, 4};
@@ -357,7 +348,6 @@ static void what_makes_no_sense_is_refused(void **state)
         {2, 2, 67.0f, {0, 0, 65}},  {2, 2, 67.0f, {NAN, 0, 2}},
         {2, 2, 67.0f, {0, INFINITY, 2}},
     };
-    (void) state;
     struct pair p = pattern(2, 2);
     for (size_t i = 0; i < COUNT(rows); i++) {
         double mean = 7.0;
@@ -397,7 +387,6 @@ static gp_status run_hdr(void)
 
 static void memory_is_full(void **state)
 {
-    (void) state;
     gp_set_threads(2);
     starved = pattern(33, 21);
     starve("LDR-FLIP", run_ldr, &found, 2);

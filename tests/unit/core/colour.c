@@ -34,7 +34,6 @@ static void weights_are_the_published_ones(void **state)
         {{0.64f, 0.33f, 0.29f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f},
          {0.2220, 0.7067, 0.0713}, 6e-5},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         float w[3];
         gp_luminance_weights(rows[i].ch, w);
@@ -47,7 +46,6 @@ static void weights_are_the_published_ones(void **state)
 static void bt709_is_exactly_what_papers_print(void **state)
 {
     float w[3];
-    (void) state;
     gp_luminance_weights(gp_rec709_chromaticities, w);
     assert_memory_equal(w, gp_rec709_luminance, sizeof w);
     assert_memory_equal(gp_rec709_chromaticities + 6, D65, sizeof D65);
@@ -61,7 +59,6 @@ static void matrix_is_that_of_the_standard(void **state)
         0.0721923, 0.0193308, 0.1191948, 0.9505322,
     };
     double m[9];
-    (void) state;
     assert_true(gp_rgb_to_xyz(gp_rec709_chromaticities, m));
     for (int i = 0; i < 9; i++)
         assert_near(m[i], want[i], 1e-6);
@@ -71,7 +68,6 @@ static void white_has_luminance_one(void **state)
 {
     float ch[8];
     double m[9];
-    (void) state;
     memcpy(ch, gp_rec709_chromaticities, sizeof ch);
     for (int i = 0; i < 20; i++) { // whites from blue to amber
         ch[6] = 0.25f + 0.01f * (float) i;
@@ -95,7 +91,6 @@ static void degenerate_primaries_count_as_bt709(void **state)
         {0.64f, 0.33f, 0.64f, 0.33f, 0.15f, 0.06f, 0.3127f, 0.3290f}, // equal
         {0.2f, 0.2f, 0.3f, 0.3f, 0.4f, 0.4f, 0.3127f, 0.3290f}, // on a line
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         float w[3] = {9, 9, 9};
         double m[9] = {7};
@@ -118,7 +113,6 @@ static void srgb_points(void **state)
         {0.2140411f, 0.5f, 1e-6f},
         {0.001f, 0.01292f, 1e-7f},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         double tolerance = (double) rows[i].tolerance;
         assert_near((double) gp_srgb_encode(rows[i].linear),
@@ -132,7 +126,6 @@ static void srgb_clamps(void **state)
 {
     static const float low[] = {-1.0f, -0.0f, -INFINITY, NAN, -1e-45f};
     static const float high[] = {1.0000001f, 65504.0f, INFINITY};
-    (void) state;
     for (size_t i = 0; i < COUNT(low); i++) {
         assert_true(gp_srgb_encode(low[i]) == 0.0f);
         assert_true(gp_srgb_decode(low[i]) == 0.0f);
@@ -147,7 +140,6 @@ static void srgb_clamps(void **state)
 static void srgb_goes_and_comes_back(void **state)
 {
     float last = -1.0f;
-    (void) state;
     for (int i = 0; i <= 65535; i++) {
         float encoded = (float) i / 65535.0f;
         float linear = gp_srgb_decode(encoded);

@@ -25,7 +25,6 @@ static gp_status read_small(const char *path, json_t **root)
 
 static void files_by_content(void **state)
 {
-    (void) state;
     static const struct {
         const char *bytes;
         size_t n;
@@ -80,7 +79,6 @@ static void files_by_content(void **state)
 
 static void files_that_cannot_be_read(void **state)
 {
-    (void) state;
     json_t *root;
     assert_int_equal(read_small(jf_folder, &root), GP_ERR_IO);
     must_say(0, jf_folder);
@@ -113,7 +111,6 @@ static gp_status read_padded(size_t n, size_t most)
 
 static void sizes_up_to_the_limit(void **state)
 {
-    (void) state;
     assert_int_equal(read_padded(1 << 20, 1 << 20), GP_OK);
     assert_int_equal(read_padded(1 << 20, 4096), GP_ERR_DATA);
     must_say(0, "over 4 KiB");
@@ -124,7 +121,6 @@ static void sizes_up_to_the_limit(void **state)
 
 static void deep_nesting_is_an_error(void **state)
 {
-    (void) state;
     static char text[1 << 19];
     static const char *const open[] = {"[", "{\"a\":"};
     for (size_t i = 0; i < COUNT(open); i++) {
@@ -149,7 +145,6 @@ static json_t *object(const char *text)
 
 static void a_decimal_comma_changes_nothing(void **state)
 {
-    (void) state;
     static const char *const names[] = {"de_DE.UTF-8", "de_DE.utf8", "de_DE",
                                         "fr_FR.UTF-8"};
     const char *set = NULL;
@@ -170,7 +165,6 @@ static void a_decimal_comma_changes_nothing(void **state)
 
 static void arrays_of_files(void **state)
 {
-    (void) state;
     static const struct {
         const char *text;
         int count; // -1: an error
@@ -194,7 +188,6 @@ static void arrays_of_files(void **state)
 
 static void keys_must_be_known(void **state)
 {
-    (void) state;
     static const char *const keys[] = {"a", "bc", NULL};
     static const struct {
         const char *text, *say;
@@ -221,7 +214,6 @@ static void keys_must_be_known(void **state)
 /* A name may be as long as the file; a line may not. */
 static void long_names_are_cut(void **state)
 {
-    (void) state;
     static const char *const keys[] = {"a", NULL};
     static char text[4000];
     for (size_t i = 0; i < 2; i++) {
@@ -247,7 +239,6 @@ enum kind { NUMBER, INT, ARRAY, GREY, TEXT, CHOICE };
  * what was there stays. */
 static void values(void **state)
 {
-    (void) state;
     static const char *const names[] = {"disc", "ring", NULL};
     static const struct {
         enum kind kind;
@@ -342,7 +333,6 @@ static void values(void **state)
 
 static void the_file_itself_has_no_number(void **state)
 {
-    (void) state;
     const struct gp_json_place whole = {&said_log, "a.json", "light", 0};
     json_t *o = object("{'v': 3}");
     double v;

@@ -23,7 +23,6 @@ static void *get(size_t bytes)
 static void small_and_none(void **state)
 {
     void *p, *none;
-    (void) state;
     assert_int_equal(gp_alloc(NULL, "t", 0, 8, &none), GP_OK);
     assert_non_null(none);
     assert_int_equal(gp_alloc_zero(NULL, "t", 1000, 3, &p), GP_OK);
@@ -38,7 +37,6 @@ static void small_and_none(void **state)
 static void zero_of_a_used_block(void **state)
 {
     void *p;
-    (void) state;
     gp_free(get(40 * MIB));
     assert_int_equal(gp_alloc_zero(NULL, "t", 40 * MIB, 1, &p), GP_OK);
     for (size_t i = 0; i < 40 * MIB; i += 4093)
@@ -53,7 +51,6 @@ static void resized(void **state)
     };
     void *p = NULL, *before;
     size_t held = 0;
-    (void) state;
     for (size_t i = 0; i < COUNT(size); i++) {
         assert_int_equal(gp_resize(NULL, "t", size[i], &p), GP_OK);
         for (size_t k = 0; k < held && k < size[i]; k += 997)
@@ -78,7 +75,6 @@ static size_t mapped(void)
 static void same_blocks_again(void **state)
 {
     void *block[8];
-    (void) state;
     for (int i = 0; i < 8; i++)
         block[i] = get(33 * MIB + 100);
     const size_t most = mapped();
@@ -97,7 +93,6 @@ static void same_blocks_again(void **state)
 static void never_more_than_was_in_use(void **state)
 {
     static const int mib[] = {300, 20, 64, 17, 200, 35, 16, 128};
-    (void) state;
     gp_free(get((size_t) 400 * MIB)); // what earlier tests left gives way
     const size_t most = mapped();
     for (int round = 0; round < 50; round++) {
@@ -128,7 +123,6 @@ static void threads_share(void **state)
 {
     pthread_t id[4];
     int name[4] = {0, 1, 2, 3};
-    (void) state;
     for (int i = 0; i < 4; i++)
         assert_int_equal(pthread_create(&id[i], NULL, use_blocks, &name[i]),
                          0);
@@ -152,7 +146,6 @@ static void sizes_are_checked(void **state)
         {(size_t) 1 << 62, 1, "out of memory"},
         {0, 4, NULL}, {4, 0, NULL}, {1, 1, NULL}, {5 << 20, 1, NULL},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (int zero = 0; zero < 2; zero++) {
             void *p = &p;
@@ -177,7 +170,6 @@ static void sizes_are_checked(void **state)
 static void memory_is_full(void **state)
 {
     const long blocks = fail_blocks();
-    (void) state;
     for (int n = 1; n <= 4; n++) {
         struct gp_planes p = {{NULL, NULL, NULL}};
         fail_at(FAIL_ALLOC, n);

@@ -77,7 +77,6 @@ static void each_i_once(void **state)
 {
     static const int threads[] = {1, 2, 3, 8, 200}, n[] = {0, 1, 2, 7, 5000};
     static struct seen s;
-    (void) state;
     for (size_t t = 0; t < COUNT(threads); t++) {
         for (size_t k = 0; k < COUNT(n); k++) {
             memset(&s, 0, sizeof s);
@@ -98,7 +97,6 @@ static void lowest_failure(void **state)
         {8, 5000, 3, 1}, {4, 2, 1, 1},
     };
     static struct seen s;
-    (void) state;
     for (size_t k = 0; k < COUNT(row); k++) {
         int failed = -1;
         memset(&s, 0, sizeof s);
@@ -146,7 +144,6 @@ static void callers_share(void **state)
 {
     static const int threads[] = {1, 2, 3, 8};
     static struct caller c[CALLERS];
-    (void) state;
     for (size_t t = 0; t < COUNT(threads); t++) {
         pthread_t id[CALLERS];
         gp_set_threads(threads[t]);
@@ -176,7 +173,6 @@ static void callers_share(void **state)
 static void child_has_its_own(void **state)
 {
     static struct seen s;
-    (void) state;
     gp_set_threads(4);
     assert_int_equal(gp_parallel(100, body, &s, NULL), GP_OK);
     const pid_t child = fork();
@@ -200,7 +196,6 @@ static void child_has_its_own(void **state)
  * processors are asked for once. */
 static void processors_unknown(void **state)
 {
-    (void) state;
     fail_always.affinity = true;
     gp_set_threads(0);
     assert_int_equal(gp_threads(), 1);
@@ -230,7 +225,6 @@ static void threads_do_not_start(void **state)
         {0, GP_OK, -1, 0}, {1, GP_OK, -1, 1}, {40, GP_OK, -1, 40},
         {100, GP_ERR_DATA, 40, 41},
     };
-    (void) state;
     fail_always.threads = true;
     for (int threads = 1; threads <= 4; threads += 3) {
         gp_set_threads(threads);

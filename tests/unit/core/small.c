@@ -28,7 +28,6 @@ static void frames_own_what_they_hold(void **state)
     const long blocks = fail_blocks();
     struct gp_frame f = {0};
     void *channels;
-    (void) state;
     gp_frame_free(&f); // an empty one
     assert_null(gp_frame_channel(&f, "Z"));
     assert_int_equal(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
@@ -63,7 +62,6 @@ static void messages_are_one_line(void **state)
     static const struct gp_log deaf = {NULL, NULL, GP_LEVEL_INFO};
     const struct gp_log errors = {said_keep, NULL, GP_LEVEL_ERROR};
     char text[5000];
-    (void) state;
     said_nothing();
     assert_int_equal(gp_fail(NULL, GP_ERR_IO, "unheard"), GP_ERR_IO);
     assert_int_equal(gp_fail(&deaf, GP_ERR_GL, "unheard"), GP_ERR_GL);
@@ -84,7 +82,6 @@ static void messages_are_one_line(void **state)
 
 static void no_memory_is_one_line(void **state)
 {
-    (void) state;
     said_nothing();
     assert_int_equal(gp_no_memory(&said_log, "a.exr"), GP_ERR_BUG);
     assert_string_equal(said_line,
@@ -106,7 +103,6 @@ static void json_is_whole_or_null(void **state)
         {"\xed\xa0\x80", // half of a surrogate pair
          "\"\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd\""},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         char *const text = gp_json_print(gp_json_name(rows[i].bytes),
                                          JSON_ENCODE_ANY);
@@ -126,7 +122,6 @@ static void statuses_have_texts(void **state)
         GP_STATUS_LIST(ROW)
     };
 #undef ROW
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         assert_int_equal(rows[i].status, rows[i].code);
         assert_string_equal(gp_status_text(rows[i].code), rows[i].text);
@@ -142,7 +137,6 @@ static void bridges_are_looked_for(void **state)
 {
     char folder[] = "/tmp/glarepp-bridge-XXXXXX", path[64], why[512];
     char longest[PATH_MAX + 8];
-    (void) state;
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/odd.so", folder);
     FILE *const f = fopen(path, "w");
@@ -180,7 +174,6 @@ static void bridges_are_looked_for(void **state)
 static void cpu_can_be_told(void **state)
 {
     static const char *const others[] = {"", "bas", "basement", "avx2"};
-    (void) state;
     unsetenv("GLAREPP_CPU");
     const bool there = gp_cpu_has_avx2();
     setenv("GLAREPP_CPU", "base", 1);

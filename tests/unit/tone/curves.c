@@ -26,7 +26,6 @@ static void operators_are_their_equations(void **state)
 {
     enum { N = 4001 }; // odd, so that vector loops have a rest
     static float v[3][N], in[3][N];
-    (void) state;
     for (size_t k = 0; k < COUNT(references); k++) {
         seed = 7;
         for (int i = 0; i < N; i++) {
@@ -61,7 +60,6 @@ static void dark_light_keeps_its_digits(void **state)
     static const char *const names[] = {
         "reinhard", "reinhard-extended", "hable", "neutral", "linear",
     };
-    (void) state;
     for (size_t k = 0; k < COUNT(names); k++) {
         size_t r = 0;
         while (strcmp(references[r].name, names[k]) != 0)
@@ -102,7 +100,6 @@ static void published_points(void **state)
         {"agx", 0, {0.18f, 0.18f, 0.18f}, {0.18, 0.18, 0.18}, 0.04},
         {"linear", 0, {0.25f, 1.5f, -1}, {0.25, 1, 0}, 0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         float out[3];
         map_one(rows[i].name, rows[i].in, rows[i].white, out);
@@ -120,7 +117,6 @@ static void grey_ramps_rise(void **state)
 {
     enum { N = 60000 };
     static float v[3][N];
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         assert_true((*c)->monotone);
         if (!(*c)->map)
@@ -155,7 +151,6 @@ static void output_is_always_in_range(void **state)
     static const float whites[] = {FLT_MIN, 1e-3f, 1.0f, 1e9f, FLT_MAX};
     enum { H = COUNT(hard), N = H * H * H };
     static float v[3][N];
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         for (size_t w = 0; (*c)->map && w < COUNT(whites); w++) {
             for (size_t i = 0; i < N; i++) {
@@ -181,7 +176,6 @@ static void output_is_always_in_range(void **state)
 static void darkness_is_black(void **state)
 {
     static const float rows[][3] = {{0, 0, 0}, {-1, -2, -3}, {-0.0f, 0, -1e9f}};
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         for (size_t i = 0; (*c)->map && i < COUNT(rows); i++) {
             float out[3];
@@ -197,7 +191,6 @@ static void reinhard_keeps_luminance_and_hue(void **state)
     static const float tints[][3] = {
         {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0.5f, 0}, {0.2f, 0.1f, 0.9f},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(tints); i++) {
         for (int ev = -10; ev <= 20; ev++) {
             float in[3], out[3];

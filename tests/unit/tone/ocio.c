@@ -93,7 +93,6 @@ static struct gp_ocio *opened(const struct gp_ocio_params *p)
  * scale before the view. */
 static void view_of_every_pixel(void **state)
 {
-    (void) state;
     static const struct {
         int w, h;
         float ev;
@@ -121,7 +120,6 @@ static void view_of_every_pixel(void **state)
 
 static void auto_exposure_is_a_scale(void **state)
 {
-    (void) state;
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
     struct gp_frame f = lit_frame(9, 7, 1.0f);
@@ -141,7 +139,6 @@ static void auto_exposure_is_a_scale(void **state)
 /* What is not finite, or becomes so, stays with its own pixel. */
 static void bad_pixels_stay_alone(void **state)
 {
-    (void) state;
     static const float bad[] = {NAN, INFINITY, -INFINITY, 3e38f, -3e38f};
     struct gp_ocio_params p = ask();
     struct gp_ocio *o = opened(&p);
@@ -161,7 +158,6 @@ static void bad_pixels_stay_alone(void **state)
 
 static void same_for_any_threads(void **state)
 {
-    (void) state;
     struct gp_ocio_params p = ask();
     p.view = "Twice";
     p.output = "turned";
@@ -192,7 +188,6 @@ static void same_for_any_threads(void **state)
 /* A transform that was not asked for is an error, not a crash. */
 static void only_what_was_asked(void **state)
 {
-    (void) state;
     struct gp_ocio_params p = ask();
     struct gp_frame f = lit_frame(2, 2, 1.0f);
     struct gp_planes out = {0};
@@ -225,7 +220,6 @@ static float shown_red(const struct gp_ocio_params *p, float light)
 
 static void what_is_chosen(void **state)
 {
-    (void) state;
     static const struct {
         const char *input, *display, *view, *look;
         const char *is_input, *is_display, *is_view;
@@ -267,7 +261,6 @@ static void what_is_chosen(void **state)
 
 static void context_names_the_file(void **state)
 {
-    (void) state;
     static const char *const eight[] = {"SHOT=none", "SHOT=eight"};
     struct gp_ocio_params p = ask();
     struct gp_ocio *o;
@@ -284,7 +277,6 @@ static void context_names_the_file(void **state)
 
 static void environment_names_the_config(void **state)
 {
-    (void) state;
     static const char *const words[] = {"", "env"};
     struct gp_ocio_params p = {.shows = true};
     struct gp_ocio *o;
@@ -303,7 +295,6 @@ static void environment_names_the_config(void **state)
 
 static void wrong_names_list_the_right_ones(void **state)
 {
-    (void) state;
     static const char *const nothing[] = {"nothing"}, *const blank[] = {"=x"};
     const struct {
         struct gp_ocio_params p;
@@ -337,7 +328,6 @@ static void wrong_names_list_the_right_ones(void **state)
 
 static void many_names_are_cut(void **state)
 {
-    (void) state;
     char *text = malloc(1 << 16), *end = text;
     assert_non_null(text);
     end += sprintf(end, "ocio_profile_version: 2\nroles: {default: s0}\n"
@@ -361,7 +351,6 @@ static void many_names_are_cut(void **state)
 
 static void bad_configs(void **state)
 {
-    (void) state;
     char *deep = malloc(10064);
     assert_non_null(deep);
     strcpy(deep, "ocio_profile_version: ");

@@ -4,6 +4,7 @@
 #include "core/parallel.h"
 #include "starved.h"
 #include "tone/tone.h"
+#include "tone_forms.h"
 
 #include <float.h>
 
@@ -33,7 +34,6 @@ static struct gp_frame make_frame(int w, int h)
 static void curves_are_listed(void **state)
 {
     int n = 0;
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++, n++) {
         assert_ptr_equal(gp_tone_find((*c)->name), *c);
         assert_true(strlen((*c)->text) > 5 && strlen((*c)->source) > 5);
@@ -50,7 +50,6 @@ static void unknown_curve_is_refused(void **state)
 {
     struct gp_frame f = make_frame(2, 2);
     struct gp_tone_params p = {.curve = "filmic"};
-    (void) state;
     assert_int_equal(gp_tone_map(&said_log, &p, &f, NULL), GP_ERR_USAGE);
     assert_non_null(strstr(said_line, "filmic"));
     assert_non_null(strstr(said_line, "reinhard, reinhard-extended"));
@@ -62,7 +61,6 @@ static void unknown_curve_is_refused(void **state)
 static void one_stop_is_a_factor_of_two(void **state)
 {
     static const float exposures[] = {-3.0f, 0.0f, 0.3f, 5.0f};
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         for (size_t e = 0; (*c)->map && e < COUNT(exposures); e++) {
             seed = 3;
@@ -103,7 +101,6 @@ static void none_copies(void **state)
     struct gp_tone_params p = {.curve = "none", .exposure = 3.0f,
                                .auto_exposure = true, .key = 0.18f};
     float scale = 0.0f;
-    (void) state;
     f.chromaticities[0] = 0.7f;
     f.lit.c[0][5] = NAN;
     f.lit.c[1][6] = -INFINITY;
@@ -112,12 +109,6 @@ static void none_copies(void **state)
     for (int c = 0; c < 3; c++)
         assert_memory_equal(f.shown.c[c], f.lit.c[c], 61 * 7 * sizeof(float));
     gp_frame_free(&f);
-}
-
-static void multiply(const double m[9], const double in[3], double out[3])
-{
-    for (int i = 0; i < 3; i++)
-        out[i] = m[3 * i] * in[0] + m[3 * i + 1] * in[1] + m[3 * i + 2] * in[2];
 }
 
 /* One colour through `linear` at -2 EV. */
@@ -164,7 +155,6 @@ static void primaries_become_bt709(void **state)
     static const double colours[][3] = {
         {1, 1, 1}, {1, 0.9, 0.8}, {0.5, 0.6, 0.5}, {0.3, 0.3, 0.7},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (size_t k = 0; k < COUNT(colours); k++) {
             double got[3], want[3];
@@ -183,7 +173,6 @@ static void white_stays_white(void **state)
 {
     static const double grey[3] = {0.7, 0.7, 0.7};
     float ch[8] = {0.7347f, 0.2653f, 0.1152f, 0.8264f, 0.1566f, 0.0177f};
-    (void) state;
     for (int i = 0; i < 12; i++) {
         double got[3];
         ch[6] = 0.27f + 0.015f * (float) i;
@@ -194,14 +183,8 @@ static void white_stays_white(void **state)
     }
 }
 
-static double luminance(const double c[3])
-{
-    return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
-}
-
 static void white_zero_is_the_frames_maximum(void **state)
 {
-    (void) state;
     for (int mixed = 0; mixed < 2; mixed++) {
         struct gp_frame f = make_frame(131, 77);
         struct gp_tone_params p = {.curve = "reinhard-extended",
@@ -238,7 +221,6 @@ static void log_average_skips_what_is_not_light(void **state)
     const size_t n = gp_frame_pixels(&f);
     double sum = 0.0;
     long long count = 0;
-    (void) state;
     for (size_t i = 0; i < n; i++) {
         if (i % 11 == 0) {
             for (int c = 0; c < 3; c++)
@@ -267,7 +249,6 @@ static void log_average_of_few_pixels(void **state)
         {INFINITY, 0.0},    {1e-45f, 1e-6},   {1e30f, 1e30},
         {FLT_MAX, FLT_MAX}, {1e9f, 1e9 + 1e-6},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (int w = 1; w < 4; w++) {
             struct gp_frame f = make_frame(w, 1);
@@ -284,7 +265,6 @@ static void log_average_of_few_pixels(void **state)
 
 static void auto_exposure_sets_the_key(void **state)
 {
-    (void) state;
     for (int dark = 0; dark < 2; dark++) {
         struct gp_frame f = make_frame(40, 30);
         struct gp_tone_params p = {.curve = "linear", .exposure = 1.0f,
@@ -308,7 +288,6 @@ static void auto_exposure_sets_the_key(void **state)
 static void exposure_of_any_size_is_finite(void **state)
 {
     static const float exposures[] = {-1e30f, -200.0f, 200.0f, 1e30f};
-    (void) state;
     for (size_t e = 0; e < COUNT(exposures); e++) {
         struct gp_frame f = make_frame(3, 1);
         struct gp_tone_params p = {.curve = "reinhard",
@@ -338,7 +317,6 @@ static void exposure_of_any_size_is_finite(void **state)
 static void threads_change_nothing(void **state)
 {
     static float first[3][211 * 83];
-    (void) state;
     for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
         for (int threads = 1; threads <= 7; threads++) {
             struct gp_tone_params p = {.curve = (*c)->name, .key = 0.18f,
@@ -375,7 +353,6 @@ static gp_status run_map(void)
 
 static void memory_is_full(void **state)
 {
-    (void) state;
     starved = make_frame(33, 21);
     starve("tone map", run_map, &found, 3);
     gp_frame_free(&starved);
