@@ -138,7 +138,7 @@ static bool is_picture(const char *layer, size_t len)
     return false;
 }
 
-/* Whether the names that are not empty ascend, as an EXR's own do. */
+/* True when the names that are not empty ascend, as an EXR's own do. */
 static bool ascend(const char *const *name, int n)
 {
     const char *last = "";

@@ -26,9 +26,9 @@ enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
  *         in a file of many parts is more likely depth than colour
  *
  * Of several layers one that is called Combined, beauty or rgba comes before
- * the first: Blender's ambient occlusion pass stands before its picture.
+ * the first: Blender's ambient occlusion pass comes before its picture.
  * Cryptomatte's ids are never colour, nor is an empty name, which
- * stands for a channel that is not to be taken.
+ * means a channel that is not to be chosen.
  */
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out);
@@ -96,8 +96,8 @@ void gp_channel_floats(const struct gp_frame *f, int channel, float *out);
  * is one, is NAME.R,G,B.
  */
 
-/* Layers that a file names; more of them are known by their channels' names
- * alone, as in a file that names none. */
+/* Layers that a file names; more of them are known only by their channels'
+ * names, as in a file that names none. */
 enum { GP_CRYPTO_LAYERS = 64 };
 struct gp_crypto {
     const char *layer[GP_CRYPTO_LAYERS];  // borrowed from the input
@@ -110,8 +110,8 @@ enum gp_crypto_kind {
     GP_CRYPTO_IDS,
 };
 
-/* What the layer of that name of `len` bytes holds. Without an attribute that
- * names it, ids are what begins with "crypto" (any case) behind its last dot
+/* Returns what the layer of that name of `len` bytes holds. Without an
+ * attribute that names it, ids are what begins with "crypto" (any case) after its last dot
  * and ends with two digits. */
 enum gp_crypto_kind gp_crypto_layer(const struct gp_crypto *c,
                                     const char *layer, size_t len);

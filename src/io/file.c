@@ -17,16 +17,15 @@ enum {
     LINKS = 40, // as many as the system follows
 };
 
-static bool starts(const char *s, const char *with)
-{
-    return strncmp(s, with, strlen(with)) == 0;
-}
-
 bool gp_file_is_straight(const char *path)
 {
     struct stat s;
-    if (strcmp(path, "-") == 0 || starts(path, "/dev/fd/") ||
-        starts(path, "/dev/std") || starts(path, "/proc/"))
+    static const char *const own[] = {"/dev/fd/", "/dev/std", "/proc/"};
+    for (size_t i = 0; i < sizeof own / sizeof *own; i++) {
+        if (strncmp(path, own[i], strlen(own[i])) == 0)
+            return true;
+    }
+    if (strcmp(path, "-") == 0)
         return true;
     return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
 }
@@ -89,19 +88,9 @@ char *gp_file_resolve(const char *path)
     return at;
 }
 
-/* 0 where the folder is there afterwards, else the errno of mkdir(): what
- * stat() says of a folder that could not be made is not why. */
-static int make_folder(const char *path)
-{
-    struct stat s;
-    if (mkdir(path, 0777) == 0)
-        return 0;
-    const int error = errno;
-    return stat(path, &s) == 0 && S_ISDIR(s.st_mode) ? 0 : error;
-}
-
 int gp_file_make_folders(const char *path)
 {
+    struct stat s;
     char *folder = gp_file_folder(path);
     int error = folder ? 0 : ENOMEM;
     for (char *p = folder + 1; error == 0; p++) {
@@ -109,7 +98,10 @@ int gp_file_make_folders(const char *path)
         if (keep != '/' && keep != '\0')
             continue;
         *p = '\0';
-        error = make_folder(folder);
+        // what stat() says of a folder that could not be made is not why
+        error = mkdir(folder, 0777) ? errno : 0;
+        if (error && stat(folder, &s) == 0 && S_ISDIR(s.st_mode))
+            error = 0;
         *p = keep;
         if (keep == '\0')
             break;
@@ -311,22 +303,17 @@ static gp_status flush(struct gp_file *f)
     return GP_OK;
 }
 
-static gp_status memory_full(struct gp_file *f)
-{
-    f->st = gp_no_memory(f->log, f->path);
-    return f->st;
-}
-
 static gp_status grow(struct gp_file *f, size_t size)
 {
     size_t want = f->room, need;
-    if (__builtin_add_overflow(f->held, size, &need))
-        return memory_full(f);
-    while (want < need && !__builtin_mul_overflow(want, 2, &want))
+    const bool fits = !__builtin_add_overflow(f->held, size, &need);
+    while (fits && want < need && !__builtin_mul_overflow(want, 2, &want))
         ;
-    uint8_t *more = want >= need ? realloc(f->buffer, want) : NULL;
-    if (!more)
-        return memory_full(f);
+    uint8_t *more = fits && want >= need ? realloc(f->buffer, want) : NULL;
+    if (!more) {
+        f->st = gp_no_memory(f->log, f->path);
+        return f->st;
+    }
     f->buffer = more;
     f->room = want;
     return GP_OK;

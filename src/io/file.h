@@ -3,9 +3,9 @@
  * A regular target is written as FOLDER/.NAME.PID.tmp and renamed by
  * gp_file_commit(). Where that name is taken (by a run with the same number on
  * another machine, or one that was killed) it is .NAME.PID-1.tmp, and so on: a
- * file that another run made is never touched. A target that cannot be renamed onto ("-" for stdout, a
- * pipe, a device) is gathered in memory and written in one go, because
- * formats go back to fill in tables and a pipe cannot.
+ * file that another run made is never touched. A target that cannot be renamed
+ * onto ("-" for stdout, a pipe, a device) is gathered in memory and written in
+ * one go, because formats go back to fill in tables and a pipe cannot.
  *
  * Every function prints its own error line through the log given to
  * gp_file_open(). The bytes on disk are not forced out (no fsync): a rename
@@ -52,8 +52,8 @@ uint64_t gp_file_size(const struct gp_file *f);
 const char *gp_file_path(const struct gp_file *f);
 
 /* Ends the file under its final name and sets *f to NULL. When anything
- * fails, here or in an earlier write, nothing stands under either name (a
- * file that was there stays) and the status is GP_ERR_IO. */
+ * fails, here or in an earlier write, neither name is there (a file that was
+ * there stays) and the status is GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 
 /* Gives the file up and removes what was written; NULL is fine. */
@@ -64,15 +64,15 @@ GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log,
                                      const char *path, const void *data,
                                      size_t size);
 
-/* Finds out before any work whether gp_file_open() has a chance: the folder
- * is there and writable (or may be made), the name is no folder. */
+/* Checks before any work what gp_file_open() will need: the folder exists and
+ * is writable (or may be made), the name is no folder. */
 GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
                                       const char *path, bool create_dir);
 
-/* True when a regular file stands under that name. */
+/* True when there is a regular file of that name. */
 bool gp_file_exists(const char *path);
 
-/* -- names ------------------------------------------------------------------ */
+/* -- names ----------------------------------------------------------------- */
 
 /* True for targets that are written to directly: "-", pipes, devices and
  * sockets that exist, and the names of open descriptors (/dev/fd/N,
@@ -90,11 +90,11 @@ char *gp_file_resolve(const char *path);
 int gp_file_make_folders(const char *path);
 
 /* The ending of the name in lower case, without its dot, in a buffer of
- * `room` bytes; "" when there is none or it does not fit. ".exr" alone is a
+ * `room` bytes; "" when there is none or it does not fit. The name ".exr" is a
  * hidden file without an ending. */
 void gp_file_ending(const char *path, char *ending, int room);
 
-/* -- temporary files and signals --------------------------------------------- */
+/* -- temporary files and signals ------------------------------------------- */
 
 /* One temporary file; all zero: none. */
 struct gp_temp {

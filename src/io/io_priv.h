@@ -79,7 +79,7 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
 struct gp_writer {
     const char *ending; // in lower case; NULL: any other
     bool only_straight; // only to stdout, a pipe or a device
-    // whether these params can be; NULL: all. Errors as gp_write_check()
+    // checks the params; NULL: any will do. Errors: as gp_write_check()
     gp_status (*check)(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
                        const char *ending);
@@ -93,7 +93,7 @@ struct gp_writer {
 };
 extern const struct gp_writer gp_writers[]; // the last one is for all endings
 
-/* -- linear light to 8- and 16-bit sRGB codes -------------------------------- */
+/* -- linear light to 8- and 16-bit sRGB codes ------------------------------ */
 
 struct gp_quantizer;
 
@@ -203,7 +203,7 @@ GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
                                      enum gp_picture_kind kind,
                                      struct gp_write_stats *stats);
 
-/* -- raw frames, as ffmpeg's rawvideo takes them ---------------------------- */
+/* -- raw frames, as ffmpeg's rawvideo reads them --------------------------- */
 
 /* gp_write_picture() for frames that follow each other in one stream: the
  * display window's pixels, R, G, B, rows from the top, no padding.
@@ -224,7 +224,7 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
                                      enum gp_picture_kind kind,
                                      struct gp_write_stats *stats);
 
-/* -- temporary files --------------------------------------------------------- */
+/* -- temporary files ------------------------------------------------------- */
 
 /* FOLDER/.NAME.PID.tmp, or FOLDER/.NAME.PID-N.tmp for a nth choice N > 0, NAME
  * cut where the whole would be longer than a file name may be. From malloc,
@@ -236,7 +236,7 @@ char *gp_file_temp_name(const char *path, int nth);
  * signal's handler. */
 void gp_temp_remove_all(void);
 
-/* -- which channel of which part a plane is, in a file of any format -------- */
+/* -- which channel of which part a plane is, in a file of any format ------- */
 
 /* One part and its channels, of which only names count. */
 struct gp_plane_part {
@@ -297,7 +297,7 @@ void gp_plane_list_free(struct gp_plane_list *list);
  *
  *   name   a channel of any part, or PART.CHANNEL; NULL searches: for depth
  *          by gp_find_depth() part by part, else A
- *   whole  the file is there for this plane alone: its only channel will do
+ *   whole  the file is there only for this plane: its only channel will do
  *          (for depth A does not count), and finding none is an error
  *   out    written on GP_OK
  *

@@ -341,7 +341,7 @@ out:
     return st;
 }
 
-/* Where the data window's row lies in the picture's row y: samples [at,
+/* The place of the data window's row in the picture's row y: samples [at,
  * at + n) of the planes go to [x, x + n). */
 struct span {
     size_t at, x, n;

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* -- the parts of a file ------------------------------------------------------------- */
+/* -- the parts of a file -------------------------------------------------- */
 
 static gp_status alloc_list(const struct gp_log *log, int parts, int channels,
                            struct gp_plane_list *list)
@@ -258,8 +258,9 @@ static void search_lone(const struct gp_plane_list *list, bool depth,
 }
 
 /* Warns of what a search found that its user might not expect. */
-static void warn_unexpected(const struct gp_log *log, const struct gp_plane_list *list,
-                 struct gp_plane_place *at, bool whole)
+static void warn_unexpected(const struct gp_log *log,
+                            const struct gp_plane_list *list,
+                            struct gp_plane_place *at, bool whole)
 {
     const char *const view = list->part[0].view;
     if (!at->part || whole)

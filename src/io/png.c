@@ -1,4 +1,4 @@
-/* Reading is libpng's alone. When writing, libpng makes the container; rows
+/* libpng does all of the reading. When writing, it makes the container; rows
  * are filtered and deflated here, all at once, because libdeflate packs twice
  * as fast as zlib and filters of rows can be made in parallel when they look
  * at one row only. */

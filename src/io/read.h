@@ -24,7 +24,7 @@ struct gp_read_params {
 #define GP_READ_DEFAULTS { .max_pixels = 1LL << 28 }
 
 /* The limits of `p` for another file than the frame: without layer, part and
- * view, which the frame's files alone have. */
+ * view, which only the frame's files have. */
 static inline struct gp_read_params gp_read_limits(
     const struct gp_read_params *p)
 {
@@ -47,13 +47,13 @@ static inline struct gp_read_params gp_read_limits(
  * through to gp_write_hdr(). Missing colour channels of a set of three are 0.
  * `colour` of a grey file's channel is 0; RY, Y, BY have 0, 1, 2, and rgb
  * holds the RGB that OpenEXR's RgbaInputFile would give. Cryptomatte's ids
- * (crypto.h) are no colour under any name.
+ * are no colour under any name.
  *
  * With p->layer colour is LAYER.R,G,B (or words, or LAYER.Y, with or without
  * chroma), or R,G,B of a part that is called LAYER; failing these, the channel
  * LAYER as grey. p->view leaves the parts whose view attribute is that view,
  * and of a part with a multiView attribute the channels of that view, whose
- * name stands before the channel's own (right.R, diffuse.right.R; none for the
+ * name comes before the channel's own (right.R, diffuse.right.R; none for the
  * first view). A layer may also name its view: right.diffuse or diffuse.right.
  * p->part leaves one part. Part names may end with their view (rgba.left,
  * rgba_left). Other formats have layers by the channel names of OpenImageIO,
@@ -65,15 +65,15 @@ static inline struct gp_read_params gp_read_limits(
  *
  * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty,
  * truncated, damaged, deep, over max_pixels, or no colour channel;
- * GP_ERR_USAGE the file has no such layer, part or view (the line lists what it has), or the
- * layer is Cryptomatte's.
+ * GP_ERR_USAGE the file has no such layer, part or view (the line lists what
+ * it has), or the layer is Cryptomatte's.
  */
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
                                       const struct gp_read_params *p,
                                       const char *path, struct gp_frame *out);
 
 /* Another layer of the file that `f` was read from, without reading the file
- * again: what lies in f's part comes from f's channels, the rest is decoded
+ * again: what is in f's part comes from f's channels, the rest is decoded
  * from f's input.
  *
  *   p      p->view narrows, else f's own view comes first; p->layer and
@@ -101,7 +101,7 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
  * says nowhere how many frames will come.
  */
 
-/* Where one image lies in the stream. */
+/* The place of one image in the stream. */
 struct gp_member {
     uint64_t at, size; // bytes
 };
@@ -147,7 +147,7 @@ GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
                                          const struct gp_members *m, int i,
                                          struct gp_frame *out);
 
-/* -- versions --------------------------------------------------------------- */
+/* -- versions -------------------------------------------------------------- */
 
 /* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: what this
  * process runs with where the library can say so, else what it was built

@@ -205,7 +205,7 @@ static void sort_by_number(struct place *place, struct place *spare, int n)
     }
 }
 
-/* Whether all numbers go one way, as those of a single range do. */
+/* True when all numbers go one way, as those of a single range do. */
 static bool goes_one_way(const struct gp_frames *f)
 {
     const bool down = f->n > 1 && f->number[1] < f->number[0];

@@ -25,7 +25,7 @@ enum {
     GP_VIEWS_MAX = 64,              // views of one list
 };
 
-/* Where the number stands in a name. `len` is 0 when it has no place. */
+/* The place of the number in a name. `len` is 0 when there is none. */
 struct gp_pattern {
     const char *path;  // borrowed
     size_t at, len;    // the signs that the number replaces

@@ -77,12 +77,12 @@ gp_status gp_write_hdr_check(const struct gp_log *log,
     const bool straight = find_ending(p, path, ending);
     if (straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --hdr keeps all channels, which EXR alone can "
+                       "%s: --hdr keeps all channels, which only EXR can "
                        "(found --stdout-format %s); give --hdr a file", path,
                        ending);
     if (strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --hdr keeps all channels, which EXR alone can "
+                       "%s: --hdr keeps all channels, which only EXR can "
                        "(ending %s); end the name in .exr", path,
                        ending[0] ? ending : "missing");
     return gp_write_check(log, p, path);

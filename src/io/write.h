@@ -67,7 +67,7 @@ struct gp_raw_size {
 /* What writing makes known. */
 struct gp_write_stats {
     long long clamped; // values that did not fit the file's type, added up
-    struct gp_raw_size raw; // of all raw frames so far; keep from frame to frame
+    struct gp_raw_size raw; // of all raw frames so far; keep between frames
 };
 
 /* What the planes of a picture are. */
@@ -81,7 +81,7 @@ enum gp_picture_kind {
  * chromaticities and attributes, as a three-channel picture. The ending of
  * `path` picks the format: .exr here, .png by libpng, all else by the
  * OpenImageIO bridge; "-" (stdout), pipes and devices without an ending get
- * what p->stdout_format says. Stdout may be given many frames, one behind the
+ * what p->stdout_format says. Stdout may be given many frames, one after the
  * other.
  *
  * EXR and other float formats store the values as they are, Radiance HDR the
@@ -93,7 +93,7 @@ enum gp_picture_kind {
  * pictures and where p->type says so. p->compression is for EXR and TIFF.
  *
  * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
- * nothing stands under either name, and a file that was there stays whole.
+ * neither name is there, and a file that was there stays whole.
  * Errors: GP_ERR_IO with the system's reason; GP_ERR_USAGE unknown ending,
  * or a compression that the format lacks.
  */
@@ -116,7 +116,7 @@ struct gp_hdr_colour {
  * channels of the same parts sample by sample, other parts chunk by chunk as
  * they are. Luminance-chroma and grey inputs: grey stays one channel when the
  * planes are equal, else R,G,B take its place. With p->converted the
- * attributes that tell the input's primaries and how to show them stay behind.
+ * attributes of the input's primaries and of how to show them are left out.
  *
  *   set  n >= 1 frames of one file, from gp_read_frame() or gp_read_layer();
  *        set[0].f's path and input are the input. Several may lie in one
@@ -132,13 +132,13 @@ GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
                                      const struct gp_hdr_colour *set, int n,
                                      struct gp_write_stats *stats);
 
-/* gp_write_check() for gp_write_hdr(), which is EXR alone. */
+/* gp_write_check() for gp_write_hdr(), which writes only EXR. */
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
                                            const struct gp_write_params *p,
                                            const char *path);
 
-/* True when no_clobber is set and a regular file stands under that name. The
- * writing functions leave it alone then and return GP_OK; asked before a
+/* True when no_clobber is set and there is a regular file of that name. The
+ * writing functions skip it then and return GP_OK; asked before a
  * frame is read, it saves the work. */
 bool gp_write_would_clobber(const struct gp_write_params *p, const char *path);
 

@@ -174,7 +174,7 @@ status 2 '*layer-in*' 'compare has no layers' "$glarepp" compare --layer-in a \
 "$glarepp" -o in.png in.exr
 status 2 '*in.png: has no layer nix (channels: R, G, B); give one of its layers' \
     'a layer of a PNG' "$glarepp" --layer-in nix -o no.png in.png
-status 2 '*in.png: has no part main: *numbers alone; give one from 0' \
+status 2 '*in.png: has no part main: *only numbers; give one from 0' \
     'a named part of a PNG' "$glarepp" --part main -o no.png in.png
 ok 'part 0 of a PNG' "$glarepp" --part 0 -o part.png in.png
 status 4 '*in.png: *part 3*' 'part 3 of a PNG' \
