@@ -68,7 +68,7 @@ UNIT_ROOMS := $(notdir $(patsubst %/,%,$(sort $(dir $(UNIT)))))
 UNIT_BIN := $(UNIT_ROOMS:%=$(B)/tests/%) $(B)/tests/hardcases
 FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 
-CHECKS := check-headers check-rooms check-symbols check-size check-man \
+CHECKS := check-headers check-house check-symbols check-man \
           check-manual check-tidy check-cppcheck
 
 .PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
@@ -298,8 +298,8 @@ check-headers: ## each header compiles alone
 	    echo "#include \"$$h\"" | $(CC) $(ALL_CFLAGS) -fsyntax-only -xc - || \
 	    exit 1; done
 
-check-rooms: ## who may include whom; which room sees which library
-	@tests/tools/rooms.sh src
+check-house: $(OBJ) ## rooms, circles, private headers, sizes, subjects
+	@tests/tools/house.py . $(B)
 
 check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
 	@! nm -g --defined-only $(LIB_OBJ) | \
@@ -310,10 +310,6 @@ check-manual: $(B)/tests/hardcases ## the manual keeps every hard case
 	    grep -qF "| $$name |" man/hardcases.md || \
 	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
-
-check-size: ## no source file over 700 lines, nor one of the tests
-	@wc -l $(SRC) $(HDR) $(BRIDGE_SRC) $(OCIO_SRC) $(TEST_SRC) | \
-	    awk '$$2 != "total" && $$1 > 700 { print $$2, $$1; n++ } END { exit n > 0 }'
 
 # Two readers of the source. `make lint` asks for all that they know; CI leaves
 # out clang's analyzer, which takes ten times as long as the rest

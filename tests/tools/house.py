@@ -107,6 +107,14 @@ def check_sizes(files):
         if path not in files:
             fault("sizes", f"tests/tools/house.py excuses {path}, which is "
                            "not there")
+    for folder, _, names in os.walk(os.path.join(ROOT, "tests")):
+        for name in names:
+            if name.endswith((".c", ".h", ".cpp")):
+                path = os.path.join(folder, name)
+                with open(path, encoding="utf-8") as f:
+                    lines = f.read().count("\n")
+                if lines > LONG:
+                    fault("sizes", f"{path} has {lines} lines, over {LONG}")
     with open(os.path.join(ROOT, "README.md"), encoding="utf-8") as f:
         lines = f.read().count("\n")
     if lines > 300:
