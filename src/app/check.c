@@ -123,20 +123,6 @@ static unsigned needs_met(const struct gp_settings *s)
     return met;
 }
 
-/* The first option that was given and has that need, or NULL. */
-static const char *option_with(const struct gp_settings *s, unsigned need)
-{
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if ((o->needs & need) && gp_option_given(s, o->name))
-            return o->name;
-    }
-    if (need == GP_NEED_LIGHT && s->debug[GP_DEBUG_SUNMAP])
-        return "debug sunmap";
-    if (need == GP_NEED_LIGHT && s->debug[GP_DEBUG_INTENSITY])
-        return "debug intensity";
-    return NULL;
-}
-
 /* Says which option has a need that is not met: `warns` for settings that are
  * right and do nothing, else an error. */
 static gp_status check_needs(const struct gp_log *log,
@@ -145,8 +131,15 @@ static gp_status check_needs(const struct gp_log *log,
     const unsigned met = needs_met(s);
     for (int i = 0; i < NEEDS; i++) {
         const struct need *const n = &needs[i];
-        const char *const name = n->warns != warns || (met & n->bit)
-                                     ? NULL : option_with(s, n->bit);
+        if (n->warns != warns || (met & n->bit))
+            continue;
+        const char *name = NULL; // of the first option with that need
+        for (const struct gp_option *o = gp_options; o->name && !name; o++)
+            name = (o->needs & n->bit) && gp_option_given(s, o->name) ? o->name
+                                                                      : NULL;
+        if (!name && n->bit == GP_NEED_LIGHT)
+            name = s->debug[GP_DEBUG_SUNMAP]      ? "debug sunmap"
+                   : s->debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
         const char *const value = !n->end ? ""
             : n->bit == GP_NEED_OWN_FRAMES ? s->inputs.at[0]
             : n->bit == GP_NEED_EXTENDED ? s->tone.curve : s->glare.engine;

@@ -41,55 +41,39 @@ static struct slot *slot_of(struct sky *s, int unit)
 
 // -- what to do next, under the lock -----------------------------------------
 
-static bool can_compute(struct sky *s, int *unit)
+/* Chooses the next step of this thread; false when there is none. Writing
+ * comes before reading: it frees what the unit holds. */
+static bool pick_step(struct sky *s, bool first_thread, int *unit,
+                      enum gp_phase *phase)
 {
-    // those that failed before need none
-    while (s->next_compute < s->head ||
-           (s->next_compute < s->next_read &&
-            slot_of(s, s->next_compute)->state == DONE))
+    // those that failed before need no computing
+    while (first_thread &&
+           (s->next_compute < s->head ||
+            (s->next_compute < s->next_read &&
+             slot_of(s, s->next_compute)->state == DONE)))
         s->next_compute++;
-    *unit = s->next_compute;
-    return *unit < s->next_read && *unit < s->limit &&
-           slot_of(s, *unit)->state == HAS_READ;
-}
-
-static bool can_write(struct sky *s, int *unit)
-{
+    if (first_thread && s->next_compute < s->next_read &&
+        s->next_compute < s->limit &&
+        slot_of(s, s->next_compute)->state == HAS_READ) {
+        *phase = GP_PHASE_COMPUTE;
+        *unit = s->next_compute++;
+        return true;
+    }
     const int end = s->p->ordered ? s->head + 1 : s->next_compute;
     for (int u = s->head; u < end && u < s->next_compute; u++) {
         if (u < s->limit && slot_of(s, u)->state == COMPUTED) {
+            *phase = GP_PHASE_WRITE;
             *unit = u;
             return true;
         }
     }
-    return false;
-}
-
-static bool can_read(struct sky *s, int *unit)
-{
-    const int u = s->next_read, in_flight = u - s->head;
-    *unit = u;
-    return u < s->p->units && u < s->limit && in_flight < s->p->slots &&
-           (in_flight == 0 || s->work->has_room(s->work->user, in_flight));
-}
-
-/* Writing comes before reading: it frees what the unit holds. */
-static bool pick(struct sky *s, bool first_thread, int *unit,
-                 enum gp_phase *phase)
-{
-    if (first_thread && can_compute(s, unit)) {
-        *phase = GP_PHASE_COMPUTE;
-        s->next_compute = *unit + 1;
-        return true;
-    }
-    if (can_write(s, unit)) {
-        *phase = GP_PHASE_WRITE;
-        return true;
-    }
-    if (!can_read(s, unit))
+    const int in_flight = s->next_read - s->head;
+    if (s->next_read >= s->p->units || s->next_read >= s->limit ||
+        in_flight >= s->p->slots ||
+        (in_flight > 0 && !s->work->has_room(s->work->user, in_flight)))
         return false;
     *phase = GP_PHASE_READ;
-    s->next_read = *unit + 1;
+    *unit = s->next_read++;
     return true;
 }
 
@@ -152,7 +136,7 @@ static void fly(struct sky *s, bool first_thread)
     enum gp_phase phase;
     pthread_mutex_lock(&s->lock);
     while (!is_over(s)) {
-        if (pick(s, first_thread, &unit, &phase))
+        if (pick_step(s, first_thread, &unit, &phase))
             run_step(s, unit, phase);
         else
             wait_for_change(s);

@@ -114,66 +114,29 @@ static void print_option(FILE *f, const struct gp_option *o)
     print_text(f, column, text);
 }
 
-/* Prints what a command is for, and how it is called. */
-static void print_usage(FILE *f, enum gp_command command)
-{
-    if (command == GP_COMMAND_BENCH) {
-        fprintf(f, "Measures speed against error on a frame, for every "
-                   "technique.\n\n"
-                   "  glarepp bench [options] INPUT\n"
-                   "  glarepp bench [options] --paper\n\n"
-                   "INPUT is a file, or - for stdin (EXR).\n");
-        return;
-    }
-    if (command == GP_COMMAND_COMPARE) {
-        fprintf(f, "Says how far two images, or two sequences, are apart.\n\n"
-                   "  glarepp compare [options] A B\n\n"
-                   "A, the reference, and B are files or patterns; one may be "
-                   "- for stdin.\nExit status: 0 match, 1 warning, 2 failure "
-                   "(or a wrong command line),\n3 nothing to compare, 4 a "
-                   "file cannot be read or written.\n");
-        return;
-    }
-    fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
-               "  glarepp [options] -o OUTPUT INPUT...\n"
-               "  glarepp bench [options] INPUT    "
-               "(see glarepp bench --help)\n"
-               "  glarepp compare [options] A B    "
-               "(see glarepp compare --help)\n"
-               "  glarepp help [TOPIC]\n\n"
-               "INPUT and OUTPUT are files, - for stdin and stdout (EXR), or "
-               "patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; %%V in "
-               "them is a view.\n");
-}
-
-/* True when the example is explained by the --help of that command. */
-static bool is_example_of(const char *line, enum gp_command command)
-{
-    const char *const word = gp_command_word(command);
-    const size_t n = strlen(word);
-    const char *second = line + strlen("glarepp ");
-    if (command == GP_COMMAND_MAIN)
-        return *second == '-' || strncmp(second, "help ", 5) == 0;
-    return strncmp(second, word, n) == 0 && second[n] == ' ';
-}
-
 /* Prints the heading of a group with its example, and those of its options
  * that one of the commands (bits) takes. False, and prints nothing, when there
  * are none. */
 static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
+    const char *const words = head->example + strlen("glarepp ");
     bool headed = false, shown = false;
     enum gp_command command;
+    const char *word;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if ((int) o->group != group || o->hidden || !(o->commands & commands))
             continue;
         if (!headed)
             fprintf(f, "%s\n", head->title);
         headed = true;
-        for (int i = 0; !shown && gp_command_at(i, &command); i++) {
+        // an example is of the command that it calls; help is of the main one
+        for (int i = 0; !shown && (word = gp_command_at(i, &command)); i++) {
+            const size_t n = strlen(word);
             shown = (commands & command) &&
-                    is_example_of(head->example, command);
+                    (command == GP_COMMAND_MAIN
+                         ? *words == '-' || strncmp(words, "help ", 5) == 0
+                         : strncmp(words, word, n) == 0 && words[n] == ' ');
             if (shown)
                 fprintf(f, "    %s\n", head->example);
         }
@@ -184,7 +147,31 @@ static bool print_group(FILE *f, int group, unsigned commands)
 
 void gp_help(FILE *f, enum gp_command command)
 {
-    print_usage(f, command);
+    if (command == GP_COMMAND_BENCH)
+        fprintf(f, "Measures speed against error on a frame, for every "
+                   "technique.\n\n"
+                   "  glarepp bench [options] INPUT\n"
+                   "  glarepp bench [options] --paper\n\n"
+                   "INPUT is a file, or - for stdin (EXR).\n");
+    else if (command == GP_COMMAND_COMPARE)
+        fprintf(f, "Measures how far two images, or two sequences, are "
+                   "apart.\n\n"
+                   "  glarepp compare [options] A B\n\n"
+                   "A, the reference, and B are files or patterns; one may be "
+                   "- for stdin.\nExit status: 0 match, 1 warning, 2 failure "
+                   "(or a wrong command line),\n3 nothing to compare, 4 a "
+                   "file cannot be read or written.\n");
+    else
+        fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
+                   "  glarepp [options] -o OUTPUT INPUT...\n"
+                   "  glarepp bench [options] INPUT    "
+                   "(see glarepp bench --help)\n"
+                   "  glarepp compare [options] A B    "
+                   "(see glarepp compare --help)\n"
+                   "  glarepp help [TOPIC]\n\n"
+                   "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
+                   "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
+                   "%%V in them is a view.\n");
     putc('\n', f);
     for (int g = 0; g < GP_GROUPS; g++) {
         if (print_group(f, g, command))

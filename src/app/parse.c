@@ -388,14 +388,6 @@ static gp_status read_option(const struct gp_log *log, int argc,
 
 // -- the whole line ----------------------------------------------------------
 
-/* `glarepp help --gain` asks about an option. */
-static bool is_topic(enum gp_command command, const char *word)
-{
-    const char *value;
-    const struct gp_option *const o = split_word(word, &value);
-    return command == GP_COMMAND_HELP && !(o && (o->commands & command));
-}
-
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)
 {
@@ -413,11 +405,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     if (!st)
         st = read_command(log, argc, argv, &i, out);
     for (; i < argc && !st; i++) {
-        const char *word = argv[i];
+        const char *const word = argv[i], *value;
+        const struct gp_option *const o =
+            word[0] == '-' && word[1] ? split_word(word, &value) : NULL;
+        // `glarepp help --gain` asks about an option
+        const bool topic = out->command == GP_COMMAND_HELP &&
+                           !(o && (o->commands & GP_COMMAND_HELP));
         if (options && strcmp(word, "--") == 0)
             options = false;
-        else if (options && word[0] == '-' && word[1] &&
-                 !is_topic(out->command, word))
+        else if (options && word[0] == '-' && word[1] && !topic)
             st = read_option(log, argc, argv, &i, out);
         else
             out->inputs.at[out->inputs.n++] = word;

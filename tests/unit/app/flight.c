@@ -1,5 +1,5 @@
-/* app/flight, app/said: units in flight. What they share sees them in order,
- * whatever the threads do. */
+/* app/flight, and the log of a frame in app/progress: units in flight. What
+ * they share sees them in order, whatever the threads do. */
 #include "unit.h"
 #include "app/flight.h"
 #include "app/progress.h"

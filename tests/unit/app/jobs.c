@@ -200,7 +200,8 @@ static const struct job_row view_rows[] = {
     {"-o o.%V.#.png v.%V.0002.exr", GP_OK,
      "v.left.0002.exr#left>o.left.2.png v.right.0002.exr#right>o.right.2.png"},
     {"-f 1 -o d.%V/o.#.png d.%V/%v.#.exr", GP_OK,
-     "d.left/l.1.exr#left>d.left/o.1.png d.right/r.1.exr#right>d.right/o.1.png"},
+     "d.left/l.1.exr#left>d.left/o.1.png "
+     "d.right/r.1.exr#right>d.right/o.1.png"},
     {"--report r.json w.%v.exr", GP_OK, "w.l.exr:left> w.r.exr:right>"},
     {"--skip-bad-frames -o o.%V.#.png q.%V.####.exr", GP_OK,
      "q.left.0001.exr#left>o.left.1.png q.right.0001.exr#right>o.right.1.png "
