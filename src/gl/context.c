@@ -147,20 +147,6 @@ static void find_limits(const struct gp_gl_functions *f,
     f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &info->max_texel_buffer);
 }
 
-/* State that holds for the context's whole life: what this program draws has
- * neither depth nor dither, and its rows are packed. */
-static void set_up(struct gp_gl *gl)
-{
-    gl->f.CreateVertexArrays(1, &gl->vertex_array);
-    gl->f.BindVertexArray(gl->vertex_array);
-    gl->f.Disable(GL_DITHER);
-    gl->f.Disable(GL_DEPTH_TEST);
-    gl->f.Disable(GL_CULL_FACE);
-    gl->f.BlendFunc(GL_ONE, GL_ONE);
-    gl->f.PixelStorei(GL_PACK_ALIGNMENT, 4);
-    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
-}
-
 static bool threads_are_ours; // LP_NUM_THREADS is not the user's
 
 void gp_gl_prepare(void)
@@ -200,7 +186,16 @@ static gp_status open_system(const struct gp_log *log,
     GP_TRY(check_version(log, gl));
     GP_TRY(load_functions(log, gl));
     find_limits(&gl->f, &gl->info);
-    set_up(gl);
+    // state for the context's whole life: what this program draws has neither
+    // depth nor dither, and its rows are packed
+    gl->f.CreateVertexArrays(1, &gl->vertex_array);
+    gl->f.BindVertexArray(gl->vertex_array);
+    gl->f.Disable(GL_DITHER);
+    gl->f.Disable(GL_DEPTH_TEST);
+    gl->f.Disable(GL_CULL_FACE);
+    gl->f.BlendFunc(GL_ONE, GL_ONE);
+    gl->f.PixelStorei(GL_PACK_ALIGNMENT, 4);
+    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
     return GP_OK;
@@ -215,31 +210,20 @@ static void keep_line(void *user, enum gp_level level, const char *line)
     snprintf(user, LINE_BYTES, "%s", line);
 }
 
-/* Only when both systems fail is there an error, with both reasons. */
-static gp_status open_any(const struct gp_log *log, struct gp_gl **out)
+gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
+                     struct gp_gl **out)
 {
     const struct gp_gl_system *const systems[] = {&gp_gl_osmesa, &gp_gl_egl};
     char why[2][LINE_BYTES] = {"", ""};
+    if (api != GP_GL_AUTO)
+        return open_system(log, systems[api == GP_GL_EGL], out);
+    // only when both fail is there an error, with both reasons
     for (int i = 0; i < 2; i++) {
         struct gp_log quiet = {keep_line, why[i], GP_LEVEL_ERROR};
         if (open_system(&quiet, systems[i], out) == GP_OK)
             return GP_OK;
     }
     return gp_fail(log, GP_ERR_GL, "no GL context: %s; %s", why[0], why[1]);
-}
-
-gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
-                     struct gp_gl **out)
-{
-    switch (api) {
-    case GP_GL_OSMESA:
-        return open_system(log, &gp_gl_osmesa, out);
-    case GP_GL_EGL:
-        return open_system(log, &gp_gl_egl, out);
-    case GP_GL_AUTO:
-        break;
-    }
-    return open_any(log, out);
 }
 
 void gp_gl_close(struct gp_gl **gl)

@@ -110,13 +110,8 @@ static bool try_display(struct egl *e, EGLDisplay display)
 
 /* -- which display --------------------------------------------------------- */
 
-/* A device that is neither Mesa's rasterizer nor one that does not say. */
-static bool is_hardware(const struct egl_functions *f, EGLDeviceEXT device)
-{
-    const char *text = f->device_string(device, EGL_EXTENSIONS);
-    return text && !has(text, "EGL_MESA_device_software");
-}
-
+/* Takes the first device with a context that is neither Mesa's rasterizer nor
+ * one that does not say. */
 static bool try_devices(struct egl *e, const char *extensions)
 {
     EGLDeviceEXT device[MAX_DEVICES];
@@ -128,7 +123,8 @@ static bool try_devices(struct egl *e, const char *extensions)
         !e->f.query_devices(MAX_DEVICES, device, &devices))
         return false;
     for (EGLint i = 0; i < devices; i++) {
-        if (is_hardware(&e->f, device[i]) &&
+        const char *text = e->f.device_string(device[i], EGL_EXTENSIONS);
+        if (text && !has(text, "EGL_MESA_device_software") &&
             try_display(e, e->f.get_display(EGL_PLATFORM_DEVICE_EXT,
                                             device[i], NULL)))
             return true;

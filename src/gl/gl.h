@@ -108,7 +108,7 @@ GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
                                         const char *what, enum gp_texel kind,
                                         int w, int h, struct gp_texture *out);
 
-/* Writes the texels of `rect`, which lies inside the texture, from packed
+/* Writes the texels of `rect`, which is inside the texture, from packed
  * rows of rgba: 4 * w * h floats. */
 void gp_texture_write(const struct gp_gl *gl, const struct gp_texture *t,
                       struct gp_rect rect, const float *rgba);
@@ -138,7 +138,7 @@ GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
                      struct gp_rect rect);
 
-/* Waits for the drawing, then copies `rect` of an attachment, which lies
+/* Waits for the drawing, then copies `rect` of an attachment, which is
  * inside the target, to rgba: 4 * w * h floats, rows packed. */
 void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
                     int attachment, struct gp_rect rect, float *rgba);

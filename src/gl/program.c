@@ -97,7 +97,7 @@ void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 
 /* -- drawing --------------------------------------------------------------- */
 
-/* Where the next sampler, image and block of a draw are bound. */
+/* Units for the next sampler, image and block of a draw. */
 struct units {
     GLuint texture, image, block;
 };

@@ -336,10 +336,10 @@ out:
 }
 
 /* gp_layer_least() with the kernel's state. */
-static gp_status find_least(const struct gp_log *log,
-                            const struct gp_sources *src,
-                            const struct gp_kernel *kernel, struct state *s,
-                            double *least)
+static gp_status find_layer_least(const struct gp_log *log,
+                                  const struct gp_sources *src,
+                                  const struct gp_kernel *kernel,
+                                  struct state *s, double *least)
 {
     gp_status st = GP_OK;
     void *v = NULL;
@@ -374,7 +374,7 @@ gp_status gp_layer_least(const struct gp_log *log,
 {
     struct state *s;
     gp_status st = fit_state(log, kernel, cache, &s);
-    return st ? st : find_least(log, src, kernel, s, least);
+    return st ? st : find_layer_least(log, src, kernel, s, least);
 }
 
 /* -- what the polygons are wrong by ---------------------------------------- */
@@ -425,8 +425,8 @@ static gp_status need_rings(const struct polygon_error *w)
     return st;
 }
 
-/* The light e that shrinking leaves out: Young's inequality where lights stand
- * side by side, |e|^2 <= max e * sum e where they stand alone. */
+/* The light e that shrinking leaves out: Young's inequality where lights are
+ * side by side, |e|^2 <= max e * sum e where they are far apart. */
 static gp_status add_shrinking(const struct polygon_error *w, double wrong[3])
 {
     struct drawn *const d = w->drawn;
@@ -447,7 +447,7 @@ out:
     return st;
 }
 
-/* Float coordinates of the frame stand `place` pixels apart, and a sample may
+/* Float coordinates of the frame are `place` pixels apart, and a sample may
  * be taken so far from its place. */
 static gp_status add_sampling(const struct polygon_error *w, double wrong[3])
 {
@@ -494,7 +494,7 @@ gp_status gp_group_bound(const struct gp_log *log,
         .shrink = shrink, .state = s, .drawn = &s->drawn[tail][wide],
         .tail = tail, .border = wide ? WIDE_BORDER : BORDER,
     };
-    GP_TRY(find_least(log, src, kernel, s, &least));
+    GP_TRY(find_layer_least(log, src, kernel, s, &least));
     if (side > 1) {
         GP_TRY(add_grouping(&w, wrong));
         GP_TRY(add_sampling(&w, wrong));

@@ -1,11 +1,11 @@
-/* What grouping, clustering, shrinking and float blending may cost, before
- * anything is drawn. */
+/* Bounds of the error of grouping, clustering, shrinking and float blending,
+ * before anything is drawn. */
 #ifndef GP_GLARE_BOUND_BOUND_H
 #define GP_GLARE_BOUND_BOUND_H
 
 #include "glare/splat/polygons.h"
 
-/* What is kept for one kernel; zeroed at first. */
+/* Kept for one kernel; zeroed at first. */
 struct gp_bound_cache {
     unsigned long kernel; // serial
     void *data;

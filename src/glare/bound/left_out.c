@@ -10,7 +10,7 @@
 
 static const double MOST_WORK = 4e6; // multiply-adds of a channel
 
-/* A polygon's light lies within a square of twice its cell's side, on the
+/* A polygon's light is within a square of twice its cell's side, on the
  * lattice of cells: so at most four of one size share a pixel, and the norm
  * of their sum is at most twice the root of their squares' sum. */
 static const double SHARED = 2.0;

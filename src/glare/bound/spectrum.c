@@ -59,7 +59,7 @@ static void load_kernel(const void *ctx, int c, int j, float *z)
 }
 
 /* Turns the spectrum of one channel into magnitudes, largest and mean ones.
- * Where the kernel stands on the torus does not change |K|. */
+ * The kernel's place on the torus does not change |K|. */
 static void find_magnitudes(const struct gp_fft_matrix *m, int c,
                             struct gp_power *p)
 {
@@ -184,7 +184,7 @@ struct filling {
     double (*square)[3]; // of each band
 };
 
-/* Where a polygon's light stands on one axis: box + 1 pixels from `first`, the
+/* Pixels of a polygon's light on one axis: box + 1 from `first`, the
  * ones between the ends all with weight 1 / box. */
 struct footprint {
     int first, n;

@@ -16,7 +16,7 @@ struct cell_sum {
     int sources;
 };
 
-/* What one row of the largest cells makes. */
+/* Polygons of one row of the largest cells. */
 struct band {
     size_t clusters, groups;           // how many
     size_t first_cluster, first_group; // where they go

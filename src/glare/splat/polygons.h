@@ -50,7 +50,7 @@ struct gp_polygons {
  * source.
  *
  * Cells count from pixel (0, 0) of EXR pixel space, so that a moving data
- * window moves no cell; those that straddle the window's edge hold what lies
+ * window moves no cell; those that straddle the window's edge hold what is
  * inside.
  *
  * L0, P0 and the second moment are weighted by luminance, which is over 0 in

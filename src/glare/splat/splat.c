@@ -107,11 +107,11 @@ static double roundings(const struct gp_splat_plan *p)
     return fmax(blended, tiled);
 }
 
-/* What a turned quad adds: where it samples, rounding is `place` pixels at
- * most (splat_turn.frag). Each sample is then wrong by at most 2 * place of its
- * four taps' sum, no more than four samples share their taps, and flux times
- * that error's norm is the most that all sources can make of it (Young's
- * inequality). */
+/* Adds what turned quads may be wrong by. They sample at most `place` pixels
+ * off by rounding (splat_turn.frag). Each sample is then wrong by at most 2 *
+ * place of its four taps' sum, no more than four samples share their taps, and
+ * flux times that error's norm is the most that all sources can make of it
+ * (Young's inequality). */
 static gp_status add_turning(const struct gp_glare_job *job,
                              struct gp_bound_cache *cache,
                              struct gp_splat_plan *p)
@@ -397,7 +397,7 @@ static gp_status draw_tiles(const struct gp_glare_job *job, struct gp_splat *s)
     return st;
 }
 
-static gp_status run(const struct gp_glare_job *job, void **state)
+static gp_status run_splat(const struct gp_glare_job *job, void **state)
 {
     static const char *const forms[] = {
         [GP_PRIMITIVE_QUAD] = "blended quads",
@@ -442,6 +442,6 @@ const struct gp_engine gp_engine_splat = {
     .text = "glare polygons for bright pixels and groups of them, on GL",
     .predict = predict,
     .bound = find_plan_bound,
-    .run = run,
+    .run = run_splat,
     .close = close_splat,
 };

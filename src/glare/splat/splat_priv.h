@@ -14,7 +14,8 @@
 
 /* -- the plan -------------------------------------------------------------- */
 
-/* What is drawn and what that may cost, found on the CPU before any drawing. */
+/* What is drawn, and the bound of its error: made on the CPU before any
+ * drawing. */
 struct gp_splat_plan {
     bool made;
     uint64_t key;                  // of what it was made from
@@ -75,7 +76,7 @@ struct gp_splat_kernel {
     float rest[2];             // what it lacks: 0 or 1/2 each
 };
 
-/* What is kept from frame to frame. */
+/* Kept from frame to frame. */
 struct gp_splat {
     struct gp_gl *gl;               // NULL before the first drawing
     enum gp_gl_api api;             // what was asked for when gl was opened
@@ -149,7 +150,7 @@ struct gp_cells gp_cells_over(const struct gp_sources *src, struct gp_rect rect,
                               int side);
 struct gp_rect gp_cells_rect(const struct gp_cells *c);
 
-/* Uploads the light of the pixels of `rect`, which lies inside the frame, to
+/* Uploads the light of the pixels of `rect`, which is inside the frame, to
  * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
 GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
                                         struct gp_splat *s,
@@ -236,7 +237,7 @@ GP_MUST_CHECK gp_status gp_group_reference(const struct gp_log *log,
 /* -- tile.c's lists, which tests look into --------------------------------- */
 
 /* Polygons that one program and one kernel texture can draw together. Kind 0
- * lies on whole pixels and has blur 0, so that samples are not mixed; kind
+ * is on whole pixels and has blur 0, so that samples are not mixed; kind
  * 1 + b has blur b. */
 enum { GP_TILE_KINDS = GP_BLURS + 1 };
 

@@ -198,7 +198,7 @@ static size_t count_entries(const struct gp_tile_pieces *p, size_t first,
     return i;
 }
 
-/* What of [first, end) lies in the tile at `at`, as tile.frag packs it. */
+/* Packs the part of [first, end) that the tile at `at` has, for tile.frag. */
 static int pack_span(int first, int end, int at, int side)
 {
     const int last = (1 << side) - 1;
