@@ -39,7 +39,7 @@ struct trial {
     double *ms;                     // of the runs
 };
 
-// -- runs ------------------------------------------------------------------------
+// -- runs --------------------------------------------------------------------
 
 static void keep_line(void *user, enum gp_level level, const char *line)
 {
@@ -104,7 +104,7 @@ static gp_status run_whole(struct trial *t)
     return GP_OK;
 }
 
-// -- extrapolation ------------------------------------------------------------------
+// -- extrapolation -----------------------------------------------------------
 
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
 
@@ -145,7 +145,7 @@ gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
     return GP_OK;
 }
 
-/* Runs a part of the sources twice, and one source alone. */
+/* Runs a part of the sources twice, and only one source twice. */
 static gp_status run_part(struct trial *t, int parts)
 {
     gp_status st;
@@ -202,7 +202,7 @@ static gp_status time_row(struct trial *t)
     return st;
 }
 
-// -- errors ------------------------------------------------------------------------
+// -- errors ------------------------------------------------------------------
 
 /* Composes and tone maps what f->layer holds. */
 static gp_status show_layer(const struct bench *b)
@@ -244,7 +244,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
     row->stats.gl = row->gl;
     gp_glare_close(&t.glare);
     if (!st)
-        row->why[0] = '\0'; // of a context that another stood in for
+        row->why[0] = '\0'; // of a context that another replaced
     else if (!row->why[0])
         snprintf(row->why, sizeof row->why, "%s", gp_status_text(st));
     // a technique that cannot run here is a row, not an error of bench
@@ -262,7 +262,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
-// -- the frame ---------------------------------------------------------------------
+// -- the frame ---------------------------------------------------------------
 
 /* The exact layer, and its composite as it is shown. */
 static gp_status make_truth(struct bench *b)
@@ -327,7 +327,7 @@ out:
     return st;
 }
 
-// -- the run -------------------------------------------------------------------
+// -- the run -----------------------------------------------------------------
 
 /* Minutes of measuring should not end at a name that cannot be written. */
 static gp_status check_files(const struct gp_log *log,

@@ -8,7 +8,7 @@
 
 #include <stddef.h>
 
-// -- paper.c: three frames and a kernel after Ando et al. 2007, section 5 -------
+// -- paper.c: three frames and a kernel after Ando et al. 2007, section 5 ----
 
 enum gp_paper_kind {
     GP_PAPER_POINTS,   // 32 points between pixels, luminance 10 to 5000
@@ -44,7 +44,7 @@ GP_MUST_CHECK gp_status gp_paper_frame(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log, int size,
                                         struct gp_frame *out);
 
-// -- table.c: techniques, and what bench found out about them --------------------
+// -- table.c: techniques, and what bench found out about them ----------------
 
 /* A technique: an engine and its settings. */
 struct gp_bench_technique {
@@ -125,7 +125,7 @@ static inline bool gp_bench_on_stdout(const char *path)
     return path && path[0] == '-' && !path[1];
 }
 
-// -- bench.c ---------------------------------------------------------------------
+// -- bench.c -----------------------------------------------------------------
 
 /* The median of n values, which are sorted; n >= 1. */
 double gp_bench_median(double *v, int n);
@@ -142,7 +142,7 @@ GP_MUST_CHECK gp_status gp_bench_part(const struct gp_log *log,
                                       const struct gp_sources *src, int parts,
                                       struct gp_frame *out);
 
-// -- plot.c ----------------------------------------------------------------------
+// -- plot.c ------------------------------------------------------------------
 
 /* Finds out before any work whether there is a gnuplot.
  * Errors: GP_ERR_IO, with the name of the package to install. */
@@ -150,7 +150,7 @@ GP_MUST_CHECK gp_status gp_bench_plot_check(const struct gp_log *log);
 
 /* Milliseconds against rel_l2, both logarithmic, a picture below the other
  * for each frame: SVG. Rows without an error are not in it.
- * Errors: GP_ERR_IO cannot write, gnuplot missing or failed (its first line). */
+ * Errors: GP_ERR_IO cannot write; gnuplot missing or failed (a line of it). */
 GP_MUST_CHECK gp_status gp_bench_plot(const struct gp_log *log,
                                       const struct gp_bench_table *t,
                                       const char *path);
@@ -166,7 +166,7 @@ GP_MUST_CHECK gp_status gp_bench_plot(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_gnuplot(const struct gp_log *log, const char *script,
                                    char **out, size_t *size);
 
-// -- sun.c -----------------------------------------------------------------------
+// -- sun.c -------------------------------------------------------------------
 
 /* bench with a light: the paper's table of two rows (masking, locking), grown.
  * Errors: GP_ERR_USAGE a plot is asked for; those of reading and writing. A

@@ -13,7 +13,7 @@ const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS] = {
     [GP_PAPER_SKY] = {"sky", "worst", 40},
 };
 
-// -- numbers --------------------------------------------------------------------
+// -- numbers -----------------------------------------------------------------
 
 /* SplitMix64 (Steele, Lea, Flood 2014). */
 static uint64_t mix(uint64_t x)
@@ -73,7 +73,7 @@ static double noise(uint64_t seed, double x, double y)
     return top + fy * (low - top);
 }
 
-// -- light ----------------------------------------------------------------------
+// -- light -------------------------------------------------------------------
 
 struct canvas {
     struct gp_frame *f;
@@ -116,7 +116,7 @@ static void add_light(const struct canvas *v, int x, int y,
         v->f->rgb.c[c][at] += (float) (luminance * t->c[c]);
 }
 
-/* What all frames start from: 0.05 to 0.8. */
+/* The background of all frames: 0.05 to 0.8. */
 static void paint_background(const struct canvas *v, uint64_t seed)
 {
     const struct tint warm = tint_of(1.0, 0.95, 0.85);
@@ -139,7 +139,8 @@ static void paint_points(const struct canvas *v)
     struct dice d = {11};
     for (int i = 0; i < POINTS; i++) {
         const struct tint t = random_tint(&d, least);
-        const double x = between(&d, 2.0, v->w - 4), y = between(&d, 2.0, v->h - 4);
+        const double x = between(&d, 2.0, v->w - 4);
+        const double y = between(&d, 2.0, v->h - 4);
         const double luminance = octaves(&d, 10.0, 5000.0);
         const int ix = (int) x, iy = (int) y;
         const double fx = x - ix, fy = y - iy;
@@ -151,8 +152,8 @@ static void paint_points(const struct canvas *v)
 }
 
 /* A lamp: a disc whose border fades within a pixel. */
-static void paint_lamp(const struct canvas *v, double x, double y, double radius,
-                       const struct tint *t, double luminance)
+static void paint_lamp(const struct canvas *v, double x, double y,
+                       double radius, const struct tint *t, double luminance)
 {
     const int reach = (int) radius + 2;
     for (int j = (int) y - reach; j <= (int) y + reach; j++) {
@@ -165,12 +166,13 @@ static void paint_lamp(const struct canvas *v, double x, double y, double radius
     }
 }
 
-/* Lit rooms seen through windows: brighter towards a room's lamp, darker behind
- * a curtain on one side, whose folds are 3 pixels wide; and street lamps. */
+/* Lit rooms seen through windows: brighter towards a room's lamp, darker where
+ * a curtain is on one side, whose folds are 3 pixels wide; and street lamps. */
 static void paint_windows(const struct canvas *v)
 {
     enum { ACROSS = 16, DOWN = 12, LAMPS = 6 };
-    static const struct tint room = {{0.8, 0.6, 0.3}}, least = {{0.7, 0.6, 0.4}};
+    static const struct tint room = {{0.8, 0.6, 0.3}};
+    static const struct tint least = {{0.7, 0.6, 0.4}};
     struct dice d = {22};
     for (int i = 0; i < ACROSS * DOWN; i++) {
         struct gp_rect r = {v->w * (10 * (i % ACROSS) + 3) / (10 * ACROSS),
@@ -222,7 +224,7 @@ static void paint_sky(const struct canvas *v)
     }
 }
 
-// -- frames ---------------------------------------------------------------------
+// -- frames ------------------------------------------------------------------
 
 static gp_status make_frame(const struct gp_log *log, const char *name, int w,
                             int h, struct gp_frame *out)
@@ -267,7 +269,7 @@ gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
     return GP_OK;
 }
 
-// -- the kernel -----------------------------------------------------------------
+// -- the kernel --------------------------------------------------------------
 
 struct streak {
     double x, y;      // direction, a unit vector

@@ -41,7 +41,7 @@ struct panel {
     int n;
 };
 
-// -- places ------------------------------------------------------------------------
+// -- places ------------------------------------------------------------------
 
 static double along(const struct panel *p, int axis, double v)
 {
@@ -111,7 +111,7 @@ static void place_label(struct panel *p, int i)
     }
 }
 
-// -- the script ---------------------------------------------------------------------
+// -- the script --------------------------------------------------------------
 
 static void write_points(const struct panel *p, FILE *to)
 {
@@ -125,7 +125,8 @@ static void write_points(const struct panel *p, FILE *to)
         const struct point *next = NULL;
         for (int i = 0; i < p->n; i++) {
             const struct point *at = &p->at[i];
-            if (at->row->pareto && at->ms > last && (!next || at->ms < next->ms))
+            if (at->row->pareto && at->ms > last &&
+                (!next || at->ms < next->ms))
                 next = at;
         }
         if (!next)
@@ -183,7 +184,8 @@ static void write_script(const struct gp_bench_table *t, FILE *to)
     const double height = (double) HEIGHT * t->frames;
     fprintf(to, "set terminal svg size %d,%.0f font 'sans,12' background rgb "
             "'white' noenhanced\n", WIDTH, height);
-    fprintf(to, "set logscale xy\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\nset key top right "
+    fprintf(to, "set logscale xy\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\n"
+            "set key top right "
             "nobox\nset xlabel 'milliseconds, bright pass to layer'\n"
             "set ylabel 'rel_l2'\nset format x '%%g'\n"
             "set format y '%%.0e'\nset multiplot\n");
@@ -195,7 +197,7 @@ static void write_script(const struct gp_bench_table *t, FILE *to)
     fprintf(to, "unset multiplot\n");
 }
 
-// -- gnuplot --------------------------------------------------------------------
+// -- gnuplot -----------------------------------------------------------------
 
 /* The child's standard streams are files in memory: nothing can block, however
  * much is written. */
@@ -310,8 +312,8 @@ gp_status gp_bench_plot_check(const struct gp_log *log)
     return st;
 }
 
-gp_status gp_bench_plot(const struct gp_log *log, const struct gp_bench_table *t,
-                        const char *path)
+gp_status gp_bench_plot(const struct gp_log *log,
+                        const struct gp_bench_table *t, const char *path)
 {
     char *script = NULL, *svg = NULL;
     size_t length = 0, size = 0;

@@ -34,7 +34,7 @@ struct bench {
     int rows;
 };
 
-// -- rows ---------------------------------------------------------------------
+// -- rows --------------------------------------------------------------------
 
 static void add_row(struct bench *b, enum gp_sun_method method, int map,
                     enum gp_sun_pattern pattern, enum gp_sun_sum sum)
@@ -74,7 +74,7 @@ static void add_rows(struct bench *b)
     }
 }
 
-// -- measuring ----------------------------------------------------------------
+// -- measuring ---------------------------------------------------------------
 
 /* One run of `frames` frames, the last of which is waited for. */
 static gp_status run_once(struct bench *b, const struct gp_log *log,
@@ -136,7 +136,7 @@ out:
     return st == GP_ERR_GL ? GP_OK : st;
 }
 
-// -- tables -------------------------------------------------------------------
+// -- tables ------------------------------------------------------------------
 
 static const struct row *find_row(const struct bench *b, const char *name)
 {

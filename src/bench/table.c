@@ -91,7 +91,7 @@ void gp_bench_table_free(struct gp_bench_table *t)
     t->frames = 0;
 }
 
-// -- text -----------------------------------------------------------------------
+// -- text --------------------------------------------------------------------
 
 /* A number of a column, or "-" where it is not known. */
 static void print_cell(int width, const char *format, double v)
@@ -178,7 +178,7 @@ static void print_table(const struct gp_bench_table *t)
            "techniques; FLIP: of the tone-mapped pictures\n");
 }
 
-// -- files ----------------------------------------------------------------------
+// -- files -------------------------------------------------------------------
 
 /* Milliseconds to the microsecond. */
 static double round_us(double ms)

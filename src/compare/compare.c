@@ -344,7 +344,7 @@ static gp_status compare_frame(struct run *r, int frame)
 
 // -- the whole run -----------------------------------------------------------
 
-/* Finds the patterns and frames that the names stand for. */
+/* Finds the patterns and frames of the names. */
 static gp_status find_names(struct run *r)
 {
     const struct gp_compare_job *const job = r->job;

@@ -22,7 +22,8 @@ static const struct gp_stored_channel *find_channel(
 
 static void add_pair(struct gp_compare_match *m, const char *name)
 {
-    const struct gp_compare_pair p = {find_channel(m->a, name), find_channel(m->b, name)};
+    const struct gp_compare_pair p = {find_channel(m->a, name),
+                                      find_channel(m->b, name)};
     for (int i = 0; i < m->pairs; i++) {
         if (strcmp(gp_compare_name(m, i), name) == 0)
             return;

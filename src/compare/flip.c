@@ -76,7 +76,7 @@ static void normalise_signs(const double *tap, int n, float *out)
 /* Makes them for `ppd` pixels a degree, in the range of flip.h. */
 static void make_filters(double ppd, struct filters *f)
 {
-    // section 4.2: 0.082 degrees from peak to trough are two standard deviations
+    // section 4.2: degrees from peak to trough, two standard deviations
     static const double FEATURE_WIDTH = 0.082;
     const double feature_sigma = 0.5 * FEATURE_WIDTH * ppd;
     // of the widest, whose standard deviation is sqrt(b / (2 pi^2)) degrees
@@ -144,7 +144,7 @@ enum { TILE_W = 128, TILE_H = 64, TILE = TILE_W * TILE_H };
 /* Lines of a tile that are filtered along x: colours, then features. */
 enum { LINES = COLOURS + FEATURES };
 
-/* What an eye has of a picture: Hunt-adjusted L*a*b*, and the magnitudes of
+/* A picture as an eye has it: Hunt-adjusted L*a*b*, and the magnitudes of
  * edges and points. */
 enum { L, A, B, EDGE, POINT, SEEN };
 
@@ -153,7 +153,7 @@ struct metric {
     const struct gp_planes *picture[2];
     struct filters filter;
     float to_xyz[9], to_rgb[9];    // BT.709 and XYZ over that of white
-    float most;                    // largest colour difference, to the COLOUR_POWER
+    float most;                    // largest colour difference, raised
     size_t scratch;                // floats a thread
     float *scratches;
     float *map;                    // or NULL
@@ -233,7 +233,7 @@ static float distance(const float a[3], const float b[3])
     return fabsf(a[0] - b[0]) + sqrtf(da * da + db * db);
 }
 
-// -- one picture in a tile ----------------------------------------------------
+// -- one picture in a tile ---------------------------------------------------
 
 /* Filters a tile's rows along x. They hold the opponent colours YCxCz without
  * their factors, which the way back would take away again: Y, X - Y, Y - Z
@@ -321,7 +321,7 @@ static void resolve(const struct metric *m, const struct tile *t, int picture)
     }
 }
 
-// -- both ---------------------------------------------------------------------
+// -- both --------------------------------------------------------------------
 
 /* Sections 4.1.3 (colour), 4.2 (features) and 4.3 (both). */
 static float difference(const struct metric *m, const struct tile *t, int at)
@@ -344,7 +344,9 @@ static float difference(const struct metric *m, const struct tile *t, int at)
 static struct tile tile_at(const struct metric *m, int i, float *scratch)
 {
     const int r = m->filter.radius;
-    struct tile t = {.x0 = i % m->across * TILE_W, .y0 = i / m->across * TILE_H};
+    struct tile t = {
+        .x0 = i % m->across * TILE_W, .y0 = i / m->across * TILE_H,
+    };
     t.w = m->w - t.x0 < TILE_W ? m->w - t.x0 : TILE_W;
     t.h = m->h - t.y0 < TILE_H ? m->h - t.y0 : TILE_H;
     for (int c = 0; c < 3; c++, scratch += TILE_W + 2 * r)
@@ -365,8 +367,8 @@ static void compare_tile(void *ctx, int i, int thread)
     resolve(m, &t, 0);
     resolve(m, &t, 1);
     for (int y = 0; y < t.h; y++) {
-        float *const to = m->map ? m->map + (size_t) (t.y0 + y) * (size_t) m->w +
-                                       (size_t) t.x0 : NULL;
+        const size_t at = (size_t) (t.y0 + y) * (size_t) m->w + (size_t) t.x0;
+        float *const to = m->map ? m->map + at : NULL;
         for (int x = 0; x < t.w; x++) {
             const float d = difference(m, &t, y * TILE_W + x);
             sum += (double) d;
@@ -423,7 +425,7 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     return st;
 }
 
-// -- HDR: LDR-FLIP at many exposures, the largest of which counts -------------
+// -- HDR: LDR-FLIP at many exposures, the largest of which counts ------------
 
 /* Narkowicz, ACES Filmic Tone Mapping Curve (2016): (x (a x + b)) /
  * (x (c x + d) + e), with x times 0.6 as Andersson et al. 2021 take it. */
@@ -440,7 +442,7 @@ static float bounded(float v)
     return v > 0.0f ? (v < LIGHT_MAX ? v : LIGHT_MAX) : 0.0f; // NaN is 0
 }
 
-// -- exposures -----------------------------------------------------------------
+// -- exposures ---------------------------------------------------------------
 
 /* The k-th smallest of v[0, n), which is reordered (Hoare 1961). */
 static float kth(float *v, size_t n, size_t k)
@@ -522,7 +524,7 @@ gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
     return GP_OK;
 }
 
-// -- the metric -----------------------------------------------------------------
+// -- the metric --------------------------------------------------------------
 
 struct toning {
     const struct gp_planes *in;

@@ -44,7 +44,7 @@ GP_MUST_CHECK gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
  * steps from start to stop, in EV. */
 struct gp_flip_exposures {
     float start, stop;
-    int count;  // 1 to GP_FLIP_EXPOSURES_MAX; start alone when 1
+    int count;  // 1 to GP_FLIP_EXPOSURES_MAX; only start when 1
 };
 
 /* The exposures that fit a reference frame (Andersson et al. 2021, section 4):

@@ -3,7 +3,7 @@
  * GP_CLONES before a function makes the compiler build it twice, for the
  * baseline and for AVX2, and choose at load time. ISO C keeps a * b + c unfused
  * in both, so both give the same bits. (Not "arch=haswell": that clone is taken
- * by that very model alone, not by later ones.)
+ * only by that very model, not by later ones.)
  *
  * GP_X86_AVX2 marks files and functions with hand-written AVX2; they are
  * called only when gp_cpu_has_avx2().

@@ -15,7 +15,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// -- writing ------------------------------------------------------------------
+// -- writing -----------------------------------------------------------------
 
 /* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
 static size_t utf8_length(const unsigned char *s)
@@ -61,7 +61,7 @@ char *gp_json_print(json_t *o, size_t flags)
     return text;
 }
 
-// -- words for messages -------------------------------------------------------
+// -- words for messages ------------------------------------------------------
 
 struct words {
     char text[512];
@@ -149,7 +149,7 @@ static gp_status fail_at(const struct gp_json_place *p, const char *fmt, ...)
     return gp_fail(p->log, GP_ERR_DATA, "%s%s: %s", p->path, place, text);
 }
 
-// -- reading ------------------------------------------------------------------
+// -- reading -----------------------------------------------------------------
 
 /* Reads to the end of a file or pipe, or one byte over `most`, which tells that
  * it is too large. *text is owned by the caller: gp_free(). */

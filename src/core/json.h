@@ -18,7 +18,7 @@ json_t *gp_json_name(const char *s);
  * memory is full. The caller owns it: free(). `flags` as of json_dumps(). */
 char *gp_json_print(json_t *o, size_t flags);
 
-/* Where a value stands, for messages. */
+/* The place of a value, for messages. */
 struct gp_json_place {
     const struct gp_log *log;
     const char *path;  // file
@@ -60,7 +60,7 @@ GP_MUST_CHECK gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
                                     const char *key, int lo, int hi, int *out,
                                     bool *found);
 
-/* `count` numbers; `grey`: a lone number stands for all of them. */
+/* `count` numbers; `grey`: one number counts for all of them. */
 GP_MUST_CHECK gp_status gp_json_numbers(const struct gp_json_place *p,
                                         json_t *o, const char *key, int count,
                                         bool grey, double lo, double hi,

@@ -13,7 +13,7 @@
  * single frame at 1920x1080 took a fifth of the run's CPU time. */
 enum { HUGE_PAGE = 2 << 20, LARGE = 4 << 20, KEPT_LEAST = 256 << 10 };
 
-// -- large blocks, from frame to frame ------------------------------------------
+// -- large blocks, from frame to frame ---------------------------------------
 
 /* The C library gives large blocks back to the system at once, which then
  * clears their pages anew for every frame: a sixth of the CPU time of a
@@ -125,7 +125,7 @@ void gp_free(void *p)
     pthread_mutex_unlock(&kept.lock);
 }
 
-// -- allocation -------------------------------------------------------------------
+// -- allocation --------------------------------------------------------------
 
 static gp_status no_memory(const struct gp_log *log, const char *what,
                            size_t bytes)
@@ -146,7 +146,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         return gp_fail_bare(log, GP_ERR_BUG,
                             "%s: more memory than there can be (%zu x %zu "
                             "bytes); use a smaller frame", what, count, size);
-    bytes += !bytes; // never none: NULL is for failure alone
+    bytes += !bytes; // never none: NULL is only for failure
     *out = reuse_kept(bytes);
     if (*out)
         return GP_OK;

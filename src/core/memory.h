@@ -26,7 +26,7 @@ GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
 
 /* Gives *block, which is NULL or from here, a new size of `bytes` >= 1; what
  * it holds stays, as far as it fits. Of a large block the system moves pages
- * and no bytes, so that old and new never stand beside each other. It is
+ * and no bytes, so that old and new never exist at once. It is
  * aligned for any type, but not at GP_ALIGN. On failure *block is as it was.
  * Errors: as gp_alloc(). */
 GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,

@@ -72,7 +72,7 @@ static void run_share(struct loop *l, int thread)
         if (i >= l->n)
             break;
         if (i > atomic_load(&l->first))
-            continue; // only what lies below can still change the answer
+            continue; // only what is below can still change the answer
         const gp_status st = l->body(l->ctx, i, thread);
         if (!st)
             continue;

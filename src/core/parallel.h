@@ -2,7 +2,7 @@
  *
  * Any number of threads may run loops at once; they share one pool, and never
  * do more than gp_threads() threads work at a time. A loop inside a body runs
- * there, alone. After fork() the child starts threads of its own. */
+ * in that thread. After fork() the child starts threads of its own. */
 #ifndef GP_CORE_PARALLEL_H
 #define GP_CORE_PARALLEL_H
 

@@ -23,7 +23,7 @@ typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 #define GP_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
 
 /* BARE, for lines only, is an error whose line names no file ("sensors: out of
- * memory"): the sink that knows which file it is about puts that name before. */
+ * memory"): the sink that knows the file puts its name before. */
 enum gp_level {
     GP_LEVEL_ERROR,
     GP_LEVEL_WARN,

@@ -34,7 +34,7 @@ static inline float luminance(float r, float g, float b)
     return 0.2126f * r + 0.7152f * g + 0.0722f * b; // BT.709
 }
 
-// -- Reinhard -----------------------------------------------------------------
+// -- Reinhard ----------------------------------------------------------------
 
 /* A saturated colour of displayable luminance y may need more of a primary
  * than the display has. It then moves towards the grey of its own luminance
@@ -102,7 +102,7 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
     }
 }
 
-// -- ACES ---------------------------------------------------------------------
+// -- ACES --------------------------------------------------------------------
 
 /* BT.709 to the rendering transform's primaries, with its saturation. */
 static const float aces_in[9] = {
@@ -146,7 +146,7 @@ GP_CLONES static void aces(float *restrict r, float *restrict g,
     }
 }
 
-// -- Hable --------------------------------------------------------------------
+// -- Hable -------------------------------------------------------------------
 
 /* ((x (A x + C B) + D E) / (x (A x + B) + D F)) - E / F with a shoulder A,
  * linear strength B, linear angle C, toe D, toe angle E / F; over one fraction
@@ -177,7 +177,7 @@ static void hable(float *r, float *g, float *b, size_t n, float white)
     hable_plane(b, n);
 }
 
-// -- AgX ----------------------------------------------------------------------
+// -- AgX ---------------------------------------------------------------------
 
 /* AgX, Troy Sobotka's display transform (github.com/sobotka/AgX), in the
  * form of Benjamin Wrensch's Minimal AgX Implementation, default look
@@ -295,7 +295,7 @@ GP_CLONES static void agx(float *restrict r, float *restrict g,
     }
 }
 
-// -- Khronos PBR Neutral ------------------------------------------------------
+// -- Khronos PBR Neutral -----------------------------------------------------
 
 /* Names as in the specification: F_90 = 0.04, K_s = 0.8 - F_90, K_d = 0.15.
  * The part under K_s, c - f, is x - f added to c - x: nothing cancels. */
@@ -322,7 +322,7 @@ GP_CLONES static void neutral(float *restrict r, float *restrict g,
     }
 }
 
-// -- linear and none ----------------------------------------------------------
+// -- linear and none ---------------------------------------------------------
 
 GP_CLONES static void clamp_plane(float *v, size_t n)
 {
@@ -338,7 +338,7 @@ static void linear(float *r, float *g, float *b, size_t n, float white)
     clamp_plane(b, n);
 }
 
-// -- the list -----------------------------------------------------------------
+// -- the list ----------------------------------------------------------------
 
 static const struct gp_tone_curve curve_reinhard = {
     .name = "reinhard",

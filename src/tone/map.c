@@ -15,7 +15,7 @@
 enum {
     BLOCK = 4096,     // pixels mapped at a time: 96 KiB in and out
     SCRATCH = 512,    // pixels measured at a time, on the stack
-    PARTS = 256,      // of a frame, each measured alone; fixed, so that sums
+    PARTS = 256,      // of a frame, measured one by one; fixed, so that sums
 };                    // are the same for any number of threads
 
 #define LIGHT_MAX 1e15f      // as in the operators: beyond, all is white
@@ -36,7 +36,7 @@ static size_t part_start(size_t pixels, int part)
            pixels % PARTS * (size_t) part / PARTS;
 }
 
-// -- primaries ----------------------------------------------------------------
+// -- primaries ---------------------------------------------------------------
 
 static void multiply(const double a[9], const double b[9], double out[9])
 {
@@ -98,7 +98,7 @@ static bool to_bt709(const float chromaticities[8], double out[9])
     return true;
 }
 
-// -- light: scaled, of BT.709 primaries ---------------------------------------
+// -- light: scaled, of BT.709 primaries --------------------------------------
 
 GP_CLONES static void scale_plane(const float *in, float scale, size_t n,
                                   float *restrict out)
@@ -135,7 +135,7 @@ static void make_light(const struct mapping *m, size_t at, size_t n,
         mix_planes(m->matrix, n, out[0], out[1], out[2]);
 }
 
-// -- measuring ----------------------------------------------------------------
+// -- measuring ---------------------------------------------------------------
 
 /* A sum of logarithms, as the product of mantissas and the sum of exponents:
  * one log() for many pixels, and nothing lost. */
@@ -230,7 +230,7 @@ float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
     return scale < (double) SCALE_MAX ? (float) scale : SCALE_MAX;
 }
 
-// -- the stage ----------------------------------------------------------------
+// -- the stage ---------------------------------------------------------------
 
 static void map_block(void *ctx, int block, int thread)
 {

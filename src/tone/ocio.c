@@ -16,7 +16,7 @@ struct gp_ocio {
     struct gp_ocio_made made;
 };
 
-// -- the bridge ---------------------------------------------------------------
+// -- the bridge --------------------------------------------------------------
 
 static const struct gp_ocio_api *open_bridge(char *why, size_t why_size)
 {
@@ -69,7 +69,7 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
     return &ocio->made.names;
 }
 
-// -- pixels -------------------------------------------------------------------
+// -- pixels ------------------------------------------------------------------
 
 struct pass {
     const struct gp_ocio_api *api;

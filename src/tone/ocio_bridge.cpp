@@ -89,7 +89,7 @@ std::string list_names(const Names &names)
                                         : "give one of " + list_names(names))};
 }
 
-// -- the config ---------------------------------------------------------------
+// -- the config --------------------------------------------------------------
 
 // A YAML parser that is handed a device never ends; one of many megabytes is
 // no config, and takes many times its size. (Archives hold LUTs too.)
@@ -174,7 +174,7 @@ OCIO::ConstContextRcPtr make_context(const Asked &a)
     return c;
 }
 
-// -- names --------------------------------------------------------------------
+// -- names -------------------------------------------------------------------
 
 Names all(int n, const std::function<const char *(int)> &name)
 {
@@ -250,7 +250,7 @@ std::string find_view(const Asked &a, const std::string &display)
                 }));
 }
 
-// Looks stand between , : and | with + or - before them.
+// Looks are separated by , : and |, with + or - before them.
 void check_looks(const Asked &a)
 {
     const std::string text = a.p->look;
@@ -272,7 +272,7 @@ void check_looks(const Asked &a)
     }
 }
 
-// -- processors ---------------------------------------------------------------
+// -- processors --------------------------------------------------------------
 
 [[noreturn]] void refuse_transform(const Asked &a, const std::string &what,
                                    const std::exception &e)
@@ -332,40 +332,9 @@ void make_output(const Asked &a)
     }
 }
 
-void make_all(const gp_ocio_params *p, Owned *own)
-{
-    // errors are told by exceptions; nobody asked for the rest on stderr
-    OCIO::SetLoggingFunction([](const char *) {});
-    own->config = config_name(p->config);
-    Asked a{p, read_config(own->config), nullptr, own};
-    a.context = make_context(a);
-    own->input = find_input(a);
-    if (p->shows)
-        make_view(a);
-    if (p->output)
-        make_output(a);
-}
-
 const char *text_or_null(const std::string &s)
 {
     return s.empty() ? nullptr : s.c_str();
-}
-
-void publish(std::unique_ptr<Owned> own, gp_ocio_made *out)
-{
-    out->names.config = own->config.c_str();
-    out->names.input = own->input.c_str();
-    out->names.display = text_or_null(own->display);
-    out->names.view = text_or_null(own->viewed);
-    out->names.look = text_or_null(own->look);
-    out->names.output = text_or_null(own->wanted);
-    for (const std::string &name : own->files)
-        own->file.push_back(name.c_str());
-    out->names.file = own->file.data();
-    out->names.files = static_cast<int>(own->file.size());
-    out->view = own->view.get();
-    out->output = own->output.get();
-    out->own = own.release();
 }
 
 int put_line(int status, const std::string &line, char *why,
@@ -381,8 +350,29 @@ int open_config(const gp_ocio_params *p, gp_ocio_made *out, char *why,
 try {
     *out = {};
     auto own = std::make_unique<Owned>();
-    make_all(p, own.get());
-    publish(std::move(own), out);
+    // errors come as exceptions; nobody asked for the rest on stderr
+    OCIO::SetLoggingFunction([](const char *) {});
+    own->config = config_name(p->config);
+    Asked a{p, read_config(own->config), nullptr, own.get()};
+    a.context = make_context(a);
+    own->input = find_input(a);
+    if (p->shows)
+        make_view(a);
+    if (p->output)
+        make_output(a);
+    out->names.config = own->config.c_str();
+    out->names.input = own->input.c_str();
+    out->names.display = text_or_null(own->display);
+    out->names.view = text_or_null(own->viewed);
+    out->names.look = text_or_null(own->look);
+    out->names.output = text_or_null(own->wanted);
+    for (const std::string &name : own->files)
+        own->file.push_back(name.c_str());
+    out->names.file = own->file.data();
+    out->names.files = static_cast<int>(own->file.size());
+    out->view = own->view.get();
+    out->output = own->output.get();
+    out->own = own.release();
     return GP_OK;
 } catch (const Refusal &r) {
     return put_line(r.status, r.line, why, why_size);

@@ -13,7 +13,7 @@
 extern "C" {
 #endif
 
-/* What is asked of a config. Strings are borrowed. */
+/* The names that a config is asked for. Strings are borrowed. */
 struct gp_ocio_params {
     const char *config;   // file, or ocio://NAME; "" or "env": what $OCIO
                           // says. NULL: no OCIO
@@ -29,7 +29,7 @@ struct gp_ocio_params {
     bool shows;           // a display's view is wanted
 };
 
-/* What it came to; names as the config spells them. Strings live until the
+/* The names that were found, as the config spells them. Strings live until the
  * processors are closed. */
 struct gp_ocio_names {
     const char *config;         // file or URI
@@ -48,7 +48,7 @@ struct gp_ocio_made {
     void *own;
 };
 
-/* What the bridge gives. It never throws and never prints. */
+/* The functions of the bridge. It never throws and never prints. */
 struct gp_ocio_api {
     int version;  // GP_OCIO_API_VERSION
 
