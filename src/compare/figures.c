@@ -90,7 +90,7 @@ static double value_at(const struct gp_stored_channel *c, int64_t at)
 {
     if (!c || at < 0)
         return 0.0;
-    return c->whole ? (double) ((const uint32_t *) c->v)[at]
+    return c->is_uint ? (double) ((const uint32_t *) c->v)[at]
                     : (double) ((const float *) c->v)[at];
 }
 
@@ -153,10 +153,11 @@ static void sum_row(void *ctx, int row, int thread)
                 note_worst(s, (double) INFINITY, x, c, a, b);
                 continue;
             }
-            const bool whole = (p->a && p->a->whole) || (p->b && p->b->whole);
+            const bool uints = (p->a && p->a->is_uint) ||
+                               (p->b && p->b->is_uint);
             // floats are subtracted as floats: idiff's figures to the last
             // digit
-            const double f = whole ? fabs(a - b)
+            const double f = uints ? fabs(a - b)
                                    : (double) fabsf((float) a - (float) b);
             const double mean = 0.5 * (fabs(a) + fabs(b));
             const double rel = mean > 0.0 ? f / mean : 0.0;

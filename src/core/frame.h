@@ -101,7 +101,7 @@ struct gp_attribute {
     char *name;
     enum { GP_ATTRIBUTE_TEXT, GP_ATTRIBUTE_INT, GP_ATTRIBUTE_FLOAT } kind;
     char *text;   // TEXT; else NULL
-    int whole;    // INT
+    int number;   // INT
     float real;   // FLOAT
 };
 

@@ -111,8 +111,8 @@ enum gp_crypto_kind {
 };
 
 /* Returns what the layer of that name of `len` bytes holds. Without an
- * attribute that names it, ids are what begins with "crypto" (any case) after its last dot
- * and ends with two digits. */
+ * attribute that names it, ids are what begins with "crypto" (any case) after
+ * its last dot and ends with two digits. */
 enum gp_crypto_kind gp_crypto_layer(const struct gp_crypto *c,
                                     const char *layer, size_t len);
 

@@ -295,18 +295,19 @@ void gp_plane_list_free(struct gp_plane_list *list);
 
 /* Finds a channel.
  *
- *   name   a channel of any part, or PART.CHANNEL; NULL searches: for depth
- *          by gp_find_depth() part by part, else A
- *   whole  the file is there only for this plane: its only channel will do
- *          (for depth A does not count), and finding none is an error
- *   out    written on GP_OK
+ *   name      a channel of any part, or PART.CHANNEL; NULL searches: for depth
+ *             by gp_find_depth() part by part, else A
+ *   own_file  the file is there only for this plane: its only channel will do
+ *             (for depth A does not count), and finding none is an error
+ *   out       written on GP_OK
  *
  * Errors: GP_ERR_USAGE not there, with a list of what is, in the form in
  * which --depth takes it; GP_ERR_DATA two of equal rank in one part.
  */
 GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
                                       const struct gp_plane_list *list,
-                                      const char *name, bool depth, bool whole,
+                                      const char *name, bool depth,
+                                      bool own_file,
                                       struct gp_plane_place *out);
 
 #endif

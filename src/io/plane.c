@@ -260,10 +260,10 @@ static void search_lone(const struct gp_plane_list *list, bool depth,
 /* Warns of what a search found that its user might not expect. */
 static void warn_unexpected(const struct gp_log *log,
                             const struct gp_plane_list *list,
-                            struct gp_plane_place *at, bool whole)
+                            struct gp_plane_place *at, bool own_file)
 {
     const char *const view = list->part[0].view;
-    if (!at->part || whole)
+    if (!at->part || own_file)
         return;
     if (at->part->deep) {
         gp_say(log, GP_LEVEL_WARN,
@@ -281,7 +281,7 @@ static void warn_unexpected(const struct gp_log *log,
 
 gp_status gp_plane_pick(const struct gp_log *log,
                         const struct gp_plane_list *list, const char *name,
-                        bool depth, bool whole, struct gp_plane_place *out)
+                        bool depth, bool own_file, struct gp_plane_place *out)
 {
     gp_status st = GP_OK;
     struct gp_plane_place at = {0};
@@ -299,16 +299,16 @@ gp_status gp_plane_pick(const struct gp_log *log,
         GP_TRY(search_depth(log, list, &at));
     else if (!find_in_view(list, "A", &at))
         find_exact(list, "A", &at);
-    if (!at.part && whole)
+    if (!at.part && own_file)
         search_lone(list, depth, &at);
-    if (!at.part && whole)
+    if (!at.part && own_file)
         return gp_fail(log, GP_ERR_USAGE,
                        depth ? "%s: no channel is clearly depth (it has %s); "
                                "name one with --depth"
                              : "%s: has no alpha, and not one channel only "
                                "(it has %s); name one with --mask",
                        list->path, names);
-    warn_unexpected(log, list, &at, whole);
+    warn_unexpected(log, list, &at, own_file);
     *out = at;
 out:
     return st;

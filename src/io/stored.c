@@ -48,7 +48,7 @@ static gp_status find_light(const struct gp_log *log, bool lone,
         const int i = colour.model == GP_COLOUR_GREY ? colour.index[0]
                       : colour.model == GP_COLOUR_YC ? colour.index[1]
                                                      : colour.index[k];
-        if (i >= 0 && !out->channel[i].whole)
+        if (i >= 0 && !out->channel[i].is_uint)
             out->light[k] = out->channel[i].v;
     }
     if (!out->light[0] || !out->light[1] || !out->light[2])
@@ -64,7 +64,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
                        struct gp_stored_channel *c)
 {
     struct gp_channel small = {
-        .type = c->whole ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
+        .type = c->is_uint ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
         .ys = e->y_sampling, .w = gp_rect_w(window) / e->x_sampling,
         .h = gp_rect_h(window) / e->y_sampling, .colour = -1, .data = c->v,
     };
@@ -79,7 +79,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
     gp_channel_floats(&one, 0, wide);
     gp_free(c->v);
     c->v = wide;
-    c->whole = false;
+    c->is_uint = false;
     return GP_OK;
 }
 
@@ -97,10 +97,10 @@ static gp_status read_channels(const struct gp_log *log,
     struct gp_exr_sink *const sink = block;
     for (int i = 0; i < n; i++) {
         struct gp_stored_channel *const c = &out->channel[i];
-        c->whole = entry[i].pixel_type == EXR_PIXEL_UINT;
+        c->is_uint = entry[i].pixel_type == EXR_PIXEL_UINT;
         GP_TRY(make_channel(log, entry[i].name.str,
                             (size_t) l->w * (size_t) l->h, c));
-        sink[i] = (struct gp_exr_sink) {c->v, !c->whole};
+        sink[i] = (struct gp_exr_sink) {c->v, !c->is_uint};
     }
     GP_TRY(gp_exr_decode(log, l, sink));
     for (int i = 0; i < n; i++) {

@@ -15,7 +15,7 @@ struct gp_input;
  * rows from the top; subsampled ones are repeated. */
 struct gp_stored_channel {
     char *name;   // owned
-    bool whole;   // `v` holds uint32_t (EXR's UINT), else float
+    bool is_uint; // `v` holds uint32_t (EXR's UINT), else float
     void *v;      // owned
 };
 

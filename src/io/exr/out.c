@@ -213,7 +213,7 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
         if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
             gp_exr_header_put(h, a->name, "string", a->text, strlen(a->text));
         else if (a->kind == GP_ATTRIBUTE_INT)
-            gp_exr_header_put(h, a->name, "int", &a->whole, 4);
+            gp_exr_header_put(h, a->name, "int", &a->number, 4);
         else if (a->kind == GP_ATTRIBUTE_FLOAT)
             gp_exr_header_put(h, a->name, "float", &a->real, 4);
     }

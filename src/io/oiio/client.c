@@ -396,7 +396,7 @@ static bool next_attribute(const char **at, const char *end,
         return name && (a->text = (char *) (uintptr_t) next_text(at, end));
     if (end - *at < 4)
         return false;
-    memcpy(kind == 'i' ? (void *) &a->whole : (void *) &a->real, *at, 4);
+    memcpy(kind == 'i' ? (void *) &a->number : (void *) &a->real, *at, 4);
     *at += 4;
     return kind == 'i' || kind == 'f';
 }

@@ -107,7 +107,7 @@ static void attributes_of_other_formats(void **state)
                 assert_int_equal(got.size, n);
                 assert_memory_equal(got.data,
                                     a.kind == 0 ? (const void *) a.text
-                                    : a.kind == 1 ? (const void *) &a.whole
+                                    : a.kind == 1 ? (const void *) &a.number
                                                   : &a.real, n);
             }
             assert_int_equal(!(h.flags & GP_EXR_LONG_NAMES),

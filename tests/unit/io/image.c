@@ -195,7 +195,7 @@ static void windows_and_attributes(void **state)
         assert_true(f.pixel_aspect == (i == 0 ? 2.0f : 1.0f));
         assert_int_equal(f.attributes, 2);
         assert_string_equal(f.attribute[0].text, "me");
-        assert_int_equal(f.attribute[1].whole, 7);
+        assert_int_equal(f.attribute[1].number, 7);
         assert_int_equal(f.data.x0, -7);
         assert_int_equal(f.data.y1, 4);
         assert_int_equal(f.display.x0, i % 2 ? 0 : -7);

@@ -316,7 +316,7 @@ static void one_helper_each(void **state)
         assert_sound(&image[i]);
         assert_int_equal(image[i].attributes, 1);
         assert_string_equal(image[i].attribute[0].name, "a");
-        assert_int_equal(image[i].attribute[0].whole, 1);
+        assert_int_equal(image[i].attribute[0].number, 1);
         process[i] = image[i].pixels[0];
         for (int k = 0; k < i; k++)
             assert_true(process[k] != process[i]);

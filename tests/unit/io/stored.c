@@ -90,9 +90,9 @@ static void samples(void **state)
     const struct gp_stored_channel *few = &image.channel[index_of(&image, "few")];
     const struct gp_stored_channel *half =
         &image.channel[index_of(&image, "half")];
-    assert_true(id->whole);
-    assert_false(few->whole);
-    assert_false(half->whole);
+    assert_true(id->is_uint);
+    assert_false(few->is_uint);
+    assert_false(half->is_uint);
     for (int i = 0; i < 48; i++) {
         const int x = i % 8 - 4, y = i / 8 + 2;
         assert_int_equal(((const uint32_t *) id->v)[i],
