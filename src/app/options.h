@@ -117,10 +117,6 @@ const struct gp_option *gp_option_letter(char letter);
 /* True when the command line gave that option, at its default or not. */
 bool gp_option_given(const struct gp_settings *s, const char *name);
 
-/* The word that asks for a command, for the first of several bits; "" for
- * GP_COMMAND_MAIN. */
-const char *gp_command_word(enum gp_command command);
-
 /* The i-th command with its word, from GP_COMMAND_MAIN on; NULL after the
  * last, which leaves *command as it is. */
 const char *gp_command_at(int i, enum gp_command *command);

@@ -265,7 +265,9 @@ static const struct {
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
 
-const char *gp_command_word(enum gp_command command)
+/* The word that asks for a command, for the first of several bits; "" for
+ * GP_COMMAND_MAIN. */
+static const char *word_of(unsigned command)
 {
     int i = 0;
     while (i < COMMANDS - 1 && !(commands[i].command & command))
@@ -327,7 +329,7 @@ static gp_status unknown_option(const struct gp_log *log,
                        word, near.name);
     return gp_fail(log, GP_ERR_USAGE,
                    "%.*s: unknown option; glarepp %s%s--help lists them",
-                   shown, word, gp_command_word(command),
+                   shown, word, word_of(command),
                    command == GP_COMMAND_MAIN ? "" : " ");
 }
 
@@ -362,12 +364,12 @@ static gp_status read_option(const struct gp_log *log, int argc,
         return gp_fail(log, GP_ERR_USAGE,
                        "--%s: not for pictures; write glarepp %s --%s, or "
                        "leave it out", name,
-                       gp_command_word(u.option->commands), name);
+                       word_of(u.option->commands), name);
     if (!(u.option->commands & s->command))
         return gp_fail(log, GP_ERR_USAGE,
                        "--%s: not for glarepp %s; glarepp %s --help lists its "
-                       "options", name, gp_command_word(s->command),
-                       gp_command_word(s->command));
+                       "options", name, word_of(s->command),
+                       word_of(s->command));
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: takes no value (found \"%s\"); leave it out",

@@ -180,24 +180,6 @@ static bool can_skip(void *user, int slot, gp_status st)
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
-/* Reports a view that was made, or failed with `st`. */
-static gp_status report_view(struct pipeline *p, struct unit *u, int unit,
-                             int v, gp_status st)
-{
-    const struct gp_facts *const facts = &u->view[v].facts;
-    char line[1024];
-    if (st)
-        gp_failures_add(&p->failures, unit * p->jobs->views + v);
-    else if (p->log->level >= GP_LEVEL_INFO) {
-        gp_facts_text(facts, line, sizeof line);
-        gp_say(p->log, GP_LEVEL_INFO, "%s", line);
-    }
-    if (!p->s.report)
-        return GP_OK;
-    return st ? gp_report_failed(p->log, &p->run.report, facts, u->log.last)
-              : gp_report_frame(p->log, &p->run.report, facts);
-}
-
 static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 {
     struct pipeline *const p = user;
@@ -207,8 +189,20 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     gp_frame_log_flush(&u->log);
     if (u->kept)
         p->failures.kept += p->jobs->views;
-    for (int v = 0; v < u->begun && !reported && (!st || skipped); v++)
-        reported = report_view(p, u, unit, v, st);
+    for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
+        const struct gp_facts *const facts = &u->view[v].facts;
+        char line[1024];
+        if (st)
+            gp_failures_add(&p->failures, unit * p->jobs->views + v);
+        else if (p->log->level >= GP_LEVEL_INFO) {
+            gp_facts_text(facts, line, sizeof line);
+            gp_say(p->log, GP_LEVEL_INFO, "%s", line);
+        }
+        if (p->s.report)
+            reported = st ? gp_report_failed(p->log, &p->run.report, facts,
+                                             u->log.last)
+                          : gp_report_frame(p->log, &p->run.report, facts);
+    }
     free_unit(u);
     return st && !skipped ? st : reported;
 }

@@ -91,30 +91,13 @@ static bool suns_asked(const struct gp_settings *s)
     return gp_suns_wanted(&s->sun);
 }
 
-static gp_status read_light_groups(const struct gp_run *r,
-                                   const struct gp_read_params *p,
-                                   struct gp_frame_state *fs)
-{
-    const struct gp_texts *const names = &r->s->light_groups;
-    void *block;
-    gp_status st = gp_alloc_zero(fs->log, "light groups", (size_t) names->n,
-                                 sizeof *fs->group, &block);
-    fs->group = block;
-    while (!st && fs->groups < names->n) {
-        st = gp_read_layer(fs->log, p, &fs->frame, names->at[fs->groups],
-                           &fs->group[fs->groups].frame);
-        fs->groups += !st;
-    }
-    fs->facts.light_group = names->at;
-    fs->facts.light_groups = names->n;
-    return st;
-}
-
 static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_members *const m = &r->jobs->members;
+    const struct gp_texts *const groups = &r->s->light_groups;
     const char *const asked = r->s->depth;
     struct gp_read_params p = r->s->read;
+    void *block;
     gp_status st;
     if (r->jobs->views_inside)
         p.view = fs->job->view;
@@ -122,8 +105,16 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     GP_TRY(m->n ? gp_members_frame(fs->log, &p, fs->job->input, m, i,
                                    &fs->frame)
                 : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
-    if (r->s->light_groups.n)
-        GP_TRY(read_light_groups(r, &p, fs));
+    if (groups->n) {
+        GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
+                             sizeof *fs->group, &block));
+        fs->group = block;
+        fs->facts.light_group = groups->at;
+        fs->facts.light_groups = groups->n;
+    }
+    for (; fs->groups < groups->n; fs->groups++)
+        GP_TRY(gp_read_layer(fs->log, &p, &fs->frame, groups->at[fs->groups],
+                             &fs->group[fs->groups].frame));
     fs->facts.width = gp_frame_w(&fs->frame);
     fs->facts.height = gp_frame_h(&fs->frame);
     fs->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
