@@ -138,7 +138,7 @@ fi
 
 mkdir "$here/a copy"
 cp "$glarepp" "$here/a copy/"
-for bridge in "${glarepp%/*}"/*.so; do
+for bridge in "${glarepp%/*}"/*.so "${glarepp%/*}"/glarepp-oiio; do
     [ ! -f "$bridge" ] || cp "$bridge" "$here/a copy/"
 done
 as_first 'the program in another folder' eval \
