@@ -1,3 +1,5 @@
+/* Composing: rows share nothing, so threads take them in any order, and the
+ * result is the same for any number of threads. */
 #include "glare/compose.h"
 
 #include "core/cpu.h"
@@ -61,6 +63,7 @@ gp_status gp_compose(const struct gp_log *log,
         .f = f, .src = src, .gain = p->gain, .keep = 1.0f - p->dim,
         .scatter = p->mix == GP_MIX_SCATTER && src->n > 0,
     };
+
     if (m.scatter && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))
         return gp_fail(log, GP_ERR_BUG,
                        "%s: the sources are those of another frame (%dx%d, "

@@ -53,7 +53,6 @@ struct block_sum {
     long long nonfinite, clamped;
     wide flux[3], energy[3];
     narrow brightest;
-    ints faint; // not 0: a channel is under FLT_MIN
     uint32_t count[GP_SOURCE_BINS];
 };
 
@@ -268,17 +267,14 @@ GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
         c->rgb[0][i] = c->rgb[1][i] = c->rgb[2][i] = 0.0f;
     for (int k = 0; k < 3; k++) {
         wide flux = sum->flux[k], energy = sum->energy[k];
-        ints faint = sum->faint;
         for (int i = 0; i < n; i += WIDE) {
-            const narrow value = *(const narrow *) (c->rgb[k] + i);
-            const wide v = __builtin_convertvector(value, wide);
+            const wide v = __builtin_convertvector(
+                *(const narrow *) (c->rgb[k] + i), wide);
             flux += v;
             energy += v * v;
-            faint |= (value > 0.0f) & (value < FLT_MIN);
         }
         sum->flux[k] = flux;
         sum->energy[k] = energy;
-        sum->faint = faint;
     }
     narrow brightest = sum->brightest;
     for (int i = 0; i < n; i += WIDE) {
@@ -374,11 +370,9 @@ static double total(wide v)
     return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
-/* Returns whether a channel is under FLT_MIN. */
-static bool add_up(const struct sense *s, int blocks)
+static void add_up(const struct sense *s, int blocks)
 {
     struct gp_sources *const o = s->out;
-    ints faint = {0};
     for (int i = 0; i < blocks; i++) {
         const struct block_sum *const b = &s->block[i];
         o->nonfinite += b->nonfinite;
@@ -392,12 +386,10 @@ static bool add_up(const struct sense *s, int blocks)
                                                           : o->brightest;
         for (int k = 0; k < GP_SOURCE_BINS; k++)
             o->count[k] += b->count[k];
-        faint |= b->faint;
     }
-    return faint[0] | faint[1] | faint[2] | faint[3];
 }
 
-/* Makes the list anew without what is under FLT_MIN, which is rare. */
+/* Makes the list anew without light under FLT_MIN, which is rare. */
 static gp_status drop_faint(const struct gp_log *log, struct gp_sources *s)
 {
     struct gp_sources kept;
@@ -444,7 +436,7 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &v));
     s.bright = v;
     gp_parallel_do(blocks, clean_block, &s);
-    size_t n = 0;
+    size_t n = 0, faint = 0;
     for (int y = 0; y < s.h; y++)
         n += s.bright[y];
     GP_TRY(gp_sources_make(log, &like, n, &o));
@@ -452,9 +444,11 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         o.row[y + 1] = o.row[y] + s.bright[y];
     if (n)
         gp_parallel_do(blocks, list_block, &s);
-    const bool faint = add_up(&s, blocks);
+    add_up(&s, blocks);
     o.darkest = darkest(&s, threads);
     gp_sources_finish(&o);
+    for (int b = 0; b < gp_source_bin(GP_FAINT); b++)
+        faint += o.count[b];
     if (faint)
         GP_TRY(drop_faint(log, &o));
     *out = o;

@@ -24,8 +24,8 @@ struct gp_sensor_params {
 /* Cleans f->rgb in place (NaN to 0, +Inf and values over max_value to
  * max_value, -Inf to 0; finite negative values stay), then lists the
  * sources: pixels whose luminance Y of the non-negative part is over T, with
- * the colour times the knee's ramp (smoothstep, 1 when knee is 0). Channels
- * under FLT_MIN then count as 0 (gp_sources.faint).
+ * the colour times the knee's ramp (smoothstep, 1 when knee is 0). What is
+ * under FLT_MIN then counts as 0 (gp_sources.faint).
  *
  *   out  written only on GP_OK; free with gp_sources_free()
  * Errors: GP_ERR_BUG out of memory.

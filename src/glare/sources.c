@@ -6,13 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-int gp_source_bin(float v)
-{
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
-}
-
 float gp_source_bin_start(int bin)
 {
     const uint32_t bits = (uint32_t) bin << 22;
@@ -65,8 +58,8 @@ out:
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
 {
     const float most = largest_channel(rgb);
-    float v[3];
-    for (int k = 0; k < 3; k++) {
+    float v[3] = {rgb[0], rgb[1], rgb[2]};
+    for (int k = 0; most < GP_FAINT && k < 3; k++) {
         v[k] = rgb[k] < FLT_MIN ? 0.0f : rgb[k];
         s->faint[k] += (double) rgb[k] - (double) v[k];
     }

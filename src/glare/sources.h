@@ -7,13 +7,25 @@
 #include "core/frame.h"
 #include "core/status.h"
 
+#include <stdint.h>
+#include <string.h>
+
 /* Sources are counted by their largest channel, two bins an octave. */
 enum { GP_SOURCE_BINS = 512 };
 
 /* The bin of a value > 0, and where a bin starts; bin b ends where b + 1
  * starts. From the exponent and the first bit of the mantissa. */
-int gp_source_bin(float v);
+static inline int gp_source_bin(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return (int) (bits >> 22) & (GP_SOURCE_BINS - 1);
+}
 float gp_source_bin_start(int bin);
+
+/* 2^26 times FLT_MIN, 1.2e-38: beside a channel from here up, one under FLT_MIN
+ * makes no difference. */
+#define GP_FAINT 0x1p-100f
 
 /* Light on one pixel of the frame. */
 struct gp_source {
@@ -22,8 +34,8 @@ struct gp_source {
 };
 
 /* Sources in row order: those of row y are [row[y], row[y + 1]). Coordinates
- * count from the data window's corner. Colours are finite, and 0 or at least
- * FLT_MIN, 1.2e-38: less light counts as 0. */
+ * count from the data window's corner. Colours are finite and >= 0. Light under
+ * FLT_MIN counts as 0: channels of sources that have none from GP_FAINT up. */
 struct gp_sources {
     int w, h;             // of the frame
     int x0, y0;           // the data window's corner, EXR pixel space
@@ -34,7 +46,7 @@ struct gp_sources {
     float *rgb[3];        // n colours, after knee
     struct gp_rect box;   // smallest that holds all; empty when n is 0
     double flux[3];       // sum of each channel
-    double faint[3];      // what was under FLT_MIN in each channel
+    double faint[3];      // sum of each channel of what counts as 0
     double energy[3];     // sum of squares of each channel
     float brightest;      // largest channel value
     uint32_t count[GP_SOURCE_BINS];
@@ -54,8 +66,8 @@ GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
                                         size_t room, struct gp_sources *out);
 
 /* Appends a source that stands after all others in row order, and counts it
- * into flux, energy, brightest and count; channels under FLT_MIN count as 0 and
- * go to `faint`, and a black source is left out. There must be room. */
+ * into flux, energy, brightest and count. What counts as 0 goes to `faint`, and
+ * a source without light is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
 /* Completes row[] and box once all sources are in the list. */

@@ -46,10 +46,12 @@ static void sense_plainly(void *ctx, double *out)
                                                 : v;
             y += p->f.luminance[c] * fmaxf(rgb[c], 0.0f);
         }
-        for (size_t c = 0; c < 3; c++) {
-            const float v = fmaxf(rgb[c], 0.0f) * gp_bright_pass(p->params, y);
-            out[c * n + i] = v < FLT_MIN ? 0.0 : (double) v;
-        }
+        float v[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = fmaxf(rgb[c], 0.0f) * gp_bright_pass(p->params, y);
+        const bool faint = fmaxf(v[0], fmaxf(v[1], v[2])) < GP_FAINT;
+        for (size_t c = 0; c < 3; c++)
+            out[c * n + i] = faint && v[c] < FLT_MIN ? 0.0 : (double) v[c];
     }
 }
 

@@ -10,11 +10,12 @@ static void add_source(const struct gp_sources *s, uint32_t i, double flux[3],
     float largest = 0.0f;
     for (int c = 0; c < 3; c++) {
         const float v = s->rgb[c][i];
-        assert_true(isfinite(v) && (v == 0.0f || v >= FLT_MIN));
+        assert_true(isfinite(v) && v >= 0.0f);
         flux[c] += (double) v;
         energy[c] += (double) v * (double) v;
         largest = fmaxf(largest, v);
     }
+    assert_true(largest >= FLT_MIN);
     count[gp_source_bin(largest)]++;
     assert_true(largest <= s->brightest);
     assert_true(largest >= gp_source_bin_start(gp_source_bin(largest)));
@@ -139,14 +140,14 @@ static void light_outside_is_refused(void **state)
 }
 
 /* Any order gives the same sum, black light is none, and what is under FLT_MIN
- * counts as 0, channel by channel. */
+ * counts as 0. */
 static void light_joins(void **state)
 {
     static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
     struct gp_sources dark = dark_list();
     (void) state;
     for (int turn = 0; turn < 4; turn++) {
-        struct gp_source list[11];
+        struct gp_source list[12];
         struct gp_sources out, twice;
         for (int i = 0; i < 8; i++) {
             const float v = lights[(i + turn) % 4];
@@ -156,21 +157,23 @@ static void light_joins(void **state)
         list[8] = (struct gp_source) {3, 2, {0, 0, 0}};
         list[9] = (struct gp_source) {4, 2, {1e-39f, 0, 2e-39f}};
         list[10] = (struct gp_source) {9, 9, {3.0f, 1e-40f, FLT_MIN}};
-        assert_int_equal(gp_sources_join(&said_log, &dark, list, 11, &out),
+        list[11] = (struct gp_source) {10, 9, {1e-37f, 1e-40f, FLT_MIN}};
+        assert_int_equal(gp_sources_join(&said_log, &dark, list, 12, &out),
                          GP_OK);
         assert_list(&out, "joined");
-        assert_int_equal(out.n, 4);
+        assert_int_equal(out.n, 5);
         assert_true(out.x[0] == 3 && out.x[1] == 19 && out.x[2] == 7);
         assert_true(out.rgb[0][2] == (3e-4f + 0.1f) + 1e7f);
-        assert_true(out.rgb[0][3] == 3.0f && out.rgb[1][3] == 0.0f &&
-                    out.rgb[2][3] == FLT_MIN);
+        assert_true(out.rgb[0][3] == 3.0f && out.rgb[1][3] == 1e-40f);
+        assert_true(out.rgb[0][4] == 1e-37f && out.rgb[1][4] == 0.0f &&
+                    out.rgb[2][4] == FLT_MIN);
         assert_true(out.faint[0] == 1e-39 + (double) 1e-39f &&
                     out.faint[1] == (double) 1e-40f &&
                     out.faint[2] == (double) 2e-39f);
         struct gp_source one = {9, 9, {1.0f, 1.0f, 1.0f}};
         assert_int_equal(gp_sources_join(NULL, &out, &one, 1, &twice), GP_OK);
         assert_list(&twice, "joined twice");
-        assert_true(twice.n == 4 && twice.rgb[0][3] == 4.0f);
+        assert_true(twice.n == 5 && twice.rgb[0][3] == 4.0f);
         gp_sources_free(&out);
         gp_sources_free(&twice);
     }
