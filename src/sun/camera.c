@@ -108,24 +108,6 @@ static gp_status scale_to_axis(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* Which of the two conventions, by where the view axis falls. */
-static gp_status tell_ndc(const struct gp_log *log, const char *path,
-                          const double m[16], enum gp_ndc *out)
-{
-    static const double reach = 0.2;
-    const struct v3 axis = column(m, 3); // of length 1, so w is 1
-    const double x = dot(axis, column(m, 0)), y = dot(axis, column(m, 1));
-    const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
-    const double clip = fmax(fabs(x), fabs(y));
-    if (!(fmin(spec, clip) <= reach))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: cannot tell what worldToNDC maps to (the view "
-                       "axis falls on %.3g, %.3g: neither near 0.5, 0.5 nor "
-                       "near 0, 0); give --ndc spec or --ndc clip", path, x, y);
-    *out = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
-    return GP_OK;
-}
-
 gp_status gp_camera_make(const struct gp_log *log, const char *path,
                          const double *to_camera, const double to_ndc[16],
                          enum gp_ndc ndc, struct gp_camera *out)
@@ -134,8 +116,21 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     struct gp_camera c = {.has_camera = to_camera != NULL};
     GP_TRY(check_finite(log, path, "worldToNDC", to_ndc));
     GP_TRY(scale_to_axis(log, path, to_ndc, c.to_ndc));
-    if (ndc == GP_NDC_AUTO)
-        GP_TRY(tell_ndc(log, path, c.to_ndc, &ndc));
+    if (ndc == GP_NDC_AUTO) { // by where the view axis falls
+        static const double reach = 0.2;
+        const struct v3 axis = column(c.to_ndc, 3); // of length 1, so w is 1
+        const double x = dot(axis, column(c.to_ndc, 0));
+        const double y = dot(axis, column(c.to_ndc, 1));
+        const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
+        const double clip = fmax(fabs(x), fabs(y));
+        if (!(fmin(spec, clip) <= reach))
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                           "%s: cannot tell what worldToNDC maps to (the view "
+                           "axis falls on %.3g, %.3g: neither near 0.5, 0.5 "
+                           "nor near 0, 0); give --ndc spec or --ndc clip",
+                           path, x, y));
+        ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
+    }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
     for (int row = 0; ndc == GP_NDC_CLIP && row < 16; row += 4) {
         double *const m = c.to_ndc + row;
@@ -241,56 +236,14 @@ enum { MOST_BYTES = 8 << 20, MOST_FRAMES = 1 << 20 };
 static const double MOST_FRAME = 9007199254740992.0; // 2^53: exact in double
 static const double MOST_VALUE = 1e300;
 
-static gp_status read_camera(const struct gp_json_place *p, json_t *o,
-                             const char *frame, struct gp_camera *out)
-{
-    gp_status st;
-    double camera[16], ndc[16], columns[16];
-    bool has_camera, spec, clip;
-    GP_TRY(gp_json_numbers(p, o, "worldToCamera_rowmajor", 16, false,
-                           -MOST_VALUE, MOST_VALUE, camera, &has_camera));
-    GP_TRY(gp_json_numbers(p, o, "worldToNDC_rowmajor", 16, false, -MOST_VALUE,
-                           MOST_VALUE, ndc, &spec));
-    GP_TRY(gp_json_numbers(p, o, "worldToNDC_blender_colvec", 16, false,
-                           -MOST_VALUE, MOST_VALUE, columns, &clip));
-    if (!spec && !clip)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: no projection (found neither \"worldToNDC_rowmajor"
-                       "\" nor \"worldToNDC_blender_colvec\"); give one of "
-                       "them", frame);
-    for (int i = 0; !spec && i < 16; i++)
-        ndc[i] = columns[i % 4 * 4 + i / 4];
-    GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
-                          spec ? GP_NDC_SPEC : GP_NDC_CLIP, out));
-out:
-    return st;
-}
-
-static gp_status read_sun(const struct gp_json_place *p, json_t *o,
-                          const char *frame, struct gp_camera_frame *out)
-{
-    gp_status st;
-    GP_TRY(gp_json_numbers(p, o, "sun_dir_world", 3, false, -MOST_VALUE,
-                           MOST_VALUE, out->sun_dir, &out->has_sun));
-    GP_TRY(gp_json_number(p, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius,
-                          NULL));
-    const double *d = out->sun_dir;
-    if (out->has_sun && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: \"sun_dir_world\" has no direction (found 0, 0, "
-                       "0); give one, or leave it out", frame);
-out:
-    return st;
-}
-
 static gp_status read_frame(const struct gp_json_place *p, json_t *o,
                             struct gp_camera_frame *out)
 {
     gp_status st;
     char frame[2048]; // "cameras.json: frame 1001"
     struct gp_json_place at = *p;
-    double number = 0.0;
-    bool found;
+    double number = 0.0, camera[16], ndc[16], columns[16];
+    bool found, has_camera, spec, clip;
     if (!json_is_object(o))
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: %s %d in order is no object; give {\"frame\": "
@@ -308,8 +261,32 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     snprintf(frame, sizeof frame, "%s: frame %lld", p->path, out->frame);
     at.path = frame;
     at.index = 0;
-    GP_TRY(read_camera(&at, o, frame, &out->camera));
-    GP_TRY(read_sun(&at, o, frame, out));
+
+    GP_TRY(gp_json_numbers(&at, o, "worldToCamera_rowmajor", 16, false,
+                           -MOST_VALUE, MOST_VALUE, camera, &has_camera));
+    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_rowmajor", 16, false,
+                           -MOST_VALUE, MOST_VALUE, ndc, &spec));
+    GP_TRY(gp_json_numbers(&at, o, "worldToNDC_blender_colvec", 16, false,
+                           -MOST_VALUE, MOST_VALUE, columns, &clip));
+    if (!spec && !clip)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: no projection (found neither \"worldToNDC_rowmajor"
+                       "\" nor \"worldToNDC_blender_colvec\"); give one of "
+                       "them", frame);
+    for (int i = 0; !spec && i < 16; i++)
+        ndc[i] = columns[i % 4 * 4 + i / 4];
+    GP_TRY(gp_camera_make(p->log, frame, has_camera ? camera : NULL, ndc,
+                          spec ? GP_NDC_SPEC : GP_NDC_CLIP, &out->camera));
+
+    GP_TRY(gp_json_numbers(&at, o, "sun_dir_world", 3, false, -MOST_VALUE,
+                           MOST_VALUE, out->sun_dir, &out->has_sun));
+    GP_TRY(gp_json_number(&at, o, "sun_radius_px", 0.0, 1e6, &out->sun_radius,
+                          NULL));
+    const double *const d = out->sun_dir;
+    if (out->has_sun && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: \"sun_dir_world\" has no direction (found 0, 0, "
+                       "0); give one, or leave it out", frame);
 out:
     return st;
 }

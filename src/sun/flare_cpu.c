@@ -10,9 +10,9 @@ enum { RUN = 64 }; // pixels of a polygon at a time
 
 // -- columns that are reached ------------------------------------------------
 
-/* Adds to [*lo, *hi] the values of (limit - a * y) / b at four corners. */
-static void widen_span(double limit, double a, double b, const double y[2],
-                       double *lo, double *hi)
+/* Cuts [*lo, *hi] to the values of (limit - a * y) / b at four corners. */
+static void narrow_span(double limit, double a, double b, const double y[2],
+                        double *lo, double *hi)
 {
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < 4; i++) {
@@ -29,18 +29,6 @@ static float largest(const float v[3])
     return fmaxf(v[0], fmaxf(v[1], v[2]));
 }
 
-static void streak_span(const struct gp_flare_quad *i, const double y[2],
-                        double *lo, double *hi)
-{
-    const double c = (double) i->turn[0], s = (double) i->turn[1];
-    *lo = -INFINITY;
-    *hi = INFINITY;
-    if (fabs(s) > 1e-6)
-        widen_span((double) largest(i->inner) + 1.0, c, s, y, lo, hi);
-    if (fabs(c) > 1e-6)
-        widen_span((double) largest(i->radius) + 1.0, -s, c, y, lo, hi);
-}
-
 bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
                    int *x1)
 {
@@ -55,7 +43,13 @@ bool gp_flare_span(const struct gp_flare_quad *i, int y0, int y1, int *x0,
     const double y[2] = {top + 0.5 - i->y, bottom - 0.5 - i->y};
     double lo, hi;
     if (i->shape == GP_FLARE_STREAK) {
-        streak_span(i, y, &lo, &hi);
+        const double c = (double) i->turn[0], s = (double) i->turn[1];
+        lo = -INFINITY;
+        hi = INFINITY;
+        if (fabs(s) > 1e-6)
+            narrow_span((double) largest(i->inner) + 1.0, c, s, y, &lo, &hi);
+        if (fabs(c) > 1e-6)
+            narrow_span((double) largest(i->radius) + 1.0, -s, c, y, &lo, &hi);
     } else { // around the place, for the rows' centre nearest to it
         const double radius = (double) largest(i->radius) + 1.0;
         const double d = y[0] > 0.0 ? y[0] : y[1] < 0.0 ? -y[1] : 0.0;

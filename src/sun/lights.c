@@ -59,17 +59,24 @@ static gp_status read_place(const struct gp_json_place *p, json_t *o,
     return GP_OK;
 }
 
-/* A direction's disc is seen under an angle, unless pixels are given. */
-static gp_status read_size(const struct gp_json_place *p, json_t *o,
-                           struct gp_light_spec *out)
+static gp_status read_light(const struct gp_json_place *p, json_t *o,
+                            struct gp_light_spec *out)
 {
+    static const struct gp_light plain = GP_LIGHT_DEFAULTS;
+    double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
     bool pixels, angle;
-    gp_status st = gp_json_number(p, o, "radius", 0.0, MOST_RADIUS,
-                                  &out->radius, &pixels);
-    if (!st)
-        st = gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees, &angle);
-    if (st)
-        return st;
+    const char *name; // for the file's readers; only its type is checked
+    gp_status st;
+    *out = (struct gp_light_spec) {
+        .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
+        .bias = plain.bias,
+    };
+    GP_TRY(gp_json_keys(p, o, keys));
+    GP_TRY(read_place(p, o, out));
+    // a direction's disc is seen under an angle, unless pixels are given
+    GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius,
+                          &pixels));
+    GP_TRY(gp_json_number(p, o, "degrees", 0.0, 90.0, &out->degrees, &angle));
     if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: %s %d: \"degrees\" is for a \"direction\" without "
@@ -78,39 +85,13 @@ static gp_status read_size(const struct gp_json_place *p, json_t *o,
                        pixels ? "radius" : places[out->place].key);
     if (out->place == GP_PLACE_DIRECTION && !pixels)
         out->radius = -1.0;
-    return GP_OK;
-}
-
-static gp_status read_flux(const struct gp_json_place *p, json_t *o,
-                           struct gp_light_spec *out)
-{
-    double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
-    gp_status st;
+    GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
+    GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias, NULL));
     GP_TRY(gp_json_numbers(p, o, "flux", 3, true, 0.0, MOST_FLUX, flux, NULL));
     GP_TRY(gp_json_numbers(p, o, "color", 3, false, 0.0, MOST_COLOUR, colour,
                            NULL));
     for (int c = 0; c < 3; c++)
         out->flux[c] = (float) (flux[c] * colour[c]);
-out:
-    return st;
-}
-
-static gp_status read_light(const struct gp_json_place *p, json_t *o,
-                            struct gp_light_spec *out)
-{
-    static const struct gp_light plain = GP_LIGHT_DEFAULTS;
-    gp_status st;
-    const char *name; // for the file's readers; only its type is looked at
-    *out = (struct gp_light_spec) {
-        .radius = plain.radius, .degrees = SUN_DEGREES, .depth = NAN,
-        .bias = plain.bias,
-    };
-    GP_TRY(gp_json_keys(p, o, keys));
-    GP_TRY(read_place(p, o, out));
-    GP_TRY(read_size(p, o, out));
-    GP_TRY(gp_json_number(p, o, "depth", 0.0, MOST_DEPTH, &out->depth, NULL));
-    GP_TRY(gp_json_number(p, o, "bias", 0.0, 1.0, &out->bias, NULL));
-    GP_TRY(read_flux(p, o, out));
     GP_TRY(gp_json_text(p, o, "name", &name, NULL));
 out:
     return st;
@@ -147,20 +128,6 @@ out:
 
 // -- placing -----------------------------------------------------------------
 
-/* A lamp's own distance, counted as the frame's depth channel counts. */
-static gp_status own_depth(const struct gp_log *log, const char *path,
-                           enum gp_depth_type type,
-                           const struct gp_projected *at, double *out)
-{
-    if (type == GP_DEPTH_NORMALIZED)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: a lamp's distance says nothing in normalized "
-                       "depth (found \"world\" without \"depth\"); give the "
-                       "light \"depth\", 0 near to 1 far", path);
-    *out = type == GP_DEPTH_RAY ? at->ray : at->z;
-    return GP_OK;
-}
-
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
                             const struct gp_light_spec *spec,
                             const struct gp_camera *c, enum gp_depth_type type,
@@ -185,13 +152,16 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
         l.radius = spec->radius;
     else if (spec->place == GP_PLACE_DIRECTION)
         l.radius = gp_camera_disc(c, display, spec->at, spec->degrees);
-    if (!isnan(spec->depth)) {
+    const bool own = isnan(spec->depth) && spec->place == GP_PLACE_WORLD;
+    if (own && type == GP_DEPTH_NORMALIZED)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: a lamp's distance says nothing in normalized "
+                       "depth (found \"world\" without \"depth\"); give the "
+                       "light \"depth\", 0 near to 1 far", path);
+    if (own) // its distance, counted as the frame's depth channel counts
+        l.depth = type == GP_DEPTH_RAY ? at.ray : at.z;
+    else if (!isnan(spec->depth))
         l.depth = spec->depth;
-    } else if (spec->place == GP_PLACE_WORLD) {
-        gp_status st = own_depth(log, path, type, &at, &l.depth);
-        if (st)
-            return st;
-    }
     for (int i = 0; i < 3; i++)
         l.flux[i] = spec->flux[i];
     *out = l;

@@ -144,7 +144,7 @@ static void hidden_lights_stay_shut(void **state)
     gp_gl_close(&gl);
 }
 
-// -- time ---------------------------------------------------------------------
+// -- time --------------------------------------------------------------------
 
 /* All shapes for 1 and 64 lights, and a sprite, on the CPU and on GL. */
 static void time_all(void)
