@@ -69,18 +69,6 @@ static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
     return st;
 }
 
-static int by_value(const void *a, const void *b)
-{
-    const double x = *(const double *) a, y = *(const double *) b;
-    return (x > y) - (x < y);
-}
-
-double gp_bench_median(double *v, int n)
-{
-    qsort(v, (size_t) n, sizeof *v, by_value);
-    return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
-}
-
 static gp_status run_whole(struct trial *t)
 {
     struct gp_bench_row *const row = t->row;

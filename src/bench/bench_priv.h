@@ -104,6 +104,9 @@ void gp_bench_table_free(struct gp_bench_table *t);
  * both at most as slow and at most as wrong, and better in one. */
 void gp_bench_mark_pareto(struct gp_bench_frame *f);
 
+/* The median of n values, which are sorted; n >= 1. */
+double gp_bench_median(double *v, int n);
+
 /* Prints the table on stdout, up to 141 columns, and its legend, and writes it
  * to the files of `p`. CSV is RFC 4180: a header line, then one line a row,
  * unknown cells empty; JSON is one object, unknown cells left out. With `-`
@@ -126,9 +129,6 @@ static inline bool gp_bench_on_stdout(const char *path)
 }
 
 // -- bench.c -----------------------------------------------------------------
-
-/* The median of n values, which are sorted; n >= 1. */
-double gp_bench_median(double *v, int n);
 
 /* For extrapolating: makes *out a frame with the same light in one of `parts`
  * of its 32x32 pixel blocks, evenly spread, and no light at all elsewhere; with

@@ -91,6 +91,18 @@ void gp_bench_table_free(struct gp_bench_table *t)
     t->frames = 0;
 }
 
+static int by_value(const void *a, const void *b)
+{
+    const double x = *(const double *) a, y = *(const double *) b;
+    return (x > y) - (x < y);
+}
+
+double gp_bench_median(double *v, int n)
+{
+    qsort(v, (size_t) n, sizeof *v, by_value);
+    return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
+}
+
 // -- text --------------------------------------------------------------------
 
 /* A number of a column, or "-" where it is not known. */

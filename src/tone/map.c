@@ -1,6 +1,6 @@
 /* The tone stage: exposure and primaries, then the operator, a block of pixels
  * at a time so that both work in the cache. */
-#include "tone/tone.h"
+#include "tone/tone_priv.h"
 
 #include "core/colour.h"
 #include "core/cpu.h"

@@ -58,9 +58,4 @@ GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
  * 2^60. Same value for any thread count. */
 float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f);
 
-/* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
- * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);
- * delta 1e-6. 0 when no pixel counts. Same value for any thread count. */
-double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
-
 #endif

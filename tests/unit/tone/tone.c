@@ -3,7 +3,7 @@
 #include "core/colour.h"
 #include "core/parallel.h"
 #include "starved.h"
-#include "tone/tone.h"
+#include "tone/tone_priv.h"
 #include "tone_forms.h"
 
 #include <float.h>
