@@ -10,7 +10,6 @@
 /* For cmocka_run_group_tests(), or called by what is given to it. */
 static inline int find_bridges(void **state)
 {
-    (void) state;
     char self[4096] = "", beside[4200];
     if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
         return -1;

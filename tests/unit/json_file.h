@@ -13,7 +13,6 @@ static char jf_file[64];
 
 static int jf_setup(void **state)
 {
-    (void) state;
     if (!mkdtemp(jf_folder))
         return -1;
     snprintf(jf_file, sizeof jf_file, "%s/a.json", jf_folder);
@@ -22,7 +21,6 @@ static int jf_setup(void **state)
 
 static int jf_teardown(void **state)
 {
-    (void) state;
     unlink(jf_file);
     return rmdir(jf_folder);
 }

@@ -54,13 +54,11 @@ static inline void assert_refused(const char *name, gp_status want,
 
 static inline int make_folder(void **state)
 {
-    (void) state;
     return mkdtemp(folder) ? 0 : -1;
 }
 
 static inline int remove_folder(void **state)
 {
-    (void) state;
     char command[300];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);
     return system(command);

@@ -45,7 +45,6 @@ static inline int wf_names(void)
 /* Removes the folder and what is in it, one level deep. */
 static inline int wf_end(void **state)
 {
-    (void) state;
     char path[512];
     DIR *d = opendir(wf_folder);
     for (struct dirent *e; d && (e = readdir(d));) {

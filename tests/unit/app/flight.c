@@ -165,7 +165,6 @@ static const struct {
 
 static void all_in_order(void **state)
 {
-    (void) state;
     for (size_t k = 0; k < COUNT(row); k++) {
         for (int ordered = 0; ordered < 2; ordered++) {
             clear();
@@ -188,7 +187,6 @@ static void all_in_order(void **state)
 
 static void failures_are_skipped(void **state)
 {
-    (void) state;
     for (size_t k = 0; k < COUNT(row); k++) {
         for (int phase = 0; phase < 3; phase++) {
             clear();
@@ -210,7 +208,6 @@ static void failures_are_skipped(void **state)
 
 static void first_failure_ends(void **state)
 {
-    (void) state;
     for (size_t k = 0; k < COUNT(row); k++) {
         for (int phase = 0; phase < 3; phase++) {
             const int at = row[k].units / 2;
@@ -237,7 +234,6 @@ static void first_failure_ends(void **state)
 
 static void room_bounds_the_flight(void **state)
 {
-    (void) state;
     clear();
     seen.narrow = true;
     assert_int_equal(fly(60, 8, 8), GP_OK);

@@ -5,7 +5,6 @@
 
 static void the_table_is_sound(void **state)
 {
-    (void) state;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *text;
         assert_ptr_equal(gp_option_find(o->name, strlen(o->name)), o);
@@ -65,7 +64,6 @@ static void lists(const char *text, const char *pattern,
 
 static void help_is_complete(void **state)
 {
-    (void) state;
     char *man = printed(GP_COMMAND_MAIN, true);
     enum gp_command c;
     for (int i = 0; gp_command_at(i, &c); i++) {
@@ -96,7 +94,6 @@ static void help_is_complete(void **state)
  * which --help of its command shows. */
 static void examples_are_right(void **state)
 {
-    (void) state;
     for (int g = 0; g < GP_GROUPS; g++) {
         const struct gp_option_heading *h = &gp_option_groups[g];
         struct gp_settings s;
@@ -136,7 +133,6 @@ static void slips_of_commands(void **state)
         {"help --completion bash a", "too many words (found a)"},
         {"--completion bash", "glarepp help --completion"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         const gp_status st = parse(rows[i].line, &s);
@@ -174,7 +170,6 @@ static void edits_are_counted(void **state)
         {"01234567890123456789012345678901", "0", 99},
         {"0", "01234567890123456789012345678901", 99},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++)
         assert_int_equal(edits_between(rows[i].a, rows[i].b), rows[i].edits);
     struct gp_nearest near = gp_nearest_to("ab", 2, 3);
@@ -230,7 +225,6 @@ static void topics_print_their_part(void **state)
         {"bench", "glarepp bench [options] INPUT"}, {"report", "--verify"},
         {"splat", "-e, --engine NAME"}, {"streak", "-k, --kernel FILE"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++)
         topic_has(rows[i].name, rows[i].part);
 }
@@ -239,7 +233,6 @@ static void topics_print_their_part(void **state)
  * manual end with the place of its page: there is none beside the tests. */
 static void every_topic_is_known(void **state)
 {
-    (void) state;
     char name[GP_TOPIC_BYTES];
     const char *word;
     char *list = topic(NULL);
@@ -282,7 +275,6 @@ static void unknown_topics_suggest(void **state)
         {"help-man", "no such topic"}, {"sun-dri", "help sun-dir?"},
         {"%s%n", "(found \"%s%n\")"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         char *text = topic(rows[i].name);
         if (text || !strstr(said, rows[i].part))
@@ -294,7 +286,6 @@ static void unknown_topics_suggest(void **state)
 
 static void completions_are_complete(void **state)
 {
-    (void) state;
     for (int shell = GP_SHELL_BASH; shell <= GP_SHELL_FISH; shell++) {
         char *text = NULL;
         size_t size;

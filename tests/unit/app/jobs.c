@@ -77,7 +77,6 @@ static char folder[] = "/tmp/gp_jobs_XXXXXX";
 
 static int make_folder(void **state)
 {
-    (void) state;
     if (!mkdtemp(folder) || chdir(folder) != 0)
         return -1;
     for (size_t i = 0; i < COUNT(files); i++)
@@ -95,7 +94,6 @@ static int make_folder(void **state)
 
 static int remove_folder(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(files); i++)
         unlink(files[i]);
     for (int i = 0; i < 2; i++) {
@@ -313,28 +311,24 @@ static const struct job_row stdin_rows[] = {
 
 static void frames(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++)
         check_row(&rows[i], false, false);
 }
 
 static void views_in_names(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(view_rows); i++)
         check_row(&view_rows[i], true, false);
 }
 
 static void views_in_files(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(part_rows); i++)
         check_row(&part_rows[i], true, true);
 }
 
 static void views_in_stdin(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(stdin_rows); i++) {
         static const char picture[] = "Pf\n1 1\n-1.0\n\0\0\200?";
         FILE *const f = fopen("three.pfm", "wb");
@@ -352,7 +346,6 @@ static void views_in_stdin(void **state)
 /* A million frames of many views are refused before they are listed. */
 static void too_many_jobs(void **state)
 {
-    (void) state;
     struct gp_settings s;
     struct gp_jobs j = {0};
     assert_int_equal(make("--views a,b -f 1-500001 --skip-bad-frames -o - "
@@ -395,7 +388,6 @@ static const struct made_row made_rows[] = {
 
 static void what_is_made(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(made_rows); i++) {
         const struct made_row *const r = &made_rows[i];
         struct gp_settings s;

@@ -7,7 +7,6 @@
 
 static void defaults_hold(void **state)
 {
-    (void) state;
     struct gp_settings s;
     assert_int_equal(parse("-o a.png in.exr", &s), GP_OK);
     assert_int_equal(lines, 0);
@@ -81,7 +80,6 @@ static void check_stored(const struct gp_option *o, const char *value,
 /* Every option stores every value that it names; a number its largest one. */
 static void every_option_is_stored(void **state)
 {
-    (void) state;
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *name, *text;
         char value[64] = "word";
@@ -106,7 +104,6 @@ static void every_option_is_stored(void **state)
 /* A value is in the word or the next one; the last one holds. */
 static void forms_of_values(void **state)
 {
-    (void) state;
     struct gp_settings s;
     assert_int_equal(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
                            "i.exr --exposure -1.5 -k k.exr --kernel-center "
@@ -124,7 +121,6 @@ static void forms_of_values(void **state)
 
 static void words_that_look_like_options(void **state)
 {
-    (void) state;
     struct gp_settings s;
     assert_int_equal(parse("-o - -", &s), GP_OK);
     assert_string_equal(s.outputs.at[0], "-");
@@ -164,7 +160,6 @@ static void clusters_follow_groups(void **state)
         {"-o a i --group 4 --cluster 0", 4, 0},
         {"-o a i --group 1 --cluster 2", 1, 2},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i].line, &s), GP_OK);
@@ -191,7 +186,6 @@ static void commands(void **state)
         {"-o a ./bench bench", GP_COMMAND_MAIN, 2, 0},
         {"compare a.exr b.exr --fail .5 --json j", GP_COMMAND_COMPARE, 2, 0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i].line, &s), GP_OK);
@@ -307,7 +301,6 @@ static void check_wrong(const char *line, const char *part)
 
 static void errors_say_what_is_wrong(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(wrong); i++)
         check_wrong(wrong[i][0], wrong[i][1]);
     for (size_t i = 0; i < COUNT(bad_values); i++) {
@@ -343,7 +336,6 @@ static void warnings(void **state)
         {"-o a i --sun 1,2 --sun-map 8 --debug sunmap=m", NULL},
         {"-q -o a i --tonemap hable --white 3", NULL},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i][0], &s), GP_OK);

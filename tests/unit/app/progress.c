@@ -53,7 +53,6 @@ static void failed_lists(void **state)
         {"-999999999,999999999,-999999998",
          "-999999999,999999999,-999999998"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frames f, back;
         bool whole;
@@ -74,7 +73,6 @@ static void failed_lists(void **state)
 /* What does not fit is counted. */
 static void long_lists_are_cut(void **state)
 {
-    (void) state;
     for (int n = 150; n < 260; n++) {
         int number[260], items = 1, more = 0;
         const struct gp_frames f = {.number = number, .n = n};
@@ -96,7 +94,6 @@ static void long_lists_are_cut(void **state)
 
 static void names_without_numbers(void **state)
 {
-    (void) state;
     struct gp_job job[] = {{(char *) "a.exr", false, 0, NULL},
                            {(char *) "b.0007.exr", true, 7, NULL},
                            {(char *) "c.exr", false, 0, NULL}};
@@ -137,7 +134,6 @@ static void failed_views(void **state)
         {1, false, "xx........", 1, "1.l, 1.r"},
         {2, false, ".xx.......", 2, "1.l, 2.l"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_job job[10];
         char name[10][24];
@@ -198,7 +194,6 @@ static void progress_lines(void **state)
         {50, 100, 100000, "50 of 100 made, 0.500 frames/s, 1 min 40 s left: f"},
         {1, 101, 100000, "1 of 101 made, 0.010 frames/s, 2 h 46 min left: f"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         char line[128];
         snprintf(line, sizeof line, "glarepp: %s: read\n", rows[i].line);

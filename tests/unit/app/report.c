@@ -65,7 +65,6 @@ static const char *const keys[] = {
 
 static void all_fields_in_order(void **state)
 {
-    (void) state;
     struct gp_facts facts = full_facts();
     char *text = reported(&facts, 1);
     json_t *o = json_loads(text, 0, NULL);
@@ -91,7 +90,6 @@ static void all_fields_in_order(void **state)
 
 static void what_was_not_needed_is_left_out(void **state)
 {
-    (void) state;
     struct gp_facts facts = {.input = "x", .width = 1, .height = 1,
                              .glare = {.engine = "none", .why = "dark"}};
     for (int i = 0; i < GP_TIMES; i++)
@@ -114,7 +112,6 @@ static void what_was_not_needed_is_left_out(void **state)
 /* Whatever a name or a number is, each line is one JSON object. */
 static void hard_values_stay_json(void **state)
 {
-    (void) state;
     static const char *const names[] = {
         "quote\" back\\slash \n newline \x01", "latin1 \xe9t\xe9", "\xff\xfe",
         "utf-8 \xc3\xa9 \xe2\x82\xac \xf0\x9f\x8c\x9e", "cut \xe2\x82",
@@ -143,7 +140,6 @@ static void hard_values_stay_json(void **state)
 
 static void locales_do_not_matter(void **state)
 {
-    (void) state;
     struct gp_facts facts = full_facts();
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
         skip();
@@ -164,7 +160,6 @@ static long size_of(const char *path)
 /* A run that fails before its first line leaves the file as it was. */
 static void files_are_touched_with_the_first_line(void **state)
 {
-    (void) state;
     char folder[] = "/tmp/gp_report_XXXXXX", path[64];
     assert_non_null(mkdtemp(folder));
     snprintf(path, sizeof path, "%s/r.json", folder);
@@ -191,7 +186,6 @@ static void files_are_touched_with_the_first_line(void **state)
 
 static void errors_of_files(void **state)
 {
-    (void) state;
     struct gp_facts facts = full_facts();
     struct gp_report r = {0};
     assert_int_equal(gp_report_open(&said_log, "/no/such/r.json", false, &r),
@@ -210,7 +204,6 @@ static void errors_of_files(void **state)
 
 static void lines_are_cut_not_overrun(void **state)
 {
-    (void) state;
     struct gp_facts facts = full_facts();
     char line[700];
     for (size_t size = 1; size < 600; size++) {

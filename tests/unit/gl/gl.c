@@ -13,7 +13,6 @@ static const enum gp_gl_api apis[] = {GP_GL_OSMESA, GP_GL_EGL,
 
 static void opens_and_closes(void **state)
 {
-    (void) state;
     for (int i = 0; i < 9; i++) {
         struct gp_gl *gl = open_or_skip(apis[i % 3]);
         assert_non_null(strstr(gp_gl_info(gl)->name, ": "));
@@ -35,7 +34,6 @@ static void missing_library_is_named(void **state)
         {GP_GL_OSMESA, "GLAREPP_OSMESA", "libosmesa6"},
         {GP_GL_EGL, "GLAREPP_EGL", "libegl1"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
         setenv(rows[i].env, "/nonexistent/lib.so", 1);
@@ -49,7 +47,6 @@ static void missing_library_is_named(void **state)
 
 static void auto_falls_back(void **state)
 {
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
     setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
@@ -69,7 +66,6 @@ static void auto_falls_back(void **state)
 static void wrong_library_fails(void **state)
 {
     struct gp_gl *gl = NULL;
-    (void) state;
     setenv("GLAREPP_OSMESA", "libm.so.6", 1);
     assert_int_equal(gp_gl_open(&log_kept, GP_GL_OSMESA, &gl), GP_ERR_GL);
     assert_said("OSMesaCreateContextAttribs");
@@ -97,7 +93,6 @@ static int open_as_33(enum gp_gl_api api)
 /* Mesa can be told to be older than it is, but hears it only once. */
 static void old_version_is_named(void **state)
 {
-    (void) state;
     if (getenv("GLAREPP_TEST_QUICK")) // valgrind changes the child's status
         skip();
     for (int i = 0; i < 2; i++) {
@@ -115,7 +110,6 @@ static void old_version_is_named(void **state)
 
 static void limit_can_only_be_lowered(void **state)
 {
-    (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     unsetenv("GLAREPP_GL_MAX_SIZE");
@@ -245,7 +239,6 @@ static void draw_in(struct gp_gl *gl)
 /* Contexts of both systems, one after another and in turns. */
 static void contexts_live_side_by_side(void **state)
 {
-    (void) state;
     struct gp_gl *gl[4] = {NULL};
     for (int i = 0; i < 4; i++)
         gl[i] = open_or_skip(apis[i % 2]);
@@ -263,7 +256,6 @@ static void contexts_live_side_by_side(void **state)
 
 static void errors_are_named_and_cleared(void **state)
 {
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_texture t = {0};
     const float px[4] = {0};
@@ -280,7 +272,6 @@ static void errors_are_named_and_cleared(void **state)
 
 static void blocks_and_lists_have_limits(void **state)
 {
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_uniform_block b = {0};
     struct gp_texel_buffer l = {0};

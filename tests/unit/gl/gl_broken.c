@@ -66,7 +66,6 @@ static void osmesa_refuses(void **state)
         {"silent", "4.5 is needed (nothing found)"},
         {"core", NULL}, {"unnamed", NULL},
     };
-    (void) state;
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     for (size_t i = 0; i < COUNT(rows); i++) {
         setenv("BROKEN_GL", rows[i].what, 1);
@@ -85,7 +84,6 @@ static void missing_functions_are_named(void **state)
 #define NAME(type, function) "gl" #function,
     static const char *const names[] = {"glGetString", GP_GL_FUNCTIONS(NAME)};
 #undef NAME
-    (void) state;
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
     for (size_t i = 0; i < COUNT(names); i++) {
         char said[96];
@@ -110,7 +108,6 @@ static void egl_refuses(void **state)
         {"current", "cannot be made current"},
         {"device", NULL}, {"nameless", NULL}, {"core", NULL},
     };
-    (void) state;
     use_broken(GP_GL_EGL, "GLAREPP_EGL", "broken_egl.so");
     for (size_t i = 0; i < COUNT(rows); i++) {
         setenv("BROKEN_EGL", rows[i].what, 1);
@@ -167,7 +164,6 @@ static void flags_have_names(void **state)
         {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
         {0x1234, "an unknown GL error"},
     };
-    (void) state;
     struct gp_gl *gl = open_or_skip();
     const PFNGLGETERRORPROC real = gl->f.GetError;
     gl->f.GetError = broken_error;
@@ -190,7 +186,6 @@ static void flags_have_names(void **state)
 static void objects_are_refused(void **state)
 {
     struct gp_gl *gl = open_or_skip();
-    (void) state;
     for (int broken = 1; broken >= 0; broken--) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
@@ -229,7 +224,6 @@ static void targets_are_refused(void **state)
     const PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC check =
         gl->f.CheckNamedFramebufferStatus;
     struct gp_target t = {0};
-    (void) state;
     gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
     assert_int_equal(
         gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 1, 2, 2, &t),

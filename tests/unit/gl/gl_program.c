@@ -16,7 +16,6 @@ static void compiler_speaks_of_the_file(void **state)
     static const struct gp_shader_file unlinked = {
         "unlinked.frag", "in vec4 absent;\nout vec4 c;\n"
                          "void main() { c = absent; }\n"};
-    (void) state;
     for (int i = 0; i < 2; i++) {
         struct gp_gl *gl = open_or_skip(i ? GP_GL_EGL : GP_GL_OSMESA);
         struct gp_program p = {0};
@@ -43,7 +42,6 @@ static void compiler_speaks_of_the_file(void **state)
 
 static void shader_files_open_with_a_comment(void **state)
 {
-    (void) state;
     int files = 0;
     for (const struct gp_shader_file *f = gp_shader_files; f->name; f++) {
         assert_memory_equal(f->text, "// ", 3);
@@ -99,7 +97,6 @@ static void attachments_are_apart(void **state)
 {
     static float px[4 * 5 * 3];
     const struct gp_rect all = {0, 0, 5, 3};
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, eight);
     const struct gp_uniform u[] = {{.name = "first", .floats = 1,
@@ -163,7 +160,6 @@ static void uniforms_arrive(void **state)
     struct gp_uniform_block block = {0};
     struct gp_target t = {0};
     float got[12];
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "#define VALUE 13.0\n",
                                      good_vert.text, frag);
@@ -234,7 +230,6 @@ static void linear_textures_mix(void **state)
     struct gp_texture t = {0};
     struct gp_target to = {0};
     float px[4];
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
     assert_int_equal(
@@ -278,7 +273,6 @@ static void points_are_squares(void **state)
     };
     struct gp_target t = {0};
     float px[4 * 64];
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     assert_true(gp_gl_info(gl)->max_point >= 40.0f);
     struct gp_program p = program_of(gl, "", vert, frag);
@@ -323,7 +317,6 @@ static void lists_wait_for_draws(void **state)
     struct gp_texel_buffer list = {0};
     struct gp_target t = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
     assert_int_equal(

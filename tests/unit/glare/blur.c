@@ -95,7 +95,6 @@ static void check_blur(const struct gp_kernel *k, const struct blur_row *r,
 
 static void blurs_are_box_means(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(blur_rows); i++) {
         const struct blur_row *const r = &blur_rows[i];
         struct gp_kernel k = scene_kernel(r->w, r->h, MID, 0, r->shape);
@@ -116,7 +115,6 @@ static void blurs_are_box_means(void **state)
 
 static void nothing_left_is_an_empty_blur(void **state)
 {
-    (void) state;
     struct gp_kernel k = scene_kernel(9, 9, MID, 0, PEAK);
     struct gp_blur b;
     assert_int_equal(gp_blur_make(NULL, &k, (struct gp_rect) {20, 0, 30, 9},
@@ -128,7 +126,6 @@ static void nothing_left_is_an_empty_blur(void **state)
 
 static void no_memory_leaves_nothing(void **state)
 {
-    (void) state;
     // sanitizers and valgrind take such a request for an error
     if (getenv("GLAREPP_TEST_QUICK"))
         skip();
@@ -253,7 +250,6 @@ static void check_largest(const struct gp_kernel *k,
 
 static void what_is_left_out_is_allowed(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(shrink_rows); i++) {
         const struct shrink_row *const r = &shrink_rows[i];
         struct gp_kernel k = scene_kernel(r->w, r->h, r->cx, r->cy, r->shape);
@@ -276,7 +272,6 @@ static void what_is_left_out_is_allowed(void **state)
 /* More may be left out: no polygon reaches farther. */
 static void reach_falls_with_the_share(void **state)
 {
-    (void) state;
     struct gp_kernel k = scene_kernel(201, 201, MID, 0, PEAK);
     struct gp_polygon at[LIGHTS];
     const struct gp_polygons q = lights(10.0f, at);
@@ -299,7 +294,6 @@ static void reach_falls_with_the_share(void **state)
 
 static void no_light_draws_all(void **state)
 {
-    (void) state;
     struct gp_kernel k = scene_kernel(9, 9, MID, 0, PEAK);
     struct gp_polygon dark = {.side = 1};
     const struct gp_splat_params p = {.group = 1, .shrink = 0.5f};
@@ -383,7 +377,6 @@ static void single_sensors_have_the_kernels_box(void **state)
         {{30, 20}, 301, 299, MID, MID, {-120, -129, 180, 169}}, // none seen
     };
     const struct gp_splat_params p = GP_SPLAT_EXACT;
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = lit_scene(&rows[i].at, 1,
                                 scene_kernel(rows[i].w, rows[i].h, rows[i].cx,
@@ -409,7 +402,6 @@ static void groups_have_one(void **state)
     static const int at[][2] = {{19, 17}, {21, 19}, {40, 30}};
     static const struct box boxes[] = {{16, 14, 24, 22}, {36, 26, 44, 34}};
     const struct gp_splat_params p = {.group = 4, .cluster_fill = 0.9f};
-    (void) state;
     struct scene s = lit_scene(at, 3, scene_kernel(9, 9, MID, MID, BOX));
     struct gp_planes picture = outlined(&s, &p);
     for (int y = 0; y < H; y++) {
@@ -434,7 +426,6 @@ static void all_that_are_drawn_have_one(void **state)
         {.group = 8, .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS},
     };
     const struct gp_sensor_params sensors = GP_SENSOR_DEFAULTS;
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = scene_sense(scene_frame(W, H, -7, 3, BLOCK, 5),
                                      scene_kernel(31, 20, MID, MID, PEAK),
@@ -475,7 +466,6 @@ static void all_that_are_drawn_have_one(void **state)
 static void no_light_no_line(void **state)
 {
     const struct gp_splat_params p = GP_SPLAT_DEFAULTS;
-    (void) state;
     struct scene s = lit_scene(NULL, 0, scene_kernel(9, 9, MID, MID, PEAK));
     struct gp_planes picture = outlined(&s, &p);
     for (int i = 0; i < W * H; i++)

@@ -260,7 +260,6 @@ static double median(double *v, size_t n)
  * polygons are floats. */
 static void measured_is_never_over_the_bound(void **state)
 {
-    (void) state;
     const char *const more = getenv("GLAREPP_TEST_CASES");
     const uint32_t cases = more ? (uint32_t) strtoul(more, NULL, 10)
                            : getenv("GLAREPP_TEST_QUICK") ? QUICK_CASES : CASES;
@@ -305,7 +304,6 @@ static void measured_is_never_over_the_bound(void **state)
 /* A cache that has seen other frames, kernels and settings. */
 static void caches_change_nothing(void **state)
 {
-    (void) state;
     struct gp_bound_cache old = {0};
     double bound[24], least[24];
     for (int pass = 0; pass < 2; pass++) {
@@ -340,7 +338,6 @@ static void caches_change_nothing(void **state)
 
 static void threads_change_nothing(void **state)
 {
-    (void) state;
     double bound[6];
     for (int threads = 1; threads < 5; threads++) {
         gp_set_threads(threads);
@@ -381,7 +378,6 @@ static void no_layer_has_no_least(void **state)
         enum shape shape;
         int cx;
     } rows[] = {{FEW, LOBES, MID}, {DARK, PEAK, MID}, {FEW, PEAK, 2000}};
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_bound_cache cache = {0};
         struct trial t = simple_trial(
@@ -398,7 +394,6 @@ static void no_layer_has_no_least(void **state)
 /* Single sensors are wrong by rounding alone, and roundings count. */
 static void single_sensors_only_round(void **state)
 {
-    (void) state;
     for (int method = 0; method < 3; method++) {
         struct gp_bound_cache cache = {0};
         struct gp_splat_params p = GP_SPLAT_EXACT;
@@ -418,7 +413,6 @@ static void single_sensors_only_round(void **state)
  * point far from others must lose. One lit pixel is exact in every block. */
 static void a_single_light_is_exact(void **state)
 {
-    (void) state;
     for (int group = 2; group <= 64; group *= 2) {
         struct gp_bound_cache cache = {0};
         struct trial t = simple_trial(

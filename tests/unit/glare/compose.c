@@ -68,7 +68,6 @@ static void mixes_are_their_formulas(void **state)
         {GP_MIX_SCATTER, 1.0f, 1, 31, 3},  {GP_MIX_SCATTER, 0.5f, 31, 1, 3},
         {GP_MIX_SCATTER, 1.0f, 7, 7, 1000},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s;
         struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
@@ -91,7 +90,6 @@ static void mixes_are_their_formulas(void **state)
 
 static void no_layer_means_no_light(void **state)
 {
-    (void) state;
     for (int mix = 0; mix < 2; mix++) {
         struct scene s;
         struct gp_compose_params p = {1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f};
@@ -113,7 +111,6 @@ static void a_huge_source_leaves_nothing_behind(void **state)
 {
     struct scene s;
     struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
-    (void) state;
     make_scene(&s, 5, 5, 13, 1.0f);
     for (int c = 0; c < 3; c++) {
         s.f.rgb.c[c][12] = s.src.rgb[c][0] = 1e9f;
@@ -132,7 +129,6 @@ static void scatter_conserves_energy(void **state)
                                     0.1f,  0.05f, 0.1f, 0.05f};
     static const float gains[] = {0.1f, 0.5f, 1.0f};
     enum { W = 19, H = 11 };
-    (void) state;
     for (size_t g = 0; g < COUNT(gains); g++) {
         struct scene s;
         struct gp_compose_params p = {gains[g], GP_MIX_SCATTER, 0.0f};
@@ -172,7 +168,6 @@ static void planes_are_made_once(void **state)
 {
     struct scene s;
     struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
-    (void) state;
     make_scene(&s, 8, 8, 9, 4.0f);
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
     float *lit = s.f.lit.c[0], first = lit[5];
@@ -187,7 +182,6 @@ static void sources_of_another_frame_are_refused(void **state)
 {
     struct scene s;
     struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
-    (void) state;
     make_scene(&s, 8, 8, 9, 4.0f);
     s.src.h = 9;
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_ERR_BUG);
@@ -198,7 +192,6 @@ static void sources_of_another_frame_are_refused(void **state)
 /* A pupil takes its share of every sample, of whichever mix, layer or none. */
 static void dim_takes_its_share(void **state)
 {
-    (void) state;
     for (int i = 0; i < 4; i++) {
         struct scene plain, dim;
         struct gp_compose_params p = {
@@ -227,7 +220,6 @@ static void dim_takes_its_share(void **state)
 static void threads_change_nothing(void **state)
 {
     float first[37 * 23];
-    (void) state;
     for (int threads = 1; threads <= 7; threads++) {
         struct scene s;
         struct gp_compose_params p = {0.7f, GP_MIX_SCATTER, 0.0f};

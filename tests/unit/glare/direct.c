@@ -48,7 +48,6 @@ static void taps_are_the_kernel(void **state)
         {MID, 0}, {0, 0}, {36, 20}, {-20, 5}, {10, 100}, {1048575, -1048576},
     };
     static const int radii[] = {-1, 0, 1, 4, 8, 16, 32, 1000};
-    (void) state;
     for (size_t i = 0; i < COUNT(centres); i++) {
         struct gp_kernel k = scene_kernel(37, 21, centres[i][0],
                                           centres[i][1],
@@ -65,7 +64,6 @@ static void taps_are_the_kernel(void **state)
 static void parts_add_up(void **state)
 {
     static const int radii[] = {0, 4, 8, 16};
-    (void) state;
     for (size_t i = 0; i < COUNT(radii); i++) {
         struct scene s = hard_scene(&hard_cases[6]);
         struct scene other = hard_sense(&hard_cases[6]);
@@ -117,7 +115,6 @@ static double count_work(const struct gp_sources *s, const struct gp_kernel *k)
 
 static void work_is_counted(void **state)
 {
-    (void) state;
     for (int i = 0; i < HARD_CASES; i++) {
         if (!hard_is_quick(&hard_cases[i]))
             continue;
@@ -134,7 +131,6 @@ static void work_is_counted(void **state)
  * and the groups keep them under the bar. */
 static void equal_sources_do_not_drift(void **state)
 {
-    (void) state;
     struct gp_frame f = scene_frame(211, 193, 0, 0, ALL, 1u);
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < gp_frame_pixels(&f); i++)

@@ -99,7 +99,6 @@ static void check_quads(const struct gp_sources *s, const struct gp_quads *q)
 
 static void quads_hold_the_light(void **state)
 {
-    (void) state;
     for (int i = 0; i < CASES; i++) {
         struct scene s = open_case(&cases[i]);
         struct gp_quads q;
@@ -174,7 +173,6 @@ static void check_sum(const struct quad_case *row, const struct scene *s,
 
 static void quads_sum_like_sources(void **state)
 {
-    (void) state;
     for (int i = 0; i < CASES; i++) {
         struct scene s = open_case(&cases[i]);
         struct gp_taps t;
@@ -193,7 +191,6 @@ static void the_form_goes_with_the_light(void **state)
         enum pattern pattern;
         int quads;
     } rows[] = {{FULL, 1}, {PANES, 1}, {STARS, 0}, {LINES, 0}, {ONE, 0}};
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = open_case(
             &(struct quad_case) {96, 96, rows[i].pattern, 9, 9, 4, 4, -1});

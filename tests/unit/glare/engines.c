@@ -84,7 +84,6 @@ static void check_row(const struct hard_case *h, struct gp_glare *kept)
 
 static void hard_cases_hold(void **state)
 {
-    (void) state;
     struct gp_glare kept = {0};
     for (int i = 0; i < HARD_CASES; i++) {
         if (!quick || hard_is_quick(&hard_cases[i]))
@@ -118,7 +117,6 @@ enum { THREAD_SCENES = 4 };
 
 static void threads_change_no_byte(void **state)
 {
-    (void) state;
     for (int k = 0; k < (quick ? 1 : THREAD_SCENES); k++) {
         struct scene s = thread_scene(k);
         for (int i = 0; gp_engines[i]; i++) {
@@ -144,7 +142,6 @@ static void threads_change_no_byte(void **state)
 /* What auto picks must not depend on the threads, or the bytes would. */
 static void auto_asks_no_threads(void **state)
 {
-    (void) state;
     for (int k = 0; k < THREAD_SCENES && !quick; k++) {
         struct scene s = thread_scene(k);
         struct gp_glare_stats first = {0}, stats;
@@ -167,7 +164,6 @@ static void auto_asks_no_threads(void **state)
 /* Every bound that auto goes by holds, and is what the run reports. */
 static void bounds_hold(void **state)
 {
-    (void) state;
     static const enum light lights[] = {ALL, FEW, CORNERS, RAMP, BLOCK, HOT};
     static const enum shape shapes[] = {PEAK, TINTED, BOX, RING, BORDER};
     static const struct { int w, h, kernel; } size[] = {
@@ -240,7 +236,6 @@ static void bounds_know_the_range(void **state)
     static const float rests[] = {1e-3f,  1e-20f, 1e-30f,
                                   1e-36f, 2e-38f, 1e-42f};
     int large = 0;
-    (void) state;
     for (size_t r = 0; r < COUNT(rests); r++) {
         struct scene s = beside(rests[r]);
         const bool faint = rests[r] < FLT_MIN;
@@ -266,7 +261,6 @@ static void bounds_know_the_range(void **state)
  * prediction; each engine is in the words. */
 static void auto_takes_the_fastest(void **state)
 {
-    (void) state;
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     for (int k = 0; k < THREAD_SCENES && !quick; k++) {
         struct scene s = thread_scene(k);
@@ -292,7 +286,6 @@ static void auto_takes_the_fastest(void **state)
 
 static void names_are_checked(void **state)
 {
-    (void) state;
     struct scene s = law_scene(FEW, 9u), dark = law_scene(DARK, 9u);
     struct gp_glare g = {0};
     struct gp_glare_stats stats;

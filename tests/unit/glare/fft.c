@@ -21,7 +21,6 @@ static int is_smooth(int n)
 /* Fits, is one that the passes can take, and no other such is cheaper. */
 static void lengths_are_the_cheapest(void **state)
 {
-    (void) state;
     for (int n = 1; n < 20000; n += n < 3000 ? 1 : 37) {
         const int length = gp_fft_length(n);
         assert_true(length >= n && length % 8 == 0 && is_smooth(length));
@@ -186,7 +185,6 @@ static void passes_go_round(void **state)
         {56, 40, 9, 39, 40, 3},  {160, 128, 17, 100, 33, 3},
         {512, 64, 16, 1, 7, 1},  {72, 504, 7, 500, 100, 3},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++)
         check_passes(&rows[i]);
 }
@@ -213,7 +211,6 @@ static void check_alone(const struct hard_case *h, const struct scene *s,
  * runs through the transform alone. One state for all of it. */
 static void transform_alone_holds(void **state)
 {
-    (void) state;
     int transforms = 0;
     struct gp_glare kept = {0};
     scene_gain = 0.0f;
@@ -258,7 +255,6 @@ static void check_length(struct gp_glare *kept, int nx, int ny)
  * plan while that of a row is not there. */
 static void plans_outlive_each_other(void **state)
 {
-    (void) state;
     enum { LENGTHS = 12, KEPT = 8 };
     int length[LENGTHS], n = 0;
     struct gp_glare kept = {0};
@@ -296,7 +292,6 @@ static gp_status run_measured(struct scene *s, const char *wisdom)
  * learns stays in the process. */
 static void measured_plans_hold(void **state)
 {
-    (void) state;
     char folder[] = "/tmp/glarepp-wisdom-XXXXXX", file[64];
     struct scene s = hard_scene(&hard_cases[5]);
     struct gp_glare_error e;

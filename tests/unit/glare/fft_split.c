@@ -44,7 +44,6 @@ static size_t count_hot(const struct gp_sources *s, float hot)
 static void choices_keep_the_rules(void **state)
 {
     static const double gains[] = {1.0, 0.0, 1e-6, 1e-3, 0.1, 100.0};
-    (void) state;
     int split = 0, whole = 0;
     for (int i = 0; i < HARD_CASES; i++) {
         struct scene s = hard_sense(&hard_cases[i]);
@@ -78,7 +77,6 @@ static void choices_keep_the_rules(void **state)
 /* One sun over a night: it alone goes direct. */
 static void one_sun_goes_direct(void **state)
 {
-    (void) state;
     struct scene s = scene_sense(
         scene_frame(256, 192, 0, 0, HOT, 1u),
         scene_kernel(255, 255, MID, 0, PEAK),
@@ -98,7 +96,6 @@ static void tails_are_the_rest(void **state)
         {1, 1, MID, 0}, {9, 9, MID, 0}, {10, 8, MID, 0}, {75, 41, MID, 0},
         {75, 41, 3, 40}, {31, 31, -9, 12}, {31, 31, 400, 400},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(kernels); i++) {
         const int *const r = kernels[i];
         struct gp_kernel k = scene_kernel(r[0], r[1], r[2], r[3], TINTED);
@@ -215,7 +212,6 @@ static void check_promise(struct scene *s, const struct chosen *c,
 static void predicted_rounding_is_kept(void **state)
 {
     static const int sizes[][3] = {{192, 144, 97}, {384, 216, 97}};
-    (void) state;
     int promised = 0;
     for (int i = 0; i < 3 * VIEWS && !(quick && i); i++) {
         const int *const size = sizes[i / VIEWS % 2];
@@ -239,7 +235,6 @@ static void predicted_rounding_is_kept(void **state)
  * that takes longer than the transform; a bright sky is not worth as much. */
 static void a_night_is_worth_more_than_a_sky(void **state)
 {
-    (void) state;
     if (quick)
         skip();
     struct gp_frame night = make_view(LAMPS, 960, 540, 3u);

@@ -60,7 +60,6 @@ static struct gp_sources grey_sources(int w, int h, int x0, int y0,
 
 static void formula_by_hand(void **state)
 {
-    (void) state;
     // two blocks of 2x2; the second holds one pixel
     static const float grey[] = {1, 3, 0, 0,
                                  0, 4, 0, 5};
@@ -206,7 +205,6 @@ static const struct naive_row naive_rows[] = {
 
 static void all_as_the_naive_form(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(naive_rows); i++) {
         const struct naive_row *const r = &naive_rows[i];
         if (r->w > 1000 && getenv("GLAREPP_TEST_QUICK"))
@@ -257,7 +255,6 @@ static void clusters_from_the_fill_on(void **state)
         {8, 8, 64, 1.0f, 1}, {8, 8, 63, 1.0f, 0},
         {8, 8, 1, 1e-6f, 1}, {8, 8, 0, 1e-6f, 0}, {1, 1, 1, 0.9f, 1},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++)
         assert_int_equal(clusters_of(rows[i].w, rows[i].h, rows[i].bright,
                                      rows[i].fill),
@@ -268,7 +265,6 @@ static void clusters_from_the_fill_on(void **state)
 
 static void light_is_kept(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(naive_rows); i++) {
         const struct naive_row *const r = &naive_rows[i];
         struct gp_sources s =
@@ -289,7 +285,6 @@ static void light_is_kept(void **state)
 /* Light without luminance, of unreal primaries, stands in its cell's middle. */
 static void light_without_luminance_is_kept(void **state)
 {
-    (void) state;
     static const float grey[] = {1, 2, 0, 0};
     struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
     s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
@@ -305,7 +300,6 @@ static void light_without_luminance_is_kept(void **state)
 /* Light over the range of float stays finite. */
 static void too_much_light_stays_finite(void **state)
 {
-    (void) state;
     static const float grey[] = {1, 1, 1, 1};
     struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
     for (int c = 0; c < 3; c++) {
@@ -322,7 +316,6 @@ static void too_much_light_stays_finite(void **state)
 /* A window that moves over the same light moves no block. */
 static void windows_move_no_block(void **state)
 {
-    (void) state;
     // clusters see the window's edge, so groups alone are the same
     const struct gp_splat_params p = {.group = 4, MOMENTS};
     float a[20 * 12] = {0}, b[25 * 19] = {0};
@@ -348,7 +341,6 @@ static void windows_move_no_block(void **state)
 
 static void threads_change_nothing(void **state)
 {
-    (void) state;
     struct gp_sources s = scene_sources(211, 151, -3, 5, RAMP, 1u);
     const struct gp_splat_params p = {.group = 4, .cluster = 8, MOMENTS};
     gp_set_threads(1);
@@ -388,7 +380,6 @@ static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
 /* A point's polygon has its light, its centroid and the spread claimed. */
 static void moments_are_kept(void **state)
 {
-    (void) state;
     struct gp_kernel point = scene_kernel(1, 1, MID, 0, BOX);
     struct gp_sources s = scene_sources(96, 96, 0, 0, CORNERS, 1u);
     for (int blur = 0; blur < GP_BLURS; blur++) {
@@ -425,7 +416,6 @@ static void ungrouped_is_exact(void **state)
         {1, 1, MID, 0}, {9, 9, MID, 0}, {30, 18, MID, 0}, {121, 97, MID, 0},
         {13, 11, -20, 5}, {13, 11, 30, 25}, {13, 11, 1048575, 5},
     };
-    (void) state;
     for (int i = 0; i < 7 * 3; i++) {
         const int *const r = kernels[i / 3];
         struct scene s = scene_make(
@@ -448,7 +438,6 @@ static void ungrouped_is_exact(void **state)
 /* Pixels beyond the reach get nothing from the tail, those within all. */
 static void reach_cuts(void **state)
 {
-    (void) state;
     struct gp_kernel k = scene_kernel(81, 81, MID, 0, PEAK);
     struct gp_sources s = scene_sources(96, 96, 0, 0, DARK, 1u);
     struct gp_polygon at = {

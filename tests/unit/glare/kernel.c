@@ -29,7 +29,6 @@ static void builtin_refuses(void **state)
         {"builtin:eye", INT32_MAX, 0}, {"builtin:eye", 3, NAN},
         {"builtin:eye", 3, INFINITY}, {"builtin:eye", 3, -1e9},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_kernel_params p = {
             .source = rows[i].source, .builtin_size = rows[i].size,
@@ -70,7 +69,6 @@ static void image_keeps_the_ratios_of_its_channels(void **state)
     struct gp_frame f = blank(0, 0, 3, 3);
     struct gp_kernel_params p = {.source = "k.exr"};
     struct gp_kernel k;
-    (void) state;
     put(&f, 0, 0, 4, 1, -1);
     put(&f, 1, 1, 4, 5, 4);
     put(&f, 2, 2, 0, 2, 1);
@@ -121,7 +119,6 @@ static void image_borders_are_cut(void **state)
         {5, 5, 1, 1, true, {11.5, -6.5}, 10, -8, 0, 0},
         {5, 5, 4, 4, false, {0}, 10, -8, -2, -2},   // window moves nothing
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
         struct gp_kernel_params p = {
@@ -148,7 +145,6 @@ static void image_is_cut_to_the_union_of_its_channels(void **state)
     struct gp_kernel_params p = {.source = "k.exr",
                                  .normalize = GP_NORMALIZE_NONE};
     struct gp_kernel k;
-    (void) state;
     put(&f, 1, 5, 1, -0.0f, 0);
     put(&f, 6, 2, 0, 2, 0);
     put(&f, 3, 6, 0, 0, -3);
@@ -170,7 +166,6 @@ static void image_of_any_size_is_normalised(void **state)
 {
     static const float peaks[] = {1e-45f, 1e-38f, 1e-3f, 65504.0f, 1e30f,
                                   FLT_MAX};
-    (void) state;
     for (size_t i = 0; i < COUNT(peaks); i++) {
         struct gp_frame f = blank(0, 0, 2, 1);
         struct gp_kernel_params p = {.source = "k.exr"};
@@ -203,7 +198,6 @@ static void bad_images_are_refused(void **state)
         {-2, -2, -2, 1, GP_NORMALIZE_LUMINANCE},
     };
     struct gp_kernel_params p = {.source = "k.exr"};
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = blank(0, 0, 4, 3);
         struct gp_kernel k = {.w = 77};
@@ -231,7 +225,6 @@ static void faint_samples_are_zero(void **state)
     struct gp_kernel_params p = {.source = "k.exr",
                                  .normalize = GP_NORMALIZE_NONE};
     struct gp_kernel k;
-    (void) state;
     put(&f, 0, 0, 1e-39f, -1e-39f, 0);
     put(&f, 1, 0, 1, FLT_MIN, 2);
     put(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
@@ -251,7 +244,6 @@ static void negative_kernels_pass_unnormalised(void **state)
     struct gp_kernel_params p = {.source = "k.exr",
                                  .normalize = GP_NORMALIZE_NONE};
     struct gp_kernel k;
-    (void) state;
     put(&f, 0, 0, -2, -2, -2);
     assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
     assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
@@ -263,7 +255,6 @@ static void negative_kernels_pass_unnormalised(void **state)
  * there it falls to nothing before the edge, the same in all directions. */
 static void builtin_fades_to_its_edge(void **state)
 {
-    (void) state;
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
     p.builtin_size = 201;

@@ -35,7 +35,6 @@ static double luminance(const struct gp_kernel *k)
 static void are_light(void **state)
 {
     static const int sizes[] = {1, 3, 5, 31, 65, 255, 511};
-    (void) state;
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
         for (size_t i = 0; i < COUNT(sizes); i++) {
             struct gp_kernel k = make(b->name, sizes[i]);
@@ -62,7 +61,6 @@ static void are_light(void **state)
  * largest value, for kernels with room to fade. */
 static void end_softly(void **state)
 {
-    (void) state;
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
         struct gp_kernel k = make(b->name, 511);
         double peak = 0.0, border = 0.0;
@@ -91,7 +89,6 @@ static void have_their_colours(void **state)
         bool grey;
     } rows[] = {{"eye", true}, {"streak", false}, {"star", false},
                 {"cross", true}, {"circle", true}, {"ring", false}};
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_kernel k = make(rows[i].name, 255);
         assert_int_equal(k.grey, rows[i].grey);
@@ -117,7 +114,6 @@ static void follow_their_formulas(void **state)
 {
     const double r = 511 / 2.0;
     static const double l[3] = {0.15, 0.2, 0.3};
-    (void) state;
     struct gp_kernel k = make("builtin:streak", 511);
     for (int c = 0; c < 3; c++) {
         const double got = at(&k, c, 100, 0) / at(&k, c, 0, 0);
@@ -148,7 +144,6 @@ static void follow_their_formulas(void **state)
 
 static void are_the_same_for_any_threads(void **state)
 {
-    (void) state;
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
         gp_set_threads(1);
         struct gp_kernel first = make(b->name, 129);
@@ -239,7 +234,6 @@ static void eye_is_integrated(void **state)
         {16, 1},  {23, 0},  {24, 0},  {24, 24},  {40, 7},  {100, 99}, {255, 0},
         {255, 255},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         int x = rows[i][0], y = rows[i][1];
         assert_close(gp_eye_share(x, y), brute(x - 0.5, y - 0.5, 1.0), 1e-10);
@@ -251,7 +245,6 @@ static void eye_is_not_sampled(void **state)
 {
     const double pitch = GP_EYE_DEGREES_PER_PIXEL;
     const double area = pitch * pitch * RADIAN * RADIAN;
-    (void) state;
     assert_true(photopic(0.0) * area > 1.9 * gp_eye_share(0, 0));
     assert_true(photopic(pitch) * area < 0.95 * gp_eye_share(1, 0));
 }
@@ -260,7 +253,6 @@ static void eye_is_symmetric_to_the_bit(void **state)
 {
     static const int rows[][2] = {{3, 1}, {17, 16}, {255, 254}, {9, 0}};
     struct gp_planes k;
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         int x = rows[i][0], y = rows[i][1];
         double share = gp_eye_share(x, y);
@@ -284,7 +276,6 @@ static void eye_is_symmetric_to_the_bit(void **state)
 
 static void eye_falls_on_every_side(void **state)
 {
-    (void) state;
     struct gp_kernel k = make("eye", 511);
     for (int y = 0; y <= 255; y++) {
         for (int x = 0; x < 255; x++) {
@@ -320,7 +311,6 @@ static double inside_square(int n)
 static void eye_keeps_all_light_of_its_square(void **state)
 {
     static const int sizes[] = {1, 3, 9, 25, 49, 101};
-    (void) state;
     for (size_t i = 0; i < COUNT(sizes); i++) {
         double sum = 0.0;
         int reach = sizes[i] / 2;
@@ -341,7 +331,6 @@ static void eye_is_the_papers(void **state)
 {
     double (*const f[3])(double) = {f0, f1, f2};
     static const double tolerance[3] = {0.002, 0.002, 0.02};
-    (void) state;
     for (int k = 0; k < 3; k++) {
         double sum = 0.0, from = 0.0;
         for (double to = 1e-6; from < 90.0; from = to, to *= 1.0005) {

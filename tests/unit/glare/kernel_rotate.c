@@ -87,7 +87,6 @@ static const struct {
 
 static void samples_are_the_unturned_ones(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(kernels); i++) {
         struct gp_frame f = image(kernels[i].w, kernels[i].h, kernels[i].grey,
                                   kernels[i].lobes);
@@ -125,7 +124,6 @@ static void right_angles_move_samples(void **state)
     static const float turns[] = {90.0f, 180.0f, 270.0f, -90.0f, 450.0f,
                                   -720.0f, 0.0f, 360.0f, -0.0f};
     static const int quarters[] = {1, 2, 3, 3, 1, 0, 0, 0, 0};
-    (void) state;
     for (size_t i = 0; i < COUNT(kernels); i++) {
         struct gp_frame f = image(kernels[i].w, kernels[i].h, false, false);
         const double *const center =
@@ -160,7 +158,6 @@ static void no_turn_is_the_same_bytes(void **state)
     struct gp_frame f = image(31, 20, false, false);
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel none, k;
-    (void) state;
     assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &none), GP_OK);
     k = turned(&f, 720.0f, GP_NORMALIZE_LUMINANCE, NULL);
     assert_int_equal(k.w, none.w);
@@ -176,7 +173,6 @@ static void no_turn_is_the_same_bytes(void **state)
 static void turned_kernels_are_normalised(void **state)
 {
     struct gp_frame f = image(9, 8, false, false);
-    (void) state;
     for (size_t a = 0; a < COUNT(angles); a++) {
         struct gp_kernel k = turned(&f, angles[a], GP_NORMALIZE_LUMINANCE,
                                     NULL);
@@ -201,7 +197,6 @@ static void what_cannot_be_is_refused(void **state)
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k = {.w = 77};
     static const float bad[] = {45.0f, NAN, INFINITY, -INFINITY};
-    (void) state;
     for (size_t i = 0; i < COUNT(bad); i++) {
         p.rotate = bad[i];
         assert_int_equal(gp_kernel_from_frame(&said_log, &p, &line, &k),
@@ -219,7 +214,6 @@ static void what_cannot_be_is_refused(void **state)
 static void turning_is_the_same_for_any_threads(void **state)
 {
     struct gp_frame f = image(61, 40, false, false);
-    (void) state;
     gp_set_threads(1);
     struct gp_kernel first = turned(&f, 33.0f, GP_NORMALIZE_LUMINANCE, NULL);
     for (int threads = 2; threads < 6; threads++) {
@@ -240,7 +234,6 @@ static void engines_agree(void **state)
 {
     static const char *const engines[] = {"direct", "fft"};
     const struct gp_sensor_params sensors = GP_SENSOR_DEFAULTS;
-    (void) state;
     struct gp_frame f = image(21, 30, false, false);
     struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7),
                                 turned(&f, 30.0f, GP_NORMALIZE_LUMINANCE, NULL),

@@ -30,7 +30,6 @@ static double sum_error(const struct gp_planes *a, const struct gp_planes *b,
 /* layer(a) + layer(b) = layer(a + b) */
 static void layers_add_up(void **state)
 {
-    (void) state;
     struct scene a = law_scene(FEW, 1u), b = law_scene(ALL, 2u);
     struct gp_frame both = scene_frame(97, 61, 0, 0, DARK, 0u);
     const size_t n = gp_frame_pixels(&both);
@@ -64,7 +63,6 @@ static void layers_add_up(void **state)
  * scale of its own. */
 static void layers_scale(void **state)
 {
-    (void) state;
     struct scene a = law_scene(FEW, 3u);
     struct gp_frame f = scene_frame(97, 61, 0, 0, FEW, 3u);
     const size_t n = gp_frame_pixels(&f);
@@ -132,7 +130,6 @@ static double shift_error(const struct gp_planes *a, const struct gp_planes *b,
 static void light_moves_its_layer(void **state)
 {
     static const int steps[][2] = {{1, 0}, {0, 1}, {-19, 7}, {30, -18}};
-    (void) state;
     struct scene a = scene_make(moved(0, 0),
                                 scene_kernel(31, 29, MID, 0, TINTED), &usual);
     assert_true(a.src.n > 1);
@@ -163,7 +160,6 @@ static void windows_change_no_byte(void **state)
     static const int corner[][2] = {
         {-1000, 3}, {7, -90000}, {1 << 20, 1 << 20},
     };
-    (void) state;
     struct scene a = law_scene(FEW, 5u);
     for (int i = 0; gp_engines[i]; i++) {
         struct gp_glare_stats stats;
@@ -186,7 +182,6 @@ static void windows_change_no_byte(void **state)
  * taken as it is written, to the bar through a transform. */
 static void identity_gives_the_sources(void **state)
 {
-    (void) state;
     struct gp_planes image;
     struct scene s = scene_make(scene_frame(97, 61, 0, 0, FEW, 6u),
                                 scene_kernel(1, 1, MID, 0, BOX),
@@ -214,7 +209,6 @@ static void identity_gives_the_sources(void **state)
 /* Sources whose whole kernel is in the frame lose no light. */
 static void light_is_kept(void **state)
 {
-    (void) state;
     struct scene s = law_scene(MIDDLE, 7u);
     assert_true(s.src.box.x0 >= 15 && s.src.box.x1 <= 97 - 15);
     assert_true(s.src.box.y0 >= 14 && s.src.box.y1 <= 61 - 14);

@@ -128,7 +128,6 @@ static double own[MOTION_SHAPES];
 
 static int measure(void **state)
 {
-    (void) state;
     struct gp_kernel kernel = motion_kernel();
     for (int s = 0; s < MOTION_SHAPES; s++) {
         make_steps((enum motion_shape) s, &kernel);
@@ -146,7 +145,6 @@ static int measure(void **state)
 /* The light itself: its flux and its centroid do not depend on the place. */
 static void light_slides_evenly(void **state)
 {
-    (void) state;
     for (int s = 0; s < MOTION_SHAPES; s++) {
         struct motion_track track = {0};
         double *const light = scene_alloc(pixels, sizeof *light);
@@ -175,7 +173,6 @@ static void check(const char *name, const char *shape, const char *what,
 static void techniques_stay_steady(void **state)
 {
     int skipped = 0;
-    (void) state;
     for (int i = 0; i < TECHNIQUES; i++) {
         const struct technique *const t = &techniques[i];
         skipped += !ran[i];

@@ -322,7 +322,6 @@ static const struct pair pairs[] = {
 
 static void fast_forms_equal_the_plain_ones(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(pairs); i++) {
         if (!pairs[i].gl || !no_context)
             pair_run(&pairs[i]);
@@ -333,7 +332,6 @@ static void fast_forms_equal_the_plain_ones(void **state)
 static void sensors_of_any_length(void **state)
 {
     static const float odd[] = {0.0f, -0.0f, 1.0f, -3.0f, 2.0f, 65504.0f};
-    (void) state;
     for (int n = 1; n <= 600; n += n < 40 ? 1 : 36) {
         struct pair_input in = pair_make(n, 1, PAIR_UNIFORM, 0.0f, 3u);
         float *const got = calloc(3 * (size_t) n, sizeof *got);

@@ -93,7 +93,6 @@ static const struct row {
 
 static void one_frame(void **state)
 {
-    (void) state;
     for (size_t r = 0; r < COUNT(rows); r++) {
         const struct row *const w = &rows[r];
         struct gp_plan_past past = {0};
@@ -118,7 +117,6 @@ static void one_frame(void **state)
 
 static void errors_come_back(void **state)
 {
-    (void) state;
     const struct made_up c[2] = {{9, 0, 1e-6, true}, {8, 0, 1e-5, true}};
     struct gp_plan_past past = {.last = 2, .rival = 1, .lost = 3.0};
     struct asked asked = {.answer = GP_ERR_BUG};
@@ -162,7 +160,6 @@ static const struct change {
 /* The first frame is one that b cannot win. */
 static void a_choice_is_kept(void **state)
 {
-    (void) state;
     for (size_t r = 0; r < COUNT(changes); r++) {
         const struct change *const w = &changes[r];
         struct gp_plan_past past = {0};
@@ -190,7 +187,6 @@ static void a_choice_is_kept(void **state)
 
 static void a_lost_bound_ends_it(void **state)
 {
-    (void) state;
     struct made_up c[2] = {{10, 0, 1e-5, 1}, {20, 0, 1e-5, 1}};
     struct gp_plan_past past = {0};
     struct asked asked = {0};
@@ -206,7 +202,6 @@ static void a_lost_bound_ends_it(void **state)
 /* Two that are faster in turn by less than 20 %: no change every frame. */
 static void no_flicker(void **state)
 {
-    (void) state;
     struct gp_plan_past past = {0};
     struct asked asked = {0};
     struct gp_choice got;
@@ -244,7 +239,6 @@ static int collect(struct scene *s, const struct gp_glare *g,
 
 static void candidates_are_whole(void **state)
 {
-    (void) state;
     static const enum light light[] = {FEW, ALL, CORNERS, HOT};
     for (int i = 0; i < 4; i++) {
         struct scene s = scene_of(light[i], 97, 61, 31);
@@ -271,7 +265,6 @@ static void candidates_are_whole(void **state)
 /* What a run leaves in its state is not predicted again. */
 static void states_count(void **state)
 {
-    (void) state;
     for (int i = 0; i < 2; i++) {
         struct scene s = scene_of(FEW, 97, 61, 31);
         struct gp_glare_params p = GP_GLARE_DEFAULTS;
@@ -311,7 +304,6 @@ static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
  * does; and the layer keeps the bound. */
 static void the_tolerance_is_kept_or_said(void **state)
 {
-    (void) state;
     static const double tolerance[] = {1.0, 1e-3, 1e-9, 0.0};
     for (int i = 0; i < 4; i++) {
         struct scene s = scene_of(FEW, 97, 61, 31);

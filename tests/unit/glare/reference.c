@@ -35,7 +35,6 @@ static void check_samples(const struct scene *s, const double *layer, int step,
  * terms, each within 2^-53. */
 static void plain_loops_are_the_sum(void **state)
 {
-    (void) state;
     for (int i = 0; i < HARD_CASES; i++) {
         const struct hard_case *const h = &hard_cases[i];
         if (!hard_is_quick(h))
@@ -63,7 +62,6 @@ static void transform_is_the_sum(void **state)
         {300, 211, 601, 423, MID, 0, PEAK},    // larger than the frame
         {401, 397, 101, 99, -20, 110, TINTED}, // centre outside
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = scene_sense(
             scene_frame(rows[i].w, rows[i].h, 0, 0, ALL, 5u),
@@ -83,7 +81,6 @@ static void transform_is_the_sum(void **state)
 static void threads_change_nothing(void **state)
 {
     static const int threads[] = {1, 2, 4, 7};
-    (void) state;
     struct scene s = hard_scene(&hard_cases[5]);
     const size_t bytes = 3 * gp_frame_pixels(&s.f) * sizeof(double);
     double *const again = scene_alloc(1, bytes);
@@ -135,7 +132,6 @@ static void one_error_is_what_it_is(void **state)
         {0.0f, 1.0f, 2.0, 2, 1.0f},    {3.0f, 0.25f, 2.0, 1, 1.0f},
         {1.0f, 0.0f, 2.0, 1, 1.0f},    {-5.0f, 1.0f, 1.0, 1, 0.25f},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const double exact = rows[i].exact, off = (double) rows[i].off;
         const double gain = (double) rows[i].gain;
@@ -165,7 +161,6 @@ static void one_error_is_what_it_is(void **state)
 static void no_error_is_zero(void **state)
 {
     static const double layers[] = {0.0, 1.0, 1e30, -2.0};
-    (void) state;
     for (size_t i = 0; i < COUNT(layers); i++) {
         const float layer = (float) layers[i];
         struct scene s = measured(5, 3, 0.0f, (double) layer, layer);
@@ -179,7 +174,6 @@ static void no_error_is_zero(void **state)
 /* Where nothing should be, what is there is the error itself. */
 static void dark_layers_have_absolute_errors(void **state)
 {
-    (void) state;
     struct scene s = measured(2, 2, 1.0f, 0.0, 0.0f);
     struct gp_glare_error e;
     s.f.layer.c[1][3] = 0.25f;
@@ -195,7 +189,6 @@ static void nan_is_an_error(void **state)
 {
     static const float bad[] = {NAN, INFINITY, -INFINITY};
     static const size_t places[] = {0, 7, 14};
-    (void) state;
     for (int i = 0; i < 9; i++) {
         struct scene s = measured(5, 3, 1.0f, 1.0, 1.0f);
         struct gp_glare_error e;
@@ -213,7 +206,6 @@ static void nan_is_an_error(void **state)
  * with its layer has the same relative errors. */
 static void errors_scale(void **state)
 {
-    (void) state;
     struct scene s = hard_scene(&hard_cases[5]);
     struct gp_glare_error one, two, scaled;
     const size_t n = gp_frame_pixels(&s.f);

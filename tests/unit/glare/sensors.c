@@ -26,7 +26,6 @@ static void bad_pixels_stay_alone(void **state)
         {{1e-42f, -1e-42f, 0}, {1e-42f, -1e-42f, 0}, 0, 0},
     };
     static const int sizes[][2] = {{1, 1}, {16, 16}, {37, 35}};
-    (void) state;
     for (size_t i = 0; i < 3 * COUNT(rows); i++) {
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
         struct gp_frame f = scene_frame(w, h, 0, 0, DARK, 9u);
@@ -55,7 +54,6 @@ static void bad_pixels_stay_alone(void **state)
 
 static void threshold_is_shut(void **state)
 {
-    (void) state;
     const struct gp_sensor_params hard = {3.0f, 0.0f, 100.0f};
     assert_true(gp_bright_pass(&hard, 3.0f) == 0.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 4.0f)) == 1.0f);
@@ -74,7 +72,6 @@ static void threshold_is_shut(void **state)
 static void knee_is_smooth(void **state)
 {
     static const float knees[] = {1e-3f, 0.1f, 0.5f, 1.0f};
-    (void) state;
     for (size_t i = 0; i < COUNT(knees); i++) {
         const struct gp_sensor_params p = {2.0f, knees[i], 100.0f};
         const double lo = 2.0 * (1.0 - (double) knees[i]);
@@ -103,7 +100,6 @@ static void knee_is_smooth(void **state)
  * few dark pixels do not pull it down. */
 static void darkest_is_robust(void **state)
 {
-    (void) state;
     struct gp_frame f = scene_frame(300, 200, 0, 0, DARK, 3u);
     const size_t n = gp_frame_pixels(&f);
     struct gp_sources src;
@@ -130,7 +126,6 @@ static void threads_change_nothing(void **state)
 {
     static const int threads[] = {1, 2, 4, 7};
     struct gp_sources first = {0};
-    (void) state;
     for (int t = 0; t < 4; t++) {
         struct gp_frame f = scene_frame(211, 151, 0, 0, BAD, 4u);
         struct gp_sources src;
@@ -159,7 +154,6 @@ static void threads_change_nothing(void **state)
 /* The frame's own weights decide, negative ones too. */
 static void weights_are_the_frames(void **state)
 {
-    (void) state;
     struct gp_frame f = scene_frame(8, 4, 0, 0, DARK, 5u);
     const float weights[3] = {0.0f, -1.0f, 2.0f};
     struct gp_sources src;

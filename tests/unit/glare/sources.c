@@ -55,7 +55,6 @@ static void assert_list(const struct gp_sources *s, const char *what)
 
 static void lists_are_whole(void **state)
 {
-    (void) state;
     for (int i = 0; i < HARD_CASES; i++) {
         struct scene s = hard_sense(&hard_cases[i]);
         assert_list(&s.src, hard_cases[i].name);
@@ -65,7 +64,6 @@ static void lists_are_whole(void **state)
 
 static void bins_are_half_octaves(void **state)
 {
-    (void) state;
     for (int b = 0; b < GP_SOURCE_BINS - 3; b++) {
         const float start = gp_source_bin_start(b);
         const float end = gp_source_bin_start(b + 1);
@@ -82,7 +80,6 @@ static void bins_are_half_octaves(void **state)
 static void parts_hold_all(void **state)
 {
     static const float limits[] = {0.0f, 1.1f, 2.0f, 100.0f, 1e6f, INFINITY};
-    (void) state;
     struct scene s = hard_sense(&hard_cases[6]);
     for (size_t k = 0; k < COUNT(limits); k++) {
         struct gp_sources part[2]; // hot, rest
@@ -126,7 +123,6 @@ static void light_outside_is_refused(void **state)
         {-1, 0}, {20, 0}, {0, -1}, {0, 10}, {INT_MIN, INT_MAX},
     };
     struct gp_sources dark = dark_list();
-    (void) state;
     for (size_t i = 0; i < COUNT(outside); i++) {
         struct gp_sources out = {0};
         struct gp_source one = {outside[i][0], outside[i][1], {1, 1, 1}};
@@ -145,7 +141,6 @@ static void light_joins(void **state)
 {
     static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
     struct gp_sources dark = dark_list();
-    (void) state;
     for (int turn = 0; turn < 4; turn++) {
         struct gp_source list[12];
         struct gp_sources out, twice;

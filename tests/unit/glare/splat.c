@@ -84,13 +84,11 @@ static void rows_equal_the_sum(enum gp_gl_api gl)
 
 static void osmesa_equals_the_sum(void **state)
 {
-    (void) state;
     rows_equal_the_sum(GP_GL_OSMESA);
 }
 
 static void egl_equals_the_sum(void **state)
 {
-    (void) state;
     rows_equal_the_sum(GP_GL_EGL);
 }
 
@@ -108,7 +106,6 @@ static void tiles_equal_the_sum(void **state)
         {"1", {5, 4, EVERY, 1, 1, 0, 0, PEAK}},
         {"7", {22, 1, EVERY, 7, 7, 0, 6, HOLES}},
     };
-    (void) state;
     how.primitive = GP_PRIMITIVE_QUAD;
     for (size_t i = 0; i < COUNT(tiled); i++) {
         setenv("GLAREPP_GL_MAX_SIZE", tiled[i].side, 1);
@@ -122,7 +119,6 @@ static void tiles_equal_the_sum(void **state)
 
 static void over_the_limit_fails_with_words(void **state)
 {
-    (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(40, 30, FEW);
@@ -164,7 +160,6 @@ static void same_bits(const struct gp_sources *src, const struct gp_planes *a,
  * went through leaves no trace in the bytes. */
 static void no_stale_kernel(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(61, 47, MANY);
     struct gp_kernel k = make_kernel(21, 21, 10, 10, PEAK);
@@ -200,7 +195,6 @@ static void no_stale_kernel(void **state)
 /* Two states in turns, one of them changing its context under way. */
 static void contexts_in_turns(void **state)
 {
-    (void) state;
     void *one = open_or_skip(GP_GL_OSMESA), *two = open_or_skip(GP_GL_EGL);
     struct gp_sources src = make_sources(50, 40, FEW);
     struct gp_kernel k = make_kernel(15, 15, 7, 7, PEAK);
@@ -223,7 +217,6 @@ static void contexts_in_turns(void **state)
 
 static void counts_are_right(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(40, 30, CORNERS);
     struct gp_kernel k = make_kernel(9, 7, 4, 3, PEAK);
@@ -248,7 +241,6 @@ static void counts_are_right(void **state)
 
 static void large_points_are_refused(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_planes layer;
     const int most =
@@ -285,7 +277,6 @@ static void counts_are_those_of_the_groups(void **state)
 {
     static const char *const names[] = {"blended quads", "blended points",
                                         "tiles, groups from the CPU"};
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(64, 32, EVERY);
     struct gp_kernel k = make_kernel(41, 41, 20, 20, PEAK);
@@ -335,7 +326,6 @@ static double light_lost(const struct gp_sources *src,
 static void shrinking_leaves_out_what_it_may(void **state)
 {
     static const float shares[] = {0.0f, 1e-4f, 1e-3f, 1e-2f, 0.1f};
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(131, 67, MANY);
     struct gp_kernel k = make_kernel(63, 61, 31, 30, PEAK);
@@ -373,7 +363,6 @@ static void shrinking_leaves_out_what_it_may(void **state)
  * never outlives its light. */
 static void plans_are_kept_for_their_light_alone(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_sources src = make_sources(50, 40, FEW);
     struct gp_kernel k = make_kernel(31, 31, 15, 15, PEAK);

@@ -40,7 +40,6 @@ static int by_name(const void *a, const void *b)
 
 static int setup(void **state)
 {
-    (void) state;
     char self[PATH_MAX] = "", beside[PATH_MAX];
     const char *data = getenv("GLAREPP_DATA");
     nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
@@ -53,7 +52,6 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-    (void) state;
     for (int i = 0; i < files; i++)
         free(file[i]);
     return 0;
@@ -105,7 +103,6 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
 
 static void every_frame_of_the_data_is_within_a_hundredth(void **state)
 {
-    (void) state;
     const struct gp_read_params read = GP_READ_DEFAULTS;
     const struct gp_sensor_params sense = GP_SENSOR_DEFAULTS;
     const struct gp_kernel_params eye = GP_KERNEL_DEFAULTS;

@@ -130,7 +130,6 @@ static void check_form(int row, struct drawn *d, enum gp_primitive primitive,
 /* One state for all: frames, kernels and groups change under way. */
 static void forms_equal_the_plain_form(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     const int n = getenv("GLAREPP_TEST_QUICK") ? 3 : FORMS;
     for (int i = 0; i < n; i++) {
@@ -145,7 +144,6 @@ static void forms_equal_the_plain_form(void **state)
 /* Tiles and blocks many times smaller than frame and kernel. */
 static void small_targets_change_nothing(void **state)
 {
-    (void) state;
     for (int i = 0; i < FORMS; i++) {
         const bool fits = forms[i].kw <= 64 && forms[i].kh <= 64;
         setenv("GLAREPP_GL_MAX_SIZE", fits ? "150" : "200", 1);
@@ -162,7 +160,6 @@ static void small_targets_change_nothing(void **state)
 
 static void runs_give_the_same_bytes(void **state)
 {
-    (void) state;
     for (int i = 0; i < FORMS; i++) {
         struct drawn d = make_drawn(&forms[i]);
         for (int p = 0; p < PRIMITIVES; p++) {
@@ -221,7 +218,6 @@ static void quads_turn_as_the_kernel_does(void **state)
         {60, 50, 21, 16, MANY, PEAK, 90.0f, 0, false},
         {1, 1, 1, 1, EVERY, PEAK, 33.0f, 0, true},
     };
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     struct gp_splat *const s = kept;
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -289,7 +285,6 @@ static int print_hash(void)
 
 static void threads_change_no_byte(void **state)
 {
-    (void) state;
     threads_same_bytes("splat_form");
 }
 

@@ -184,7 +184,6 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
 
 static void passes_equal_the_cpu(void **state)
 {
-    (void) state;
     void *kept = open_or_skip(GP_GL_AUTO);
     // Mesa's compiler crawls in valgrind
     const int n = getenv("GLAREPP_TEST_QUICK") ? 8 : PASSES;

@@ -393,7 +393,6 @@ static void sweep(const struct starved *r)
 
 static void faults_leave_nothing(void **state)
 {
-    (void) state;
     gp_set_threads(2);
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
         sweep(&rows[i]);

@@ -25,7 +25,6 @@ static void fftw_is_missing(void **state)
     };
     const struct gp_fftwf *lib;
     struct gp_fft_plan_pair pair = {0};
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         fail_always.library = rows[i].library;
         fail_always.symbol = rows[i].symbol;
@@ -78,7 +77,6 @@ static void fftw_makes_no_plan(void **state)
     const struct gp_fftwd *twice;
     struct scene s = make_scene(ALL, 200, 200, 401, MID);
     double *const layer = scene_alloc(3 * 200 * 200, sizeof *layer);
-    (void) state;
     assert_int_equal(gp_fftwf_open(NULL, &lib), GP_OK);
     assert_int_equal(gp_fftwd_open(NULL, &twice), GP_OK);
     real_plan = lib->plan_dft_1d;
@@ -114,7 +112,6 @@ static void wisdom_is_not_kept(void **state)
 {
     char folder[] = "/tmp/glarepp-wisdom-XXXXXX", longest[5000];
     struct gp_fft_plan_pair p = {0};
-    (void) state;
     assert_non_null(mkdtemp(folder));
     memset(longest, 'a', sizeof longest - 1);
     longest[sizeof longest - 1] = '\0';
@@ -140,7 +137,6 @@ static void kernels_that_reach_nothing(void **state)
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare_stats stats = {0};
     struct gp_glare g = {0};
-    (void) state;
     for (int i = 0; gp_engines[i]; i++) {
         assert_int_equal(scene_run(gp_engines[i]->name, &s, &g, &stats), GP_OK);
         for (int k = 0; k < 3 * 200; k++)
@@ -167,7 +163,6 @@ static void cpus_agree(void **state)
 {
     static const enum light lights[] = {FEW, BLOCK, HOT, ALL};
     static const char *const names[] = {"direct", "fft"};
-    (void) state;
     for (int i = 0; i < 8; i++) {
         struct scene s = make_scene(lights[i / 2], 61, 43, 25, MID);
         uint64_t hash[2];
@@ -207,7 +202,6 @@ static void patience_is_asked_for(void **state)
     struct gp_glare_stats stats;
     struct gp_glare g = {0};
     static char name[] = "lamp.exr";
-    (void) state;
     p.engine = "direct";
     assert_int_equal(gp_planes_make(NULL, "layer", gp_frame_pixels(&s.f),
                                     &s.f.layer), GP_OK);
@@ -247,7 +241,6 @@ static void limits_are_named(void **state)
     struct scene s = make_scene(FEW, 40, 30, 25, MID);
     struct gp_glare g = {0};
     struct gp_splat *splat = NULL;
-    (void) state;
     said_nothing();
     if (draw_points(&s, &g, GP_PRIMITIVE_POINT) == GP_ERR_GL) {
         scene_free(&s);
@@ -314,7 +307,6 @@ static void questions_may_fail(void **state)
         {1, 2, 3, 4}, {4, 3, 2, 1}, {10, 9.5, 9, 10}, {1, 1, 1, 100},
     };
     int failures = 0;
-    (void) state;
     for (int k = 0; k < 5 * 4 * 5; k++) {
         struct question q = {.bound = bounds[k / 20]};
         struct gp_choice choice;

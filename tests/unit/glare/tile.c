@@ -256,13 +256,11 @@ static void rows_equal_the_sum(enum gp_gl_api api)
 
 static void osmesa_equals_the_sum(void **state)
 {
-    (void) state;
     rows_equal_the_sum(GP_GL_OSMESA);
 }
 
 static void egl_equals_the_sum(void **state)
 {
-    (void) state;
     rows_equal_the_sum(GP_GL_EGL);
 }
 
@@ -281,7 +279,6 @@ static void small_fields_equal_the_sum(void **state)
         {"7", {22, 15, 9, WHOLE, 1, 0, 4, 7, 0, 6, GREY, {0}, false}},
         {"1", {9, 5, 9, BETWEEN, 1, 0, 1, 1, 0, 0, GREY, {0}, false}},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(small); i++) {
         struct gp_tiles *kept = NULL;
         setenv("GLAREPP_GL_MAX_SIZE", small[i].side, 1);
@@ -301,7 +298,6 @@ static void over_the_limit_fails_with_words(void **state)
                                     COLOUR, {0}, false};
     struct gp_tiles *kept = NULL;
     double roundings;
-    (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "16", 1);
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     unsetenv("GLAREPP_GL_MAX_SIZE");
@@ -329,7 +325,6 @@ static void batches_are_large(void **state)
          false},
     };
     struct gp_tile_batch batch = {0};
-    (void) state;
     batch.texel = malloc((size_t) GP_TILE_TEXELS * 4 * sizeof(float));
     for (size_t i = 0; i < COUNT(sizes); i++) {
         struct scene s = make_scene(&sizes[i]);
@@ -359,7 +354,6 @@ static void batches_equal_the_sum(void **state)
     enum { SIDE = 1024, N = 1300 };
     static const struct row row = {SIDE, SIDE, N, WHOLE, 1, 0, 1, 1, 0, 0,
                                    GREY, {0}, false};
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_tiles *kept = NULL;
     double roundings;
@@ -391,7 +385,6 @@ static void no_stale_kernel(void **state)
 {
     static const struct row row = {61, 47, 50, MIXED, 4, 252, 33, 35, 16, 17,
                                    GREY, {0}, false};
-    (void) state;
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_tiles *kept = NULL;
     for (int i = 0; i < 8; i++) {

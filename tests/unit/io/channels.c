@@ -32,7 +32,6 @@ static struct gp_frame frame_of(const char *const name[NAMES],
 
 static void depth_by_search(void **state)
 {
-    (void) state;
     static const struct {
         const char *name[NAMES];
         const char *want;    // NULL: none
@@ -87,7 +86,6 @@ static void depth_by_search(void **state)
 /* No other channel can have the name that would make this one a vector's. */
 static void names_of_any_length(void **state)
 {
-    (void) state;
     char name[400];
     memset(name, 'n', sizeof name);
     strcpy(name + sizeof name - 3, ".Z");
@@ -101,7 +99,6 @@ static void names_of_any_length(void **state)
 
 static void channels_by_name(void **state)
 {
-    (void) state;
     static const char *const name[NAMES] = {"A", "R", "normals.Z", "Z"};
     struct gp_channel channel[NAMES];
     struct gp_frame f = frame_of(name, channel);
@@ -120,7 +117,6 @@ static void channels_by_name(void **state)
 /* A line that lists the channels of a huge file stays a line. */
 static void long_lists_are_cut(void **state)
 {
-    (void) state;
     enum { MANY = 500 };
     static char name[MANY][24];
     static struct gp_channel channel[MANY];
@@ -138,7 +134,6 @@ static void long_lists_are_cut(void **state)
 
 static void samples_of_every_type(void **state)
 {
-    (void) state;
     static uint16_t half[6] = {0x3c00, 0xc000, 0x0001, 0x7c00, 0x7e00, 0x7bff};
     static float real[6] = {1.0f, -2.0f, 1e-40f, INFINITY, NAN, 3e38f};
     static uint32_t whole[6] = {0, 1, 16777217u, 4294967295u, 7, 8};
@@ -170,7 +165,6 @@ static void samples_of_every_type(void **state)
 
 static void subsampled_samples_are_repeated(void **state)
 {
-    (void) state;
     static float some[6] = {1, 2, 3, 4, 5, 6};
     static struct gp_channel channel = {
         .type = GP_FLOAT, .xs = 2, .ys = 3, .w = 3, .h = 2, .colour = -1,
@@ -189,7 +183,6 @@ static void subsampled_samples_are_repeated(void **state)
 /* A window that lies between two samples: nothing is written. */
 static void channels_without_samples(void **state)
 {
-    (void) state;
     static const int size[][2] = {{0, 1}, {1, 0}, {0, 0}};
     static float none[1] = {7.0f};
     for (size_t i = 0; i < COUNT(size); i++) {
@@ -209,7 +202,6 @@ static void channels_without_samples(void **state)
 /* The last sample stands for what is right of it and below it. */
 static void windows_past_the_last_sample(void **state)
 {
-    (void) state;
     static float some[2] = {1, 2};
     struct gp_channel channel = {.type = GP_FLOAT, .xs = 2, .ys = 2, .w = 2,
                                  .h = 1, .colour = -1, .data = some};
@@ -250,7 +242,6 @@ static void assert_choice(const char *const *name, int n,
 
 static void colour_of_names(void **state)
 {
-    (void) state;
     static const struct {
         const char *name[COLOURS];
         bool lone;
@@ -308,7 +299,6 @@ static void colour_of_names(void **state)
 
 static void alpha_of_the_colour(void **state)
 {
-    (void) state;
     static const struct {
         const char *name[4];
         int colour[4];
@@ -335,7 +325,6 @@ static void alpha_of_the_colour(void **state)
 
 static void layers_of_ids(void **state)
 {
-    (void) state;
     static const struct gp_crypto told = {{"uObject", "l.mat"}, 2};
     static const struct {
         const char *layer;

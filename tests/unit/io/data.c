@@ -63,7 +63,6 @@ static void make_reference(const char *beside)
 
 static int setup(void **state)
 {
-    (void) state;
     char self[PATH_MAX] = "", beside[PATH_MAX];
     const char *data = getenv("GLAREPP_DATA");
     nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
@@ -79,7 +78,6 @@ static int setup(void **state)
 
 static int teardown(void **state)
 {
-    (void) state;
     for (int i = 0; i < files; i++)
         free(file[i]);
     for (int i = 0; i < damaged_files; i++)
@@ -138,7 +136,6 @@ static void assert_frame_is(const struct gp_frame *f,
 
 static void every_frame_as_openimageio_reads_it(void **state)
 {
-    (void) state;
     int compared = 0, deep = 0, chroma = 0;
     if (!files || open_oiio(state) || !has_oiio)
         skip();
@@ -205,7 +202,6 @@ static void assert_rgb_is_openexrs(const struct gp_frame *f)
 
 static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
 {
-    (void) state;
     int compared = 0;
     if (!files || !reference[0])
         skip();
@@ -251,7 +247,6 @@ static int read_in_child(const char *name)
 
 static void damaged_files_end_well(void **state)
 {
-    (void) state;
     int refused = 0;
     if (!damaged_files)
         skip();

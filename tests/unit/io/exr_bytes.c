@@ -44,7 +44,6 @@ enum { FIXED = COUNT(fixed) };
 
 static void one_size(void **state)
 {
-    (void) state;
     uint8_t bytes[300];
     for (int fill = 0; fill < 256; fill += 85) {
         memset(bytes, fill, sizeof bytes);
@@ -63,7 +62,6 @@ static void one_size(void **state)
 
 static void previews(void **state)
 {
-    (void) state;
     static const struct {
         uint32_t w, h;
         size_t size;
@@ -88,7 +86,6 @@ static void previews(void **state)
 
 static void keycodes(void **state)
 {
-    (void) state;
     static const int32_t lo[7] = {0, 0, 0, 0, 0, 1, 20};
     static const int32_t hi[7] = {99, 99, 999999, 9999, 119, 15, 120};
     assert_true(is("keycode", lo, sizeof lo));
@@ -110,7 +107,6 @@ static void keycodes(void **state)
 
 static void lists(void **state)
 {
-    (void) state;
     assert_true(is("stringvector", "", 0));
     assert_true(is("stringvector", LIST("\0\0\0\0")));
     assert_true(is("stringvector", LIST("\3\0\0\0abc\1\0\0\0d")));
@@ -132,7 +128,6 @@ static void lists(void **state)
 /* More than the walks look at in one go. */
 static void long_lists(void **state)
 {
-    (void) state;
     enum { N = 3000 };
     static uint8_t list[N * 19 + 1], strings[N * 5];
     for (int i = 0; i < N; i++) {
@@ -207,7 +202,6 @@ static void break_name(const char *name)
 
 static void files(void **state)
 {
-    (void) state;
     static const uint8_t bytes[200] = {0};
     static const struct fixture one = {.part = {{
         .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
@@ -258,7 +252,6 @@ static const struct fixture two_parts = {
 /* Every attribute is found, and of a header that is cut anywhere no end. */
 static void cut_headers(void **state)
 {
-    (void) state;
     size_t size;
     uint8_t *bytes = fixture_make(&two_parts, &size);
     struct gp_exr_index index;
@@ -295,7 +288,6 @@ static void cut_headers(void **state)
 /* A header that has changed since it was indexed is not carried. */
 static void changed_headers(void **state)
 {
-    (void) state;
     enum { NO_CHANGE, NO_END, OTHER_SIZE, NO_LAST_NULL, CUT, KINDS };
     for (int kind = 0; kind < KINDS; kind++) {
         size_t size;
@@ -358,7 +350,6 @@ static uint64_t end_of(const uint8_t *bytes, size_t size)
 
 static void ends(void **state)
 {
-    (void) state;
     static const struct fixture row[] = {
         {.part = {{.channel = {RGB(HALVES)}, .data = W(40),
                    .compression = EXR_COMPRESSION_ZIPS}}},
@@ -415,7 +406,6 @@ static uint64_t deep_end(uint64_t table, uint64_t samples, bool written,
 
 static void deep_ends(void **state)
 {
-    (void) state;
     size_t whole;
     const uint64_t end = deep_end(16, 40, true, &whole);
     assert_int_equal(end, whole);

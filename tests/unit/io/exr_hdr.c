@@ -66,7 +66,6 @@ static struct gp_exr_header make_header(struct gp_attribute *attribute,
 /* What other formats tell of the picture, and not of how they stored it. */
 static void attributes_of_other_formats(void **state)
 {
-    (void) state;
     static char longest[257], longer[258];
     const struct {
         struct gp_attribute a;
@@ -119,7 +118,6 @@ static void attributes_of_other_formats(void **state)
 
 static void attributes_of_another_exr(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         uint32_t flags;
@@ -160,7 +158,6 @@ static void attributes_of_another_exr(void **state)
 /* Readers may believe a channel's flag, which DWA's chunks are not made for. */
 static void linear_flag(void **state)
 {
-    (void) state;
     static const struct {
         enum gp_compression compression;
         int linear;
@@ -181,7 +178,6 @@ static void linear_flag(void **state)
 
 static void chunks_that_nobody_wrote(void **state)
 {
-    (void) state;
     static const int chunks[2] = {1, 3};
     struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL,
                                          GP_EXR_MULTIPART, GP_COMPRESSION_ZIP);
@@ -403,7 +399,6 @@ static void assert_attributes(const struct gp_exr_carried_part *a,
 
 static void other_parts(void **state)
 {
-    (void) state;
     static const char *const none[] = {NULL};
     const struct gp_rect r = {-3, 5, 40, 45};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
@@ -449,7 +444,6 @@ static void other_parts(void **state)
 
 static void damaged_parts(void **state)
 {
-    (void) state;
     static const struct damage row[] = {
         {.part = 3, .size = 4, .bytes = {2}},         // another part's
         {.part = 3, .at = 8, .size = 4, .bytes = {0xffffffff}}, // size < 0
@@ -485,7 +479,6 @@ static void damaged_parts(void **state)
 /* Chunks of a part that nobody reads must be there too. */
 static void cut_parts(void **state)
 {
-    (void) state;
     static const struct damage outside = {.part = 3, .back = 2};
     static const struct gp_read_params params = GP_READ_DEFAULTS;
     const struct gp_rect r = {0, 0, 20, 20};
@@ -506,7 +499,6 @@ static void cut_parts(void **state)
  * not find. */
 static void rip_maps_by_number(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 20, 20};
     struct gp_frame made = wf_frame(r, r, wf_rgb);
     make_parts(wf_path("in.exr"), &made, NULL);
@@ -566,7 +558,6 @@ static void make_attributes(const char *path, const struct gp_frame *f)
 
 static void attributes(void **state)
 {
-    (void) state;
     static const char *const hdr[] = {"compression", NULL};
     static const char *const scene[] = {"compression", "name", "preview",
                                         NULL};
@@ -611,7 +602,6 @@ static void attributes(void **state)
 /* A frame that came from no EXR says its own primaries. */
 static void primaries(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 4, 4};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};

@@ -40,7 +40,6 @@ static void assert_frame_is(const struct gp_frame *f,
 
 static void every_layout(void **state)
 {
-    (void) state;
     static const struct fixture_part row[] = {
         {.channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 1, 1)},
         {.channel = {RGB(EXR_PIXEL_HALF)},
@@ -82,7 +81,6 @@ static void every_layout(void **state)
 
 static void subsampled_channels_stay_as_they_are(void **state)
 {
-    (void) state;
     static const exr_compression_t method[] = {
         EXR_COMPRESSION_NONE, EXR_COMPRESSION_ZIPS, EXR_COMPRESSION_ZIP,
         EXR_COMPRESSION_PIZ,
@@ -113,7 +111,6 @@ static void subsampled_channels_stay_as_they_are(void **state)
 
 static void header_values(void **state)
 {
-    (void) state;
     struct gp_frame frame;
     struct fixture f = {
         .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
@@ -146,7 +143,6 @@ static void header_values(void **state)
 
 static void which_channels_are_colour(void **state)
 {
-    (void) state;
     static const struct {
         struct fixture_channel channel[FIXTURE_CHANNELS];
         enum gp_colour_model model;
@@ -194,7 +190,6 @@ static void which_channels_are_colour(void **state)
 /* Depth first, colour second: the part with only Z is not the picture. */
 static void colour_part_of_many(void **state)
 {
-    (void) state;
     struct gp_frame frame;
     int found;
     struct fixture f = {

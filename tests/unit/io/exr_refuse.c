@@ -14,7 +14,6 @@
 
 static void no_colour_is_an_error(void **state)
 {
-    (void) state;
     struct fixture f = {.part = {{
         .channel = {HALF_CH("u"), HALF_CH("v")},
         .data = FIXTURE_WINDOW(0, 0, 3, 2),
@@ -30,7 +29,6 @@ static void no_colour_is_an_error(void **state)
 
 static void files_that_are_none(void **state)
 {
-    (void) state;
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
     static const char text[] = "hello";
     snprintf(path, sizeof path, "%s/missing.exr", folder);
@@ -49,7 +47,6 @@ static void files_that_are_none(void **state)
 
 static void deep_data(void **state)
 {
-    (void) state;
     struct fixture f = {.part = {{
         .channel = {RGB(EXR_PIXEL_HALF)}, .deep = true,
         .data = FIXTURE_WINDOW(0, 0, 5, 5),
@@ -66,7 +63,6 @@ static void deep_data(void **state)
 /* Cut at any place, a file is refused with one line. */
 static void cut_files(void **state)
 {
-    (void) state;
     size_t size;
     snprintf(path, sizeof path, "%s/cut.exr", folder);
     for (int c = 0; c < LOSSLESS; c++) {
@@ -124,7 +120,6 @@ static void assert_refused_cheaply(const char *name, long long max_pixels)
 
 static void sizes_that_lie(void **state)
 {
-    (void) state;
     static const int32_t window[][4] = {
         {0, 0, 65534, 65534},
         {-30000, -30000, 35534, 35534},
@@ -159,7 +154,6 @@ static void sizes_that_lie(void **state)
  * which no picture is made, need none. */
 static void display_windows_that_lie(void **state)
 {
-    (void) state;
     static const struct {
         int w, h;
         long long most;
@@ -200,7 +194,6 @@ static void display_windows_that_lie(void **state)
 /* One tile that says it is the whole of a huge picture. */
 static void one_huge_tile(void **state)
 {
-    (void) state;
     static const char name[] = "tiles\0tiledesc";
     const int32_t window[4] = {0, 0, 29999, 29999};
     const uint32_t tile[2] = {30000, 30000};
@@ -245,7 +238,6 @@ static void assert_read_or_told(const int *threads, int n)
 /* A byte changed anywhere. */
 static void changed_bytes(void **state)
 {
-    (void) state;
     static const int threads[] = {1, 4};
     uint32_t seed = 2024;
     snprintf(path, sizeof path, "%s/changed.exr", folder);
@@ -273,7 +265,6 @@ static void changed_bytes(void **state)
  * own words, changed in three ways. */
 static void changed_head(void **state)
 {
-    (void) state;
     static const uint8_t turn[] = {0x01, 0x80, 0xff};
     static const int one[] = {1};
     static const struct fixture kinds[] = {

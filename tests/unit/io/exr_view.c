@@ -69,7 +69,6 @@ static void open_parts(const struct fixture_part *part, int parts,
 
 static void layer_of_a_part(void **state)
 {
-    (void) state;
     static const struct {
         const char *name, *view, *layer;
     } row[] = {
@@ -96,7 +95,6 @@ static void layer_of_a_part(void **state)
 
 static void names_within_a_view(void **state)
 {
-    (void) state;
     static const char *const two[] = {"left", "right", NULL};
     static const struct {
         const char *view, *name, *bare;
@@ -139,7 +137,6 @@ static void names_within_a_view(void **state)
 
 static void odd_lists_of_views(void **state)
 {
-    (void) state;
     static const char *const same[] = {"l", "l", NULL};
     const struct fixture_part part = PART("p", RGB(HALVES));
     struct gp_frame frame;
@@ -160,7 +157,6 @@ static void odd_lists_of_views(void **state)
 
 static void many_manifests(void **state)
 {
-    (void) state;
     static char name[MANY][8];
     const struct fixture_part part = PART("p", RGB(HALVES));
     struct gp_frame frame;
@@ -186,7 +182,6 @@ static void many_manifests(void **state)
 
 static void planes_of_a_view(void **state)
 {
-    (void) state;
     static const char *const two[] = {"left", "right", NULL};
     static const struct {
         struct fixture_part part[2];
@@ -252,7 +247,6 @@ static void planes_of_a_view(void **state)
 /* A name that no channel can have, and a list that does not fit a line. */
 static void names_too_long(void **state)
 {
-    (void) state;
     static char name[MANY][60], longest[2000];
     struct gp_plane_list list;
     struct gp_plane_place at = {0};
@@ -282,7 +276,6 @@ static void names_too_long(void **state)
 
 static void what_a_file_has(void **state)
 {
-    (void) state;
     static char view[MANY][16];
     static const struct fixture_part part[] = {
         PART("CryptoObject00", RGB(HALVES)), PART("rgba", RGB(HALVES)),

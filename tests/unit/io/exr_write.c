@@ -65,7 +65,6 @@ static const struct gp_rect at_0 = {0, 0, 40, 30};
 
 static void every_compression(void **state)
 {
-    (void) state;
     static const struct {
         struct gp_rect window;
         const struct wf_channel *list;
@@ -96,7 +95,6 @@ static void every_compression(void **state)
 /* What has no DWA of one channel is lossless zip, and a line says so. */
 static void one_channel(void **state)
 {
-    (void) state;
     static const struct wf_channel grey[] = {
         {"Y", GP_HALF, 0, 0, 0}, {NULL, 0, 0, 0, 0},
     };
@@ -122,7 +120,6 @@ static void one_channel(void **state)
 /* Noise does not shrink: chunks are stored as they are and read as such. */
 static void noise(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 50, 40};
     static const struct wf_channel list[] = {
         {"R", GP_FLOAT, 0, 0, 0}, {"a", GP_UINT, -1, 0, 0},
@@ -145,7 +142,6 @@ static void noise(void **state)
 
 static void zip_filter(void **state)
 {
-    (void) state;
     uint8_t in[600] = {0}, got[600], want[600];
     for (size_t n = 0; n <= 600; n += n < 80 ? 2 : 74) {
         for (size_t i = 0; i < n; i++) {
@@ -161,7 +157,6 @@ static void zip_filter(void **state)
 
 static void threads(void **state)
 {
-    (void) state;
     static const enum gp_compression c[] = {
         GP_COMPRESSION_ZIPS, GP_COMPRESSION_ZIP, GP_COMPRESSION_PIZ,
     };
@@ -184,7 +179,6 @@ static void threads(void **state)
 
 static void automatic_type_and_compression(void **state)
 {
-    (void) state;
     static const enum gp_compression row[][2] = { // of the input, the output
         {GP_COMPRESSION_NONE, GP_COMPRESSION_NONE},
         {GP_COMPRESSION_RLE, GP_COMPRESSION_RLE},
@@ -215,7 +209,6 @@ static void automatic_type_and_compression(void **state)
  * and the file uses for something else is an error. */
 static void colour_models(void **state)
 {
-    (void) state;
     static const struct {
         struct wf_channel list[3];
         enum gp_colour_model model;
@@ -261,7 +254,6 @@ static void colour_models(void **state)
 
 static void subsampled_channels(void **state)
 {
-    (void) state;
     static const struct wf_channel list[] = {
         {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0},
         {"R", GP_HALF, 0, 0, 0}, {"s", GP_FLOAT, -1, 2, 2},
@@ -293,7 +285,6 @@ static void subsampled_channels(void **state)
 
 static void standard_output(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 70, 300};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
@@ -318,7 +309,6 @@ static void standard_output(void **state)
 
 static void half_overflow_is_counted(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 33, 40};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_frame(r, r, wf_rgb);
@@ -351,7 +341,6 @@ static void half_overflow_is_counted(void **state)
 /* B44 rounds the least value of a block down, past the end of half if let. */
 static void b44_keeps_what_is_far_below_0_finite(void **state)
 {
-    (void) state;
     static const float v[7] = {-65504, 65504, -1e9f, -60000, -32752, -32736,
                                1};
     const struct gp_rect r = {0, 0, 33, 40};
@@ -388,7 +377,6 @@ static uint32_t id_at(const struct gp_frame *f, size_t i)
 /* DWA leaves whole numbers alone: all 32 bits, and their values as coverage. */
 static void dwa_keeps_ids(void **state)
 {
-    (void) state;
     const struct gp_rect r = {-3, 5, 30, 45};
     struct gp_plane ids = {0}, depth = {0};
     if (!wf_bridge())
@@ -419,7 +407,6 @@ static const struct gp_rect window = {-3, 5, 42, 45};
 /* gp_exr_loses() against what OpenEXR does to random bits. */
 static void lossy_channels(void **state)
 {
-    (void) state;
     static const char *const last[] = {"A", "B", "BY", "G", "R", "RY", "Y",
                                        "Z", "r", "red", "x"};
     enum { LAST = COUNT(last) };
@@ -455,7 +442,6 @@ static void lossy_channels(void **state)
 
 static void lossy_ids(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         enum gp_pixel_type type;

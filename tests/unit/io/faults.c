@@ -363,7 +363,6 @@ static void every_point(const struct work *row, size_t rows)
 
 static void reading(void **state)
 {
-    (void) state;
     static const struct work row[] = {
         {"read", read_any, "made.exr", false},
         {"read", read_any, "parts.exr", false},
@@ -402,7 +401,6 @@ static void reading_by_bridge(void **state)
 
 static void json(void **state)
 {
-    (void) state;
     static const struct work row[] = {
         {"lights", lights, "lights.json", false},
         {"flare", flare, "flare.json", false},
@@ -413,7 +411,6 @@ static void json(void **state)
 
 static void writing(void **state)
 {
-    (void) state;
     static const struct work row[] = {
         {"picture", picture, "out.exr", false},
         {"picture", picture, "out.png", false}, {"hdr", hdr, "out.exr", false},

@@ -32,7 +32,6 @@ static void assert_text(const char *path, const char *text)
 
 static void whole_or_nothing(void **state)
 {
-    (void) state;
     struct gp_file *f;
     const char *path = wf_path("whole");
     assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
@@ -57,7 +56,6 @@ static void whole_or_nothing(void **state)
 /* Blocks around the buffer's size, and patches across what is written out. */
 static void large_writes_and_patches(void **state)
 {
-    (void) state;
     static const size_t sizes[] = {1, 1 << 19, (1 << 19) - 1, 3 << 20, 7, 0,
                                    (1 << 20) + 1, 1 << 20};
     const size_t total = 7u << 20;
@@ -90,7 +88,6 @@ static void large_writes_and_patches(void **state)
 
 static void links_and_permissions_stay(void **state)
 {
-    (void) state;
     struct stat s;
     struct gp_file *f;
     put_file(wf_path("real"), "old");
@@ -121,7 +118,6 @@ static void links_and_permissions_stay(void **state)
 
 static void folders(void **state)
 {
-    (void) state;
     struct gp_file *f;
     char deep[512], inner[512];
     snprintf(deep, sizeof deep, "%s/a/b/c", wf_folder);
@@ -150,7 +146,6 @@ static void folders(void **state)
 
 static void names(void **state)
 {
-    (void) state;
     static const struct {
         const char *path, *ending, *folder;
     } rows[] = {
@@ -198,7 +193,6 @@ static void write_both(const char *one, const char *other, bool keep_other)
  * that are cut to the same one: each has a temporary file of its own. */
 static void taken_names(void **state)
 {
-    (void) state;
     char long_a[256], long_b[256];
     snprintf(long_a, sizeof long_a, "%0254da", 0);
     snprintf(long_b, sizeof long_b, "%0254db", 0);
@@ -238,7 +232,6 @@ static gp_status write_much(const char *path)
 
 static void full_disk(void **state)
 {
-    (void) state;
     if (access("/dev/full", W_OK) == 0) {
         assert_int_equal(write_much("/dev/full"), GP_ERR_IO);
         wf_assert_said(strerror(ENOSPC));
@@ -267,7 +260,6 @@ static void full_disk(void **state)
 
 static void pipes(void **state)
 {
-    (void) state;
     char path[64];
     int ends[2];
     struct gp_file *f;
@@ -318,7 +310,6 @@ static void end_child(int sig)
 
 static void signals(void **state)
 {
-    (void) state;
     put_file(wf_path("killed"), "old");
     static const int ending[] = {SIGINT,  SIGTERM, SIGQUIT, SIGXCPU,
                                  SIGALRM, SIGUSR1, SIGUSR2, SIGKILL};
@@ -334,7 +325,6 @@ static void signals(void **state)
 
 static void no_clobber(void **state)
 {
-    (void) state;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     put_file(wf_path("there.exr"), "old");
     assert_false(gp_write_would_clobber(&p, wf_path("there.exr")));
@@ -354,7 +344,6 @@ static void no_clobber(void **state)
 
 static void checks(void **state)
 {
-    (void) state;
     static const struct {
         const char *path;
         enum gp_compression compression;
@@ -408,7 +397,6 @@ static void assert_refused(const char *path, bool create_dir, bool checked,
 
 static void folders_that_are_none(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         bool create_dir, checked; // told before anything is written
@@ -431,7 +419,6 @@ static void folders_that_are_none(void **state)
 
 static void folders_are_made_or_not(void **state)
 {
-    (void) state;
     struct stat s;
     put_file(wf_path("plain"), "text");
     errno = 0;
@@ -451,7 +438,6 @@ static void folders_are_made_or_not(void **state)
 /* A link with a full path to what is not there yet. */
 static void links_to_full_paths(void **state)
 {
-    (void) state;
     struct gp_file *f;
     struct stat s;
     char *const aim = strdup(wf_path("aim"));
@@ -477,7 +463,6 @@ static bool become_nobody(void)
 
 static void without_permission(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         bool create_dir, checked;
@@ -508,7 +493,6 @@ static void without_permission(void **state)
 /* Patches reach as far as what is written, and no byte further. */
 static void patches_stay_inside(void **state)
 {
-    (void) state;
     static const struct {
         uint64_t at;
         size_t size;
@@ -537,7 +521,6 @@ static void patches_stay_inside(void **state)
 /* All names of one target that this process may use are taken. */
 static void no_name_is_left(void **state)
 {
-    (void) state;
     enum { TRIES = 1000 };
     const char *const path = wf_path("many");
     for (int i = 0; i < TRIES; i++) {
@@ -573,7 +556,6 @@ static void open_many(struct gp_file *f[OPEN])
 
 static void more_files_than_a_signal_removes(void **state)
 {
-    (void) state;
     static struct gp_file *f[OPEN];
     open_many(f);
     for (int i = OPEN - 1; i >= 0; i--) {
@@ -590,7 +572,6 @@ static void more_files_than_a_signal_removes(void **state)
 
 static void files_under_way_are_removed(void **state)
 {
-    (void) state;
     static struct gp_file *f[OPEN];
     fflush(NULL); // or the child would print it once more
     const pid_t child = fork();

@@ -37,7 +37,6 @@ static int half_is_nan(unsigned h)
 
 static void all_halfs_to_float(void **state)
 {
-    (void) state;
     static uint16_t in[HALFS];
     static float out[HALFS];
     for (unsigned h = 0; h < HALFS; h++)
@@ -57,7 +56,6 @@ static void all_halfs_to_float(void **state)
 
 static void halfs_survive_the_round_trip(void **state)
 {
-    (void) state;
     static uint16_t in[HALFS], back[HALFS];
     static float mid[HALFS];
     for (unsigned h = 0; h < HALFS; h++)
@@ -72,7 +70,6 @@ static void halfs_survive_the_round_trip(void **state)
  * to the tie to the nearer one. */
 static void rounding_is_to_nearest_even(void **state)
 {
-    (void) state;
     for (unsigned h = 0; h < 0x7bff; h++) {
         double low = half_value(h), high = half_value(h + 1);
         float tie = (float) ((low + high) / 2);
@@ -91,7 +88,6 @@ static void rounding_is_to_nearest_even(void **state)
 
 static void large_values_are_clamped_and_counted(void **state)
 {
-    (void) state;
     static const struct {
         float in;
         unsigned out;
@@ -120,7 +116,6 @@ static void large_values_are_clamped_and_counted(void **state)
 
 static void nan_stays_nan(void **state)
 {
-    (void) state;
     static const uint32_t in_bits[] = {0x7fc00000, 0x7f800001, 0xffc00001,
                                        0xff812345, 0x7fffffff};
     for (size_t i = 0; i < COUNT(in_bits); i++) {
@@ -140,7 +135,6 @@ static void nan_stays_nan(void **state)
 
 static void round_equals_there_and_back_but_overflows(void **state)
 {
-    (void) state;
     float v[19], want[19];
     uint16_t h[19];
     uint32_t seed = 12345;
@@ -164,13 +158,11 @@ static void round_equals_there_and_back_but_overflows(void **state)
 
 static int use_plain_form(void **state)
 {
-    (void) state;
     return setenv("GLAREPP_CPU", "base", 1);
 }
 
 static int use_any_form(void **state)
 {
-    (void) state;
     return unsetenv("GLAREPP_CPU");
 }
 

@@ -100,7 +100,6 @@ static const struct wf_channel mixed[] = {
 
 static void carried_bits(void **state)
 {
-    (void) state;
     struct gp_frame made = wf_frame(window, window, mixed);
     wf_fill_bits(&made, false);
     for (int c = GP_COMPRESSION_NONE; c <= GP_COMPRESSION_PIZ; c++) {
@@ -138,7 +137,6 @@ static void carried_bits(void **state)
 
 static void layers_in_one_part(void **state)
 {
-    (void) state;
     static const struct wf_channel list[] = {
         {"A", GP_HALF, -1, 0, 0},      {"B", GP_HALF, 2, 0, 0},
         {"G", GP_HALF, 1, 0, 0},       {"R", GP_HALF, 0, 0, 0},
@@ -196,7 +194,6 @@ static void layers_in_one_part(void **state)
 
 static void layers_in_parts(void **state)
 {
-    (void) state;
     static const struct fixture file = {
         .part = {PART("normals", RGB(FLOAT), {"Z", FLOAT, 0, 0}),
                  PART("beauty", HALF_CH("A"), RGB(HALF)),
@@ -246,7 +243,6 @@ static void add_views(exr_context_t exr, int part)
 /* Both eyes of one part, each read as a frame of its own. */
 static void views_in_one_part(void **state)
 {
-    (void) state;
     static const struct fixture file = {
         .part = {PART(NULL, RGB(HALF), {"Z", FLOAT, 0, 0}, HALF_CH("right.B"),
                       HALF_CH("right.G"), HALF_CH("right.R"))},
@@ -281,7 +277,6 @@ static void views_in_one_part(void **state)
 
 static void refused(void **state)
 {
-    (void) state;
     static const struct fixture file = {
         .part = {PART("a", RGB(HALF), {"key", FLOAT, 0, 0}),
                  PART("b", RGB(HALF))},

@@ -32,7 +32,6 @@ static gp_status make(const char *layer, struct gp_image *image,
  * two codes of 16 bits; the second value is a code. */
 static void curves(void **state)
 {
-    (void) state;
     const float code = 13107.0f / 65535.0f; // 0.2
     const struct {
         const char *space;
@@ -77,7 +76,6 @@ static void curves(void **state)
 /* Beyond the codes of the table the curve goes on; NaN stays one. */
 static void values_outside(void **state)
 {
-    (void) state;
     float pixels[] = {-0.1f, 2.0f, NAN, 0.0f, 1.0f, INFINITY};
     struct gp_image image = row_of(rgba, 3, pixels, 2);
     struct gp_frame f;
@@ -95,7 +93,6 @@ static void values_outside(void **state)
 /* Which channels are the colour. */
 static void names(void **state)
 {
-    (void) state;
     static const struct {
         const char *name[4];
         int channels;
@@ -140,7 +137,6 @@ static void names(void **state)
 
 static void no_such_layer(void **state)
 {
-    (void) state;
     float pixels[200] = {0};
     static char text[200][64];
     const char *many[200];
@@ -172,7 +168,6 @@ static void no_such_layer(void **state)
 
 static void windows_and_attributes(void **state)
 {
-    (void) state;
     static const float weird[] = {0.713f, 0.293f, 0.165f, 0.83f,
                                   0.128f, 0.044f, 0.32168f, 0.33767f};
     static const float aspect[] = {2.0f, 0.0f, -1.0f, 1e9f, NAN, 1.0f};
@@ -215,7 +210,6 @@ static void windows_and_attributes(void **state)
 /* Parts and views are looked at before the file is. */
 static void parts_and_views(void **state)
 {
-    (void) state;
     static const struct {
         const char *part, *view, *says;
     } row[] = {

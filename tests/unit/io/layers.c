@@ -138,7 +138,6 @@ struct row {
 
 static void found(void **state)
 {
-    (void) state;
     static const struct row rows[] = {
         {&single, NULL, NULL, NULL, 0, PLAIN},
         {&single, "", NULL, NULL, 0, PLAIN},
@@ -197,7 +196,6 @@ static void found(void **state)
 
 static void not_found(void **state)
 {
-    (void) state;
     static const struct {
         const struct fixture *file;
         const char *layer, *part, *view, *what;
@@ -242,7 +240,6 @@ static void not_found(void **state)
 /* Many and long names: the line stays one that can be read. */
 static void long_lists(void **state)
 {
-    (void) state;
     static char name[FIXTURE_CHANNELS][256];
     struct fixture many = {.part = {PART(NULL)}, .more = allow_long};
     for (int i = 0; i < FIXTURE_CHANNELS; i++) {
@@ -271,7 +268,6 @@ static void long_lists(void **state)
 /* Deep parts have no colour; with a layer they are passed over. */
 static void deep(void **state)
 {
-    (void) state;
     struct fixture file = {.part = {PART("deep", RGB(HALF))}};
     file.part[0].deep = true;
     file.part[0].compression = EXR_COMPRESSION_ZIPS; // deep data has no zip
@@ -285,7 +281,6 @@ static void deep(void **state)
 
 static void further(void **state)
 {
-    (void) state;
     static const struct row rows[] = {
         {&single, "diffuse", NULL, NULL, 0, OF("diffuse")},
         {&single, "key", NULL, NULL, 0, {"key.Y", "key.Y", "key.Y"}},
@@ -324,7 +319,6 @@ static void further(void **state)
 
 static void further_refused(void **state)
 {
-    (void) state;
     static const struct {
         const struct fixture *file;
         const char *layer;
@@ -354,7 +348,6 @@ static void further_refused(void **state)
 
 static void names(void **state)
 {
-    (void) state;
     static const struct {
         const char *name[4], *layer;
         bool lone, found;

@@ -53,7 +53,6 @@ static void fill_random(uint32_t seed)
 /* Without chroma every pixel is its luminance, exactly, whatever it is. */
 static void grey_stays_grey(void **state)
 {
-    (void) state;
     uint32_t seed = 5;
     fill(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < PIXELS; i++)
@@ -74,7 +73,6 @@ static void grey_stays_grey(void **state)
  * is 0.999996 + rounding. */
 static void one_colour_comes_back(void **state)
 {
-    (void) state;
     const float rgb[3] = {0.9f, 0.5f, 0.3f};
     for (int sampling = 1; sampling <= 2; sampling++) {
         struct gp_yc yc = picture(W, H, sampling, false);
@@ -93,7 +91,6 @@ static void one_colour_comes_back(void **state)
  * negative is light lost. */
 static void luminance_is_kept(void **state)
 {
-    (void) state;
     fill_random(99);
     struct gp_yc yc = picture(W, H, 2, false);
     assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
@@ -107,7 +104,6 @@ static void luminance_is_kept(void **state)
 /* Rounding to half at every step moves no value far. */
 static void half_steps_are_near(void **state)
 {
-    (void) state;
     static float exact[3][PIXELS];
     fill_random(7);
     struct gp_yc yc = picture(W, H, 2, false);
@@ -129,7 +125,6 @@ static void half_steps_are_near(void **state)
 /* A chroma sample reaches 13 pixels, and 14 for its neighbours' saturation. */
 static void one_sample_reaches_no_further(void **state)
 {
-    (void) state;
     static float before[3][PIXELS];
     const int cx = 20, cy = 30;
     fill_random(3);
@@ -154,7 +149,6 @@ static void one_sample_reaches_no_further(void **state)
 
 static void threads_change_nothing(void **state)
 {
-    (void) state;
     static float one[3][PIXELS];
     fill_random(17);
     struct gp_yc yc = picture(W, H, 2, true);
@@ -173,7 +167,6 @@ static void threads_change_nothing(void **state)
 
 static void smallest_pictures(void **state)
 {
-    (void) state;
     static const struct {
         int w, h, sampling;
     } row[] = {{2, 2, 2}, {2, 40, 2}, {40, 2, 2}, {1, 1, 1}, {1, 5, 1},
@@ -193,7 +186,6 @@ static void smallest_pictures(void **state)
 
 static void weights_are_the_luminance_weights(void **state)
 {
-    (void) state;
     static const float set[][8] = {
         {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, 0.3127f, 0.3290f},
         {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f},

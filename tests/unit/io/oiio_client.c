@@ -182,7 +182,6 @@ static void cast(const char *part)
 
 static int make_up(void **state)
 {
-    (void) state;
     char self[PATH_MAX] = "", name[PATH_MAX];
     if (!mkdtemp(folder) ||
         readlink("/proc/self/exe", self, sizeof self - 1) < 0)
@@ -193,7 +192,6 @@ static int make_up(void **state)
 
 static int clean_up(void **state)
 {
-    (void) state;
     char name[PATH_MAX];
     snprintf(name, sizeof name, "%s/glarepp-oiio", folder);
     unlink(name);
@@ -251,7 +249,6 @@ static void assert_sound(struct gp_image *image)
  * helper is asked as if nothing had been. */
 static void helpers_that_fail(void **state)
 {
-    (void) state;
     static const struct {
         const char *part;
         gp_status st;
@@ -287,7 +284,6 @@ static void helpers_that_fail(void **state)
 
 static void helpers_that_write_nothing(void **state)
 {
-    (void) state;
     static const char *const part[] = {"ends", "hangs", "stops talking",
                                        "writes nothing", "refuses"};
     static const char *const grey[] = {"Y"};
@@ -305,7 +301,6 @@ static void helpers_that_write_nothing(void **state)
 /* One for each caller at once; then they are used again. */
 static void one_helper_each(void **state)
 {
-    (void) state;
     enum { N = 3 };
     struct gp_image image[N];
     float process[N];
@@ -342,7 +337,6 @@ static void one_helper_each(void **state)
 /* Each call of the client that can fail, one after another. */
 static void calls_that_fail(void **state)
 {
-    (void) state;
     static const enum fail_class class[] = {FAIL_ALLOC, FAIL_IO};
     cast("is sound");
     for (int c = 0; c < 2; c++) {
@@ -386,7 +380,6 @@ static void real_one(void)
 /* It does not outlive glarepp, whatever ended that. */
 static void it_ends_with_glarepp(void **state)
 {
-    (void) state;
     pid_t helper = 0;
     real_one();
     const pid_t child = fork();
@@ -416,7 +409,6 @@ static void it_ends_with_glarepp(void **state)
 /* No network, few files, no core, and no descriptors of glarepp's. */
 static void it_is_confined(void **state)
 {
-    (void) state;
     char name[64], line[256];
     int seccomp = -1, open_files = 0;
     struct rlimit l;

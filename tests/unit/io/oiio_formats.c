@@ -43,7 +43,6 @@ static struct gp_image picture(float *pixels, int channels,
 /* What is written with a curve comes back without it. */
 static void written_formats_come_back(void **state)
 {
-    (void) state;
     static const struct {
         const char *format, *type, *space;
         int channels;
@@ -96,7 +95,6 @@ static void written_formats_come_back(void **state)
  * the colour, which a reader does. */
 static void alpha_of_every_type(void **state)
 {
-    (void) state;
     static const struct {
         const char *format, *type;
         bool associated;
@@ -133,7 +131,6 @@ static void alpha_of_every_type(void **state)
 /* Blocks of rows are the rows of the whole; each four channels count. */
 static void blocks_and_channels(void **state)
 {
-    (void) state;
     enum { BW = 700, BH = 2500 };
     struct gp_frame f;
     if (!has_oiio)
@@ -172,7 +169,6 @@ static void save(const char *name, const void *bytes, size_t n)
 /* Alpha is carried, not bent by the curve, and attributes are kept. */
 static void alpha_and_attributes(void **state)
 {
-    (void) state;
     float pixels[4 * PIXELS];
     struct gp_frame f;
     if (!has_oiio)
@@ -200,7 +196,6 @@ static void alpha_and_attributes(void **state)
 /* As in an EXR, what a picture would show counts. */
 static void display_window_that_lies(void **state)
 {
-    (void) state;
     const struct gp_read_params p = {.max_pixels = 1000};
     float pixels[3 * PIXELS];
     struct gp_image image = picture(pixels, 3, "Linear");
@@ -224,7 +219,6 @@ static void display_window_that_lies(void **state)
 /* A header's claim is refused by the number of bytes behind it. */
 static void bytes_cannot_hold_the_claim(void **state)
 {
-    (void) state;
     static const struct {
         const char *name, *bytes;
         size_t n;
@@ -259,7 +253,6 @@ static void bytes_cannot_hold_the_claim(void **state)
 
 static void odd_tiffs(void **state)
 {
-    (void) state;
     static const struct {
         const char *name, *said;
         struct tiff_field field[TIFF_FIELDS];
@@ -289,7 +282,6 @@ static void odd_tiffs(void **state)
 /* Neighbours of what is refused. */
 static void tiffs_that_are_read(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         int size;     // bytes of a sample: 1, or 8 for doubles
@@ -331,7 +323,6 @@ static void tiffs_that_are_read(void **state)
 /* Sizes that are none. */
 static void no_pixels(void **state)
 {
-    (void) state;
     static const struct {
         const char *name, *bytes;
         size_t n;
@@ -359,7 +350,6 @@ static void no_pixels(void **state)
 
 static void odd_exrs(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         bool bad;
@@ -404,7 +394,6 @@ static void odd_exrs(void **state)
 /* Each format cut off, by little and by much, in its file and in memory. */
 static void cut_off(void **state)
 {
-    (void) state;
     static const struct {
         const char *format, *type, *compression;
     } row[] = {
@@ -442,7 +431,6 @@ static void cut_off(void **state)
  * has a reader for; the name does not matter. */
 static void formats_that_are_not_read(void **state)
 {
-    (void) state;
     static const char *const row[] = {
         "SIMPLE  =                    T", "8BPS\0\1", "DDS |", "GIF89a",
         "FOR4\0\0\0", "\x80\x2a\x5f\xd7", "hi", "ffconcat version 1.0\nfile a",
@@ -489,7 +477,6 @@ static unsigned tiff_field(const char *name, int tag)
 /* Compression is TIFF 6.0's field 259; sizes of samples are field 258. */
 static void tiffs_of_every_kind(void **state)
 {
-    (void) state;
     static const struct {
         enum gp_compression compression;
         enum gp_picture_kind kind;
@@ -531,7 +518,6 @@ static void tiffs_of_every_kind(void **state)
 /* Under a limit in the midst of the pixels: one line, and no file. */
 static void pictures_that_do_not_fit(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         bool helper;
@@ -570,7 +556,6 @@ static void pictures_that_do_not_fit(void **state)
 /* What OpenImageIO refuses is said with its reason. */
 static void more_than_a_format_has(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 16384, 1};
     const struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_frame(r, r, wf_rgb);
@@ -587,7 +572,6 @@ static void more_than_a_format_has(void **state)
 /* Endings that are written; OpenImageIO has writers for more. */
 static void endings(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         bool can;

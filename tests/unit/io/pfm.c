@@ -41,7 +41,6 @@ static gp_status open_bytes(const uint8_t *bytes, size_t n,
  * image ends is known by its header. */
 static void headers(void **state)
 {
-    (void) state;
     static const struct {
         const char *head;
         float scale;
@@ -70,7 +69,6 @@ static void headers(void **state)
 
 static void damaged_headers(void **state)
 {
-    (void) state;
     static const char *const head[] = {
         "PF", "PF\n", "PF\n1 2\n", "PF\n1 2\n-1.0", "PF\n0 2\n-1.0\n",
         "PF\n1 -2\n-1.0\n", "PF\n1 x\n-1.0\n", "PF\n1 2\n0\n",
@@ -115,7 +113,6 @@ static void damaged_headers(void **state)
 /* Grey, and more rows than a block has. */
 static void large_and_grey(void **state)
 {
-    (void) state;
     enum { W = 1100, H = 2000 };
     struct gp_frame f;
     float *const v = malloc(sizeof *v * W * H);

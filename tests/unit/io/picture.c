@@ -37,7 +37,6 @@ static void each_row_is_run_once(void **state)
         {1, 1, 1},   {1, 1, 5},    {1, 301, 5},     {3001, 1, 5},
         {7, 2, 256}, {97, 211, 1}, {4099, 1000, 5}, {4099, 1000, 0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_picture pic = {.width = rows[i].w,
                                        .height = rows[i].h};
@@ -62,7 +61,6 @@ static void each_row_is_run_once(void **state)
 
 static void windows_that_are_no_picture(void **state)
 {
-    (void) state;
     static const struct gp_rect display[] = {
         {0, 0, 0, 5}, {0, 0, 5, 0}, {3, 0, -2, 5}, {0, 9, 5, 2},
         {INT32_MIN, 0, INT32_MAX, 1}, {0, INT32_MIN, 1, INT32_MAX},
@@ -87,7 +85,6 @@ static void windows_that_are_no_picture(void **state)
 /* Rows of floats with alpha, the picture wider than the data. */
 static void floats_with_alpha(void **state)
 {
-    (void) state;
     const struct gp_rect data = {1, 0, 3, 2}, display = {0, 0, 4, 2};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_frame(data, display, wf_all);

@@ -9,7 +9,6 @@
 
 static void channels_of_a_plane_file(void **state)
 {
-    (void) state;
     static const struct {
         struct fixture_channel channel[4];
         bool depth;
@@ -56,7 +55,6 @@ static void channels_of_a_plane_file(void **state)
 /* One sample of a subsampled channel covers what is left of the window. */
 static void small_windows(void **state)
 {
-    (void) state;
     static const struct {
         int w, h, xs, ys;
         exr_compression_t compression;
@@ -84,7 +82,6 @@ static void small_windows(void **state)
 /* Integers come as stored, 0 to 1, with no curve. Skipped without a bridge. */
 static void planes_of_other_formats(void **state)
 {
-    (void) state;
     enum { N = 256 };
     static const char *const grey[] = {"Y"};
     static const struct {
@@ -121,7 +118,6 @@ static void planes_of_other_formats(void **state)
 
 static void one_channel_of_many(void **state)
 {
-    (void) state;
     enum { N = 4 };
     static const char *const rgb[] = {"R", "G", "B"};
     static float v[3 * N];
@@ -146,7 +142,6 @@ static void one_channel_of_many(void **state)
 /* DWA, which OpenEXRCore 3.1.5 lacks, keeps alpha as it is. */
 static void planes_by_the_bridge(void **state)
 {
-    (void) state;
     static const char *const file[2] = {"comp_dwaa_v1.exr", "comp_zip.exr"};
     const char *data = getenv("GLAREPP_DATA");
     struct gp_plane p[2] = {{{0}, NULL, NULL}, {{0}, NULL, NULL}};
@@ -166,7 +161,6 @@ static void planes_by_the_bridge(void **state)
 
 static void deep_files(void **state)
 {
-    (void) state;
     static const struct fixture f = {.part = {{
         .name = "d", .channel = {HALF_CH("Z")}, .data = W(5),
         .compression = EXR_COMPRESSION_ZIPS, .deep = true}}};
@@ -187,7 +181,6 @@ static void deep_files(void **state)
 
 static void damaged_files(void **state)
 {
-    (void) state;
     size_t size;
     struct gp_plane p = {0};
     uint8_t *bytes = fixture_make(&named, &size);

@@ -160,7 +160,6 @@ static int expected(int type, int bits, const char *transparent, int x, int y,
 /* Every colour type, depth and interlacing, with transparent colours. */
 static void kinds(void **state)
 {
-    (void) state;
     static const int passes[7][4] = { // first x, y, steps
         {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
         {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2},
@@ -233,7 +232,6 @@ static void kinds(void **state)
 /* The curve, the window and the texts that chunks name. */
 static void chunks(void **state)
 {
-    (void) state;
     static const struct {
         const char *type, *data;
         size_t n;
@@ -313,7 +311,6 @@ static void chunks(void **state)
  * does not matter. */
 static void damaged_bytes(void **state)
 {
-    (void) state;
     const struct gp_rect r = {0, 0, 9, 5};
     const struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
@@ -342,7 +339,6 @@ static void damaged_bytes(void **state)
 /* Rows that are missing, and sizes over the limits, checksums being right. */
 static void rows_and_sizes(void **state)
 {
-    (void) state;
     static const struct {
         int w, h;
         bool interlaced;
@@ -382,7 +378,6 @@ static void rows_and_sizes(void **state)
  * not parsed, however deep it nests. */
 static void texts_are_bounded(void **state)
 {
-    (void) state;
     enum { TEXT = 7000000, DEPTH = 2000000 };
     static struct made m;
     char *const raw = malloc(TEXT);
@@ -500,7 +495,6 @@ static int plain(float v, int bits)
 /* Every pixel of every window, against the plain formula. */
 static void pixels_and_windows(void **state)
 {
-    (void) state;
     static const struct {
         struct gp_rect data, display;
     } rows[] = {
@@ -540,7 +534,6 @@ static void pixels_and_windows(void **state)
 
 static void nonfinite(void **state)
 {
-    (void) state;
     static const float v[6] = {NAN, -NAN, INFINITY, -INFINITY, 1e30f, -0.0f};
     static const int want[6] = {0, 0, 255, 0, 255, 0};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
@@ -560,7 +553,6 @@ static void nonfinite(void **state)
 /* Light over alpha: the picture over black is the picture without alpha. */
 static void alpha_keeps_light(void **state)
 {
-    (void) state;
     static const struct wf_channel layered[] = {
         {"A", GP_HALF, -1, 0, 0}, {"l.R", GP_HALF, 0, 0, 0},
         {"l.G", GP_HALF, 1, 0, 0}, {"l.B", GP_HALF, 2, 0, 0},
@@ -605,7 +597,6 @@ static void alpha_keeps_light(void **state)
 
 static void colour_chunks(void **state)
 {
-    (void) state;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     const struct gp_rect r = {0, 0, 3, 2};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
@@ -639,7 +630,6 @@ static void colour_chunks(void **state)
 /* Primaries that PNG cannot hold leave a picture without cHRM. */
 static void odd_primaries(void **state)
 {
-    (void) state;
     static const float rows[][8] = {
         {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f}, // AP0
         {0.7f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f},
@@ -662,7 +652,6 @@ static void odd_primaries(void **state)
 
 static void threads_and_places(void **state)
 {
-    (void) state;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     const struct gp_rect r = {0, 0, 333, 211};
@@ -684,7 +673,6 @@ static void threads_and_places(void **state)
 
 static void hostile_windows_and_full_disk(void **state)
 {
-    (void) state;
     static const struct gp_rect windows[] = {
         {-1000000000, -1000000000, 1000000000, 1000000000},
         {0, 0, 1 << 20, 1 << 21}, {5, 5, 5, 9},
@@ -728,7 +716,6 @@ static void write_small(const char *name)
  * number of a descriptor into DPX. */
 static void bytes_hold_no_time_and_no_memory(void **state)
 {
-    (void) state;
     static const uint8_t none[100] = {0};
     size_t size;
     if (!wf_bridge())
@@ -756,7 +743,6 @@ static void bytes_hold_no_time_and_no_memory(void **state)
 /* PNG's pHYs holds ratios that two whole numbers can. */
 static void shapes_of_pixels(void **state)
 {
-    (void) state;
     static const struct {
         float aspect;
         unsigned x, y; // pixels of a unit; 0 no chunk

@@ -77,7 +77,6 @@ static void stride_of_floats(void **state)
 
 static void specials(void **state)
 {
-    (void) state;
     static const struct {
         float v;
         int code;
@@ -105,7 +104,6 @@ static void specials(void **state)
 
 static void linear_codes(void **state)
 {
-    (void) state;
     static const float v[] = {0, 1, 0.5f, -1, 2, NAN, INFINITY, 0.1f};
     static const int want[] = {0, 255, 128, 0, 255, 0, 255, 26};
     uint16_t code[8];
@@ -155,7 +153,6 @@ static void dither_laws(void **state)
  * mean over a row is it; no number is 0. */
 static void linear_dither(void **state)
 {
-    (void) state;
     for (int bits = 8; bits <= 16; bits += 8) {
         struct gp_quantizer *q;
         float v[4096];

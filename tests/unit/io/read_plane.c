@@ -38,7 +38,6 @@ static void views_by_name(exr_context_t exr, int part)
 
 static void depth_of_any_part(void **state)
 {
-    (void) state;
     static const struct {
         struct fixture_part part[FIXTURE_PARTS];
         int parts;
@@ -116,7 +115,6 @@ static void depth_of_any_part(void **state)
 
 static void channels_by_name(void **state)
 {
-    (void) state;
     static const struct {
         const char *name;
         int part;
@@ -149,7 +147,6 @@ static void channels_by_name(void **state)
 
 static void names_that_are_not_there(void **state)
 {
-    (void) state;
     static const char *const name[] = {
         "Z", "", ".", "main", "main.", "main.Z", "two", "a", "b.Z.", "mas",
         "mainXA", "one.mask", "left.mask", "two..a.Z", "%s%n",
@@ -181,7 +178,6 @@ static void names_that_are_not_there(void **state)
 
 static void samples_are_those_of_the_file(void **state)
 {
-    (void) state;
     static const struct fixture yc = {.part = {{
         .channel = {{"BY", HALVES, 2, 2}, {"RY", HALVES, 2, 2}, HALF_CH("Y")},
         .data = FIXTURE_WINDOW(2, 4, 6, 8),
@@ -211,7 +207,6 @@ static void samples_are_those_of_the_file(void **state)
 /* A frame of channels only, as formats other than EXR give one. */
 static void frames_without_a_file(void **state)
 {
-    (void) state;
     static float z[2] = {NAN, INFINITY}, red[2] = {-1.0f, 5.0f};
     static char z_name[] = "Z", red_name[] = "R", name[] = "made";
     struct gp_channel channel[2] = {
@@ -261,7 +256,6 @@ static void put_matrices(exr_context_t exr, int part)
 
 static void matrices(void **state)
 {
-    (void) state;
     struct fixture f = {.parts = 2, .more = put_matrices,
                         .part = {COLOUR("c"), Z_PART("z", 2)}};
     struct gp_frame frame;
@@ -295,7 +289,6 @@ static bool data_path(const char *name)
 /* Facts by OpenImageIO 2.4. */
 static void depth_of_real_files(void **state)
 {
-    (void) state;
     static const struct {
         const char *file, *name;
         struct gp_rect window;
@@ -354,7 +347,6 @@ static void depth_of_real_files(void **state)
 
 static void matrices_of_real_files(void **state)
 {
-    (void) state;
     struct gp_frame frame;
     double m[16];
     if (!data_path("seq_foliage/foliage.1004.exr"))

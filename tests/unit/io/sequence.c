@@ -35,7 +35,6 @@ static const struct name_row names[] = {
 
 static void names_of_frames(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(names); i++) {
         const struct name_row *r = &names[i];
         struct gp_pattern p;
@@ -77,7 +76,6 @@ static const struct view_row view_names[] = {
 
 static void names_of_views(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(view_names); i++) {
         const struct view_row *r = &view_names[i];
         struct gp_pattern p;
@@ -108,7 +106,6 @@ static const struct view_list_row view_lists[] = {
 
 static void lists_of_views(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(view_lists); i++) {
         const struct view_list_row *r = &view_lists[i];
         struct gp_views v = {0};
@@ -132,7 +129,6 @@ static void lists_of_views(void **state)
 /* As many views as there may be, and one more. */
 static void longest_view_list(void **state)
 {
-    (void) state;
     char text[GP_VIEWS_MAX * 8 + 16] = "v0";
     struct gp_views v = {0};
     for (int i = 1; i < GP_VIEWS_MAX; i++)
@@ -160,7 +156,6 @@ static const struct alike_row {
 
 static void views_of_one_letter(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(alike); i++) {
         struct gp_pattern p;
         struct gp_views v;
@@ -198,7 +193,6 @@ static const struct list_row lists[] = {
 
 static void lists_of_frames(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(lists); i++) {
         const struct list_row *r = &lists[i];
         struct gp_frames f = {0};
@@ -222,7 +216,6 @@ static void lists_of_frames(void **state)
 /* The longest list there may be is made, and in short time. */
 static void longest_list(void **state)
 {
-    (void) state;
     struct gp_frames f = {0};
     assert_int_equal(gp_frames_parse(NULL, "1000000-1", &f), GP_OK);
     assert_int_equal(f.n, GP_FRAME_LIST_MAX);
@@ -240,7 +233,6 @@ static const struct join_row {
 
 static void frames_together(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(joins); i++) {
         struct gp_frames a, b, none = {0};
         char got[256] = "";
@@ -291,7 +283,6 @@ static const struct disk_row on_disk[] = {
 
 static void frames_that_exist(void **state)
 {
-    (void) state;
     char folder[] = "/tmp/gp_sequence_XXXXXX", path[256];
     assert_non_null(mkdtemp(folder));
     for (size_t i = 0; i < COUNT(files); i++) {
@@ -349,7 +340,6 @@ static const struct number_row numbers[] = {
 
 static void numbers_in_names(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(numbers); i++) {
         int frame = -1;
         bool found = gp_frame_number(numbers[i].path, &frame);

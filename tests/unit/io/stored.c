@@ -37,7 +37,6 @@ static int index_of(const struct gp_stored_image *image, const char *name)
 
 static void light(void **state)
 {
-    (void) state;
     static const struct {
         struct fixture f;
         const char *light[3]; // channels; NULL: no light at all
@@ -77,7 +76,6 @@ static void light(void **state)
 /* At full resolution, uint as floats only where it was subsampled. */
 static void samples(void **state)
 {
-    (void) state;
     static const struct fixture f = {
         .part = {{.channel = {{"few", EXR_PIXEL_UINT, 2, 2},
                               {"half", HALVES, 2, 1},
@@ -107,7 +105,6 @@ static void samples(void **state)
 
 static void header(void **state)
 {
-    (void) state;
     struct fixture f = {
         .chromaticities = true,
         .display = FIXTURE_WINDOW(-3, -2, 100, 50),
@@ -151,7 +148,6 @@ static void call_dwaa(const struct fixture *f)
 
 static void dwa_that_is_none(void **state)
 {
-    (void) state;
     static const struct {
         struct fixture f;
         const char *says; // NULL: by the bridge, if there is one

@@ -52,7 +52,6 @@ static void pipes_to_their_limit(void **state)
         {LIMIT + 1, 70000, GP_OK, GP_ERR_DATA},
         {LIMIT + 20000, 70000, GP_OK, GP_ERR_DATA},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(row); i++) {
         int end[2];
         char name[32];
@@ -111,7 +110,6 @@ static void first_bytes(void **state)
         {"\0\0\4\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, NULL},
     };
     uint8_t zeros[GP_FIRST_BYTES] = {0};
-    (void) state;
     for (size_t i = 0; i < COUNT(row); i++) {
         const uint8_t *const b = (const uint8_t *) row[i].bytes;
         const char *const name = gp_format_name(b, row[i].n);

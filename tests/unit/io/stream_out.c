@@ -115,7 +115,6 @@ static void check_raw(const struct gp_frame *f, enum gp_raw_format raw,
 
 static void raw_pixels(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < 4 * COUNT(windows); i++) {
         const enum gp_raw_format raw = (enum gp_raw_format) (i % 4);
         struct gp_write_params p = GP_WRITE_DEFAULTS;
@@ -142,7 +141,6 @@ static void raw_pixels(void **state)
 
 static void raw_frames_have_one_size(void **state)
 {
-    (void) state;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     const struct gp_rect small = {0, 0, 4, 3}, turned = {0, 0, 3, 4};
@@ -170,7 +168,6 @@ static void raw_frames_have_one_size(void **state)
 
 static void stdout_has_the_files_bytes(void **state)
 {
-    (void) state;
     static const char *const endings[] = {"exr", "png", "pfm"};
     const struct gp_rect d = {-1, 2, 30, 21}, show = {0, 0, 32, 20};
     struct gp_frame f = wf_frame(d, show, wf_all);
@@ -204,7 +201,6 @@ static void stdout_has_the_files_bytes(void **state)
 
 static void hdr_is_exr_alone(void **state)
 {
-    (void) state;
     for (int i = 0; i < 4; i++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.stdout_format = (enum gp_stdout_format) i;
@@ -303,7 +299,6 @@ static size_t make_stream(const struct gp_frame *f, char path[64],
 
 static void streams_fall_into_images(void **state)
 {
-    (void) state;
     const struct gp_rect d = {3, -7, 40, 50};
     struct gp_frame f = wf_frame(d, d, wf_all);
     for (size_t i = 0; i < COUNT(streams); i++) {
@@ -330,7 +325,6 @@ static void streams_fall_into_images(void **state)
 /* Frames read last to first, while the others stay. */
 static void frames_of_a_stream(void **state)
 {
-    (void) state;
     const struct gp_read_params p = GP_READ_DEFAULTS;
     const struct gp_rect d = {0, 0, 37, 57};
     struct gp_frame f = wf_frame(d, d, wf_rgb), got[4];
@@ -360,7 +354,6 @@ static void frames_of_a_stream(void **state)
 /* Cut anywhere, a stream is images that cover it, the last maybe bad. */
 static void cut_streams(void **state)
 {
-    (void) state;
     const struct gp_read_params p = GP_READ_DEFAULTS;
     const struct gp_rect d = {0, 0, 9, 20};
     struct gp_frame f = wf_frame(d, d, wf_rgb);

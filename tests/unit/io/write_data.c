@@ -68,7 +68,6 @@ static void assert_pixels(const struct gp_frame *a, const struct gp_frame *b)
 
 static void real_frames(void **state)
 {
-    (void) state;
     static const char *const names[] = {
         "camera/arnold_multichannel_tiled64.exr",
         "channels/channelTestNukePartPerLayer.exr",

@@ -52,7 +52,6 @@ static const struct hand plain = {1.5, 0, 0, {10, 20, 30}, 1};
 
 static void places_of_a_hand_made_camera(void **state)
 {
-    (void) state;
     static const struct {
         double at[3], w, x, y, z, ray;
         bool behind;
@@ -105,7 +104,6 @@ static void places_of_a_hand_made_camera(void **state)
 /* NDC spans the display window, wherever that lies. */
 static void windows_move_and_scale(void **state)
 {
-    (void) state;
     static const struct gp_rect rows[] = {
         {0, 0, 1, 1}, {-500, 300, 1420, 1380}, {7, -9, 8, 1000},
         {INT32_MIN / 4, INT32_MIN / 4, INT32_MAX / 4, INT32_MAX / 4},
@@ -129,7 +127,6 @@ static void windows_move_and_scale(void **state)
 /* Units of the camera, where its matrix is known, are those of the depth. */
 static void depth_counts_in_camera_units(void **state)
 {
-    (void) state;
     static const double at[3] = {13, 24, 30};
     double m[16], to_camera[16] = {0};
     struct gp_camera c;
@@ -148,7 +145,6 @@ static void depth_counts_in_camera_units(void **state)
 
 static void conventions_are_told_apart(void **state)
 {
-    (void) state;
     static const struct {
         double sx, sy; // lens shift
         bool clip, told;
@@ -187,7 +183,6 @@ static void conventions_are_told_apart(void **state)
 
 static void matrices_that_are_none(void **state)
 {
-    (void) state;
     static const struct {
         int at; // entry changed, or -1: all of them
         double to;
@@ -232,7 +227,6 @@ static void matrices_that_are_none(void **state)
 
 static void cameras_that_are_none(void **state)
 {
-    (void) state;
     static const double all[] = {0, 1, NAN, INFINITY, DBL_MAX, DBL_TRUE_MIN};
     double m[16];
     hand_matrix(&plain, false, m);
@@ -283,7 +277,6 @@ static double traced_radius(const struct gp_camera *c, const double dir[3],
 
 static void discs_cover_what_their_cones_cut(void **state)
 {
-    (void) state;
     static const double dirs[][3] = {
         {0, 1, 0}, {0.1, 1, 0.05}, {0.6, 2, -0.9}, {3, 1, 0}, {-9, 1, 4},
     };
@@ -306,7 +299,6 @@ static void discs_cover_what_their_cones_cut(void **state)
 
 static void discs_that_are_none(void **state)
 {
-    (void) state;
     static const struct {
         double dir[3], degrees;
     } row[] = {
@@ -343,7 +335,6 @@ static void discs_that_are_none(void **state)
 
 static void files_by_content(void **state)
 {
-    (void) state;
     static const struct {
         const char *text;
         int frames;      // 0: an error
@@ -399,7 +390,6 @@ static void files_by_content(void **state)
 
 static void both_forms_are_one_camera(void **state)
 {
-    (void) state;
     struct gp_camera_file f;
     assert_int_equal(
         gp_camera_read(&said_log, jf_write("[{'frame': 2, " SPEC "}, "
@@ -419,7 +409,6 @@ static void both_forms_are_one_camera(void **state)
 
 static void frames_are_found_by_number(void **state)
 {
-    (void) state;
     static char text[1 << 20];
     struct gp_camera_file f;
     int n = 0;
@@ -449,7 +438,6 @@ static void frames_are_found_by_number(void **state)
 /* A long sequence is more than the other files may be, but not without end. */
 static void large_files_have_an_end(void **state)
 {
-    (void) state;
     static const char frame[] = "[{'frame': 9, " SPEC "}";
     static const struct {
         size_t bytes;
@@ -571,7 +559,6 @@ static struct gp_camera header_camera(const char *name, int number,
 
 static void suns_and_lamps_of_the_data(void **state)
 {
-    (void) state;
     static const char *const names[] = {
         "seq_foliage/foliage", "seq_foliage/foliage_f32", "rendered/window",
         "rendered/brightsky", "rendered/night",
@@ -624,7 +611,6 @@ static void suns_and_lamps_of_the_data(void **state)
 /* Arnold's matrices, whatever they are called, are of the other convention. */
 static void arnold_is_told_from_the_spec(void **state)
 {
-    (void) state;
     static const struct {
         const char *file, *matrix;
     } row[] = {

@@ -82,7 +82,6 @@ static double area_by_quadrature(const struct exact_case *c)
 
 static void test_pixel_area(void **state)
 {
-    (void) state;
     static const long long radii[] = {1,   3,    8,     16,     23,     39,
                                       160, 1001, 16000, 160007, 1600000};
     seed = 20071u;
@@ -131,7 +130,6 @@ enum {
 
 static void test_area_sum(void **state)
 {
-    (void) state;
     for (int c = 0; c < CENTRES; c++) {
         for (int k = 0; k < LAW_RADII; k++) {
             const double r = law_radii[k], want = M_PI * r * r;
@@ -144,7 +142,6 @@ static void test_area_sum(void **state)
 /* Whole pixels, reflections and the diagonal change nothing. */
 static void test_area_symmetry(void **state)
 {
-    (void) state;
     seed = 77;
     for (int i = 0; i < 4000; i++) {
         const double r = law_radii[i % LAW_RADII] * (1.0 + i % 3);
@@ -169,7 +166,6 @@ static void test_area_symmetry(void **state)
  * out each for itself: four pixels are the square that they make. */
 static void test_area_corner(void **state)
 {
-    (void) state;
     static const double hard[][4] = {
         {0x1.4b00a5f6498ep-1, 0x1.86fce2dae58cp-1, 2, 3},
         {0x1.80de57310c6cp-2, 0x1.c91a4c9b5228p-2, 1, -1},
@@ -193,7 +189,6 @@ static void test_area_corner(void **state)
 
 static void test_area_grows(void **state)
 {
-    (void) state;
     double last = 0.0;
     for (int i = 0; i <= 4000; i++) {
         const double area = gp_disc_pixel_area(0.3, 0.6, i / 2000.0, 0, 0);
@@ -205,7 +200,6 @@ static void test_area_grows(void **state)
 
 static void test_area_hard(void **state)
 {
-    (void) state;
     const double inf = (double) INFINITY, nan = (double) NAN;
     assert_near(gp_disc_pixel_area(0.5, 0.5, 0.5, 0, 0), M_PI / 4, 1e-15,
                 "touches all sides", 0.5);
@@ -228,7 +222,6 @@ static void test_area_hard(void **state)
 /* A rectangle holds what its pixels hold. */
 static void test_rect_area(void **state)
 {
-    (void) state;
     seed = 3;
     for (int i = 0; i < 300; i++) {
         const double cx = 40 * uniform01(), cy = 40 * uniform01();
@@ -252,7 +245,6 @@ static void test_rect_area(void **state)
 /* Cells of (u, v) cover equal areas: sectors and rings hold their share. */
 static void test_disc_samples(void **state)
 {
-    (void) state;
     enum { N = 256 };
     int ring[4] = {0}, sector[8] = {0};
     double sum_x = 0.0, sum_y = 0.0;
@@ -281,7 +273,6 @@ static void test_disc_samples(void **state)
 
 static void test_disc_ends(void **state)
 {
-    (void) state;
     static const double at[][4] = {{0.5, 0.5, 0, 0}, {0, 0.5, -1, 0},
                                    {1, 0.5, 1, 0},   {0.5, 0, 0, -1},
                                    {0, 0, -M_SQRT1_2, -M_SQRT1_2}};
@@ -348,7 +339,6 @@ enum { PLACES = COUNT(places) };
 
 static void test_places(void **state)
 {
-    (void) state;
     static const int corner[][2] = {{0, 0}, {-1000, -77}, {100000, 70000}};
     for (int c = 0; c < 3; c++) {
         const int x0 = corner[c][0], y0 = corner[c][1];
@@ -383,7 +373,6 @@ static void test_places(void **state)
 /* A light of NaN place must come out a share all the same. */
 static void test_nowhere(void **state)
 {
-    (void) state;
     const struct gp_rect frame = {0, 0, 20, 10};
     const struct gp_occluders o = occluders(NULL, NULL, frame);
     const double nan = (double) NAN;
@@ -399,7 +388,6 @@ static void test_nowhere(void **state)
 /* Nothing to hide behind, whether a window is large or empty. */
 static void test_no_planes(void **state)
 {
-    (void) state;
     const struct gp_rect vast = {-1000000000, -1000000000, 1000000000,
                                  1000000000};
     for (int mode = 0; mode < MODES; mode++) {
@@ -452,7 +440,6 @@ enum { WINDOWS = COUNT(windows) };
 
 static void test_windows(void **state)
 {
-    (void) state;
     static const double lights[][3] = {
         {30, 20, 7.3}, {11.7, 6.1, 4}, {0.5, 0.5, 0.4}, {30, 20, 100},
         {25.25, 38, 20}, {59, 3, 12}, {-3, 20, 9}};
@@ -481,7 +468,6 @@ static void test_windows(void **state)
  * hidden stays a hole in it. */
 static void test_vast_frame(void **state)
 {
-    (void) state;
     struct gp_plane depth = plane_of((struct gp_rect) {5, 5, 15, 15});
     struct gp_plane mask =
         plane_of((struct gp_rect) {900000000, 900000000, 900000010, 900000010});
@@ -508,7 +494,6 @@ static void test_vast_frame(void **state)
 
 static void test_threads(void **state)
 {
-    (void) state;
     const struct gp_rect frame = {-13, 7, 700, 420};
     struct gp_plane depth = plane_of(frame), mask = plane_of(frame);
     fill_random(&depth, 17u, 20.0f);
@@ -536,7 +521,6 @@ static void test_threads(void **state)
  * it; none is fine. */
 static void test_many_lights(void **state)
 {
-    (void) state;
     enum { N = 64 };
     const struct gp_rect frame = {0, 0, 90, 50};
     struct gp_plane depth = plane_of(frame);

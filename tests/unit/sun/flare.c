@@ -13,7 +13,6 @@ static gp_status read_text(const char *text, struct gp_flare *out)
 
 static void reads_elements(void **state)
 {
-    (void) state;
     struct gp_flare f = {0};
     assert_int_equal(read_text(
         "{'elements': [{'shape': 'disc'},"
@@ -67,7 +66,6 @@ static void refuses_elements(void **state)
         {"polygon', 'sides': 3.5", "sides"}, {"image'", "image"},
         {"image', 'image': ''", "image"},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_flare f = {.n = -7};
         char text[100];
@@ -87,7 +85,6 @@ static void refuses_elements(void **state)
 /* The example reads, and takes less than a hundredth of the light. */
 static void example_is_faint(void **state)
 {
-    (void) state;
     struct gp_flare f = {0};
     double share[3] = {0};
     assert_int_equal(gp_flare_read(&said_log, "examples/flare.json", &f),
@@ -104,7 +101,6 @@ static void example_is_faint(void **state)
 
 static void refuses_too_many(void **state)
 {
-    (void) state;
     char *const text = malloc(1025 * 20 + 3);
     char *p = text;
     struct gp_flare f = {0};
@@ -139,7 +135,6 @@ static void totals_hold(void **state)
     static const double places[][2] = {
         {200.0, 150.0}, {200.5, 150.5}, {200.25, 150.625}, {199.9, 150.4},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(laws); i++) {
         struct gp_flare_element e = whole(laws[i]);
         const struct gp_flare f = {&e, 1};
@@ -165,7 +160,6 @@ static void totals_hold(void **state)
  * frame. */
 static void places_lie_on_the_axis(void **state)
 {
-    (void) state;
     for (int k = 0; k <= 4; k++) {
         struct picture p = picture_make((struct gp_rect) {-60, -50, 340, 250},
                                         (struct gp_rect) {-20, -10, 300, 210});
@@ -184,7 +178,6 @@ static void places_lie_on_the_axis(void **state)
 /* Counter-clockwise as seen: a streak at 30 degrees goes up to the right. */
 static void rotation_is_counter_clockwise(void **state)
 {
-    (void) state;
     struct picture p = picture_make((struct gp_rect) {0, 0, 200, 200},
                                     (struct gp_rect) {0, 0, 200, 200});
     struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_STREAK, .size = 0.8,
@@ -203,7 +196,6 @@ static void rotation_is_counter_clockwise(void **state)
  * of one pixel would change, and what is larger changes less. */
 static void small_steps_are_small(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(laws); i++) {
         struct gp_flare_element e = whole(laws[i]);
         const struct gp_flare f = {&e, 1};
@@ -232,7 +224,6 @@ static void small_steps_are_small(void **state)
 /* Pixels outside of the reach stay 0, and some inside do not. */
 static void reach_holds_all(void **state)
 {
-    (void) state;
     for (size_t i = 0; i < COUNT(laws); i++) {
         struct gp_flare_element e = whole(laws[i]);
         const struct gp_flare f = {&e, 1};
@@ -267,7 +258,6 @@ static void plain_images_keep_total_and_centroid(void **state)
         {64, 64, 100.0, 90.0}, {33, 17, 100.3, 90.7}, {1, 1, 100.49, 90.51},
         {64, 64, 99.125, 88.875}, {2, 3, 100.5, 90.5}, {127, 128, 100.2, 91.0},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_IMAGE,
                                             .plain = true, .size = 9,
@@ -311,7 +301,6 @@ static void scaled_images_keep_their_totals(void **state)
         {1, 1, 0.2, 45.0, {1, 1, 1}, false},
         {3, 500, 0.2, 45.0, {1, 1.5f, 1}, false},
     };
-    (void) state;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_flare_element e = ELEMENT(
             .shape = GP_FLARE_IMAGE, .size = rows[i].size,
@@ -341,7 +330,6 @@ static void scaled_images_keep_their_totals(void **state)
 
 static void unseen_lights_draw_nothing(void **state)
 {
-    (void) state;
     struct gp_light rows[8];
     for (int i = 0; i < 8; i++)
         rows[i] = light_at(20.0, 20.0);
@@ -373,7 +361,6 @@ static void odd_frames_hold(void **state)
     };
     static const struct gp_rect huge = {-1000000000, -1000000000, 1000000000,
                                         1000000000};
-    (void) state;
     for (size_t i = 0; i < COUNT(frames); i++) {
         for (size_t k = 0; k < COUNT(laws); k++) {
             struct gp_flare_element e = whole(laws[k]);
@@ -393,7 +380,6 @@ static void odd_frames_hold(void **state)
 
 static void threads_change_nothing(void **state)
 {
-    (void) state;
     struct gp_flare_element e[COUNT(laws) + 4];
     const struct gp_flare f = all_shapes(e);
     const struct gp_light l[2] = {light_at(60.3, 41.7), light_at(-20, 180)};

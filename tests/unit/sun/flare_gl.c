@@ -75,7 +75,6 @@ static void forms_agree(void **state)
         {0, 0, 320, 240}, {-40, -30, 501, 77}, {11, 5, 30, 300}, {0, 0, 1, 1},
         {0, 0, 640, 480},
     };
-    (void) state;
     struct gp_gl *gl = open_or_skip();
     struct gp_flare_gl *kept = NULL;
     struct gp_flare_element e[COUNT(laws) + 4];
@@ -102,7 +101,6 @@ static void forms_agree(void **state)
 /* Frames beyond a texture's size come in tiles. */
 static void tiles_agree(void **state)
 {
-    (void) state;
     setenv("GLAREPP_GL_MAX_SIZE", "128", 1);
     struct gp_gl *gl = open_or_skip();
     struct gp_flare_gl *kept = NULL;
@@ -120,7 +118,6 @@ static void tiles_agree(void **state)
 
 static void hidden_lights_stay_shut(void **state)
 {
-    (void) state;
     struct gp_gl *gl = open_or_skip();
     struct gp_flare_gl *kept = NULL;
     struct gp_flare_element e[COUNT(laws) + 4];

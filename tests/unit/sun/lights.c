@@ -11,7 +11,6 @@ static const struct gp_rect window = {0, 0, 400, 200};
 
 static void lights_by_text(void **state)
 {
-    (void) state;
     static const struct {
         const char *text; // of one light
         struct gp_light_spec want;
@@ -61,7 +60,6 @@ static void lights_by_text(void **state)
 
 static void files_that_are_refused(void **state)
 {
-    (void) state;
     static const struct {
         const char *text, *say;
     } row[] = {
@@ -114,7 +112,6 @@ static void files_that_are_refused(void **state)
 
 static void counts_up_to_the_limit(void **state)
 {
-    (void) state;
     static const int counts[] = {0, 1, GP_LIGHTS_MAX, GP_LIGHTS_MAX + 1};
     static char text[1 << 16];
     for (size_t k = 0; k < COUNT(counts); k++) {
@@ -153,7 +150,6 @@ static struct gp_camera camera(void)
 
 static void places_by_kind(void **state)
 {
-    (void) state;
     const struct gp_camera c = camera();
     // a disc in the middle: tan(0.2665 degrees) of 200 pixels
     static const double sun = 0.93026719998;
@@ -209,7 +205,6 @@ static void places_by_kind(void **state)
 
 static void places_that_cannot_be(void **state)
 {
-    (void) state;
     const struct gp_camera c = camera();
     static const struct {
         struct gp_light_spec spec;

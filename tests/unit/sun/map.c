@@ -112,7 +112,6 @@ static void maps_equal_the_reference(void **state)
 {
     static const int sizes[] = {2, 4, 6, 8, 12, 16, 24, 32, 64};
     const int step = getenv("GLAREPP_TEST_QUICK") ? 5 : 1;
-    (void) state;
     for (int k = 0; k < 2 * 4 * 3; k += step) {
         struct sun_frame f;
         seed = 77u + (uint32_t) k;
@@ -131,7 +130,6 @@ static void maps_equal_the_reference(void **state)
 /* Depth that is no distance, of every type. */
 static void depth_types(void **state)
 {
-    (void) state;
     for (int type = GP_DEPTH_Z; type <= GP_DEPTH_NORMALIZED; type++) {
         struct sun_frame f;
         make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
@@ -153,7 +151,6 @@ static void frames_of_one_pixel_and_none(void **state)
         {50, 60, 51, 61}, {50, 60, 50, 60}, {-3, 60, 100, 61},
         {50, -900, 51, 900},
     };
-    (void) state;
     for (int k = 0; k < 4; k++) {
         struct sun_frame f;
         make_frame(&f, frames[k], WITH_DEPTH | WITH_MASK, 1);
@@ -180,7 +177,6 @@ static void bytes_are_the_papers(void **state)
 {
     static const int sizes[] = {2, 4, 8, 12, 16, 20, 32, 64};
     struct sun_frame f;
-    (void) state;
     make_frame(&f, window, WITH_DEPTH, 3);
     for (int k = 0; k < 8 * machine_count; k++) {
         struct machine *const m = machine_at(k / 8);
@@ -206,7 +202,6 @@ static void bytes_saturate(void **state)
 {
     const struct gp_occluders clear = {.frame = window};
     const struct gp_map_params p = {.side = 16, .sum = GP_SUM_BYTE};
-    (void) state;
     for (int i = 0; i < machine_count; i++) {
         struct machine *const m = machine_at(i);
         const struct gp_light l = light_at(30.0, 70.0, 5.0);
@@ -224,7 +219,6 @@ static void many_equal_single_ones(void **state)
 {
     enum { N = 64 };
     struct sun_frame f;
-    (void) state;
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 3 * machine_count; k++) {
         struct machine *const m = machine_at(k / 3);
@@ -252,7 +246,6 @@ static void points_may_be_small(void **state)
     static const float most[] = {1.0f, 3.0f, 4.9f};
     struct sun_frame f;
     struct gp_light l[N];
-    (void) state;
     make_frame(&f, window, WITH_DEPTH, 2);
     for (int i = 0; i < N; i++)
         l[i] = light_at(-45.0 + 3.0 * i, 70.0 + i, 0.3 * i);
@@ -281,7 +274,6 @@ static void textures_may_be_small(void **state)
         {32, 40.0, GP_ERR_GL},
     };
     struct sun_frame f;
-    (void) state;
     make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
     for (int k = 0; k < 4 * machine_count; k++) {
         struct machine *const m = machine_at(k / 4);
@@ -345,7 +337,6 @@ static void readback_is_a_plain_count(void **state)
         {-40.9, 52.0, 0.2}, {10.0, 75.0, 300.0}, {-50.0, 60.0, 0.2},
     };
     enum { N = 9 };
-    (void) state;
     for (int k = 0; k < 24 * machine_count; k++) {
         struct machine *const m = machine_at(k / 24);
         const struct gp_map_params p = {
@@ -394,7 +385,6 @@ static void ends_of_the_scale(void **state)
         {1e10f, 0.0, GP_OUTSIDE_IGNORE, 1.0},
     };
     struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 64, 64});
-    (void) state;
     for (int k = 0; k < 9 * machine_count; k++) {
         struct machine *const m = machine_at(k / 9);
         for (int i = 0; i < 64 * 64; i++)
@@ -445,7 +435,6 @@ static void mask_64_is_near_exact(void **state)
     struct gp_plane depth = plane_of((struct gp_rect) {0, 0, 1024, 768});
     const struct gp_map_params p = {.side = 64};
     struct gp_light exact[N], mask[N];
-    (void) state;
     seed = 9;
     grow_leaves(&depth);
     const struct gp_occluders o = occluders(&depth, NULL, depth.window);
@@ -494,7 +483,6 @@ static void what_is_too_large_is_refused(void **state)
 {
     const struct gp_occluders o = {.frame = window};
     const struct gp_occluders wide = {.frame = {0, 0, 1 << 25, 1}};
-    (void) state;
     for (int i = 0; i < machine_count; i++) {
         struct machine *const m = machine_at(i);
         struct gp_sun_map *const kept = m->map;
@@ -511,7 +499,6 @@ static void what_is_too_large_is_refused(void **state)
 static void pictures(void **state)
 {
     struct sun_frame f;
-    (void) state;
     make_frame(&f, window, WITH_DEPTH, 4);
     for (int i = 0; i < machine_count; i++) {
         struct machine *const m = machine_at(i);

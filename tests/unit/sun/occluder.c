@@ -92,7 +92,6 @@ enum { GROUNDS = COUNT(grounds) };
 
 static void test_backgrounds(void **state)
 {
-    (void) state;
     for (int i = 0; i < GROUNDS; i++) {
         const int n = grounds[i].n;
         float v[MOST];
@@ -116,7 +115,6 @@ static void test_backgrounds(void **state)
 
 static void test_facts(void **state)
 {
-    (void) state;
     float v[] = {0, -0.0f, NAN, -NAN, INFINITY, -INFINITY, 1e9f, -1e30f,
                  MAXF, 65504, -65504, -1, -1e-45f, 1, 1, 2, 1e-45f};
     const struct gp_plane p = row_of(v, (int) COUNT(v));
@@ -135,7 +133,6 @@ static void test_facts(void **state)
 
 static void test_no_depth(void **state)
 {
-    (void) state;
     struct gp_plane none = {0};
     float m[] = {0.25f};
     const struct gp_plane mask = row_of(m, 1);
@@ -194,7 +191,6 @@ enum { SHOWS = COUNT(shows) };
 
 static void test_show(void **state)
 {
-    (void) state;
     for (int i = 0; i < SHOWS; i++) {
         float z[] = {shows[i].z, shows[i].type == NRM ? 1.0f : 5.0f};
         float m[] = {shows[i].m, 0};
@@ -274,7 +270,6 @@ static void check_runs(enum gp_depth_type type, bool reversed, int planes)
 
 static void test_runs(void **state)
 {
-    (void) state;
     for (int type = 0; type < 4; type++) {
         for (int turned = 0; turned < (type == (int) INV ? 1 : 2); turned++) {
             for (int planes = 1; planes < 4; planes++)
@@ -285,7 +280,6 @@ static void test_runs(void **state)
 
 static void test_empty_run(void **state)
 {
-    (void) state;
     float z[] = {5};
     const struct gp_plane d = row_of(z, 1);
     const struct gp_occluders o = counted(&d, NULL, Z);
@@ -300,7 +294,6 @@ static void test_empty_run(void **state)
 /* Far corners of pixel space: offsets must not wrap. */
 static void test_far_windows(void **state)
 {
-    (void) state;
     float z[] = {5, 0, 0, 0, 0, 7};
     static const int at[] = {-(1 << 30), 1 << 30, 0};
     const struct gp_light l = GP_LIGHT_DEFAULTS;
@@ -318,7 +311,6 @@ static void test_far_windows(void **state)
 
 static void test_threads(void **state)
 {
-    (void) state;
     enum { W = 333, H = 211 };
     static float z[W * H];
     for (int i = 0; i < W * H; i++)

@@ -143,7 +143,6 @@ static int machine_count __attribute__((unused));
 static inline int open_machines(void **state)
 {
     static const enum gp_gl_api apis[2] = {GP_GL_OSMESA, GP_GL_EGL};
-    (void) state;
     machine_count = 0;
     for (int i = 0; i < 2; i++) {
         if (gp_gl_open(&said_log, apis[i], &machines[machine_count].gl))
@@ -156,7 +155,6 @@ static inline int open_machines(void **state)
 
 static inline int close_machines(void **state)
 {
-    (void) state;
     for (int i = 0; i < machine_count; i++) {
         assert_ok(gp_gl_use(&said_log, machines[i].gl));
         gp_sun_map_close(machines[i].gl, &machines[i].map);

@@ -21,7 +21,6 @@ static void moments(const struct gp_source *list, size_t n, double m[3])
 /* Flux is kept and the centroid is the light's place, wherever it stands. */
 static void a_disc_keeps_flux_and_place(void **state)
 {
-    (void) state;
     static const double radius[] = {0.0, 0.3, 0.5, 0.51, 1.0, 2.48, 7.9};
     static const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
     for (int r = 0; r < 7; r++) {
@@ -49,7 +48,6 @@ static void a_disc_keeps_flux_and_place(void **state)
 /* Beyond the frame there is no pixel, and no light either. */
 static void a_disc_is_cut_to_the_frame(void **state)
 {
-    (void) state;
     static const struct { double x, y, share; } row[] = {
         {0.0, 15.0, 0.5}, {0.0, 0.0, 0.25}, {40.0, 15.0, 0.5},
         {-90.0, 15.0, 0.0}, {1e300, 15.0, 0.0}, {-1e9, -1e9, 0.0},

@@ -76,7 +76,6 @@ static void check_fence(double x, double y, double r, bool coverage)
 
 static void exact_follows_a_fence(void **state)
 {
-    (void) state;
     static const double at[][3] = {{32, 24, 2.48}, {31.3, 23.8, 0.45},
                                    {32.5, 24.5, 6}, {30.1, 24.2, 15}};
     for (int i = 0; i < 8; i++)
@@ -107,7 +106,6 @@ static void masks_follow_a_fence(void **state)
     };
     struct gp_plane mask = plane_of((struct gp_rect) {0, 0, FENCE_W, FENCE_H});
     const struct gp_occluders o = {.mask = &mask, .frame = mask.window};
-    (void) state;
     for (size_t k = 0; k < COUNT(curves) * (size_t) machine_count; k++) {
         const size_t c = k % COUNT(curves);
         struct machine *const m = machine_at((int) (k / COUNT(curves)));
@@ -187,7 +185,6 @@ static void add_frame(const char *stem, const json_t *frame, struct errors *e)
 
 static void frames_of_the_data(void **state)
 {
-    (void) state;
     static const char *const stems[] = {
         "seq_foliage/foliage", "seq_foliage/foliage_f32", "rendered/window",
         "rendered/brightsky", "rendered/night"};
