@@ -184,8 +184,8 @@ void check_dpx(Bytes &bytes)
 
 // -- rows ---------------------------------------------------------------------
 
-// Rows that are read at a time: near 4 MiB, but whole strips and tiles, and of
-// EXR whole chunks. Of a packed strip that is read in parts OpenImageIO loses
+// Rows that are read at a time: near 16 MiB, so that there are strips for all
+// threads, but whole strips and tiles, and of EXR whole chunks. Of a packed strip that is read in parts OpenImageIO loses
 // doubles.
 int block_rows(const ImageSpec &spec, const std::string &format)
 {
@@ -193,7 +193,7 @@ int block_rows(const ImageSpec &spec, const std::string &format)
                             static_cast<std::size_t>(spec.nchannels) *
                             sizeof(float);
     const int room = static_cast<int>(
-        std::max<std::size_t>(1, (std::size_t(4) << 20) / row));
+        std::max<std::size_t>(1, (std::size_t(16) << 20) / row));
     int unit = 1;
     if (spec.tile_width > 0)
         unit = spec.tile_height;
