@@ -31,7 +31,7 @@ void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
  * in the order of the sources, in float, in groups of 32 whose sums are added
- * with compensation, so that its error grows with the group alone.
+ * with compensation, so that its error grows only with the group.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
                                       const struct gp_sources *src,

@@ -79,7 +79,7 @@ struct gp_fft_split {
  *   points     nx * ny
  *   fft_ms     predicted for the transform
  *   gain       of the layer in the composite, > 0
- * The choice depends on the frame alone, never on the number of threads.
+ * The choice depends only on the frame, never on the number of threads.
  */
 void gp_fft_split_choose(const struct gp_sources *src,
                          const struct gp_kernel *k,
