@@ -1,0 +1,404 @@
+/* PNG in: every kind of pixel, chunks, damaged files. */
+#include "unit.h"
+#include "write_fixture.h"
+
+#include "io/io_priv.h"
+
+#include <libdeflate.h>
+
+enum { ROOM = 1 << 18 };
+
+/* A PNG in memory that is made chunk by chunk. */
+struct made {
+    uint8_t bytes[ROOM];
+    size_t n;
+};
+
+static void put_chunk(struct made *m, const char *type, const void *data,
+                      size_t n)
+{
+    uint8_t *const to = m->bytes + m->n;
+    assert_true(m->n + n + 12 <= ROOM);
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t) (n >> (24 - 8 * i));
+    memcpy(to + 4, type, 4);
+    memcpy(to + 8, data, n);
+    const uint32_t crc = libdeflate_crc32(0, to + 4, n + 4);
+    for (int i = 0; i < 4; i++)
+        to[8 + n + (size_t) i] = (uint8_t) (crc >> (24 - 8 * i));
+    m->n += n + 12;
+}
+
+static void put_head(struct made *m, int w, int h, int bits, int type,
+                     bool interlaced)
+{
+    const uint8_t head[13] = {
+        0, (uint8_t) (w >> 16), (uint8_t) (w >> 8), (uint8_t) w,
+        0, (uint8_t) (h >> 16), (uint8_t) (h >> 8), (uint8_t) h,
+        (uint8_t) bits, (uint8_t) type, 0, 0, interlaced,
+    };
+    memcpy(m->bytes, "\x89PNG\r\n\x1a\n", 8);
+    m->n = 8;
+    put_chunk(m, "IHDR", head, sizeof head);
+}
+
+/* `head` and `n` bytes deflated, cut to `part` percent, as one chunk. */
+static void put_packed(struct made *m, const char *type, const char *head,
+                       size_t head_bytes, const void *data, size_t n, int part)
+{
+    static uint8_t packed[ROOM];
+    struct libdeflate_compressor *const c = libdeflate_alloc_compressor(9);
+    assert_non_null(c);
+    memcpy(packed, head, head_bytes);
+    const size_t got = libdeflate_zlib_compress(c, data, n,
+                                                packed + head_bytes,
+                                                sizeof packed - head_bytes);
+    assert_true(got > 0);
+    put_chunk(m, type, packed, head_bytes + got * (size_t) part / 100);
+    libdeflate_free_compressor(c);
+}
+
+static void put_pixels(struct made *m, const void *data, size_t n, int part)
+{
+    put_packed(m, "IDAT", "", 0, data, n, part);
+    put_chunk(m, "IEND", "", 0);
+}
+
+/* All of a picture; the caller closes it, where it can be read. */
+static gp_status load(const void *bytes, size_t size, struct gp_image *image)
+{
+    const struct gp_stream s = {
+        .fd = -1, .data = (uint8_t *) (uintptr_t) bytes, .size = size,
+        .borrowed = true,
+    };
+    wf_line[0] = '\0';
+    *image = (struct gp_image) {0};
+    gp_status st = gp_png_open(&wf_log, "in", &s, 0, 1 << 20, image);
+    if (!st)
+        st = gp_image_load(&wf_log, image);
+    if (st)
+        gp_image_close(image);
+    return st;
+}
+
+static gp_status check(const void *bytes, size_t size)
+{
+    struct gp_image image;
+    const gp_status st = load(bytes, size, &image);
+    gp_image_close(&image);
+    return st;
+}
+
+/* Code c of pixel x, y as it is stored; palettes have 2^bits entries. */
+static unsigned stored(int x, int y, int c, int bits)
+{
+    return wf_hash((uint32_t) x, (uint32_t) y, (uint32_t) c) >> 3 &
+           ((1u << bits) - 1);
+}
+
+/* The rows of one pass, samples packed, each after a filter type of 0. */
+static size_t put_rows(uint8_t *to, int samples, int bits, const int size[2],
+                       const int first[2], const int step[2])
+{
+    uint8_t *const start = to;
+    for (int y = first[1]; first[0] < size[0] && y < size[1]; y += step[1]) {
+        int used = 8;
+        *to = 0;
+        for (int x = first[0]; x < size[0]; x += step[0]) {
+            for (int c = 0; c < samples; c++) {
+                const unsigned v = stored(x, y, c, bits);
+                if (bits == 16)
+                    *++to = (uint8_t) (v >> 8);
+                if (used == 8 || bits == 16) {
+                    *++to = 0;
+                    used = 0;
+                }
+                used += bits == 16 ? 8 : bits;
+                *to = (uint8_t) (*to | (v & 0xff) << (8 - used));
+            }
+        }
+        to++;
+    }
+    return (size_t) (to - start);
+}
+
+/* What a reader must make of a pixel, by PNG's rules; codes of 8 or 16 bits.
+ * Returns how many channels there are. */
+static int expected(int type, int bits, const char *transparent, int x, int y,
+                    unsigned code[4])
+{
+    const unsigned max = (1u << bits) - 1;
+    const int samples = type == 2 ? 3 : type == 4 ? 2 : type == 6 ? 4 : 1;
+    for (int c = 0; c < samples; c++)
+        code[c] = stored(x, y, c, bits);
+    int channels = samples;
+    if (type == 3) {
+        const unsigned index = code[0];
+        for (unsigned c = 0; c < 3; c++)
+            code[c] = (index * 3 + c) * 5 & 255;
+        channels = transparent ? 4 : 3;
+        code[3] = index == 0 ? 77 : 255;
+    } else if (transparent) {
+        bool same = true;
+        for (int c = 0; c < samples; c++)
+            same = same && code[c] == stored(0, 0, c, bits);
+        channels++;
+        code[samples] = same ? 0 : max;
+    }
+    for (int c = 0; c < channels && type != 3 && bits < 8; c++)
+        code[c] = code[c] * 255 / max;
+    return channels;
+}
+
+/* Every colour type, depth and interlacing, with transparent colours. */
+static void kinds(void **state)
+{
+    static const int passes[7][4] = { // first x, y, steps
+        {0, 0, 8, 8}, {4, 0, 8, 8}, {0, 4, 4, 8}, {2, 0, 4, 4},
+        {0, 2, 2, 4}, {1, 0, 2, 2}, {0, 1, 1, 2},
+    };
+    static const int whole[2] = {0, 0}, each[2] = {1, 1}, size[2] = {13, 11};
+    static struct made m;
+    static uint8_t raw[4096], extra[768];
+    int made = 0;
+    for (int type = 0; type <= 6; type++) {
+        for (int k = 0; type != 1 && type != 5 && k < 5 * 4; k++) {
+            const int bits = 1 << k / 4;
+            const bool interlaced = k & 1, transparent = k & 2;
+            const int samples = type == 2 ? 3 : type == 4 ? 2
+                                : type == 6 ? 4 : 1;
+            if ((type > 0 && type != 3 && bits < 8) ||
+                (type == 3 && bits == 16) || (type > 3 && transparent))
+                continue;
+            size_t n = 0;
+            if (interlaced) {
+                for (int i = 0; i < 7; i++)
+                    n += put_rows(raw + n, samples, bits, size, passes[i],
+                                  passes[i] + 2);
+            } else {
+                n = put_rows(raw, samples, bits, size, whole, each);
+            }
+            put_head(&m, size[0], size[1], bits, type, interlaced);
+            for (int i = 0; i < 768; i++)
+                extra[i] = (uint8_t) (i * 5);
+            if (type == 3)
+                put_chunk(&m, "PLTE", extra, 3u << bits);
+            for (int c = 0; c < samples; c++) {
+                const unsigned v = stored(0, 0, c, bits);
+                extra[2 * c] = (uint8_t) (v >> 8);
+                extra[2 * c + 1] = (uint8_t) v;
+            }
+            if (transparent)
+                put_chunk(&m, "tRNS", type == 3 ? (const void *) "M" : extra,
+                          type == 3 ? 1 : 2 * (size_t) samples);
+            put_pixels(&m, raw, n, 100);
+            struct gp_image image;
+            if (load(m.bytes, m.n, &image))
+                fail_msg("type %d, %d bits: %s", type, bits, wf_line);
+            assert_int_equal(image.bits, bits == 16 ? 16 : 8);
+            assert_string_equal(image.colour_space, "sRGB");
+            const float max = bits == 16 ? 65535.0f : 255.0f;
+            const float *v = image.pixels;
+            for (int i = 0; i < size[0] * size[1]; i++) {
+                unsigned code[4];
+                const int channels =
+                    expected(type, bits, transparent ? "M" : NULL,
+                             i % size[0], i / size[0], code);
+                assert_int_equal(image.channels, channels);
+                for (int c = 0; c < channels; c++, v++) {
+                    if (channels % 2 == 0 && c < channels - 1)
+                        code[c] = code[c] * code[channels - 1] /
+                                  (unsigned) max;
+                    if (fabsf(*v * max - (float) code[c]) > 0.01f)
+                        fail_msg("type %d, %d bits, pixel %d, %d: %g for %u",
+                                 type, bits, i, c, (double) (*v * max),
+                                 code[c]);
+                }
+            }
+            gp_image_close(&image);
+            made++;
+        }
+    }
+    assert_int_equal(made, 2 * (2 * (5 + 2 + 4) + 2 + 2));
+}
+
+/* The curve, the window and the texts that chunks name. */
+static void chunks(void **state)
+{
+    static const struct {
+        const char *type, *data;
+        size_t n;
+        const char *space, *name, *text;
+        int x;
+        float aspect;
+    } row[] = {
+#define ROW(type, data, ...) {type, data, sizeof data - 1, __VA_ARGS__}
+        ROW("sRGB", "\0", "sRGB", NULL, NULL, 0, 0),
+        ROW("gAMA", "\0\0\xb1\x8f", "Gamma2.2", NULL, NULL, 0, 0),
+        ROW("gAMA", "\0\1\x86\xa0", "linear", NULL, NULL, 0, 0),
+        ROW("gAMA", "\0\0\0\0", "sRGB", NULL, NULL, 0, 0),
+        ROW("oFFs", "\0\0\0\5\xff\xff\xff\xf9\0", "sRGB", NULL, NULL, 5, 0),
+        ROW("pHYs", "\0\0\7\xd0\0\0\3\xe8\0", "sRGB", NULL, NULL, 0, 0.5f),
+        ROW("tEXt", "Author\0me", "sRGB", "Artist", "me", 0, 0),
+        ROW("tEXt", "title\0it", "sRGB", "DocumentName", "it", 0, 0),
+        ROW("tEXt", "Description\0what", "sRGB", "ImageDescription", "what", 0,
+            0),
+        ROW("tEXt", "shot\0", "sRGB", "shot", "", 0, 0),
+        ROW("iTXt", "Comment\0\0\0en\0\0h\xc3\xa9", "sRGB", "Comment",
+            "h\xc3\xa9", 0, 0),
+        ROW("tIME", "\x07\xe4\2\3\4\5\6", "sRGB", "DateTime",
+            "2020:02:03 04:05:06", 0, 0),
+        ROW("tEXt", "Raw profile type exif\0x", "sRGB", NULL, NULL, 0, 0),
+        ROW("iTXt", "XML:com.adobe.xmp\0\0\0\0\0<x/>", "sRGB", NULL, NULL, 0,
+            0),
+        ROW("iCCP", "any\0\0no profile", "sRGB", NULL, NULL, 0, 0),
+        ROW("cICP", "\x09\x10\0\1", "sRGB", NULL, NULL, 0, 0),
+        ROW("qqQq", "what is this", "sRGB", NULL, NULL, 0, 0),
+#undef ROW
+    };
+    static struct made m;
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_image image;
+        put_head(&m, 1, 1, 8, 0, false);
+        put_chunk(&m, row[i].type, row[i].data, row[i].n);
+        put_pixels(&m, "\0\x80", 2, 100);
+        if (load(m.bytes, m.n, &image))
+            fail_msg("row %zu: %s", i, wf_line);
+        assert_string_equal(image.colour_space, row[i].space);
+        assert_int_equal(image.data.x0, row[i].x);
+        assert_int_equal(image.data.y0, row[i].x ? -7 : 0);
+        assert_int_equal(image.display.x0, 0);
+        assert_true(image.pixel_aspect == row[i].aspect);
+        assert_int_equal(image.attributes, row[i].name != NULL);
+        if (row[i].name) {
+            assert_string_equal(image.attribute[0].name, row[i].name);
+            assert_string_equal(image.attribute[0].text, row[i].text);
+        }
+        gp_image_close(&image);
+    }
+    // alpha is associated on codes, with a gamma by its power
+    struct gp_image image;
+    put_head(&m, 1, 1, 8, 6, false);
+    put_chunk(&m, "gAMA", "\0\0\xb1\x8f", 4);
+    put_pixels(&m, "\0\xc8\x64\0\x80", 5, 100);
+    assert_int_equal(load(m.bytes, m.n, &image), GP_OK);
+    assert_true(fabsf(image.pixels[0] * 255.0f - 43.0f) < 0.01f);
+    assert_true(fabsf(image.pixels[1] * 255.0f - 21.0f) < 0.01f);
+    gp_image_close(&image);
+    // of two texts of one name the later counts, and there is no other part
+    put_head(&m, 1, 1, 8, 0, false);
+    put_chunk(&m, "tEXt", "shot\0one", 8);
+    put_chunk(&m, "tEXt", "Shot\0two", 8);
+    put_pixels(&m, "\0\x80", 2, 100);
+    assert_int_equal(load(m.bytes, m.n, &image), GP_OK);
+    assert_int_equal(image.attributes, 1);
+    assert_string_equal(image.attribute[0].text, "two");
+    gp_image_close(&image);
+    const struct gp_stream s = {.fd = -1, .data = m.bytes, .size = m.n,
+                                .borrowed = true};
+    assert_int_equal(gp_png_open(&wf_log, "in", &s, 1, 1, &image),
+                     GP_ERR_DATA);
+}
+
+/* Any byte changed, and any end but the last, is found; what follows IEND
+ * does not matter. */
+static void damaged_bytes(void **state)
+{
+    const struct gp_rect r = {0, 0, 9, 5};
+    const struct gp_write_params p = GP_WRITE_DEFAULTS;
+    struct gp_write_stats stats = {0};
+    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    if (gp_write_picture(&wf_log, &p, wf_path("a.png"), &f, &f.rgb,
+                         GP_PICTURE_SHOWN, &stats))
+        fail_msg("%s", wf_line);
+    gp_frame_free(&f);
+    size_t size;
+    uint8_t *const bytes = wf_read(wf_path("a.png"), &size);
+    assert_int_equal(check(bytes, size), GP_OK);
+    for (size_t i = 0; i < size; i++) {
+        assert_int_equal(check(bytes, i), GP_ERR_DATA);
+        bytes[i] ^= 0x10;
+        assert_int_equal(check(bytes, size), GP_ERR_DATA);
+        bytes[i] ^= 0x10;
+    }
+    uint8_t *const more = calloc(1, size + 100);
+    assert_non_null(more);
+    memcpy(more, bytes, size);
+    assert_int_equal(check(more, size + 100), GP_OK);
+    free(more);
+    free(bytes);
+}
+
+/* Rows that are missing, and sizes over the limits, checksums being right. */
+static void rows_and_sizes(void **state)
+{
+    static const struct {
+        int w, h;
+        bool interlaced;
+        size_t rows;
+        int part;
+        const char *said; // NULL: whole
+    } rows[] = {
+        {7, 5, false, 5 * 8, 100, NULL},
+        {7, 5, false, 4 * 8, 100, "damaged (Not enough image data)"},
+        {7, 5, false, 5 * 8 - 1, 100, "damaged (Not enough image data)"},
+        {7, 5, false, 5 * 8, 50, "damaged ("},
+        // passes of 1x1, 1x1, 2x1, 2x2, 4x1, 3x3 and 7x2, a byte more a row
+        {7, 5, true, 2 + 2 + 3 + 6 + 10 + 12 + 16, 100, NULL},
+        {7, 5, true, 20, 100, "damaged (Not enough image data)"},
+        {1024, 1024, false, 1000, 100, "bytes cannot hold 1024 x 1024"},
+        {16384, 16384, false, 1000, 100, "in: too large (16384 x 16384 "},
+        {1000, 1048, false, 1001 * 1048, 100, NULL},
+        {1000, 1049, false, 1001 * 1049, 100, "too large (1000 x 1049 "},
+        {1000000, 1, false, 1000001, 100, NULL},
+        {1000001, 1, false, 1000002, 100, "too large (1000001 x 1 pixels; a"},
+        {1, 1000001, false, 10, 100, "too large (1 x 1000001 pixels; a"},
+    };
+    static struct made m;
+    static const uint8_t zeros[1001 * 1049];
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        put_head(&m, rows[i].w, rows[i].h, 8, 0, rows[i].interlaced);
+        put_pixels(&m, zeros, rows[i].rows, rows[i].part);
+        if (check(m.bytes, m.n) != (rows[i].said ? GP_ERR_DATA : GP_OK))
+            fail_msg("row %zu: %s", i, wf_line);
+        if (rows[i].said)
+            wf_assert_said(rows[i].said);
+    }
+}
+
+/* A few texts are ordinary; a length that the file has no room for, or many
+ * texts that unpack to a thousand times their size, take no memory. XMP is
+ * not parsed, however deep it nests. */
+static void texts_are_bounded(void **state)
+{
+    enum { TEXT = 7000000, DEPTH = 2000000 };
+    static struct made m;
+    char *const raw = malloc(TEXT);
+    assert_non_null(raw);
+    memset(raw, 'a', TEXT);
+    for (int texts = 3; texts <= 9; texts += 6) {
+        put_head(&m, 1, 1, 8, 0, false);
+        for (int i = 0; i < texts; i++)
+            put_packed(&m, "zTXt", "key\0", 5, raw, TEXT, 100);
+        put_pixels(&m, "\0\0", 2, 100);
+        assert_int_equal(check(m.bytes, m.n),
+                         texts == 3 ? GP_OK : GP_ERR_DATA);
+    }
+    put_head(&m, 1, 1, 8, 0, false);
+    const size_t head = m.n;
+    put_pixels(&m, "\0\0", 2, 100);
+    memmove(m.bytes + head + 12, m.bytes + head, m.n - head);
+    memcpy(m.bytes + head, "\4\0\0\0zTXtabcd", 12);
+    assert_int_equal(check(m.bytes, m.n + 12), GP_ERR_DATA);
+    for (int i = 0; i < DEPTH; i++)
+        memcpy(raw + 3 * i, "<x>", 3);
+    static const char xmp[] = "XML:com.adobe.xmp\0\1\0\0";
+    put_head(&m, 1, 1, 8, 0, false);
+    put_packed(&m, "iTXt", xmp, sizeof xmp, raw, 3 * DEPTH, 100);
+    put_pixels(&m, "\0\0", 2, 100);
+    assert_int_equal(check(m.bytes, m.n), GP_OK);
+    free(raw);
+}
+
+SUITE_OF_EACH(png_read, wf_start, wf_end,
+    kinds, chunks, damaged_bytes, rows_and_sizes, texts_are_bounded)
