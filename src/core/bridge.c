@@ -89,11 +89,11 @@ gp_status gp_shared_make(const struct gp_log *log, const char *path,
     const int error = errno;
     if (s.fd >= 0)
         close(s.fd);
-    if (error == EFBIG)
-        return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with "
-                       "a helper (%s); raise ulimit -f", path, size,
-                       strerror(error));
-    return gp_no_memory(log, path);
+    if (error == ENOMEM)
+        return gp_no_memory(log, path);
+    return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with a "
+                   "helper (%s); raise ulimit -f or -n", path, size,
+                   strerror(error));
 }
 
 void gp_shared_free(struct gp_shared *shared)

@@ -28,8 +28,8 @@ struct gp_shared {
 };
 
 /* Makes zeroed memory of `size` >= 1 bytes, which nobody can make smaller.
- * `path` is for the message. Errors: GP_ERR_BUG out of memory; GP_ERR_IO more
- * bytes than a file may have (ulimit -f). */
+ * `path` is for the message. Errors: GP_ERR_BUG out of memory; GP_ERR_IO no
+ * descriptor, or more bytes than a file may have (ulimit -f). */
 GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
                                        const char *path, size_t size,
                                        struct gp_shared *out);

@@ -394,7 +394,7 @@ static const float DWA_MAX = 57344.0f;
 
 /* Samples of all channels, interleaved; names and types have room for every
  * channel. */
-static gp_status interleave(const struct gp_log *log,
+static gp_status interleave(const struct gp_log *log, const char *path,
                             const struct gp_exr_image *img, const char **names,
                             int *types, struct gp_shared *pixels,
                             struct gp_write_stats *stats)
@@ -405,7 +405,7 @@ static gp_status interleave(const struct gp_log *log,
     size_t step = 0, at = 0;
     for (int i = 0; i < img->sources; i++)
         step += gp_type_size(img->source[i].type);
-    gp_status st = gp_shared_make(log, "DWA pixels", w * h * step, pixels);
+    gp_status st = gp_shared_make(log, path, w * h * step, pixels);
     if (!st)
         st = gp_alloc(log, "DWA row", w, sizeof(float) + sizeof(uint16_t),
                       &block);
@@ -498,7 +498,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     }
     GP_TRY(gp_alloc(out->log, path, n, sizeof(char *), &names));
     GP_TRY(gp_alloc(out->log, path, n, sizeof(int), &types));
-    GP_TRY(interleave(out->log, img, names, types, &pixels, stats));
+    GP_TRY(interleave(out->log, path, img, names, types, &pixels, stats));
     const struct gp_image image = {
         .path = path, .data = img->data, .display = img->data,
         .channels = img->sources, .channel_name = names, .colour_space = "",
