@@ -16,6 +16,13 @@
 static int quick; // GLAREPP_TEST_QUICK is set: no GL, small cases
 static int no_gl; // no GL library on this machine
 
+static inline int ask_quick(void **state)
+{
+    (void) state;
+    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
+    return 0;
+}
+
 /* Runs an engine; 0 when it cannot run here for want of GL. */
 static inline int ran(const char *engine, struct scene *s, struct gp_glare *g,
                       struct gp_glare_stats *stats, const char *what)

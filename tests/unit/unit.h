@@ -26,6 +26,7 @@
 #include <cmocka.h>
 
 #define COUNT(a) (sizeof(a) / sizeof *(a))
+#define assert_ok(call) assert_int_equal(call, GP_OK)
 
 #define SUITE(name)                                                           \
     int suite_##name(int argc, char **argv);                                  \

@@ -50,7 +50,7 @@ static void auto_falls_back(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
     setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_AUTO, &gl), GP_OK);
+    assert_ok(gp_gl_open(&log_kept, GP_GL_AUTO, &gl));
     assert_ptr_equal(strstr(gp_gl_info(gl)->name, "EGL: "),
                      gp_gl_info(gl)->name);
     gp_gl_close(&gl);
@@ -118,8 +118,8 @@ static void limit_can_only_be_lowered(void **state)
         int w, h;
         gp_status want;
     } rows[] = {
-        {16, 16, GP_OK},     {1, 1, GP_OK},      {17, 1, GP_ERR_GL},
-        {1, 17, GP_ERR_GL},  {0, 1, GP_ERR_GL},  {1, -1, GP_ERR_GL},
+        {16, 16, GP_OK}, {1, 1, GP_OK}, {17, 1, GP_ERR_GL},
+        {1, 17, GP_ERR_GL}, {0, 1, GP_ERR_GL}, {1, -1, GP_ERR_GL},
     };
     static const char *const others[] = {"", "none", "-5", "0", "999999999"};
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -177,10 +177,10 @@ static void add_twice(struct gp_gl *gl, const struct gp_program *p,
     struct gp_draw draw = {.program = p, .target = to,
                            .cut = {-5, 3, W + 9, 11}, .uniform = uniform,
                            .vertices = 3, .instances = 1};
-    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_OK);
-    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_OK);
+    assert_ok(gp_draw_run(&log_kept, gl, &draw));
+    assert_ok(gp_draw_run(&log_kept, gl, &draw));
     draw.cut = (struct gp_rect) {W, 0, W + 4, H}; // wholly outside
-    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_OK);
+    assert_ok(gp_draw_run(&log_kept, gl, &draw));
     const struct gp_uniform unknown[] = {{.name = "absent"}, {0}};
     draw.cut = (struct gp_rect) {0, 0, W, H};
     draw.uniform = unknown;
@@ -209,15 +209,10 @@ static void draw_in(struct gp_gl *gl)
     struct gp_target to = {0};
     const struct gp_rect all = {0, 0, W, H};
     fill(px, 20071u);
-    assert_int_equal(gp_gl_use(&log_kept, gl), GP_OK);
-    assert_int_equal(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag",
-                                     &p), GP_OK);
-    assert_int_equal(
-        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, W, H, &from),
-        GP_OK);
-    assert_int_equal(
-        gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to),
-        GP_OK);
+    assert_ok(gp_gl_use(&log_kept, gl));
+    assert_ok(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag", &p));
+    assert_ok(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, W, H, &from));
+    assert_ok(gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to));
     gp_texture_write(gl, &from, (struct gp_rect) {0, 0, W, 9}, px);
     gp_texture_write(gl, &from, (struct gp_rect) {0, 9, W, H}, px + 4 * W * 9);
     gp_target_clear(gl, &to, (struct gp_rect) {-9, -9, 999, 999});
@@ -230,7 +225,7 @@ static void draw_in(struct gp_gl *gl)
         assert_true(got[i] == 0.0f);
         assert_true(got[4 * W + i] == 2 * px[4 * W * 4 + i]);
     }
-    assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_program_free(gl, &p);
     gp_texture_free(gl, &from);
     gp_target_free(gl, &to);
@@ -259,13 +254,12 @@ static void errors_are_named_and_cleared(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_texture t = {0};
     const float px[4] = {0};
-    assert_int_equal(
-        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t), GP_OK);
+    assert_ok(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, -1, 1}, px);
     gp_texture_write(gl, &t, (struct gp_rect) {5, 0, 6, 1}, px);
     assert_int_equal(gp_gl_check(&log_kept, gl, "writing"), GP_ERR_GL);
     assert_said("GL_INVALID_VALUE while writing");
-    assert_int_equal(gp_gl_check(&log_kept, gl, "writing"), GP_OK);
+    assert_ok(gp_gl_check(&log_kept, gl, "writing"));
     gp_texture_free(gl, &t);
     gp_gl_close(&gl);
 }
@@ -288,27 +282,16 @@ static void blocks_and_lists_have_limits(void **state)
     assert_said("one buffer texture");
     assert_int_equal(b.id, 0);
     assert_int_equal(l.id, 0);
-    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a", 16384, &b),
-                     GP_OK);
-    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "a", 65536, &l),
-                     GP_OK);
+    assert_ok(gp_uniform_block_make(&log_kept, gl, "a", 16384, &b));
+    assert_ok(gp_texel_buffer_make(&log_kept, gl, "a", 65536, &l));
     gp_uniform_block_free(gl, &b);
     gp_texel_buffer_free(gl, &l);
     gp_gl_close(&gl);
 }
 
-SUITE(gl)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(old_version_is_named), // before any Mesa
-        cmocka_unit_test(opens_and_closes),
-        cmocka_unit_test(missing_library_is_named),
-        cmocka_unit_test(auto_falls_back),
-        cmocka_unit_test(wrong_library_fails),
-        cmocka_unit_test(limit_can_only_be_lowered),
-        cmocka_unit_test(contexts_live_side_by_side),
-        cmocka_unit_test(errors_are_named_and_cleared),
-        cmocka_unit_test(blocks_and_lists_have_limits),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+// old_version_is_named comes before any Mesa
+SUITE_OF(gl, NULL, NULL,
+    old_version_is_named, opens_and_closes, missing_library_is_named,
+    auto_falls_back, wrong_library_fails, limit_can_only_be_lowered,
+    contexts_live_side_by_side, errors_are_named_and_cleared,
+    blocks_and_lists_have_limits)

@@ -35,7 +35,7 @@ static void compiler_speaks_of_the_file(void **state)
             assert_said(k ? "no.vert" : "no.frag");
         }
         assert_int_equal(p.id, 0);
-        assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
+        assert_ok(gp_gl_check(&log_kept, gl, "test"));
         gp_gl_close(&gl);
     }
 }
@@ -103,9 +103,8 @@ static void attachments_are_apart(void **state)
                                     .f = {0.25f}}, {0}};
     for (int n = 1; n <= GP_ATTACHMENTS; n++) {
         struct gp_target t = {0};
-        assert_int_equal(
-            gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, n, 5, 3, &t),
-            GP_OK);
+        assert_ok(
+            gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, n, 5, 3, &t));
         assert_int_equal(t.n, n);
         draw_once(gl, &p, &t, u, true);
         draw_once(gl, &p, &t, u, true);
@@ -128,7 +127,7 @@ static void attachments_are_apart(void **state)
         gp_target_free(gl, &t);
         assert_int_equal(t.n, 0);
     }
-    assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_program_free(gl, &p);
     gp_gl_close(&gl);
 }
@@ -163,17 +162,13 @@ static void uniforms_arrive(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "#define VALUE 13.0\n",
                                      good_vert.text, frag);
-    assert_int_equal(
-        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp),
-        GP_OK);
-    assert_int_equal(
-        gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth),
-        GP_OK);
-    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "c", 3, &list), GP_OK);
-    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "d", 32, &block),
-                     GP_OK);
-    assert_int_equal(
-        gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t), GP_OK);
+    assert_ok(
+        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
+    assert_ok(
+        gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
+    assert_ok(gp_texel_buffer_make(&log_kept, gl, "c", 3, &list));
+    assert_ok(gp_uniform_block_make(&log_kept, gl, "d", 32, &block));
+    assert_ok(gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t));
     gp_texture_write(gl, &sharp, square, texels);
     float rows[16] = {0};
     rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
@@ -202,7 +197,7 @@ static void uniforms_arrive(void **state)
                                  .vertices = 3, .instances = 1};
     assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_ERR_BUG);
     assert_said("Absent");
-    assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_texture_free(gl, &sharp);
     gp_texture_free(gl, &smooth);
     gp_texel_buffer_free(gl, &list);
@@ -224,7 +219,7 @@ static void linear_textures_mix(void **state)
                                      5, 0, 0, 0, 9, 0, 0, 0};
     static const struct { float x, y, want; } rows[] = {
         {0.25f, 0.25f, 1.0f}, {0.75f, 0.25f, 2.0f}, {0.5f, 0.25f, 1.5f},
-        {0.5f, 0.5f, 4.25f},  {0.25f, 0.375f, 2.0f}, {0.0f, 0.0f, 1.0f},
+        {0.5f, 0.5f, 4.25f}, {0.25f, 0.375f, 2.0f}, {0.0f, 0.0f, 1.0f},
         {-3.0f, 0.25f, 1.0f}, {9.0f, 9.0f, 9.0f},
     };
     struct gp_texture t = {0};
@@ -232,11 +227,9 @@ static void linear_textures_mix(void **state)
     float px[4];
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_int_equal(
-        gp_texture_make(&log_kept, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t), GP_OK);
-    assert_int_equal(
-        gp_target_make(&log_kept, gl, "to", GP_TEXEL_FLOAT, 1, 1, 1, &to),
-        GP_OK);
+    assert_ok(gp_texture_make(&log_kept, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
+    assert_ok(
+        gp_target_make(&log_kept, gl, "to", GP_TEXEL_FLOAT, 1, 1, 1, &to));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_uniform u[] = {
@@ -267,8 +260,8 @@ static void points_are_squares(void **state)
         int view; // pixels that the view has around the target
         int want; // pixels
     } rows[] = {
-        {4.5f, 4.5f, 1, 0, 1},   {4.5f, 4.5f, 3, 0, 9}, {4, 4, 4, 0, 16},
-        {0.5f, 0.5f, 5, 0, 9},   {-0.5f, 4.5f, 5, 0, 0},
+        {4.5f, 4.5f, 1, 0, 1}, {4.5f, 4.5f, 3, 0, 9}, {4, 4, 4, 0, 16},
+        {0.5f, 0.5f, 5, 0, 9}, {-0.5f, 4.5f, 5, 0, 0},
         {-0.5f, 4.5f, 5, 3, 10}, {-0.5f, -0.5f, 5, 3, 4}, {4, 4, 40, 8, 64},
     };
     struct gp_target t = {0};
@@ -276,8 +269,7 @@ static void points_are_squares(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     assert_true(gp_gl_info(gl)->max_point >= 40.0f);
     struct gp_program p = program_of(gl, "", vert, frag);
-    assert_int_equal(
-        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, 8, 8, &t), GP_OK);
+    assert_ok(gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, 8, 8, &t));
     for (size_t i = 0; i < COUNT(rows); i++) {
         int more = rows[i].view, found = 0;
         float size = (float) (8 + 2 * more);
@@ -291,7 +283,7 @@ static void points_are_squares(void **state)
             .view = {-more, -more, 8 + more, 8 + more}, .uniform = u,
             .vertices = 1, .instances = 1, .points = true};
         gp_target_clear(gl, &t, (struct gp_rect) {0, 0, 8, 8});
-        assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_OK);
+        assert_ok(gp_draw_run(&log_kept, gl, &draw));
         gp_target_read(gl, &t, 0, (struct gp_rect) {0, 0, 8, 8}, px);
         for (int k = 0; k < 64; k++)
             found += px[4 * k] == 1.0f;
@@ -319,16 +311,14 @@ static void lists_wait_for_draws(void **state)
     const struct gp_rect all = {0, 0, SIDE, SIDE};
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_int_equal(
-        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, SIDE, SIDE, &t),
-        GP_OK);
+    assert_ok(
+        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, SIDE, SIDE, &t));
     gp_target_clear(gl, &t, all);
     for (int d = 0; d < DRAWS; d++) {
         const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
         if (d % 2 == 0) {
             gp_texel_buffer_free(gl, &list);
-            assert_int_equal(
-                gp_texel_buffer_make(&log_kept, gl, "l", 64, &list), GP_OK);
+            assert_ok(gp_texel_buffer_make(&log_kept, gl, "l", 64, &list));
         }
         for (int i = 0; i < 4 * 64; i++)
             entries[i] = (float) (1 << d);

@@ -15,14 +15,11 @@ struct blur_row {
 };
 
 static const struct blur_row blur_rows[] = {
-    {1, 1, MID, 0, BOX, {0}, false, 1},
-    {1, 1, MID, 0, BOX, {0}, false, 64},
-    {1, 1, MID, 0, BOX, {0}, true, 4},
-    {9, 7, MID, 0, TINTED, {0}, false, 2},
+    {1, 1, MID, 0, BOX, {0}, false, 1}, {1, 1, MID, 0, BOX, {0}, false, 64},
+    {1, 1, MID, 0, BOX, {0}, true, 4}, {9, 7, MID, 0, TINTED, {0}, false, 2},
     {9, 7, MID, 0, LOBES, {0}, false, 3},
     {10, 8, MID, 0, TINTED, {0}, false, 4},
-    {31, 18, MID, 0, PEAK, {0}, true, 6},
-    {31, 18, 3, 17, TINTED, {0}, true, 8},
+    {31, 18, MID, 0, PEAK, {0}, true, 6}, {31, 18, 3, 17, TINTED, {0}, true, 8},
     {31, 18, -20, 5, TINTED, {0}, true, 12},
     {63, 65, MID, 0, TINTED, {0}, true, 16},
     {64, 66, MID, 0, LOBES, {0}, false, 5}, // no box of the list
@@ -103,8 +100,7 @@ static void blurs_are_box_means(void **state)
             k.cx = r->cx;
             k.cy = r->cy;
         }
-        assert_int_equal(gp_blur_make(NULL, &k, crop_of(r), r->tail, r->side,
-                                      &b), GP_OK);
+        assert_ok(gp_blur_make(NULL, &k, crop_of(r), r->tail, r->side, &b));
         assert_int_equal(b.grey, k.grey);
         check_blur(&k, r, &b);
         gp_blur_free(&b);
@@ -117,8 +113,8 @@ static void nothing_left_is_an_empty_blur(void **state)
 {
     struct gp_kernel k = scene_kernel(9, 9, MID, 0, PEAK);
     struct gp_blur b;
-    assert_int_equal(gp_blur_make(NULL, &k, (struct gp_rect) {20, 0, 30, 9},
-                                  false, 4, &b), GP_OK);
+    assert_ok(
+        gp_blur_make(NULL, &k, (struct gp_rect){20, 0, 30, 9}, false, 4, &b));
     assert_true(b.w == 0 && b.h == 0);
     gp_blur_free(&b);
     gp_kernel_free(&k);
@@ -261,7 +257,7 @@ static void what_is_left_out_is_allowed(void **state)
         struct gp_shrink s;
         char what[16];
         snprintf(what, sizeof what, "row %zu", i);
-        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        assert_ok(gp_shrink_make(NULL, &k, &p, &q, &s));
         check_shrink(&k, r, (double) r->share, &q, &s, what);
         if (r->brightest < 1e30f && r->brightest > 1e-30f)
             check_largest(&k, r, &q, &s);
@@ -277,12 +273,12 @@ static void reach_falls_with_the_share(void **state)
     const struct gp_polygons q = lights(10.0f, at);
     struct gp_shrink last, s;
     struct gp_splat_params p = {.group = 8};
-    assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &last), GP_OK);
+    assert_ok(gp_shrink_make(NULL, &k, &p, &q, &last));
     assert_true(last.left_out == 0.0);
     for (int b = 0; b < GP_SOURCE_BINS; b++)
         assert_int_equal(last.reach[b], INT_MAX / 2);
     for (p.shrink = 1e-5f; p.shrink < 1.0f; p.shrink *= 3.0f) {
-        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        assert_ok(gp_shrink_make(NULL, &k, &p, &q, &s));
         for (int b = 0; b < GP_SOURCE_BINS; b++)
             assert_true(s.reach[b] <= last.reach[b]);
         assert_true(s.least >= last.least);
@@ -300,7 +296,7 @@ static void no_light_draws_all(void **state)
     for (size_t n = 0; n < 2; n++) {
         const struct gp_polygons q = {n, n, 0, &dark};
         struct gp_shrink s;
-        assert_int_equal(gp_shrink_make(NULL, &k, &p, &q, &s), GP_OK);
+        assert_ok(gp_shrink_make(NULL, &k, &p, &q, &s));
         assert_int_equal(s.reach[0], INT_MAX / 2);
         assert_true(s.left_out == 0.0);
     }
@@ -329,11 +325,10 @@ static struct gp_planes outlined(const struct scene *s,
 {
     const size_t n = gp_frame_pixels(&s->f);
     struct gp_planes picture;
-    assert_int_equal(gp_planes_make(NULL, "picture", n, &picture), GP_OK);
+    assert_ok(gp_planes_make(NULL, "picture", n, &picture));
     for (size_t i = 0; i < 3 * n; i++)
         picture.c[i / n][i % n] = 0.25f;
-    assert_int_equal(gp_polygons_outline(NULL, &s->src, &s->k, p, &picture),
-                     GP_OK);
+    assert_ok(gp_polygons_outline(NULL, &s->src, &s->k, p, &picture));
     return picture;
 }
 
@@ -432,10 +427,8 @@ static void all_that_are_drawn_have_one(void **state)
                                      &sensors);
         struct gp_polygons polygons;
         struct gp_shrink shrink;
-        assert_int_equal(gp_polygons_make(NULL, &s.src, &rows[i], &polygons),
-                         GP_OK);
-        assert_int_equal(gp_shrink_make(NULL, &s.k, &rows[i], &polygons,
-                                        &shrink), GP_OK);
+        assert_ok(gp_polygons_make(NULL, &s.src, &rows[i], &polygons));
+        assert_ok(gp_shrink_make(NULL, &s.k, &rows[i], &polygons, &shrink));
         struct gp_planes picture = outlined(&s, &rows[i]);
         static bool want[H][W];
         memset(want, 0, sizeof want);

@@ -204,9 +204,8 @@ static double bound_of(const struct trial *t, double roundings,
                               struct gp_bound_cache *cache)
 {
     double bound = -1.0;
-    assert_int_equal(gp_group_bound(NULL, &t->s.src, &t->s.k, &t->p, &t->q,
-                                    &t->shrink, roundings, cache, &bound),
-                     GP_OK);
+    assert_ok(gp_group_bound(NULL, &t->s.src, &t->s.k, &t->p, &t->q, &t->shrink,
+                             roundings, cache, &bound));
     assert_true(bound >= 0.0);
     return bound;
 }
@@ -215,8 +214,7 @@ static double least_of(const struct trial *t,
                               struct gp_bound_cache *cache)
 {
     double least = -1.0;
-    assert_int_equal(gp_layer_least(NULL, &t->s.src, &t->s.k, cache, &least),
-                     GP_OK);
+    assert_ok(gp_layer_least(NULL, &t->s.src, &t->s.k, cache, &least));
     assert_true(least >= 0.0);
     return least;
 }
@@ -231,9 +229,8 @@ static void measure(struct trial *t, double *norm, double *wrong)
     const size_t n = 3 * gp_frame_pixels(&t->s.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     scene_find_exact(&t->s);
-    assert_int_equal(gp_group_reference(NULL, &t->s.src, &t->s.k, &t->p,
-                                        &t->q, &t->shrink, layer),
-                     GP_OK);
+    assert_ok(gp_group_reference(NULL, &t->s.src, &t->s.k, &t->p, &t->q,
+                                 &t->shrink, layer));
     *norm = *wrong = 0.0;
     for (size_t i = 0; i < n; i++) {
         *norm += t->s.exact[i] * t->s.exact[i];
@@ -315,8 +312,7 @@ static void caches_change_nothing(void **state)
             struct gp_kernel k = t.s.k;
             if (i % 2) {
                 t.s.k = shared.s.k;
-                assert_int_equal(gp_shrink_make(NULL, &t.s.k, &t.p, &t.q,
-                                                &t.shrink), GP_OK);
+                assert_ok(gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink));
             }
             struct gp_bound_cache *const cache = pass ? &old : &own;
             bound[i] = pass && bound_of(&t, 1.0, cache) != bound[i]

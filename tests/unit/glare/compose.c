@@ -23,10 +23,10 @@ static void make_scene(struct scene *s, int w, int h, int every, float bright)
     *s = (struct scene) {.f = {.data = {-3, 5, w - 3, h + 5}}};
     const size_t n = gp_frame_pixels(&s->f);
     s->f.path = strdup("test");
-    assert_int_equal(gp_planes_make(NULL, "test", n, &s->f.rgb), GP_OK);
-    assert_int_equal(gp_planes_make(NULL, "test", n, &s->f.layer), GP_OK);
+    assert_ok(gp_planes_make(NULL, "test", n, &s->f.rgb));
+    assert_ok(gp_planes_make(NULL, "test", n, &s->f.layer));
     const struct gp_sources like = {.w = w, .h = h};
-    assert_int_equal(gp_sources_make(NULL, &like, n, &s->src), GP_OK);
+    assert_ok(gp_sources_make(NULL, &like, n, &s->src));
     for (int i = 0; i < w * h; i++) {
         const bool source = (i + 1) % every == 0;
         float rgb[3];
@@ -62,17 +62,17 @@ static void mixes_are_their_formulas(void **state)
         float gain;
         int w, h, every;
     } rows[] = {
-        {GP_MIX_ADD, 1.0f, 17, 9, 5},      {GP_MIX_ADD, 0.0f, 17, 9, 5},
-        {GP_MIX_ADD, 3.5f, 1, 1, 1},       {GP_MIX_SCATTER, 1.0f, 17, 9, 5},
+        {GP_MIX_ADD, 1.0f, 17, 9, 5}, {GP_MIX_ADD, 0.0f, 17, 9, 5},
+        {GP_MIX_ADD, 3.5f, 1, 1, 1}, {GP_MIX_SCATTER, 1.0f, 17, 9, 5},
         {GP_MIX_SCATTER, 0.25f, 16, 16, 1}, {GP_MIX_SCATTER, 0.0f, 17, 9, 5},
-        {GP_MIX_SCATTER, 1.0f, 1, 31, 3},  {GP_MIX_SCATTER, 0.5f, 31, 1, 3},
+        {GP_MIX_SCATTER, 1.0f, 1, 31, 3}, {GP_MIX_SCATTER, 0.5f, 31, 1, 3},
         {GP_MIX_SCATTER, 1.0f, 7, 7, 1000},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s;
         struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
         make_scene(&s, rows[i].w, rows[i].h, rows[i].every, 1000.0f);
-        assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         for (int k = 0; k < rows[i].w * rows[i].h; k++) {
             const bool source = (k + 1) % rows[i].every == 0;
             for (int c = 0; c < 3; c++) {
@@ -97,7 +97,7 @@ static void no_layer_means_no_light(void **state)
         gp_planes_free(&s.f.layer);
         s.f.rgb.c[0][3] = -0.0f;
         s.f.rgb.c[1][4] = -2.5f;
-        assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(s.f.lit.c[c], s.f.rgb.c[c],
                                 13 * 7 * sizeof(float));
@@ -116,7 +116,7 @@ static void a_huge_source_leaves_nothing_behind(void **state)
         s.f.rgb.c[c][12] = s.src.rgb[c][0] = 1e9f;
         s.f.layer.c[c][12] = 1e-3f;
     }
-    assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+    assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     for (int c = 0; c < 3; c++)
         assert_true(s.f.lit.c[c][12] == 1e-3f);
     free_scene(&s);
@@ -136,8 +136,7 @@ static void scatter_conserves_energy(void **state)
         for (int c = 0; c < 3; c++)
             memset(s.f.layer.c[c], 0, W * H * sizeof(float));
         struct gp_sources inside;
-        assert_int_equal(gp_sources_make(NULL, &s.src, s.src.n, &inside),
-                         GP_OK);
+        assert_ok(gp_sources_make(NULL, &s.src, s.src.n, &inside));
         for (int y = 1; y < H - 1; y++) {
             for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
                 const int x = s.src.x[i];
@@ -155,7 +154,7 @@ static void scatter_conserves_energy(void **state)
         gp_sources_free(&s.src);
         s.src = inside;
         assert_true(inside.n > 5);
-        assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         for (int c = 0; c < 3; c++) {
             double in = total(&s.f, &s.f.rgb, c);
             assert_true(fabs(total(&s.f, &s.f.lit, c) / in - 1.0) < 1e-6);
@@ -169,10 +168,10 @@ static void planes_are_made_once(void **state)
     struct scene s;
     struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
     make_scene(&s, 8, 8, 9, 4.0f);
-    assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+    assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     float *lit = s.f.lit.c[0], first = lit[5];
     lit[5] = NAN;
-    assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+    assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     assert_ptr_equal(s.f.lit.c[0], lit);
     assert_true(lit[5] == first);
     free_scene(&s);
@@ -205,9 +204,9 @@ static void dim_takes_its_share(void **state)
             gp_planes_free(&plain.f.layer);
             gp_planes_free(&dim.f.layer);
         }
-        assert_int_equal(gp_compose(NULL, &p, &plain.src, &plain.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &plain.src, &plain.f));
         p.dim = 0.25f;
-        assert_int_equal(gp_compose(NULL, &p, &dim.src, &dim.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &dim.src, &dim.f));
         for (int c = 0; c < 3; c++) {
             for (int k = 0; k < 19 * 11; k++)
                 assert_true(dim.f.lit.c[c][k] == 0.75f * plain.f.lit.c[c][k]);
@@ -226,7 +225,7 @@ static void threads_change_nothing(void **state)
         seed = 9;
         gp_set_threads(threads);
         make_scene(&s, 37, 23, 6, 50.0f);
-        assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_OK);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         if (threads == 1)
             memcpy(first, s.f.lit.c[1], sizeof first);
         assert_memory_equal(s.f.lit.c[1], first, sizeof first);

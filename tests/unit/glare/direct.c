@@ -15,7 +15,7 @@ static void check_taps(const struct gp_kernel *k, int radius)
     struct gp_taps t;
     const int r = radius < 0 ? 1 << 24 : radius;
     size_t kept = 0, counted = 0;
-    assert_int_equal(gp_taps_make(NULL, k, radius, &t), GP_OK);
+    assert_ok(gp_taps_make(NULL, k, radius, &t));
     for (int y = 0; y < k->h; y++) {
         for (int x = 0; x < k->w; x++)
             kept += abs(x - k->cx) <= r && abs(y - k->cy) <= r;
@@ -77,15 +77,13 @@ static void parts_add_up(void **state)
             for (int c = 0; c < 3 && inside; c++)
                 rest.k.c[c][j] = 0.0f;
         }
-        assert_int_equal(gp_taps_make(NULL, &s.k, radii[i], &core), GP_OK);
-        assert_int_equal(gp_taps_make(NULL, &rest, -1, &around), GP_OK);
-        assert_int_equal(gp_planes_make(NULL, "layer", n, &s.f.layer), GP_OK);
+        assert_ok(gp_taps_make(NULL, &s.k, radii[i], &core));
+        assert_ok(gp_taps_make(NULL, &rest, -1, &around));
+        assert_ok(gp_planes_make(NULL, "layer", n, &s.f.layer));
         for (int c = 0; c < 3; c++)
             memset(s.f.layer.c[c], 0xff, n * sizeof(float));
-        assert_int_equal(gp_direct_sum(NULL, &s.src, &around, false,
-                                       &s.f.layer), GP_OK);
-        assert_int_equal(gp_direct_sum(NULL, &s.src, &core, true,
-                                       &s.f.layer), GP_OK);
+        assert_ok(gp_direct_sum(NULL, &s.src, &around, false, &s.f.layer));
+        assert_ok(gp_direct_sum(NULL, &s.src, &core, true, &s.f.layer));
         gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
         assert_true(e.rel_l2 <= 1e-6);
         gp_taps_free(&core);
@@ -131,6 +129,8 @@ static void work_is_counted(void **state)
  * and the groups keep them under the bar. */
 static void equal_sources_do_not_drift(void **state)
 {
+    if (quick)
+        skip();
     struct gp_frame f = scene_frame(211, 193, 0, 0, ALL, 1u);
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < gp_frame_pixels(&f); i++)
@@ -147,16 +147,6 @@ static void equal_sources_do_not_drift(void **state)
     scene_free(&s);
 }
 
-SUITE(direct)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(taps_are_the_kernel),
-        cmocka_unit_test(parts_add_up),
-        cmocka_unit_test(work_is_counted),
-        cmocka_unit_test(equal_sources_do_not_drift),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    if (quick)
-        cmocka_set_skip_filter("equal_sources_do_not_drift");
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(direct, ask_quick, NULL,
+    taps_are_the_kernel, parts_add_up, work_is_counted,
+    equal_sources_do_not_drift)

@@ -32,14 +32,14 @@ static const struct quad_case {
     int kw, kh, cx, cy; // kernel; its centre
     int radius;         // of the taps
 } cases[] = {
-    {1, 1, FULL, 1, 1, 0, 0, -1},     {1, 9, FULL, 5, 3, 2, 1, -1},
-    {9, 1, FULL, 3, 5, 1, 2, -1},     {3, 2, FULL, 9, 9, 4, 4, -1},
-    {17, 5, STARS, 9, 9, 4, 4, -1},   {40, 33, STARS, 33, 21, 16, 10, -1},
+    {1, 1, FULL, 1, 1, 0, 0, -1}, {1, 9, FULL, 5, 3, 2, 1, -1},
+    {9, 1, FULL, 3, 5, 1, 2, -1}, {3, 2, FULL, 9, 9, 4, 4, -1},
+    {17, 5, STARS, 9, 9, 4, 4, -1}, {40, 33, STARS, 33, 21, 16, 10, -1},
     {40, 33, LINES, 10, 8, 5, 4, -1}, {47, 35, PANES, 33, 21, 20, 9, -1},
     {47, 35, PANES, 33, 21, 20, 9, 4}, {530, 18, PANES, 9, 9, 4, 4, -1},
     {529, 21, EDGES, 31, 7, 15, 3, -1}, {33, 70, EDGES, 7, 75, 3, 37, 16},
     {64, 64, ONE, 31, 31, 15, 15, -1}, {20, 20, NOTHING, 9, 9, 4, 4, -1},
-    {31, 29, FULL, 5, 5, 40, 2, -1},  {31, 29, FULL, 5, 5, -12, 30, -1},
+    {31, 29, FULL, 5, 5, 40, 2, -1}, {31, 29, FULL, 5, 5, -12, 30, -1},
     {31, 29, FULL, 5, 5, 400, 400, -1},
 };
 enum { CASES = COUNT(cases) };
@@ -102,7 +102,7 @@ static void quads_hold_the_light(void **state)
     for (int i = 0; i < CASES; i++) {
         struct scene s = open_case(&cases[i]);
         struct gp_quads q;
-        assert_int_equal(gp_quads_make(NULL, &s.src, &q), GP_OK);
+        assert_ok(gp_quads_make(NULL, &s.src, &q));
         check_quads(&s.src, &q);
         assert_int_equal(gp_quads_count(&s.src, 1), q.n);
         const size_t some = gp_quads_count(&s.src, 7);
@@ -142,16 +142,15 @@ static void check_sum(const struct quad_case *row, const struct scene *s,
     struct gp_planes layer, again;
     struct gp_quads q;
     double *const exact = scene_alloc(n, sizeof *exact);
-    assert_int_equal(gp_quads_make(NULL, &s->src, &q), GP_OK);
-    assert_int_equal(gp_planes_make(NULL, "layer", n, &layer), GP_OK);
-    assert_int_equal(gp_planes_make(NULL, "layer", n, &again), GP_OK);
+    assert_ok(gp_quads_make(NULL, &s->src, &q));
+    assert_ok(gp_planes_make(NULL, "layer", n, &layer));
+    assert_ok(gp_planes_make(NULL, "layer", n, &again));
     for (int threads = 1; threads <= 3; threads++) {
         struct gp_planes *const out = threads == 1 ? &layer : &again;
         gp_set_threads(threads);
         for (size_t i = 0; i < 3 * n; i++)
             out->c[i / n][i % n] = add ? 0.5f : NAN;
-        assert_int_equal(gp_quads_sum(NULL, &q, t, s->src.w, s->src.h, add,
-                                      out), GP_OK);
+        assert_ok(gp_quads_sum(NULL, &q, t, s->src.w, s->src.h, add, out));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(layer.c[c], out->c[c], n * sizeof(float));
     }
@@ -176,7 +175,7 @@ static void quads_sum_like_sources(void **state)
     for (int i = 0; i < CASES; i++) {
         struct scene s = open_case(&cases[i]);
         struct gp_taps t;
-        assert_int_equal(gp_taps_make(NULL, &s.k, cases[i].radius, &t), GP_OK);
+        assert_ok(gp_taps_make(NULL, &s.k, cases[i].radius, &t));
         check_sum(&cases[i], &s, &t, false);
         check_sum(&cases[i], &s, &t, true);
         gp_taps_free(&t);
@@ -201,13 +200,5 @@ static void the_form_goes_with_the_light(void **state)
     }
 }
 
-SUITE(direct_quad)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(quads_hold_the_light),
-        cmocka_unit_test(quads_sum_like_sources),
-        cmocka_unit_test(the_form_goes_with_the_light),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(direct_quad, ask_quick, NULL,
+    quads_hold_the_light, quads_sum_like_sources, the_form_goes_with_the_light)

@@ -187,10 +187,8 @@ static void bounds_hold(void **state)
                 .params = &p, .src = &s.src, .kernel = &s.k, .stats = &stats,
             };
             double bound;
-            assert_int_equal(
-                gp_engines[e]->bound(&job, &g.state[e], &bound), GP_OK);
-            assert_int_equal(scene_run(gp_engines[e]->name, &s, &g, &stats),
-                             GP_OK);
+            assert_ok(gp_engines[e]->bound(&job, &g.state[e], &bound));
+            assert_ok(scene_run(gp_engines[e]->name, &s, &g, &stats));
             gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &error);
             // a run does not look for the least that these sources leave
             if (!(error.rel_l2 <= bound && bound <= stats.bound))
@@ -216,10 +214,10 @@ static struct scene beside(float rest)
     struct gp_frame image = {.data = {0, 0, SIDE, SIDE}};
     struct gp_kernel k;
     p.normalize = GP_NORMALIZE_NONE;
-    assert_int_equal(gp_planes_make(NULL, "kernel", N, &image.rgb), GP_OK);
+    assert_ok(gp_planes_make(NULL, "kernel", N, &image.rgb));
     for (int i = 0; i < 3 * N; i++)
         image.rgb.c[i / N][i % N] = i % N == 0 ? 1.0f : rest;
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &image, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
     gp_planes_free(&image.rgb);
     struct gp_frame f = scene_frame(33, 31, 0, 0, DARK, 1);
     for (int c = 0; c < 3; c++) {
@@ -296,7 +294,7 @@ static void names_are_checked(void **state)
     assert_int_equal(scene_run("", &s, &g, &stats), GP_ERR_USAGE);
     assert_int_equal(scene_run("ftt", &dark, &g, &stats), GP_ERR_USAGE);
     // no light: no engine is opened
-    assert_int_equal(scene_run("splat", &dark, &g, &stats), GP_OK);
+    assert_ok(scene_run("splat", &dark, &g, &stats));
     assert_null(stats.engine);
     for (int i = 0; gp_engines[i]; i++)
         assert_null(g.state[i]);
@@ -305,17 +303,6 @@ static void names_are_checked(void **state)
     scene_free(&dark);
 }
 
-SUITE(engines)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(hard_cases_hold),
-        cmocka_unit_test(threads_change_no_byte),
-        cmocka_unit_test(auto_asks_no_threads),
-        cmocka_unit_test(bounds_hold),
-        cmocka_unit_test(bounds_know_the_range),
-        cmocka_unit_test(auto_takes_the_fastest),
-        cmocka_unit_test(names_are_checked),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(engines, ask_quick, NULL,
+    hard_cases_hold, threads_change_no_byte, auto_asks_no_threads, bounds_hold,
+    bounds_know_the_range, auto_takes_the_fastest, names_are_checked)

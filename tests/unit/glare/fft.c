@@ -135,36 +135,29 @@ static void check_passes(const struct pass_row *p)
     }
     for (int j = 0; j < p->rows; j++)
         place[j] = (3 * j + 1) % p->ny;
-    assert_int_equal(gp_fft_plan_make(NULL, p->nx, GP_FFT_PLAN_ESTIMATE, NULL,
-                                      &x), GP_OK);
-    assert_int_equal(gp_fft_plan_make(NULL, p->ny, GP_FFT_PLAN_ESTIMATE, NULL,
-                                      &y), GP_OK);
+    assert_ok(gp_fft_plan_make(NULL, p->nx, GP_FFT_PLAN_ESTIMATE, NULL, &x));
+    assert_ok(gp_fft_plan_make(NULL, p->ny, GP_FFT_PLAN_ESTIMATE, NULL, &y));
     const struct gp_fft_job job = {.x = &x, .y = &y, .channels = 3};
     const struct gp_fft_job kernel_job = {
         .x = &x, .y = &y, .channels = p->kernel_channels,
     };
-    assert_int_equal(gp_fft_matrix_make(NULL, 3, p->nx, room, &m), GP_OK);
-    assert_int_equal(gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, 1,
-                                        &kernel_rows), GP_OK);
-    assert_int_equal(gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, p->ny,
-                                        &kernel), GP_OK);
-    assert_int_equal(gp_fft_rows_in(&job, p->rows, load_row, &r, &m), GP_OK);
+    assert_ok(gp_fft_matrix_make(NULL, 3, p->nx, room, &m));
+    assert_ok(
+        gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, 1, &kernel_rows));
+    assert_ok(
+        gp_fft_matrix_make(NULL, p->kernel_channels, p->nx, p->ny, &kernel));
+    assert_ok(gp_fft_rows_in(&job, p->rows, load_row, &r, &m));
     for (int j = 0; j < p->rows; j += 5) {
         for (int f = 0; f <= p->nx / 2; f += p->nx / 8)
             assert_spectrum(&r, j % 3, j, f, m.z[j % 3] +
                             2 * ((size_t) f * m.pitch + (size_t) j));
     }
-    assert_int_equal(gp_fft_rows_in(&kernel_job, 1, load_row, &k,
-                                    &kernel_rows), GP_OK);
-    assert_int_equal(gp_fft_columns(&kernel_job, &kernel_rows, 1,
-                                    (const int[]) {2},
-                                    (float) (0.25 / (p->nx * p->ny)), &kernel),
-                     GP_OK);
-    assert_int_equal(gp_fft_multiply(&job, &m, p->rows, place, &kernel,
-                                     p->kernel_channels, p->first, p->count),
-                     GP_OK);
-    assert_int_equal(gp_fft_rows_out(&job, &m, p->count, store_row, &r),
-                     GP_OK);
+    assert_ok(gp_fft_rows_in(&kernel_job, 1, load_row, &k, &kernel_rows));
+    assert_ok(gp_fft_columns(&kernel_job, &kernel_rows, 1, (const int[]){2},
+                             (float) (0.25 / (p->nx * p->ny)), &kernel));
+    assert_ok(gp_fft_multiply(&job, &m, p->rows, place, &kernel,
+                              p->kernel_channels, p->first, p->count));
+    assert_ok(gp_fft_rows_out(&job, &m, p->count, store_row, &r));
     assert_moved(p, &r, place);
     gp_fft_matrix_free(&m);
     gp_fft_matrix_free(&kernel_rows);
@@ -180,10 +173,10 @@ static void check_passes(const struct pass_row *p)
 static void passes_go_round(void **state)
 {
     static const struct pass_row rows[] = {
-        {8, 8, 1, 0, 8, 1},      {8, 16, 5, 3, 16, 3},
-        {24, 8, 2, 7, 1, 3},     {40, 64, 8, 60, 9, 1},
-        {56, 40, 9, 39, 40, 3},  {160, 128, 17, 100, 33, 3},
-        {512, 64, 16, 1, 7, 1},  {72, 504, 7, 500, 100, 3},
+        {8, 8, 1, 0, 8, 1}, {8, 16, 5, 3, 16, 3},
+        {24, 8, 2, 7, 1, 3}, {40, 64, 8, 60, 9, 1},
+        {56, 40, 9, 39, 40, 3}, {160, 128, 17, 100, 33, 3},
+        {512, 64, 16, 1, 7, 1}, {72, 504, 7, 500, 100, 3},
     };
     for (size_t i = 0; i < COUNT(rows); i++)
         check_passes(&rows[i]);
@@ -298,7 +291,7 @@ static void measured_plans_hold(void **state)
     assert_non_null(mkdtemp(folder));
     snprintf(file, sizeof file, "%s/wisdom", folder);
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(run_measured(&s, file), GP_OK);
+        assert_ok(run_measured(&s, file));
         gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
         assert_true(e.rel_l2 <= 1e-6);
         assert_int_equal(access(file, R_OK), 0);
@@ -308,22 +301,13 @@ static void measured_plans_hold(void **state)
             fclose(f);
         }
     }
-    assert_int_equal(run_measured(&s, "/nonexistent/folder/wisdom"), GP_OK);
-    assert_int_equal(run_measured(&s, NULL), GP_OK);
+    assert_ok(run_measured(&s, "/nonexistent/folder/wisdom"));
+    assert_ok(run_measured(&s, NULL));
     unlink(file);
     assert_int_equal(rmdir(folder), 0); // no temporary name stays
     scene_free(&s);
 }
 
-SUITE(fft)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lengths_are_the_cheapest),
-        cmocka_unit_test(passes_go_round),
-        cmocka_unit_test(transform_alone_holds),
-        cmocka_unit_test(plans_outlive_each_other),
-        cmocka_unit_test(measured_plans_hold),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(fft, ask_quick, NULL,
+    lengths_are_the_cheapest, passes_go_round, transform_alone_holds,
+    plans_outlive_each_other, measured_plans_hold)

@@ -264,15 +264,6 @@ static void a_night_is_worth_more_than_a_sky(void **state)
     scene_free(&s);
 }
 
-SUITE(fft_split)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(choices_keep_the_rules),
-        cmocka_unit_test(one_sun_goes_direct),
-        cmocka_unit_test(tails_are_the_rest),
-        cmocka_unit_test(predicted_rounding_is_kept),
-        cmocka_unit_test(a_night_is_worth_more_than_a_sky),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(fft_split, ask_quick, NULL,
+    choices_keep_the_rules, one_sun_goes_direct, tails_are_the_rest,
+    predicted_rounding_is_kept, a_night_is_worth_more_than_a_sky)

@@ -12,7 +12,7 @@ static struct gp_sources scene_sources(int w, int h, int x0, int y0,
 {
     struct gp_frame f = scene_frame(w, h, x0, y0, light, seed);
     struct gp_sources s;
-    assert_int_equal(gp_sense(NULL, &over_one, &f, &s), GP_OK);
+    assert_ok(gp_sense(NULL, &over_one, &f, &s));
     gp_frame_free(&f);
     return s;
 }
@@ -21,7 +21,7 @@ static struct gp_polygons group(const struct gp_sources *s,
                                 const struct gp_splat_params *p)
 {
     struct gp_polygons q;
-    assert_int_equal(gp_polygons_make(NULL, s, p, &q), GP_OK);
+    assert_ok(gp_polygons_make(NULL, s, p, &q));
     assert_int_equal(q.n, q.groups + q.clusters);
     return q;
 }
@@ -50,7 +50,7 @@ static struct gp_sources grey_sources(int w, int h, int x0, int y0,
     struct gp_sources s;
     for (int c = 0; c < 3; c++)
         memcpy(f.rgb.c[c], grey, (size_t) (w * h) * sizeof *grey);
-    assert_int_equal(gp_sense(NULL, &all_light, &f, &s), GP_OK);
+    assert_ok(gp_sense(NULL, &all_light, &f, &s));
     gp_frame_free(&f);
     return s;
 }
@@ -251,7 +251,7 @@ static void clusters_from_the_fill_on(void **state)
     } rows[] = {
         {8, 8, 58, 0.9f, 1}, {8, 8, 57, 0.9f, 0}, // 57.6
         {5, 2, 9, 0.9f, 1},  {5, 2, 8, 0.9f, 0},  // cut by the window: 9
-        {5, 2, 6, 0.6f, 1},  {5, 2, 5, 0.6f, 0},
+        {5, 2, 6, 0.6f, 1}, {5, 2, 5, 0.6f, 0},
         {8, 8, 64, 1.0f, 1}, {8, 8, 63, 1.0f, 0},
         {8, 8, 1, 1e-6f, 1}, {8, 8, 0, 1e-6f, 0}, {1, 1, 1, 0.9f, 1},
     };
@@ -371,9 +371,8 @@ static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
     double *const layer =
         scene_alloc(3 * (size_t) s->w * (size_t) s->h, sizeof *layer);
     struct gp_shrink shrink;
-    assert_int_equal(gp_shrink_make(NULL, k, p, q, &shrink), GP_OK);
-    assert_int_equal(gp_group_reference(NULL, s, k, p, q, &shrink, layer),
-                     GP_OK);
+    assert_ok(gp_shrink_make(NULL, k, p, q, &shrink));
+    assert_ok(gp_group_reference(NULL, s, k, p, q, &shrink, layer));
     return layer;
 }
 
@@ -450,8 +449,7 @@ static void reach_cuts(void **state)
     double *const cut = scene_alloc(3 * 96 * 96, sizeof *cut);
     struct gp_shrink shrink = {.reach = {0}};
     shrink.reach[gp_source_bin(1.0f)] = 10;
-    assert_int_equal(gp_group_reference(NULL, &s, &k, &p, &q, &shrink, cut),
-                     GP_OK);
+    assert_ok(gp_group_reference(NULL, &s, &k, &p, &q, &shrink, cut));
     for (int i = 0; i < 3 * 96 * 96; i++) {
         const double dx = i % 96 - 40.5, dy = i / 96 % 96 - 44.0;
         const int inside = fabs(dx) <= 10.0 && fabs(dy) <= 10.0;

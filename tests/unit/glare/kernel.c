@@ -50,8 +50,7 @@ static struct gp_frame blank(int x0, int y0, int w, int h)
     struct gp_frame f = {.data = {x0, y0, x0 + w, y0 + h}};
     f.path = strdup("k.exr");
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    assert_int_equal(gp_planes_make(NULL, "test", (size_t) (w * h), &f.rgb),
-                     GP_OK);
+    assert_ok(gp_planes_make(NULL, "test", (size_t) (w * h), &f.rgb));
     for (int c = 0; c < 3; c++)
         memset(f.rgb.c[c], 0, (size_t) (w * h) * sizeof(float));
     return f;
@@ -72,7 +71,7 @@ static void image_keeps_the_ratios_of_its_channels(void **state)
     put(&f, 0, 0, 4, 1, -1);
     put(&f, 1, 1, 4, 5, 4);
     put(&f, 2, 2, 0, 2, 1);
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     assert_false(k.grey);
     assert_close(k.sum[1] / k.sum[0], 1.0, 1e-6);
     assert_close(k.sum[2] / k.sum[0], 0.5, 1e-6);
@@ -87,12 +86,12 @@ static void image_keeps_the_ratios_of_its_channels(void **state)
     f.luminance[0] = 0.5f; // the image's own primaries
     f.luminance[1] = 0.5f;
     f.luminance[2] = 0.0f;
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     assert_close(k.sum[0], 1.0, 1e-6);
     gp_kernel_free(&k);
 
     p.normalize = GP_NORMALIZE_NONE;
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     for (int c = 0; c < 3; c++)
         assert_memory_equal(k.k.c[c], f.rgb.c[c], 9 * sizeof(float));
     assert_true(k.sum[0] == 8.0 && k.sum[1] == 8.0 && k.sum[2] == 4.0);
@@ -127,7 +126,7 @@ static void image_borders_are_cut(void **state)
         };
         struct gp_kernel k;
         put(&f, rows[i].x, rows[i].y, 0, 0, 3);
-        assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
         assert_int_equal(k.w, 1);
         assert_int_equal(k.h, 1);
         assert_int_equal(k.cx, rows[i].cx);
@@ -149,7 +148,7 @@ static void image_is_cut_to_the_union_of_its_channels(void **state)
     put(&f, 6, 2, 0, 2, 0);
     put(&f, 3, 6, 0, 0, -3);
     put(&f, 8, 7, -0.0f, 0, 0);
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     assert_int_equal(k.w, 6);
     assert_int_equal(k.h, 5);
     assert_int_equal(k.cx, 4 - 1);
@@ -172,7 +171,7 @@ static void image_of_any_size_is_normalised(void **state)
         struct gp_kernel k;
         put(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
         put(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
-        assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
         assert_close(k.sum[0], 1.0, 1e-6);
         assert_true(k.grey);
         gp_kernel_free(&k);
@@ -228,7 +227,7 @@ static void faint_samples_are_zero(void **state)
     put(&f, 0, 0, 1e-39f, -1e-39f, 0);
     put(&f, 1, 0, 1, FLT_MIN, 2);
     put(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     assert_true(k.k.c[0][0] == 0.0f && k.k.c[1][0] == 0.0f);
     assert_true(k.k.c[1][1] == FLT_MIN && k.k.c[2][2] == -FLT_MIN);
     assert_true(k.faint[0] == (double) 1e-39f + (double) 1e-40f);
@@ -245,7 +244,7 @@ static void negative_kernels_pass_unnormalised(void **state)
                                  .normalize = GP_NORMALIZE_NONE};
     struct gp_kernel k;
     put(&f, 0, 0, -2, -2, -2);
-    assert_int_equal(gp_kernel_from_frame(NULL, &p, &f, &k), GP_OK);
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
     assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
     gp_kernel_free(&k);
     gp_frame_free(&f);
@@ -258,7 +257,7 @@ static void builtin_fades_to_its_edge(void **state)
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
     p.builtin_size = 201;
-    assert_int_equal(gp_kernel_builtin(NULL, &p, &k), GP_OK);
+    assert_ok(gp_kernel_builtin(NULL, &p, &k));
     const float *const row = k.k.c[0] + (size_t) k.cy * (size_t) k.w + k.cx;
     const double scale = (double) row[0] / gp_eye_share(0, 0);
     for (int x = 0; x <= 50; x++)

@@ -229,9 +229,9 @@ static double brute(double x, double y, double side)
 static void eye_is_integrated(void **state)
 {
     static const int rows[][2] = {
-        {0, 0},   {1, 0},   {1, 1},   {2, 0},    {2, 2},   {3, 1},    {4, 4},
-        {5, 0},   {5, 5},   {7, 3},   {11, 0},   {12, 0},  {12, 12},  {15, 4},
-        {16, 1},  {23, 0},  {24, 0},  {24, 24},  {40, 7},  {100, 99}, {255, 0},
+        {0, 0}, {1, 0}, {1, 1}, {2, 0}, {2, 2}, {3, 1}, {4, 4},
+        {5, 0}, {5, 5}, {7, 3}, {11, 0}, {12, 0}, {12, 12}, {15, 4},
+        {16, 1}, {23, 0}, {24, 0}, {24, 24}, {40, 7}, {100, 99}, {255, 0},
         {255, 255},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -261,7 +261,7 @@ static void eye_is_symmetric_to_the_bit(void **state)
         assert_true(share == gp_eye_share(-y, -x));
     }
     enum { N = 63 }; // too small to fade
-    assert_int_equal(gp_builtin_make(NULL, "eye", N, &k), GP_OK);
+    assert_ok(gp_builtin_make(NULL, "eye", N, &k));
     for (int y = 0; y < N; y++) {
         for (int x = 0; x < N; x++) {
             float v = k.c[0][y * N + x];

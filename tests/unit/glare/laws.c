@@ -188,7 +188,7 @@ static void identity_gives_the_sources(void **state)
                                 &(struct gp_sensor_params) {0.3f, 0.5f, 1e9f});
     const size_t n = gp_frame_pixels(&s.f);
     s.k.k.c[0][0] = s.k.k.c[1][0] = s.k.k.c[2][0] = 1.0f;
-    assert_int_equal(gp_sources_planes(NULL, &s.src, &image), GP_OK);
+    assert_ok(gp_sources_planes(NULL, &s.src, &image));
     for (int i = 0; gp_engines[i]; i++) {
         const char *const e = gp_engines[i]->name;
         struct gp_glare_stats stats;
@@ -229,16 +229,6 @@ static void light_is_kept(void **state)
     scene_free(&s);
 }
 
-SUITE(laws)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(layers_add_up),
-        cmocka_unit_test(layers_scale),
-        cmocka_unit_test(light_moves_its_layer),
-        cmocka_unit_test(windows_change_no_byte),
-        cmocka_unit_test(identity_gives_the_sources),
-        cmocka_unit_test(light_is_kept),
-    };
-    quick = getenv("GLAREPP_TEST_QUICK") != NULL;
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(laws, ask_quick, NULL,
+    layers_add_up, layers_scale, light_moves_its_layer, windows_change_no_byte,
+    identity_gives_the_sources, light_is_kept)

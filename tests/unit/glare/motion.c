@@ -57,12 +57,10 @@ static void draw_plain(const struct technique *t, const struct scene *s,
 {
     struct gp_polygons polygons;
     struct gp_shrink shrink;
-    assert_int_equal(gp_polygons_make(NULL, &s->src, &t->splat, &polygons),
-                     GP_OK);
-    assert_int_equal(gp_shrink_make(NULL, &s->k, &t->splat, &polygons,
-                                    &shrink), GP_OK);
-    assert_int_equal(gp_group_reference(NULL, &s->src, &s->k, &t->splat,
-                                        &polygons, &shrink, layer), GP_OK);
+    assert_ok(gp_polygons_make(NULL, &s->src, &t->splat, &polygons));
+    assert_ok(gp_shrink_make(NULL, &s->k, &t->splat, &polygons, &shrink));
+    assert_ok(gp_group_reference(NULL, &s->src, &s->k, &t->splat, &polygons,
+                                 &shrink, layer));
     gp_polygons_free(&polygons);
 }
 

@@ -101,8 +101,7 @@ static void one_frame(void **state)
         int n = 0, digits = 0;
         while (n < MOST && w->c[n].ms != 0.0)
             n++;
-        assert_int_equal(choose(w->c, n, w->tolerance, &past, &asked, &got),
-                         GP_OK);
+        assert_ok(choose(w->c, n, w->tolerance, &past, &asked, &got));
         for (int i = 0, unit = 1; i < n; i++, unit *= 10) {
             assert_true(asked.times[i] <= 1);
             digits += unit * asked.times[i];
@@ -170,8 +169,7 @@ static void a_choice_is_kept(void **state)
             struct made_up c[2] = {w->a, w->b};
             c[1].later_ms = frame == 1 ? 1e3 : w->b.ms;
             c[1].ms = frame == 1 ? 1e3 : w->b.ms + (first ? 0.0 : w->set_up);
-            assert_int_equal(choose(c, 2, w->tolerance, &past, &asked, &got),
-                             GP_OK);
+            assert_ok(choose(c, 2, w->tolerance, &past, &asked, &got));
             assert_true(got.within);
             assert_true(!got.kept || got.taken == 0);
             if (got.taken == 1 && !first)
@@ -191,10 +189,10 @@ static void a_lost_bound_ends_it(void **state)
     struct gp_plan_past past = {0};
     struct asked asked = {0};
     struct gp_choice got;
-    assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+    assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
     assert_int_equal(got.taken, 0);
     c[0].bound = INFINITY;
-    assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+    assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
     assert_int_equal(got.taken, 1);
     assert_true(got.within && !got.kept);
 }
@@ -209,7 +207,7 @@ static void no_flicker(void **state)
     for (int frame = 0; frame < 100; frame++) {
         const struct made_up c[2] = {{frame % 2 ? 10 : 9, 0, 1e-5, 1},
                                      {frame % 2 ? 9 : 10, 0, 1e-5, 1}};
-        assert_int_equal(choose(c, 2, 1e-3, &past, &asked, &got), GP_OK);
+        assert_ok(choose(c, 2, 1e-3, &past, &asked, &got));
         taken += got.taken != before;
         before = got.taken;
     }
@@ -277,8 +275,7 @@ static void states_count(void **state)
         };
         p.engine = e->name;
         const struct gp_prediction cold = e->predict(&job, NULL);
-        assert_int_equal(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f,
-                                      &stats), GP_OK);
+        assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
         const struct gp_prediction warm = e->predict(&job, g.state[i]);
         assert_true(warm.ms < cold.ms);
         assert_true(warm.ms == warm.later_ms);
@@ -295,8 +292,7 @@ static struct gp_glare_stats run_auto(struct scene *s, double tolerance,
     struct gp_glare_stats stats;
     p.tolerance = (float) tolerance;
     scene_line[0] = '\0';
-    assert_int_equal(gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f,
-                                  &stats), GP_OK);
+    assert_ok(gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f, &stats));
     return stats;
 }
 

@@ -14,11 +14,9 @@ static void bad_pixels_stay_alone(void **state)
         float rgb[3], want[3];
         int nonfinite, clamped;
     } rows[] = {
-        {{NAN, 2, 3}, {0, 2, 3}, 1, 0},
-        {{NAN, NAN, -NAN}, {0, 0, 0}, 1, 0},
+        {{NAN, 2, 3}, {0, 2, 3}, 1, 0}, {{NAN, NAN, -NAN}, {0, 0, 0}, 1, 0},
         {{INFINITY, 2, 3}, {10, 2, 3}, 1, 0},
-        {{-INFINITY, 2, 3}, {0, 2, 3}, 1, 0},
-        {{11, 2, 3}, {10, 2, 3}, 0, 1},
+        {{-INFINITY, 2, 3}, {0, 2, 3}, 1, 0}, {{11, 2, 3}, {10, 2, 3}, 0, 1},
         {{11, FLT_MAX, 12}, {10, 10, 10}, 0, 1},
         {{11, NAN, INFINITY}, {10, 0, 10}, 1, 1},
         {{10, 2, 3}, {10, 2, 3}, 0, 0},
@@ -36,8 +34,8 @@ static void bad_pixels_stay_alone(void **state)
             f.rgb.c[c][at] = rows[i / 3].rgb[c];
             was.rgb.c[c][at] = rows[i / 3].want[c];
         }
-        assert_int_equal(gp_sense(NULL, &(struct gp_sensor_params) {
-            1.0f, 0.0f, 10.0f}, &f, &src), GP_OK);
+        assert_ok(gp_sense(NULL, &(struct gp_sensor_params){1.0f, 0.0f, 10.0f},
+                           &f, &src));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(f.rgb.c[c], was.rgb.c[c],
                                 gp_frame_pixels(&f) * sizeof(float));
@@ -108,14 +106,14 @@ static void darkest_is_robust(void **state)
             f.rgb.c[c][i] = i < n / 2 ? 0.0f : 0.25f + (float) (i % 7);
         f.rgb.c[c][n - 1] = 1e-30f;
     }
-    assert_int_equal(gp_sense(NULL, &(struct gp_sensor_params)
-                                         GP_SENSOR_DEFAULTS, &f, &src), GP_OK);
+    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
+                       &src));
     assert_true(src.darkest <= 0.25 && src.darkest >= 0.25 * 15 / 16 * 15 / 16);
     gp_sources_free(&src);
     for (int c = 0; c < 3; c++)
         memset(f.rgb.c[c], 0, n * sizeof(float));
-    assert_int_equal(gp_sense(NULL, &(struct gp_sensor_params)
-                                         GP_SENSOR_DEFAULTS, &f, &src), GP_OK);
+    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
+                       &src));
     assert_true(src.darkest == 0.0 && src.n == 0);
     gp_sources_free(&src);
     gp_frame_free(&f);
@@ -130,8 +128,8 @@ static void threads_change_nothing(void **state)
         struct gp_frame f = scene_frame(211, 151, 0, 0, BAD, 4u);
         struct gp_sources src;
         gp_set_threads(threads[t]);
-        assert_int_equal(gp_sense(NULL, &(struct gp_sensor_params) {
-            0.5f, 0.5f, 1e9f}, &f, &src), GP_OK);
+        assert_ok(gp_sense(NULL, &(struct gp_sensor_params){0.5f, 0.5f, 1e9f},
+                           &f, &src));
         gp_frame_free(&f);
         if (t == 0) {
             first = src;
@@ -164,8 +162,8 @@ static void weights_are_the_frames(void **state)
     f.rgb.c[2][2] = 0.6f;                          // 1.2
     f.rgb.c[2][3] = 0.6f; f.rgb.c[1][3] = 0.3f;    // 0.9
     f.rgb.c[2][4] = 0.6f; f.rgb.c[1][4] = -9.0f;   // 1.2: negative is no light
-    assert_int_equal(gp_sense(NULL, &(struct gp_sensor_params)
-                                         GP_SENSOR_DEFAULTS, &f, &src), GP_OK);
+    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
+                       &src));
     assert_int_equal(src.n, 2);
     assert_int_equal(src.x[0], 2);
     assert_int_equal(src.x[1], 4);
@@ -174,15 +172,6 @@ static void weights_are_the_frames(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(sensors)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(bad_pixels_stay_alone),
-        cmocka_unit_test(threshold_is_shut),
-        cmocka_unit_test(knee_is_smooth),
-        cmocka_unit_test(darkest_is_robust),
-        cmocka_unit_test(threads_change_nothing),
-        cmocka_unit_test(weights_are_the_frames),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+SUITE_OF(sensors, NULL, NULL,
+    bad_pixels_stay_alone, threshold_is_shut, knee_is_smooth, darkest_is_robust,
+    threads_change_nothing, weights_are_the_frames)

@@ -84,8 +84,8 @@ static void parts_hold_all(void **state)
     for (size_t k = 0; k < COUNT(limits); k++) {
         struct gp_sources part[2]; // hot, rest
         uint32_t at[2] = {0, 0};
-        assert_int_equal(gp_sources_split(NULL, &s.src, limits[k], &part[0],
-                                          &part[1]), GP_OK);
+        assert_ok(
+            gp_sources_split(NULL, &s.src, limits[k], &part[0], &part[1]));
         for (int y = 0; y < s.src.h; y++) {
             for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
                 const int cold = !(s.src.rgb[0][i] >= limits[k] ||
@@ -112,7 +112,7 @@ static struct gp_sources dark_list(void)
 {
     const struct gp_sources like = {.w = 20, .h = 10, .faint = {1e-39}};
     struct gp_sources s;
-    assert_int_equal(gp_sources_make(NULL, &like, 0, &s), GP_OK);
+    assert_ok(gp_sources_make(NULL, &like, 0, &s));
     gp_sources_finish(&s);
     return s;
 }
@@ -153,8 +153,7 @@ static void light_joins(void **state)
         list[9] = (struct gp_source) {4, 2, {1e-39f, 0, 2e-39f}};
         list[10] = (struct gp_source) {9, 9, {3.0f, 1e-40f, FLT_MIN}};
         list[11] = (struct gp_source) {10, 9, {1e-37f, 1e-40f, FLT_MIN}};
-        assert_int_equal(gp_sources_join(&said_log, &dark, list, 12, &out),
-                         GP_OK);
+        assert_ok(gp_sources_join(&said_log, &dark, list, 12, &out));
         assert_list(&out, "joined");
         assert_int_equal(out.n, 5);
         assert_true(out.x[0] == 3 && out.x[1] == 19 && out.x[2] == 7);
@@ -166,7 +165,7 @@ static void light_joins(void **state)
                     out.faint[1] == (double) 1e-40f &&
                     out.faint[2] == (double) 2e-39f);
         struct gp_source one = {9, 9, {1.0f, 1.0f, 1.0f}};
-        assert_int_equal(gp_sources_join(NULL, &out, &one, 1, &twice), GP_OK);
+        assert_ok(gp_sources_join(NULL, &out, &one, 1, &twice));
         assert_list(&twice, "joined twice");
         assert_true(twice.n == 5 && twice.rgb[0][3] == 4.0f);
         gp_sources_free(&out);

@@ -18,23 +18,17 @@ struct row {
 };
 
 static const struct row rows[] = {
-    {1, 1, EVERY, 1, 1, 0, 0, PEAK},
-    {1, 1, EVERY, 9, 7, 4, 3, PEAK},
-    {7, 5, EVERY, 1, 1, 0, 0, BOX},
-    {40, 30, NONE, 9, 9, 4, 4, PEAK},
-    {40, 30, CORNERS, 9, 9, 4, 4, PEAK},
-    {40, 30, CORNERS, 8, 8, 4, 4, HOLES},
+    {1, 1, EVERY, 1, 1, 0, 0, PEAK}, {1, 1, EVERY, 9, 7, 4, 3, PEAK},
+    {7, 5, EVERY, 1, 1, 0, 0, BOX}, {40, 30, NONE, 9, 9, 4, 4, PEAK},
+    {40, 30, CORNERS, 9, 9, 4, 4, PEAK}, {40, 30, CORNERS, 8, 8, 4, 4, HOLES},
     {40, 30, CORNERS, 200, 151, 100, 75, PEAK}, // larger than the frame
-    {40, 30, EVERY, 200, 151, 100, 75, PEAK},
-    {31, 29, FEW, 16, 9, 8, 4, LOBES},
-    {97, 1, FEW, 33, 33, 16, 16, PEAK},
-    {1, 97, FEW, 33, 33, 16, 16, PEAK},
+    {40, 30, EVERY, 200, 151, 100, 75, PEAK}, {31, 29, FEW, 16, 9, 8, 4, LOBES},
+    {97, 1, FEW, 33, 33, 16, 16, PEAK}, {1, 97, FEW, 33, 33, 16, 16, PEAK},
     {64, 64, FEW, 13, 11, 0, 10, PEAK},         // centre in a corner
     {64, 64, FEW, 13, 11, -20, 31, PEAK},       // centre outside
     {64, 64, FEW, 13, 11, 2000, 5, PEAK},       // reaches no pixel
     {64, 64, FEW, 13, 11, 2147483647, -2147483647, PEAK},
-    {64, 64, FEW, 200, 3, 180, 1, LOBES},
-    {61, 67, HOT, 63, 63, 31, 31, PEAK},
+    {64, 64, FEW, 200, 3, 180, 1, LOBES}, {61, 67, HOT, 63, 63, 31, 31, PEAK},
     {131, 67, MANY, 31, 30, 15, 15, HOLES},
     {131, 67, MANY, 31, 30, 15, 15, LOBES},
     {64, 80, EVERY, 24, 25, 12, 12, PEAK},      // 5120 sources
@@ -126,8 +120,7 @@ static void over_the_limit_fails_with_words(void **state)
     struct gp_kernel large = make_kernel(17, 9, 8, 4, PEAK);
     struct gp_planes layer;
     how.primitive = GP_PRIMITIVE_QUAD;
-    assert_int_equal(splat(GP_GL_AUTO, &src, &small, &layer, &kept),
-                     GP_OK);
+    assert_ok(splat(GP_GL_AUTO, &src, &small, &layer, &kept));
     gp_planes_free(&layer);
     assert_int_equal(splat(GP_GL_AUTO, &src, &large, &layer, &kept),
                      GP_ERR_GL);
@@ -135,7 +128,7 @@ static void over_the_limit_fails_with_words(void **state)
     assert_non_null(strstr(said_line, "16x16 is the limit"));
     gp_planes_free(&layer);
     // the state is whole: the next frame is drawn as if nothing had been
-    assert_int_equal(splat(GP_GL_AUTO, &src, &small, &layer, &kept), GP_OK);
+    assert_ok(splat(GP_GL_AUTO, &src, &small, &layer, &kept));
     assert_true(rel_l2(&src, &small, &layer) <= 2e-6);
     unsetenv("GLAREPP_GL_MAX_SIZE");
     how.primitive = GP_PRIMITIVE_AUTO;
@@ -178,9 +171,8 @@ static void no_stale_kernel(void **state)
             k.w = 19; // all samples are as before
         if (i == 8)
             k.h = 18;
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &a, &kept),
-                         GP_OK);
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &b, &fresh), GP_OK);
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &a, &kept));
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &b, &fresh));
         same_bits(&src, &a, &b);
         assert_true(rel_l2(&src, &k, &a) <= 2e-6);
         gp_engine_splat.close(&fresh);
@@ -200,10 +192,9 @@ static void contexts_in_turns(void **state)
     struct gp_kernel k = make_kernel(15, 15, 7, 7, PEAK);
     for (int i = 0; i < 4; i++) {
         struct gp_planes a, b;
-        assert_int_equal(splat(i % 2 ? GP_GL_EGL : GP_GL_OSMESA, &src,
-                                       &k, &a, &one), GP_OK);
+        assert_ok(splat(i % 2 ? GP_GL_EGL : GP_GL_OSMESA, &src, &k, &a, &one));
         assert_non_null(strstr(stats.gl, i % 2 ? "EGL" : "OSMesa"));
-        assert_int_equal(splat(GP_GL_EGL, &src, &k, &b, &two), GP_OK);
+        assert_ok(splat(GP_GL_EGL, &src, &k, &b, &two));
         assert_true(rel_l2(&src, &k, &a) <= 2e-6);
         assert_true(rel_l2(&src, &k, &b) <= 2e-6);
         gp_planes_free(&a);
@@ -224,8 +215,7 @@ static void counts_are_right(void **state)
     const struct gp_glare_params params = {.splat = how};
     const struct gp_glare_job job = {.params = &params, .src = &src,
                                      .kernel = &k};
-    assert_int_equal(splat(GP_GL_AUTO, &src, &k, &layer, &kept),
-                     GP_OK);
+    assert_ok(splat(GP_GL_AUTO, &src, &k, &layer, &kept));
     assert_int_equal(stats.polygons, 4);
     assert_true(stats.polygon_pixels == 4 * 5 * 4);
     assert_true(stats.bound > 0 && stats.bound < 1e-5);
@@ -265,7 +255,7 @@ static void large_points_are_refused(void **state)
     assert_non_null(strstr(said_line, "--primitive quad or tile"));
     gp_planes_free(&layer);
     how.primitive = GP_PRIMITIVE_QUAD;
-    assert_int_equal(splat(GP_GL_AUTO, &src, &k, &layer, &kept), GP_OK);
+    assert_ok(splat(GP_GL_AUTO, &src, &k, &layer, &kept));
     how = (struct gp_splat_params) GP_SPLAT_EXACT;
     gp_planes_free(&layer);
     gp_planes_free(&k.k);
@@ -285,7 +275,7 @@ static void counts_are_those_of_the_groups(void **state)
         how = (struct gp_splat_params) GP_SPLAT_DEFAULTS;
         how.shrink = 0.0f;
         how.primitive = primitives[p];
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &layer, &kept), GP_OK);
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &layer, &kept));
         assert_int_equal(stats.clusters, 32);
         assert_int_equal(stats.groups, 0);
         assert_int_equal(stats.polygons, 32);
@@ -335,8 +325,7 @@ static void shrinking_leaves_out_what_it_may(void **state)
         for (int i = 0; i < 5; i++) {
             how.primitive = primitives[p];
             how.shrink = shares[i];
-            assert_int_equal(splat(GP_GL_AUTO, &src, &k, &layer, &kept),
-                             GP_OK);
+            assert_ok(splat(GP_GL_AUTO, &src, &k, &layer, &kept));
             assert_true(stats.polygon_pixels <= pixels);
             pixels = stats.polygon_pixels;
             if (i == 0) {
@@ -375,11 +364,10 @@ static void plans_are_kept_for_their_light_alone(void **state)
         struct gp_planes layer;
         double bound = -1.0;
         if (i % 2 == 0)
-            assert_int_equal(gp_engine_splat.bound(&job, &kept, &bound),
-                             GP_OK);
+            assert_ok(gp_engine_splat.bound(&job, &kept, &bound));
         if (i == 2)
             src.rgb[1][src.n / 2] *= 2.0f; // at the same address
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &layer, &kept), GP_OK);
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &layer, &kept));
         if (i == 0)
             assert_true(bound == stats.bound);
         assert_true(rel_l2(&src, &k, &layer) <= 1e-6);

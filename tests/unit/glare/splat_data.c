@@ -75,13 +75,12 @@ static void check_frame(struct gp_frame *f, const struct gp_sources *src,
     double *const layer = calloc(3 * n, sizeof *layer);
     assert_non_null(exact);
     assert_non_null(layer);
-    assert_int_equal(gp_polygons_make(NULL, src, &p, &polygons), GP_OK);
-    assert_int_equal(gp_shrink_make(NULL, k, &p, &polygons, &shrink), GP_OK);
-    assert_int_equal(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0,
-                                    &cache, &bound), GP_OK);
-    assert_int_equal(gp_glare_reference(NULL, src, k, exact), GP_OK);
-    assert_int_equal(gp_group_reference(NULL, src, k, &p, &polygons, &shrink,
-                                        layer), GP_OK);
+    assert_ok(gp_polygons_make(NULL, src, &p, &polygons));
+    assert_ok(gp_shrink_make(NULL, k, &p, &polygons, &shrink));
+    assert_ok(gp_group_bound(NULL, src, k, &p, &polygons, &shrink, 0.0, &cache,
+                             &bound));
+    assert_ok(gp_glare_reference(NULL, src, k, exact));
+    assert_ok(gp_group_reference(NULL, src, k, &p, &polygons, &shrink, layer));
     double wrong = 0.0, all = 0.0;
     for (size_t i = 0; i < 3 * n; i++) {
         wrong += (layer[i] - exact[i]) * (layer[i] - exact[i]);
@@ -110,7 +109,7 @@ static void every_frame_of_the_data_is_within_a_hundredth(void **state)
     struct worst worst = {0};
     if (!files)
         skip();
-    assert_int_equal(gp_kernel_builtin(NULL, &eye, &k), GP_OK);
+    assert_ok(gp_kernel_builtin(NULL, &eye, &k));
     const int step = getenv("GLAREPP_TEST_QUICK") ? 9 : 1;
     for (int i = 0; i < files; i += step) {
         struct gp_frame f = {0};

@@ -166,8 +166,8 @@ static void runs_give_the_same_bytes(void **state)
             void *one = open_or_skip(GP_GL_AUTO), *two = NULL;
             struct gp_planes a, b;
             how.primitive = primitives[p];
-            assert_int_equal(splat(GP_GL_AUTO, &d.src, &d.k, &a, &one), GP_OK);
-            assert_int_equal(splat(GP_GL_AUTO, &d.src, &d.k, &b, &two), GP_OK);
+            assert_ok(splat(GP_GL_AUTO, &d.src, &d.k, &a, &one));
+            assert_ok(splat(GP_GL_AUTO, &d.src, &d.k, &b, &two));
             for (int c = 0; c < 3; c++)
                 assert_memory_equal(a.c[c], b.c[c], (size_t) d.src.w *
                                                         (size_t) d.src.h * 4);
@@ -229,7 +229,7 @@ static void quads_turn_as_the_kernel_does(void **state)
         struct gp_planes quads, tiles;
         how.shrink = rows[i].shrink;
         how.primitive = GP_PRIMITIVE_QUAD;
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &quads, &kept), GP_OK);
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &quads, &kept));
         if (rows[i].turns != (s->kernel[GP_SPLAT_TURNED].texture.id != 0))
             fail_msg("row %zu: turned in the shader is not %d", i,
                      rows[i].turns);
@@ -237,7 +237,7 @@ static void quads_turn_as_the_kernel_does(void **state)
         if (!(error <= 2e-6 + (double) rows[i].shrink && error <= stats.bound))
             fail_msg("row %zu: rel_l2 %g, bound %g", i, error, stats.bound);
         how.primitive = GP_PRIMITIVE_TILE;
-        assert_int_equal(splat(GP_GL_AUTO, &src, &k, &tiles, &kept), GP_OK);
+        assert_ok(splat(GP_GL_AUTO, &src, &k, &tiles, &kept));
         double most = 0.0; // places of samples may be 2^-23 of a pixel off
         for (int j = 0; j < src.w * src.h; j++)
             most = fmax(most, (double) tiles.c[1][j]);

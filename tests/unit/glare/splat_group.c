@@ -13,17 +13,12 @@ struct pass {
 };
 
 static const struct pass passes[] = {
-    {1, 1, 0, 0, EVERY, 1, 0, 1},
-    {1, 1, -7, 5, EVERY, 4, 8, 1},
-    {1, 1, 3, 3, EVERY, 64, 0, 1},
-    {64, 48, 0, 0, MANY, 1, 0, 1},
-    {64, 48, 0, 0, MANY, 2, 0, 1},
-    {64, 48, 0, 0, MANY, 4, 0, 1},
-    {64, 48, 0, 0, MANY, 8, 0, 1},
-    {64, 48, 0, 0, MANY, 16, 0, 1},
+    {1, 1, 0, 0, EVERY, 1, 0, 1}, {1, 1, -7, 5, EVERY, 4, 8, 1},
+    {1, 1, 3, 3, EVERY, 64, 0, 1}, {64, 48, 0, 0, MANY, 1, 0, 1},
+    {64, 48, 0, 0, MANY, 2, 0, 1}, {64, 48, 0, 0, MANY, 4, 0, 1},
+    {64, 48, 0, 0, MANY, 8, 0, 1}, {64, 48, 0, 0, MANY, 16, 0, 1},
     {61, 47, 0, 0, MANY, 4, 0, 1},      // N divides neither side
-    {61, 47, -13, -30, MANY, 4, 0, 1},
-    {61, 47, -1, 1, MANY, 8, 0, 1},
+    {61, 47, -13, -30, MANY, 4, 0, 1}, {61, 47, -1, 1, MANY, 8, 0, 1},
     {61, 47, 2147483000, -2147483000, MANY, 16, 0, 1},
     {130, 3, 5, -2, FEW, 2, 4, 0.25f},
     {64, 64, 0, 0, EVERY, 4, 8, 0.9f},  // all clusters
@@ -31,14 +26,10 @@ static const struct pass passes[] = {
     {67, 59, -3, -5, MANY, 4, 8, 0.3f}, // some
     {67, 59, 3, 5, MANY, 1, 8, 0.3f},
     {67, 59, 3, 5, MANY, 1, 2, 0.5f},   // shares that lie on the limit
-    {67, 59, 3, 5, MANY, 2, 4, 0.25f},
-    {67, 59, 3, 5, MANY, 2, 64, 0.1f},
-    {61, 67, 0, 0, HOT, 8, 0, 1},
-    {61, 67, 0, 0, HOT, 8, 32, 0.01f},
-    {50, 50, 1, 0, EQUAL, 16, 64, 1},
-    {50, 50, 1, 0, EQUAL, 64, 0, 1},
-    {40, 30, 0, 0, CORNERS, 4, 8, 0.9f},
-    {40, 30, 2, 0, FAINT, 4, 8, 0.9f},
+    {67, 59, 3, 5, MANY, 2, 4, 0.25f}, {67, 59, 3, 5, MANY, 2, 64, 0.1f},
+    {61, 67, 0, 0, HOT, 8, 0, 1}, {61, 67, 0, 0, HOT, 8, 32, 0.01f},
+    {50, 50, 1, 0, EQUAL, 16, 64, 1}, {50, 50, 1, 0, EQUAL, 64, 0, 1},
+    {40, 30, 0, 0, CORNERS, 4, 8, 0.9f}, {40, 30, 2, 0, FAINT, 4, 8, 0.9f},
 };
 enum { PASSES = COUNT(passes) };
 
@@ -151,7 +142,7 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     params.cluster_fill = p->fill;
     params.method = GP_GROUP_MOMENTS;
     struct gp_polygons want;
-    assert_int_equal(gp_polygons_make(&said_log, &src, &params, &want), GP_OK);
+    assert_ok(gp_polygons_make(&said_log, &src, &params, &want));
 
     const struct gp_rect frame = {0, 0, p->w, p->h};
     const int span = p->cluster ? p->cluster : p->group;
@@ -159,17 +150,16 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     const struct gp_cells fine = {p->group, coarse.x, coarse.y,
                                   coarse.w * (span / p->group),
                                   coarse.h * (span / p->group)};
-    assert_int_equal(gp_splat_upload(&said_log, s, &src, frame), GP_OK);
+    assert_ok(gp_splat_upload(&said_log, s, &src, frame));
     struct cells clusters = {0};
     if (p->cluster) {
-        assert_int_equal(gp_splat_group(&said_log, s, frame, &coarse, ~0u,
-                                        p->fill, NULL, 0, &s->clusters),
-                         GP_OK);
+        assert_ok(gp_splat_group(&said_log, s, frame, &coarse, ~0u, p->fill,
+                                 NULL, 0, &s->clusters));
         clusters = read_cells(s, coarse, &s->clusters);
     }
-    assert_int_equal(gp_splat_group(&said_log, s, frame, &fine, ~0u, 0.0f,
-                                    p->cluster ? &s->clusters : NULL,
-                                    p->cluster, &s->groups), GP_OK);
+    assert_ok(gp_splat_group(&said_log, s, frame, &fine, ~0u, 0.0f,
+                             p->cluster ? &s->clusters : NULL, p->cluster,
+                             &s->groups));
     struct cells groups = read_cells(s, fine, &s->groups);
     assert_int_equal(count_open(&clusters), want.clusters);
     assert_int_equal(count_open(&groups), want.groups);

@@ -153,7 +153,7 @@ static inline gp_status splat(enum gp_gl_api gl,
 static inline void *open_or_skip(enum gp_gl_api gl)
 {
     void *state = NULL;
-    assert_int_equal(gp_splat_make(&said_log, &state), GP_OK);
+    assert_ok(gp_splat_make(&said_log, &state));
     const gp_status st = gp_splat_open(&said_log, state, gl);
     if (st == GP_ERR_GL && strstr(said_line, "install the Debian")) {
         print_message("no context: %s\n", said_line);

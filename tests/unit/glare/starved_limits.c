@@ -39,8 +39,8 @@ static void fftw_is_missing(void **state)
     fail_always.library = "libfftw3.so.3";
     assert_int_equal(gp_fftwd_open(&said_log, &twice), GP_ERR_IO);
     fail_always.library = NULL;
-    assert_int_equal(gp_fftwf_open(&said_log, &lib), GP_OK);
-    assert_int_equal(gp_fftwd_open(&said_log, &twice), GP_OK);
+    assert_ok(gp_fftwf_open(&said_log, &lib));
+    assert_ok(gp_fftwd_open(&said_log, &twice));
 }
 
 static int plans;   // made since
@@ -77,8 +77,8 @@ static void fftw_makes_no_plan(void **state)
     const struct gp_fftwd *twice;
     struct scene s = make_scene(ALL, 200, 200, 401, MID);
     double *const layer = scene_alloc(3 * 200 * 200, sizeof *layer);
-    assert_int_equal(gp_fftwf_open(NULL, &lib), GP_OK);
-    assert_int_equal(gp_fftwd_open(NULL, &twice), GP_OK);
+    assert_ok(gp_fftwf_open(NULL, &lib));
+    assert_ok(gp_fftwd_open(NULL, &twice));
     real_plan = lib->plan_dft_1d;
     real_twice = twice->plan_dft_1d;
     ((struct gp_fftwf *) lib)->plan_dft_1d = plan;
@@ -118,8 +118,8 @@ static void wisdom_is_not_kept(void **state)
     // a name too long, a folder in the file's place, a folder that is not
     const char *const names[] = {longest, folder, "/nonexistent/wisdom"};
     for (int i = 0; i < 3; i++) {
-        assert_int_equal(gp_fft_plan_make(&said_log, 16, GP_FFT_PLAN_MEASURE,
-                                          names[i], &p), GP_OK);
+        assert_ok(
+            gp_fft_plan_make(&said_log, 16, GP_FFT_PLAN_MEASURE, names[i], &p));
         assert_true(p.forward && p.backward);
         gp_fft_plan_free(&p);
         gp_fft_plan_free(&p);
@@ -138,7 +138,7 @@ static void kernels_that_reach_nothing(void **state)
     struct gp_glare_stats stats = {0};
     struct gp_glare g = {0};
     for (int i = 0; gp_engines[i]; i++) {
-        assert_int_equal(scene_run(gp_engines[i]->name, &s, &g, &stats), GP_OK);
+        assert_ok(scene_run(gp_engines[i]->name, &s, &g, &stats));
         for (int k = 0; k < 3 * 200; k++)
             assert_true(s.f.layer.c[k % 3][k / 3] == 0.0f);
         const struct gp_glare_job job = {
@@ -148,7 +148,7 @@ static void kernels_that_reach_nothing(void **state)
         double bound = NAN;
         void *kept = NULL;
         assert_true(gp_engines[i]->predict(&job, NULL).ms <= 1.0);
-        assert_int_equal(gp_engines[i]->bound(&job, &kept, &bound), GP_OK);
+        assert_ok(gp_engines[i]->bound(&job, &kept, &bound));
         assert_true(bound >= 0.0 && bound < 1e-3);
         gp_engines[i]->close(&kept);
     }
@@ -171,7 +171,7 @@ static void cpus_agree(void **state)
             struct gp_glare_stats stats;
             if (base)
                 setenv("GLAREPP_CPU", "base", 1);
-            assert_int_equal(scene_run(names[i % 2], &s, &g, &stats), GP_OK);
+            assert_ok(scene_run(names[i % 2], &s, &g, &stats));
             unsetenv("GLAREPP_CPU");
             hash[base] = scene_hash(&s);
             gp_glare_close(&g);
@@ -203,8 +203,7 @@ static void patience_is_asked_for(void **state)
     struct gp_glare g = {0};
     static char name[] = "lamp.exr";
     p.engine = "direct";
-    assert_int_equal(gp_planes_make(NULL, "layer", gp_frame_pixels(&s.f),
-                                    &s.f.layer), GP_OK);
+    assert_ok(gp_planes_make(NULL, "layer", gp_frame_pixels(&s.f), &s.f.layer));
     for (int named = 0; named < 2; named++) {
         s.f.path = named ? name : NULL;
         fail_at(FAIL_ALLOC, 1);
@@ -262,7 +261,7 @@ static void limits_are_named(void **state)
     assert_non_null(strstr(said_line, "4 pixels are the limit"));
     assert_int_equal(said_errors, 2);
     splat->gl->info.max_size = size;
-    assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_OK);
+    assert_ok(draw_points(&s, &g, GP_PRIMITIVE_QUAD));
     gp_glare_close(&g);
     scene_free(&s);
 }
@@ -300,8 +299,7 @@ static void questions_may_fail(void **state)
 {
     static const double bounds[][4] = {
         {1e-4, 1e-4, 1e-4, 1e-6}, {1.0, 9e-4, 2e-4, 1e-6},
-        {9e-4, 9e-4, 9e-4, 9e-4}, {1.0, 1.0, 1.0, 1e-6},
-        {1.0, 1.0, 1.0, 1.0},
+        {9e-4, 9e-4, 9e-4, 9e-4}, {1.0, 1.0, 1.0, 1e-6}, {1.0, 1.0, 1.0, 1.0},
     };
     static const double times[][4] = {
         {1, 2, 3, 4}, {4, 3, 2, 1}, {10, 9.5, 9, 10}, {1, 1, 1, 100},
@@ -311,7 +309,7 @@ static void questions_may_fail(void **state)
         struct question q = {.bound = bounds[k / 20]};
         struct gp_choice choice;
         const double *const ms = times[k / 5 % 4];
-        assert_int_equal(choose(ms, &q, k % 5, &choice), GP_OK);
+        assert_ok(choose(ms, &q, k % 5, &choice));
         const int asked = q.asked;
         assert_true(asked > 0 && choice.taken >= 0 && choice.taken < 4);
         for (q.failing = 1; q.failing <= asked; q.failing++, failures++)

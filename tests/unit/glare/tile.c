@@ -162,9 +162,8 @@ static struct sums make_sums(const struct scene *s, int c)
             if (s->polygons.at[i].blur != blur)
                 continue;
             if (b.w == 0)
-                assert_int_equal(gp_blur_make(NULL, &s->kernel, s->crop,
-                                              s->tail, gp_blur_box[blur], &b),
-                                 GP_OK);
+                assert_ok(gp_blur_make(NULL, &s->kernel, s->crop, s->tail,
+                                       gp_blur_box[blur], &b));
             add_polygon(s, &b, &s->polygons.at[i], c, &out);
         }
         gp_blur_free(&b);
@@ -250,7 +249,7 @@ static void rows_equal_the_sum(enum gp_gl_api api)
     gp_tiles_free(gl, &state);
     assert_null(state);
     gp_tiles_free(gl, &state);
-    assert_int_equal(gp_gl_check(&log_kept, gl, "test"), GP_OK);
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_gl_close(&gl);
 }
 
@@ -330,9 +329,8 @@ static void batches_are_large(void **state)
         struct scene s = make_scene(&sizes[i]);
         struct gp_tile_pieces p;
         size_t next = 0, batches = 0;
-        assert_int_equal(gp_tile_pieces_make(&log_kept, &s.kernel, s.crop,
-                                             &s.polygons, &s.shrink, s.w, s.h,
-                                             &p), GP_OK);
+        assert_ok(gp_tile_pieces_make(&log_kept, &s.kernel, s.crop, &s.polygons,
+                                      &s.shrink, s.w, s.h, &p));
         batch.field = (struct gp_rect) {0, 0, s.w, s.h};
         batch.side = gp_tile_side(&p, 1, batch.field);
         assert_true(batch.side >= 4 && batch.side <= 6);
@@ -362,7 +360,7 @@ static void batches_equal_the_sum(void **state)
     gp_planes_free(&s.kernel.k); // one value everywhere, as far as it goes
     s.kernel = make_kernel(2 * SIDE, 2 * SIDE, SIDE, SIDE, BOX);
     s.crop = (struct gp_rect) {0, 0, 2 * SIDE, 2 * SIDE};
-    assert_int_equal(draw(gl, &s, &kept, &roundings), GP_OK);
+    assert_ok(draw(gl, &s, &kept, &roundings));
     assert_true(roundings <= gp_tiles_roundings(&s.polygons));
     for (int c = 0; c < 3; c++) {
         double want = 0.0;
@@ -400,8 +398,8 @@ static void no_stale_kernel(void **state)
         a.kernel.serial = b.kernel.serial = i < 5 ? 1000000u : 0u;
         for (int c = 0; i >= 5 && c < 3; c++) // the same serial, 0, each time
             a.kernel.k.c[c][40] = b.kernel.k.c[c][40] = (float) i;
-        assert_int_equal(draw(gl, &a, &kept, &roundings), GP_OK);
-        assert_int_equal(draw(gl, &b, &fresh, &roundings), GP_OK);
+        assert_ok(draw(gl, &a, &kept, &roundings));
+        assert_ok(draw(gl, &b, &fresh, &roundings));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(a.layer.c[c], b.layer.c[c],
                                 61 * 47 * sizeof(float));

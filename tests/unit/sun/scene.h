@@ -11,12 +11,6 @@
 
 enum { MODES = 3 }; // of enum gp_sun_outside
 
-static inline void assert_ok(gp_status st)
-{
-    if (st)
-        fail_msg("%s", said_line);
-}
-
 static inline void assert_near(double got, double want, double bar,
                                const char *what, double detail)
 {
