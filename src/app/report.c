@@ -39,82 +39,68 @@ static json_t *number(double v, double step)
 
 // -- one frame ---------------------------------------------------------------
 
-struct object {
-    json_t *json;
-    bool full;  // memory ran out: a field is missing
-};
-
-static void put(struct object *o, const char *key, json_t *value)
-{
-    if (json_object_set_new(o->json, key, value) != 0)
-        o->full = true;
-}
+// (No call is checked here: when memory is full, gp_json_print() returns NULL.)
 
 /* A count; 0 was not needed. */
-static void put_count(struct object *o, const char *key, size_t n)
+static void put_count(json_t *o, const char *key, size_t n)
 {
     if (n)
-        put(o, key, json_integer((json_int_t) n));
+        json_object_set_new(o, key, json_integer((json_int_t) n));
 }
 
-static void put_inner(struct object *o, const char *key,
-                      const struct object *inner)
+static void put_name(json_t *o, const char *key, const char *name)
 {
-    put(o, key, inner->json);
-    o->full = o->full || inner->full;
+    json_object_set_new(o, key, gp_json_name(name));
 }
 
-static void put_name(struct object *o, const char *key, const char *name)
-{
-    put(o, key, gp_json_name(name));
-}
-
-static void put_list(struct object *o, const char *key,
-                     const char *const *name, int n)
+static void put_list(json_t *o, const char *key, const char *const *name,
+                     int n)
 {
     json_t *const list = json_array();
     for (int i = 0; i < n; i++)
         json_array_append_new(list, gp_json_name(name[i]));
-    put(o, key, list);
+    json_object_set_new(o, key, list);
 }
 
-static void put_rgb(struct object *o, const char *key, const double v[3])
+static void put_rgb(json_t *o, const char *key, const double v[3])
 {
     json_t *const list = json_array();
     for (int c = 0; c < 3; c++)
         json_array_append_new(list, number(v[c], 0.0));
-    put(o, key, list);
+    json_object_set_new(o, key, list);
 }
 
 /* Which frame it is. */
-static void put_frame(struct object *o, const struct gp_facts *f)
+static void put_frame(json_t *o, const struct gp_facts *f)
 {
     if (f->numbered)
-        put(o, "frame", json_integer(f->frame));
+        json_object_set_new(o, "frame", json_integer(f->frame));
     if (f->view)
         put_name(o, "view", f->view);
     put_name(o, "input", f->input);
 }
 
 /* The engine, its work and its result. */
-static void put_glare(struct object *o, const struct gp_facts *f)
+static void put_glare(json_t *o, const struct gp_facts *f)
 {
     const struct gp_glare_stats *g = &f->glare;
     if (g->engine) {
         put_name(o, "engine", g->engine);
         put_name(o, "engine_why", g->why);
     }
-    put(o, "sources", json_integer(f->sources));
+    json_object_set_new(o, "sources", json_integer(f->sources));
     put_count(o, "groups", g->groups);
     put_count(o, "clusters", g->clusters);
     put_count(o, "polygons", g->polygons);
     put_count(o, "cores", g->cores);
     if (g->polygons)
-        put(o, "polygon_pixels", number(g->polygon_pixels, 0.0));
+        json_object_set_new(o, "polygon_pixels",
+                            number(g->polygon_pixels, 0.0));
     if (g->form)
         put_name(o, "form", g->form);
     if (g->fft_w)
-        put(o, "fft_size", json_pack("[ii]", g->fft_w, g->fft_h));
+        json_object_set_new(o, "fft_size",
+                            json_pack("[ii]", g->fft_w, g->fft_h));
     put_rgb(o, "flux_in", f->flux_in);
     if (f->flux_faint[0] + f->flux_faint[1] + f->flux_faint[2] > 0.0)
         put_rgb(o, "flux_faint", f->flux_faint);
@@ -123,34 +109,34 @@ static void put_glare(struct object *o, const struct gp_facts *f)
     if (f->has_flux_out)
         put_rgb(o, "flux_out", f->flux_out);
     if (g->engine && f->sources)
-        put(o, "bound", number(g->bound, 0.0));
+        json_object_set_new(o, "bound", number(g->bound, 0.0));
     if (f->verified) {
-        struct object m = {.json = json_object()};
-        put(&m, "rel_l2", number(f->error.rel_l2, 0.0));
-        put(&m, "max_rel", number(f->error.max_rel, 0.0));
-        put(&m, "max_abs", number(f->error.max_abs, 0.0));
-        put(&m, "flux_error", number(f->error.flux_error, 0.0));
-        put_inner(o, "measured", &m);
+        json_t *const m = json_object();
+        json_object_set_new(m, "rel_l2", number(f->error.rel_l2, 0.0));
+        json_object_set_new(m, "max_rel", number(f->error.max_rel, 0.0));
+        json_object_set_new(m, "max_abs", number(f->error.max_abs, 0.0));
+        json_object_set_new(m, "flux_error", number(f->error.flux_error, 0.0));
+        json_object_set_new(o, "measured", m);
     }
-    put(o, "nonfinite", json_integer(f->nonfinite));
-    put(o, "clamped", json_integer(f->clamped));
+    json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
+    json_object_set_new(o, "clamped", json_integer(f->clamped));
     if (f->clamped_out)
-        put(o, "clamped_out", json_integer(f->clamped_out));
+        json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
 }
 
 /* The depth channel, what of it counted as no surface, and the lights. */
-static void put_lights(struct object *o, const struct gp_facts *f)
+static void put_lights(json_t *o, const struct gp_facts *f)
 {
     if (f->depth) {
-        struct object d = {.json = json_object()};
-        put_name(&d, "channel", f->depth);
+        json_t *const d = json_object();
+        put_name(d, "channel", f->depth);
         if (f->depth_empty[0])
-            put_name(&d, "empty", f->depth_empty);
+            put_name(d, "empty", f->depth_empty);
         else
-            put_name(&d, "type", type_names[f->depth_type]);
+            put_name(d, "type", type_names[f->depth_type]);
         if (f->depth_reversed)
-            put(&d, "reversed", json_true());
-        put_inner(o, "depth", &d);
+            json_object_set_new(d, "reversed", json_true());
+        json_object_set_new(o, "depth", d);
     }
     if (f->mask)
         put_name(o, "mask", f->mask);
@@ -159,35 +145,34 @@ static void put_lights(struct object *o, const struct gp_facts *f)
     json_t *const list = json_array();
     for (int i = 0; i < f->lights; i++) {
         const struct gp_light *const l = &f->light[i];
-        struct object one = {.json = json_object()};
+        json_t *const one = json_object();
         if (l->behind)
-            put(&one, "behind", json_true());
+            json_object_set_new(one, "behind", json_true());
         else {
-            put(&one, "x", number(l->x, 1e-4));
-            put(&one, "y", number(l->y, 1e-4));
-            put(&one, "radius", number(l->radius, 1e-4));
+            json_object_set_new(one, "x", number(l->x, 1e-4));
+            json_object_set_new(one, "y", number(l->y, 1e-4));
+            json_object_set_new(one, "radius", number(l->radius, 1e-4));
         }
-        put(&one, "visibility", number(l->visibility, 1e-6));
-        o->full = o->full || one.full;
-        json_array_append_new(list, one.json);
+        json_object_set_new(one, "visibility", number(l->visibility, 1e-6));
+        json_array_append_new(list, one);
     }
-    put(o, "lights", list);
+    json_object_set_new(o, "lights", list);
     if (f->sun_way)
         put_name(o, "sun_method", f->sun_way);
 }
 
-static void put_ocio(struct object *o, const struct gp_ocio_names *n)
+static void put_ocio(json_t *o, const struct gp_ocio_names *n)
 {
     const char *const field[][2] = {
         {"config", n->config}, {"input", n->input}, {"display", n->display},
         {"view", n->view}, {"look", n->look}, {"output", n->output},
     };
-    struct object inner = {.json = json_object()};
+    json_t *const inner = json_object();
     for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
         if (field[i][1])
-            put_name(&inner, field[i][0], field[i][1]);
+            put_name(inner, field[i][0], field[i][1]);
     }
-    put_inner(o, "ocio", &inner);
+    json_object_set_new(o, "ocio", inner);
 }
 
 /* The largest memory that the process ever held. */
@@ -198,17 +183,17 @@ static double peak_rss_mib(void)
                                            : 0.0; // ru_maxrss is in KiB
 }
 
-static void put_costs(struct object *o, const struct gp_facts *f)
+static void put_costs(json_t *o, const struct gp_facts *f)
 {
-    struct object times = {.json = json_object()};
+    json_t *const times = json_object();
     for (int i = 0; i < GP_TIMES; i++) {
         if (f->ms[i] >= 0.0)
-            put(&times, time_names[i], number(f->ms[i], 1e-3));
+            json_object_set_new(times, time_names[i], number(f->ms[i], 1e-3));
     }
-    put(&times, "total", number(f->total_ms, 1e-3));
-    put_inner(o, "times_ms", &times);
-    put(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
-    put(o, "threads", json_integer(gp_threads()));
+    json_object_set_new(times, "total", number(f->total_ms, 1e-3));
+    json_object_set_new(o, "times_ms", times);
+    json_object_set_new(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
+    json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (f->glare.gl || f->sun_gl)
         put_name(o, "gl", f->glare.gl ? f->glare.gl : f->sun_gl);
     put_name(o, "version", GP_VERSION);
@@ -323,14 +308,11 @@ static bool cut_file(const struct gp_report *r, long size)
 
 /* Takes the object and writes its line. */
 static gp_status write_object(const struct gp_log *log, struct gp_report *r,
-                              struct object *o)
+                              json_t *o)
 {
-    char *line = gp_json_print(o->json,
-                              JSON_COMPACT | JSON_REAL_PRECISION(10));
-    if (!line || o->full) {
-        free(line);
+    char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
+    if (!line)
         return gp_no_memory(log, r->path);
-    }
     const long before = ftell(r->file);
     // what was in the file before goes with the first line
     bool fine = (r->lines > 0 || cut_file(r, 0)) &&
@@ -350,29 +332,29 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
                            const struct gp_facts *facts, const char *error)
 {
-    struct object o = {.json = json_object()};
-    put_frame(&o, facts);
-    put_name(&o, "error", error);
-    return write_object(log, r, &o);
+    json_t *const o = json_object();
+    put_frame(o, facts);
+    put_name(o, "error", error);
+    return write_object(log, r, o);
 }
 
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
-    struct object o = {.json = json_object()};
-    put_frame(&o, facts);
-    put_list(&o, "outputs", (const char *const *) facts->outputs,
+    json_t *const o = json_object();
+    put_frame(o, facts);
+    put_list(o, "outputs", (const char *const *) facts->outputs,
              facts->n_outputs);
-    put(&o, "width", json_integer(facts->width));
-    put(&o, "height", json_integer(facts->height));
+    json_object_set_new(o, "width", json_integer(facts->width));
+    json_object_set_new(o, "height", json_integer(facts->height));
     if (facts->light_groups)
-        put_list(&o, "light_groups", facts->light_group, facts->light_groups);
-    put_glare(&o, facts);
-    put_lights(&o, facts);
+        put_list(o, "light_groups", facts->light_group, facts->light_groups);
+    put_glare(o, facts);
+    put_lights(o, facts);
     if (facts->ocio)
-        put_ocio(&o, facts->ocio);
-    put_costs(&o, facts);
-    return write_object(log, r, &o);
+        put_ocio(o, facts->ocio);
+    put_costs(o, facts);
+    return write_object(log, r, o);
 }
 
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)

@@ -15,6 +15,25 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+// -- memory ------------------------------------------------------------------
+
+/* jansson leaves out what it cannot allocate, and reports some of it as bad
+ * JSON: a failure counts on its thread until the next text or file. */
+static _Thread_local bool full;
+
+static void *allocate(size_t size)
+{
+    void *const p = malloc(size);
+    full = full || !p;
+    return p;
+}
+
+/* Before any value is made, by whatever program this is linked into. */
+__attribute__((constructor)) static void set_allocator(void)
+{
+    json_set_alloc_funcs(allocate, free);
+}
+
 // -- writing -----------------------------------------------------------------
 
 /* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
@@ -39,7 +58,7 @@ static size_t utf8_length(const unsigned char *s)
 json_t *gp_json_name(const char *s)
 {
     static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
-    char *clean = malloc(3 * strlen(s) + 1), *to = clean;
+    char *clean = allocate(3 * strlen(s) + 1), *to = clean;
     if (!clean)
         return NULL;
     while (*s) {
@@ -58,6 +77,9 @@ char *gp_json_print(json_t *o, size_t flags)
 {
     char *text = o ? json_dumps(o, flags) : NULL;
     json_decref(o);
+    if (full)
+        GP_FREE(text);
+    full = false;
     return text;
 }
 
@@ -198,10 +220,14 @@ static gp_status parse(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_DATA,
                        "%s: not JSON (the file is empty); write an array or "
                        "an object", path);
+    full = false;
     json_t *const root = json_loadb(
         text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
-    if (!root && json_error_code(&e) == json_error_out_of_memory)
+    if (full) {
+        json_decref(root);
+        full = false;
         return gp_no_memory(log, path);
+    }
     if (!root)
         return gp_fail(log, GP_ERR_DATA,
                        "%s: not JSON at line %d, column %d (%s); correct it "

@@ -14,8 +14,10 @@
  * when memory is full. */
 json_t *gp_json_name(const char *s);
 
-/* The text of `o`, whose reference it takes; NULL for a NULL `o` and when
- * memory is full. The caller owns it: free(). `flags` as of json_dumps(). */
+/* The text of `o`, whose reference it takes; NULL for a NULL `o`, and when
+ * memory was full for any value made on this thread since the last text: calls
+ * that build `o` need no check. The caller owns it: free(). `flags` as of
+ * json_dumps(). */
 char *gp_json_print(json_t *o, size_t flags);
 
 /* The place of a value, for messages. */

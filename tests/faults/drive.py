@@ -184,7 +184,7 @@ def faults_of_stderr(name, run):
     for line in said:
         if "(0 bytes)" in line:
             yield "nothing is more than there is: " + repr(line[:200])
-        if line.split(": ")[1] not in NAMES[name] and \
+        if (line + ": ").split(": ")[1] not in NAMES[name] and \
                 not line.startswith(NO_FILE):
             yield "no file is named: " + repr(line[:200])
 

@@ -68,7 +68,7 @@ struct gp_exr_index {
     bool multi, flat; // several parts; one that is not deep
     uint64_t type;    // where the attribute "type" of a flat file begins; or 0
     uint64_t tables;  // where the header ends and the offset tables begin; 0:
-                      // it is damaged or could not be read
+                      // it is damaged
     struct gp_exr_index_part *part;
     int parts;
     struct gp_exr_place *attr; // of all parts
@@ -82,7 +82,7 @@ struct gp_exr_index {
  *
  * Errors: GP_ERR_DATA a value is none of its type, which the library may leave
  * out without a word, or there are more channels, attributes or parts than it
- * could sort in time; GP_ERR_BUG out of memory.
+ * could sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory.
  */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
                                           const char *path,

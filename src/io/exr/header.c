@@ -4,6 +4,7 @@
 #include "core/bytes.h"
 #include "core/memory.h"
 
+#include <errno.h>
 #include <limits.h>
 #include <string.h>
 
@@ -21,6 +22,7 @@ enum {
 struct window {
     const struct gp_stream *stream;
     uint64_t from, to; // the bytes of the file that are in b
+    int error;         // errno of a read that failed, else 0
     uint8_t b[16 * NAME];
 };
 
@@ -31,6 +33,7 @@ static const uint8_t *window_at(struct window *w, uint64_t at, uint64_t n,
 {
     if (at < w->from || at + n > w->to) {
         const int64_t got = gp_stream_read(w->stream, w->b, sizeof w->b, at);
+        w->error = got < 0 ? errno : w->error;
         w->from = at;
         w->to = at + (uint64_t) (got > 0 ? got : 0);
     }
@@ -310,7 +313,9 @@ static gp_status add_attribute(struct walk *walk,
         walk->channels += n * n;
     }
     const char *const must = type_of(walk->name, index->multi);
-    if ((must && strcmp(must, walk->type) != 0) || !value_is(&v, walk->type)) {
+    const bool fits = (!must || strcmp(must, walk->type) == 0) &&
+                      value_is(&v, walk->type);
+    if (!fits && !walk->w.error) {
         for (char *c = walk->name; *c; c++) // damage may have made any bytes
             *c = *c > ' ' && *c <= '~' ? *c : '?';
         for (char *c = walk->type; *c; c++)
@@ -367,24 +372,27 @@ gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
 {
     enum { PARTS = 0x10, DEEP = 0x08 }; // flags in byte 5 of the file
     struct walk walk = {.log = log, .path = path, .index = out};
-    uint8_t head[8];
-    uint64_t at = sizeof head, end;
+    uint64_t at = 8, end = 0;
+    size_t left;
     *out = (struct gp_exr_index) {0};
-    if (gp_stream_read(s, head, sizeof head, 0) < (int64_t) sizeof head)
-        return GP_OK;
     walk.w.stream = s;
-    out->multi = head[5] & PARTS;
-    out->flat = !(head[5] & (DEEP | PARTS));
-    for (int parts = 0;; parts++) {
-        gp_status st = walk_part(&walk, at, &end);
-        if (st || end == 0)
-            return st;
-        at = end;
-        if (!out->multi || out->parts == parts)
-            break;
+    const uint8_t *const head = window_at(&walk.w, 0, at, &left);
+    gp_status st = GP_OK;
+    if (head && left == at) {
+        out->multi = head[5] & PARTS;
+        out->flat = !(head[5] & (DEEP | PARTS));
+        for (int parts = 0; !st; parts++) {
+            st = walk_part(&walk, at, &end);
+            at = end;
+            if (end == 0 || !out->multi || out->parts == parts)
+                break;
+        }
     }
-    out->tables = end;
-    return GP_OK;
+    if (walk.w.error && !st)
+        st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the disk",
+                     path, strerror(walk.w.error));
+    out->tables = st ? 0 : end;
+    return st;
 }
 
 void gp_exr_index_free(struct gp_exr_index *index)
