@@ -58,6 +58,7 @@ public:
         return done;
     }
     bool was_short() const { return short_; }
+    void forget_short() { short_ = false; }
     int fd() const { return fd_; }
 
 private:
@@ -102,6 +103,8 @@ std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
         name = "/proc/self/fd/" + std::to_string(fd);
     if (!f->input->open(name, f->spec, with))
         throw std::runtime_error(f->input->geterror());
+    if (format == "hdr") // looks for ends of lines in blocks of the file
+        f->bytes->forget_short();
     return f;
 }
 
