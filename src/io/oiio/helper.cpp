@@ -209,13 +209,24 @@ struct Shared {
     }
 };
 
+// Never fewer than before: OpenImageIO's pool keeps the stacks of threads that
+// it ends, which count against the limit of memory.
+void use_threads(int threads)
+{
+    static int most = 0;
+    if (threads <= most)
+        return;
+    most = threads;
+    OIIO::attribute("threads", threads);
+    OIIO::attribute("exr_threads", threads);
+}
+
 void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
             gp_oiio_reply &reply, std::string &text)
 {
     if (ask.protocol != GP_OIIO_PROTOCOL)
         throw std::runtime_error("glarepp-oiio is of another version");
-    OIIO::attribute("threads", ask.threads);
-    OIIO::attribute("exr_threads", ask.threads);
+    use_threads(ask.threads);
     limit_time(ask.seconds);
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
     switch (ask.call) {
