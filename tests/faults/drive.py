@@ -72,6 +72,8 @@ BY_SIGNAL = (-signal.SIGTERM,)
 # for one fault each: files larger than the buffer, and several threads at them
 TERMINATED = ("direct", "sequence", "flight")
 ALONE = {"large": "interrupt:N", "flight": "term:N"}
+# a library inside that ends the process when memory is full, in its own words
+BY_LIBRARY = {"ocio": -signal.SIGABRT}
 # llvmpipe waits for ever for a thread that could not start
 BY_MESA = ("splat", "readback")
 # (fault, statuses that are right); N is put in
@@ -218,6 +220,9 @@ def judge(name, run, good, statuses):
     if RUNNER and run.status == STOP:
         return ["found by " + RUNNER[0] + ": " + run.err.decode()[:1500]]
     found = []
+    if run.status == BY_LIBRARY.get(name, 0) and \
+            run.status in statuses and b"std::bad_alloc" in run.err:
+        return list(faults_of_files(name, run, good))
     if run.status not in statuses:
         found.append(f"status {run.status}: {run.err.decode()[:200]!r}")
     return found + list(faults_of_stderr(name, run)) + \
@@ -298,6 +303,8 @@ def main():
                     continue
                 if kind in ("malloc", "open") or 6 in more:
                     statuses = statuses + more
+                if kind == "malloc" and name in BY_LIBRARY:
+                    statuses = statuses + (BY_LIBRARY[name],)
                 try_kind(pool, name, program, shim, fault, statuses, good)
 
 
