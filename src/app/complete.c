@@ -63,12 +63,12 @@ static void print_topics(FILE *f)
         fprintf(f, "%s ", word);
 }
 
-static void print_commands(FILE *f)
+static void print_commands(FILE *f, const char *between)
 {
     enum gp_command command;
     const char *word;
     for (int i = 1; (word = gp_command_at(i, &command)); i++)
-        fprintf(f, "%s%s", i > 1 ? " " : "", word);
+        fprintf(f, "%s%s", i > 1 ? between : "", word);
 }
 
 // -- bash --------------------------------------------------------------------
@@ -108,8 +108,7 @@ static void print_bash(FILE *f)
     enum gp_command command;
     const char *name;
     fprintf(f, "%s    case ${COMP_WORDS[1]} in\n    ", bash_head);
-    for (int i = 1; (name = command_name(i, &command)); i++)
-        fprintf(f, "%s%s", i > 1 ? " | " : "", name);
+    print_commands(f, " | ");
     fprintf(f, ") ((n < 2)) || command=${COMP_WORDS[1]} ;;\n    esac\n"
                "    if [[ $word == --*=* ]]; then\n"
                "        option=${word%%%%=*} value=${word#*=}\n"
@@ -148,7 +147,7 @@ static void print_bash(FILE *f)
     print_topics(f);
     fprintf(f, "' ;;\n    :*)\n        kind=file\n"
                "        ((n > 1)) || words='");
-    print_commands(f);
+    print_commands(f, " ");
     fprintf(f, "' ;;\n    esac\n%s", bash_tail);
 }
 
@@ -205,8 +204,7 @@ static void print_zsh(FILE *f)
                "_glarepp()\n{\n    local command=main\n"
                "    local -a options\n"
                "    case $words[2] in\n    ");
-    for (int i = 1; (name = command_name(i, &command)); i++)
-        fprintf(f, "%s%s", i > 1 ? " | " : "", name);
+    print_commands(f, " | ");
     fprintf(f, ")\n        if (( CURRENT > 2 )); then\n"
                "            command=$words[2]\n"
                "            shift words\n"
@@ -214,7 +212,7 @@ static void print_zsh(FILE *f)
                "        fi ;;\n    esac\n"
                "    (( CURRENT > 2 )) || [[ $command != main ]] ||\n"
                "        compadd -- ");
-    print_commands(f);
+    print_commands(f, " ");
     fprintf(f, "\n    case $command in\n");
     for (int i = 0; (name = command_name(i, &command)); i++) {
         fprintf(f, "    %s) options=(\n", name);
@@ -247,13 +245,13 @@ static void print_fish(FILE *f)
                "    set -l words (commandline -opc)\n"
                "    set -l command main\n"
                "    if set -q words[2]; and contains -- $words[2] ");
-    print_commands(f);
+    print_commands(f, " ");
     fprintf(f, "\n        set command $words[2]\n    end\n"
                "    contains -- $command $argv\nend\n"
                "function __glarepp_first\n"
                "    test (count (commandline -opc)) -eq 1\nend\n"
                "complete -c glarepp -n __glarepp_first -a '");
-    print_commands(f);
+    print_commands(f, " ");
     fprintf(f, "'\ncomplete -c glarepp -n '__glarepp_in help' -f -a '");
     print_topics(f);
     fprintf(f, "'\n");

@@ -82,22 +82,6 @@ static bool is_over(const struct sky *s)
     return s->result || s->head >= s->p->units;
 }
 
-/* Ends what is done, in order. */
-static void end_units(struct sky *s)
-{
-    while (!is_over(s) && s->head < s->next_read &&
-           slot_of(s, s->head)->state == DONE) {
-        struct slot *const slot = slot_of(s, s->head);
-        s->result = s->work->end(s->work->user, s->head % s->p->slots, s->head,
-                                 slot->st);
-        *slot = (struct slot) {FREE, GP_OK};
-        if (s->result) // the units after it are not ended
-            break;
-        s->head++;
-        atomic_store(&s->f->head, s->head);
-    }
-}
-
 // -- threads -----------------------------------------------------------------
 
 /* Runs one step; the lock is held before and after. */
@@ -116,18 +100,19 @@ static void run_step(struct sky *s, int unit, enum gp_phase phase)
     s->slot[at] = (struct slot) {st ? DONE : next[phase], st};
     if (!go && unit < s->limit)
         s->limit = unit;
-    end_units(s);
+    // end what is done, in order
+    while (!is_over(s) && s->head < s->next_read &&
+           slot_of(s, s->head)->state == DONE) {
+        struct slot *const done = slot_of(s, s->head);
+        s->result = s->work->end(s->work->user, s->head % s->p->slots, s->head,
+                                 done->st);
+        *done = (struct slot) {FREE, GP_OK};
+        if (s->result) // the units after it are not ended
+            break;
+        s->head++;
+        atomic_store(&s->f->head, s->head);
+    }
     pthread_cond_broadcast(&s->changed);
-}
-
-/* Another thread may work while this one waits. */
-static void wait_for_change(struct sky *s)
-{
-    gp_parallel_leave();
-    pthread_cond_wait(&s->changed, &s->lock);
-    pthread_mutex_unlock(&s->lock);
-    gp_parallel_enter();
-    pthread_mutex_lock(&s->lock);
 }
 
 static void fly(struct sky *s, bool first_thread)
@@ -136,10 +121,15 @@ static void fly(struct sky *s, bool first_thread)
     enum gp_phase phase;
     pthread_mutex_lock(&s->lock);
     while (!is_over(s)) {
-        if (pick_step(s, first_thread, &unit, &phase))
+        if (pick_step(s, first_thread, &unit, &phase)) {
             run_step(s, unit, phase);
-        else
-            wait_for_change(s);
+            continue;
+        }
+        gp_parallel_leave(); // another thread may work while this one waits
+        pthread_cond_wait(&s->changed, &s->lock);
+        pthread_mutex_unlock(&s->lock);
+        gp_parallel_enter();
+        pthread_mutex_lock(&s->lock);
     }
     pthread_mutex_unlock(&s->lock);
 }
@@ -152,19 +142,6 @@ static void *lane(void *arg)
     return NULL;
 }
 
-/* Signals are for the first thread. Returns how many threads it made. */
-static int start_lanes(struct sky *s, int n, pthread_t *id)
-{
-    sigset_t all, before;
-    int made = 0;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (made < n && pthread_create(&id[made], NULL, lane, s) == 0)
-        made++;
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-    return made;
-}
-
 gp_status gp_flight_run(const struct gp_flight_params *p,
                         const struct gp_flight_work *work,
                         struct gp_flight *f)
@@ -174,11 +151,18 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
         .p = p, .work = work, .f = f, .limit = INT_MAX,
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
-    int lanes = p->slots < p->units ? p->slots : p->units;
-    if (lanes > gp_threads())
-        lanes = gp_threads();
+    const int most = p->slots < p->units ? p->slots : p->units;
+    const int lanes = most < gp_threads() ? most : gp_threads();
+    sigset_t all, before;
+    int made = 0;
     atomic_store(&f->head, 0);
-    const int made = start_lanes(&s, lanes - 1, id);
+    // signals are for the first thread
+    sigfillset(&all);
+    pthread_sigmask(SIG_SETMASK, &all, &before);
+    while (made < lanes - 1 &&
+           pthread_create(&id[made], NULL, lane, &s) == 0)
+        made++;
+    pthread_sigmask(SIG_SETMASK, &before, NULL);
     fly(&s, true);
     gp_parallel_leave(); // lanes that are at a step may need the place
     for (int i = 0; i < made; i++)

@@ -16,58 +16,33 @@ enum {
     INDENT = 28,  // where the texts of options start
 };
 
-/* The default of an option in words; "" when there is nothing to say. */
-static void default_text(const struct gp_option *o, char *text, size_t size)
-{
-    const void *at = (const char *) &gp_defaults + o->at;
-    const char *word = NULL;
-    int value;
-    text[0] = '\0';
-    switch (o->kind) {
-    case GP_KIND_FLOAT:
-        snprintf(text, size, "%g", (double) *(const float *) at);
-        return;
-    case GP_KIND_INT:
-        snprintf(text, size, "%d", *(const int *) at);
-        return;
-    case GP_KIND_COUNT:
-        snprintf(text, size, "%lld", *(const long long *) at);
-        return;
-    case GP_KIND_TEXT:
-        word = *(const char *const *) at;
-        break;
-    case GP_KIND_CHOICE:
-        memcpy(&value, at, sizeof value);
-        for (const struct gp_option_choice *c = o->choices; c->name && !word;
-             c++)
-            word = c->value == value ? c->name : NULL;
-        break;
-    case GP_KIND_FLAG:
-    case GP_KIND_SET:
-    case GP_KIND_PAIR:
-    case GP_KIND_NUMBERS:
-    case GP_KIND_TEXTS:
-    case GP_KIND_NAMED:
-        break;
-    }
-    if (word)
-        snprintf(text, size, "%s", word);
-}
-
 /* An option's text, its values if wanted, range and default. */
 static void option_text(const struct gp_option *o, bool values, char *text,
                         size_t size)
 {
+    const void *const field = (const char *) &gp_defaults + o->at;
     const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
                         o->kind == GP_KIND_COUNT;
-    char value[64];
-    const char *name, *line;
+    char value[64] = ""; // the default
+    const char *name = NULL, *line;
+    const struct gp_option_choice *c = o->choices;
+    if (o->kind == GP_KIND_FLOAT)
+        snprintf(value, sizeof value, "%g", (double) *(const float *) field);
+    else if (o->kind == GP_KIND_INT)
+        snprintf(value, sizeof value, "%d", *(const int *) field);
+    else if (o->kind == GP_KIND_COUNT)
+        snprintf(value, sizeof value, "%lld", *(const long long *) field);
+    else if (o->kind == GP_KIND_TEXT)
+        name = *(const char *const *) field;
+    for (; o->kind == GP_KIND_CHOICE && c->name && !name; c++)
+        name = memcmp(&c->value, field, sizeof c->value) ? NULL : c->name;
+    if (name)
+        snprintf(value, sizeof value, "%s", name);
     size_t at = (size_t) snprintf(text, size, "%s", o->help);
     for (int i = 0; values && at < size &&
                     (name = gp_option_value(o, i, &line)); i++)
         at += (size_t) snprintf(text + at, size - at, "%s%s",
                                 i ? ", " : o->open ? ", or " : ": ", name);
-    default_text(o, value, sizeof value);
     if (value[0] && at < size && number)
         snprintf(text + at, size - at, " (%s; default %s)",
                  gp_option_range(o).text, value);

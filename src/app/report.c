@@ -161,42 +161,12 @@ static void put_lights(json_t *o, const struct gp_facts *f)
         put_name(o, "sun_method", f->sun_way);
 }
 
-static void put_ocio(json_t *o, const struct gp_ocio_names *n)
-{
-    const char *const field[][2] = {
-        {"config", n->config}, {"input", n->input}, {"display", n->display},
-        {"view", n->view}, {"look", n->look}, {"output", n->output},
-    };
-    json_t *const inner = json_object();
-    for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
-        if (field[i][1])
-            put_name(inner, field[i][0], field[i][1]);
-    }
-    json_object_set_new(o, "ocio", inner);
-}
-
 /* The largest memory that the process ever held. */
 static double peak_rss_mib(void)
 {
     struct rusage u;
     return getrusage(RUSAGE_SELF, &u) == 0 ? (double) u.ru_maxrss / 1024.0
                                            : 0.0; // ru_maxrss is in KiB
-}
-
-static void put_costs(json_t *o, const struct gp_facts *f)
-{
-    json_t *const times = json_object();
-    for (int i = 0; i < GP_TIMES; i++) {
-        if (f->ms[i] >= 0.0)
-            json_object_set_new(times, time_names[i], number(f->ms[i], 1e-3));
-    }
-    json_object_set_new(times, "total", number(f->total_ms, 1e-3));
-    json_object_set_new(o, "times_ms", times);
-    json_object_set_new(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
-    json_object_set_new(o, "threads", json_integer(gp_threads()));
-    if (f->glare.gl || f->sun_gl)
-        put_name(o, "gl", f->glare.gl ? f->glare.gl : f->sun_gl);
-    put_name(o, "version", GP_VERSION);
 }
 
 // -- for readers -------------------------------------------------------------
@@ -341,6 +311,7 @@ gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
 gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
                           const struct gp_facts *facts)
 {
+    const struct gp_ocio_names *const n = facts->ocio;
     json_t *const o = json_object();
     put_frame(o, facts);
     put_list(o, "outputs", (const char *const *) facts->outputs,
@@ -351,9 +322,32 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
         put_list(o, "light_groups", facts->light_group, facts->light_groups);
     put_glare(o, facts);
     put_lights(o, facts);
-    if (facts->ocio)
-        put_ocio(o, facts->ocio);
-    put_costs(o, facts);
+    if (n) {
+        const char *const field[][2] = {
+            {"config", n->config}, {"input", n->input},
+            {"display", n->display}, {"view", n->view}, {"look", n->look},
+            {"output", n->output},
+        };
+        json_t *const inner = json_object();
+        for (size_t i = 0; i < sizeof field / sizeof *field; i++) {
+            if (field[i][1])
+                put_name(inner, field[i][0], field[i][1]);
+        }
+        json_object_set_new(o, "ocio", inner);
+    }
+    json_t *const times = json_object();
+    for (int i = 0; i < GP_TIMES; i++) {
+        if (facts->ms[i] >= 0.0)
+            json_object_set_new(times, time_names[i],
+                                number(facts->ms[i], 1e-3));
+    }
+    json_object_set_new(times, "total", number(facts->total_ms, 1e-3));
+    json_object_set_new(o, "times_ms", times);
+    json_object_set_new(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
+    json_object_set_new(o, "threads", json_integer(gp_threads()));
+    if (facts->glare.gl || facts->sun_gl)
+        put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);
+    put_name(o, "version", GP_VERSION);
     return write_object(log, r, o);
 }
 

@@ -434,22 +434,6 @@ unsigned gp_target_needs(const struct gp_settings *s,
     return 0;
 }
 
-/* Outlines the polygons of splat over what -o shows, in *out. */
-static gp_status outline_polygons(const struct gp_run *r,
-                                  const struct gp_frame_state *fs,
-                                  const struct gp_planes *shown,
-                                  struct gp_planes *out)
-{
-    const size_t n = gp_frame_pixels(&fs->frame);
-    gp_status st = gp_planes_make(fs->log, "polygons", n, out);
-    for (int c = 0; c < 3 && !st; c++)
-        memcpy(out->c[c], shown->c[c], n * sizeof(float));
-    if (!st && fs->sources.n > 0)
-        st = gp_polygons_outline(fs->log, &fs->sources, &r->kernel,
-                                 &r->s->glare.splat, out);
-    return st;
-}
-
 /* Writes `views` views of one input, then the light groups of each, into one
  * --hdr file. */
 static gp_status write_hdr(const struct gp_run *r,
@@ -494,6 +478,7 @@ static gp_status write_target(const struct gp_run *r,
                               const struct gp_output *t, const char *name,
                               struct gp_write_stats *stats)
 {
+    const size_t n = gp_frame_pixels(&fs->frame);
     const bool scene = untoned(r->s);
     const struct gp_planes *shown = scene ? &fs->frame.lit : &fs->frame.shown;
     const struct gp_map_picture *const map =
@@ -514,7 +499,13 @@ static gp_status write_target(const struct gp_run *r,
         shown = &own;
         break;
     case GP_TARGET_POLYGONS:
-        st = outline_polygons(r, fs, shown, &own);
+        // those of splat, over what -o shows
+        st = gp_planes_make(fs->log, "polygons", n, &own);
+        for (int c = 0; c < 3 && !st; c++)
+            memcpy(own.c[c], shown->c[c], n * sizeof(float));
+        if (!st && fs->sources.n > 0)
+            st = gp_polygons_outline(fs->log, &fs->sources, &r->kernel,
+                                     &r->s->glare.splat, &own);
         shown = &own;
         // fall through
     case GP_TARGET_PICTURE:

@@ -116,21 +116,6 @@ static void add_light(const struct canvas *v, int x, int y,
         v->f->rgb.c[c][at] += (float) (luminance * t->c[c]);
 }
 
-/* The background of all frames: 0.05 to 0.8. */
-static void paint_background(const struct canvas *v, uint64_t seed)
-{
-    const struct tint warm = tint_of(1.0, 0.95, 0.85);
-    for (int y = 0; y < v->h; y++) {
-        for (int x = 0; x < v->w; x++) {
-            const double u = (double) x / v->h, t = (double) y / v->h;
-            const double n = 0.5 * noise(seed, 4.0 * u, 4.0 * t) +
-                             0.3 * noise(seed + 1, 16.0 * u, 16.0 * t) +
-                             0.2 * noise(seed + 2, 97.0 * u, 97.0 * t);
-            set_light(v, x, y, &warm, 0.05 + 0.75 * n);
-        }
-    }
-}
-
 /* Points of light between pixels, each on its four neighbours. */
 static void paint_points(const struct canvas *v)
 {
@@ -264,7 +249,17 @@ gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
     if (st)
         return st;
     const struct canvas v = {out, w, h};
-    paint_background(&v, 100 * (uint64_t) (kind + 1));
+    const uint64_t seed = 100 * (uint64_t) (kind + 1);
+    const struct tint warm = tint_of(1.0, 0.95, 0.85);
+    for (int y = 0; y < h; y++) { // the background: 0.05 to 0.8
+        for (int x = 0; x < w; x++) {
+            const double u = (double) x / h, t = (double) y / h;
+            const double n = 0.5 * noise(seed, 4.0 * u, 4.0 * t) +
+                             0.3 * noise(seed + 1, 16.0 * u, 16.0 * t) +
+                             0.2 * noise(seed + 2, 97.0 * u, 97.0 * t);
+            set_light(&v, x, y, &warm, 0.05 + 0.75 * n);
+        }
+    }
     paint[kind](&v);
     return GP_OK;
 }

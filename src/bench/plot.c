@@ -113,30 +113,6 @@ static void place_label(struct panel *p, int i)
 
 // -- the script --------------------------------------------------------------
 
-static void write_points(const struct panel *p, FILE *to)
-{
-    fprintf(to, "$rows << END\n");
-    for (int i = 0; i < p->n; i++)
-        fprintf(to, "%.6g %.6g\n", p->at[i].ms, p->at[i].error);
-    fprintf(to, "END\n$front << END\n");
-    // in order of time: on the front, that of error too
-    double last = 0.0;
-    for (int done = 0; done < p->n; done++) {
-        const struct point *next = NULL;
-        for (int i = 0; i < p->n; i++) {
-            const struct point *at = &p->at[i];
-            if (at->row->pareto && at->ms > last &&
-                (!next || at->ms < next->ms))
-                next = at;
-        }
-        if (!next)
-            break;
-        fprintf(to, "%.6g %.6g\n", next->ms, next->error);
-        last = next->ms;
-    }
-    fprintf(to, "END\n");
-}
-
 static void write_labels(struct panel *p, double height, double bottom,
                          FILE *to)
 {
@@ -162,7 +138,25 @@ static void write_labels(struct panel *p, double height, double bottom,
 static void write_panel(struct panel *p, double height, double bottom, FILE *to)
 {
     const struct gp_bench_frame *f = p->f;
-    write_points(p, to);
+    fprintf(to, "$rows << END\n");
+    for (int i = 0; i < p->n; i++)
+        fprintf(to, "%.6g %.6g\n", p->at[i].ms, p->at[i].error);
+    fprintf(to, "END\n$front << END\n");
+    // in order of time: on the front, that of error too
+    const struct point *next;
+    for (double last = 0.0;; last = next->ms) {
+        next = NULL;
+        for (int i = 0; i < p->n; i++) {
+            const struct point *at = &p->at[i];
+            if (at->row->pareto && at->ms > last &&
+                (!next || at->ms < next->ms))
+                next = at;
+        }
+        if (!next)
+            break;
+        fprintf(to, "%.6g %.6g\n", next->ms, next->error);
+    }
+    fprintf(to, "END\n");
     write_labels(p, height, bottom, to);
     fprintf(to, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n"
             "set bmargin at screen %.5f\nset tmargin at screen %.5f\n",

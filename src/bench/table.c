@@ -116,23 +116,6 @@ static void print_cell(int width, const char *format, double v)
     printf(" %*s", width, text);
 }
 
-static void print_head(const struct gp_bench_table *t,
-                       const struct gp_bench_frame *f)
-{
-    printf("%s: %dx%d, %lld sources, kernel %s %dx%d; bright pass to "
-           "layer, median of %d runs, %d threads\n", f->input, f->width,
-           f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h,
-           t->runs, gp_threads());
-    if (f->paper)
-        printf("beside the %s of the paper's frame rates (GeForce 7800 "
-               "GTX, approximate method, whole picture): %d frames a second\n",
-               f->paper->rate, f->paper->fps);
-    printf("  %-26s %9s  %8s %8s %8s %8s %9s %8s %8s %8s %9s %8s",
-           "technique", "ms", "min", "max", "first", "frames/s", "rel_l2",
-           "max_rel", "FLIP", "bound", "polygons", "Mpixels");
-    printf(f->paper ? " %8s\n" : "\n", "x paper");
-}
-
 static void print_row(const struct gp_bench_frame *f,
                       const struct gp_bench_row *r)
 {
@@ -168,7 +151,18 @@ static void print_table(const struct gp_bench_table *t)
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
         const char *gl = NULL; // where it ran
-        print_head(t, f);
+        printf("%s: %dx%d, %lld sources, kernel %s %dx%d; bright pass to "
+               "layer, median of %d runs, %d threads\n", f->input, f->width,
+               f->height, f->sources, f->kernel, f->kernel_w, f->kernel_h,
+               t->runs, gp_threads());
+        if (f->paper)
+            printf("beside the %s of the paper's frame rates (GeForce 7800 "
+                   "GTX, approximate method, whole picture): %d frames a "
+                   "second\n", f->paper->rate, f->paper->fps);
+        printf("  %-26s %9s  %8s %8s %8s %8s %9s %8s %8s %8s %9s %8s",
+               "technique", "ms", "min", "max", "first", "frames/s", "rel_l2",
+               "max_rel", "FLIP", "bound", "polygons", "Mpixels");
+        printf(f->paper ? " %8s\n" : "\n", "x paper");
         for (int k = 0; k < f->rows; k++)
             print_row(f, &f->row[k]);
         for (int k = 0; k < f->rows; k++) {

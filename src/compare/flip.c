@@ -341,9 +341,11 @@ static float difference(const struct metric *m, const struct tile *t, int at)
     return gp_clamp01(powf(gp_clamp01(colour), 1.0f - gp_clamp01(feature)));
 }
 
-static struct tile tile_at(const struct metric *m, int i, float *scratch)
+static void compare_tile(void *ctx, int i, int thread)
 {
+    const struct metric *m = ctx;
     const int r = m->filter.radius;
+    float *scratch = m->scratches + (size_t) thread * m->scratch;
     struct tile t = {
         .x0 = i % m->across * TILE_W, .y0 = i / m->across * TILE_H,
     };
@@ -355,14 +357,6 @@ static struct tile tile_at(const struct metric *m, int i, float *scratch)
         t.line[k] = scratch;
     for (int k = 0; k < 2 * SEEN; k++, scratch += TILE)
         t.seen[k / SEEN][k % SEEN] = scratch;
-    return t;
-}
-
-static void compare_tile(void *ctx, int i, int thread)
-{
-    const struct metric *m = ctx;
-    const struct tile t =
-        tile_at(m, i, m->scratches + (size_t) thread * m->scratch);
     double sum = 0.0;
     resolve(m, &t, 0);
     resolve(m, &t, 1);
@@ -551,15 +545,6 @@ static void tone_block(void *ctx, int block, int thread)
     }
 }
 
-static void tone_map(const struct gp_planes *in, double exposure, size_t n,
-                     struct gp_planes *out)
-{
-    // factors that move any float in or out of sight, so the power is finite
-    const double ev = fmin(fmax(exposure, -120.0), 120.0);
-    struct toning t = {in, (float) exp2(ev), n, out};
-    gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
-}
-
 gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
                       const struct gp_planes *reference,
                       const struct gp_planes *test, float ppd,
@@ -590,8 +575,12 @@ gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
         const double start = (double) e->start, stop = (double) e->stop;
         const double ev =
             e->count > 1 ? start + (stop - start) * i / (e->count - 1) : start;
-        for (int k = 0; k < 2; k++)
-            tone_map(in[k], ev, n, &shown[k]);
+        // factors that move any float in or out of sight are finite
+        const float scale = (float) exp2(fmin(fmax(ev, -120.0), 120.0));
+        for (int k = 0; k < 2; k++) {
+            struct toning t = {in[k], scale, n, &shown[k]};
+            gp_parallel_do((int) ((n + BLOCK - 1) / BLOCK), tone_block, &t);
+        }
         GP_TRY(gp_flip_ldr(log, w, h, &shown[0], &shown[1], ppd, one, NULL));
         for (size_t j = 0; j < n; j++)
             most[j] = gp_maxf(one[j], most[j]);

@@ -11,22 +11,14 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-/* The folder of the running program, "" when the system does not say. */
-static void program_folder(char *to, size_t size)
-{
-    ssize_t n = readlink("/proc/self/exe", to, size - 1);
-    to[n > 0 ? n : 0] = '\0';
-    char *slash = strrchr(to, '/');
-    if (slash)
-        *slash = '\0';
-    else
-        to[0] = '\0';
-}
-
 bool gp_bridge_find(const char *name, char *path, size_t size)
 {
     char program[PATH_MAX];
-    program_folder(program, sizeof program);
+    // "" when the system does not say where the program is
+    const ssize_t at = readlink("/proc/self/exe", program, sizeof program - 1);
+    program[at > 0 ? at : 0] = '\0';
+    char *const slash = strrchr(program, '/');
+    *(slash ? slash : program) = '\0';
     const char *const place[][2] = {
         {getenv("GLAREPP_BRIDGES"), ""},
         {program, ""},

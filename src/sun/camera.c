@@ -155,27 +155,6 @@ out:
 
 // -- projecting --------------------------------------------------------------
 
-/* Camera units in a unit of the world. */
-static double unit(const struct gp_camera *c)
-{
-    const double *m = c->to_camera;
-    if (!c->has_camera)
-        return 1.0;
-    return cbrt(fabs(det(column(m, 0), column(m, 1), column(m, 2))));
-}
-
-/* The camera's place: x, y and w are 0 there (Cramer's rule). */
-static struct v3 eye(const double m[16])
-{
-    const struct v3 a = column(m, 0), b = column(m, 1), w = column(m, 3);
-    const struct v3 bw = cross(b, w), wa = cross(w, a), ab = cross(a, b);
-    const double d = dot(a, bw);
-    const double x = -m[12] / d, y = -m[13] / d, z = -m[15] / d;
-    return (struct v3) {x * bw.x + y * wa.x + z * ab.x,
-                        x * bw.y + y * wa.y + z * ab.y,
-                        x * bw.z + y * wa.z + z * ab.z};
-}
-
 struct gp_projected gp_camera_project(const struct gp_camera *c,
                                       struct gp_rect display,
                                       const double world[3], double w)
@@ -198,10 +177,20 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
     if (!(fabs(at.x) <= FAR_PIXEL && fabs(at.y) <= FAR_PIXEL))
         return behind;
     if (w != 0.0) {
-        const struct v3 e = eye(m);
-        at.z = pw * unit(c);
-        at.ray = unit(c) *
-                 length((struct v3) {p.x - e.x, p.y - e.y, p.z - e.z});
+        // the camera's place e: x, y and w are 0 there (Cramer's rule)
+        const struct v3 a = column(m, 0), b = column(m, 1), v = column(m, 3);
+        const struct v3 bv = cross(b, v), va = cross(v, a), ab = cross(a, b);
+        const double d = dot(a, bv);
+        const double ex = -m[12] / d, ey = -m[13] / d, ez = -m[15] / d;
+        const struct v3 e = {ex * bv.x + ey * va.x + ez * ab.x,
+                             ex * bv.y + ey * va.y + ez * ab.y,
+                             ex * bv.z + ey * va.z + ez * ab.z};
+        // camera units in a unit of the world
+        const double *const s = c->to_camera;
+        const double unit = c->has_camera
+            ? cbrt(fabs(det(column(s, 0), column(s, 1), column(s, 2)))) : 1.0;
+        at.z = pw * unit;
+        at.ray = unit * length((struct v3) {p.x - e.x, p.y - e.y, p.z - e.z});
     }
     return at;
 }

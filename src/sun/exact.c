@@ -150,39 +150,10 @@ static double minus_sine(double t)
     return t * t * t / 6.0 * rest;
 }
 
-/* The angle from p to q around the centre, which is at `o`. */
-static double turn_between(struct point o, struct point p, struct point q,
-                           bool same_edge)
-{
-    const double px = p.x - o.x, py = p.y - o.y;
-    const double dx = q.x - p.x, dy = q.y - p.y;
-    const double cross = px * dy - py * dx;
-    const double dot = px * (px + dx) + py * (py + dy);
-    const double turn = atan2(cross, dot);
-    // from one edge to another it is at most 3/4 of a circle: a little under
-    // 0 is rounding at a corner that lies on the circle
-    const double least = same_edge ? 0.0 : -M_PI_4;
-    return turn < least ? turn + 2.0 * M_PI : turn;
-}
-
 /* Twice the area of a triangle. */
 static double cross(struct point o, struct point p, struct point q)
 {
     return (p.x - o.x) * (q.y - o.y) - (p.y - o.y) * (q.x - o.x);
-}
-
-/* Polygon and segments of pieces that are not all empty. */
-static double area_of(const struct circle *c, struct point centre,
-                      const struct piece *piece, int n)
-{
-    double twice = 0.0, segments = 0.0;
-    const struct point first = piece[0].a; // a small disc may be far from 0, 0
-    for (int i = 0; i < n; i++) {
-        const struct point b = piece[i].b, next = piece[(i + 1) % n].a;
-        twice += cross(first, piece[i].a, b) + cross(first, b, next);
-        segments += minus_sine(turn_between(centre, b, next, n == 1));
-    }
-    return 0.5 * (twice + c->radius * c->radius * segments);
 }
 
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
@@ -204,7 +175,23 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
         return within ? M_PI * r * r : 0.0;
     const struct point centre = {(c.x.whole - x0) + c.x.rest,
                                  (c.y.whole - y0) + c.y.rest};
-    const double area = area_of(&c, centre, edge, n);
+    // polygon and segments of the pieces
+    double twice = 0.0, segments = 0.0;
+    const struct point first = edge[0].a; // a small disc may be far from 0, 0
+    for (int i = 0; i < n; i++) {
+        const struct point p = edge[i].b, q = edge[(i + 1) % n].a;
+        const double px = p.x - centre.x, py = p.y - centre.y;
+        const double dx = q.x - p.x, dy = q.y - p.y;
+        // the angle from p to q: from one edge to another it is at most 3/4 of
+        // a circle, and a little under 0 is rounding at a corner that lies on
+        // the circle
+        const double turn = atan2(px * dy - py * dx,
+                                  px * (px + dx) + py * (py + dy));
+        const double least = n == 1 ? 0.0 : -M_PI_4;
+        twice += cross(first, edge[i].a, p) + cross(first, p, q);
+        segments += minus_sine(turn < least ? turn + 2.0 * M_PI : turn);
+    }
+    const double area = 0.5 * (twice + r * r * segments);
     const double most = (x1 - x0) * (y1 - y0);
     return area > 0.0 ? fmin(area, most) : 0.0;
 }
@@ -338,23 +325,6 @@ static struct gp_rect known(const struct gp_plane *p, struct gp_rect frame)
     return gp_rect_empty(r) ? (struct gp_rect) {0} : r;
 }
 
-/* Cuts `b` out of `a`; the rest is in up to four rectangles (some may be
- * empty). */
-static int rect_without(struct gp_rect a, struct gp_rect b,
-                        struct gp_rect out[4])
-{
-    const struct gp_rect both = gp_rect_meet(a, b);
-    if (gp_rect_empty(both)) {
-        out[0] = a;
-        return 1;
-    }
-    out[0] = (struct gp_rect) {a.x0, a.y0, a.x1, both.y0};
-    out[1] = (struct gp_rect) {a.x0, both.y0, both.x0, both.y1};
-    out[2] = (struct gp_rect) {both.x1, both.y0, a.x1, both.y1};
-    out[3] = (struct gp_rect) {a.x0, both.y1, a.x1, a.y1};
-    return 4;
-}
-
 static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
 {
     return gp_disc_rect_area(l->x, l->y, r, rect.x0, rect.y0, rect.x1, rect.y1);
@@ -367,8 +337,19 @@ static struct sums sum_frame(const struct gp_occluders *o,
 {
     const struct gp_rect depth = known(o->depth, o->frame);
     const struct gp_rect mask = known(o->mask, o->frame);
-    struct gp_rect part[5] = {depth};
-    const int parts = 1 + rect_without(mask, depth, part + 1);
+    const struct gp_rect both = gp_rect_meet(mask, depth);
+    // the mask's, less what the depth has: some may be empty
+    const struct gp_rect cut[4] = {
+        {mask.x0, mask.y0, mask.x1, both.y0},
+        {mask.x0, both.y0, both.x0, both.y1},
+        {both.x1, both.y0, mask.x1, both.y1},
+        {mask.x0, both.y1, mask.x1, mask.y1},
+    };
+    const bool apart = gp_rect_empty(both);
+    const int parts = apart ? 2 : 5;
+    struct gp_rect part[5] = {depth, mask};
+    if (!apart)
+        memcpy(part + 1, cut, sizeof cut);
     struct sums all = {0};
     double known_area = 0.0;
     for (int i = 0; i < parts; i++) {

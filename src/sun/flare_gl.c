@@ -286,40 +286,6 @@ out:
 
 // -- tiles and bands ---------------------------------------------------------
 
-/* Makes the target large enough for s->reach, up to a tile's size. */
-static gp_status fit_target(const struct gp_log *log, const struct gp_gl *gl,
-                            struct gp_flare_gl *s)
-{
-    const int limit = gp_gl_info(gl)->max_size;
-    const int most = limit < TILE_MAX ? limit : TILE_MAX;
-    const int w = gp_rect_w(s->reach) < most ? gp_rect_w(s->reach) : most;
-    const int h = gp_rect_h(s->reach) < most ? gp_rect_h(s->reach) : most;
-    const struct gp_texture had = s->target.colour;
-    s->tile = (struct gp_rect) {s->reach.x0, s->reach.y0, s->reach.x0 + w,
-                                s->reach.y0 + h};
-    if (had.w >= w && had.h >= h)
-        return GP_OK;
-    gp_target_free(gl, &s->target);
-    return gp_target_make(log, gl, "a lens flare", GP_TEXEL_FLOAT, 1,
-                          had.w > w ? had.w : w, had.h > h ? had.h : h,
-                          &s->target);
-}
-
-/* The next tile after t in row order; false after the last. */
-static bool next_tile(const struct gp_flare_gl *s, struct gp_rect *t)
-{
-    const int w = gp_rect_w(s->tile), h = gp_rect_h(s->tile);
-    struct gp_rect next = {t->x1, t->y0, 0, 0};
-    if (next.x0 >= s->reach.x1) {
-        next.x0 = s->reach.x0;
-        next.y0 = t->y1;
-    }
-    next.x1 = s->reach.x1 - next.x0 < w ? s->reach.x1 : next.x0 + w;
-    next.y1 = s->reach.y1 - next.y0 < h ? s->reach.y1 : next.y0 + h;
-    *t = next;
-    return next.y0 < s->reach.y1;
-}
-
 /* The pixels that are reached among the rows of a tile from y0 on. */
 static struct gp_rect band_of(const struct gp_flare_gl *s,
                               struct gp_rect tile, int y0)
@@ -422,7 +388,20 @@ gp_status gp_flare_draw(const struct gp_log *log, const struct gp_gl *gl,
     s->reach = s->quads.at[0].rect;
     for (int i = 1; i < s->quads.n; i++)
         s->reach = gp_rect_join(s->reach, s->quads.at[i].rect);
-    GP_TRY(fit_target(log, gl, s));
+    // a target large enough for all, up to a tile's size
+    const int limit = gp_gl_info(gl)->max_size;
+    const int most = limit < TILE_MAX ? limit : TILE_MAX;
+    const int w = gp_rect_w(s->reach) < most ? gp_rect_w(s->reach) : most;
+    const int h = gp_rect_h(s->reach) < most ? gp_rect_h(s->reach) : most;
+    const struct gp_texture had = s->target.colour;
+    s->tile = (struct gp_rect) {s->reach.x0, s->reach.y0, s->reach.x0 + w,
+                                s->reach.y0 + h};
+    if (had.w < w || had.h < h) {
+        gp_target_free(gl, &s->target);
+        GP_TRY(gp_target_make(log, gl, "a lens flare", GP_TEXEL_FLOAT, 1,
+                              had.w > w ? had.w : w, had.h > h ? had.h : h,
+                              &s->target));
+    }
     GP_TRY(prepare_draw(log, gl, s));
     GP_TRY(draw_tile(log, gl, s, s->tile));
 out:
@@ -437,18 +416,21 @@ gp_status gp_flare_read_layer(const struct gp_log *log, const struct gp_gl *gl,
 {
     if (!s || s->quads.n == 0)
         return GP_OK;
-    struct gp_rect tile = s->tile;
+    const int w = gp_rect_w(s->tile), h = gp_rect_h(s->tile);
     void *block;
-    gp_status st = gp_alloc(log, "a band of the lens flare",
-                            (size_t) gp_rect_w(tile) * BAND, 4 * sizeof(float),
-                            &block);
+    gp_status st = gp_alloc(log, "a band of the lens flare", (size_t) w * BAND,
+                            4 * sizeof(float), &block);
     if (st)
         return st;
-    read_tile(gl, s, tile, frame, block, layer);
-    while (!st && next_tile(s, &tile)) {
-        st = draw_tile(log, gl, s, tile);
-        if (!st)
-            read_tile(gl, s, tile, frame, block, layer);
+    for (int y = s->reach.y0; !st && y < s->reach.y1; y += h) {
+        for (int x = s->reach.x0; !st && x < s->reach.x1; x += w) {
+            const struct gp_rect tile = gp_rect_meet(
+                (struct gp_rect) {x, y, x + w, y + h}, s->reach);
+            if (x > s->tile.x0 || y > s->tile.y0) // else it is drawn
+                st = draw_tile(log, gl, s, tile);
+            if (!st)
+                read_tile(gl, s, tile, frame, block, layer);
+        }
     }
     gp_free(block);
     return st ? st : gp_gl_check(log, gl, "reading a lens flare");

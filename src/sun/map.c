@@ -291,11 +291,6 @@ out:
 
 // -- results -----------------------------------------------------------------
 
-const struct gp_texture *gp_sun_intensity(const struct gp_sun_map *s)
-{
-    return &s->intensity.colour;
-}
-
 gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
                           const struct gp_sun_map *s, struct gp_light *light,
                           int n)

@@ -54,10 +54,6 @@ GP_MUST_CHECK gp_status gp_sun_map_draw(const struct gp_log *log,
                                         const struct gp_light *light, int n,
                                         struct gp_sun_map **state);
 
-/* The intensity map that the last draw left: n x 1, RGBA32F (8-bit sums are
- * copied into such a one by a draw). Valid until the next draw or close. */
-const struct gp_texture *gp_sun_intensity(const struct gp_sun_map *s);
-
 /* Waits, and reads what the last draw left into light[].visibility. */
 GP_MUST_CHECK gp_status gp_sun_map_read(const struct gp_log *log,
                                         const struct gp_gl *gl,

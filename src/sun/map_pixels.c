@@ -19,23 +19,6 @@ static double two_floats(double v)
     return (double) most + (double) (float) (v - (double) most);
 }
 
-/* The least float that is no less than the place at which surfaces end to be
- * nearer: for depths that are floats themselves, a comparison with it comes
- * out as one in double. NaN: nothing is nearer. */
-static float limit_of(const struct gp_light *l)
-{
-    const double at = isinf(l->depth) && l->depth > 0.0
-                          ? l->depth : l->depth * (1.0 - l->bias);
-    if (isnan(at) || at < -3e38)
-        return -GP_SUN_EMPTY;
-    if (isinf(at))
-        return GP_SUN_EMPTY;
-    if (at > 3e38)
-        return 3e38f;
-    const float limit = (float) at;
-    return (double) limit < at ? nextafterf(limit, FLT_MAX) : limit;
-}
-
 int gp_map_pixel_at(double at, int size)
 {
     at += GP_SUN_NUDGE;
@@ -53,7 +36,18 @@ static void pixel_span(double at, double radius, int size, int *from, int *to)
 struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
                                     const struct gp_light *l)
 {
-    struct gp_map_light s = {.limit = limit_of(l)};
+    // the least float that is no less than the place at which surfaces end to
+    // be nearer: for depths that are floats themselves, a comparison with it
+    // comes out as one in double
+    const double nearer = isinf(l->depth) && l->depth > 0.0
+                              ? l->depth : l->depth * (1.0 - l->bias);
+    const float limit = nearer > -3e38 && nearer < 3e38 ? (float) nearer : 0.0f;
+    struct gp_map_light s = {
+        .limit = isnan(nearer) || nearer < -3e38 ? -GP_SUN_EMPTY // none is
+                 : isinf(nearer)          ? GP_SUN_EMPTY
+                 : nearer > 3e38          ? 3e38f
+                 : (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit,
+    };
     if (l->behind || !isfinite(l->x) || !isfinite(l->y) ||
         !(l->radius >= 0.0))
         return s;
@@ -106,23 +100,6 @@ static int pack_rows(struct gp_map_light *light, int n, int wide, int most,
     return y + high > 1 ? y + high : 1;
 }
 
-/* A width that makes rows of boxes about as wide as high. */
-static int pack_width(const struct gp_map_light *light, int n, int most)
-{
-    double area = 0.0;
-    int widest = 1;
-    for (int i = 0; i < n; i++) {
-        if (gp_rect_empty(light[i].box))
-            continue;
-        const int w = texels(gp_rect_w(light[i].box));
-        area += (double) w * gp_rect_h(light[i].box);
-        widest = w > widest ? w : widest;
-    }
-    const double even = ceil(sqrt(area));
-    const int wide = even < most ? (int) even : most;
-    return wide > widest ? wide : widest;
-}
-
 gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
                       struct gp_map_light *light, int n, int most,
                       struct gp_map_pixels *out)
@@ -130,8 +107,17 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
     enum { EXACT_IN_FLOAT = 1 << 24 };
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int frame_w = w ? texels(w) : 1, frame_h = h ? h : 1;
-    int used;
-    const int high = pack_rows(light, n, pack_width(light, n, most), most,
+    double area = 0.0;
+    int used, wide = 1; // texels: rows of boxes about as wide as high
+    for (int i = 0; i < n; i++) {
+        if (gp_rect_empty(light[i].box))
+            continue;
+        const int box = texels(gp_rect_w(light[i].box));
+        area += (double) box * gp_rect_h(light[i].box);
+        wide = box > wide ? box : wide;
+    }
+    const int even = (int) fmin(ceil(sqrt(area)), most);
+    const int high = pack_rows(light, n, even > wide ? even : wide, most,
                                &used);
     const bool fits = used <= most && high <= most;
     const bool frame_fits = frame_w <= most && frame_h <= most;
@@ -153,7 +139,6 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
     }
     return GP_OK;
 }
-
 
 // -- pixels under the lights -------------------------------------------------
 //

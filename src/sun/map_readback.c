@@ -19,23 +19,6 @@ static double half_width(const struct gp_map_light *l,
     return pattern == GP_PATTERN_DISC ? sqrt(r * r - down * down) : r;
 }
 
-/* How many pixel centres are in the light, on an unbounded plane. */
-static double count_centres(const struct gp_map_light *l,
-                            enum gp_sun_pattern pattern)
-{
-    enum { BY_ROWS = 2048 }; // radius; the area is then right to 1e-5
-    const double r = l->radius;
-    double n = 0.0;
-    if (r > BY_ROWS)
-        return pattern == GP_PATTERN_DISC ? M_PI * r * r : 4.0 * r * r;
-    for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
-        const double half = half_width(l, pattern, y + 0.5 - l->y);
-        if (half >= 0.0)
-            n += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
-    }
-    return n;
-}
-
 /* The share of a light that shows: over the pixels whose centres are in it, or
  * in the pixel that it falls in when there are none.
  *   rgba  the region of l->box; NULL when none of it is in the frame */
@@ -43,9 +26,20 @@ static double count_region(const struct gp_map_light *l,
                            const struct gp_occluders *o,
                            const struct gp_map_params *p, const float *rgba)
 {
+    enum { BY_ROWS = 2048 }; // radius; over it the area is right to 1e-5
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const struct gp_rect box = l->box;
-    const double all = count_centres(l, p->pattern);
+    const double r = l->radius;
+    double all = 0.0; // pixel centres in the light, on an unbounded plane
+    if (r > BY_ROWS)
+        all = (p->pattern == GP_PATTERN_DISC ? M_PI : 4.0) * r * r;
+    else
+        for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
+            const double half = half_width(l, p->pattern, y + 0.5 - l->y);
+            if (half >= 0.0)
+                all += floor(l->x + half - 0.5) + 1.0 -
+                       ceil(l->x - half - 0.5);
+        }
     double shown = 0.0, weight = 0.0;
     float outside[2];
     gp_map_outside(p->outside, outside);

@@ -257,7 +257,7 @@ static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
         return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
                             &f->layer);
     gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
-                                 gp_sun_intensity(suns->map), f->data,
+                                 &suns->map->intensity.colour, f->data,
                                  f->display, drawn);
     return st ? st : gp_flare_read_layer(log, suns->gl, *drawn, f->data,
                                          &f->layer);

@@ -136,7 +136,7 @@ struct gp_sun_map {
                                  // between texels is exact in float
     struct gp_target region;     // for readback
     struct gp_target sums, byte_sums; // a pixel for each map of the atlas
-    struct gp_target intensity;       // n x 1
+    struct gp_target intensity;       // n x 1, RGBA32F, of the last draw
     struct gp_map_light light[GP_LIGHTS_MAX];
     float *band;                 // GP_SUN_BAND texels; owned
     int n, map, columns;         // of the last draw; map 0: a readback

@@ -47,21 +47,6 @@ static void multiply(const double a[9], const double b[9], double out[9])
     }
 }
 
-/* By cofactors; a singular matrix gives values that are not finite. */
-static void invert(const double m[9], double out[9])
-{
-    double cofactor[9];
-    for (int i = 0; i < 9; i++) {
-        int r1 = (i / 3 + 1) % 3 * 3, r2 = (i / 3 + 2) % 3 * 3;
-        int c1 = (i + 1) % 3, c2 = (i + 2) % 3;
-        // columns: (i % 3 + 1) % 3 is (i + 1) % 3, as 3 divides i - i % 3
-        cofactor[i] = m[r1 + c1] * m[r2 + c2] - m[r1 + c2] * m[r2 + c1];
-    }
-    double det = m[0] * cofactor[0] + m[1] * cofactor[1] + m[2] * cofactor[2];
-    for (int i = 0; i < 9; i++)
-        out[i] = cofactor[i % 3 * 3 + i / 3] / det;
-}
-
 /* Linear RGB of these primaries to that of BT.709, white to white: Bradford
  * (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). False when they
  * are BT.709 already, or degenerate. */
@@ -80,7 +65,18 @@ static bool to_bt709(const float chromaticities[8], double out[9])
     // rows of the RGB to cone matrices; white's responses are their sums
     multiply(bradford, from, cone_from);
     multiply(bradford, to, cone_to);
-    invert(cone_to, back);
+    // the inverse by cofactors; of a singular matrix it is not finite
+    double cofactor[9];
+    const double *const m = cone_to;
+    for (int i = 0; i < 9; i++) {
+        const int r1 = (i / 3 + 1) % 3 * 3, r2 = (i / 3 + 2) % 3 * 3;
+        const int c1 = (i + 1) % 3, c2 = (i + 2) % 3;
+        cofactor[i] = m[r1 + c1] * m[r2 + c2] - m[r1 + c2] * m[r2 + c1];
+    }
+    const double det = m[0] * cofactor[0] + m[1] * cofactor[1] +
+                       m[2] * cofactor[2];
+    for (int i = 0; i < 9; i++)
+        back[i] = cofactor[i % 3 * 3 + i / 3] / det;
     for (int i = 0; i < 3; i++) {
         double *f = cone_from + 3 * i;
         const double *t = cone_to + 3 * i;
@@ -100,39 +96,30 @@ static bool to_bt709(const float chromaticities[8], double out[9])
 
 // -- light: scaled, of BT.709 primaries --------------------------------------
 
-GP_CLONES static void scale_plane(const float *in, float scale, size_t n,
-                                  float *restrict out)
-{
-    for (size_t i = 0; i < n; i++)
-        out[i] = in[i] * scale;
-}
-
 static inline float bounded(float x)
 {
     x = x > -LIGHT_MAX ? x : -LIGHT_MAX;
     return x < LIGHT_MAX ? x : LIGHT_MAX;
 }
 
-/* In place. */
-GP_CLONES static void mix_planes(const float *restrict m, size_t n,
-                                 float *restrict r, float *restrict g,
-                                 float *restrict b)
+GP_CLONES static void make_light(const struct mapping *m, size_t at, size_t n,
+                                 float *const out[3])
 {
-    for (size_t i = 0; i < n; i++) {
-        float r0 = bounded(r[i]), g0 = bounded(g[i]), b0 = bounded(b[i]);
-        r[i] = m[0] * r0 + m[1] * g0 + m[2] * b0;
-        g[i] = m[3] * r0 + m[4] * g0 + m[5] * b0;
-        b[i] = m[6] * r0 + m[7] * g0 + m[8] * b0;
+    float *const restrict r = out[0], *const restrict g = out[1];
+    float *const restrict b = out[2];
+    const float *const mix = m->matrix, scale = m->scale;
+    for (int c = 0; c < 3; c++) {
+        const float *const in = m->f->lit.c[c] + at;
+        float *const restrict to = out[c];
+        for (size_t i = 0; i < n; i++)
+            to[i] = in[i] * scale;
     }
-}
-
-static void make_light(const struct mapping *m, size_t at, size_t n,
-                       float *const out[3])
-{
-    for (int c = 0; c < 3; c++)
-        scale_plane(m->f->lit.c[c] + at, m->scale, n, out[c]);
-    if (m->mixed)
-        mix_planes(m->matrix, n, out[0], out[1], out[2]);
+    for (size_t i = 0; m->mixed && i < n; i++) {
+        const float r0 = bounded(r[i]), g0 = bounded(g[i]), b0 = bounded(b[i]);
+        r[i] = mix[0] * r0 + mix[1] * g0 + mix[2] * b0;
+        g[i] = mix[3] * r0 + mix[4] * g0 + mix[5] * b0;
+        b[i] = mix[6] * r0 + mix[7] * g0 + mix[8] * b0;
+    }
 }
 
 // -- measuring ---------------------------------------------------------------

@@ -18,27 +18,19 @@ struct gp_ocio {
 
 // -- the bridge --------------------------------------------------------------
 
-static const struct gp_ocio_api *open_bridge(char *why, size_t why_size)
-{
-    static const char bridge[] = "glarepp-ocio.so";
-    static const struct gp_ocio_api *opened; // stays open until the end
-    if (!opened)
-        opened = gp_bridge_open(bridge, "gp_ocio_api", why, why_size);
-    if (opened && opened->version == GP_OCIO_API_VERSION)
-        return opened;
-    if (opened)
-        snprintf(why, why_size, "%s is of another version", bridge);
-    opened = NULL;
-    return NULL;
-}
-
 gp_status gp_ocio_open(const struct gp_log *log,
                        const struct gp_ocio_params *p, struct gp_ocio **out)
 {
+    static const struct gp_ocio_api *api; // stays open until the end
     char why[2048];
     void *mem;
     *out = NULL;
-    const struct gp_ocio_api *api = open_bridge(why, sizeof why);
+    if (!api)
+        api = gp_bridge_open("glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
+    if (api && api->version != GP_OCIO_API_VERSION) {
+        snprintf(why, sizeof why, "glarepp-ocio.so is of another version");
+        api = NULL;
+    }
     if (!api)
         return gp_fail(log, GP_ERR_IO,
                        "--ocio: the OpenColorIO bridge cannot be opened (%s); "

@@ -113,17 +113,6 @@ void check_file(const std::string &path)
                           " bytes); check the name"};
 }
 
-std::string config_name(const char *asked)
-{
-    if (asked[0] != '\0' && std::strcmp(asked, "env") != 0)
-        return asked;
-    const char *const name = std::getenv("OCIO");
-    if (!name || !name[0])
-        throw Refusal{GP_ERR_USAGE, "--ocio: $OCIO is not set; set it, or "
-                                    "give a config file"};
-    return name;
-}
-
 // Without the file's name, which the line has already.
 std::string reason(const std::exception &e, const std::string &name)
 {
@@ -319,19 +308,6 @@ void make_view(const Asked &a)
     }
 }
 
-void make_output(const Asked &a)
-{
-    Owned *const own = a.own;
-    own->wanted = find_space(a, "--output-space", a.p->output);
-    try {
-        own->output = keep(own, a.config->getProcessor(a.context,
-                                                       own->input.c_str(),
-                                                       own->wanted.c_str()));
-    } catch (const OCIO::Exception &e) {
-        refuse_transform(a, own->wanted + " from " + own->input, e);
-    }
-}
-
 const char *text_or_null(const std::string &s)
 {
     return s.empty() ? nullptr : s.c_str();
@@ -352,14 +328,26 @@ try {
     auto own = std::make_unique<Owned>();
     // errors come as exceptions; nobody asked for the rest on stderr
     OCIO::SetLoggingFunction([](const char *) {});
-    own->config = config_name(p->config);
+    const bool named = p->config[0] && std::strcmp(p->config, "env") != 0;
+    const char *const config = named ? p->config : std::getenv("OCIO");
+    if (!config || !config[0])
+        throw Refusal{GP_ERR_USAGE, "--ocio: $OCIO is not set; set it, or "
+                                    "give a config file"};
+    own->config = config;
     Asked a{p, read_config(own->config), nullptr, own.get()};
     a.context = make_context(a);
     own->input = find_input(a);
     if (p->shows)
         make_view(a);
-    if (p->output)
-        make_output(a);
+    if (p->output) {
+        own->wanted = find_space(a, "--output-space", p->output);
+        try {
+            own->output = keep(own.get(), a.config->getProcessor(
+                a.context, own->input.c_str(), own->wanted.c_str()));
+        } catch (const OCIO::Exception &e) {
+            refuse_transform(a, own->wanted + " from " + own->input, e);
+        }
+    }
     out->names.config = own->config.c_str();
     out->names.input = own->input.c_str();
     out->names.display = text_or_null(own->display);
