@@ -36,7 +36,7 @@ _Static_assert((GP_TILE_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
                    GP_TILE_BATCH * ENTRIES_MAX, "a batch holds too little");
 
 /* Milliseconds on two cores of a 2.5 GHz Xeon, Mesa 22.3 llvmpipe (see
- * `build/tests/glare splat --time`): a pixel of an entry, and what an entry
+ * `build/tests/glare pairs --time splat`): a pixel of an entry, and what an entry
  * costs beside. */
 static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
 

@@ -388,27 +388,6 @@ static void single_sensors_have_the_kernels_box(void **state)
     }
 }
 
-/* Two lights of a block of four are one polygon around their middle; a third
- * alone has its own. */
-static void groups_have_one(void **state)
-{
-    // pixel (0, 0) of the frame is (-7, 3) of EXR pixel space: blocks of 4
-    // start at column 3, row 1
-    static const int at[][2] = {{19, 17}, {21, 19}, {40, 30}};
-    static const struct box boxes[] = {{16, 14, 24, 22}, {36, 26, 44, 34}};
-    const struct gp_splat_params p = {.group = 4, .cluster_fill = 0.9f};
-    struct scene s = lit_scene(at, 3, scene_kernel(9, 9, MID, MID, BOX));
-    struct gp_planes picture = outlined(&s, &p);
-    for (int y = 0; y < H; y++) {
-        for (int x = 0; x < W; x++)
-            assert_int_equal(green(&picture, x, y),
-                             on_rim(&boxes[0], x, y) ||
-                                 on_rim(&boxes[1], x, y));
-    }
-    gp_planes_free(&picture);
-    scene_free(&s);
-}
-
 /* Against the polygons one by one, with blurs, clusters and shrinking: every
  * rim inside the frame is drawn, and nothing else. */
 static void all_that_are_drawn_have_one(void **state)
@@ -471,5 +450,5 @@ SUITE_OF(blur, NULL, NULL,
     blurs_are_box_means, nothing_left_is_an_empty_blur,
     no_memory_leaves_nothing, what_is_left_out_is_allowed,
     reach_falls_with_the_share, no_light_draws_all,
-    single_sensors_have_the_kernels_box, groups_have_one,
-    all_that_are_drawn_have_one, no_light_no_line)
+    single_sensors_have_the_kernels_box, all_that_are_drawn_have_one,
+    no_light_no_line)

@@ -5,7 +5,6 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-#include "core/parallel.h"
 
 static int pick(uint32_t *seed, int low, int high)
 {
@@ -332,25 +331,6 @@ static void caches_change_nothing(void **state)
     gp_bound_cache_free(&old); // twice is harmless
 }
 
-static void threads_change_nothing(void **state)
-{
-    double bound[6];
-    for (int threads = 1; threads < 5; threads++) {
-        gp_set_threads(threads);
-        for (uint32_t i = 0; i < 6; i++) {
-            struct gp_bound_cache cache = {0};
-            struct trial t = make_trial(300u + i);
-            const double b = bound_of(&t, 1.0, &cache);
-            if (threads == 1)
-                bound[i] = b;
-            assert_true(b == bound[i]);
-            gp_bound_cache_free(&cache);
-            free_trial(&t);
-        }
-    }
-    gp_set_threads(0);
-}
-
 /* -- the ends of the range --------------------------------------------------*/
 
 static struct trial simple_trial(enum light light, struct gp_kernel k,
@@ -425,5 +405,4 @@ static void a_single_light_is_exact(void **state)
 
 SUITE_OF(bound, NULL, NULL,
     measured_is_never_over_the_bound, caches_change_nothing,
-    threads_change_nothing, no_layer_has_no_least,
-    single_sensors_only_round, a_single_light_is_exact)
+    no_layer_has_no_least, single_sensors_only_round, a_single_light_is_exact)

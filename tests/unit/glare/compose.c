@@ -1,6 +1,5 @@
 /* glare/compose.c: both mixes, empty layers, energy, threads. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/compose.h"
 
 struct scene {
@@ -216,26 +215,8 @@ static void dim_takes_its_share(void **state)
     }
 }
 
-static void threads_change_nothing(void **state)
-{
-    float first[37 * 23];
-    for (int threads = 1; threads <= 7; threads++) {
-        struct scene s;
-        struct gp_compose_params p = {0.7f, GP_MIX_SCATTER, 0.0f};
-        seed = 9;
-        gp_set_threads(threads);
-        make_scene(&s, 37, 23, 6, 50.0f);
-        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
-        if (threads == 1)
-            memcpy(first, s.f.lit.c[1], sizeof first);
-        assert_memory_equal(s.f.lit.c[1], first, sizeof first);
-        free_scene(&s);
-    }
-    gp_set_threads(0);
-}
-
 SUITE_OF(compose, NULL, NULL,
     mixes_are_their_formulas, no_layer_means_no_light,
     a_huge_source_leaves_nothing_behind, scatter_conserves_energy,
     planes_are_made_once, sources_of_another_frame_are_refused,
-    dim_takes_its_share, threads_change_nothing)
+    dim_takes_its_share)

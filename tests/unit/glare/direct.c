@@ -1,7 +1,6 @@
 /* glare/direct/direct.c: the fast sum against the sum in double, taps, counted
  * work. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "hard_cases.h"

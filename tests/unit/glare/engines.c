@@ -115,30 +115,6 @@ static struct scene thread_scene(int i)
 }
 enum { THREAD_SCENES = 4 };
 
-static void threads_change_no_byte(void **state)
-{
-    for (int k = 0; k < (quick ? 1 : THREAD_SCENES); k++) {
-        struct scene s = thread_scene(k);
-        for (int i = 0; gp_engines[i]; i++) {
-            const char *const e = gp_engines[i]->name;
-            uint64_t first = 0;
-            for (int t = 0; t < THREADS; t++) {
-                struct gp_glare_stats stats;
-                gp_set_threads(threads[t]);
-                if (!ran_once(e, &s, &stats, "threads"))
-                    break;
-                const uint64_t hash = scene_hash(&s);
-                first = t == 0 ? hash : first;
-                if (hash != first)
-                    fail_msg("%s, scene %d: other bytes with %d threads", e, k,
-                             threads[t]);
-            }
-        }
-        scene_free(&s);
-    }
-    gp_set_threads(0);
-}
-
 /* What auto picks must not depend on the threads, or the bytes would. */
 static void auto_asks_no_threads(void **state)
 {
@@ -304,5 +280,5 @@ static void names_are_checked(void **state)
 }
 
 SUITE_OF(engines, ask_quick, NULL,
-    hard_cases_hold, threads_change_no_byte, auto_asks_no_threads, bounds_hold,
-    bounds_know_the_range, auto_takes_the_fastest, names_are_checked)
+    hard_cases_hold, auto_asks_no_threads, bounds_hold, bounds_know_the_range,
+    auto_takes_the_fastest, names_are_checked)

@@ -1,7 +1,6 @@
 /* glare/splat/group.c: formula (1), clusters, blurs; and that what is drawn of
  * a group is what was meant. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
@@ -263,25 +262,6 @@ static void clusters_from_the_fill_on(void **state)
 
 /* -- laws -------------------------------------------------------------------*/
 
-static void light_is_kept(void **state)
-{
-    for (size_t i = 0; i < COUNT(naive_rows); i++) {
-        const struct naive_row *const r = &naive_rows[i];
-        struct gp_sources s =
-            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 3u);
-        struct gp_polygons q = group(&s, &r->p);
-        double rgb[3] = {0};
-        for (size_t k = 0; k < q.n; k++) {
-            for (int c = 0; c < 3; c++)
-                rgb[c] += (double) q.at[k].rgb[c];
-        }
-        for (int c = 0; c < 3; c++)
-            assert_true(fabs(rgb[c] - s.flux[c]) <= 1e-7 * s.flux[c]);
-        gp_polygons_free(&q);
-        gp_sources_free(&s);
-    }
-}
-
 /* Light without luminance, of unreal primaries, stands in its cell's middle. */
 static void light_without_luminance_is_kept(void **state)
 {
@@ -310,54 +290,6 @@ static void too_much_light_stays_finite(void **state)
     assert_true(isfinite(q.at[0].light) && isfinite(q.at[0].rgb[0]));
     assert_true(q.at[0].x == 0.5f && q.at[0].y == 0.5f);
     gp_polygons_free(&q);
-    gp_sources_free(&s);
-}
-
-/* A window that moves over the same light moves no block. */
-static void windows_move_no_block(void **state)
-{
-    // clusters see the window's edge, so groups alone are the same
-    const struct gp_splat_params p = {.group = 4, MOMENTS};
-    float a[20 * 12] = {0}, b[25 * 19] = {0};
-    for (int y = 0; y < 12; y++) {
-        for (int x = 0; x < 20; x++)
-            a[y * 20 + x] = b[(y + 7) * 25 + x + 5] =
-                (x * 7 + y * 3) % 11 < 8 ? (float) (1 + x + y) : 0.0f;
-    }
-    struct gp_sources s = grey_sources(20, 12, 5, 6, a);
-    struct gp_sources t = grey_sources(25, 19, 0, -1, b);
-    struct gp_polygons q = group(&s, &p), r = group(&t, &p);
-    assert_int_equal(q.n, r.n);
-    for (size_t i = 0; i < q.n; i++) {
-        assert_true(fabsf(q.at[i].x + 5.0f - r.at[i].x) < 1e-5f);
-        assert_true(fabsf(q.at[i].y + 7.0f - r.at[i].y) < 1e-5f);
-        assert_true(q.at[i].light == r.at[i].light);
-    }
-    gp_polygons_free(&q);
-    gp_polygons_free(&r);
-    gp_sources_free(&s);
-    gp_sources_free(&t);
-}
-
-static void threads_change_nothing(void **state)
-{
-    struct gp_sources s = scene_sources(211, 151, -3, 5, RAMP, 1u);
-    const struct gp_splat_params p = {.group = 4, .cluster = 8, MOMENTS};
-    gp_set_threads(1);
-    struct gp_polygons one = group(&s, &p);
-    for (int threads = 2; threads < 6; threads++) {
-        gp_set_threads(threads);
-        struct gp_polygons q = group(&s, &p);
-        assert_int_equal(q.n, one.n);
-        for (size_t i = 0; i < q.n; i++)
-            assert_true(q.at[i].x == one.at[i].x && q.at[i].y == one.at[i].y &&
-                        q.at[i].light == one.at[i].light &&
-                        q.at[i].rgb[2] == one.at[i].rgb[2] &&
-                        q.at[i].blur == one.at[i].blur);
-        gp_polygons_free(&q);
-    }
-    gp_set_threads(0);
-    gp_polygons_free(&one);
     gp_sources_free(&s);
 }
 
@@ -464,6 +396,5 @@ static void reach_cuts(void **state)
 
 SUITE_OF(group, NULL, NULL,
     formula_by_hand, all_as_the_naive_form, clusters_from_the_fill_on,
-    light_is_kept, light_without_luminance_is_kept, too_much_light_stays_finite,
-    windows_move_no_block, threads_change_nothing, moments_are_kept,
-    ungrouped_is_exact, reach_cuts)
+    light_without_luminance_is_kept, too_much_light_stays_finite,
+    moments_are_kept, ungrouped_is_exact, reach_cuts)

@@ -1,7 +1,6 @@
 /* glare/kernel.c: centre, cutting, normalisation, bad images. */
 #include "unit.h"
 #include "core/colour.h"
-#include "core/parallel.h"
 #include "glare/glare_priv.h"
 #include "glare/kernel.h"
 #include "said.h"

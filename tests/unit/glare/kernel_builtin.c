@@ -1,6 +1,5 @@
 /* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its formula. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/glare_priv.h"
 
 #include <float.h>
@@ -140,22 +139,6 @@ static void follow_their_formulas(void **state)
     assert_true(fabs(at(&k, 0, 120, 0) / at(&k, 0, 0, 0) - 0.4774) < 1e-2);
     assert_true(at(&k, 0, 128, 0) == 0.0);
     gp_kernel_free(&k);
-}
-
-static void are_the_same_for_any_threads(void **state)
-{
-    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
-        gp_set_threads(1);
-        struct gp_kernel first = make(b->name, 129);
-        gp_set_threads(5);
-        struct gp_kernel k = make(b->name, 129);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(k.k.c[c], first.k.c[c],
-                                (size_t) (k.w * k.h) * sizeof(float));
-        gp_kernel_free(&k);
-        gp_kernel_free(&first);
-    }
-    gp_set_threads(0);
 }
 
 // -- the eye, against brute-force quadrature and closed forms -----------------
@@ -344,6 +327,6 @@ static void eye_is_the_papers(void **state)
 
 SUITE_OF(kernel_builtin, NULL, NULL,
     are_light, end_softly, have_their_colours, follow_their_formulas,
-    are_the_same_for_any_threads, eye_is_integrated, eye_is_not_sampled,
-    eye_is_symmetric_to_the_bit, eye_falls_on_every_side,
-    eye_keeps_all_light_of_its_square, eye_is_the_papers)
+    eye_is_integrated, eye_is_not_sampled, eye_is_symmetric_to_the_bit,
+    eye_falls_on_every_side, eye_keeps_all_light_of_its_square,
+    eye_is_the_papers)

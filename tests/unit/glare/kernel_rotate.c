@@ -4,7 +4,6 @@
 #include "glare_scene.h"
 #include "said.h"
 
-#include "core/parallel.h"
 #include "glare/glare_priv.h"
 
 static const float angles[] = {0.5f, 30.0f, 45.0f, 89.999f, 135.0f, 200.0f,
@@ -150,23 +149,6 @@ static void right_angles_move_samples(void **state)
     }
 }
 
-static void no_turn_is_the_same_bytes(void **state)
-{
-    struct gp_frame f = image(31, 20, false, false);
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel none, k;
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &none));
-    k = turned(&f, 720.0f, GP_NORMALIZE_LUMINANCE, NULL);
-    assert_int_equal(k.w, none.w);
-    assert_int_equal(k.cx, none.cx);
-    for (int c = 0; c < 3; c++)
-        assert_memory_equal(k.k.c[c], none.k.c[c], 31 * 20 * sizeof(float));
-    assert_memory_equal(k.sum, none.sum, sizeof k.sum);
-    gp_kernel_free(&k);
-    gp_kernel_free(&none);
-    gp_frame_free(&f);
-}
-
 static void turned_kernels_are_normalised(void **state)
 {
     struct gp_frame f = image(9, 8, false, false);
@@ -208,24 +190,6 @@ static void what_cannot_be_is_refused(void **state)
     gp_frame_free(&line);
 }
 
-static void turning_is_the_same_for_any_threads(void **state)
-{
-    struct gp_frame f = image(61, 40, false, false);
-    gp_set_threads(1);
-    struct gp_kernel first = turned(&f, 33.0f, GP_NORMALIZE_LUMINANCE, NULL);
-    for (int threads = 2; threads < 6; threads++) {
-        gp_set_threads(threads);
-        struct gp_kernel k = turned(&f, 33.0f, GP_NORMALIZE_LUMINANCE, NULL);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(k.k.c[c], first.k.c[c],
-                                (size_t) (k.w * k.h) * sizeof(float));
-        gp_kernel_free(&k);
-    }
-    gp_kernel_free(&first);
-    gp_frame_free(&f);
-    gp_set_threads(0);
-}
-
 /* The exact engines see the turned kernel. */
 static void engines_agree(void **state)
 {
@@ -251,6 +215,4 @@ static void engines_agree(void **state)
 
 SUITE_OF(kernel_rotate, NULL, NULL,
     samples_are_the_unturned_ones, right_angles_move_samples,
-    no_turn_is_the_same_bytes, turned_kernels_are_normalised,
-    what_cannot_be_is_refused, turning_is_the_same_for_any_threads,
-    engines_agree)
+    turned_kernels_are_normalised, what_cannot_be_is_refused, engines_agree)

@@ -1,6 +1,5 @@
 /* glare/reference.c: the truth itself, against sums gathered pixel by pixel. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "hard_cases.h"
@@ -77,24 +76,6 @@ static void transform_is_the_sum(void **state)
         check_samples(&s, s.exact, 1009, 1e-13, "transform");
         scene_free(&s);
     }
-}
-
-/* Every sample is written, the same by any number of threads. */
-static void threads_change_nothing(void **state)
-{
-    static const int threads[] = {1, 2, 4, 7};
-    struct scene s = hard_scene(&hard_cases[5]);
-    const size_t bytes = 3 * gp_frame_pixels(&s.f) * sizeof(double);
-    double *const again = scene_alloc(1, bytes);
-    for (int t = 0; t < 4; t++) {
-        gp_set_threads(threads[t]);
-        memset(again, 0xff, bytes);
-        assert_ok(gp_glare_reference(NULL, &s.src, &s.k, again));
-        assert_memory_equal(again, s.exact, bytes);
-    }
-    gp_set_threads(0);
-    free(again);
-    scene_free(&s);
 }
 
 /* -- errors against it, by hand and by law: design.md section 6 --------------*/
@@ -232,6 +213,6 @@ static void errors_scale(void **state)
 }
 
 SUITE_OF(reference, ask_quick, NULL,
-    plain_loops_are_the_sum, transform_is_the_sum, threads_change_nothing,
-    one_error_is_what_it_is, no_error_is_zero, dark_layers_have_absolute_errors,
-    nan_is_an_error, errors_scale)
+    plain_loops_are_the_sum, transform_is_the_sum, one_error_is_what_it_is,
+    no_error_is_zero, dark_layers_have_absolute_errors, nan_is_an_error,
+    errors_scale)

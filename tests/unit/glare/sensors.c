@@ -1,6 +1,5 @@
 /* glare/sensors.c against a plain pixel-by-pixel form of its contract. */
 #include "unit.h"
-#include "core/parallel.h"
 #include "glare/glare_priv.h"
 #include "hard_cases.h"
 
@@ -119,36 +118,6 @@ static void darkest_is_robust(void **state)
     gp_frame_free(&f);
 }
 
-/* Threads share rows in blocks; no sum may depend on who took which. */
-static void threads_change_nothing(void **state)
-{
-    static const int threads[] = {1, 2, 4, 7};
-    struct gp_sources first = {0};
-    for (int t = 0; t < 4; t++) {
-        struct gp_frame f = scene_frame(211, 151, 0, 0, BAD, 4u);
-        struct gp_sources src;
-        gp_set_threads(threads[t]);
-        assert_ok(gp_sense(NULL, &(struct gp_sensor_params){0.5f, 0.5f, 1e9f},
-                           &f, &src));
-        gp_frame_free(&f);
-        if (t == 0) {
-            first = src;
-            continue;
-        }
-        assert_int_equal(src.n, first.n);
-        assert_memory_equal(src.flux, first.flux, sizeof src.flux);
-        assert_memory_equal(src.energy, first.energy, sizeof src.energy);
-        assert_true(src.darkest == first.darkest);
-        assert_memory_equal(src.x, first.x, src.n * sizeof *src.x);
-        for (int c = 0; c < 3; c++)
-            assert_memory_equal(src.rgb[c], first.rgb[c],
-                                src.n * sizeof(float));
-        gp_sources_free(&src);
-    }
-    gp_sources_free(&first);
-    gp_set_threads(0);
-}
-
 /* The frame's own weights decide, negative ones too. */
 static void weights_are_the_frames(void **state)
 {
@@ -174,4 +143,4 @@ static void weights_are_the_frames(void **state)
 
 SUITE_OF(sensors, NULL, NULL,
     bad_pixels_stay_alone, threshold_is_shut, knee_is_smooth, darkest_is_robust,
-    threads_change_nothing, weights_are_the_frames)
+    weights_are_the_frames)

@@ -1,11 +1,6 @@
 /* splat against a plain double sum: sizes, kernels, tiles, sequences; its
- * limits and counts, what shrinking leaves out, and plans that are kept.
- *
- *   build/tests/glare splat --time   measures the constants of its prediction
- */
+ * limits and counts, what shrinking leaves out, and plans that are kept. */
 #include "unit.h"
-#include "core/clock.h"
-#include "core/parallel.h"
 #include "splat_scene.h"
 
 /* -- rows ------------------------------------------------------------------ */
@@ -378,82 +373,6 @@ static void plans_are_kept_for_their_light_alone(void **state)
     gp_engine_splat.close(&kept);
 }
 
-/* -- timing ---------------------------------------------------------------- */
-
-static double time_frame(const struct gp_sources *src,
-                         const struct gp_kernel *k, void **state)
-{
-    struct gp_planes layer;
-    double best = INFINITY;
-    for (int i = 0; i < 5; i++) {
-        double start = gp_now_ms();
-        if (splat(GP_GL_AUTO, src, k, &layer, state) != GP_OK)
-            exit(77);
-        double ms = gp_now_ms() - start;
-        best = ms < best && (i > 0 || !*state) ? ms : best;
-        gp_planes_free(&layer);
-    }
-    return best;
-}
-
-/* A frame of 1024x768 whose box is whole: the corners, and `n` sources in a
- * square lattice about the middle half. */
-static struct gp_sources make_timed(int n)
-{
-    int across = (int) sqrt((double) n);
-    struct gp_sources s = make_sources(1024, 768, CORNERS);
-    size_t at = 2; // behind the upper corners
-    for (int y = 1; y < 768; y++) {
-        bool lit = y >= 256 && y < 256 + across;
-        for (int i = 0; i < (lit ? across : 0); i++)
-            s.x[at++] = 256 + i * (512 / across);
-        for (int i = 0; y == 767 && i < 2; i++)
-            s.x[at++] = i * 1023;
-        s.row[y + 1] = (uint32_t) at;
-    }
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < at; i++)
-            s.rgb[c][i] = 2.0f;
-    }
-    s.n = at;
-    return s;
-}
-
-static int print_times(void)
-{
-    static const struct { int n, side; } timed[] = {
-        {0, 1}, {400, 1}, {400, 16}, {400, 64}, {400, 256}, {400, 512},
-        {4000, 16}, {4000, 64}, {40000, 1}, {40000, 8},
-    };
-    void *state = NULL;
-    double start = gp_now_ms();
-    struct gp_sources one = make_sources(8, 8, CORNERS);
-    struct gp_kernel dot = make_kernel(1, 1, 0, 0, BOX);
-    struct gp_planes layer;
-    if (splat(GP_GL_AUTO, &one, &dot, &layer, &state) != GP_OK)
-        return 77;
-    printf("%s, %d threads: first frame %.1f ms, later ones %.2f ms\n",
-           stats.gl, gp_threads(), gp_now_ms() - start,
-           time_frame(&one, &dot, &state));
-    for (size_t i = 0; i < COUNT(timed); i++) {
-        struct gp_sources src = make_timed(timed[i].n);
-        struct gp_kernel k = make_kernel(timed[i].side, timed[i].side,
-                                         timed[i].side / 2, timed[i].side / 2,
-                                         PEAK);
-        const struct gp_glare_params params = {.splat = how};
-        const struct gp_glare_job job = {.params = &params, .src = &src,
-                                         .kernel = &k};
-        double ms = time_frame(&src, &k, &state);
-        printf("1024x768, %5zu polygons of %dx%d: %.1f ms (%.0f predicted "
-               "with the start)\n", src.n, k.w, k.h, ms,
-               gp_engine_splat.predict(&job, NULL).ms);
-        gp_planes_free(&k.k);
-        gp_sources_free(&src);
-    }
-    gp_engine_splat.close(&state);
-    return 0;
-}
-
 SUITE(splat)
 {
     const struct CMUnitTest tests[] = {
@@ -469,8 +388,6 @@ SUITE(splat)
         cmocka_unit_test(shrinking_leaves_out_what_it_may),
         cmocka_unit_test(plans_are_kept_for_their_light_alone),
     };
-    if (argc > 1 && strcmp(argv[1], "--time") == 0)
-        return print_times();
     if (getenv("GLAREPP_TEST_QUICK")) // Mesa's compiler crawls in valgrind
         cmocka_set_test_filter("no_stale_kernel");
     return cmocka_run_group_tests(tests, NULL, NULL);

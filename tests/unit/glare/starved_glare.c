@@ -1,7 +1,9 @@
-/* glare with a memory that is full at the n-th allocation, and with a GL whose
- * n-th answer is an error, for every n of each part of the room: one line, no
- * block lost, and what is kept from frame to frame still gives the same bytes
- * when all is well again. */
+/* One table of the room's parts and engines, and what must hold for each:
+ *
+ * - by any number of threads they make the same bytes;
+ * - with a memory that is full at the n-th allocation, or a GL whose n-th
+ *   answer is an error, for every n: one line, no block lost, and what is kept
+ *   from frame to frame still gives the same bytes when all is well again. */
 #include "unit.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -25,7 +27,8 @@ struct starved {
     enum shape shape;
     struct gp_splat_params splat;
     float tolerance;
-    int side, size; // of the frame and the kernel; 0: W x H, SIZE
+    int side, size; // of the frame and the kernel; 0: W x H, SIZE, times
+                    // 3 for threads
     float rotate;   // the kernel is the eye's, turned; 0: of that shape
     bool faint;     // the kernel is far under what it is usually
 };
@@ -35,6 +38,7 @@ static struct scene scene;
 static struct gp_kernel other;    // takes the place of what is kept
 static struct gp_glare glare;
 static uint64_t hash;             // of what was made
+static int size;                  // of kernels
 
 /* -- the engines ----------------------------------------------------------- */
 
@@ -102,14 +106,23 @@ static gp_status hash_planes(gp_status st, struct gp_planes *p, size_t n)
     return st;
 }
 
+static gp_status hash_sources(gp_status st, struct gp_sources *s)
+{
+    hash = hash_more(HASH_NONE, s->flux, sizeof s->flux);
+    hash = hash_more(hash, s->energy, sizeof s->energy);
+    hash = hash_more(hash, &s->darkest, sizeof s->darkest);
+    for (int c = 0; !st && c < 3; c++)
+        hash = hash_more(hash, s->rgb[c], s->n * sizeof(float));
+    hash = st ? 0 : hash_more(hash, s->x, s->n * sizeof *s->x);
+    gp_sources_free(s);
+    return st;
+}
+
 static gp_status run_sense(void)
 {
-    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    const struct gp_sensor_params p = {0.5f, 0.5f, 1e9f};
     struct gp_sources s = {0};
-    const gp_status st = gp_sense(&said_log, &p, &scene.f, &s);
-    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[1], s.n * sizeof(float));
-    gp_sources_free(&s);
-    return st;
+    return hash_sources(gp_sense(&said_log, &p, &scene.f, &s), &s);
 }
 
 static gp_status run_planes(void)
@@ -133,16 +146,15 @@ static gp_status run_extra(void)
     struct gp_source extra[] = {{5, 6, {1, 2, 3}}, {2, 3, {4, 5, 6}},
                                {5, 6, {7, 8, 9}}};
     struct gp_sources s = {0};
-    const gp_status st = gp_sources_join(&said_log, &scene.src, extra, 3, &s);
-    hash = st ? 0 : hash_more(HASH_NONE, s.rgb[0], s.n * sizeof(float));
-    gp_sources_free(&s);
-    return st;
+    return hash_sources(
+        gp_sources_join(&said_log, &scene.src, extra, 3, &s), &s);
 }
 
 static gp_status run_reference(void)
 {
     const size_t n = 3 * gp_frame_pixels(&scene.f);
     double *const layer = scene_alloc(n, sizeof *layer);
+    memset(layer, 0xff, n * sizeof *layer); // every sample must be written
     const gp_status st = gp_glare_reference(&said_log, &scene.src, &scene.k,
                                             layer);
     hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
@@ -153,13 +165,13 @@ static gp_status run_reference(void)
 static gp_status run_outline(void)
 {
     struct gp_planes p = {0};
-    if (gp_planes_make(&said_log, "picture", (size_t) W * H, &p))
+    const size_t n = gp_frame_pixels(&scene.f);
+    if (gp_planes_make(&said_log, "picture", n, &p))
         return GP_ERR_BUG;
     for (int c = 0; c < 3; c++)
-        memset(p.c[c], 0, gp_frame_pixels(&scene.f) * sizeof(float));
-    const gp_status st = gp_polygons_outline(&said_log, &scene.src, &scene.k,
-                                    &row->splat, &p);
-    return hash_planes(st, &p, gp_frame_pixels(&scene.f));
+        memset(p.c[c], 0, n * sizeof(float));
+    return hash_planes(gp_polygons_outline(&said_log, &scene.src, &scene.k,
+                                           &row->splat, &p), &p, n);
 }
 
 static gp_status run_group_reference(void)
@@ -186,9 +198,7 @@ static gp_status run_group_reference(void)
 
 static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 {
-    hash = st ? 0
-              : hash_more(HASH_NONE, k->k.c[0],
-                          (size_t) k->w * (size_t) k->h * sizeof(float));
+    hash = st ? 0 : hash_layer(&k->k, (size_t) k->w * (size_t) k->h);
     if (!st)
         gp_kernel_free(k);
     return st;
@@ -197,32 +207,36 @@ static gp_status hash_kernel(gp_status st, struct gp_kernel *k)
 static gp_status run_builtins(void)
 {
     static const float angles[] = {0.0f, 90.0f, 30.0f};
+    uint64_t all = HASH_NONE;
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
         for (int i = 0; i < 3; i++) {
             struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
             struct gp_kernel k = {0};
             p.source = b->name;
-            p.builtin_size = SIZE;
+            p.builtin_size = size;
             p.rotate = angles[i];
             const gp_status st = gp_kernel_builtin(&said_log, &p, &k);
             if (hash_kernel(st, &k))
                 return st;
+            all = hash_more(all, &hash, sizeof hash);
         }
     }
+    hash = all;
     return GP_OK;
 }
 
 static gp_status run_from_frame(void)
 {
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_frame image = {.data = {0, 0, SIZE, 2 * SIZE}};
+    struct gp_frame image = {.data = {0, 0, size, 2 * size}};
     struct gp_kernel k = {0};
     memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
-    if (gp_planes_make(&said_log, "kernel", 2 * SIZE * SIZE, &image.rgb))
+    if (gp_planes_make(&said_log, "kernel", gp_frame_pixels(&image),
+                       &image.rgb))
         return GP_ERR_BUG;
     for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < 2 * SIZE * SIZE; i++)
-            image.rgb.c[c][i] = i < SIZE ? 0.0f : (float) (i + c); // a border
+        for (int i = 0; i < 2 * size * size; i++)
+            image.rgb.c[c][i] = i < size ? 0.0f : (float) (i + c); // a border
     }
     p.rotate = 12.0f;
     const gp_status st = gp_kernel_from_frame(&said_log, &p, &image, &k);
@@ -346,47 +360,41 @@ static void fail_each(const struct fault *f, uint64_t want)
     assert_true(n > 1);
 }
 
-static struct gp_kernel kernel_of(const struct starved *r, int size)
+static struct gp_kernel kernel_of(const struct starved *r, int side)
 {
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
     if (r->rotate == 0.0f || r->faint) {
-        k = scene_kernel(size, size, MID, 0, r->shape);
+        k = scene_kernel(side, side, MID, 0, r->shape);
         return r->faint ? scene_kernel_times(k, 0x1p-90, r->rotate) : k;
     }
-    p.builtin_size = size;
+    p.builtin_size = side;
     p.rotate = r->rotate;
     if (gp_kernel_builtin(NULL, &p, &k))
         abort();
     return k;
 }
 
-static void sweep(const struct starved *r)
+static void begin(const struct starved *r, int times)
 {
-    row = r;
     const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
-    const int size = r->size ? r->size : SIZE;
-    scene = scene_sense(scene_frame(r->side ? r->side : W,
-                                    r->side ? r->side : H, -7, 11, r->light,
-                                    6u),
+    const int w = r->side ? r->side : times * W;
+    const int h = r->side ? r->side : times * H;
+    row = r;
+    size = r->size ? r->size : times * SIZE;
+    scene = scene_sense(scene_frame(w, h, -7, 11, r->light, 6u),
                         kernel_of(r, size), &p);
     other = kernel_of(r, size + 8);
-    const long blocks = fail_blocks();
-    said_nothing();
-    fail_end();
-    gp_status st = r->run();
-    if (st == GP_ERR_GL && is_drawn(r)) {
-        print_message("%s: no context: %s\n", r->name, said_line);
-    } else {
-        assert_int_equal(st, GP_OK);
-        const uint64_t want = hash;
-        for (int i = 0; i < 1 + is_drawn(r); i++)
-            fail_each(&faults[i], want);
-    }
+}
+
+static void close_glare(void)
+{
     gp_glare_close(&glare);
     glare = (struct gp_glare) {0};
-    gp_planes_free(&scene.f.layer);
-    assert_int_equal(fail_blocks(), blocks); // none is lost
+}
+
+static void end(void)
+{
     scene_free(&scene);
     gp_kernel_free(&other);
 }
@@ -394,8 +402,51 @@ static void sweep(const struct starved *r)
 static void faults_leave_nothing(void **state)
 {
     gp_set_threads(2);
-    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++)
-        sweep(&rows[i]);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        begin(&rows[i], 1);
+        const long blocks = fail_blocks();
+        said_nothing();
+        fail_end();
+        const gp_status st = row->run();
+        if (st == GP_ERR_GL && is_drawn(row)) {
+            print_message("%s: no context: %s\n", row->name, said_line);
+        } else {
+            assert_ok(st);
+            const uint64_t want = hash;
+            for (int k = 0; k < 1 + is_drawn(row); k++)
+                fail_each(&faults[k], want);
+        }
+        close_glare();
+        gp_planes_free(&scene.f.layer);
+        assert_int_equal(fail_blocks(), blocks); // none is lost
+        end();
+    }
+    gp_set_threads(0);
 }
 
-SUITE_OF(starved_glare, NULL, NULL, faults_leave_nothing)
+/* Threads share rows in blocks; nothing may depend on who took which. */
+static void threads_change_no_byte(void **state)
+{
+    static const int threads[] = {1, 2, 4, 7};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        uint64_t first = 0;
+        begin(&rows[i], 3);
+        for (size_t t = 0; t < COUNT(threads); t++) {
+            gp_set_threads(threads[t]);
+            const gp_status st = row->run();
+            if (st == GP_ERR_GL && is_drawn(row))
+                break;
+            assert_ok(st);
+            first = t ? first : hash;
+            if (hash != first)
+                fail_msg("%s: other bytes with %d threads", row->name,
+                         threads[t]);
+            close_glare();
+        }
+        end();
+    }
+    gp_set_threads(0);
+}
+
+SUITE_OF(starved_glare, NULL, NULL,
+    faults_leave_nothing, threads_change_no_byte)

@@ -2,7 +2,7 @@
 #ifndef GP_TESTS_HARD_CASES_H
 #define GP_TESTS_HARD_CASES_H
 
-#include "../hard/scenes.h"
+#include "../../hard/scenes.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
