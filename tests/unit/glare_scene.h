@@ -46,6 +46,8 @@ enum shape {
     DIPOLE, // 1 in its left half and -1 in its right one, not normalised
 };
 
+static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
+
 struct scene {
     struct gp_frame f;
     struct gp_sources src;
@@ -292,6 +294,13 @@ static inline void scene_free(struct scene *s)
     gp_kernel_free(&s->k);
     free(s->exact);
     *s = (struct scene) {0};
+}
+
+static inline double scene_rel_l2(const struct scene *s)
+{
+    struct gp_glare_error e;
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, &e);
+    return e.rel_l2;
 }
 
 /* Largest luminance error of a pixel over its own composite value. */

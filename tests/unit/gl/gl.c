@@ -1,9 +1,11 @@
 /* gl: contexts open, fail with words, live side by side; textures come back
- * bit for bit; what is too large or wrong is named. */
+ * bit for bit; what is too large or wrong is named; shaders' messages point at
+ * their files; targets, uniforms, points and lists are to a shader what they
+ * were meant to be. */
 #include "unit.h"
-#include "gl_open.h"
-
 #include "gl/gl.h"
+#include "gl/gl_priv.h"
+#include "gl_open.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
@@ -289,9 +291,341 @@ static void blocks_and_lists_have_limits(void **state)
     gp_gl_close(&gl);
 }
 
+
+static const struct gp_shader_file good_vert = {
+    "good.vert", "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, "
+                 "gl_VertexID == 2 ? 3 : -1, 0, 1); }\n"};
+
+static void compiler_speaks_of_the_file(void **state)
+{
+    static const struct gp_shader_file bad = {
+        "bad.frag", "out vec4 c;\nvoid main()\n{\n    c = nothing;\n}\n"};
+    static const struct gp_shader_file unlinked = {
+        "unlinked.frag", "in vec4 absent;\nout vec4 c;\n"
+                         "void main() { c = absent; }\n"};
+    for (int i = 0; i < 2; i++) {
+        struct gp_gl *gl = open_or_skip(i ? GP_GL_EGL : GP_GL_OSMESA);
+        struct gp_program p = {0};
+        assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
+                                              &bad, &p), GP_ERR_GL);
+        assert_said("bad.frag");
+        assert_said("nothing");
+        if (strstr(gp_gl_info(gl)->name, "llvmpipe"))
+            assert_said("0:4"); // line 4 of the file, not of what is before
+        assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
+                                              &unlinked, &p), GP_ERR_GL);
+        assert_said("absent");
+        for (int k = 0; k < 2; k++) { // files that this build has not
+            assert_int_equal(
+                gp_program_make(&log_kept, gl, "", k ? "no.vert" : "add.vert",
+                                k ? "add.frag" : "no.frag", &p), GP_ERR_BUG);
+            assert_said(k ? "no.vert" : "no.frag");
+        }
+        assert_int_equal(p.id, 0);
+        assert_ok(gp_gl_check(&log_kept, gl, "test"));
+        gp_gl_close(&gl);
+    }
+}
+
+static void shader_files_open_with_a_comment(void **state)
+{
+    int files = 0;
+    for (const struct gp_shader_file *f = gp_shader_files; f->name; f++) {
+        assert_memory_equal(f->text, "// ", 3);
+        if (strcmp(f->name, "common.glsl") == 0)
+            continue;
+        files++;
+        if (!strstr(f->text, "\n// in ") || !strstr(f->text, "\n// out ") ||
+            !strstr(f->text, "\n// CPU twin: "))
+            fail_msg("%s: in, out or CPU twin is missing", f->name);
+    }
+    assert_true(files >= 4);
+}
+
+/* -- what shaders get ------------------------------------------------------ */
+
+static struct gp_program program_of(struct gp_gl *gl, const char *defines,
+                                    const char *vert, const char *frag)
+{
+    const struct gp_shader_file v = {"test.vert", vert};
+    const struct gp_shader_file f = {"test.frag", frag};
+    struct gp_program p = {0};
+    if (gp_program_from_text(&log_kept, gl, defines, &v, &f, &p) != GP_OK)
+        fail_msg("%s", last_line);
+    return p;
+}
+
+/* Draws once, the whole target when nothing else is said. */
+static void draw_once(struct gp_gl *gl, const struct gp_program *p,
+                      const struct gp_target *to,
+                      const struct gp_uniform *uniform, bool replace)
+{
+    const struct gp_draw draw = {
+        .program = p, .target = to, .cut = {0, 0, 999, 999},
+        .uniform = uniform, .vertices = 3, .instances = 1, .replace = replace,
+    };
+    if (gp_draw_run(&log_kept, gl, &draw) != GP_OK)
+        fail_msg("%s", last_line);
+}
+
+static const char eight[] =
+    "uniform float first;\n"
+    "layout(location = 0) out vec4 o0; layout(location = 1) out vec4 o1;\n"
+    "layout(location = 2) out vec4 o2; layout(location = 3) out vec4 o3;\n"
+    "layout(location = 4) out vec4 o4; layout(location = 5) out vec4 o5;\n"
+    "layout(location = 6) out vec4 o6; layout(location = 7) out vec4 o7;\n"
+    "void main() {\n"
+    "    vec4 v = vec4(gl_FragCoord.xy, first, 0.0);\n"
+    "    o0 = v; v.a++; o1 = v; v.a++; o2 = v; v.a++; o3 = v; v.a++;\n"
+    "    o4 = v; v.a++; o5 = v; v.a++; o6 = v; v.a++; o7 = v; }\n";
+
+/* Each attachment has its own output, and its own sums; all are cleared. */
+static void attachments_are_apart(void **state)
+{
+    static float px[4 * 5 * 3];
+    const struct gp_rect all = {0, 0, 5, 3};
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_program p = program_of(gl, "", good_vert.text, eight);
+    const struct gp_uniform u[] = {{.name = "first", .floats = 1,
+                                    .f = {0.25f}}, {0}};
+    for (int n = 1; n <= GP_ATTACHMENTS; n++) {
+        struct gp_target t = {0};
+        assert_ok(
+            gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, n, 5, 3, &t));
+        assert_int_equal(t.n, n);
+        draw_once(gl, &p, &t, u, true);
+        draw_once(gl, &p, &t, u, true);
+        draw_once(gl, &p, &t, u, false);
+        for (int i = 0; i < n; i++) {
+            gp_target_read(gl, &t, i, all, px);
+            for (int k = 0; k < 15; k++) {
+                assert_true(px[4 * k] == 2.0f * (float) (k % 5) + 1.0f);
+                assert_true(px[4 * k + 1] == 2.0f * (float) (k / 5) + 1.0f);
+                assert_true(px[4 * k + 2] == 0.5f);
+                assert_true(px[4 * k + 3] == 2.0f * (float) i);
+            }
+        }
+        gp_target_clear(gl, &t, all);
+        for (int i = 0; i < n; i++) {
+            gp_target_read(gl, &t, i, all, px);
+            for (int k = 0; k < 60; k++)
+                assert_true(px[k] == 0.0f);
+        }
+        gp_target_free(gl, &t);
+        assert_int_equal(t.n, 0);
+    }
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
+    gp_program_free(gl, &p);
+    gp_gl_close(&gl);
+}
+
+/* One value of each kind reaches the shader. */
+static void uniforms_arrive(void **state)
+{
+    static const char frag[] =
+        "uniform float one; uniform vec2 two; uniform vec4 four;\n"
+        "uniform ivec2 whole; uniform sampler2D texture0, smooth0;\n"
+        "layout(rgba32f) readonly uniform image2D image0;\n"
+        "layout(rgba32f) readonly uniform imageBuffer list0;\n"
+        "layout(std140) uniform Block { vec4 entry[2]; };\n"
+        "layout(location = 0) out vec4 a; layout(location = 1) out vec4 b;\n"
+        "layout(location = 2) out vec4 c;\n"
+        "void main() {\n"
+        "    a = vec4(one, two, four.w);\n"
+        "    b = vec4(whole, texelFetch(texture0, ivec2(1, 0), 0).g,\n"
+        "             imageLoad(image0, ivec2(0, 1)).b);\n"
+        "    c = vec4(imageLoad(list0, 2).r, entry[1].a, VALUE,\n"
+        "             textureLod(smooth0, two, 0.0).r); }\n";
+    static const float texels[16] = {[5] = 7.0f, [10] = 8.0f, [12] = 9.0f};
+    static const float want[12] = {0.5f, 0.25f, 0.75f, 3.0f, -4.0f, 5.0f,
+                                   7.0f, 8.0f,  11.0f, 12.0f, 13.0f, 12.0f};
+    static const float entries[12] = {[7] = 12.0f, [8] = 11.0f};
+    const struct gp_rect square = {0, 0, 2, 2};
+    struct gp_texture sharp = {0}, smooth = {0};
+    struct gp_texel_buffer list = {0};
+    struct gp_uniform_block block = {0};
+    struct gp_target t = {0};
+    float got[12];
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_program p = program_of(gl, "#define VALUE 13.0\n",
+                                     good_vert.text, frag);
+    assert_ok(
+        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
+    assert_ok(
+        gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
+    assert_ok(gp_texel_buffer_make(&log_kept, gl, "c", 3, &list));
+    assert_ok(gp_uniform_block_make(&log_kept, gl, "d", 32, &block));
+    assert_ok(gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t));
+    gp_texture_write(gl, &sharp, square, texels);
+    float rows[16] = {0};
+    rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
+    gp_texture_write(gl, &smooth, square, rows);
+    gp_texel_buffer_write(gl, &list, 1, 2, entries + 4);
+    gp_uniform_block_write(gl, &block, entries, 32);
+    const struct gp_uniform u[] = {
+        {.name = "one", .floats = 1, .f = {0.5f}},
+        {.name = "two", .floats = 2, .f = {0.25f, 0.75f}},
+        {.name = "four", .floats = 4, .f = {0, 0, 0, 3.0f}},
+        {.name = "whole", .v = {-4, 5}},
+        {.name = "smooth0", .texture = &smooth},
+        {.name = "texture0", .texture = &sharp},
+        {.name = "image0", .image = &sharp}, {.name = "list0", .texels = &list},
+        {.name = "Block", .block = &block}, {0}};
+    draw_once(gl, &p, &t, u, true);
+    for (int i = 0; i < 3; i++)
+        gp_target_read(gl, &t, i, (struct gp_rect) {0, 0, 1, 1},
+                            got + 4 * i);
+    for (int i = 0; i < 12; i++)
+        assert_true(got[i] == want[i]);
+    const struct gp_uniform absent[] = {{.name = "Absent", .block = &block},
+                                        {0}};
+    const struct gp_draw draw = {.program = &p, .target = &t,
+                                 .cut = {0, 0, 1, 1}, .uniform = absent,
+                                 .vertices = 3, .instances = 1};
+    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_ERR_BUG);
+    assert_said("Absent");
+    assert_ok(gp_gl_check(&log_kept, gl, "test"));
+    gp_texture_free(gl, &sharp);
+    gp_texture_free(gl, &smooth);
+    gp_texel_buffer_free(gl, &list);
+    gp_texel_buffer_free(gl, &list);
+    gp_uniform_block_free(gl, &block);
+    gp_uniform_block_free(gl, &block);
+    gp_target_free(gl, &t);
+    gp_program_free(gl, &p);
+    gp_gl_close(&gl);
+}
+
+/* Between texel centres as a straight line, beyond them the edge. */
+static void linear_textures_mix(void **state)
+{
+    static const char frag[] =
+        "uniform sampler2D t; uniform vec2 at; out vec4 c;\n"
+        "void main() { c = textureLod(t, at, 0.0); }\n";
+    static const float texels[16] = {1, 0, 0, 0, 2, 0, 0, 0,
+                                     5, 0, 0, 0, 9, 0, 0, 0};
+    static const struct { float x, y, want; } rows[] = {
+        {0.25f, 0.25f, 1.0f}, {0.75f, 0.25f, 2.0f}, {0.5f, 0.25f, 1.5f},
+        {0.5f, 0.5f, 4.25f}, {0.25f, 0.375f, 2.0f}, {0.0f, 0.0f, 1.0f},
+        {-3.0f, 0.25f, 1.0f}, {9.0f, 9.0f, 9.0f},
+    };
+    struct gp_texture t = {0};
+    struct gp_target to = {0};
+    float px[4];
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_program p = program_of(gl, "", good_vert.text, frag);
+    assert_ok(gp_texture_make(&log_kept, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
+    assert_ok(
+        gp_target_make(&log_kept, gl, "to", GP_TEXEL_FLOAT, 1, 1, 1, &to));
+    gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const struct gp_uniform u[] = {
+            {.name = "t", .texture = &t},
+            {.name = "at", .floats = 2, .f = {rows[i].x, rows[i].y}}, {0}};
+        draw_once(gl, &p, &to, u, true);
+        gp_target_read(gl, &to, 0, (struct gp_rect) {0, 0, 1, 1}, px);
+        assert_float_equal(px[0], rows[i].want, 0.02); // GPUs have 8 bits
+    }
+    gp_texture_free(gl, &t);
+    gp_target_free(gl, &to);
+    gp_program_free(gl, &p);
+    gp_gl_close(&gl);
+}
+
+/* Squares of points, also of those whose centre is outside the target. */
+static void points_are_squares(void **state)
+{
+    static const char vert[] =
+        "uniform vec4 at;\n" // centre in pixels, size of the view
+        "uniform float side;\n"
+        "void main() { gl_Position = vec4(2.0 * at.xy / at.zw - 1.0, 0.0,\n"
+        "                                 1.0);\n"
+        "    gl_PointSize = side; }\n";
+    static const char frag[] = "out vec4 c; void main() { c = vec4(1.0); }\n";
+    static const struct {
+        float x, y, side;
+        int view; // pixels that the view has around the target
+        int want; // pixels
+    } rows[] = {
+        {4.5f, 4.5f, 1, 0, 1}, {4.5f, 4.5f, 3, 0, 9}, {4, 4, 4, 0, 16},
+        {0.5f, 0.5f, 5, 0, 9}, {-0.5f, 4.5f, 5, 0, 0},
+        {-0.5f, 4.5f, 5, 3, 10}, {-0.5f, -0.5f, 5, 3, 4}, {4, 4, 40, 8, 64},
+    };
+    struct gp_target t = {0};
+    float px[4 * 64];
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    assert_true(gp_gl_info(gl)->max_point >= 40.0f);
+    struct gp_program p = program_of(gl, "", vert, frag);
+    assert_ok(gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, 8, 8, &t));
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        int more = rows[i].view, found = 0;
+        float size = (float) (8 + 2 * more);
+        const struct gp_uniform u[] = {
+            {.name = "at", .floats = 4, .f = {rows[i].x + (float) more,
+                                              rows[i].y + (float) more, size,
+                                              size}},
+            {.name = "side", .floats = 1, .f = {rows[i].side}}, {0}};
+        const struct gp_draw draw = {
+            .program = &p, .target = &t, .cut = {0, 0, 8, 8},
+            .view = {-more, -more, 8 + more, 8 + more}, .uniform = u,
+            .vertices = 1, .instances = 1, .points = true};
+        gp_target_clear(gl, &t, (struct gp_rect) {0, 0, 8, 8});
+        assert_ok(gp_draw_run(&log_kept, gl, &draw));
+        gp_target_read(gl, &t, 0, (struct gp_rect) {0, 0, 8, 8}, px);
+        for (int k = 0; k < 64; k++)
+            found += px[4 * k] == 1.0f;
+        if (found != rows[i].want)
+            fail_msg("row %zu: %d pixels, not %d", i, found, rows[i].want);
+    }
+    gp_target_free(gl, &t);
+    gp_program_free(gl, &p);
+    gp_gl_close(&gl);
+}
+
+/* A draw sees what its list held when it was asked for, though the list is
+ * written again, and made anew, before anything is read back. */
+static void lists_wait_for_draws(void **state)
+{
+    enum { SIDE = 256, DRAWS = 6 };
+    static const char frag[] =
+        "layout(rgba32f) readonly uniform imageBuffer list; out vec4 c;\n"
+        "void main() { c = vec4(0.0);\n"
+        "    for (int i = 0; i < 64; i++) c += imageLoad(list, i); }\n";
+    static float px[4 * SIDE * SIDE];
+    float entries[4 * 64];
+    struct gp_texel_buffer list = {0};
+    struct gp_target t = {0};
+    const struct gp_rect all = {0, 0, SIDE, SIDE};
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    struct gp_program p = program_of(gl, "", good_vert.text, frag);
+    assert_ok(
+        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, SIDE, SIDE, &t));
+    gp_target_clear(gl, &t, all);
+    for (int d = 0; d < DRAWS; d++) {
+        const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
+        if (d % 2 == 0) {
+            gp_texel_buffer_free(gl, &list);
+            assert_ok(gp_texel_buffer_make(&log_kept, gl, "l", 64, &list));
+        }
+        for (int i = 0; i < 4 * 64; i++)
+            entries[i] = (float) (1 << d);
+        gp_texel_buffer_write(gl, &list, 0, 64, entries);
+        draw_once(gl, &p, &t, u, false);
+    }
+    gp_texel_buffer_free(gl, &list);
+    gp_target_read(gl, &t, 0, all, px);
+    for (int i = 0; i < 4 * SIDE * SIDE; i++)
+        assert_true(px[i] == 64.0f * (float) ((1 << DRAWS) - 1));
+    gp_target_free(gl, &t);
+    gp_program_free(gl, &p);
+    gp_gl_close(&gl);
+}
+
 // old_version_is_named comes before any Mesa
 SUITE_OF(gl, NULL, NULL,
     old_version_is_named, opens_and_closes, missing_library_is_named,
     auto_falls_back, wrong_library_fails, limit_can_only_be_lowered,
     contexts_live_side_by_side, errors_are_named_and_cleared,
-    blocks_and_lists_have_limits)
+    blocks_and_lists_have_limits, compiler_speaks_of_the_file,
+    shader_files_open_with_a_comment, attachments_are_apart, uniforms_arrive,
+    linear_textures_mix, points_are_squares, lists_wait_for_draws)

@@ -310,13 +310,12 @@ enum { W = 60, H = 50 };
 /* A black frame with lights of 2 at these pixels. */
 static struct scene lit_scene(const int (*at)[2], int n, struct gp_kernel k)
 {
-    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     struct gp_frame f = scene_frame(W, H, -7, 3, DARK, 1);
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < n; i++)
             f.rgb.c[c][at[i][1] * W + at[i][0]] = 2.0f;
     }
-    return scene_sense(f, k, &p);
+    return scene_sense(f, k, &usual);
 }
 
 /* A picture of 0.25 with the outlines drawn over it. */
@@ -399,11 +398,10 @@ static void all_that_are_drawn_have_one(void **state)
          .method = GP_GROUP_MOMENTS},
         {.group = 8, .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS},
     };
-    const struct gp_sensor_params sensors = GP_SENSOR_DEFAULTS;
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = scene_sense(scene_frame(W, H, -7, 3, BLOCK, 5),
                                      scene_kernel(31, 20, MID, MID, PEAK),
-                                     &sensors);
+                                     &usual);
         struct gp_polygons polygons;
         struct gp_shrink shrink;
         assert_ok(gp_polygons_make(NULL, &s.src, &rows[i], &polygons));

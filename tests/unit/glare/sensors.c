@@ -1,7 +1,10 @@
-/* glare/sensors.c against a plain pixel-by-pixel form of its contract. */
+/* Sensors by their contract's words, and lists of sources, which are whole
+ * however they were made. */
 #include "unit.h"
 #include "glare/glare_priv.h"
+#include "glare/sources.h"
 #include "hard_cases.h"
+#include "said.h"
 
 /* -- cleaning ---------------------------------------------------------------*/
 
@@ -105,14 +108,12 @@ static void darkest_is_robust(void **state)
             f.rgb.c[c][i] = i < n / 2 ? 0.0f : 0.25f + (float) (i % 7);
         f.rgb.c[c][n - 1] = 1e-30f;
     }
-    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
-                       &src));
+    assert_ok(gp_sense(NULL, &usual, &f, &src));
     assert_true(src.darkest <= 0.25 && src.darkest >= 0.25 * 15 / 16 * 15 / 16);
     gp_sources_free(&src);
     for (int c = 0; c < 3; c++)
         memset(f.rgb.c[c], 0, n * sizeof(float));
-    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
-                       &src));
+    assert_ok(gp_sense(NULL, &usual, &f, &src));
     assert_true(src.darkest == 0.0 && src.n == 0);
     gp_sources_free(&src);
     gp_frame_free(&f);
@@ -131,8 +132,7 @@ static void weights_are_the_frames(void **state)
     f.rgb.c[2][2] = 0.6f;                          // 1.2
     f.rgb.c[2][3] = 0.6f; f.rgb.c[1][3] = 0.3f;    // 0.9
     f.rgb.c[2][4] = 0.6f; f.rgb.c[1][4] = -9.0f;   // 1.2: negative is no light
-    assert_ok(gp_sense(NULL, &(struct gp_sensor_params) GP_SENSOR_DEFAULTS, &f,
-                       &src));
+    assert_ok(gp_sense(NULL, &usual, &f, &src));
     assert_int_equal(src.n, 2);
     assert_int_equal(src.x[0], 2);
     assert_int_equal(src.x[1], 4);
@@ -141,6 +141,177 @@ static void weights_are_the_frames(void **state)
     gp_frame_free(&f);
 }
 
+static void add_source(const struct gp_sources *s, uint32_t i, double flux[3],
+                       double energy[3], uint32_t *count)
+{
+    float largest = 0.0f;
+    for (int c = 0; c < 3; c++) {
+        const float v = s->rgb[c][i];
+        assert_true(isfinite(v) && v >= 0.0f);
+        flux[c] += (double) v;
+        energy[c] += (double) v * (double) v;
+        largest = fmaxf(largest, v);
+    }
+    assert_true(largest >= FLT_MIN);
+    count[gp_source_bin(largest)]++;
+    assert_true(largest <= s->brightest);
+    assert_true(largest >= gp_source_bin_start(gp_source_bin(largest)));
+}
+
+/* Order, sums, counts and box, each from the list alone. */
+static void assert_list(const struct gp_sources *s, const char *what)
+{
+    double flux[3] = {0}, energy[3] = {0};
+    static uint32_t count[GP_SOURCE_BINS];
+    struct gp_rect box = {s->w, s->h, 0, 0};
+    memset(count, 0, sizeof count);
+    assert_int_equal(s->row[0], 0);
+    assert_int_equal(s->row[s->h], s->n);
+    for (int y = 0; y < s->h; y++) {
+        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
+            assert_true(s->x[i] >= 0 && s->x[i] < s->w);
+            assert_true(i == s->row[y] || s->x[i] > s->x[i - 1]);
+            add_source(s, i, flux, energy, count);
+            box.x0 = s->x[i] < box.x0 ? s->x[i] : box.x0;
+            box.x1 = s->x[i] >= box.x1 ? s->x[i] + 1 : box.x1;
+            box.y0 = y < box.y0 ? y : box.y0;
+            box.y1 = y + 1;
+        }
+    }
+    if (!s->n)
+        box = (struct gp_rect) {0};
+    assert_memory_equal(&box, &s->box, sizeof box);
+    assert_memory_equal(count, s->count, sizeof count);
+    for (int c = 0; c < 3; c++) {
+        if (!(fabs(flux[c] - s->flux[c]) <= 1e-12 * flux[c]) ||
+            !(fabs(energy[c] - s->energy[c]) <= 1e-12 * energy[c]))
+            fail_msg("%s: flux %g or energy %g of channel %d", what,
+                     s->flux[c], s->energy[c], c);
+    }
+}
+
+static void lists_are_whole(void **state)
+{
+    for (int i = 0; i < HARD_CASES; i++) {
+        struct scene s = hard_sense(&hard_cases[i]);
+        assert_list(&s.src, hard_cases[i].name);
+        scene_free(&s);
+    }
+}
+
+static void bins_are_half_octaves(void **state)
+{
+    for (int b = 0; b < GP_SOURCE_BINS - 3; b++) {
+        const float start = gp_source_bin_start(b);
+        const float end = gp_source_bin_start(b + 1);
+        assert_true(end > start && isfinite(start));
+        assert_true(b < 2 || end / start <= 1.5f);
+        assert_int_equal(gp_source_bin(start), b);
+        assert_int_equal(gp_source_bin(nextafterf(end, 0.0f)), b);
+    }
+    assert_true(gp_source_bin_start(0) == 0.0f);
+    assert_true(gp_source_bin(FLT_MAX) < GP_SOURCE_BINS);
+}
+
+/* Each source is in one part, in its order. */
+static void parts_hold_all(void **state)
+{
+    static const float limits[] = {0.0f, 1.1f, 2.0f, 100.0f, 1e6f, INFINITY};
+    struct scene s = hard_sense(&hard_cases[6]);
+    for (size_t k = 0; k < COUNT(limits); k++) {
+        struct gp_sources part[2]; // hot, rest
+        uint32_t at[2] = {0, 0};
+        assert_ok(
+            gp_sources_split(NULL, &s.src, limits[k], &part[0], &part[1]));
+        for (int y = 0; y < s.src.h; y++) {
+            for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
+                const int cold = !(s.src.rgb[0][i] >= limits[k] ||
+                                   s.src.rgb[1][i] >= limits[k] ||
+                                   s.src.rgb[2][i] >= limits[k]);
+                const struct gp_sources *const p = &part[cold];
+                assert_true(at[cold] < p->row[y + 1]);
+                assert_int_equal(p->x[at[cold]], s.src.x[i]);
+                for (int c = 0; c < 3; c++)
+                    assert_true(p->rgb[c][at[cold]] == s.src.rgb[c][i]);
+                at[cold]++;
+            }
+        }
+        for (int c = 0; c < 2; c++) {
+            assert_int_equal(at[c], part[c].n);
+            assert_list(&part[c], c ? "rest" : "hot");
+            gp_sources_free(&part[c]);
+        }
+    }
+    scene_free(&s);
+}
+
+static struct gp_sources dark_list(void)
+{
+    const struct gp_sources like = {.w = 20, .h = 10, .faint = {1e-39}};
+    struct gp_sources s;
+    assert_ok(gp_sources_make(NULL, &like, 0, &s));
+    gp_sources_finish(&s);
+    return s;
+}
+
+static void light_outside_is_refused(void **state)
+{
+    static const int outside[][2] = {
+        {-1, 0}, {20, 0}, {0, -1}, {0, 10}, {INT_MIN, INT_MAX},
+    };
+    struct gp_sources dark = dark_list();
+    for (size_t i = 0; i < COUNT(outside); i++) {
+        struct gp_sources out = {0};
+        struct gp_source one = {outside[i][0], outside[i][1], {1, 1, 1}};
+        said_nothing();
+        assert_int_equal(gp_sources_join(&said_log, &dark, &one, 1, &out),
+                         GP_ERR_BUG);
+        assert_int_equal(said_errors, 1);
+        assert_null(out.row);
+    }
+    gp_sources_free(&dark);
+}
+
+/* Any order gives the same sum, black light is none, and what is under FLT_MIN
+ * counts as 0. */
+static void light_joins(void **state)
+{
+    static const float lights[] = {0.1f, 1e7f, -0.0f, 3e-4f};
+    struct gp_sources dark = dark_list();
+    for (int turn = 0; turn < 4; turn++) {
+        struct gp_source list[12];
+        struct gp_sources out, twice;
+        for (int i = 0; i < 8; i++) {
+            const float v = lights[(i + turn) % 4];
+            list[i] = (struct gp_source) {i < 4 ? 7 : i % 2 ? 3 : 19,
+                                          i < 4 ? 5 : 2, {v, v, v}};
+        }
+        list[8] = (struct gp_source) {3, 2, {0, 0, 0}};
+        list[9] = (struct gp_source) {4, 2, {1e-39f, 0, 2e-39f}};
+        list[10] = (struct gp_source) {9, 9, {3.0f, 1e-40f, FLT_MIN}};
+        list[11] = (struct gp_source) {10, 9, {1e-37f, 1e-40f, FLT_MIN}};
+        assert_ok(gp_sources_join(&said_log, &dark, list, 12, &out));
+        assert_list(&out, "joined");
+        assert_int_equal(out.n, 5);
+        assert_true(out.x[0] == 3 && out.x[1] == 19 && out.x[2] == 7);
+        assert_true(out.rgb[0][2] == (3e-4f + 0.1f) + 1e7f);
+        assert_true(out.rgb[0][3] == 3.0f && out.rgb[1][3] == 1e-40f);
+        assert_true(out.rgb[0][4] == 1e-37f && out.rgb[1][4] == 0.0f &&
+                    out.rgb[2][4] == FLT_MIN);
+        assert_true(out.faint[0] == 1e-39 + (double) 1e-39f &&
+                    out.faint[1] == (double) 1e-40f &&
+                    out.faint[2] == (double) 2e-39f);
+        struct gp_source one = {9, 9, {1.0f, 1.0f, 1.0f}};
+        assert_ok(gp_sources_join(NULL, &out, &one, 1, &twice));
+        assert_list(&twice, "joined twice");
+        assert_true(twice.n == 5 && twice.rgb[0][3] == 4.0f);
+        gp_sources_free(&out);
+        gp_sources_free(&twice);
+    }
+    gp_sources_free(&dark);
+}
+
 SUITE_OF(sensors, NULL, NULL,
     bad_pixels_stay_alone, threshold_is_shut, knee_is_smooth, darkest_is_robust,
-    weights_are_the_frames)
+    weights_are_the_frames, lists_are_whole, bins_are_half_octaves,
+    parts_hold_all, light_outside_is_refused, light_joins)

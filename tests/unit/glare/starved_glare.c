@@ -377,13 +377,12 @@ static struct gp_kernel kernel_of(const struct starved *r, int side)
 
 static void begin(const struct starved *r, int times)
 {
-    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     const int w = r->side ? r->side : times * W;
     const int h = r->side ? r->side : times * H;
     row = r;
     size = r->size ? r->size : times * SIZE;
     scene = scene_sense(scene_frame(w, h, -7, 11, r->light, 6u),
-                        kernel_of(r, size), &p);
+                        kernel_of(r, size), &usual);
     other = kernel_of(r, size + 8);
 }
 

@@ -65,9 +65,8 @@ static fftw_plan plan_twice(int n, fftw_complex *a, fftw_complex *b, int sign,
 static struct scene make_scene(enum light light, int w, int h, int size,
                                int cx)
 {
-    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     return scene_sense(scene_frame(w, h, 0, 0, light, 4u),
-                       scene_kernel(size, size, cx, size / 2, PEAK), &p);
+                       scene_kernel(size, size, cx, size / 2, PEAK), &usual);
 }
 
 /* Every plan in turn, of the engine and of the reference. */
