@@ -1,11 +1,11 @@
-/* What tests of io/read share: the error lines that were heard, and a folder
- * of their own for those that make files. */
+/* What tests of io/read share: errors go to said_line; a folder for files. */
 #ifndef READING_H
 #define READING_H
 
 #include "core/frame.h"
 #include "io/read.h"
 
+#include "said.h"
 #include "unit.h"
 
 #include <unistd.h>
@@ -13,30 +13,19 @@
 static char folder[] __attribute__((unused)) = "/tmp/glarepp-test-XXXXXX";
 static char path[256] __attribute__((unused));
 
-/* The last error line, and how many there were. */
-static struct {
-    char line[4096];
-    int count;
-} heard;
-
-static void listen(void *user, enum gp_level level, const char *line)
+/* That name in the folder, which stays `path` until the next call. */
+static inline const char *in_folder(const char *name)
 {
-    (void) user;
-    if (level != GP_LEVEL_ERROR && level != GP_LEVEL_BARE)
-        return;
-    snprintf(heard.line, sizeof heard.line, "%s", line);
-    heard.count++;
+    snprintf(path, sizeof path, "%s/%s", folder, name);
+    return path;
 }
-
-static const struct gp_log hear = {listen, NULL, GP_LEVEL_ERROR};
 
 static gp_status read_file(const char *name, struct gp_frame *f)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
-    heard.line[0] = '\0';
-    heard.count = 0;
+    said_nothing();
     *f = (struct gp_frame) {0};
-    return gp_read_frame(&hear, &p, name, f);
+    return gp_read_frame(&said_log, &p, name, f);
 }
 
 /* One error line, of this status, that says `what`, and no frame. */
@@ -45,10 +34,10 @@ static inline void assert_refused(const char *name, gp_status want,
 {
     struct gp_frame f;
     assert_int_equal(read_file(name, &f), want);
-    assert_int_equal(heard.count, 1);
-    assert_non_null(strstr(heard.line, what));
-    assert_ptr_equal(strstr(heard.line, name), heard.line);
-    assert_non_null(strstr(heard.line, "; ")); // what to do
+    assert_int_equal(said_errors, 1);
+    assert_non_null(strstr(said_line, what));
+    assert_ptr_equal(strstr(said_line, name), said_line);
+    assert_non_null(strstr(said_line, "; ")); // what to do
     assert_null(f.rgb.c[0]);
 }
 

@@ -148,8 +148,7 @@ static inline void *wf_samples(const struct gp_channel *c, int number)
 {
     const size_t n = (size_t) c->w * (size_t) c->h;
     void *data;
-    assert_int_equal(gp_alloc(NULL, "samples", n, gp_type_size(c->type),
-                              &data), 0);
+    assert_ok(gp_alloc(NULL, "samples", n, gp_type_size(c->type), &data));
     for (size_t i = 0; i < n; i++) {
         const int x = (int) (i % (size_t) c->w), y = (int) (i / (size_t) c->w);
         const float v = wf_value(number, x, y);
@@ -180,16 +179,15 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
     memcpy(f.chromaticities, gp_rec709_chromaticities,
            sizeof f.chromaticities);
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    assert_int_equal(gp_planes_make(NULL, "rgb", gp_frame_pixels(&f), &f.rgb),
-                     0);
+    assert_ok(gp_planes_make(NULL, "rgb", gp_frame_pixels(&f), &f.rgb));
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < gp_frame_pixels(&f); i++)
             f.rgb.c[c][i] = wf_value(c, (int) i % w, (int) i / w);
     }
     while (list[f.channels].name)
         f.channels++;
-    assert_int_equal(gp_alloc_zero(NULL, "channels", (size_t) f.channels,
-                                   sizeof *f.channel, &mem), 0);
+    assert_ok(gp_alloc_zero(NULL, "channels", (size_t) f.channels,
+                            sizeof *f.channel, &mem));
     f.channel = mem;
     for (int i = 0; i < f.channels; i++) {
         struct gp_channel *c = &f.channel[i];
@@ -205,6 +203,14 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
             c->data = wf_samples(c, i);
     }
     return f;
+}
+
+/* The same with windows from 0, 0. */
+static inline struct gp_frame wf_sized(int w, int h,
+                                       const struct wf_channel *list)
+{
+    const struct gp_rect r = {0, 0, w, h};
+    return wf_frame(r, r, list);
 }
 
 /* Samples of random bits: NaN with payloads among them. `finite` clears the
@@ -227,22 +233,50 @@ static inline void wf_fill_bits(const struct gp_frame *f, bool finite)
     }
 }
 
-/* gp_write_hdr() of the frame's own colour. */
+// -- writing ------------------------------------------------------------------
+
+/* Outputs are names in the folder, or "-"; no parameters are the defaults. */
+
+static struct gp_write_stats wf_stats; // of all that was written
+static const struct gp_write_params wf_defaults = GP_WRITE_DEFAULTS;
+
+static inline const char *wf_output(const char *name)
+{
+    return name[0] == '-' ? name : wf_path(name);
+}
+
+static inline gp_status wf_write_set(const struct gp_write_params *p,
+                                     const char *name,
+                                     const struct gp_hdr_colour *set, int n)
+{
+    wf_line[0] = '\0';
+    return gp_write_hdr(&wf_log, p ? p : &wf_defaults, wf_output(name), set, n,
+                        &wf_stats);
+}
+
+/* The --hdr of the frame's own colour. */
 static inline gp_status wf_write_hdr(const struct gp_write_params *p,
-                                     const char *path,
-                                     const struct gp_frame *f,
-                                     struct gp_write_stats *stats)
+                                     const char *name, const struct gp_frame *f)
 {
     const struct gp_hdr_colour colour = {f, &f->rgb};
-    return gp_write_hdr(&wf_log, p, path, &colour, 1, stats);
+    return wf_write_set(p, name, &colour, 1);
+}
+
+static inline gp_status wf_write(const struct gp_write_params *p,
+                                 const char *name, const struct gp_frame *f,
+                                 enum gp_picture_kind kind)
+{
+    wf_line[0] = '\0';
+    return gp_write_picture(&wf_log, p ? p : &wf_defaults, wf_output(name), f,
+                            &f->rgb, kind, &wf_stats);
 }
 
 /* The frame of a file that must be readable; the caller frees it. */
-static inline struct gp_frame wf_read_back(const char *path)
+static inline struct gp_frame wf_read_back(const char *name)
 {
     static const struct gp_read_params params = GP_READ_DEFAULTS;
     struct gp_frame f;
-    if (gp_read_frame(&wf_log, &params, path, &f))
+    if (gp_read_frame(&wf_log, &params, wf_path(name), &f))
         fail_msg("%s", wf_line);
     return f;
 }
@@ -253,12 +287,19 @@ static inline struct gp_frame wf_trip(const struct gp_frame *f,
                                       enum gp_out_type type)
 {
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     p.compression = compression;
     p.type = type;
-    if (wf_write_hdr(&p, wf_path("a.exr"), f, &stats))
+    if (wf_write_hdr(&p, "a.exr", f))
         fail_msg("%s", wf_line);
-    return wf_read_back(wf_path("a.exr"));
+    return wf_read_back("a.exr");
+}
+
+/* The colour of both is the same, bit by bit. */
+static inline void wf_assert_planes(const struct gp_planes *a,
+                                    const struct gp_planes *b, size_t n)
+{
+    for (int c = 0; c < 3; c++)
+        assert_memory_equal(a->c[c], b->c[c], n * sizeof(float));
 }
 
 /* Whether OpenImageIO is there, for DWA. */

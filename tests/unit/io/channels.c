@@ -4,18 +4,9 @@
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 
+#include "said.h"
+
 enum { NAMES = 12 };
-
-static char last_line[4096];
-
-static void listen(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(last_line, sizeof last_line, "%s", line);
-}
-
-static const struct gp_log hear = {listen, NULL, GP_LEVEL_WARN};
 
 /* A frame of names only; the channels are the caller's. */
 static struct gp_frame frame_of(const char *const name[NAMES],
@@ -68,14 +59,14 @@ static void depth_by_search(void **state)
         struct gp_channel channel[NAMES];
         struct gp_frame f = frame_of(row[i].name, channel);
         int found = -2;
-        gp_status st = gp_find_depth(&hear, &f, NULL, &found);
+        gp_status st = gp_find_depth(&said_log, &f, NULL, &found);
         if (row[i].also) {
             assert_int_equal(st, GP_ERR_DATA);
-            assert_non_null(strstr(last_line, row[i].want));
-            assert_non_null(strstr(last_line, row[i].also));
+            assert_non_null(strstr(said_line, row[i].want));
+            assert_non_null(strstr(said_line, row[i].also));
             continue;
         }
-        assert_int_equal(st, GP_OK);
+        assert_ok(st);
         if (!row[i].want)
             assert_int_equal(found, -1);
         else
@@ -93,25 +84,29 @@ static void names_of_any_length(void **state)
     const char *const list[NAMES] = {"X", "Y", name};
     struct gp_frame f = frame_of(list, channel);
     int found = -2;
-    assert_int_equal(gp_find_depth(&hear, &f, NULL, &found), GP_OK);
+    assert_ok(gp_find_depth(&said_log, &f, NULL, &found));
     assert_int_equal(found, 2);
 }
 
 static void channels_by_name(void **state)
 {
     static const char *const name[NAMES] = {"A", "R", "normals.Z", "Z"};
+    static const struct {
+        const char *name;
+        int found; // -1: a usage error
+    } row[] = {
+        // what the user names is taken, also where searching would not
+        {"normals.Z", 2}, {"A", 0}, {"a", -1}, {"Y", -1}, {"", -1},
+    };
     struct gp_channel channel[NAMES];
     struct gp_frame f = frame_of(name, channel);
-    int found = -2;
-    // what the user names is taken, also where searching would not
-    assert_int_equal(gp_find_depth(&hear, &f, "normals.Z", &found), GP_OK);
-    assert_int_equal(found, 2);
-    assert_int_equal(gp_find_depth(&hear, &f, "A", &found), GP_OK);
-    assert_int_equal(found, 0);
-    assert_int_equal(gp_find_depth(&hear, &f, "a", &found), GP_ERR_USAGE);
-    assert_non_null(strstr(last_line, "A, R, normals.Z, Z"));
-    assert_int_equal(gp_find_depth(&hear, &f, "Y", &found), GP_ERR_USAGE);
-    assert_int_equal(gp_find_depth(NULL, &f, "", &found), GP_ERR_USAGE);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        int found = -1;
+        assert_int_equal(gp_find_depth(&said_log, &f, row[i].name, &found),
+                         row[i].found < 0 ? GP_ERR_USAGE : GP_OK);
+        assert_int_equal(found, row[i].found);
+    }
+    assert_non_null(strstr(said_line, "A, R, normals.Z, Z"));
 }
 
 /* A line that lists the channels of a huge file stays a line. */
@@ -127,9 +122,9 @@ static void long_lists_are_cut(void **state)
     struct gp_frame f = {.path = name[0], .channel = channel,
                          .channels = MANY};
     int found;
-    assert_int_equal(gp_find_depth(&hear, &f, "Z", &found), GP_ERR_USAGE);
-    assert_true(strlen(last_line) < 2000);
-    assert_non_null(strstr(last_line, ", ..."));
+    assert_int_equal(gp_find_depth(&said_log, &f, "Z", &found), GP_ERR_USAGE);
+    assert_true(strlen(said_line) < 2000);
+    assert_non_null(strstr(said_line, ", ..."));
 }
 
 static void samples_of_every_type(void **state)
@@ -163,54 +158,40 @@ static void samples_of_every_type(void **state)
     }
 }
 
-static void subsampled_samples_are_repeated(void **state)
+/* A subsampled channel's samples are repeated; the last one stands for what
+ * is right of it and below it. Without samples nothing is written. */
+static void subsampled_channels(void **state)
 {
-    static float some[6] = {1, 2, 3, 4, 5, 6};
-    static struct gp_channel channel = {
-        .type = GP_FLOAT, .xs = 2, .ys = 3, .w = 3, .h = 2, .colour = -1,
-        .data = some,
+    static const struct {
+        int xs, ys, w, h; // of the samples
+        struct gp_rect window;
+    } row[] = {
+        {2, 3, 3, 2, {-4, -3, 2, 3}}, {2, 2, 2, 1, {0, 0, 5, 3}},
+        {4, 4, 0, 1, {1, 1, 3, 3}},   {4, 4, 1, 0, {1, 1, 3, 3}},
+        {4, 4, 0, 0, {1, 1, 3, 3}}, // the window is between two samples
     };
-    struct gp_frame f = {.data = {-4, -3, 2, 3}, .channel = &channel,
-                         .channels = 1};
-    float out[6 * 6];
-    gp_channel_floats(&f, 0, out);
-    for (int y = 0; y < 6; y++) {
-        for (int x = 0; x < 6; x++)
-            assert_true(out[6 * y + x] == some[y / 3 * 3 + x / 2]);
-    }
-}
-
-/* A window that lies between two samples: nothing is written. */
-static void channels_without_samples(void **state)
-{
-    static const int size[][2] = {{0, 1}, {1, 0}, {0, 0}};
-    static float none[1] = {7.0f};
-    for (size_t i = 0; i < COUNT(size); i++) {
+    static float some[6] = {1, 2, 3, 4, 5, 6};
+    for (size_t i = 0; i < COUNT(row); i++) {
+        const int w = row[i].w, h = row[i].h, width = gp_rect_w(row[i].window);
         struct gp_channel channel = {
-            .type = GP_FLOAT, .xs = 4, .ys = 4, .w = size[i][0],
-            .h = size[i][1], .colour = -1, .data = none,
+            .type = GP_FLOAT,
+            .xs = row[i].xs,
+            .ys = row[i].ys,
+            .w = w,
+            .h = h,
+            .colour = -1,
+            .data = some,
         };
-        struct gp_frame f = {.data = {1, 1, 3, 3}, .channel = &channel,
-                             .channels = 1};
-        float out[4] = {1, 2, 3, 4};
+        struct gp_frame f = {
+            .data = row[i].window, .channel = &channel, .channels = 1};
+        float out[36] = {0};
         gp_channel_floats(&f, 0, out);
-        for (int k = 0; k < 4; k++)
-            assert_true(out[k] == (float) (k + 1));
+        for (int k = 0; k < width * gp_rect_h(row[i].window); k++) {
+            const int x = k % width / row[i].xs, y = k / width / row[i].ys;
+            const int at = (y < h ? y : h - 1) * w + (x < w ? x : w - 1);
+            assert_true(out[k] == (w && h ? some[at] : 0.0f));
+        }
     }
-}
-
-/* The last sample stands for what is right of it and below it. */
-static void windows_past_the_last_sample(void **state)
-{
-    static float some[2] = {1, 2};
-    struct gp_channel channel = {.type = GP_FLOAT, .xs = 2, .ys = 2, .w = 2,
-                                 .h = 1, .colour = -1, .data = some};
-    struct gp_frame f = {.data = {0, 0, 5, 3}, .channel = &channel,
-                         .channels = 1};
-    float out[15];
-    gp_channel_floats(&f, 0, out);
-    for (int i = 0; i < 15; i++)
-        assert_true(out[i] == (i % 5 < 2 ? 1.0f : 2.0f));
 }
 
 // -- colour and ids ------------------------------------------------------------
@@ -362,8 +343,7 @@ static void layers_of_ids(void **state)
     }
 }
 
-SUITE_OF(channels, NULL, NULL,
-    depth_by_search, names_of_any_length, channels_by_name, long_lists_are_cut,
-    samples_of_every_type, subsampled_samples_are_repeated,
-    channels_without_samples, windows_past_the_last_sample, colour_of_names,
-    alpha_of_the_colour, layers_of_ids)
+SUITE_OF(channels, NULL, NULL, depth_by_search, names_of_any_length,
+         channels_by_name, long_lists_are_cut, samples_of_every_type,
+         subsampled_channels, colour_of_names, alpha_of_the_colour,
+         layers_of_ids)

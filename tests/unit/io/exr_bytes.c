@@ -8,16 +8,13 @@
 #include "exr_fixture.h"
 #include "reading.h"
 
-#define HALVES EXR_PIXEL_HALF
-#define W(n) FIXTURE_WINDOW(0, 0, n, n)
-
 static gp_status index_of(uint8_t *bytes, size_t size,
                           struct gp_exr_index *index)
 {
     const struct gp_stream s = {.fd = -1, .data = bytes, .size = size,
                                 .borrowed = true};
-    heard.count = 0;
-    return gp_exr_index_make(&hear, "a.exr", &s, index);
+    said_nothing();
+    return gp_exr_index_make(&said_log, "a.exr", &s, index);
 }
 
 /* -- values --------------------------------------------------------------------*/
@@ -149,7 +146,7 @@ static void write_with(const struct fixture *f, int part, const char *type,
     size_t all;
     uint8_t *bytes = fixture_make(f, &all), head[64];
     struct gp_exr_index index;
-    assert_int_equal(index_of(bytes, all, &index), GP_OK);
+    assert_ok(index_of(bytes, all, &index));
     const size_t at = index.part[part].to - 1;
     const size_t named = sizeof "shot" + strlen(type) + 1, more = named + 4;
     snprintf((char *) head, sizeof head, "shot%c%s", 0, type);
@@ -182,7 +179,7 @@ static void assert_read_or_not(bool good, const char *type, uint32_t size)
         assert_refused(path, GP_ERR_DATA, line);
         return;
     }
-    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_ok(read_file(path, &frame));
     gp_frame_free(&frame);
 }
 
@@ -204,15 +201,15 @@ static void files(void **state)
 {
     static const uint8_t bytes[200] = {0};
     static const struct fixture one = {.part = {{
-        .channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
+        .channel = {RGB(HALVES)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
     }}};
     static const struct fixture two = {.parts = 2, .part = {
-        {.name = "a", .channel = {RGB(EXR_PIXEL_HALF)},
+        {.name = "a", .channel = {RGB(HALVES)},
          .data = FIXTURE_WINDOW(0, 0, 3, 2)},
         {.name = "b", .channel = {HALF_CH("Z")},
          .data = FIXTURE_WINDOW(0, 0, 3, 2)},
     }};
-    snprintf(path, sizeof path, "%s/shot.exr", folder);
+    in_folder("shot.exr");
     for (size_t i = 0; i < FIXED; i++) {
         const char *const type = fixed[i].type;
         const uint32_t size = (uint32_t) fixed[i].size;
@@ -255,7 +252,7 @@ static void cut_headers(void **state)
     size_t size;
     uint8_t *bytes = fixture_make(&two_parts, &size);
     struct gp_exr_index index;
-    assert_int_equal(index_of(bytes, size, &index), GP_OK);
+    assert_ok(index_of(bytes, size, &index));
     const size_t header = index.tables;
     assert_true(header > 0 && header < size);
     assert_true(index.multi && !index.flat);
@@ -274,12 +271,12 @@ static void cut_headers(void **state)
     }
     gp_exr_index_free(&index);
     for (size_t n = 0; n < header; n++) {
-        assert_int_equal(index_of(bytes, n, &index), GP_OK);
+        assert_ok(index_of(bytes, n, &index));
         assert_int_equal(index.tables, 0);
-        assert_int_equal(heard.count, 0);
+        assert_int_equal(said_errors, 0);
         gp_exr_index_free(&index);
     }
-    assert_int_equal(index_of(bytes, header, &index), GP_OK);
+    assert_ok(index_of(bytes, header, &index));
     assert_int_equal(index.tables, header);
     gp_exr_index_free(&index);
     free(bytes);
@@ -295,7 +292,7 @@ static void changed_headers(void **state)
         struct gp_exr_index index;
         struct gp_exr_carried carried;
         struct gp_input in = {.parts = 2, .index = &index};
-        assert_int_equal(index_of(bytes, size, &index), GP_OK);
+        assert_ok(index_of(bytes, size, &index));
         const struct gp_exr_place *p = &index.attr[1];
         if (kind == NO_END) // a name of thousands of bytes
             memset(bytes + p->name, 'x', index.tables - p->name);
@@ -308,9 +305,9 @@ static void changed_headers(void **state)
             .size = kind == CUT ? index.tables - 1 : size,
         };
         const gp_status want = kind == NO_CHANGE ? GP_OK : GP_ERR_DATA;
-        assert_int_equal(gp_exr_carried_read(&hear, "a.exr", &in, &carried),
+        assert_int_equal(gp_exr_carried_read(&said_log, "a.exr", &in, &carried),
                          want);
-        assert_int_equal(heard.count, want != GP_OK);
+        assert_int_equal(said_errors, want != GP_OK);
         assert_int_equal(carried.bytes != NULL, want == GP_OK);
         if (want == GP_OK) {
             assert_true(carried.version & GP_EXR_MULTIPART);
@@ -336,10 +333,10 @@ static uint64_t end_of(const uint8_t *bytes, size_t size)
     struct gp_input *o;
     struct gp_stream s = {.fd = -1, .data = (uint8_t *) (uintptr_t) bytes,
                           .size = size, .borrowed = true};
-    const gp_status st = gp_exr_open(&hear, "a.exr", &s, &o);
+    const gp_status st = gp_exr_open(&said_log, "a.exr", &s, &o);
     if (st) {
         assert_int_equal(st, GP_ERR_DATA);
-        assert_non_null(strstr(heard.line, "a.exr: "));
+        assert_non_null(strstr(said_line, "a.exr: "));
         return cut_off;
     }
     const uint64_t end = o->end;
@@ -373,8 +370,8 @@ static void ends(void **state)
         // whatever part or level the last bytes are of
         for (size_t n = 1; n < size; n++)
             assert_int_equal(end_of(bytes, n), cut_off);
-        assert_non_null(strstr(heard.line, "cut off or damaged (its chunks end "
-                                           "at byte "));
+        assert_non_null(strstr(said_line, "cut off or damaged (its chunks end "
+                                          "at byte "));
         free(bytes);
     }
 }
@@ -394,7 +391,7 @@ static uint64_t deep_end(uint64_t table, uint64_t samples, bool written,
     assert_true(size < 2048);
     memcpy(bytes, made, size);
     free(made);
-    assert_int_equal(index_of(bytes, sizeof bytes, &index), GP_OK);
+    assert_ok(index_of(bytes, sizeof bytes, &index));
     const uint64_t chunk = index.tables + 8, sizes[3] = {table, samples, samples};
     if (written)
         memcpy(bytes + index.tables, &chunk, 8);

@@ -41,23 +41,23 @@ static void assert_frame_is(const struct gp_frame *f,
 static void every_layout(void **state)
 {
     static const struct fixture_part row[] = {
-        {.channel = {RGB(EXR_PIXEL_HALF)}, .data = FIXTURE_WINDOW(0, 0, 1, 1)},
-        {.channel = {RGB(EXR_PIXEL_HALF)},
+        {.channel = {RGB(HALVES)}, .data = W(1)},
+        {.channel = {RGB(HALVES)},
          .data = FIXTURE_WINDOW(0, 0, 67, 1)},
-        {.channel = {RGB(EXR_PIXEL_FLOAT)},
+        {.channel = {RGB(FLOATS)},
          .data = FIXTURE_WINDOW(-3, -40, 1, 53)},
-        {.channel = {{"A", EXR_PIXEL_HALF, 0, 0}, RGB(EXR_PIXEL_HALF),
-                     {"Z", EXR_PIXEL_FLOAT, 0, 0},
-                     {"id", EXR_PIXEL_UINT, 0, 0}},
+        {.channel = {HALF_CH("A"), RGB(HALVES),
+                     FLOAT_CH("Z"),
+                     UINT_CH("id")},
          .data = FIXTURE_WINDOW(-17, 5, 83, 200)},
         {.channel = {RGB(EXR_PIXEL_UINT)},
          .data = FIXTURE_WINDOW(3, 3, 19, 37)},
-        {.channel = {RGB(EXR_PIXEL_HALF), {"Z", EXR_PIXEL_FLOAT, 0, 0}},
+        {.channel = {RGB(HALVES), FLOAT_CH("Z")},
          .data = FIXTURE_WINDOW(-5, -9, 50, 41), .tile = 16},
-        {.channel = {RGB(EXR_PIXEL_FLOAT)},
+        {.channel = {RGB(FLOATS)},
          .data = FIXTURE_WINDOW(0, 0, 64, 48), .tile = 32, .mipmap = true},
     };
-    snprintf(path, sizeof path, "%s/layout.exr", folder);
+    in_folder("layout.exr");
     for (size_t i = 0; i < COUNT(row); i++) {
         for (int c = 0; c < LOSSLESS; c++) {
             struct fixture f = {.part = {row[i]}};
@@ -65,12 +65,12 @@ static void every_layout(void **state)
             f.part[0].compression = lossless[c];
             fixture_write_file(path, &f);
             gp_set_threads(c); // 0: as many as there are
-            assert_int_equal(read_file(path, &frame), GP_OK);
+            assert_ok(read_file(path, &frame));
             assert_int_equal(frame.data.x0, row[i].data.min.x);
             assert_int_equal(frame.data.y1, row[i].data.max.y + 1);
             assert_int_equal(frame.model, GP_COLOUR_RGB);
             assert_int_equal(frame.colour_type,
-                             f.part[0].channel[1].type == EXR_PIXEL_HALF
+                             f.part[0].channel[1].type == HALVES
                                  ? GP_HALF : GP_FLOAT);
             assert_frame_is(&frame, &f.part[0]);
             gp_frame_free(&frame);
@@ -88,14 +88,13 @@ static void subsampled_channels_stay_as_they_are(void **state)
     enum { W = 24, H = 36 };
     for (size_t i = 0; i < COUNT(method); i++) {
         struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF), {"wide", EXR_PIXEL_HALF, 4, 1},
-                        {"zoom", EXR_PIXEL_FLOAT, 2, 2}},
+            .channel = {RGB(HALVES), {"wide", HALVES, 4, 1},
+                        {"zoom", FLOATS, 2, 2}},
             .data = FIXTURE_WINDOW(-8, 4, W, H), .compression = method[i],
         }}};
         struct gp_frame frame;
-        snprintf(path, sizeof path, "%s/sampled.exr", folder);
-        fixture_write_file(path, &f);
-        assert_int_equal(read_file(path, &frame), GP_OK);
+        fixture_write_file(in_folder("sampled.exr"), &f);
+        assert_ok(read_file(path, &frame));
         assert_frame_is(&frame, &f.part[0]);
         float full[W * H];
         gp_channel_floats(&frame, 4, full);
@@ -113,14 +112,13 @@ static void header_values(void **state)
 {
     struct gp_frame frame;
     struct fixture f = {
-        .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
+        .part = {{.channel = {RGB(HALVES)},
                   .data = FIXTURE_WINDOW(-2, -3, 4, 5)}},
         .display = FIXTURE_WINDOW(-100, 50, 7, 9), .aspect = 1.5f,
         .chromaticities = true,
     };
-    snprintf(path, sizeof path, "%s/header.exr", folder);
-    fixture_write_file(path, &f);
-    assert_int_equal(read_file(path, &frame), GP_OK);
+    fixture_write_file(in_folder("header.exr"), &f);
+    assert_ok(read_file(path, &frame));
     assert_string_equal(frame.path, path);
     assert_int_equal(frame.display.x0, -100);
     assert_int_equal(frame.display.y0, 50);
@@ -136,7 +134,7 @@ static void header_values(void **state)
 
     f.chromaticities = false;
     fixture_write_file(path, &f);
-    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_ok(read_file(path, &frame));
     assert_memory_equal(frame.luminance, gp_rec709_luminance, sizeof want);
     gp_frame_free(&frame);
 }
@@ -167,13 +165,13 @@ static void which_channels_are_colour(void **state)
         {{HALF_CH("a.R"), HALF_CH("b.blue"), HALF_CH("b.green"),
           HALF_CH("b.red")}, GP_COLOUR_RGB, {"b.red", "b.green", "b.blue"}},
     };
-    snprintf(path, sizeof path, "%s/colour.exr", folder);
+    in_folder("colour.exr");
     for (size_t i = 0; i < COUNT(row); i++) {
         struct fixture f = {.part = {{.data = FIXTURE_WINDOW(0, 0, 3, 2)}}};
         struct gp_frame frame;
         memcpy(f.part[0].channel, row[i].channel, sizeof row[i].channel);
         fixture_write_file(path, &f);
-        assert_int_equal(read_file(path, &frame), GP_OK);
+        assert_ok(read_file(path, &frame));
         assert_int_equal(frame.model, row[i].model);
         for (int c = 0; c < 3; c++) {
             for (int k = 0; k < 6; k++) {
@@ -195,18 +193,17 @@ static void colour_part_of_many(void **state)
     struct fixture f = {
         .parts = 3,
         .part = {
-            {.name = "depth", .channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}},
-             .data = FIXTURE_WINDOW(0, 0, 9, 9)},
-            {.name = "picture", .channel = {HALF_CH("A"), RGB(EXR_PIXEL_HALF)},
+            {.name = "depth", .channel = {FLOAT_CH("Z")},
+             .data = W(9)},
+            {.name = "picture", .channel = {HALF_CH("A"), RGB(HALVES)},
              .data = FIXTURE_WINDOW(2, 2, 30, 40),
              .compression = EXR_COMPRESSION_ZIP},
-            {.name = "more", .channel = {RGB(EXR_PIXEL_HALF)},
-             .data = FIXTURE_WINDOW(0, 0, 9, 9)},
+            {.name = "more", .channel = {RGB(HALVES)},
+             .data = W(9)},
         },
     };
-    snprintf(path, sizeof path, "%s/parts.exr", folder);
-    fixture_write_file(path, &f);
-    assert_int_equal(read_file(path, &frame), GP_OK);
+    fixture_write_file(in_folder("parts.exr"), &f);
+    assert_ok(read_file(path, &frame));
     assert_int_equal(frame.part, 1);
     assert_int_equal(frame.parts, 3);
     assert_frame_is(&frame, &f.part[1]);
@@ -214,17 +211,16 @@ static void colour_part_of_many(void **state)
     assert_int_equal(in->part, 1);
     for (int part = 0; part < 3; part++) {
         struct gp_exr_chunks cs;
-        assert_int_equal(gp_exr_chunks_find(&hear, path, in, part, 1 << 20,
-                                            &cs), GP_OK);
+        assert_ok(gp_exr_chunks_find(&said_log, path, in, part, 1 << 20, &cs));
         assert_int_equal(cs.chunks, in->index->part[part].chunks);
         for (int i = 0; i < cs.chunks; i++)
             assert_int_equal(cs.chunk[i].idx, i);
         gp_exr_chunks_free(&cs);
     }
-    assert_int_equal(gp_find_depth(&hear, &frame, "Z", &found),
+    assert_int_equal(gp_find_depth(&said_log, &frame, "Z", &found),
                      GP_ERR_USAGE);
-    assert_non_null(strstr(heard.line, "A, B, G, R"));
-    assert_int_equal(gp_find_depth(&hear, &frame, NULL, &found), GP_OK);
+    assert_non_null(strstr(said_line, "A, B, G, R"));
+    assert_ok(gp_find_depth(&said_log, &frame, NULL, &found));
     assert_int_equal(found, -1);
     gp_frame_free(&frame);
 }

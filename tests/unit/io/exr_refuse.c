@@ -18,10 +18,9 @@ static void no_colour_is_an_error(void **state)
         .channel = {HALF_CH("u"), HALF_CH("v")},
         .data = FIXTURE_WINDOW(0, 0, 3, 2),
     }}};
-    snprintf(path, sizeof path, "%s/none.exr", folder);
-    fixture_write_file(path, &f);
+    fixture_write_file(in_folder("none.exr"), &f);
     assert_refused(path, GP_ERR_DATA, "no colour");
-    f.part[0].channel[0] = (struct fixture_channel) {"R", EXR_PIXEL_HALF, 3,
+    f.part[0].channel[0] = (struct fixture_channel) {"R", HALVES, 3,
                                                      1};
     fixture_write_file(path, &f);
     assert_refused(path, GP_ERR_DATA, "subsampled 3 x 1");
@@ -31,15 +30,12 @@ static void files_that_are_none(void **state)
 {
     static const char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR";
     static const char text[] = "hello";
-    snprintf(path, sizeof path, "%s/missing.exr", folder);
-    assert_refused(path, GP_ERR_IO, "No such file");
+    assert_refused(in_folder("missing.exr"), GP_ERR_IO, "No such file");
     snprintf(path, sizeof path, "%s", folder);
     assert_refused(path, GP_ERR_IO, "folder");
-    snprintf(path, sizeof path, "%s/empty.exr", folder);
-    fixture_save(path, "", 0);
+    fixture_save(in_folder("empty.exr"), "", 0);
     assert_refused(path, GP_ERR_DATA, "empty");
-    snprintf(path, sizeof path, "%s/png.EXR", folder);
-    fixture_save(path, png, sizeof png);
+    fixture_save(in_folder("png.EXR"), png, sizeof png);
     assert_refused(path, GP_ERR_DATA, "found PNG");
     fixture_save(path, text, sizeof text);
     assert_refused(path, GP_ERR_DATA, "68 65 6c 6c");
@@ -48,11 +44,11 @@ static void files_that_are_none(void **state)
 static void deep_data(void **state)
 {
     struct fixture f = {.part = {{
-        .channel = {RGB(EXR_PIXEL_HALF)}, .deep = true,
-        .data = FIXTURE_WINDOW(0, 0, 5, 5),
+        .channel = {RGB(HALVES)}, .deep = true,
+        .data = W(5),
         .compression = EXR_COMPRESSION_ZIPS,
     }}};
-    snprintf(path, sizeof path, "%s/deep.exr", folder);
+    in_folder("deep.exr");
     for (int tile = 0; tile <= 16; tile += 16) {
         f.part[0].tile = tile;
         fixture_write_file(path, &f);
@@ -64,10 +60,10 @@ static void deep_data(void **state)
 static void cut_files(void **state)
 {
     size_t size;
-    snprintf(path, sizeof path, "%s/cut.exr", folder);
+    in_folder("cut.exr");
     for (int c = 0; c < LOSSLESS; c++) {
         struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF)}, .compression = lossless[c],
+            .channel = {RGB(HALVES)}, .compression = lossless[c],
             .data = FIXTURE_WINDOW(0, 0, 20, 40), .tile = c == 3 ? 16 : 0,
         }}};
         uint8_t *bytes = fixture_make(&f, &size);
@@ -107,10 +103,10 @@ static void assert_refused_cheaply(const char *name, long long max_pixels)
         if (setrlimit(RLIMIT_AS, &limit))
             _exit(99);
 #endif
-        heard.count = 0;
+        said_nothing();
         gp_set_threads(1); // a team does not survive fork()
-        gp_status st = gp_read_frame(&hear, &p, name, &f);
-        _exit(heard.count == 1 ? (int) st : 98);
+        gp_status st = gp_read_frame(&said_log, &p, name, &f);
+        _exit(said_errors == 1 ? (int) st : 98);
     }
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -131,11 +127,11 @@ static void sizes_that_lie(void **state)
         {-2147483647 - 1, 0, 2147483647, 1},
     };
     static const long long most[] = {1LL << 28, 1LL << 60};
-    snprintf(path, sizeof path, "%s/lie.exr", folder);
+    in_folder("lie.exr");
     for (int c = 0; c < 2 * LOSSLESS; c++) {
         struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = c & 1 ? 16 : 0,
-            .data = FIXTURE_WINDOW(0, 0, 40, 40),
+            .channel = {RGB(HALVES)}, .tile = c & 1 ? 16 : 0,
+            .data = W(40),
             .compression = lossless[c / 2],
         }}};
         for (size_t i = 0; i < COUNT(window); i++) {
@@ -164,28 +160,27 @@ static void display_windows_that_lie(void **state)
         {16384, 16385, 1LL << 28, false}, {16384, 16385, 1LL << 29, true},
         {1 << 30, 1, 1LL << 40, false},
     };
-    snprintf(path, sizeof path, "%s/shown.exr", folder);
+    in_folder("shown.exr");
     for (size_t i = 0; i < COUNT(row); i++) {
         const struct gp_read_params p = {.max_pixels = row[i].most};
         const struct fixture f = {
-            .part = {{.channel = {RGB(EXR_PIXEL_HALF)},
-                      .data = FIXTURE_WINDOW(0, 0, 8, 8)}},
+            .part = {{.channel = {RGB(HALVES)},
+                      .data = W(8)}},
             .display = FIXTURE_WINDOW(-5, 7, row[i].w, row[i].h),
         };
         struct gp_frame frame = {0};
         struct gp_plane plane = {0};
         char line[100];
-        heard.count = 0;
+        said_nothing();
         fixture_write_file(path, &f);
-        assert_int_equal(gp_read_frame(&hear, &p, path, &frame),
+        assert_int_equal(gp_read_frame(&said_log, &p, path, &frame),
                          row[i].read ? GP_OK : GP_ERR_DATA);
-        assert_int_equal(heard.count, !row[i].read);
+        assert_int_equal(said_errors, !row[i].read);
         snprintf(line, sizeof line, ": the display window is too large (%d x "
                  "%d pixels, at most %lld); ", row[i].w, row[i].h, row[i].most);
         if (!row[i].read)
-            assert_non_null(strstr(heard.line, line));
-        assert_int_equal(gp_read_plane_file(&hear, &p, path, "R", false,
-                                            &plane), GP_OK);
+            assert_non_null(strstr(said_line, line));
+        assert_ok(gp_read_plane_file(&said_log, &p, path, "R", false, &plane));
         gp_plane_free(&plane);
         gp_frame_free(&frame);
     }
@@ -197,12 +192,12 @@ static void one_huge_tile(void **state)
     static const char name[] = "tiles\0tiledesc";
     const int32_t window[4] = {0, 0, 29999, 29999};
     const uint32_t tile[2] = {30000, 30000};
-    snprintf(path, sizeof path, "%s/tile.exr", folder);
+    in_folder("tile.exr");
     for (int c = 0; c < LOSSLESS; c++) {
         size_t size;
         struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF)}, .tile = 16,
-            .data = FIXTURE_WINDOW(0, 0, 16, 16), .compression = lossless[c],
+            .channel = {RGB(HALVES)}, .tile = 16,
+            .data = W(16), .compression = lossless[c],
         }}};
         uint8_t *bytes = fixture_make(&f, &size);
         uint8_t *at = find_bytes(bytes, size, name);
@@ -225,11 +220,11 @@ static void assert_read_or_told(const int *threads, int n)
         gp_set_threads(threads[i]);
         gp_status st = read_file(path, &frame);
         assert_true(st == GP_OK || st == GP_ERR_DATA);
-        assert_int_equal(heard.count, st != GP_OK);
+        assert_int_equal(said_errors, st != GP_OK);
         if (i == 0)
-            memcpy(first, heard.line, sizeof first);
+            memcpy(first, said_line, sizeof first);
         else
-            assert_string_equal(heard.line, first);
+            assert_string_equal(said_line, first);
         gp_frame_free(&frame);
     }
     gp_set_threads(0);
@@ -240,11 +235,11 @@ static void changed_bytes(void **state)
 {
     static const int threads[] = {1, 4};
     uint32_t seed = 2024;
-    snprintf(path, sizeof path, "%s/changed.exr", folder);
+    in_folder("changed.exr");
     for (int c = 0; c < LOSSLESS; c++) {
         size_t size;
         struct fixture f = {.part = {{
-            .channel = {RGB(EXR_PIXEL_HALF), {"Z", EXR_PIXEL_FLOAT, 0, 0}},
+            .channel = {RGB(HALVES), FLOAT_CH("Z")},
             .data = FIXTURE_WINDOW(0, 0, 31, 67), .compression = lossless[c],
         }}};
         uint8_t *bytes = fixture_make(&f, &size);
@@ -268,21 +263,21 @@ static void changed_head(void **state)
     static const uint8_t turn[] = {0x01, 0x80, 0xff};
     static const int one[] = {1};
     static const struct fixture kinds[] = {
-        {.part = {{.channel = {RGB(EXR_PIXEL_HALF)}, .tile = 8, .mipmap = true,
+        {.part = {{.channel = {RGB(HALVES)}, .tile = 8, .mipmap = true,
                    .data = FIXTURE_WINDOW(-3, 5, 20, 11),
                    .compression = EXR_COMPRESSION_ZIP}}},
-        {.part = {{.channel = {{"BY", EXR_PIXEL_HALF, 2, 2},
-                               {"RY", EXR_PIXEL_HALF, 2, 2},
-                               {"Y", EXR_PIXEL_HALF, 0, 0}},
+        {.part = {{.channel = {{"BY", HALVES, 2, 2},
+                               {"RY", HALVES, 2, 2},
+                               HALF_CH("Y")},
                    .data = FIXTURE_WINDOW(0, 0, 20, 36),
                    .compression = EXR_COMPRESSION_ZIP}}},
         {.parts = 2,
-         .part = {{.name = "Z", .channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}},
+         .part = {{.name = "Z", .channel = {FLOAT_CH("Z")},
                    .data = FIXTURE_WINDOW(0, 0, 7, 9), .tile = 4},
-                  {.name = "rgba", .channel = {RGB(EXR_PIXEL_FLOAT)},
+                  {.name = "rgba", .channel = {RGB(FLOATS)},
                    .data = FIXTURE_WINDOW(0, 0, 7, 9)}}},
     };
-    snprintf(path, sizeof path, "%s/head.exr", folder);
+    in_folder("head.exr");
     for (size_t k = 0; k < COUNT(kinds); k++) {
         size_t size;
         uint8_t *bytes = fixture_make(&kinds[k], &size);

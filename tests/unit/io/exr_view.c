@@ -23,19 +23,18 @@ static struct {
 static void attributes(exr_context_t exr, int part)
 {
     if (part == 0 && say.views)
-        assert_int_equal(exr_attr_set_string_vector(exr, 0, "multiView",
-                                                    say.views, say.view), 0);
+        assert_ok(exr_attr_set_string_vector(exr, 0, "multiView", say.views,
+                                             say.view));
     if (part == 0 && say.odd) {
-        assert_int_equal(exr_attr_set_string(exr, 0, "multiView", "left"), 0);
-        assert_int_equal(exr_attr_set_int(exr, 0, "cryptomatte/x/name", 7), 0);
+        assert_ok(exr_attr_set_string(exr, 0, "multiView", "left"));
+        assert_ok(exr_attr_set_int(exr, 0, "cryptomatte/x/name", 7));
     }
     if (part == say.own_part && say.own)
-        assert_int_equal(exr_attr_set_string(exr, part, "view", say.own), 0);
+        assert_ok(exr_attr_set_string(exr, part, "view", say.own));
     for (int i = 0; part == 0 && i < say.manifests; i++) {
         char name[40];
         snprintf(name, sizeof name, "cryptomatte/%02d/name", i);
-        assert_int_equal(exr_attr_set_string(exr, 0, name, say.manifest[i]),
-                         0);
+        assert_ok(exr_attr_set_string(exr, 0, name, say.manifest[i]));
     }
 }
 
@@ -53,8 +52,7 @@ static void write_parts(const struct fixture_part *part, int parts)
 {
     struct fixture f = {.parts = parts, .more = attributes};
     memcpy(f.part, part, (size_t) parts * sizeof *part);
-    snprintf(path, sizeof path, "%s/v.exr", folder);
-    fixture_write_file(path, &f);
+    fixture_write_file(in_folder("v.exr"), &f);
 }
 
 /* The frame of a file with these parts. */
@@ -62,7 +60,7 @@ static void open_parts(const struct fixture_part *part, int parts,
                        struct gp_frame *frame)
 {
     write_parts(part, parts);
-    assert_int_equal(read_file(path, frame), GP_OK);
+    assert_ok(read_file(path, frame));
 }
 
 // -- names --------------------------------------------------------------------
@@ -225,7 +223,7 @@ static void planes_of_a_view(void **state)
         struct gp_frame frame;
         struct gp_plane p = {0};
         write_parts(row[i].part, row[i].parts);
-        assert_int_equal(gp_read_frame(&hear, &of_right, path, &frame), GP_OK);
+        assert_ok(gp_read_frame(&said_log, &of_right, path, &frame));
         said[0] = '\0';
         assert_int_equal((row[i].depth ? gp_read_depth : gp_read_coverage)(
                              &notes, &of_right, &frame, row[i].name, &p),
@@ -250,24 +248,23 @@ static void names_too_long(void **state)
     static char name[MANY][60], longest[2000];
     struct gp_plane_list list;
     struct gp_plane_place at = {0};
-    assert_int_equal(gp_plane_list_one(&hear, "p.exr", true, MANY, &list),
-                     GP_OK);
+    assert_ok(gp_plane_list_one(&said_log, "p.exr", true, MANY, &list));
     for (int i = 0; i < MANY; i++) {
         snprintf(name[i], sizeof name[i], "%050d", i);
         list.channel[i].name = name[i];
     }
     memset(longest, 'n', sizeof longest - 1);
     list.view = "right";
-    assert_int_equal(gp_plane_pick(&hear, &list, longest, true, false, &at),
+    assert_int_equal(gp_plane_pick(&said_log, &list, longest, true, false, &at),
                      GP_ERR_USAGE);
     assert_null(at.part);
-    assert_int_equal(gp_plane_pick(&hear, &list, "no", true, false, &at),
+    assert_int_equal(gp_plane_pick(&said_log, &list, "no", true, false, &at),
                      GP_ERR_USAGE);
-    assert_non_null(strstr(heard.line, name[0]));
-    assert_non_null(strstr(heard.line, ", ...)"));
-    assert_null(strstr(heard.line, name[MANY - 1]));
-    assert_int_equal(gp_plane_pick(&hear, &list, name[MANY - 1], true, false,
-                                   &at), GP_OK);
+    assert_non_null(strstr(said_line, name[0]));
+    assert_non_null(strstr(said_line, ", ...)"));
+    assert_null(strstr(said_line, name[MANY - 1]));
+    assert_ok(
+        gp_plane_pick(&said_log, &list, name[MANY - 1], true, false, &at));
     assert_int_equal(at.channel, MANY - 1);
     gp_plane_list_free(&list);
 }
@@ -307,13 +304,13 @@ static void what_a_file_has(void **state)
         struct gp_frame frame = {0};
         p.layer = row[i].layer;
         p.view = row[i].view;
-        heard.count = 0;
-        assert_int_equal(gp_read_frame(&hear, &p, path, &frame),
+        said_nothing();
+        assert_int_equal(gp_read_frame(&said_log, &p, path, &frame),
                          GP_ERR_USAGE);
-        assert_int_equal(heard.count, 1);
+        assert_int_equal(said_errors, 1);
         for (int k = 0; k < 2; k++) {
-            if (!strstr(heard.line, row[i].said[k]))
-                fail_msg("\"%s\" is not in %s", row[i].said[k], heard.line);
+            if (!strstr(said_line, row[i].said[k]))
+                fail_msg("\"%s\" is not in %s", row[i].said[k], said_line);
         }
     }
 }

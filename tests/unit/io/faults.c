@@ -23,28 +23,25 @@
 
 // -- files that are read ------------------------------------------------------
 
-#define HALVES EXR_PIXEL_HALF
-#define W(n) FIXTURE_WINDOW(0, 0, n, n)
-
 /* Planes of several kinds beside the colour. */
 static const struct fixture parts = {
     .parts = 2,
     .part = {
         {.name = "main",
          .channel = {HALF_CH("A"), RGB(HALVES),
-                     {"Z", EXR_PIXEL_FLOAT, 0, 0}, HALF_CH("fog.B"),
+                     FLOAT_CH("Z"), HALF_CH("fog.B"),
                      HALF_CH("fog.G"), HALF_CH("fog.R"),
-                     {"id", EXR_PIXEL_UINT, 0, 0}},
+                     UINT_CH("id")},
          .data = W(12), .compression = EXR_COMPRESSION_ZIP},
         {.name = "one.left",
-         .channel = {{"mask", EXR_PIXEL_FLOAT, 0, 0},
-                     {"wide", EXR_PIXEL_HALF, 2, 2}},
+         .channel = {FLOAT_CH("mask"),
+                     {"wide", HALVES, 2, 2}},
          .data = FIXTURE_WINDOW(-4, 8, 6, 16),
          .compression = EXR_COMPRESSION_RLE},
     },
 };
 static const struct fixture tiles = {
-    .part = {{.channel = {RGB(EXR_PIXEL_FLOAT)}, .data = W(20), .tile = 8,
+    .part = {{.channel = {RGB(FLOATS)}, .data = W(20), .tile = 8,
               .compression = EXR_COMPRESSION_ZIP, .mipmap = true}},
 };
 static const struct fixture yc = {
@@ -53,7 +50,7 @@ static const struct fixture yc = {
               .data = W(12), .compression = EXR_COMPRESSION_PIZ}},
 };
 static const struct fixture depth = {
-    .part = {{.channel = {{"Z", EXR_PIXEL_FLOAT, 0, 0}}, .data = W(9),
+    .part = {{.channel = {FLOAT_CH("Z")}, .data = W(9),
               .compression = EXR_COMPRESSION_ZIPS}},
 };
 
@@ -93,34 +90,46 @@ enum { POINTS_MAX = 20000 }; // more than any row has
 static struct gp_frame made;        // of no file
 static struct gp_frame from_parts;  // read from parts.exr
 
-static const char *in_folder(const char *name)
+// -- the work -----------------------------------------------------------------
+
+static const struct gp_read_params limits = GP_READ_DEFAULTS;
+
+/* Frees what a read gave, which is nothing where it failed. */
+static gp_status end_frame(gp_status st, struct gp_frame *f)
 {
-    return wf_path(name);
+    assert_true(!st || !f->rgb.c[0]);
+    gp_frame_free(f);
+    return st;
 }
 
-// -- the work -------------------------------------------------------------------
+static gp_status end_plane(gp_status st, struct gp_plane *p)
+{
+    assert_true(!st || !p->v);
+    gp_plane_free(p);
+    return st;
+}
 
 static gp_status read_any(const char *name)
 {
-    const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_frame f = {0};
-    const gp_status st = gp_read_frame(&hear, &p, in_folder(name), &f);
-    if (st)
-        assert_null(f.rgb.c[0]);
-    gp_frame_free(&f);
-    return st;
+    return end_frame(gp_read_frame(&said_log, &limits, wf_path(name), &f), &f);
+}
+
+static gp_status read_layer(const char *name)
+{
+    struct gp_frame f = {0};
+    return end_frame(gp_read_layer(&said_log, &limits, &from_parts, name, &f),
+                     &f);
 }
 
 static gp_status read_every_channel(const char *name)
 {
-    const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_stored_file file;
-    gp_status st = gp_stored_open(&hear, &p, in_folder(name), &file);
+    gp_status st = gp_stored_open(&said_log, &limits, wf_path(name), &file);
     for (int part = 0; !st && part < file.parts; part++) {
         struct gp_stored_image image = {0};
-        st = gp_stored_read(&hear, &p, &file, part, &image);
-        if (st)
-            assert_null(image.channel);
+        st = gp_stored_read(&said_log, &limits, &file, part, &image);
+        assert_true(!st || !image.channel);
         gp_stored_image_free(&image);
     }
     gp_stored_close(&file);
@@ -129,54 +138,32 @@ static gp_status read_every_channel(const char *name)
 
 static gp_status read_plane(const char *name)
 {
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    struct gp_plane plane = {0};
+    struct gp_plane p = {0};
     const bool depth_file = strstr(name, ".exr") != NULL;
-    const gp_status st =
-        gp_read_plane_file(&hear, &p, in_folder(name),
-                           depth_file ? NULL : "G", depth_file, &plane);
-    if (st)
-        assert_null(plane.v);
-    gp_plane_free(&plane);
-    return st;
+    return end_plane(gp_read_plane_file(&said_log, &limits, wf_path(name),
+                                        depth_file ? NULL : "G", depth_file,
+                                        &p), &p);
 }
 
 /* In another part than the colour, subsampled. */
 static gp_status read_coverage(const char *name)
 {
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    struct gp_plane plane = {0};
-    const gp_status st =
-        gp_read_coverage(&hear, &p, &from_parts, name, &plane);
-    if (st)
-        assert_null(plane.v);
-    gp_plane_free(&plane);
-    return st;
-}
-
-static gp_status read_layer(const char *name)
-{
-    const struct gp_read_params p = GP_READ_DEFAULTS;
-    struct gp_frame f = {0};
-    const gp_status st = gp_read_layer(&hear, &p, &from_parts, name, &f);
-    if (st)
-        assert_null(f.rgb.c[0]);
-    gp_frame_free(&f);
-    return st;
+    struct gp_plane p = {0};
+    return end_plane(gp_read_coverage(&said_log, &limits, &from_parts, name,
+                                      &p), &p);
 }
 
 /* Two files in one pipe. */
 static gp_status read_members(const char *name)
 {
-    const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_members m = {0};
     const int was = dup(STDIN_FILENO);
-    const int in = __real_open(in_folder(name), O_RDONLY);
+    const int in = __real_open(wf_path(name), O_RDONLY);
     assert_true(in >= 0 && dup2(in, STDIN_FILENO) >= 0);
-    gp_status st = gp_members_read(&hear, &p, "-", &m);
+    gp_status st = gp_members_read(&said_log, &limits, "-", &m);
     for (int i = 0; !st && i < 2; i++) {
         struct gp_frame f = {0};
-        st = gp_members_frame(&hear, &p, "-", &m, i, &f);
+        st = gp_members_frame(&said_log, &limits, "-", &m, i, &f);
         gp_frame_free(&f);
     }
     gp_members_free(&m);
@@ -189,9 +176,8 @@ static gp_status read_members(const char *name)
 static gp_status frame_list(const char *text)
 {
     struct gp_frames list = {0};
-    const gp_status st = gp_frames_parse(&hear, text, &list);
-    if (st)
-        assert_null(list.number);
+    const gp_status st = gp_frames_parse(&said_log, text, &list);
+    assert_true(!st || !list.number);
     gp_frames_free(&list);
     return st;
 }
@@ -199,9 +185,8 @@ static gp_status frame_list(const char *text)
 static gp_status view_list(const char *text)
 {
     struct gp_views list = {0};
-    const gp_status st = gp_views_parse(&hear, text, &list);
-    if (st)
-        assert_null(list.name);
+    const gp_status st = gp_views_parse(&said_log, text, &list);
+    assert_true(!st || !list.name);
     gp_views_free(&list);
     return st;
 }
@@ -210,12 +195,10 @@ static gp_status on_disk(const char *name)
 {
     struct gp_pattern p;
     struct gp_frames list = {0};
-    const char *path = in_folder(name);
-    gp_status st = gp_pattern_find(&hear, path, &p);
+    gp_status st = gp_pattern_find(&said_log, wf_path(name), &p);
     if (!st)
-        st = gp_frames_on_disk(&hear, &p, NULL, &list);
-    if (st)
-        assert_null(list.number);
+        st = gp_frames_on_disk(&said_log, &p, NULL, &list);
+    assert_true(!st || !list.number);
     gp_frames_free(&list);
     return st;
 }
@@ -224,9 +207,8 @@ static gp_status lights(const char *name)
 {
     struct gp_light_spec *list = NULL;
     int n;
-    const gp_status st = gp_lights_read(&hear, in_folder(name), &list, &n);
-    if (st)
-        assert_null(list);
+    const gp_status st = gp_lights_read(&said_log, wf_path(name), &list, &n);
+    assert_true(!st || !list);
     gp_free(list);
     return st;
 }
@@ -234,9 +216,8 @@ static gp_status lights(const char *name)
 static gp_status flare(const char *name)
 {
     struct gp_flare f = {0};
-    const gp_status st = gp_flare_read(&hear, in_folder(name), &f);
-    if (st)
-        assert_null(f.element);
+    const gp_status st = gp_flare_read(&said_log, wf_path(name), &f);
+    assert_true(!st || !f.element);
     gp_flare_free(&f);
     return st;
 }
@@ -244,9 +225,8 @@ static gp_status flare(const char *name)
 static gp_status camera(const char *name)
 {
     struct gp_camera_file f = {0};
-    const gp_status st = gp_camera_read(&hear, in_folder(name), &f);
-    if (st)
-        assert_null(f.at);
+    const gp_status st = gp_camera_read(&said_log, wf_path(name), &f);
+    assert_true(!st || !f.at);
     gp_camera_file_free(&f);
     return st;
 }
@@ -261,30 +241,29 @@ static gp_status ended(gp_status st, const char *path)
 
 static gp_status picture(const char *name)
 {
-    const struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
-    const char *path = in_folder(name);
-    return ended(gp_write_picture(&hear, &p, path, &made, &made.rgb,
-                                  GP_PICTURE_SHOWN, &stats), path);
+    const char *const to = wf_path(name);
+    return ended(gp_write_picture(&said_log, &wf_defaults, to, &made,
+                                  &made.rgb, GP_PICTURE_SHOWN, &wf_stats), to);
+}
+
+static gp_status hdr_as(const char *name, const struct gp_frame *f,
+                        enum gp_compression compression)
+{
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    const char *const to = wf_path(name);
+    const struct gp_hdr_colour set = {f, &f->rgb};
+    p.compression = compression;
+    return ended(gp_write_hdr(&said_log, &p, to, &set, 1, &wf_stats), to);
 }
 
 static gp_status hdr(const char *name)
 {
-    const struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
-    const char *path = in_folder(name);
-    const struct gp_hdr_colour set = {&from_parts, &from_parts.rgb};
-    return ended(gp_write_hdr(&hear, &p, path, &set, 1, &stats), path);
+    return hdr_as(name, &from_parts, GP_COMPRESSION_AUTO);
 }
 
 static gp_status hdr_made(const char *name)
 {
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
-    const char *path = in_folder(name);
-    const struct gp_hdr_colour set = {&made, &made.rgb};
-    p.compression = GP_COMPRESSION_DWAA;
-    return ended(gp_write_hdr(&hear, &p, path, &set, 1, &stats), path);
+    return hdr_as(name, &made, GP_COMPRESSION_DWAA);
 }
 
 /* More than the buffer, in small pieces and in one, and patches of what is
@@ -294,9 +273,9 @@ static gp_status file(const char *name)
     enum { PIECE = 300000, WHOLE = 1500000 };
     static const uint8_t zeros[WHOLE];
     const bool straight = name[0] == '/';
-    const char *path = straight ? name : in_folder(name);
+    const char *path = straight ? name : wf_path(name);
     struct gp_file *f = NULL;
-    gp_status st = gp_file_open(&hear, path, false, &f);
+    gp_status st = gp_file_open(&said_log, path, false, &f);
     if (st)
         return st;
     for (int i = 0; i < 8; i++)
@@ -329,18 +308,17 @@ struct work {
 static bool one_point(const struct work *w, enum fail_class kind, int n)
 {
     const int files = wf_names();
-    heard.count = 0;
-    heard.line[0] = '\0';
+    said_nothing();
     fail_at(kind, n);
     const gp_status st = w->run(w->argument);
     const bool fired = fail_end();
     const bool right = st == GP_OK || (fired && (kind == FAIL_ALLOC
                            ? st == GP_ERR_BUG
                            : st == GP_ERR_IO || st == GP_ERR_DATA));
-    if (!right || heard.count != (st != GP_OK))
+    if (!right || said_errors != (st != GP_OK))
         fail_msg("%s %s, %s %d: status %d, %d lines: %s", w->what, w->argument,
-                 kind == FAIL_ALLOC ? "memory" : "files", n, st, heard.count,
-                 heard.line);
+                 kind == FAIL_ALLOC ? "memory" : "files", n, st, said_errors,
+                 said_line);
     assert_int_equal(wf_names(), files);
     return !fired;
 }
@@ -436,24 +414,18 @@ static int start(void **state)
 {
     static bool bridge;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
-    const struct gp_read_params limit = GP_READ_DEFAULTS;
-    *state = &bridge;
-    if (wf_start(state) || find_bridges(state))
+    if (wf_start(state))
         return -1;
     *state = &bridge;
     gp_set_threads(1);
     made = wf_frame((struct gp_rect) {0, 0, 20, 10},
                     (struct gp_rect) {0, 0, 20, 10}, wf_all);
-    assert_int_equal(wf_write_hdr(&p, wf_path("made.exr"), &made, &stats), 0);
-    assert_int_equal(gp_write_picture(NULL, &p, wf_path("a.png"), &made,
-                                      &made.rgb, GP_PICTURE_SHOWN, &stats), 0);
-    bridge = gp_write_picture(NULL, &p, wf_path("a.tif"), &made, &made.rgb,
-                              GP_PICTURE_SHOWN, &stats) == GP_OK;
+    assert_ok(wf_write_hdr(&p, "made.exr", &made));
+    assert_ok(wf_write(&p, "a.png", &made, GP_PICTURE_SHOWN));
+    bridge = wf_write(&p, "a.tif", &made, GP_PICTURE_SHOWN) == GP_OK;
     p.compression = GP_COMPRESSION_DWAA;
     if (bridge)
-        assert_int_equal(wf_write_hdr(&p, wf_path("dwaa.exr"), &made, &stats),
-                         0);
+        assert_ok(wf_write_hdr(&p, "dwaa.exr", &made));
     fixture_write_file(wf_path("parts.exr"), &parts);
     fixture_write_file(wf_path("tiles.exr"), &tiles);
     fixture_write_file(wf_path("yc.exr"), &yc);
@@ -462,7 +434,7 @@ static int start(void **state)
     save_text("s.0001.exr", "no frame");
     save_text("s.0012.exr", "no frame");
     save_json();
-    return gp_read_frame(NULL, &limit, wf_path("parts.exr"), &from_parts);
+    return gp_read_frame(NULL, &limits, wf_path("parts.exr"), &from_parts);
 }
 
 static int end(void **state)

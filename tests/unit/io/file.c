@@ -34,18 +34,18 @@ static void whole_or_nothing(void **state)
 {
     struct gp_file *f;
     const char *path = wf_path("whole");
-    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "abcdef", 6), GP_OK);
+    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_write(f, "abcdef", 6));
     assert_false(gp_file_exists(path));
     assert_int_equal(wf_names(), 1); // the temporary one
-    assert_int_equal(gp_file_patch(f, 1, "XY", 2), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_patch(f, 1, "XY", 2));
+    assert_ok(gp_file_commit(&f));
     assert_null(f);
     assert_int_equal(wf_names(), 1);
     assert_text(path, "aXYdef");
 
-    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "other", 5), GP_OK);
+    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_write(f, "other", 5));
     gp_file_discard(&f);
     gp_file_discard(&f); // twice is fine
     assert_text(path, "aXYdef");
@@ -62,20 +62,20 @@ static void large_writes_and_patches(void **state)
     uint8_t *want = calloc(1, total), *block = calloc(1, total);
     struct gp_file *f;
     size_t n = 0;
-    assert_int_equal(gp_file_open(&wf_log, wf_path("big"), false, &f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, wf_path("big"), false, &f));
     for (size_t i = 0; i < COUNT(sizes); i++) {
         for (size_t k = 0; k < sizes[i]; k++)
             block[k] = want[n + k] = (uint8_t) (wf_hash(1, (uint32_t) k,
                                                         (uint32_t) i));
-        assert_int_equal(gp_file_write(f, block, sizes[i]), GP_OK);
+        assert_ok(gp_file_write(f, block, sizes[i]));
         n += sizes[i];
         assert_int_equal(gp_file_size(f), n);
         const size_t at = n > 5000 ? n - 5000 : 0; // may cross the border
         memset(want + at, (int) i, n - at);
-        assert_int_equal(gp_file_patch(f, at, want + at, n - at), GP_OK);
+        assert_ok(gp_file_patch(f, at, want + at, n - at));
     }
     assert_int_equal(gp_file_patch(f, n - 1, want, 2), GP_ERR_BUG);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_commit(&f));
     size_t got;
     uint8_t *bytes = wf_read(wf_path("big"), &got);
     assert_int_equal(got, n);
@@ -93,9 +93,9 @@ static void links_and_permissions_stay(void **state)
     put_file(wf_path("real"), "old");
     assert_int_equal(chmod(wf_path("real"), 0640), 0);
     assert_int_equal(symlink("real", wf_path("link")), 0);
-    assert_int_equal(gp_file_open(&wf_log, wf_path("link"), false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "new", 3), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, wf_path("link"), false, &f));
+    assert_ok(gp_file_write(f, "new", 3));
+    assert_ok(gp_file_commit(&f));
     assert_text(wf_path("real"), "new");
     assert_int_equal(lstat(wf_path("link"), &s), 0);
     assert_true(S_ISLNK(s.st_mode));
@@ -104,10 +104,9 @@ static void links_and_permissions_stay(void **state)
     remove(wf_path("real"));
     // what it leads to is made, where that is not there
     assert_int_equal(symlink("link", wf_path("chain")), 0);
-    assert_int_equal(gp_file_open(&wf_log, wf_path("chain"), false, &f),
-                     GP_OK);
-    assert_int_equal(gp_file_write(f, "made", 4), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, wf_path("chain"), false, &f));
+    assert_ok(gp_file_write(f, "made", 4));
+    assert_ok(gp_file_commit(&f));
     assert_text(wf_path("real"), "made");
     assert_int_equal(lstat(wf_path("chain"), &s), 0);
     assert_true(S_ISLNK(s.st_mode));
@@ -126,10 +125,10 @@ static void folders(void **state)
     wf_assert_said(inner);
     wf_assert_said("--create-dir");
     assert_int_equal(gp_file_open(&wf_log, deep, false, &f), GP_ERR_IO);
-    assert_int_equal(gp_file_check(&wf_log, deep, true), GP_OK);
+    assert_ok(gp_file_check(&wf_log, deep, true));
     assert_int_equal(wf_names(), 0); // a check makes nothing
-    assert_int_equal(gp_file_open(&wf_log, deep, true, &f), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, deep, true, &f));
+    assert_ok(gp_file_commit(&f));
     assert_true(gp_file_exists(deep));
     assert_int_equal(gp_file_check(&wf_log, inner, false), GP_ERR_IO);
     wf_assert_said("is a folder");
@@ -167,8 +166,8 @@ static void names(void **state)
     memset(name, 'n', 255);
     name[255] = '\0';
     struct gp_file *f;
-    assert_int_equal(gp_file_open(&wf_log, wf_path(name), false, &f), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, wf_path(name), false, &f));
+    assert_ok(gp_file_commit(&f));
     assert_true(gp_file_exists(wf_path(name)));
     remove(wf_path(name));
 }
@@ -177,16 +176,16 @@ static void names(void **state)
 static void write_both(const char *one, const char *other, bool keep_other)
 {
     struct gp_file *a, *b;
-    assert_int_equal(gp_file_open(&wf_log, one, false, &a), GP_OK);
-    assert_int_equal(gp_file_open(&wf_log, other, false, &b), GP_OK);
-    assert_int_equal(gp_file_write(a, "first", 5), GP_OK);
-    assert_int_equal(gp_file_write(b, "second, longer", 14), GP_OK);
+    assert_ok(gp_file_open(&wf_log, one, false, &a));
+    assert_ok(gp_file_open(&wf_log, other, false, &b));
+    assert_ok(gp_file_write(a, "first", 5));
+    assert_ok(gp_file_write(b, "second, longer", 14));
     if (!keep_other)
         gp_file_discard(&b);
-    assert_int_equal(gp_file_commit(&a), GP_OK);
+    assert_ok(gp_file_commit(&a));
     assert_text(one, "first");
     if (keep_other)
-        assert_int_equal(gp_file_commit(&b), GP_OK);
+        assert_ok(gp_file_commit(&b));
 }
 
 /* Processes with the same number (of other containers or machines) and names
@@ -265,10 +264,10 @@ static void pipes(void **state)
     struct gp_file *f;
     assert_int_equal(pipe(ends), 0);
     snprintf(path, sizeof path, "/dev/fd/%d", ends[1]);
-    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "abc", 3), GP_OK);
-    assert_int_equal(gp_file_patch(f, 0, "A", 1), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_write(f, "abc", 3));
+    assert_ok(gp_file_patch(f, 0, "A", 1));
+    assert_ok(gp_file_commit(&f));
     char got[4] = "";
     assert_int_equal(read(ends[0], got, 3), 3);
     assert_string_equal(got, "Abc");
@@ -332,12 +331,9 @@ static void no_clobber(void **state)
     assert_true(gp_write_would_clobber(&p, wf_path("there.exr")));
     assert_false(gp_write_would_clobber(&p, wf_path("not.exr")));
     assert_false(gp_write_would_clobber(&p, "-"));
-    struct gp_write_stats stats = {0};
-    const struct gp_rect r = {0, 0, 2, 2};
-    struct gp_frame f = wf_frame(r, r, wf_rgb);
-    assert_int_equal(gp_write_picture(&wf_log, &p, wf_path("there.exr"), &f,
-                                      &f.rgb, GP_PICTURE_SCENE, &stats), 0);
-    assert_int_equal(wf_write_hdr(&p, wf_path("there.exr"), &f, &stats), 0);
+    struct gp_frame f = wf_sized(2, 2, wf_rgb);
+    assert_ok(wf_write(&p, "there.exr", &f, GP_PICTURE_SCENE));
+    assert_ok(wf_write_hdr(&p, "there.exr", &f));
     assert_text(wf_path("there.exr"), "old");
     gp_frame_free(&f);
 }
@@ -429,8 +425,8 @@ static void folders_are_made_or_not(void **state)
     assert_int_equal(gp_file_make_folders(wf_path("dangling/x")), -1);
     assert_int_equal(errno, EEXIST);
     assert_int_equal(wf_names(), 2);
-    assert_int_equal(gp_file_make_folders(wf_path("new/x")), 0);
-    assert_int_equal(gp_file_make_folders(wf_path("new/x")), 0); // it is there
+    assert_ok(gp_file_make_folders(wf_path("new/x")));
+    assert_ok(gp_file_make_folders(wf_path("new/x"))); // it is there
     assert_int_equal(stat(wf_path("new"), &s), 0);
     assert_true(S_ISDIR(s.st_mode));
 }
@@ -446,9 +442,9 @@ static void links_to_full_paths(void **state)
     char *const found = gp_file_resolve(link);
     assert_string_equal(found, aim);
     free(found);
-    assert_int_equal(gp_file_open(&wf_log, link, false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "made", 4), GP_OK);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, link, false, &f));
+    assert_ok(gp_file_write(f, "made", 4));
+    assert_ok(gp_file_commit(&f));
     assert_true(gp_file_exists(aim));
     assert_int_equal(lstat(link, &s), 0);
     assert_true(S_ISLNK(s.st_mode));
@@ -503,15 +499,15 @@ static void patches_stay_inside(void **state)
         {1, SIZE_MAX, GP_ERR_BUG},
     };
     struct gp_file *f;
-    assert_int_equal(gp_file_open(&wf_log, wf_path("p"), false, &f), GP_OK);
-    assert_int_equal(gp_file_write(f, "abcdef", 6), GP_OK);
+    assert_ok(gp_file_open(&wf_log, wf_path("p"), false, &f));
+    assert_ok(gp_file_write(f, "abcdef", 6));
     for (size_t i = 0; i < COUNT(row); i++) {
         wf_line[0] = '\0';
         assert_int_equal(gp_file_patch(f, row[i].at, "ABCDEF", row[i].size),
                          row[i].st);
         wf_assert_said(row[i].st ? "outside" : "");
     }
-    assert_int_equal(gp_file_commit(&f), GP_OK); // what was refused is undone
+    assert_ok(gp_file_commit(&f)); // what was refused is undone
     size_t n;
     uint8_t *bytes = wf_read(wf_path("p"), &n);
     assert_string_equal((const char *) bytes, "ABCDEA");
@@ -534,9 +530,9 @@ static void no_name_is_left(void **state)
     char *last = gp_file_temp_name(path, TRIES - 1);
     struct gp_file *f;
     assert_int_equal(remove(last), 0);
-    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_OK);
+    assert_ok(gp_file_open(&wf_log, path, false, &f));
     assert_int_equal(access(last, F_OK), 0);
-    assert_int_equal(gp_file_commit(&f), GP_OK);
+    assert_ok(gp_file_commit(&f));
     free(last);
 }
 
@@ -547,9 +543,8 @@ static void open_many(struct gp_file *f[OPEN])
     for (int i = 0; i < OPEN; i++) {
         char name[16];
         snprintf(name, sizeof name, "f%d", i);
-        assert_int_equal(gp_file_open(&wf_log, wf_path(name), false, &f[i]),
-                         GP_OK);
-        assert_int_equal(gp_file_write(f[i], name, strlen(name)), GP_OK);
+        assert_ok(gp_file_open(&wf_log, wf_path(name), false, &f[i]));
+        assert_ok(gp_file_write(f[i], name, strlen(name)));
     }
     assert_int_equal(wf_names(), OPEN);
 }
@@ -562,7 +557,7 @@ static void more_files_than_a_signal_removes(void **state)
         char name[16];
         size_t n;
         snprintf(name, sizeof name, "f%d", i);
-        assert_int_equal(gp_file_commit(&f[i]), GP_OK);
+        assert_ok(gp_file_commit(&f[i]));
         uint8_t *bytes = wf_read(wf_path(name), &n);
         assert_string_equal((const char *) bytes, name);
         free(bytes);

@@ -68,7 +68,7 @@ static void assert_chunks(const struct gp_frame *a, const struct gp_frame *b,
 static struct gp_planes lit(const struct gp_frame *f, float add)
 {
     struct gp_planes p;
-    assert_int_equal(gp_planes_make(NULL, "lit", gp_frame_pixels(f), &p), 0);
+    assert_ok(gp_planes_make(NULL, "lit", gp_frame_pixels(f), &p));
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < gp_frame_pixels(f); i++)
             p.c[c][i] = f->rgb.c[c][i] + add;
@@ -105,17 +105,14 @@ static void carried_bits(void **state)
     for (int c = GP_COMPRESSION_NONE; c <= GP_COMPRESSION_PIZ; c++) {
         for (int type = GP_OUT_AUTO; type <= GP_OUT_FLOAT; type++) {
             struct gp_write_params p = GP_WRITE_DEFAULTS;
-            struct gp_write_stats stats = {0};
             p.compression = c;
             p.type = type;
-            assert_int_equal(wf_write_hdr(&p, wf_path("a.exr"), &made,
-                                          &stats), GP_OK);
+            assert_ok(wf_write_hdr(&p, "a.exr", &made));
             struct gp_frame a = read_as(wf_path("a.exr"), NULL);
             assert_carried(&made, &a);
             struct gp_planes planes = lit(&a, 1.0f);
             const struct gp_hdr_colour set = {&a, &planes};
-            assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), &set,
-                                          1, &stats), GP_OK);
+            assert_ok(wf_write_set(&p, "b.exr", &set, 1));
             struct gp_frame b = read_as(wf_path("b.exr"), NULL);
             assert_carried(&made, &b);
             assert_lit(&b, &planes);
@@ -132,8 +129,6 @@ static void carried_bits(void **state)
 #define PART(label, ...)                                                      \
     {.name = label, .data = FIXTURE_WINDOW(-3, 5, 45, 40),                    \
      .compression = EXR_COMPRESSION_ZIPS, .channel = {__VA_ARGS__}}
-#define HALF EXR_PIXEL_HALF
-#define FLOAT EXR_PIXEL_FLOAT
 
 static void layers_in_one_part(void **state)
 {
@@ -144,27 +139,23 @@ static void layers_in_one_part(void **state)
         {"key.G", GP_FLOAT, -1, 0, 0}, {"key.R", GP_FLOAT, -1, 0, 0},
         {"mask", GP_FLOAT, -1, 0, 0},  {NULL, 0, 0, 0, 0},
     };
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     struct gp_frame made = wf_frame(window, window, list);
-    assert_int_equal(wf_write_hdr(&p, wf_path("a.exr"), &made, &stats), GP_OK);
+    assert_ok(wf_write_hdr(NULL, "a.exr", &made));
     struct gp_frame a = read_as(wf_path("a.exr"), NULL), key, mask, b, c;
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "key", &key), 0);
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "mask", &mask),
-                     0);
+    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "key", &key));
+    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "mask", &mask));
     assert_int_equal(key.channels, 3);
     assert_int_equal(key.colour_type, GP_FLOAT);
     assert_int_equal(mask.channels, 1);
     struct gp_planes pa = lit(&a, 1), pk = lit(&key, 2), pm = lit(&mask, 3);
     const struct gp_hdr_colour set[3] = {{&a, &pa}, {&key, &pk}, {&mask, &pm}};
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 3,
-                                  &stats), GP_OK);
+    assert_ok(wf_write_set(NULL, "b.exr", set, 3));
     b = read_as(wf_path("b.exr"), NULL);
     assert_lit(&b, &pa);
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "key", &c), 0);
+    assert_ok(gp_read_layer(&wf_log, &read_params, &b, "key", &c));
     assert_lit(&c, &pk);
     gp_frame_free(&c);
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "mask", &c), 0);
+    assert_ok(gp_read_layer(&wf_log, &read_params, &b, "mask", &c));
     assert_lit(&c, &pm);
     gp_frame_free(&c);
     assert_int_equal(b.channels, a.channels);
@@ -174,11 +165,10 @@ static void layers_in_one_part(void **state)
     gp_frame_free(&b);
     // the mask has a colour: a layer of its name, since R is the beauty's
     pm.c[0][0] += 1.0f;
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 3,
-                                  &stats), GP_OK);
+    assert_ok(wf_write_set(NULL, "b.exr", set, 3));
     b = read_as(wf_path("b.exr"), NULL);
     assert_null(gp_frame_channel(&b, "mask"));
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &b, "mask", &c), 0);
+    assert_ok(gp_read_layer(&wf_log, &read_params, &b, "mask", &c));
     assert_int_equal(c.model, GP_COLOUR_RGB);
     assert_lit(&c, &pm);
     assert_lit(&b, &pa);
@@ -195,33 +185,30 @@ static void layers_in_one_part(void **state)
 static void layers_in_parts(void **state)
 {
     static const struct fixture file = {
-        .part = {PART("normals", RGB(FLOAT), {"Z", FLOAT, 0, 0}),
-                 PART("beauty", HALF_CH("A"), RGB(HALF)),
-                 PART("key", RGB(FLOAT), {"Z", FLOAT, 0, 0})},
+        .part = {PART("normals", RGB(FLOATS), FLOAT_CH("Z")),
+                 PART("beauty", HALF_CH("A"), RGB(HALVES)),
+                 PART("key", RGB(FLOATS), FLOAT_CH("Z"))},
         .parts = 3,
     };
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     struct gp_read_params q = GP_READ_DEFAULTS;
     fixture_write_file(wf_path("a.exr"), &file);
     struct gp_frame a, key, b, c;
     q.part = "beauty";
-    assert_int_equal(gp_read_frame(&wf_log, &q, wf_path("a.exr"), &a), 0);
+    assert_ok(gp_read_frame(&wf_log, &q, wf_path("a.exr"), &a));
     assert_int_equal(a.part, 1);
-    assert_int_equal(gp_read_layer(&wf_log, &q, &a, "key", &key), 0);
+    assert_ok(gp_read_layer(&wf_log, &q, &a, "key", &key));
     struct gp_planes pa = lit(&a, 1), pk = lit(&key, 2);
     const struct gp_hdr_colour set[2] = {{&a, &pa}, {&key, &pk}};
     for (int n = 1; n <= 2; n++) {
-        assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, n,
-                                      &stats), GP_OK);
-        assert_int_equal(gp_read_frame(&wf_log, &q, wf_path("b.exr"), &b), 0);
+        assert_ok(wf_write_set(NULL, "b.exr", set, n));
+        assert_ok(gp_read_frame(&wf_log, &q, wf_path("b.exr"), &b));
         assert_int_equal(b.part, 1);
         assert_lit(&b, &pa);
         assert_carried(&a, &b);
         assert_chunks(&a, &b, 0);
         if (n == 1)
             assert_chunks(&a, &b, 2);
-        assert_int_equal(gp_read_layer(&wf_log, &q, &b, "key", &c), 0);
+        assert_ok(gp_read_layer(&wf_log, &q, &b, "key", &c));
         assert_lit(&c, n == 1 ? &key.rgb : &pk);
         assert_carried(&key, &c);
         gp_frame_free(&c);
@@ -236,21 +223,18 @@ static void layers_in_parts(void **state)
 static void add_views(exr_context_t exr, int part)
 {
     const char *views[] = {"left", "right"};
-    assert_int_equal(exr_attr_set_string_vector(exr, part, "multiView", 2,
-                                                views), 0);
+    assert_ok(exr_attr_set_string_vector(exr, part, "multiView", 2, views));
 }
 
 /* Both eyes of one part, each read as a frame of its own. */
 static void views_in_one_part(void **state)
 {
     static const struct fixture file = {
-        .part = {PART(NULL, RGB(HALF), {"Z", FLOAT, 0, 0}, HALF_CH("right.B"),
+        .part = {PART(NULL, RGB(HALVES), FLOAT_CH("Z"), HALF_CH("right.B"),
                       HALF_CH("right.G"), HALF_CH("right.R"))},
         .more = add_views,
     };
     static const char *const view[2] = {"left", "right"};
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     struct gp_frame eye[2];
     struct gp_planes planes[2];
     struct gp_hdr_colour set[2];
@@ -260,8 +244,7 @@ static void views_in_one_part(void **state)
         planes[i] = lit(&eye[i], 1.0f + (float) i);
         set[i] = (struct gp_hdr_colour) {&eye[i], &planes[i]};
     }
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), set, 2,
-                                  &stats), GP_OK);
+    assert_ok(wf_write_set(NULL, "b.exr", set, 2));
     for (int i = 0; i < 2; i++) {
         struct gp_frame b = read_as(wf_path("b.exr"), view[i]);
         assert_lit(&b, &planes[i]);
@@ -278,24 +261,20 @@ static void views_in_one_part(void **state)
 static void refused(void **state)
 {
     static const struct fixture file = {
-        .part = {PART("a", RGB(HALF), {"key", FLOAT, 0, 0}),
-                 PART("b", RGB(HALF))},
+        .part = {PART("a", RGB(HALVES), FLOAT_CH("key")),
+                 PART("b", RGB(HALVES))},
         .parts = 2,
     };
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     struct gp_frame a, again, key;
     fixture_write_file(wf_path("a.exr"), &file);
     a = read_as(wf_path("a.exr"), NULL);
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "a", &again), 0);
-    assert_int_equal(gp_read_layer(&wf_log, &read_params, &a, "key", &key), 0);
+    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "a", &again));
+    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "key", &key));
     const struct gp_hdr_colour twice[2] = {{&a, &a.rgb}, {&again, &again.rgb}};
     const struct gp_hdr_colour lone[1] = {{&key, &key.rgb}};
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), twice, 2,
-                                  &stats), GP_ERR_USAGE);
+    assert_int_equal(wf_write_set(NULL, "b.exr", twice, 2), GP_ERR_USAGE);
     wf_assert_said("is the colour of 2 layers");
-    assert_int_equal(gp_write_hdr(&wf_log, &p, wf_path("b.exr"), lone, 1,
-                                  &stats), GP_ERR_BUG);
+    assert_int_equal(wf_write_set(NULL, "b.exr", lone, 1), GP_ERR_BUG);
     assert_int_equal(wf_names(), 1);
     gp_frame_free(&key);
     gp_frame_free(&again);

@@ -15,28 +15,25 @@ enum { W = 13, H = 9 };
 static void add_view(exr_context_t exr, int part)
 {
     static const char *const view[] = {"left", "right", "right"};
-    assert_int_equal(exr_attr_set_string(exr, part, "view", view[part]), 0);
+    assert_ok(exr_attr_set_string(exr, part, "view", view[part]));
 }
 
 static void add_views(exr_context_t exr, int part)
 {
     const char *views[] = {"left", "right"};
-    assert_int_equal(exr_attr_set_string_vector(exr, part, "multiView", 2,
-                                                views), 0);
+    assert_ok(exr_attr_set_string_vector(exr, part, "multiView", 2, views));
 }
 
 static void add_manifest(exr_context_t exr, int part)
 {
-    assert_int_equal(exr_attr_set_string(exr, part, "cryptomatte/1/name",
-                                         "aids"), 0);
-    assert_int_equal(exr_attr_set_string(exr, part, "cryptomatte/1/hash",
-                                         "light"), 0);
+    assert_ok(exr_attr_set_string(exr, part, "cryptomatte/1/name", "aids"));
+    assert_ok(exr_attr_set_string(exr, part, "cryptomatte/1/hash", "light"));
 }
 
 static void allow_long(exr_context_t exr, int part)
 {
     (void) part;
-    assert_int_equal(exr_set_longname_support(exr, 1), 0);
+    assert_ok(exr_set_longname_support(exr, 1));
 }
 
 #define PART(label, ...)                                                      \
@@ -44,44 +41,42 @@ static void allow_long(exr_context_t exr, int part)
      .compression = EXR_COMPRESSION_ZIP, .channel = {__VA_ARGS__}}
 #define LAYER(name, type)                                                     \
     {name ".B", type, 0, 0}, {name ".G", type, 0, 0}, {name ".R", type, 0, 0}
-#define HALF EXR_PIXEL_HALF
-#define FLOAT EXR_PIXEL_FLOAT
 
 static const struct fixture single = {
-    .part = {PART(NULL, RGB(HALF), LAYER("diffuse", FLOAT),
-                  {"grey", EXR_PIXEL_UINT, 0, 0}, HALF_CH("key.Y"))},
+    .part = {PART(NULL, RGB(HALVES), LAYER("diffuse", FLOATS),
+                  UINT_CH("grey"), HALF_CH("key.Y"))},
 };
 static const struct fixture parts = {
-    .part = {PART("rgba", RGB(HALF)),
-             PART("diffuse", RGB(FLOAT), {"Z", FLOAT, 0, 0}),
+    .part = {PART("rgba", RGB(HALVES)),
+             PART("diffuse", RGB(FLOATS), FLOAT_CH("Z")),
              PART("rest", HALF_CH("spec.blue"), HALF_CH("spec.green"),
                   HALF_CH("spec.red"))},
     .parts = 3,
 };
 static const struct fixture stereo = {
-    .part = {PART("rgba.left", RGB(HALF)), PART("rgba_right", RGB(HALF)),
-             PART("diffuse.right", RGB(HALF))},
+    .part = {PART("rgba.left", RGB(HALVES)), PART("rgba_right", RGB(HALVES)),
+             PART("diffuse.right", RGB(HALVES))},
     .parts = 3, .more = add_view,
 };
 static const struct fixture multiview = {
-    .part = {PART(NULL, RGB(HALF), HALF_CH("diffuse.R"),
-                  HALF_CH("diffuse.right.R"), LAYER("right", HALF))},
+    .part = {PART(NULL, RGB(HALVES), HALF_CH("diffuse.R"),
+                  HALF_CH("diffuse.right.R"), LAYER("right", HALVES))},
     .more = add_views,
 };
 static const struct fixture ids = {
-    .part = {PART(NULL, LAYER("ViewLayer.CryptoObject00", FLOAT),
-                  LAYER("aids", HALF), LAYER("aids00", FLOAT),
-                  LAYER("light", HALF))},
+    .part = {PART(NULL, LAYER("ViewLayer.CryptoObject00", FLOATS),
+                  LAYER("aids", HALVES), LAYER("aids00", FLOATS),
+                  LAYER("light", HALVES))},
     .more = add_manifest,
 };
 static const struct fixture ids_part = {
-    .part = {PART("crypto_asset00", RGB(FLOAT)), PART("beauty", RGB(HALF))},
+    .part = {PART("crypto_asset00", RGB(FLOATS)), PART("beauty", RGB(HALVES))},
     .parts = 2,
 };
 static const struct fixture windows = {
-    .part = {PART("rgba", RGB(HALF)),
+    .part = {PART("rgba", RGB(HALVES)),
              {.name = "small", .data = FIXTURE_WINDOW(-2, 3, W, H - 1),
-              .compression = EXR_COMPRESSION_ZIP, .channel = {RGB(HALF)}}},
+              .compression = EXR_COMPRESSION_ZIP, .channel = {RGB(HALVES)}}},
     .parts = 2,
 };
 
@@ -95,12 +90,10 @@ static gp_status read_as(const struct fixture *file, const char *layer,
     p.layer = layer;
     p.part = part;
     p.view = view;
-    snprintf(path, sizeof path, "%s/in.exr", folder);
-    fixture_write_file(path, file);
-    heard.line[0] = '\0';
-    heard.count = 0;
+    fixture_write_file(in_folder("in.exr"), file);
+    said_nothing();
     *f = (struct gp_frame) {0};
-    return gp_read_frame(&hear, &p, path, f);
+    return gp_read_frame(&said_log, &p, path, f);
 }
 
 /* Every pixel of each colour is that of the named channel. */
@@ -186,7 +179,7 @@ static void found(void **state)
         const struct row *r = &rows[i];
         struct gp_frame f;
         if (read_as(r->file, r->layer, r->part, r->view, &f))
-            fail_msg("row %zu: %s", i, heard.line);
+            fail_msg("row %zu: %s", i, said_line);
         assert_int_equal(f.part, r->want);
         assert_int_equal(gp_input_of(&f)->part, r->want);
         assert_colour(&f, r->name);
@@ -230,9 +223,9 @@ static void not_found(void **state)
         struct gp_frame f;
         assert_int_equal(read_as(rows[i].file, rows[i].layer, rows[i].part,
                                  rows[i].view, &f), GP_ERR_USAGE);
-        if (heard.count != 1 || !strstr(heard.line, rows[i].what) ||
-            !strstr(heard.line, "; give one of "))
-            fail_msg("row %zu: %s", i, heard.line);
+        if (said_errors != 1 || !strstr(said_line, rows[i].what) ||
+            !strstr(said_line, "; give one of "))
+            fail_msg("row %zu: %s", i, said_line);
         assert_null(f.rgb.c[0]);
     }
 }
@@ -246,34 +239,34 @@ static void long_lists(void **state)
         memset(name[i], 'a' + i, 253);
         strcpy(name[i] + 253, ".R");
         many.part[0].channel[i] =
-            (struct fixture_channel) {name[i], HALF, 0, 0};
+            (struct fixture_channel) {name[i], HALVES, 0, 0};
     }
     struct gp_frame f;
     char layer[600];
     memset(layer, 'x', sizeof layer - 1);
     layer[sizeof layer - 1] = '\0';
     assert_int_equal(read_as(&many, layer, NULL, NULL, &f), GP_ERR_USAGE);
-    assert_int_equal(heard.count, 1);
-    assert_non_null(strstr(heard.line, ", ...; parts"));
-    assert_non_null(strstr(heard.line, "; give one of those"));
+    assert_int_equal(said_errors, 1);
+    assert_non_null(strstr(said_line, ", ...; parts"));
+    assert_non_null(strstr(said_line, "; give one of those"));
     // the longest name that a channel can have is found
     name[3][253] = '\0';
     char own[256];
     strcpy(own, name[3]);
     strcpy(name[3] + 253, ".R");
-    assert_int_equal(read_as(&many, own, NULL, NULL, &f), GP_OK);
+    assert_ok(read_as(&many, own, NULL, NULL, &f));
     gp_frame_free(&f);
 }
 
 /* Deep parts have no colour; with a layer they are passed over. */
 static void deep(void **state)
 {
-    struct fixture file = {.part = {PART("deep", RGB(HALF))}};
+    struct fixture file = {.part = {PART("deep", RGB(HALVES))}};
     file.part[0].deep = true;
     file.part[0].compression = EXR_COMPRESSION_ZIPS; // deep data has no zip
     struct gp_frame f;
     assert_int_equal(read_as(&file, NULL, "0", NULL, &f), GP_ERR_DATA);
-    assert_non_null(strstr(heard.line, "deep data"));
+    assert_non_null(strstr(said_line, "deep data"));
     assert_int_equal(read_as(&file, "deep", NULL, NULL, &f), GP_ERR_USAGE);
 }
 
@@ -301,12 +294,12 @@ static void further(void **state)
         struct gp_frame f, layer;
         p.view = r->view;
         p.part = "7"; // does not count
-        assert_int_equal(read_as(r->file, NULL, NULL, NULL, &f), GP_OK);
+        assert_ok(read_as(r->file, NULL, NULL, NULL, &f));
         assert_int_equal(remove(path), 0); // it is not opened again
         for (int c = 0; c < 3; c++)
             f.rgb.c[c][5] = -1.0f; // as a stage after the reader may
-        if (gp_read_layer(&hear, &p, &f, r->layer, &layer))
-            fail_msg("row %zu: %s", i, heard.line);
+        if (gp_read_layer(&said_log, &p, &f, r->layer, &layer))
+            fail_msg("row %zu: %s", i, said_line);
         assert_int_equal(layer.part, r->want);
         assert_memory_equal(&layer.data, &f.data, sizeof f.data);
         assert_memory_equal(&layer.display, &f.display, sizeof f.data);
@@ -332,16 +325,18 @@ static void further_refused(void **state)
     const struct gp_read_params p = GP_READ_DEFAULTS;
     struct gp_frame f, layer = {0};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        assert_int_equal(read_as(rows[i].file, NULL, NULL, NULL, &f), GP_OK);
-        assert_int_equal(gp_read_layer(&hear, &p, &f, rows[i].layer, &layer),
-                         rows[i].st);
-        assert_int_equal(heard.count, 1);
-        assert_non_null(strstr(heard.line, rows[i].what));
+        assert_ok(read_as(rows[i].file, NULL, NULL, NULL, &f));
+        assert_int_equal(
+            gp_read_layer(&said_log, &p, &f, rows[i].layer, &layer),
+            rows[i].st);
+        assert_int_equal(said_errors, 1);
+        assert_non_null(strstr(said_line, rows[i].what));
         assert_null(layer.rgb.c[0]);
         gp_frame_free(&f);
     }
     f = (struct gp_frame) {.path = "made"};
-    assert_int_equal(gp_read_layer(&hear, &p, &f, "a", &layer), GP_ERR_USAGE);
+    assert_int_equal(gp_read_layer(&said_log, &p, &f, "a", &layer),
+                     GP_ERR_USAGE);
 }
 
 // -- names alone --------------------------------------------------------------

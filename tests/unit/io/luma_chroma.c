@@ -62,7 +62,7 @@ static void grey_stays_grey(void **state)
     for (int sampling = 1; sampling <= 2; sampling++) {
         for (int half = 0; half < 2; half++) {
             struct gp_yc yc = picture(W, H, sampling, half);
-            assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+            assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
             for (int c = 0; c < 3; c++)
                 assert_memory_equal(out.c[c], luma, sizeof luma);
         }
@@ -79,7 +79,7 @@ static void one_colour_comes_back(void **state)
         float y = yc.weight[0] * rgb[0] + yc.weight[1] * rgb[1] +
                   yc.weight[2] * rgb[2];
         fill(y, (rgb[0] - y) / y, (rgb[2] - y) / y);
-        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
         for (int i = 0; i < PIXELS; i++) {
             for (int c = 0; c < 3; c++)
                 assert_true(fabsf(out.c[c][i] - rgb[c]) < 2e-5f);
@@ -93,7 +93,7 @@ static void luminance_is_kept(void **state)
 {
     fill_random(99);
     struct gp_yc yc = picture(W, H, 2, false);
-    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int i = 0; i < PIXELS; i++) {
         float y = yc.weight[0] * out_r[i] + yc.weight[1] * out_g[i] +
                   yc.weight[2] * out_b[i];
@@ -107,11 +107,11 @@ static void half_steps_are_near(void **state)
     static float exact[3][PIXELS];
     fill_random(7);
     struct gp_yc yc = picture(W, H, 2, false);
-    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int c = 0; c < 3; c++)
         memcpy(exact[c], out.c[c], sizeof exact[c]);
     yc.half = true;
-    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int c = 0; c < 3; c++) {
         float rounded[PIXELS];
         memcpy(rounded, out.c[c], sizeof rounded);
@@ -129,11 +129,11 @@ static void one_sample_reaches_no_further(void **state)
     const int cx = 20, cy = 30;
     fill_random(3);
     struct gp_yc yc = picture(W, H, 2, true);
-    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int c = 0; c < 3; c++)
         memcpy(before[c], out.c[c], sizeof before[c]);
     red[(cy / 2) * (W / 2) + cx / 2] = NAN;
-    assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+    assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     int changed = 0;
     for (int i = 0; i < PIXELS; i++) {
         bool far = abs(i % W - cx) > 14 || abs(i / W - cy) > 14;
@@ -154,7 +154,7 @@ static void threads_change_nothing(void **state)
     struct gp_yc yc = picture(W, H, 2, true);
     for (int threads = 1; threads <= 7; threads += 3) {
         gp_set_threads(threads);
-        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
         for (int c = 0; c < 3; c++) {
             if (threads == 1)
                 memcpy(one[c], out.c[c], sizeof one[c]);
@@ -175,7 +175,7 @@ static void smallest_pictures(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_yc yc = picture(row[i].w, row[i].h, row[i].sampling, true);
         memset(out_g, 0, sizeof out_g);
-        assert_int_equal(gp_yc_to_rgb(NULL, &yc, &out), GP_OK);
+        assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
         for (int k = 0; k < row[i].w * row[i].h; k++) {
             assert_true(fabsf(out_r[k] - 0.55f) < 1e-3f);
             assert_true(fabsf(out_b[k] - 0.45f) < 1e-3f);

@@ -239,7 +239,7 @@ static gp_status open_ppm(struct gp_image *image)
 
 static void assert_sound(struct gp_image *image)
 {
-    assert_int_equal(gp_image_load(&said_log, image), GP_OK);
+    assert_ok(gp_image_load(&said_log, image));
     for (int y = 0; y < H; y++)
         assert_true(image->pixels[y * W] == image->pixels[0] +
                                                 (float) (y / BLOCK * BLOCK));
@@ -258,8 +258,8 @@ static void helpers_that_fail(void **state)
         {"stops talking", GP_ERR_DATA},   {"refuses", GP_ERR_DATA},
         {"is full", GP_ERR_BUG},
     };
-    for (size_t i = 0; i < sizeof row / sizeof *row + LIES; i++) {
-        const size_t lie = i - sizeof row / sizeof *row;
+    for (size_t i = 0; i < COUNT(row) + LIES; i++) {
+        const size_t lie = i - COUNT(row);
         char part[32];
         struct gp_image image;
         snprintf(part, sizeof part, "%zu", lie);
@@ -276,7 +276,7 @@ static void helpers_that_fail(void **state)
     }
     cast("ends in rows");
     struct gp_image image;
-    assert_int_equal(open_ppm(&image), GP_OK);
+    assert_ok(open_ppm(&image));
     assert_int_equal(gp_image_load(&said_log, &image), GP_ERR_DATA);
     assert_int_equal(said_errors, 1);
     gp_image_close(&image);
@@ -306,7 +306,7 @@ static void one_helper_each(void **state)
     float process[N];
     cast("is sound");
     for (int i = 0; i < N; i++)
-        assert_int_equal(open_ppm(&image[i]), GP_OK);
+        assert_ok(open_ppm(&image[i]));
     for (int i = 0; i < N; i++) {
         assert_sound(&image[i]);
         assert_int_equal(image[i].attributes, 1);
@@ -319,13 +319,12 @@ static void one_helper_each(void **state)
     for (int i = 0; i < N; i++)
         gp_image_close(&image[i]);
     for (int i = 0; i < 2 * N; i++) {
-        assert_int_equal(open_ppm(&image[0]), GP_OK);
+        assert_ok(open_ppm(&image[0]));
         if (i % 2) // else closed before its rows, or amid them
             assert_sound(&image[0]);
         float rows[W * BLOCK];
         if (i % 3 == 0 && i % 2 == 0)
-            assert_int_equal(image[0].rows(&said_log, &image[0], 0, rows),
-                             GP_OK);
+            assert_ok(image[0].rows(&said_log, &image[0], 0, rows));
         bool known = i % 2 == 0;
         for (int k = 0; k < N && !known; k++)
             known = process[k] == image[0].pixels[0];
@@ -434,7 +433,7 @@ static void it_is_confined(void **state)
     assert_int_equal(prlimit(helper, RLIMIT_NOFILE, NULL, &l), 0);
     assert_int_equal(l.rlim_max, 64);
     struct gp_image image; // and yet it reads
-    assert_int_equal(open_ppm(&image), GP_OK);
+    assert_ok(open_ppm(&image));
     assert_int_equal(prlimit(helper, RLIMIT_DATA, NULL, &l), 0);
     assert_true(l.rlim_cur < (rlim_t) 2 << 30);
     assert_int_equal(prlimit(helper, RLIMIT_CPU, NULL, &l), 0);

@@ -62,7 +62,7 @@ static inline gp_status read_image(const char *path, long long max_pixels,
                                    struct gp_image *out)
 {
     struct gp_stream s;
-    assert_int_equal(gp_stream_open(NULL, path, 1, &s), GP_OK);
+    assert_ok(gp_stream_open(NULL, path, 1, &s));
     const gp_status st = read_stream(path, &s, max_pixels, out);
     gp_stream_close(&s);
     return st;

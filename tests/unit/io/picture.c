@@ -45,8 +45,7 @@ static void each_row_is_run_once(void **state)
                          calloc(h, sizeof(int))};
         assert_true(s.runs && s.wrong);
         gp_set_threads(rows[i].threads);
-        assert_int_equal(gp_picture_each_row(NULL, &pic, fill_and_look, &s),
-                         GP_OK);
+        assert_ok(gp_picture_each_row(NULL, &pic, fill_and_look, &s));
         for (size_t y = 0; y < h; y++) {
             if (s.runs[y] != 1 || s.wrong[y])
                 fail_msg("%dx%d, %d threads, row %zu: run %d times, %d "
@@ -66,9 +65,8 @@ static void windows_that_are_no_picture(void **state)
         {INT32_MIN, 0, INT32_MAX, 1}, {0, INT32_MIN, 1, INT32_MAX},
         {0, 0, 1 << 29, 1}, {0, 0, 1 << 20, (1 << 20) + 1},
     };
-    const struct gp_rect r = {0, 0, 2, 2};
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_frame f = wf_frame(r, r, wf_rgb);
+    struct gp_frame f = wf_sized(2, 2, wf_rgb);
     for (size_t i = 0; i < COUNT(display); i++) {
         struct gp_picture pic;
         f.display = display[i];
@@ -92,8 +90,8 @@ static void floats_with_alpha(void **state)
     float to[4][4];
     struct gp_picture_row row = {.linear = {to[0], to[1], to[2], to[3]}};
     p.alpha = GP_ALPHA_KEEP;
-    assert_int_equal(gp_picture_make(&wf_log, &p, "p", &f, &f.rgb,
-                                     GP_PICTURE_SCENE, false, &pic), GP_OK);
+    assert_ok(gp_picture_make(&wf_log, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
+                              false, &pic));
     assert_int_equal(pic.channels, 4);
     for (int y = 0; y < 2; y++) {
         memset(to, 0xff, sizeof to);

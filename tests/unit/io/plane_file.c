@@ -25,7 +25,7 @@ static void channels_of_a_plane_file(void **state)
                                                    "--depth"},
         {{HALF_CH("a"), HALF_CH("b")}, false, NULL, "a, b); name one with "
                                                     "--mask"},
-        {{{"B", HALVES, 0, 0}, {"G", HALVES, 0, 0}, {"R", HALVES, 0, 0}}, true,
+        {{HALF_CH("B"), HALF_CH("G"), HALF_CH("R")}, true,
          NULL, "B, G, R"},
         {{HALF_CH("l.Z"), HALF_CH("r.Z")}, true, NULL, "l.Z and r.Z"},
     };
@@ -34,18 +34,17 @@ static void channels_of_a_plane_file(void **state)
                                       .compression = EXR_COMPRESSION_ZIP}}};
         struct gp_plane p = {0};
         memcpy(f.part[0].channel, row[i].channel, sizeof row[i].channel);
-        snprintf(path, sizeof path, "%s/plane.exr", folder);
-        fixture_write_file(path, &f);
-        heard.line[0] = '\0';
-        gp_status st = gp_read_plane_file(&hear, &limits, path, NULL,
+        fixture_write_file(in_folder("plane.exr"), &f);
+        said_nothing();
+        gp_status st = gp_read_plane_file(&said_log, &limits, path, NULL,
                                           row[i].depth, &p);
         if (row[i].want) {
-            assert_int_equal(st, GP_OK);
+            assert_ok(st);
             assert_string_equal(p.name, row[i].want);
             assert_plane(&p, &f.part[0], row[i].want);
         } else {
             assert_int_not_equal(st, GP_OK);
-            assert_non_null(strstr(heard.line, row[i].line));
+            assert_non_null(strstr(said_line, row[i].line));
             assert_null(p.v);
         }
         gp_plane_free(&p);
@@ -65,14 +64,12 @@ static void small_windows(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         const struct fixture f = {.part = {{
-            .channel = {{"Z", EXR_PIXEL_FLOAT, row[i].xs, row[i].ys}},
+            .channel = {{"Z", FLOATS, row[i].xs, row[i].ys}},
             .data = FIXTURE_WINDOW(-8, -16, row[i].w, row[i].h),
             .compression = row[i].compression}}};
         struct gp_plane p;
-        snprintf(path, sizeof path, "%s/small.exr", folder);
-        fixture_write_file(path, &f);
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, true,
-                                            &p), GP_OK);
+        fixture_write_file(in_folder("small.exr"), &f);
+        assert_ok(gp_read_plane_file(&said_log, &limits, path, NULL, true, &p));
         assert_string_equal(p.name, "Z");
         assert_plane(&p, &f.part[0], "Z");
         gp_plane_free(&p);
@@ -101,18 +98,18 @@ static void planes_of_other_formats(void **state)
         const struct gp_image image = image_of(v, 16, 16, grey, 1, "sRGB");
         struct gp_plane p;
         snprintf(path, sizeof path, "%s/p.%s", folder, row[i].format);
-        assert_int_equal(write_image(path, row[i].format, &image,
-                                     row[i].type, ""), GP_OK);
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, i & 1,
-                                            &p), GP_OK);
+        assert_ok(write_image(path, row[i].format, &image, row[i].type, ""));
+        assert_ok(
+            gp_read_plane_file(&said_log, &limits, path, NULL, i & 1, &p));
         assert_int_equal(gp_rect_w(p.window), 16);
         assert_string_equal(p.name, "Y");
         for (int k = 0; k < N; k++)
             assert_float_equal(p.v[k], v[k],
                                real ? 0.0f : 0.5f / row[i].scale);
         gp_plane_free(&p);
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, "Z", true,
-                                            &p), GP_ERR_USAGE);
+        assert_int_equal(
+            gp_read_plane_file(&said_log, &limits, path, "Z", true, &p),
+            GP_ERR_USAGE);
     }
 }
 
@@ -126,13 +123,12 @@ static void one_channel_of_many(void **state)
     for (int i = 0; i < 3 * N; i++)
         v[i] = (float) i - 5.0f;
     const struct gp_image image = image_of(v, N, 1, rgb, 3, "Linear");
-    snprintf(path, sizeof path, "%s/rgb.tif", folder);
-    assert_int_equal(write_image(path, "tif", &image, "float", ""),
-                     GP_OK);
+    in_folder("rgb.tif");
+    assert_ok(write_image(path, "tif", &image, "float", ""));
     for (int c = 0; c < 3; c++) {
         struct gp_plane p;
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, rgb[c],
-                                            false, &p), GP_OK);
+        assert_ok(
+            gp_read_plane_file(&said_log, &limits, path, rgb[c], false, &p));
         for (int i = 0; i < N; i++)
             assert_true(p.v[i] == v[3 * i + c]);
         gp_plane_free(&p);
@@ -150,8 +146,8 @@ static void planes_by_the_bridge(void **state)
                  data ? data : "../shared/data", file[i]);
         if (access(path, R_OK) != 0 || !has_oiio)
             skip();
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, false,
-                                            &p[i]), GP_OK);
+        assert_ok(
+            gp_read_plane_file(&said_log, &limits, path, NULL, false, &p[i]));
     }
     assert_memory_equal(&p[0].window, &p[1].window, sizeof p[0].window);
     assert_memory_equal(p[0].v, p[1].v, 587 * 675 * sizeof(float));
@@ -166,13 +162,13 @@ static void deep_files(void **state)
         .compression = EXR_COMPRESSION_ZIPS, .deep = true}}};
     static const char *const name[] = {NULL, "Z", "d.Z"};
     struct gp_plane p = {0};
-    snprintf(path, sizeof path, "%s/deep.exr", folder);
-    fixture_write_file(path, &f);
+    fixture_write_file(in_folder("deep.exr"), &f);
     for (int i = 0; i < 3; i++) {
-        heard.line[0] = '\0';
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, name[i],
-                                            true, &p), GP_ERR_DATA);
-        assert_non_null(strstr(heard.line, "deep"));
+        said_nothing();
+        assert_int_equal(
+            gp_read_plane_file(&said_log, &limits, path, name[i], true, &p),
+            GP_ERR_DATA);
+        assert_non_null(strstr(said_line, "deep"));
         assert_null(p.v);
     }
 }
@@ -184,11 +180,11 @@ static void damaged_files(void **state)
     size_t size;
     struct gp_plane p = {0};
     uint8_t *bytes = fixture_make(&named, &size);
-    snprintf(path, sizeof path, "%s/cut.exr", folder);
+    in_folder("cut.exr");
     for (size_t n = 0; n < size; n += n < 1200 ? 37 : 211) {
         fixture_save(path, bytes, n);
-        gp_status st = gp_read_plane_file(&hear, &limits, path, "two.mask",
-                                          false, &p);
+        gp_status st =
+            gp_read_plane_file(&said_log, &limits, path, "two.mask", false, &p);
         // only the last part is asked for, and it lies at the end
         assert_int_not_equal(st, GP_OK);
         assert_null(p.v);
@@ -204,16 +200,19 @@ static void damaged_files(void **state)
     free(bytes);
     const struct gp_read_params few = {.max_pixels = 100};
     fixture_write_file(path, &named);
-    assert_int_equal(gp_read_plane_file(&hear, &few, path, "two.mask", false,
-                                        &p), GP_ERR_DATA);
-    assert_non_null(strstr(heard.line, "too large"));
-    snprintf(path, sizeof path, "%s/none.exr", folder);
-    assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, true, &p),
-                     GP_ERR_IO);
+    assert_int_equal(
+        gp_read_plane_file(&said_log, &few, path, "two.mask", false, &p),
+        GP_ERR_DATA);
+    assert_non_null(strstr(said_line, "too large"));
+    in_folder("none.exr");
+    assert_int_equal(
+        gp_read_plane_file(&said_log, &limits, path, NULL, true, &p),
+        GP_ERR_IO);
     fixture_save(path, "\x89PNG\r\n\x1a\n        ", 16);
-    assert_int_equal(gp_read_plane_file(&hear, &limits, path, NULL, true, &p),
-                     GP_ERR_DATA);
-    assert_non_null(strstr(heard.line, "is not an EXR"));
+    assert_int_equal(
+        gp_read_plane_file(&said_log, &limits, path, NULL, true, &p),
+        GP_ERR_DATA);
+    assert_non_null(strstr(said_line, "is not an EXR"));
 }
 
 static int set_up(void **state)

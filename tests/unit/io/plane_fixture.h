@@ -23,9 +23,6 @@ static inline void note(void *user, enum gp_level level, const char *line)
 static const struct gp_log notes __attribute__((unused)) = {note, NULL,
                                                             GP_LEVEL_WARN};
 
-#define HALVES EXR_PIXEL_HALF
-#define W(n) FIXTURE_WINDOW(0, 0, n, n)
-
 static struct gp_rect rect_of(const exr_attr_box2i_t *b)
 {
     return (struct gp_rect) {b->min.x, b->min.y, b->max.x + 1, b->max.y + 1};
@@ -64,9 +61,9 @@ static const struct fixture named = {
         {.name = "main", .channel = {HALF_CH("A"), RGB(HALVES)}, .data = W(3),
          .compression = EXR_COMPRESSION_ZIP},
         {.name = "one.left",
-         .channel = {{"ids", EXR_PIXEL_UINT, 0, 0},
-                     {"mask", EXR_PIXEL_FLOAT, 0, 0},
-                     {"wide", EXR_PIXEL_HALF, 2, 2}},
+         .channel = {UINT_CH("ids"),
+                     FLOAT_CH("mask"),
+                     {"wide", HALVES, 2, 2}},
          .data = FIXTURE_WINDOW(-4, 8, 6, 16),
          .compression = EXR_COMPRESSION_PIZ},
         {.name = "two", .channel = {HALF_CH("a.Z"), HALF_CH("b.Z"),

@@ -400,5 +400,5 @@ static void texts_are_bounded(void **state)
     free(raw);
 }
 
-SUITE_OF_EACH(png_read, wf_start, wf_end,
-    kinds, chunks, damaged_bytes, rows_and_sizes, texts_are_bounded)
+SUITE_OF_EACH(png_read, wf_start, wf_end, kinds, chunks, damaged_bytes,
+              rows_and_sizes, texts_are_bounded)

@@ -36,7 +36,7 @@ static void every_edge(void **state)
 {
     const int bits = *(int *) *state;
     struct gp_quantizer *q;
-    assert_int_equal(gp_quantizer_make(NULL, bits, &q), 0);
+    assert_ok(gp_quantizer_make(NULL, bits, &q));
     const int max = gp_quantizer_max(q);
     float *v = malloc((size_t) max * 7 * sizeof *v);
     assert_non_null(v);
@@ -63,7 +63,7 @@ static void stride_of_floats(void **state)
     const int bits = *(int *) *state;
     enum { N = 1 << 20 };
     struct gp_quantizer *q;
-    assert_int_equal(gp_quantizer_make(NULL, bits, &q), 0);
+    assert_ok(gp_quantizer_make(NULL, bits, &q));
     float *v = malloc(N * sizeof *v);
     assert_non_null(v);
     for (uint32_t i = 0; i < N; i++) {
@@ -86,7 +86,7 @@ static void specials(void **state)
         {0x1p-149f, 0}, {1.0f - 0x1p-24f, 255}, {0.5f, 188}, {0.2158605f, 128},
     };
     struct gp_quantizer *q;
-    assert_int_equal(gp_quantizer_make(NULL, 8, &q), 0);
+    assert_ok(gp_quantizer_make(NULL, 8, &q));
     for (size_t i = 0; i < COUNT(rows); i++) {
         uint16_t code, dithered;
         gp_quantize(q, &rows[i].v, &code, 1);
@@ -108,7 +108,7 @@ static void linear_codes(void **state)
     static const int want[] = {0, 255, 128, 0, 255, 0, 255, 26};
     uint16_t code[8];
     struct gp_quantizer *q;
-    assert_int_equal(gp_quantizer_make(NULL, 8, &q), 0);
+    assert_ok(gp_quantizer_make(NULL, 8, &q));
     gp_quantize_linear(q, v, code, 8);
     for (int i = 0; i < 8; i++)
         assert_int_equal(code[i], want[i]);
@@ -122,7 +122,7 @@ static void dither_laws(void **state)
     const int bits = *(int *) *state;
     enum { W = 256, H = 256 };
     struct gp_quantizer *q;
-    assert_int_equal(gp_quantizer_make(NULL, bits, &q), 0);
+    assert_ok(gp_quantizer_make(NULL, bits, &q));
     const double max = gp_quantizer_max(q);
     static const float value[] = {0.00002f, 0.0005f, 0.0021f, 0.013f, 0.18f,
                                   0.5f, 0.731f, 0.95f, 0.9999f};
@@ -157,7 +157,7 @@ static void linear_dither(void **state)
         struct gp_quantizer *q;
         float v[4096];
         uint16_t code[4096];
-        assert_int_equal(gp_quantizer_make(NULL, bits, &q), 0);
+        assert_ok(gp_quantizer_make(NULL, bits, &q));
         const int max = gp_quantizer_max(q);
         for (int level = -1; level <= 5; level++) {
             const float x = (float) level / 4.0f + (level == 2 ? 1e-3f : 0.0f);

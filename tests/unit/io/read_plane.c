@@ -6,9 +6,8 @@
 
 static void open_fixture(const struct fixture *f, struct gp_frame *frame)
 {
-    snprintf(path, sizeof path, "%s/f.exr", folder);
-    fixture_write_file(path, f);
-    assert_int_equal(read_file(path, frame), GP_OK);
+    fixture_write_file(in_folder("f.exr"), f);
+    assert_ok(read_file(path, frame));
 }
 
 /* -- search --------------------------------------------------------------- */
@@ -17,13 +16,12 @@ static void open_fixture(const struct fixture *f, struct gp_frame *frame)
 static void views_by_name(exr_context_t exr, int part)
 {
     const char *name;
-    assert_int_equal(exr_get_name(exr, part, &name), EXR_ERR_SUCCESS);
+    assert_ok(exr_get_name(exr, part, &name));
     // which a file with deep parts must have in all
-    assert_int_equal(exr_set_version(exr, part, 1), EXR_ERR_SUCCESS);
+    assert_ok(exr_set_version(exr, part, 1));
     const char *view = strrchr(name, '_');
     if (view)
-        assert_int_equal(exr_attr_set_string(exr, part, "view", view + 1),
-                         EXR_ERR_SUCCESS);
+        assert_ok(exr_attr_set_string(exr, part, "view", view + 1));
 }
 
 /* A part of n x n pixels; then its channels. */
@@ -85,8 +83,7 @@ static void depth_of_any_part(void **state)
         memcpy(f.part, row[i].part, sizeof f.part);
         open_fixture(&f, &frame);
         said[0] = '\0';
-        assert_int_equal(gp_read_depth(&notes, &limits, &frame, NULL, &p),
-                         GP_OK);
+        assert_ok(gp_read_depth(&notes, &limits, &frame, NULL, &p));
         assert_int_equal(said[0] != '\0', row[i].said != NULL);
         if (row[i].said)
             assert_non_null(strstr(said, row[i].said));
@@ -100,8 +97,8 @@ static void depth_of_any_part(void **state)
             const char *const name[] = {p.name, row[i].channel};
             for (int k = 0; k < 2; k++) {
                 struct gp_plane again;
-                assert_int_equal(gp_read_depth(&hear, &limits, &frame,
-                                               name[k], &again), GP_OK);
+                assert_ok(
+                    gp_read_depth(&said_log, &limits, &frame, name[k], &again));
                 assert_plane(&again, &f.part[row[i].from], row[i].channel);
                 gp_plane_free(&again);
             }
@@ -131,14 +128,14 @@ static void channels_by_name(void **state)
     open_fixture(&named, &frame);
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_plane p;
-        assert_int_equal(gp_read_coverage(&hear, &limits, &frame, row[i].name,
-                                          &p), GP_OK);
+        assert_ok(
+            gp_read_coverage(&said_log, &limits, &frame, row[i].name, &p));
         assert_string_equal(p.name, row[i].called);
         assert_plane(&p, &named.part[row[i].part], row[i].channel);
         gp_plane_free(&p);
         // and without a frame
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, row[i].name,
-                                            i & 1, &p), GP_OK);
+        assert_ok(gp_read_plane_file(&said_log, &limits, path, row[i].name,
+                                     i & 1, &p));
         assert_plane(&p, &named.part[row[i].part], row[i].channel);
         gp_plane_free(&p);
     }
@@ -158,18 +155,19 @@ static void names_that_are_not_there(void **state)
     struct gp_plane p = {0};
     open_fixture(&named, &frame);
     for (size_t i = 0; i < COUNT(name); i++) {
-        assert_int_equal(gp_read_depth(&hear, &limits, &frame, name[i], &p),
+        assert_int_equal(gp_read_depth(&said_log, &limits, &frame, name[i], &p),
                          GP_ERR_USAGE);
-        assert_non_null(strstr(heard.line, list));
-        assert_int_equal(gp_read_plane_file(&hear, &limits, path, name[i],
-                                            false, &p), GP_ERR_USAGE);
-        assert_non_null(strstr(heard.line, "; "));
+        assert_non_null(strstr(said_line, list));
+        assert_int_equal(
+            gp_read_plane_file(&said_log, &limits, path, name[i], false, &p),
+            GP_ERR_USAGE);
+        assert_non_null(strstr(said_line, "; "));
         assert_null(p.v);
     }
     // two of one rank, which search must not choose between
-    assert_int_equal(gp_read_depth(&hear, &limits, &frame, NULL, &p),
+    assert_int_equal(gp_read_depth(&said_log, &limits, &frame, NULL, &p),
                      GP_ERR_DATA);
-    assert_non_null(strstr(heard.line, "a.Z and b.Z"));
+    assert_non_null(strstr(said_line, "a.Z and b.Z"));
     assert_null(p.v);
     gp_frame_free(&frame);
 }
@@ -187,18 +185,17 @@ static void samples_are_those_of_the_file(void **state)
     struct gp_plane p;
     open_fixture(&yc, &frame);
     assert_int_equal(frame.model, GP_COLOUR_YC);
-    assert_int_equal(gp_read_coverage(&hear, &limits, &frame, "Y", &p), GP_OK);
+    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "Y", &p));
     assert_plane(&p, &yc.part[0], "Y");
     gp_plane_free(&p);
-    assert_int_equal(gp_read_coverage(&hear, &limits, &frame, "BY", &p),
-                     GP_OK);
+    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "BY", &p));
     assert_plane(&p, &yc.part[0], "BY");
     gp_plane_free(&p);
     gp_frame_free(&frame);
     // a plane that another stage has changed
     open_fixture(&rgb, &frame);
     memset(frame.rgb.c[0], 0, gp_frame_pixels(&frame) * sizeof(float));
-    assert_int_equal(gp_read_coverage(&hear, &limits, &frame, "R", &p), GP_OK);
+    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "R", &p));
     assert_plane(&p, &rgb.part[0], "R");
     gp_plane_free(&p);
     gp_frame_free(&frame);
@@ -220,16 +217,16 @@ static void frames_without_a_file(void **state)
                          .rgb = {{red, NULL, NULL}}};
     struct gp_plane p;
     double m[16] = {42.0};
-    assert_int_equal(gp_read_depth(&hear, &limits, &f, NULL, &p), GP_OK);
+    assert_ok(gp_read_depth(&said_log, &limits, &f, NULL, &p));
     assert_true(isnan(p.v[0]) && isinf(p.v[1]));
     assert_memory_equal(&p.window, &f.data, sizeof f.data);
     gp_plane_free(&p);
-    assert_int_equal(gp_read_coverage(&hear, &limits, &f, "R", &p), GP_OK);
+    assert_ok(gp_read_coverage(&said_log, &limits, &f, "R", &p));
     assert_memory_equal(p.v, red, sizeof red);
     gp_plane_free(&p);
-    assert_int_equal(gp_read_coverage(&hear, &limits, &f, "A", &p),
+    assert_int_equal(gp_read_coverage(&said_log, &limits, &f, "A", &p),
                      GP_ERR_USAGE);
-    assert_non_null(strstr(heard.line, "(it has R, Z)"));
+    assert_non_null(strstr(said_line, "(it has R, Z)"));
     assert_false(gp_frame_matrix(&f, "worldToCamera", m));
     assert_true(m[0] == 42.0);
 }
@@ -326,9 +323,8 @@ static void depth_of_real_files(void **state)
         if (!data_path(row[i].file))
             continue;
         some = true;
-        assert_int_equal(read_file(path, &frame), GP_OK);
-        assert_int_equal(gp_read_depth(&hear, &limits, &frame, NULL, &p),
-                         GP_OK);
+        assert_ok(read_file(path, &frame));
+        assert_ok(gp_read_depth(&said_log, &limits, &frame, NULL, &p));
         if (row[i].name) {
             const int w = gp_rect_w(p.window), h = gp_rect_h(p.window);
             assert_string_equal(p.name, row[i].name);
@@ -351,7 +347,7 @@ static void matrices_of_real_files(void **state)
     double m[16];
     if (!data_path("seq_foliage/foliage.1004.exr"))
         skip();
-    assert_int_equal(read_file(path, &frame), GP_OK);
+    assert_ok(read_file(path, &frame));
     assert_true(gp_frame_matrix(&frame, "worldToCamera", m));
     assert_true(m[15] == 1.0 && m[3] == 0.0); // rows: translation is last
     assert_true(gp_frame_matrix(&frame, "worldToNDC", m));

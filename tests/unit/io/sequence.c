@@ -2,9 +2,7 @@
 #include "unit.h"
 #include "io/sequence.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include "reading.h"
 
 // -- patterns ----------------------------------------------------------------
 
@@ -44,7 +42,7 @@ static void names_of_frames(void **state)
                 fail_msg("%s: status %d", r->path, st);
             continue;
         }
-        assert_int_equal(st, GP_OK);
+        assert_ok(st);
         char *name = gp_pattern_name(&p, r->frame, NULL);
         assert_string_equal(name, r->name);
         free(name);
@@ -79,7 +77,7 @@ static void names_of_views(void **state)
     for (size_t i = 0; i < COUNT(view_names); i++) {
         const struct view_row *r = &view_names[i];
         struct gp_pattern p;
-        assert_int_equal(gp_pattern_find(NULL, r->path, &p), GP_OK);
+        assert_ok(gp_pattern_find(NULL, r->path, &p));
         assert_int_equal(p.views, r->places);
         char *name = gp_pattern_name(&p, 7, r->view);
         assert_string_equal(name, r->name);
@@ -115,7 +113,7 @@ static void lists_of_views(void **state)
                 fail_msg("\"%s\": status %d", r->text, st);
             continue;
         }
-        assert_int_equal(st, GP_OK);
+        assert_ok(st);
         char got[256] = "";
         for (int k = 0; k < v.n; k++)
             snprintf(got + strlen(got), sizeof got - strlen(got), "%s%s",
@@ -133,7 +131,7 @@ static void longest_view_list(void **state)
     struct gp_views v = {0};
     for (int i = 1; i < GP_VIEWS_MAX; i++)
         snprintf(text + strlen(text), sizeof text - strlen(text), ",v%d", i);
-    assert_int_equal(gp_views_parse(NULL, text, &v), GP_OK);
+    assert_ok(gp_views_parse(NULL, text, &v));
     assert_int_equal(v.n, GP_VIEWS_MAX);
     assert_string_equal(v.name[GP_VIEWS_MAX - 1], "v63");
     gp_views_free(&v);
@@ -159,8 +157,8 @@ static void views_of_one_letter(void **state)
     for (size_t i = 0; i < COUNT(alike); i++) {
         struct gp_pattern p;
         struct gp_views v;
-        assert_int_equal(gp_pattern_find(NULL, alike[i].path, &p), GP_OK);
-        assert_int_equal(gp_views_parse(NULL, alike[i].views, &v), GP_OK);
+        assert_ok(gp_pattern_find(NULL, alike[i].path, &p));
+        assert_ok(gp_views_parse(NULL, alike[i].views, &v));
         if (gp_views_check(NULL, &p, &v) !=
             (alike[i].fine ? GP_OK : GP_ERR_USAGE))
             fail_msg("%s for %s", alike[i].path, alike[i].views);
@@ -169,6 +167,17 @@ static void views_of_one_letter(void **state)
 }
 
 // -- lists -------------------------------------------------------------------
+
+/* The numbers of a list with blanks between them. */
+static const char *numbers_of(const struct gp_frames *f)
+{
+    static char text[256];
+    text[0] = '\0';
+    for (int k = 0; k < f->n; k++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%s%d",
+                 k ? " " : "", f->number[k]);
+    return text;
+}
 
 struct list_row {
     const char *text;
@@ -202,12 +211,8 @@ static void lists_of_frames(void **state)
                 fail_msg("\"%s\": status %d", r->text, st);
             continue;
         }
-        assert_int_equal(st, GP_OK);
-        char got[256] = "";
-        for (int k = 0; k < f.n; k++)
-            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
-                     k ? " " : "", f.number[k]);
-        assert_string_equal(got, r->frames);
+        assert_ok(st);
+        assert_string_equal(numbers_of(&f), r->frames);
         gp_frames_free(&f);
         gp_frames_free(&f);
     }
@@ -217,7 +222,7 @@ static void lists_of_frames(void **state)
 static void longest_list(void **state)
 {
     struct gp_frames f = {0};
-    assert_int_equal(gp_frames_parse(NULL, "1000000-1", &f), GP_OK);
+    assert_ok(gp_frames_parse(NULL, "1000000-1", &f));
     assert_int_equal(f.n, GP_FRAME_LIST_MAX);
     assert_int_equal(f.number[0], 1000000);
     assert_int_equal(f.number[f.n - 1], 1);
@@ -235,17 +240,13 @@ static void frames_together(void **state)
 {
     for (size_t i = 0; i < COUNT(joins); i++) {
         struct gp_frames a, b, none = {0};
-        char got[256] = "";
-        assert_int_equal(gp_frames_parse(NULL, joins[i].a, &a), GP_OK);
-        assert_int_equal(gp_frames_parse(NULL, joins[i].b, &b), GP_OK);
+        assert_ok(gp_frames_parse(NULL, joins[i].a, &a));
+        assert_ok(gp_frames_parse(NULL, joins[i].b, &b));
         assert_true(gp_frames_join(&a, &b));
         assert_true(gp_frames_join(&a, &none));
         assert_true(gp_frames_join(&none, &a));
         assert_int_equal(none.n, a.n);
-        for (int k = 0; k < a.n; k++)
-            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
-                     k ? " " : "", none.number[k]);
-        assert_string_equal(got, joins[i].all);
+        assert_string_equal(numbers_of(&none), joins[i].all);
         gp_frames_free(&a);
         gp_frames_free(&b);
         gp_frames_free(&none);
@@ -283,42 +284,27 @@ static const struct disk_row on_disk[] = {
 
 static void frames_that_exist(void **state)
 {
-    char folder[] = "/tmp/gp_sequence_XXXXXX", path[256];
-    assert_non_null(mkdtemp(folder));
+    struct gp_pattern p;
+    struct gp_frames f = {0};
     for (size_t i = 0; i < COUNT(files); i++) {
         snprintf(path, sizeof path, "%s/%s", folder, files[i]);
-        int fd = creat(path, 0600);
-        assert_true(fd >= 0);
-        close(fd);
+        FILE *const file = fopen(path, "w");
+        assert_true(file && fclose(file) == 0);
     }
     for (size_t i = 0; i < COUNT(on_disk); i++) {
         const struct disk_row *r = &on_disk[i];
-        struct gp_pattern p;
-        struct gp_frames f = {0};
-        char got[256] = "";
         snprintf(path, sizeof path, "%s/%s", folder, r->pattern);
-        assert_int_equal(gp_pattern_find(NULL, path, &p), GP_OK);
-        gp_status st = gp_frames_on_disk(NULL, &p, r->view, &f);
-        assert_int_equal(st, r->frames ? GP_OK : GP_ERR_IO);
-        for (int k = 0; k < f.n; k++)
-            snprintf(got + strlen(got), sizeof got - strlen(got), "%s%d",
-                     k ? " " : "", f.number[k]);
-        assert_string_equal(got, r->frames ? r->frames : "");
+        assert_ok(gp_pattern_find(NULL, path, &p));
+        assert_int_equal(gp_frames_on_disk(NULL, &p, r->view, &f),
+                         r->frames ? GP_OK : GP_ERR_IO);
+        assert_string_equal(numbers_of(&f), r->frames ? r->frames : "");
         gp_frames_free(&f);
     }
     // the view is the folder
-    struct gp_pattern p;
-    struct gp_frames f = {0};
-    assert_int_equal(gp_pattern_find(NULL, "/tmp/%V/s.####.exr", &p), GP_OK);
-    assert_int_equal(gp_frames_on_disk(NULL, &p, folder + 5, &f), GP_OK);
-    assert_int_equal(f.n, 4);
-    assert_int_equal(f.number[3], 12345);
+    assert_ok(gp_pattern_find(NULL, "/tmp/%V/s.####.exr", &p));
+    assert_ok(gp_frames_on_disk(NULL, &p, folder + 5, &f));
+    assert_string_equal(numbers_of(&f), "1 2 10 12345");
     gp_frames_free(&f);
-    for (size_t i = 0; i < COUNT(files); i++) {
-        snprintf(path, sizeof path, "%s/%s", folder, files[i]);
-        unlink(path);
-    }
-    rmdir(folder);
 }
 
 // -- numbers in names --------------------------------------------------------
@@ -348,7 +334,7 @@ static void numbers_in_names(void **state)
     }
 }
 
-SUITE_OF(sequence, NULL, NULL,
-    names_of_frames, names_of_views, lists_of_views, longest_view_list,
-    views_of_one_letter, lists_of_frames, longest_list, frames_together,
-    frames_that_exist, numbers_in_names)
+SUITE_OF(sequence, make_folder, remove_folder, names_of_frames, names_of_views,
+         lists_of_views, longest_view_list, views_of_one_letter,
+         lists_of_frames, longest_list, frames_together, frames_that_exist,
+         numbers_in_names)

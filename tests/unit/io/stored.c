@@ -6,7 +6,6 @@
 #include "exr_fixture.h"
 #include "reading.h"
 
-#define HALVES EXR_PIXEL_HALF
 #define WIDE FIXTURE_WINDOW(0, 0, 512, 1)
 
 static const struct gp_read_params limits = GP_READ_DEFAULTS;
@@ -16,12 +15,11 @@ static gp_status read_fixture(const struct fixture *f,
                               struct gp_stored_image *out)
 {
     struct gp_stored_file file;
-    snprintf(path, sizeof path, "%s/a.exr", folder);
-    fixture_write_file(path, f);
+    fixture_write_file(in_folder("a.exr"), f);
     *out = (struct gp_stored_image) {0};
-    gp_status st = gp_stored_open(&hear, &limits, path, &file);
+    gp_status st = gp_stored_open(&said_log, &limits, path, &file);
     if (!st)
-        st = gp_stored_read(&hear, &limits, &file, 0, out);
+        st = gp_stored_read(&said_log, &limits, &file, 0, out);
     gp_stored_close(&file);
     return st;
 }
@@ -43,25 +41,25 @@ static void light(void **state)
     } row[] = {
         {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE}}},
          {"R", "G", "B"}},
-        {{.part = {{.channel = {{"Y", HALVES, 0, 0}}, .data = WIDE}}},
+        {{.part = {{.channel = {HALF_CH("Y")}, .data = WIDE}}},
          {"Y", "Y", "Y"}},
         // the chroma is no light of its own
         {{.part = {{.channel = {{"BY", HALVES, 2, 1}, {"RY", HALVES, 2, 1},
-                                {"Y", HALVES, 0, 0}}, .data = WIDE}}},
+                                HALF_CH("Y")}, .data = WIDE}}},
          {"Y", "Y", "Y"}},
         // one of the three is missing, or whole numbers
-        {{.part = {{.channel = {{"G", HALVES, 0, 0}, {"R", HALVES, 0, 0}},
+        {{.part = {{.channel = {HALF_CH("G"), HALF_CH("R")},
                     .data = WIDE}}}, {NULL}},
-        {{.part = {{.channel = {{"B", HALVES, 0, 0},
-                                {"G", EXR_PIXEL_UINT, 0, 0},
-                                {"R", HALVES, 0, 0}}, .data = WIDE}}},
+        {{.part = {{.channel = {HALF_CH("B"),
+                                UINT_CH("G"),
+                                HALF_CH("R")}, .data = WIDE}}},
          {NULL}},
-        {{.part = {{.channel = {{"u", HALVES, 0, 0}, {"v", HALVES, 0, 0}},
+        {{.part = {{.channel = {HALF_CH("u"), HALF_CH("v")},
                     .data = WIDE}}}, {NULL}},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_stored_image image;
-        assert_int_equal(read_fixture(&row[i].f, &image), GP_OK);
+        assert_ok(read_fixture(&row[i].f, &image));
         for (int c = 0; c < 3; c++) {
             const char *name = row[i].light[c];
             const float *want =
@@ -79,11 +77,11 @@ static void samples(void **state)
     static const struct fixture f = {
         .part = {{.channel = {{"few", EXR_PIXEL_UINT, 2, 2},
                               {"half", HALVES, 2, 1},
-                              {"id", EXR_PIXEL_UINT, 0, 0}},
+                              UINT_CH("id")},
                   .data = FIXTURE_WINDOW(-4, 2, 8, 6)}},
     };
     struct gp_stored_image image;
-    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    assert_ok(read_fixture(&f, &image));
     const struct gp_stored_channel *id = &image.channel[index_of(&image, "id")];
     const struct gp_stored_channel *few = &image.channel[index_of(&image, "few")];
     const struct gp_stored_channel *half =
@@ -111,7 +109,7 @@ static void header(void **state)
         .part = {{.channel = {RGB(HALVES)}, .data = WIDE}},
     };
     struct gp_stored_image image;
-    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    assert_ok(read_fixture(&f, &image));
     assert_true(image.chromaticities[0] == fixture_ap0.red_x);
     assert_true(image.chromaticities[5] == fixture_ap0.blue_y);
     assert_true(image.chromaticities[7] == fixture_ap0.white_y);
@@ -122,7 +120,7 @@ static void header(void **state)
     gp_stored_image_free(&image);
 
     f.part[0].deep = true; // nothing of it is read
-    assert_int_equal(read_fixture(&f, &image), GP_OK);
+    assert_ok(read_fixture(&f, &image));
     assert_true(image.deep);
     assert_int_equal(image.channels, 0);
     gp_stored_image_free(&image);
@@ -141,8 +139,7 @@ static void call_dwaa(const struct fixture *f)
     assert_non_null(at);
     assert_int_equal(at[sizeof name], EXR_COMPRESSION_ZIP);
     at[sizeof name] = EXR_COMPRESSION_DWAA;
-    snprintf(path, sizeof path, "%s/dwaa.exr", folder);
-    fixture_save(path, bytes, size);
+    fixture_save(in_folder("dwaa.exr"), bytes, size);
     free(bytes);
 }
 
@@ -155,7 +152,7 @@ static void dwa_that_is_none(void **state)
         {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE,
                     .compression = EXR_COMPRESSION_ZIP}}}, NULL},
         {{.part = {{.channel = {{"BY", HALVES, 2, 2}, {"RY", HALVES, 2, 2},
-                                {"Y", HALVES, 0, 0}},
+                                HALF_CH("Y")},
                     .data = FIXTURE_WINDOW(0, 0, 512, 2),
                     .compression = EXR_COMPRESSION_ZIP}}},
          "is subsampled and DWA compressed"},
@@ -169,9 +166,9 @@ static void dwa_that_is_none(void **state)
         call_dwaa(&row[i].f);
         const gp_status st = read_file(path, &f);
         assert_true(st == GP_ERR_DATA || (st == GP_ERR_IO && !row[i].says));
-        assert_int_equal(heard.count, 1);
-        if (!strstr(heard.line, row[i].says ? row[i].says : "; "))
-            fail_msg("row %d: %s", (int) i, heard.line);
+        assert_int_equal(said_errors, 1);
+        if (!strstr(said_line, row[i].says ? row[i].says : "; "))
+            fail_msg("row %d: %s", (int) i, said_line);
         assert_null(f.rgb.c[0]);
     }
 }

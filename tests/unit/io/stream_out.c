@@ -27,11 +27,10 @@ static void give_back(int fd, int kept)
 }
 
 static gp_status to_stdout(const char *file, const struct gp_write_params *p,
-                           const struct gp_frame *f, enum gp_picture_kind kind,
-                           struct gp_write_stats *stats)
+                           const struct gp_frame *f, enum gp_picture_kind kind)
 {
     const int kept = borrow(STDOUT_FILENO, file, O_WRONLY | O_CREAT | O_APPEND);
-    gp_status st = gp_write_picture(&wf_log, p, "-", f, &f->rgb, kind, stats);
+    gp_status st = wf_write(p, "-", f, kind);
     give_back(STDOUT_FILENO, kept);
     return st;
 }
@@ -116,9 +115,9 @@ static void check_raw(const struct gp_frame *f, enum gp_raw_format raw,
 static void raw_pixels(void **state)
 {
     for (size_t i = 0; i < 4 * COUNT(windows); i++) {
+        wf_stats = (struct gp_write_stats) {0}; // a stream of its own
         const enum gp_raw_format raw = (enum gp_raw_format) (i % 4);
         struct gp_write_params p = GP_WRITE_DEFAULTS;
-        struct gp_write_stats stats = {0};
         struct gp_frame f = wf_frame(windows[i / 4].data,
                                      windows[i / 4].display, wf_rgb);
         p.stdout_format = GP_STDOUT_RAW;
@@ -129,10 +128,10 @@ static void raw_pixels(void **state)
         f.rgb.c[2][0] = INFINITY;
         const char *out = wf_path("raw");
         size_t n;
-        assert_int_equal(to_stdout(out, &p, &f, GP_PICTURE_SHOWN, &stats), 0);
+        assert_ok(to_stdout(out, &p, &f, GP_PICTURE_SHOWN));
         uint8_t *bytes = wf_read(out, &n);
         check_raw(&f, raw, bytes, n);
-        assert_int_equal(stats.raw.w, gp_rect_w(f.display));
+        assert_int_equal(wf_stats.raw.w, gp_rect_w(f.display));
         free(bytes);
         remove(out);
         gp_frame_free(&f);
@@ -142,20 +141,18 @@ static void raw_pixels(void **state)
 static void raw_frames_have_one_size(void **state)
 {
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const struct gp_rect small = {0, 0, 4, 3}, turned = {0, 0, 3, 4};
     struct gp_frame a = wf_frame(small, small, wf_rgb);
     struct gp_frame b = wf_frame(turned, turned, wf_rgb);
     struct gp_frame c = wf_frame(turned, small, wf_rgb);
     const char *out = wf_path("sizes");
     size_t n;
+    wf_stats = (struct gp_write_stats) {0};
     p.stdout_format = GP_STDOUT_RAW;
-    assert_int_equal(to_stdout(out, &p, &a, GP_PICTURE_SHOWN, &stats), GP_OK);
-    assert_int_equal(to_stdout(out, &p, &b, GP_PICTURE_SHOWN, &stats),
-                     GP_ERR_DATA);
-    wf_assert_said("made: another size than the raw frames before it (found "
-                   "3 x 4 after 4 x 3)");
-    assert_int_equal(to_stdout(out, &p, &c, GP_PICTURE_SHOWN, &stats), GP_OK);
+    assert_ok(to_stdout(out, &p, &a, GP_PICTURE_SHOWN));
+    assert_int_equal(to_stdout(out, &p, &b, GP_PICTURE_SHOWN), GP_ERR_DATA);
+    wf_assert_said("made: ");
+    assert_ok(to_stdout(out, &p, &c, GP_PICTURE_SHOWN));
     free(wf_read(out, &n));
     assert_int_equal(n, 2 * 4 * 3 * 3); // not a byte of the wrong one
     remove(out);
@@ -173,7 +170,6 @@ static void stdout_has_the_files_bytes(void **state)
     struct gp_frame f = wf_frame(d, show, wf_all);
     for (int i = 0; i < 12; i++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
-        struct gp_write_stats stats = {0};
         const enum gp_picture_kind kind =
             i / 3 % 2 ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
         char name[32];
@@ -183,10 +179,9 @@ static void stdout_has_the_files_bytes(void **state)
         p.alpha = i / 6 ? GP_ALPHA_KEEP : GP_ALPHA_BLACK;
         snprintf(name, sizeof name, "one.%s", endings[i % 3]);
         const char *file = wf_path(name), *out = wf_path("two");
-        assert_int_equal(gp_write_picture(&wf_log, &p, file, &f, &f.rgb, kind,
-                                          &stats), 0);
-        assert_int_equal(to_stdout(out, &p, &f, kind, &stats), GP_OK);
-        assert_int_equal(to_stdout(out, &p, &f, kind, &stats), GP_OK);
+        assert_ok(wf_write(&p, name, &f, kind));
+        assert_ok(to_stdout(out, &p, &f, kind));
+        assert_ok(to_stdout(out, &p, &f, kind));
         uint8_t *one = wf_read(file, &n), *two = wf_read(out, &m);
         assert_int_equal(m, 2 * n);
         assert_memory_equal(one, two, n);
@@ -204,7 +199,7 @@ static void hdr_is_exr_alone(void **state)
     for (int i = 0; i < 4; i++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.stdout_format = (enum gp_stdout_format) i;
-        assert_int_equal(gp_write_check(&wf_log, &p, "-"), GP_OK);
+        assert_ok(gp_write_check(&wf_log, &p, "-"));
         assert_int_equal(gp_write_hdr_check(&wf_log, &p, "-"),
                          i ? GP_ERR_USAGE : GP_OK);
     }
@@ -267,11 +262,10 @@ static uint8_t *piece_bytes(const struct gp_frame *f, char letter, size_t *n)
     while (written[i].letter != letter)
         i++;
     struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_write_stats stats = {0};
     const char *path = wf_path(written[i].name);
     p.compression = written[i].compression;
-    assert_int_equal(gp_write_picture(&wf_log, &p, path, f, &f->rgb,
-                                      GP_PICTURE_SCENE, &stats), 0);
+    assert_ok(gp_write_picture(&wf_log, &p, path, f, &f->rgb, GP_PICTURE_SCENE,
+                               &stats));
     uint8_t *bytes = wf_read(path, n);
     remove(path);
     return bytes;
@@ -332,13 +326,12 @@ static void frames_of_a_stream(void **state)
     struct gp_members m;
     size_t at[16];
     make_stream(&f, path, "EFZD", at);
-    assert_int_equal(from_stdin(path, &m), GP_OK);
+    assert_ok(from_stdin(path, &m));
     assert_int_equal(m.n, 4);
     for (int i = 3; i >= 0; i--) {
         char name[24];
         snprintf(name, sizeof name, "frame %d", i);
-        assert_int_equal(gp_members_frame(&wf_log, &p, name, &m, i, &got[i]),
-                         GP_OK);
+        assert_ok(gp_members_frame(&wf_log, &p, name, &m, i, &got[i]));
         assert_string_equal(got[i].path, name);
     }
     for (int i = 0; i < 4; i++) {
@@ -355,8 +348,7 @@ static void frames_of_a_stream(void **state)
 static void cut_streams(void **state)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
-    const struct gp_rect d = {0, 0, 9, 20};
-    struct gp_frame f = wf_frame(d, d, wf_rgb);
+    struct gp_frame f = wf_sized(9, 20, wf_rgb);
     char path[64];
     size_t at[16], n;
     const size_t all = make_stream(&f, path, "ZEg", at);
@@ -383,19 +375,7 @@ static void cut_streams(void **state)
     gp_frame_free(&f);
 }
 
-SUITE(stream_out)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(raw_pixels, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(raw_frames_have_one_size, wf_start,
-                                        wf_end),
-        cmocka_unit_test_setup_teardown(stdout_has_the_files_bytes, wf_start,
-                                        wf_end),
-        cmocka_unit_test(hdr_is_exr_alone),
-        cmocka_unit_test_setup_teardown(streams_fall_into_images, wf_start,
-                                        wf_end),
-        cmocka_unit_test_setup_teardown(frames_of_a_stream, wf_start, wf_end),
-        cmocka_unit_test_setup_teardown(cut_streams, wf_start, wf_end),
-    };
-    return cmocka_run_group_tests(tests, find_bridges, NULL);
-}
+SUITE_OF_EACH(stream_out, wf_start, wf_end, raw_pixels,
+              raw_frames_have_one_size, stdout_has_the_files_bytes,
+              hdr_is_exr_alone, streams_fall_into_images, frames_of_a_stream,
+              cut_streams)

@@ -25,10 +25,8 @@ static bool is_own(const char *name)
 static void assert_headers(const struct gp_frame *a, const struct gp_frame *b)
 {
     struct gp_exr_carried p, q;
-    assert_int_equal(gp_exr_carried_read(&wf_log, a->path, gp_input_of(a), &p),
-                     GP_OK);
-    assert_int_equal(gp_exr_carried_read(&wf_log, b->path, gp_input_of(b), &q),
-                     GP_OK);
+    assert_ok(gp_exr_carried_read(&wf_log, a->path, gp_input_of(a), &p));
+    assert_ok(gp_exr_carried_read(&wf_log, b->path, gp_input_of(b), &q));
     assert_int_equal(gp_input_of(a)->parts, gp_input_of(b)->parts);
     for (int i = 0; i < gp_input_of(a)->parts; i++) {
         for (int k = 0; k < p.part[i].attrs; k++) {
@@ -61,9 +59,7 @@ static void assert_pixels(const struct gp_frame *a, const struct gp_frame *b)
         assert_memory_equal(p->data, q->data, (size_t) p->w * (size_t) p->h *
                                                   gp_type_size(p->type));
     }
-    for (int c = 0; c < 3; c++)
-        assert_memory_equal(a->rgb.c[c], b->rgb.c[c],
-                            gp_frame_pixels(a) * sizeof(float));
+    wf_assert_planes(&a->rgb, &b->rgb, gp_frame_pixels(a));
 }
 
 static void real_frames(void **state)
@@ -92,7 +88,6 @@ static void real_frames(void **state)
         char path[4096];
         struct gp_frame a, b;
         struct gp_write_params p = GP_WRITE_DEFAULTS;
-        struct gp_write_stats stats = {0};
         snprintf(path, sizeof path, "%s/%s", data ? data : "../shared/data",
                  names[i]);
         if (access(path, R_OK) != 0)
@@ -102,7 +97,7 @@ static void real_frames(void **state)
             fail_msg("%s", wf_line);
         // luminance-chroma comes back as RGB, of which half would lose bits
         p.type = a.model == GP_COLOUR_YC ? GP_OUT_FLOAT : GP_OUT_AUTO;
-        if (wf_write_hdr(&p, wf_path("a.exr"), &a, &stats) ||
+        if (wf_write_hdr(&p, "a.exr", &a) ||
             gp_read_frame(&wf_log, &read_params, wf_path("a.exr"), &b))
             fail_msg("%s", wf_line);
         assert_pixels(&a, &b);
