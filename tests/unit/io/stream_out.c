@@ -264,8 +264,7 @@ static uint8_t *piece_bytes(const struct gp_frame *f, char letter, size_t *n)
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     const char *path = wf_path(written[i].name);
     p.compression = written[i].compression;
-    assert_ok(gp_write_picture(&wf_log, &p, path, f, &f->rgb, GP_PICTURE_SCENE,
-                               &stats));
+    assert_ok(wf_write(&p, written[i].name, f, GP_PICTURE_SCENE));
     uint8_t *bytes = wf_read(path, n);
     remove(path);
     return bytes;
