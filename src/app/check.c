@@ -183,8 +183,7 @@ static gp_status check_splat(const struct gp_log *log, struct gp_settings *s)
     return GP_OK;
 }
 
-static gp_status check_sun(const struct gp_log *log,
-                           const struct gp_log *warn,
+static gp_status check_sun(const struct gp_log *log, const struct gp_log *warn,
                            const struct gp_settings *s)
 {
     const struct gp_sun_params *const p = &s->sun;

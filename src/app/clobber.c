@@ -248,26 +248,6 @@ static struct gp_clobber_owner owner_of(const struct gp_clobber *c,
     };
 }
 
-static gp_status fail_twice(const struct gp_clobber *c,
-                            const struct gp_clobber_file *a,
-                            const struct gp_clobber_file *b)
-{
-    const struct gp_clobber_owner x = owner_of(c, a), y = owner_of(c, b);
-    const char *const name = x.name ? x.name : ""; // "": memory is full
-    const bool dash = strcmp(name, "-") == 0;
-#define OF(o)                                                                 \
-    (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
-    (o).view ? (o).view : ""
-    gp_status st = gp_fail(
-        c->log, GP_ERR_USAGE,
-        "%s: given for two outputs (%s %s%s%s%s%s and %s %s%s%s%s%s); %s",
-        name, x.what, x.as, OF(x), y.what, y.as, OF(y),
-        dash ? "only one can go to stdout" : "give each a name of its own");
-    gp_free(x.name);
-    gp_free(y.name);
-    return st;
-}
-
 gp_status gp_clobber_settle(struct gp_clobber *c)
 {
     const struct gp_clobber_file *first = NULL;
@@ -281,8 +261,23 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
         if (same && (!first || file->item < first->item))
             first = file;
     }
-    if (first)
-        return fail_twice(c, first - 1, first);
+    if (first) {
+        const struct gp_clobber_owner x = owner_of(c, first - 1);
+        const struct gp_clobber_owner y = owner_of(c, first);
+        const char *const name = x.name ? x.name : ""; // "": memory is full
+#define OF(o)                                                                 \
+    (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
+    (o).view ? (o).view : ""
+        st = gp_fail(c->log, GP_ERR_USAGE,
+                     "%s: given for two outputs (%s %s%s%s%s%s and %s "
+                     "%s%s%s%s%s); %s", name, x.what, x.as, OF(x), y.what,
+                     y.as, OF(y),
+                     strcmp(name, "-") == 0 ? "only one can go to stdout"
+                                            : "give each a name of its own");
+#undef OF
+        gp_free(x.name);
+        gp_free(y.name);
+    }
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(c->s, i);
         if (name && !singles[i].written)

@@ -72,8 +72,7 @@ GP_MUST_CHECK gp_status gp_clobber_begin(
 
 /* Adds an output. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_clobber_output(struct gp_clobber *c,
-                                          const char *path, int role,
-                                          int item);
+                                          const char *path, int role, int item);
 
 /* Compares the outputs, which are all there, with each other, and with the
  * files that options with plain names read.

@@ -153,28 +153,6 @@ static void print_bash(FILE *f)
 
 // -- zsh ---------------------------------------------------------------------
 
-static void zsh_action(FILE *f, const struct gp_option *o)
-{
-    fputs(":", f);
-    print_quoted(f, o->arg, ":");
-    if (o->kind == GP_KIND_NAMED) {
-        fprintf(f, ":{if compset -P \"*=\"; then _files; "
-                   "else compadd -S = -- ");
-        print_values(f, o, ":=");
-        fprintf(f, "; fi}");
-    } else if (has_values(o) && o->open) {
-        fprintf(f, ":{compadd -- ");
-        print_values(f, o, ":");
-        fprintf(f, "; _files}");
-    } else if (has_values(o)) {
-        fprintf(f, ":(");
-        print_values(f, o, ":");
-        fprintf(f, ")");
-    } else {
-        fprintf(f, "%s", takes_file(o) ? ":_files" : ": ");
-    }
-}
-
 static void zsh_option(FILE *f, const struct gp_option *o)
 {
     const bool many = o->kind == GP_KIND_TEXTS || o->kind == GP_KIND_NAMED;
@@ -188,8 +166,22 @@ static void zsh_option(FILE *f, const struct gp_option *o)
             fprintf(f, "--%s%s[", o->name, o->arg ? "=" : "");
         print_quoted(f, o->help, "[]:\\");
         putc(']', f);
-        if (o->arg)
-            zsh_action(f, o);
+        if (o->arg) {
+            putc(':', f);
+            print_quoted(f, o->arg, ":");
+        }
+        if (o->kind == GP_KIND_NAMED) {
+            fprintf(f, ":{if compset -P \"*=\"; then _files; "
+                       "else compadd -S = -- ");
+            print_values(f, o, ":=");
+            fprintf(f, "; fi}");
+        } else if (o->arg && has_values(o)) {
+            fprintf(f, o->open ? ":{compadd -- " : ":(");
+            print_values(f, o, ":");
+            fprintf(f, o->open ? "; _files}" : ")");
+        } else if (o->arg) {
+            fprintf(f, takes_file(o) ? ":_files" : ": ");
+        }
         fprintf(f, "'\n");
     }
 }

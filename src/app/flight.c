@@ -143,8 +143,7 @@ static void *lane(void *arg)
 }
 
 gp_status gp_flight_run(const struct gp_flight_params *p,
-                        const struct gp_flight_work *work,
-                        struct gp_flight *f)
+                        const struct gp_flight_work *work, struct gp_flight *f)
 {
     pthread_t id[GP_FLIGHT_MOST];
     struct sky s = {

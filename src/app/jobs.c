@@ -28,8 +28,7 @@ static bool has_place(const struct gp_jobs *j)
 
 /* Appends all views of one frame. */
 static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
-                           const struct gp_pattern *p, bool numbered,
-                           int frame)
+                           const struct gp_pattern *p, bool numbered, int frame)
 {
     const int views = gp_jobs_of_frame(j);
     if (j->n > GP_FRAME_LIST_MAX - views)
@@ -59,8 +58,7 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
 static gp_status list_frames(const struct gp_log *log,
                              const struct gp_settings *s,
                              const struct gp_pattern *p,
-                             const struct gp_views *view,
-                             struct gp_frames *all)
+                             const struct gp_views *view, struct gp_frames *all)
 {
     if (s->frames)
         return gp_frames_parse(log, s->frames, all);
@@ -469,10 +467,9 @@ static gp_status check_beside(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_jobs_check_names(const struct gp_log *log,
-                              const struct gp_settings *s,
-                              const struct gp_jobs *j,
-                              const struct gp_texts *also)
+gp_status gp_jobs_check_names(
+    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_jobs *j, const struct gp_texts *also)
 {
     gp_status st;
     struct gp_clobber c;

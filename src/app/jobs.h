@@ -74,9 +74,8 @@ struct gp_jobs {
  * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, frames that are
  * missing, and as gp_write_check().
  */
-GP_MUST_CHECK gp_status gp_jobs_make(const struct gp_log *log,
-                                     const struct gp_settings *s,
-                                     struct gp_jobs *out);
+GP_MUST_CHECK gp_status gp_jobs_make(
+    const struct gp_log *log, const struct gp_settings *s, struct gp_jobs *out);
 void gp_jobs_free(struct gp_jobs *j);
 
 /* Jobs of one frame: one a view, 1 without views. */
@@ -101,9 +100,8 @@ bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
  *   also  files that it reads because another names them; NULL: none yet
  *
  * Errors: GP_ERR_USAGE */
-GP_MUST_CHECK gp_status gp_jobs_check_names(const struct gp_log *log,
-                                            const struct gp_settings *s,
-                                            const struct gp_jobs *j,
-                                            const struct gp_texts *also);
+GP_MUST_CHECK gp_status gp_jobs_check_names(
+    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_jobs *j, const struct gp_texts *also);
 
 #endif

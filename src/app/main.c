@@ -141,8 +141,7 @@ static struct gp_clobber_owner heatmap_owner(
 }
 
 /* Nothing is written over a file that is compared, or over another output. */
-static gp_status check_compare_names(const struct gp_log *log,
-                                     const void *user,
+static gp_status check_compare_names(const struct gp_log *log, const void *user,
                                      const struct gp_compare_names *names)
 {
     const struct gp_settings *const s = user;

@@ -351,8 +351,7 @@ static const struct gp_option *split_word(const char *word, const char **value)
 
 /* Reads the option at argv[*i] and moves *i to its last word. */
 static gp_status read_option(const struct gp_log *log, int argc,
-                             char *const argv[], int *i,
-                             struct gp_settings *s)
+                             char *const argv[], int *i, struct gp_settings *s)
 {
     const char *const word = argv[*i], *of_next;
     struct use u = {.log = log, .s = s};

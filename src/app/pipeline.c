@@ -281,12 +281,20 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     struct gp_sun_files files = {.s = r->s};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    struct gp_frame image = {0}; // the kernel's
     gp_status st;
     // frames of one stream follow each other in it
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      strcmp(r->jobs->target[i].name.path, "-") == 0;
-    GP_TRY(gp_run_read_kernel(log, r));
+    // a bad kernel file is an error whatever the frames hold
+    if (strncmp(r->s->kernel.source, "builtin:", 8) != 0) {
+        const struct gp_read_params limits = gp_read_limits(&r->s->read);
+        GP_TRY(gp_read_frame(log, &limits, r->s->kernel.source, &image));
+        GP_TRY(gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel));
+        r->has_kernel = true;
+        gp_frame_free(&image);
+    }
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
@@ -295,11 +303,11 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
         GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,
                               &r->report));
 out:
+    gp_frame_free(&image);
     return st;
 }
 
-gp_status gp_pipeline_run(const struct gp_log *log,
-                          const struct gp_settings *s,
+gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
                           const struct gp_jobs *jobs,
                           struct gp_progress *progress)
 {

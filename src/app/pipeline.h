@@ -26,9 +26,8 @@
  * Errors: those of the stages, with their line printed; GP_ERR_FRAMES some
  * frames were skipped as bad.
  */
-GP_MUST_CHECK gp_status gp_pipeline_run(const struct gp_log *log,
-                                        const struct gp_settings *s,
-                                        const struct gp_jobs *jobs,
-                                        struct gp_progress *progress);
+GP_MUST_CHECK gp_status gp_pipeline_run(
+    const struct gp_log *log, const struct gp_settings *s,
+    const struct gp_jobs *jobs, struct gp_progress *progress);
 
 #endif

@@ -85,10 +85,9 @@ GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
 
 /* The line of a frame that could not be made: frame (when numbered), input and
  * error, the message that was printed for it. Same errors. */
-GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
-                                         struct gp_report *r,
-                                         const struct gp_facts *facts,
-                                         const char *error);
+GP_MUST_CHECK gp_status gp_report_failed(
+    const struct gp_log *log, struct gp_report *r, const struct gp_facts *facts,
+    const char *error);
 
 /* Closes it; a file without a line that this run made is removed. A closed or
  * zeroed report is fine. Errors: GP_ERR_IO. */

@@ -219,20 +219,6 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 
 // -- glare -------------------------------------------------------------------
 
-gp_status gp_run_read_kernel(const struct gp_log *log, struct gp_run *r)
-{
-    struct gp_frame image = {0};
-    if (strncmp(r->s->kernel.source, "builtin:", 8) == 0)
-        return GP_OK;
-    const struct gp_read_params limits = gp_read_limits(&r->s->read);
-    gp_status st = gp_read_frame(log, &limits, r->s->kernel.source, &image);
-    if (!st)
-        st = gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel);
-    gp_frame_free(&image);
-    r->has_kernel = !st;
-    return st;
-}
-
 /* Builtin kernels wait for light. */
 static gp_status run_kernel(struct gp_run *r, struct gp_frame_state *fs)
 {
@@ -473,8 +459,7 @@ out:
     return st;
 }
 
-static gp_status write_target(const struct gp_run *r,
-                              struct gp_frame_state *fs,
+static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
                               const struct gp_output *t, const char *name,
                               struct gp_write_stats *stats)
 {

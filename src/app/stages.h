@@ -71,7 +71,7 @@ struct gp_frame_state {
 };
 
 /* Starts with the facts that jobs->job[index] gives. End with
- * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG out of memory. */
+ * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
                                       const struct gp_jobs *jobs, int index,
                                       struct gp_frame_state *out);
@@ -128,10 +128,5 @@ extern const struct gp_stage gp_stages[GP_STAGES];
 /* Returns what must exist for a target to be written. */
 unsigned gp_target_needs(const struct gp_settings *s,
                          enum gp_target_kind kind);
-
-/* Reads the kernel when it is a file, before the first frame, so that a bad
- * one is an error whatever the frames hold; checks nothing else. */
-GP_MUST_CHECK gp_status gp_run_read_kernel(const struct gp_log *log,
-                                           struct gp_run *r);
 
 #endif

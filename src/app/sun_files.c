@@ -36,10 +36,9 @@ static void describe_frame(void *user, const struct gp_frame *f,
 }
 
 /* A plane from a file of its own, whose name may be a pattern. */
-static gp_status read_beside(const struct gp_sun_files *files,
-                             const struct gp_log *log, const char *path,
-                             const char *channel, bool depth,
-                             struct gp_plane *out)
+static gp_status read_beside(
+    const struct gp_sun_files *files, const struct gp_log *log,
+    const char *path, const char *channel, bool depth, struct gp_plane *out)
 {
     const struct gp_job *const job = files->job;
     struct gp_pattern pattern;

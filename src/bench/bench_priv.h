@@ -137,10 +137,9 @@ static inline bool gp_bench_on_stdout(const char *path)
  *   src  the sources of f
  *   out  only rgb; free with gp_frame_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_bench_part(const struct gp_log *log,
-                                      const struct gp_frame *f,
-                                      const struct gp_sources *src, int parts,
-                                      struct gp_frame *out);
+GP_MUST_CHECK gp_status gp_bench_part(
+    const struct gp_log *log, const struct gp_frame *f,
+    const struct gp_sources *src, int parts, struct gp_frame *out);
 
 // -- plot.c ------------------------------------------------------------------
 
@@ -151,9 +150,8 @@ GP_MUST_CHECK gp_status gp_bench_plot_check(const struct gp_log *log);
 /* Milliseconds against rel_l2, both logarithmic, a picture below the other
  * for each frame: SVG. Rows without an error are not in it.
  * Errors: GP_ERR_IO cannot write; gnuplot missing or failed (a line of it). */
-GP_MUST_CHECK gp_status gp_bench_plot(const struct gp_log *log,
-                                      const struct gp_bench_table *t,
-                                      const char *path);
+GP_MUST_CHECK gp_status gp_bench_plot(
+    const struct gp_log *log, const struct gp_bench_table *t, const char *path);
 
 /* Runs gnuplot as a child, without any shell and without the user's start-up
  * file, with `script` as its standard input.

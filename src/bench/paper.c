@@ -273,26 +273,6 @@ struct streak {
 
 enum { STREAKS = 44, STRONG = 8 };
 
-/* At offset x, y of a picture `spread` times as wide; `half` of its side. */
-static double kernel_at(const struct streak s[STREAKS], double x, double y,
-                        double spread, double half)
-{
-    const double r2 = (x * x + y * y) / (spread * spread), r = sqrt(r2);
-    const double a = r2 + 1.5;
-    double light = 1.0 / (a * sqrt(sqrt(a))) + 0.02 / (r2 + 60.0);
-    double streaks = 0.0;
-    for (int i = 0; i < STREAKS; i++) {
-        const double along = x * s[i].x + y * s[i].y;
-        const double across = (x * s[i].y - y * s[i].x) / 0.7;
-        const double q = 1.0 + across * across;
-        if (along > 0.0)
-            streaks += s[i].strength / (q * q);
-    }
-    light += 0.02 * streaks / ((r + 3.0) * sqrt(r + 3.0));
-    // fades over the last sixth, and ends inside the border
-    return light * smooth((half - sqrt(x * x + y * y)) / (half / 6.0));
-}
-
 gp_status gp_paper_kernel(const struct gp_log *log, int size,
                           struct gp_frame *out)
 {
@@ -317,12 +297,28 @@ gp_status gp_paper_kernel(const struct gp_log *log, int size,
         s[i].y = side * 2.0 * t / q;
         s[i].strength = i < STRONG ? 8.0 : 2.0 * roll(&d) * roll(&d);
     }
+    const double half = size / 2;
     for (int c = 0; c < 3; c++) {
         float *to = out->rgb.c[c];
         for (int y = 0; y < size; y++) {
-            for (int x = 0; x < size; x++)
-                *to++ = (float) kernel_at(s, x - size / 2, y - size / 2,
-                                          spread[c], size / 2);
+            for (int x = 0; x < size; x++) {
+                const double u = x - size / 2, v = y - size / 2;
+                const double r2 = (u * u + v * v) / (spread[c] * spread[c]);
+                const double r = sqrt(r2), a = r2 + 1.5;
+                double light = 1.0 / (a * sqrt(sqrt(a))) + 0.02 / (r2 + 60.0);
+                double streaks = 0.0;
+                for (int i = 0; i < STREAKS; i++) {
+                    const double along = u * s[i].x + v * s[i].y;
+                    const double across = (u * s[i].y - v * s[i].x) / 0.7;
+                    const double q = 1.0 + across * across;
+                    if (along > 0.0)
+                        streaks += s[i].strength / (q * q);
+                }
+                light += 0.02 * streaks / ((r + 3.0) * sqrt(r + 3.0));
+                // fades over the last sixth, and ends inside the border
+                *to++ = (float) (light * smooth((half - sqrt(u * u + v * v)) /
+                                                (half / 6.0)));
+            }
         }
     }
     return GP_OK;

@@ -173,24 +173,6 @@ static void write_panel(struct panel *p, double height, double bottom, FILE *to)
                      : "plot NaN notitle\n");
 }
 
-static void write_script(const struct gp_bench_table *t, FILE *to)
-{
-    const double height = (double) HEIGHT * t->frames;
-    fprintf(to, "set terminal svg size %d,%.0f font 'sans,12' background rgb "
-            "'white' noenhanced\n", WIDTH, height);
-    fprintf(to, "set logscale xy\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\n"
-            "set key top right "
-            "nobox\nset xlabel 'milliseconds, bright pass to layer'\n"
-            "set ylabel 'rel_l2'\nset format x '%%g'\n"
-            "set format y '%%.0e'\nset multiplot\n");
-    for (int i = 0; i < t->frames; i++) {
-        struct panel p;
-        place_points(&t->frame[i], &p);
-        write_panel(&p, height, (double) HEIGHT * (t->frames - 1 - i), to);
-    }
-    fprintf(to, "unset multiplot\n");
-}
-
 // -- gnuplot -----------------------------------------------------------------
 
 /* The child's standard streams are files in memory: nothing can block, however
@@ -312,8 +294,22 @@ gp_status gp_bench_plot(const struct gp_log *log,
     char *script = NULL, *svg = NULL;
     size_t length = 0, size = 0;
     FILE *to = open_memstream(&script, &length);
+    const double height = (double) HEIGHT * t->frames;
     if (to)
-        write_script(t, to);
+        fprintf(to, "set terminal svg size %d,%.0f font 'sans,12' background "
+                "rgb 'white' noenhanced\n"
+                "set logscale xy\nset grid lt 1 lw 0.5 lc rgb '#dddddd'\n"
+                "set key top right nobox\n"
+                "set xlabel 'milliseconds, bright pass to layer'\n"
+                "set ylabel 'rel_l2'\nset format x '%%g'\n"
+                "set format y '%%.0e'\nset multiplot\n", WIDTH, height);
+    for (int i = 0; to && i < t->frames; i++) {
+        struct panel p;
+        place_points(&t->frame[i], &p);
+        write_panel(&p, height, (double) HEIGHT * (t->frames - 1 - i), to);
+    }
+    if (to)
+        fprintf(to, "unset multiplot\n");
     if (!to || fclose(to) != 0) {
         free(script);
         return gp_no_memory(log, path);

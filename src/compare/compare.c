@@ -187,29 +187,6 @@ static void set_figures(json_t *o, const struct row *r)
     set_count(o, "pixels", f->pixels);
 }
 
-/* One object on a line; numbers that are not finite are null. False when
- * memory is full. */
-static bool print_json(const struct row *r, bool numbered, FILE *to)
-{
-    json_t *const o = json_object();
-    json_object_set_new(o, "a", gp_json_name(r->a));
-    json_object_set_new(o, "b", gp_json_name(r->b));
-    if (numbered)
-        set_count(o, "frame", r->frame);
-    if (r->parts > 1)
-        set_count(o, "part", r->part);
-    json_object_set_new(o, "result", json_string(result_word(r->result)));
-    set_count(o, "status", r->result);
-    if (r->why)
-        json_object_set_new(o, "why", gp_json_name(r->why));
-    else
-        set_figures(o, r);
-    char *const text = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(9));
-    const bool whole = text && fprintf(to, "%s\n", text) > 0;
-    free(text);
-    return whole;
-}
-
 // -- one part of one pair ----------------------------------------------------
 
 /* Reports r->row, on stdout and in the JSON. */
@@ -222,8 +199,26 @@ static void report(struct run *r, enum gp_compare_result result,
     r->count[result]++;
     if (result > r->worst)
         r->worst = result;
-    if (r->json && !print_json(&r->row, numbered, r->json))
-        r->full = true;
+    if (r->json) { // an object on a line; numbers that are not finite are null
+        const struct row *const row = &r->row;
+        json_t *const o = json_object();
+        json_object_set_new(o, "a", gp_json_name(row->a));
+        json_object_set_new(o, "b", gp_json_name(row->b));
+        if (numbered)
+            set_count(o, "frame", row->frame);
+        if (row->parts > 1)
+            set_count(o, "part", row->part);
+        json_object_set_new(o, "result", json_string(result_word(result)));
+        set_count(o, "status", result);
+        if (why)
+            json_object_set_new(o, "why", gp_json_name(why));
+        else
+            set_figures(o, row);
+        char *const text = gp_json_print(o, JSON_COMPACT |
+                                                JSON_REAL_PRECISION(9));
+        r->full = r->full || !text || fprintf(r->json, "%s\n", text) <= 0;
+        free(text);
+    }
     if (!prints(r))
         return;
     if (numbered && r->log->level < GP_LEVEL_INFO)
@@ -441,9 +436,8 @@ out:
                                                     : GP_COMPARE_FILE;
 }
 
-gp_status gp_compare_check(const struct gp_log *log,
-                           const char *const *inputs, int n,
-                           const struct gp_compare_params *p)
+gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
+                           int n, const struct gp_compare_params *p)
 {
     const double *const e = p->flip_exposures.v;
     if (n != 2)

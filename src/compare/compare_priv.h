@@ -24,10 +24,9 @@ struct gp_compare_match {
 /* Finds the pairs by exact names; order does not matter.
  *   m  written always; free with gp_compare_match_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_compare_match_make(const struct gp_log *log,
-                                              const struct gp_stored_image *a,
-                                              const struct gp_stored_image *b,
-                                              struct gp_compare_match *m);
+GP_MUST_CHECK gp_status gp_compare_match_make(
+    const struct gp_log *log, const struct gp_stored_image *a,
+    const struct gp_stored_image *b, struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
 
 /* The name of a pair's channel. */
@@ -74,20 +73,17 @@ struct gp_compare_flip {
  * is the reference whose exposures are found. Primaries are taken as BT.709.
  *   out  written always; free with gp_compare_flip_free()
  * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_compare_flip(const struct gp_log *log,
-                                        const struct gp_compare_params *p,
-                                        const struct gp_compare_match *m,
-                                        struct gp_compare_flip *out);
+GP_MUST_CHECK gp_status gp_compare_flip(
+    const struct gp_log *log, const struct gp_compare_params *p,
+    const struct gp_compare_match *m, struct gp_compare_flip *out);
 void gp_compare_flip_free(struct gp_compare_flip *f);
 
 /* Writes the map in the colours of magma, 0 black to 1 pale yellow, as the
  * ending of `path` says. The map must be known.
  * Errors: as gp_write_picture(). */
-GP_MUST_CHECK gp_status gp_compare_heatmap(const struct gp_log *log,
-                                           const struct gp_write_params *p,
-                                           const char *path,
-                                           const struct gp_compare_match *m,
-                                           const struct gp_compare_flip *f);
+GP_MUST_CHECK gp_status gp_compare_heatmap(
+    const struct gp_log *log, const struct gp_write_params *p, const char *path,
+    const struct gp_compare_match *m, const struct gp_compare_flip *f);
 
 /* The colour of v (0 to 1, clamped; NaN is 0) in magma, sRGB-encoded, 0 to 1:
  * a polynomial near the map of Smith and van der Walt (matplotlib 1.5). */

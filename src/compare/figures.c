@@ -34,10 +34,9 @@ static void add_pair(struct gp_compare_match *m, const char *name)
     m->shared += p.a && p.b;
 }
 
-gp_status gp_compare_match_make(const struct gp_log *log,
-                                const struct gp_stored_image *a,
-                                const struct gp_stored_image *b,
-                                struct gp_compare_match *m)
+gp_status gp_compare_match_make(
+    const struct gp_log *log, const struct gp_stored_image *a,
+    const struct gp_stored_image *b, struct gp_compare_match *m)
 {
     static const char *const first[] = {"R", "G", "B", "A"};
     void *block;
@@ -265,10 +264,9 @@ static void add_up(const struct measure *t, int rows,
     out->rel_l2 = reference > 0.0 ? sqrt(square / reference) : sqrt(square);
 }
 
-gp_status gp_compare_measure(const struct gp_log *log,
-                             const struct gp_compare_params *limits,
-                             const struct gp_compare_match *m,
-                             struct gp_compare_figures *out)
+gp_status gp_compare_measure(
+    const struct gp_log *log, const struct gp_compare_params *limits,
+    const struct gp_compare_match *m, struct gp_compare_figures *out)
 {
     const int rows = gp_rect_h(m->window);
     struct measure t = {.limits = limits, .m = m};
@@ -303,10 +301,9 @@ gp_status gp_compare_measure(const struct gp_log *log,
 
 /* The light of an image over the window, 0 outside its own; infinite light
  * counts as BRIGHTEST for HDR-FLIP. */
-static gp_status lay_light(const struct gp_log *log,
-                           const struct gp_compare_match *m,
-                           const struct gp_stored_image *image, bool hdr,
-                           struct gp_planes *out)
+static gp_status lay_light(
+    const struct gp_log *log, const struct gp_compare_match *m,
+    const struct gp_stored_image *image, bool hdr, struct gp_planes *out)
 {
     static const float BRIGHTEST = 65504.0f;
     const size_t w = (size_t) gp_rect_w(m->window);
@@ -330,10 +327,9 @@ static gp_status lay_light(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_compare_flip(const struct gp_log *log,
-                          const struct gp_compare_params *p,
-                          const struct gp_compare_match *m,
-                          struct gp_compare_flip *out)
+gp_status gp_compare_flip(
+    const struct gp_log *log, const struct gp_compare_params *p,
+    const struct gp_compare_match *m, struct gp_compare_flip *out)
 {
     const int w = gp_rect_w(m->window), h = gp_rect_h(m->window);
     const size_t pixels = (size_t) w * (size_t) h;
@@ -395,10 +391,9 @@ void gp_compare_magma(float v, float rgb[3])
     }
 }
 
-gp_status gp_compare_heatmap(const struct gp_log *log,
-                             const struct gp_write_params *p, const char *path,
-                             const struct gp_compare_match *m,
-                             const struct gp_compare_flip *f)
+gp_status gp_compare_heatmap(
+    const struct gp_log *log, const struct gp_write_params *p, const char *path,
+    const struct gp_compare_match *m, const struct gp_compare_flip *f)
 {
     struct gp_frame frame = {
         .path = gp_strdup(path), .data = m->window, .display = m->window,

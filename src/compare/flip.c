@@ -545,11 +545,10 @@ static void tone_block(void *ctx, int block, int thread)
     }
 }
 
-gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-                      const struct gp_planes *reference,
-                      const struct gp_planes *test, float ppd,
-                      const struct gp_flip_exposures *e, float *map,
-                      double *mean)
+gp_status gp_flip_hdr(
+    const struct gp_log *log, int w, int h, const struct gp_planes *reference,
+    const struct gp_planes *test, float ppd, const struct gp_flip_exposures *e,
+    float *map, double *mean)
 {
     gp_status st;
     const size_t n = w > 0 && h > 0 ? (size_t) w * (size_t) h : 0;

@@ -35,10 +35,9 @@ enum { GP_FLIP_EXPOSURES_MAX = 64 };
  * on GP_OK.
  * Errors: GP_ERR_USAGE no pixels, ppd out of range; GP_ERR_BUG out of memory.
  */
-GP_MUST_CHECK gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
-                                    const struct gp_planes *a,
-                                    const struct gp_planes *b, float ppd,
-                                    float *map, double *mean);
+GP_MUST_CHECK gp_status gp_flip_ldr(
+    const struct gp_log *log, int w, int h, const struct gp_planes *a,
+    const struct gp_planes *b, float ppd, float *map, double *mean);
 
 /* The exposures at which two frames are compared: `count` of them, in equal
  * steps from start to stop, in EV. */
@@ -57,10 +56,9 @@ struct gp_flip_exposures {
  * is taken; a black frame gives exposure 0, once.
  * Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory.
  */
-GP_MUST_CHECK gp_status gp_flip_exposures_find(const struct gp_log *log,
-                                               size_t pixels,
-                                               const struct gp_planes *reference,
-                                               struct gp_flip_exposures *out);
+GP_MUST_CHECK gp_status gp_flip_exposures_find(
+    const struct gp_log *log, size_t pixels, const struct gp_planes *reference,
+    struct gp_flip_exposures *out);
 
 /* HDR-FLIP: for each pixel the largest LDR-FLIP of all exposures, each tone
  * mapped by the ACES curve (Narkowicz 2016, its input times 0.6).
@@ -71,10 +69,9 @@ GP_MUST_CHECK gp_status gp_flip_exposures_find(const struct gp_log *log,
  * The rest, and the errors, as in gp_flip_ldr(); GP_ERR_USAGE also for
  * exposures that are not finite, or a count out of range.
  */
-GP_MUST_CHECK gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
-                                    const struct gp_planes *reference,
-                                    const struct gp_planes *test, float ppd,
-                                    const struct gp_flip_exposures *e,
-                                    float *map, double *mean);
+GP_MUST_CHECK gp_status gp_flip_hdr(
+    const struct gp_log *log, int w, int h, const struct gp_planes *reference,
+    const struct gp_planes *test, float ppd, const struct gp_flip_exposures *e,
+    float *map, double *mean);
 
 #endif

@@ -113,34 +113,30 @@ static void call_help(void)
         pthread_cond_signal(&pool.wake);
 }
 
-/* Works for a loop as its next free number. Locked. */
-static void help_loop(struct loop *l)
-{
-    int thread = 1;
-    while (l->taken[thread])
-        thread++;
-    l->taken[thread] = true;
-    l->busy++;
-    pool.active++;
-    call_help();
-    pthread_mutex_unlock(&pool.lock);
-    run_share(l, thread);
-    pthread_mutex_lock(&pool.lock);
-    l->taken[thread] = false;
-    if (--l->busy == 0)
-        pthread_cond_broadcast(&pool.rest);
-    retire();
-}
-
+/* Works for one loop after another, as its next free number. */
 static void *worker(void *arg)
 {
     pthread_mutex_lock(&pool.lock);
     for (;;) {
         struct loop *const l = find_loop();
-        if (l)
-            help_loop(l);
-        else
+        int thread = 1;
+        if (!l) {
             pthread_cond_wait(&pool.wake, &pool.lock);
+            continue;
+        }
+        while (l->taken[thread])
+            thread++;
+        l->taken[thread] = true;
+        l->busy++;
+        pool.active++;
+        call_help();
+        pthread_mutex_unlock(&pool.lock);
+        run_share(l, thread);
+        pthread_mutex_lock(&pool.lock);
+        l->taken[thread] = false;
+        if (--l->busy == 0)
+            pthread_cond_broadcast(&pool.rest);
+        retire();
     }
     return arg;
 }

@@ -35,11 +35,9 @@ struct gp_camera {
  * (column 3 has no axis, as of an orthographic camera; singular; entries over
  * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO cannot tell (names
  * --ndc). */
-GP_MUST_CHECK gp_status gp_camera_make(const struct gp_log *log,
-                                       const char *path,
-                                       const double *to_camera,
-                                       const double to_ndc[16],
-                                       enum gp_ndc ndc, struct gp_camera *out);
+GP_MUST_CHECK gp_status gp_camera_make(
+    const struct gp_log *log, const char *path, const double *to_camera,
+    const double to_ndc[16], enum gp_ndc ndc, struct gp_camera *out);
 
 /* Projects a point (w = 1) or direction (w = 0) of the world. */
 struct gp_projected {
@@ -88,9 +86,8 @@ struct gp_camera_file {
  * Errors: GP_ERR_IO; GP_ERR_DATA not JSON, no frames, a frame without matrix
  * or number, two of one number (each names the frame), what gp_camera_make()
  * refuses, a direction of 0, a radius outside 0 to 1e6. */
-GP_MUST_CHECK gp_status gp_camera_read(const struct gp_log *log,
-                                       const char *path,
-                                       struct gp_camera_file *out);
+GP_MUST_CHECK gp_status gp_camera_read(
+    const struct gp_log *log, const char *path, struct gp_camera_file *out);
 void gp_camera_file_free(struct gp_camera_file *f);
 
 /* That of frame `number`; of a file with one frame, that one; else NULL. */

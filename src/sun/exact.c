@@ -253,37 +253,36 @@ static void add_edge(const struct bands *b, int x0, int x1, int y,
     }
 }
 
-static void add_row(const struct bands *b, int y, struct sums *s)
-{
-    const struct gp_light *const l = b->light;
-    const struct gp_rect rect = b->rect;
-    const double above = l->y - (double) y, below = (double) y + 1.0 - l->y;
-    const double nearest = fmax(fmax(-above, -below), 0.0);
-    const double outer = half_chord(b->radius, nearest);
-    const double inner = half_chord(b->radius, fmax(above, below));
-    if (outer < 0.0)
-        return;
-    // a pixel more on each side: the chords are rounded
-    const int x0 = within(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
-    const int x1 = within(ceil(l->x + outer) + 1.0, x0, rect.x1);
-    int in0 = x1, in1 = x1;
-    if (inner > 0.0) {
-        in0 = within(ceil(l->x - inner) + 1.0, x0, x1);
-        in1 = within(floor(l->x + inner) - 1.0, in0, x1);
-    }
-    add_edge(b, x0, in0, y, s);
-    s->area += (double) in1 - (double) in0;
-    s->shown += gp_occluders_sum(b->o, l, in0, in1, y);
-    add_edge(b, in1, x1, y, s);
-}
-
 static void add_band(void *ctx, int i, int thread)
 {
     (void) thread;
     struct bands *const b = ctx;
-    const int64_t h = gp_rect_h(b->rect);
-    for (int64_t y = h * i / b->n; y < h * (i + 1) / b->n; y++)
-        add_row(b, (int) (b->rect.y0 + y), &b->sum[i]);
+    struct sums *const s = &b->sum[i];
+    const struct gp_light *const l = b->light;
+    const struct gp_rect rect = b->rect;
+    const int64_t h = gp_rect_h(rect);
+    for (int64_t k = h * i / b->n; k < h * (i + 1) / b->n; k++) {
+        const int y = (int) (rect.y0 + k);
+        const double above = l->y - (double) y;
+        const double below = (double) y + 1.0 - l->y;
+        const double nearest = fmax(fmax(-above, -below), 0.0);
+        const double outer = half_chord(b->radius, nearest);
+        const double inner = half_chord(b->radius, fmax(above, below));
+        if (outer < 0.0)
+            continue;
+        // a pixel more on each side: the chords are rounded
+        const int x0 = within(floor(l->x - outer) - 1.0, rect.x0, rect.x1);
+        const int x1 = within(ceil(l->x + outer) + 1.0, x0, rect.x1);
+        int in0 = x1, in1 = x1;
+        if (inner > 0.0) {
+            in0 = within(ceil(l->x - inner) + 1.0, x0, x1);
+            in1 = within(floor(l->x + inner) - 1.0, in0, x1);
+        }
+        add_edge(b, x0, in0, y, s);
+        s->area += (double) in1 - (double) in0;
+        s->shown += gp_occluders_sum(b->o, l, in0, in1, y);
+        add_edge(b, in1, x1, y, s);
+    }
 }
 
 /* Sums over the pixels of `rect` that the disc touches. */

@@ -117,9 +117,8 @@ static struct box box_of(const struct gp_flare_element *e, double diameter)
     return b;
 }
 
-static void place_of(const struct gp_flare_element *e,
-                     const struct gp_light *l, struct gp_rect display,
-                     double *x, double *y)
+static void place_of(const struct gp_flare_element *e, const struct gp_light *l,
+                     struct gp_rect display, double *x, double *y)
 {
     const double cx = 0.5 * ((double) display.x0 + (double) display.x1);
     const double cy = 0.5 * ((double) display.y0 + (double) display.y1);
@@ -358,10 +357,9 @@ static int quads_of(const struct gp_flare_element *e, const struct gp_light *l,
 }
 
 /* Edges of all polygons, and images at the sizes that they are drawn in. */
-static gp_status prepare_elements(const struct gp_log *log,
-                                  const struct gp_flare *f,
-                                  struct gp_rect display,
-                                  struct gp_flare_quads *quads)
+static gp_status prepare_elements(
+    const struct gp_log *log, const struct gp_flare *f, struct gp_rect display,
+    struct gp_flare_quads *quads)
 {
     void *block;
     gp_status st;
@@ -396,12 +394,10 @@ out:
     return st;
 }
 
-gp_status gp_flare_quads_make(const struct gp_log *log,
-                              const struct gp_flare *f,
-                              const struct gp_light *light, int n,
-                              bool clear, struct gp_rect frame,
-                              struct gp_rect display,
-                              struct gp_flare_quads *out)
+gp_status gp_flare_quads_make(
+    const struct gp_log *log, const struct gp_flare *f,
+    const struct gp_light *light, int n, bool clear, struct gp_rect frame,
+    struct gp_rect display, struct gp_flare_quads *out)
 {
     size_t most = 0;
     void *at;

@@ -75,12 +75,10 @@ void gp_flare_free(struct gp_flare *f);
 /* Adds all elements of every light to `layer` (w * h of `frame`), in plain C:
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */
-GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
-                                     const struct gp_flare *f,
-                                     const struct gp_light *light, int n,
-                                     struct gp_rect frame,
-                                     struct gp_rect display,
-                                     struct gp_planes *layer);
+GP_MUST_CHECK gp_status gp_flare_add(
+    const struct gp_log *log, const struct gp_flare *f,
+    const struct gp_light *light, int n, struct gp_rect frame,
+    struct gp_rect display, struct gp_planes *layer);
 
 /* The same on GL, where visibility is texel (i, 0) of `intensity` (r / g, 0
  * where g is 0) and the vertex shader fetches it: a hidden light's polygons
@@ -89,21 +87,16 @@ GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
  * `intensity` must stay as it is until gp_flare_read_layer(), which draws what
  * lies beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG memory. */
 struct gp_flare_gl;
-GP_MUST_CHECK gp_status gp_flare_draw(const struct gp_log *log,
-                                      const struct gp_gl *gl,
-                                      const struct gp_flare *f,
-                                      const struct gp_light *light, int n,
-                                      const struct gp_texture *intensity,
-                                      struct gp_rect frame,
-                                      struct gp_rect display,
-                                      struct gp_flare_gl **state);
+GP_MUST_CHECK gp_status gp_flare_draw(
+    const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,
+    const struct gp_light *light, int n, const struct gp_texture *intensity,
+    struct gp_rect frame, struct gp_rect display, struct gp_flare_gl **state);
 
 /* Waits, reads what the last draw left, and adds it to `layer`. */
-GP_MUST_CHECK gp_status gp_flare_read_layer(const struct gp_log *log,
-                                            const struct gp_gl *gl,
-                                            const struct gp_flare_gl *state,
-                                            struct gp_rect frame,
-                                            struct gp_planes *layer);
+GP_MUST_CHECK gp_status gp_flare_read_layer(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_flare_gl *state, struct gp_rect frame,
+    struct gp_planes *layer);
 void gp_flare_close(const struct gp_gl *gl, struct gp_flare_gl **state);
 
 #endif

@@ -366,11 +366,10 @@ static void read_tile(const struct gp_gl *gl, const struct gp_flare_gl *s,
 
 // -- drawing -----------------------------------------------------------------
 
-gp_status gp_flare_draw(const struct gp_log *log, const struct gp_gl *gl,
-                        const struct gp_flare *f, const struct gp_light *light,
-                        int n, const struct gp_texture *intensity,
-                        struct gp_rect frame, struct gp_rect display,
-                        struct gp_flare_gl **state)
+gp_status gp_flare_draw(
+    const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,
+    const struct gp_light *light, int n, const struct gp_texture *intensity,
+    struct gp_rect frame, struct gp_rect display, struct gp_flare_gl **state)
 {
     gp_status st = GP_OK;
     if (!*state)

@@ -30,41 +30,13 @@ enum { PLACES = sizeof places / sizeof *places };
 
 // -- reading -----------------------------------------------------------------
 
-static gp_status read_place(const struct gp_json_place *p, json_t *o,
-                            struct gp_light_spec *out)
-{
-    int n = 0;
-    for (int i = 0; i < PLACES; i++) {
-        bool found;
-        gp_status st =
-            gp_json_numbers(p, o, places[i].key, places[i].count, false,
-                            -places[i].most, places[i].most, out->at, &found);
-        if (st)
-            return st;
-        if (found) {
-            out->place = (enum gp_light_place) i;
-            n++;
-        }
-    }
-    if (n != 1)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d needs one place (found %d); give \"pixel\", "
-                       "\"world\" or \"direction\"", p->path, p->what,
-                       p->index, n);
-    if (out->place == GP_PLACE_DIRECTION && out->at[0] == 0.0 &&
-        out->at[1] == 0.0 && out->at[2] == 0.0)
-        return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: \"direction\" has no direction (found 0, "
-                       "0, 0); give one", p->path, p->what, p->index);
-    return GP_OK;
-}
-
 static gp_status read_light(const struct gp_json_place *p, json_t *o,
                             struct gp_light_spec *out)
 {
     static const struct gp_light plain = GP_LIGHT_DEFAULTS;
     double flux[3] = {0.0, 0.0, 0.0}, colour[3] = {1.0, 1.0, 1.0};
-    bool pixels, angle;
+    bool found, pixels, angle;
+    int n = 0; // places
     const char *name; // for the file's readers; only its type is checked
     gp_status st;
     *out = (struct gp_light_spec) {
@@ -72,7 +44,24 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
         .bias = plain.bias,
     };
     GP_TRY(gp_json_keys(p, o, keys));
-    GP_TRY(read_place(p, o, out));
+    for (int i = 0; i < PLACES; i++) {
+        const double most = places[i].most;
+        GP_TRY(gp_json_numbers(p, o, places[i].key, places[i].count, false,
+                               -most, most, out->at, &found));
+        out->place = found ? (enum gp_light_place) i : out->place;
+        n += found;
+    }
+    const double *const at = out->at;
+    if (n != 1)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d needs one place (found %d); give \"pixel\", "
+                       "\"world\" or \"direction\"", p->path, p->what,
+                       p->index, n);
+    if (out->place == GP_PLACE_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
+        at[2] == 0.0)
+        return gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: \"direction\" has no direction (found 0, "
+                       "0, 0); give one", p->path, p->what, p->index);
     // a direction's disc is seen under an angle, unless pixels are given
     GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius,
                           &pixels));

@@ -91,12 +91,9 @@ GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
  *         the frame has no worldToNDC, and that --camera gives one)
  *   path  of the frame, for the message
  *   out   written on GP_OK only; visibility 1 until it is measured */
-GP_MUST_CHECK gp_status gp_light_place_in(const struct gp_log *log,
-                                          const char *path,
-                                          const struct gp_light_spec *spec,
-                                          const struct gp_camera *c,
-                                          enum gp_depth_type type,
-                                          struct gp_rect display,
-                                          struct gp_light *out);
+GP_MUST_CHECK gp_status gp_light_place_in(
+    const struct gp_log *log, const char *path,
+    const struct gp_light_spec *spec, const struct gp_camera *c,
+    enum gp_depth_type type, struct gp_rect display, struct gp_light *out);
 
 #endif

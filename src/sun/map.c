@@ -88,11 +88,10 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
     return st;
 }
 
-gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
-                       const struct gp_occluders *o,
-                       const struct gp_map_params *p,
-                       const struct gp_light *light, int n,
-                       struct gp_sun_map **state)
+gp_status gp_map_begin(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_light *light, int n, struct gp_sun_map **state)
 {
     const int limit = gp_gl_info(gl)->max_size;
     struct gp_map_pixels pixels;
@@ -238,31 +237,10 @@ static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
     return st ? st : gp_draw_run(log, gl, &draw);
 }
 
-static gp_status draw_intensity(const struct gp_log *log,
-                                const struct gp_gl *gl, bool byte, int n,
-                                struct gp_sun_map *s,
-                                const struct gp_target *sums)
-{
-    const float scale = byte ? 1.0f : 1.0f / (float) (s->map * s->map);
-    const struct gp_uniform uniform[] = {
-        {.name = "sums", .texture = &sums->colour},
-        {.name = "map", .v = {s->map, s->columns}},
-        {.name = "scale", .floats = 1, .f = {scale}}, {0},
-    };
-    const struct gp_draw draw = {
-        .program = &s->program[GP_SUN_TOTAL], .target = &s->intensity,
-        .cut = {0, 0, n, 1}, .uniform = uniform, .vertices = 3,
-        .instances = 1, .replace = true,
-    };
-    gp_status st = gp_map_use(log, gl, s, GP_SUN_TOTAL);
-    return st ? st : gp_draw_run(log, gl, &draw);
-}
-
-gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
-                          const struct gp_occluders *o,
-                          const struct gp_map_params *p,
-                          const struct gp_light *light, int n,
-                          struct gp_sun_map **state)
+gp_status gp_sun_map_draw(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_light *light, int n, struct gp_sun_map **state)
 {
     const bool byte = p->sum == GP_SUM_BYTE;
     gp_status st;
@@ -282,7 +260,19 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     }
     gp_target_clear(gl, sums, (struct gp_rect) {0, 0, w, h});
     GP_TRY(draw_points(log, gl, p->sum, s, sums));
-    GP_TRY(draw_intensity(log, gl, byte, n, s, sums));
+    const struct gp_uniform uniform[] = {
+        {.name = "sums", .texture = &sums->colour},
+        {.name = "map", .v = {s->map, s->columns}},
+        {.name = "scale", .floats = 1,
+         .f = {byte ? 1.0f : 1.0f / (float) (s->map * s->map)}}, {0},
+    };
+    const struct gp_draw draw = {
+        .program = &s->program[GP_SUN_TOTAL], .target = &s->intensity,
+        .cut = {0, 0, n, 1}, .uniform = uniform, .vertices = 3,
+        .instances = 1, .replace = true,
+    };
+    GP_TRY(gp_map_use(log, gl, s, GP_SUN_TOTAL));
+    GP_TRY(gp_draw_run(log, gl, &draw));
     GP_TRY(gp_gl_check(log, gl, "sun map"));
     s->n = n;
 out:

@@ -47,38 +47,31 @@ struct gp_sun_map;
 /* *state is made at the first call. Nothing is waited for or read back.
  *   n  1 to GP_LIGHTS_MAX; lights behind the camera come out 0
  * Errors: GP_ERR_GL sizes over the context's, GL's own; GP_ERR_BUG memory. */
-GP_MUST_CHECK gp_status gp_sun_map_draw(const struct gp_log *log,
-                                        const struct gp_gl *gl,
-                                        const struct gp_occluders *o,
-                                        const struct gp_map_params *p,
-                                        const struct gp_light *light, int n,
-                                        struct gp_sun_map **state);
+GP_MUST_CHECK gp_status gp_sun_map_draw(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_light *light, int n, struct gp_sun_map **state);
 
 /* Waits, and reads what the last draw left into light[].visibility. */
-GP_MUST_CHECK gp_status gp_sun_map_read(const struct gp_log *log,
-                                        const struct gp_gl *gl,
-                                        const struct gp_sun_map *s,
-                                        struct gp_light *light, int n);
+GP_MUST_CHECK gp_status gp_sun_map_read(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_sun_map *s, struct gp_light *light, int n);
 
 /* The paper's other way: the region under each light is drawn at the frame's
  * own pixels (r shown, g counts), read back, and counted on the CPU: every
  * pixel whose centre is in the disc; the nearest one when there is none. Sets
  * visibility, and writes it to the intensity map too. */
-GP_MUST_CHECK gp_status gp_sun_readback(const struct gp_log *log,
-                                        const struct gp_gl *gl,
-                                        const struct gp_occluders *o,
-                                        const struct gp_map_params *p,
-                                        struct gp_light *light, int n,
-                                        struct gp_sun_map **state);
+GP_MUST_CHECK gp_status gp_sun_readback(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state);
 
 /* Pictures of the last draw, for --debug: the atlas (side * columns wide), and
  * the intensity map (n x 1); both from r / g, *out owned by the caller, w * h
  * floats. */
-GP_MUST_CHECK gp_status gp_sun_map_picture(const struct gp_log *log,
-                                           const struct gp_gl *gl,
-                                           const struct gp_sun_map *s,
-                                           bool intensity, int *w, int *h,
-                                           float **out);
+GP_MUST_CHECK gp_status gp_sun_map_picture(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_sun_map *s, bool intensity, int *w, int *h, float **out);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
 /* The plain form on the CPU of one light: its map (p->side squared texels of r

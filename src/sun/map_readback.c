@@ -77,12 +77,10 @@ static double count_region(const struct gp_map_light *l,
 }
 
 /* Draws the region under light i, waits for it, and counts. */
-static gp_status measure_region(const struct gp_log *log,
-                                const struct gp_gl *gl,
-                                const struct gp_occluders *o,
-                                const struct gp_map_params *p,
-                                struct gp_sun_map *s, int i,
-                                double *visibility)
+static gp_status measure_region(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_sun_map *s, int i, double *visibility)
 {
     const struct gp_map_light *const l = &s->light[i];
     const int w = gp_rect_w(l->box), h = gp_rect_h(l->box);
@@ -123,9 +121,8 @@ out:
 
 gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
                           const struct gp_occluders *o,
-                          const struct gp_map_params *p,
-                          struct gp_light *light, int n,
-                          struct gp_sun_map **state)
+                          const struct gp_map_params *p, struct gp_light *light,
+                          int n, struct gp_sun_map **state)
 {
     float intensity[4 * GP_LIGHTS_MAX] = {0};
     gp_status st;

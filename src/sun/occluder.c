@@ -158,10 +158,9 @@ enum { RUN = 512, LANES = 8 };
 
 /* The hidden share of n pixels into `hidden`, from depth d and mask m; NULL:
  * without. */
-GP_CLONES static void find_hidden(const struct rule *rule,
-                                  const float *restrict d,
-                                  const float *restrict m, int n,
-                                  float *restrict hidden)
+GP_CLONES static void find_hidden(
+    const struct rule *rule, const float *restrict d, const float *restrict m,
+    int n, float *restrict hidden)
 {
     const struct rule r = *rule;
     if (d && m) {

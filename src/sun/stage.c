@@ -65,9 +65,8 @@ static gp_status read_pictures(const struct gp_log *log,
     return GP_OK;
 }
 
-gp_status gp_suns_begin(const struct gp_log *log,
-                        const struct gp_sun_params *p, enum gp_gl_api api,
-                        const struct gp_sun_reader *reader,
+gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
+                        enum gp_gl_api api, const struct gp_sun_reader *reader,
                         struct gp_suns *out)
 {
     struct gp_light_spec *lamps = NULL;
@@ -106,12 +105,10 @@ out:
  * the frame's own attributes where a light needs one.
  *   entry  NULL without --camera
  *   found  whether *camera was written */
-static gp_status find_camera(const struct gp_log *log,
-                             const struct gp_suns *suns,
-                             const struct gp_sun_about *about,
-                             const struct gp_frame *f,
-                             const struct gp_camera_frame **entry,
-                             struct gp_camera *camera, bool *found)
+static gp_status find_camera(
+    const struct gp_log *log, const struct gp_suns *suns,
+    const struct gp_sun_about *about, const struct gp_frame *f,
+    const struct gp_camera_frame **entry, struct gp_camera *camera, bool *found)
 {
     const char *const path = suns->p->camera;
     *entry = NULL;
@@ -331,8 +328,7 @@ out:
 }
 
 gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
-                          bool intensity, int *w, int *h,
-                          struct gp_planes *out)
+                          bool intensity, int *w, int *h, struct gp_planes *out)
 {
     gp_status st;
     float *grey = NULL;

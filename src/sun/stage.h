@@ -118,19 +118,16 @@ bool gp_suns_wanted(const struct gp_sun_params *p);
  *   p    must stay as long as *out
  *   out  zero; freed by gp_suns_close() in any case
  * Errors: those of the readers. */
-GP_MUST_CHECK gp_status gp_suns_begin(const struct gp_log *log,
-                                      const struct gp_sun_params *p,
-                                      enum gp_gl_api api,
-                                      const struct gp_sun_reader *reader,
-                                      struct gp_suns *out);
+GP_MUST_CHECK gp_status gp_suns_begin(
+    const struct gp_log *log, const struct gp_sun_params *p, enum gp_gl_api api,
+    const struct gp_sun_reader *reader, struct gp_suns *out);
 
 /* Reads the frame's depth and coverage, and gives each light its place.
  * Errors: GP_ERR_USAGE, GP_ERR_DATA, GP_ERR_IO of the readers; GP_ERR_DATA a
  * frame that --camera does not have. */
-GP_MUST_CHECK gp_status gp_suns_place(const struct gp_log *log,
-                                      const struct gp_sun_reader *reader,
-                                      const struct gp_frame *f,
-                                      struct gp_suns *suns);
+GP_MUST_CHECK gp_status gp_suns_place(
+    const struct gp_log *log, const struct gp_sun_reader *reader,
+    const struct gp_frame *f, struct gp_suns *suns);
 
 /* Finds how much of each light shows. With the mask the answer stays on GL
  * until gp_suns_draw(), unless suns->early. Errors: GP_ERR_GL, GP_ERR_BUG. */
@@ -147,27 +144,24 @@ bool gp_suns_add_light(const struct gp_suns *suns);
 /* The sources and the visible light of those lights that go through the
  * engines: none with the mask, whose share is not known yet, and none that
  * reaches beyond the frame. *joined says whether *out was made. */
-GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
-                                     const struct gp_suns *suns,
-                                     const struct gp_frame *f,
-                                     const struct gp_sources *src,
-                                     struct gp_sources *out, bool *joined);
+GP_MUST_CHECK gp_status gp_suns_join(
+    const struct gp_log *log, const struct gp_suns *suns,
+    const struct gp_frame *f, const struct gp_sources *src,
+    struct gp_sources *out, bool *joined);
 
 /* Spreads the kernel for those that do not, as far as sprites are kept, so
  * that gp_suns_draw() only draws: the engines' share of the work.
  * Errors: GP_ERR_DATA a radius over 1024 pixels; those of gp_kernel_spread().
  */
-GP_MUST_CHECK gp_status gp_suns_spread(const struct gp_log *log,
-                                       struct gp_suns *suns,
-                                       const struct gp_kernel *kernel,
-                                       const struct gp_frame *f);
+GP_MUST_CHECK gp_status gp_suns_spread(
+    const struct gp_log *log, struct gp_suns *suns,
+    const struct gp_kernel *kernel, const struct gp_frame *f);
 
 /* Adds to f->layer, which is made, what did not go through the engines: lens
  * flare, and glare of the other lights. All visibilities are known then. */
-GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
-                                     struct gp_suns *suns,
-                                     const struct gp_kernel *kernel,
-                                     struct gp_frame *f);
+GP_MUST_CHECK gp_status gp_suns_draw(
+    const struct gp_log *log, struct gp_suns *suns,
+    const struct gp_kernel *kernel, struct gp_frame *f);
 
 /* How the shares are found, in words, for the report: "mask, drawn on GL". */
 const char *gp_suns_way(const struct gp_suns *suns);
@@ -177,10 +171,9 @@ double gp_suns_mean(const struct gp_suns *suns);
 
 /* Pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of all
  * lights side by side, or the intensity map. */
-GP_MUST_CHECK gp_status gp_suns_picture(const struct gp_log *log,
-                                        const struct gp_suns *suns,
-                                        bool intensity, int *w, int *h,
-                                        struct gp_planes *out);
+GP_MUST_CHECK gp_status gp_suns_picture(
+    const struct gp_log *log, const struct gp_suns *suns, bool intensity,
+    int *w, int *h, struct gp_planes *out);
 
 /* Frees the frame's part. */
 void gp_suns_end_frame(struct gp_suns *suns);

@@ -110,10 +110,9 @@ struct gp_map_pixels {
 
 /* Gives each box its slot, in rows of boxes, or all of them the frame's where
  * that is less. Errors: GP_ERR_GL over `most` texels wide or high. */
-GP_MUST_CHECK gp_status gp_map_pack(const struct gp_log *log,
-                                    const struct gp_occluders *o,
-                                    struct gp_map_light *light, int n, int most,
-                                    struct gp_map_pixels *out);
+GP_MUST_CHECK gp_status gp_map_pack(
+    const struct gp_log *log, const struct gp_occluders *o,
+    struct gp_map_light *light, int n, int most, struct gp_map_pixels *out);
 
 // -- the sun map's state on a context (map.c) --------------------------------
 
@@ -144,23 +143,19 @@ struct gp_sun_map {
 
 /* Makes *state and what a frame of n lights needs but the atlas: lights and
  * pixels written, intensity of n x 1. Errors: as gp_sun_map_draw(). */
-GP_MUST_CHECK gp_status gp_map_begin(const struct gp_log *log,
-                                     const struct gp_gl *gl,
-                                     const struct gp_occluders *o,
-                                     const struct gp_map_params *p,
-                                     const struct gp_light *light, int n,
-                                     struct gp_sun_map **state);
+GP_MUST_CHECK gp_status gp_map_begin(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    const struct gp_light *light, int n, struct gp_sun_map **state);
 GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
-                                   const struct gp_gl *gl,
-                                   struct gp_sun_map *s,
+                                   const struct gp_gl *gl, struct gp_sun_map *s,
                                    enum gp_sun_program which);
 
 /* Writes all boxes to s->pixels, which is made to fit. */
-GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
-                                      const struct gp_gl *gl,
-                                      const struct gp_occluders *o,
-                                      const struct gp_map_pixels *pixels,
-                                      struct gp_sun_map *s, int n);
+GP_MUST_CHECK gp_status gp_map_write_pixels(
+    const struct gp_log *log, const struct gp_gl *gl,
+    const struct gp_occluders *o, const struct gp_map_pixels *pixels,
+    struct gp_sun_map *s, int n);
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
@@ -224,13 +219,10 @@ enum { GP_FLARE_SIDES = 64, GP_FLARE_EDGE = 3 * GP_FLARE_SIDES };
  * visibility is over 0. Elements of f are not needed afterwards, but plain
  * images and such as are drawn at their own size or larger. Free with
  * gp_flare_quads_free(), after a failure too. Errors: GP_ERR_BUG memory. */
-GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
-                                            const struct gp_flare *f,
-                                            const struct gp_light *light,
-                                            int n, bool clear,
-                                            struct gp_rect frame,
-                                            struct gp_rect display,
-                                            struct gp_flare_quads *out);
+GP_MUST_CHECK gp_status gp_flare_quads_make(
+    const struct gp_log *log, const struct gp_flare *f,
+    const struct gp_light *light, int n, bool clear, struct gp_rect frame,
+    struct gp_rect display, struct gp_flare_quads *out);
 void gp_flare_quads_free(struct gp_flare_quads *quads);
 
 /* The pixels of `frame` (data window) that element e may reach for light l;
@@ -257,9 +249,8 @@ struct gp_disc_pixels {
     int m;
     float *weight; // owned: gp_free()
 };
-GP_MUST_CHECK gp_status gp_disc_pixels_make(const struct gp_log *log,
-                                            double radius,
-                                            struct gp_disc_pixels *out);
+GP_MUST_CHECK gp_status gp_disc_pixels_make(
+    const struct gp_log *log, double radius, struct gp_disc_pixels *out);
 
 /* The pixels of `frame` that a light's disc falls on, each with its share of
  * flux * visibility: the weights above, moved to the light's place by bilinear

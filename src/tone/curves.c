@@ -159,22 +159,20 @@ static inline float hable_curve(float x)
            (x * (a * x + b) + d * f);
 }
 
-GP_CLONES static void hable_plane(float *v, size_t n)
+GP_CLONES static void hable(float *r, float *g, float *b, size_t n,
+                            float white)
 {
     const float exposure_bias = 2.0f;
     const float per_white = 1.0f / hable_curve(11.2f);
-    for (size_t i = 0; i < n; i++) {
-        float y = hable_curve(exposure_bias * positive(v[i])) * per_white;
-        v[i] = gp_minf(y, 1.0f);
-    }
-}
-
-static void hable(float *r, float *g, float *b, size_t n, float white)
-{
+    float *const plane[] = {r, g, b};
     (void) white;
-    hable_plane(r, n);
-    hable_plane(g, n);
-    hable_plane(b, n);
+    for (int c = 0; c < 3; c++) {
+        float *const v = plane[c];
+        for (size_t i = 0; i < n; i++) {
+            float y = hable_curve(exposure_bias * positive(v[i])) * per_white;
+            v[i] = gp_minf(y, 1.0f);
+        }
+    }
 }
 
 // -- AgX ---------------------------------------------------------------------
@@ -324,79 +322,53 @@ GP_CLONES static void neutral(float *restrict r, float *restrict g,
 
 // -- linear and none ---------------------------------------------------------
 
-GP_CLONES static void clamp_plane(float *v, size_t n)
+GP_CLONES static void linear(float *r, float *g, float *b, size_t n,
+                             float white)
 {
-    for (size_t i = 0; i < n; i++)
-        v[i] = gp_minf(positive(v[i]), 1.0f);
-}
-
-static void linear(float *r, float *g, float *b, size_t n, float white)
-{
+    float *const plane[] = {r, g, b};
     (void) white;
-    clamp_plane(r, n);
-    clamp_plane(g, n);
-    clamp_plane(b, n);
+    for (int c = 0; c < 3; c++) {
+        float *const v = plane[c];
+        for (size_t i = 0; i < n; i++)
+            v[i] = gp_minf(positive(v[i]), 1.0f);
+    }
 }
 
 // -- the list ----------------------------------------------------------------
 
-static const struct gp_tone_curve curve_reinhard = {
-    .name = "reinhard",
-    .text = "L / (1 + L) on luminance; keeps hue",
-    .source = "Reinhard et al., Photographic Tone Reproduction for Digital "
-              "Images, SIGGRAPH 2002, eq. 3",
-    .map = reinhard, .monotone = true,
-};
-static const struct gp_tone_curve curve_reinhard_extended = {
-    .name = "reinhard-extended",
-    .text = "reinhard with a luminance that becomes white",
-    .source = "Reinhard et al., Photographic Tone Reproduction for Digital "
-              "Images, SIGGRAPH 2002, eq. 4",
-    .map = reinhard_extended, .monotone = true, .reads_white = true,
-};
-static const struct gp_tone_curve curve_aces = {
-    .name = "aces",
-    .text = "Stephen Hill's fit of the ACES rendering and output transforms",
-    .source = "Stephen Hill, ACESFitted, in MJP and Neubelt, Baking Lab, "
-              "ACES.hlsl, 2016",
-    .map = aces, .monotone = true,
-};
-static const struct gp_tone_curve curve_hable = {
-    .name = "hable",
-    .text = "John Hable's filmic curve, white 11.2, exposure bias 2",
-    .source = "John Hable, Filmic Tonemapping Operators, filmicworlds.com, "
-              "2010",
-    .map = hable, .monotone = true,
-};
-static const struct gp_tone_curve curve_agx = {
-    .name = "agx",
-    .text = "Troy Sobotka's AgX, default look",
-    .source = "Benjamin Wrensch, Minimal AgX Implementation, "
-              "iolite-engine.com, 2023",
-    .map = agx, .monotone = true,
-};
-static const struct gp_tone_curve curve_neutral = {
-    .name = "neutral",
-    .text = "Khronos PBR Neutral: true colours up to 0.8, then white",
-    .source = "Khronos PBR Neutral Tone Mapper specification, 2024",
-    .map = neutral, .monotone = true,
-};
-static const struct gp_tone_curve curve_linear = {
-    .name = "linear",
-    .text = "exposure alone, cut at 0 and 1",
-    .source = "none needed",
-    .map = linear, .monotone = true,
-};
-static const struct gp_tone_curve curve_none = {
-    .name = "none",
-    .text = "the lit frame as it is, without exposure",
-    .source = "none needed",
-    .map = NULL, .monotone = true,
-};
+#define CURVE(...) &(const struct gp_tone_curve) {.monotone = true, __VA_ARGS__}
+#define REINHARD                                                              \
+    "Reinhard et al., Photographic Tone Reproduction for Digital Images, "    \
+    "SIGGRAPH 2002, eq. "
 
 const struct gp_tone_curve *const gp_tone_curves[] = {
-    &curve_reinhard, &curve_reinhard_extended, &curve_aces, &curve_hable,
-    &curve_agx, &curve_neutral, &curve_linear, &curve_none, NULL,
+    CURVE(.name = "reinhard", .map = reinhard,
+          .text = "L / (1 + L) on luminance; keeps hue",
+          .source = REINHARD "3"),
+    CURVE(.name = "reinhard-extended", .map = reinhard_extended,
+          .text = "reinhard with a luminance that becomes white",
+          .source = REINHARD "4", .reads_white = true),
+    CURVE(.name = "aces", .map = aces,
+          .text = "Stephen Hill's fit of the ACES rendering and output "
+                  "transforms",
+          .source = "Stephen Hill, ACESFitted, in MJP and Neubelt, Baking "
+                    "Lab, ACES.hlsl, 2016"),
+    CURVE(.name = "hable", .map = hable,
+          .text = "John Hable's filmic curve, white 11.2, exposure bias 2",
+          .source = "John Hable, Filmic Tonemapping Operators, "
+                    "filmicworlds.com, 2010"),
+    CURVE(.name = "agx", .map = agx,
+          .text = "Troy Sobotka's AgX, default look",
+          .source = "Benjamin Wrensch, Minimal AgX Implementation, "
+                    "iolite-engine.com, 2023"),
+    CURVE(.name = "neutral", .map = neutral,
+          .text = "Khronos PBR Neutral: true colours up to 0.8, then white",
+          .source = "Khronos PBR Neutral Tone Mapper specification, 2024"),
+    CURVE(.name = "linear", .map = linear,
+          .text = "exposure alone, cut at 0 and 1", .source = "none needed"),
+    CURVE(.name = "none", .text = "the lit frame as it is, without exposure",
+          .source = "none needed"),
+    NULL,
 };
 
 const struct gp_tone_curve *gp_tone_find(const char *name)

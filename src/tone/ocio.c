@@ -118,8 +118,7 @@ gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
     return run_pass(log, &pass);
 }
 
-gp_status gp_ocio_convert(const struct gp_log *log,
-                          const struct gp_ocio *ocio,
+gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
                           const struct gp_frame *f, struct gp_planes *out)
 {
     struct pass pass = {

@@ -37,17 +37,15 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
  *   ocio  was asked for a view (gp_ocio_params.shows)
  * Errors: GP_ERR_BUG no memory, or no view.
  */
-GP_MUST_CHECK gp_status gp_ocio_show(const struct gp_log *log,
-                                     const struct gp_ocio *ocio,
-                                     const struct gp_tone_params *p,
-                                     struct gp_frame *f);
+GP_MUST_CHECK gp_status gp_ocio_show(
+    const struct gp_log *log, const struct gp_ocio *ocio,
+    const struct gp_tone_params *p, struct gp_frame *f);
 
 /* Makes *out from f->lit: the same light in the space that
  * gp_ocio_params.output names; no exposure. *out is empty before and owned by
  * the caller. Errors: GP_ERR_BUG no memory, or no such space was asked for. */
-GP_MUST_CHECK gp_status gp_ocio_convert(const struct gp_log *log,
-                                        const struct gp_ocio *ocio,
-                                        const struct gp_frame *f,
-                                        struct gp_planes *out);
+GP_MUST_CHECK gp_status gp_ocio_convert(
+    const struct gp_log *log, const struct gp_ocio *ocio,
+    const struct gp_frame *f, struct gp_planes *out);
 
 #endif

@@ -188,17 +188,6 @@ std::string find_space(const Asked &a, const char *option, const char *name)
     refuse_name(option, a, "colour space", name, names);
 }
 
-std::string find_input(const Asked &a)
-{
-    if (a.p->input)
-        return find_space(a, "--input-space", a.p->input);
-    for (const char *const role : {"scene_linear", "reference", "default"}) {
-        if (a.config->hasRole(role))
-            return find_space(a, "--input-space", role);
-    }
-    return find_space(a, "--input-space", "scene_linear"); // lists all
-}
-
 std::string find_display(const Asked &a)
 {
     const OCIO::ConstConfigRcPtr &c = a.config;
@@ -336,7 +325,13 @@ try {
     own->config = config;
     Asked a{p, read_config(own->config), nullptr, own.get()};
     a.context = make_context(a);
-    own->input = find_input(a);
+    const char *space = p->input;
+    for (const char *const role : {"scene_linear", "reference", "default"}) {
+        if (!space && a.config->hasRole(role))
+            space = role;
+    }
+    own->input = find_space(a, "--input-space",
+                            space ? space : "scene_linear"); // lists all
     if (p->shows)
         make_view(a);
     if (p->output) {
