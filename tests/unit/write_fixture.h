@@ -123,8 +123,7 @@ static inline uint32_t wf_hash(uint32_t a, uint32_t b, uint32_t c)
 /* Exact in half, within [-8, 8). */
 static inline float wf_value(int channel, int x, int y)
 {
-    const uint32_t h =
-        wf_hash((uint32_t) channel, (uint32_t) x, (uint32_t) y);
+    const uint32_t h = wf_hash((uint32_t) channel, (uint32_t) x, (uint32_t) y);
     return (float) (h >> 24) / 16.0f - 8.0f;
 }
 
@@ -176,8 +175,7 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
     };
     void *mem;
     const int w = gp_frame_w(&f);
-    memcpy(f.chromaticities, gp_rec709_chromaticities,
-           sizeof f.chromaticities);
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
     assert_ok(gp_planes_make(NULL, "rgb", gp_frame_pixels(&f), &f.rgb));
     for (int c = 0; c < 3; c++) {

@@ -1,10 +1,8 @@
 /* io/read on real frames: every readable EXR of the data folder, sample for
  * sample against OpenImageIO and, where that is no witness, against OpenEXR's
- * RgbaInputFile; and every damaged file. The folder is $GLAREPP_DATA, or
- * ../shared/data; without it, or without the witnesses, tests are skipped. */
+ * RgbaInputFile; cli/data.t reads the damaged ones. The folder is
+ * $GLAREPP_DATA, or ../shared/data; without it, or without the witnesses, tests are skipped. */
 #include "unit.h"
-#include "core/cpu.h"
-#include "core/parallel.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
 #include "oiio_here.h"
@@ -14,13 +12,11 @@
 #include <ftw.h>
 #include <libgen.h>
 #include <limits.h>
-#include <sys/resource.h>
-#include <sys/wait.h>
 
-enum { FILES = 1000, SECONDS = 60 };
+enum { FILES = 1000 };
 
-static char *file[FILES], *damaged[FILES];
-static int files, damaged_files;
+static char *file[FILES];
+static int files;
 static char reference[PATH_MAX]; // the RgbaInputFile program, "" without
 
 /* -- what there is -------------------------------------------------------- */
@@ -31,14 +27,9 @@ static int collect(const char *found, const struct stat *info, int type,
     (void) info;
     const char *name = found + at->base;
     const char *dot = strrchr(name, '.');
-    if (type != FTW_F)
-        return 0;
-    if (strstr(found, "/damaged/")) {
-        if (damaged_files < FILES)
-            damaged[damaged_files++] = strdup(found);
-    } else if (dot && strcmp(dot, ".exr") == 0 && files < FILES) {
+    if (type == FTW_F && !strstr(found, "/damaged/") && dot &&
+        strcmp(dot, ".exr") == 0 && files < FILES)
         file[files++] = strdup(found);
-    }
     return 0;
 }
 
@@ -63,25 +54,20 @@ static void make_reference(const char *beside)
 
 static int setup(void **state)
 {
-    char self[PATH_MAX] = "", beside[PATH_MAX];
+    char self[PATH_MAX] = "";
     const char *data = getenv("GLAREPP_DATA");
     nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
     qsort(file, (size_t) files, sizeof *file, by_name);
-    qsort(damaged, (size_t) damaged_files, sizeof *damaged, by_name);
     if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
         return -1;
     make_reference(dirname(self));
-    // the build puts tests one folder below the bridge
-    snprintf(beside, sizeof beside, "%.3000s/..", self);
-    return setenv("GLAREPP_BRIDGES", beside, 0);
+    return find_bridges(state);
 }
 
 static int teardown(void **state)
 {
     for (int i = 0; i < files; i++)
         free(file[i]);
-    for (int i = 0; i < damaged_files; i++)
-        free(damaged[i]);
     return 0;
 }
 
@@ -127,8 +113,7 @@ static void assert_frame_is(const struct gp_frame *f,
                strcmp(f->channel[i].name, image->channel_name[from]) != 0)
             from++;
         if (from == image->channels)
-            fail_msg("%s: OpenImageIO has no %s", f->path,
-                     f->channel[i].name);
+            fail_msg("%s: OpenImageIO has no %s", f->path, f->channel[i].name);
         assert_channel_is(f, i, image, from, scratch);
     }
     free(scratch);
@@ -218,54 +203,5 @@ static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
     print_message("%d equal\n", compared);
 }
 
-/* -- damaged files -------------------------------------------------------- */
-
-/* Reads in a child with little time and memory: 1 GiB of addresses, of which
- * the bridge's 261 libraries take a third. */
-static int read_in_child(const char *name)
-{
-    pid_t child = fork();
-    if (child == 0) {
-        struct gp_frame f;
-#ifndef GP_SANITIZED
-        struct rlimit memory = {1 << 30, 1 << 30};
-        if (setrlimit(RLIMIT_AS, &memory))
-            _exit(97);
-#endif
-        gp_set_threads(1); // a team does not survive fork()
-        alarm(SECONDS);
-        gp_status st = read_file(name, &f);
-        if (said_errors != (st != GP_OK))
-            _exit(98);
-        gp_frame_free(&f);
-        _exit((int) st);
-    }
-    int status;
-    assert_int_equal(waitpid(child, &status, 0), child);
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-}
-
-static void damaged_files_end_well(void **state)
-{
-    int refused = 0;
-    if (!damaged_files)
-        skip();
-    for (int i = 0; i < damaged_files; i++) {
-        int st = read_in_child(damaged[i]);
-        // GP_ERR_IO: not an EXR by its first bytes, and no bridge
-        if (st != GP_OK && st != GP_ERR_DATA && st != GP_ERR_IO)
-            fail_msg("%s: status %d", damaged[i], st);
-        refused += st != GP_OK;
-    }
-    print_message("%d of %d refused\n", refused, damaged_files);
-}
-
-SUITE(data)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(damaged_files_end_well), // forks: before threads
-        cmocka_unit_test(every_frame_as_openimageio_reads_it),
-        cmocka_unit_test(luminance_chroma_and_dwa_as_openexr_reads_them),
-    };
-    return cmocka_run_group_tests(tests, setup, teardown);
-}
+SUITE_OF(data, setup, teardown, every_frame_as_openimageio_reads_it,
+         luminance_chroma_and_dwa_as_openexr_reads_them)

@@ -346,8 +346,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
     gp_exr_header_put(&h, "tiles", "tiledesc", tiles, 9);
     put_int(&h, "version", 1);
     gp_exr_header_raw(&h, "", 1);
-    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
-                       chunks[1]);
+    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour", chunks[1]);
     put_part(&h, "deep", "deepscanline", 2, ROWS, ROWS);
     put_text(&h, long_name, "long");
     gp_exr_header_raw(&h, "", 1);

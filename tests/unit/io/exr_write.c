@@ -412,8 +412,7 @@ static void lossy_channels(void **state)
                 const bool same =
                     memcmp(q->data, f.channel[i].data,
                            gp_frame_pixels(&f) * gp_type_size(q->type)) == 0;
-                if (same == gp_exr_loses(c, (enum gp_pixel_type) type,
-                                         q->name))
+                if (same == gp_exr_loses(c, (enum gp_pixel_type) type, q->name))
                     fail_msg("%s of type %d in compression %d is %s", q->name,
                              type, c, same ? "kept" : "lost");
             }

@@ -42,44 +42,25 @@ static const struct lie {
 #define LIE(name, x, w, h, full_w, channels, block, attributes, n, text)      \
     {name, {GP_OIIO_PROTOCOL, 0, n, {x, 0, w, h, 0, 0, full_w, 0, channels, 0, \
                                      0, block, attributes, 0, 0, {0}}}, text}
-    LIE("no width", 0, 0, H, 0, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("negative", 0, W, -1, 0, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("many pixels", 0, MOST, H, 0, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("overflow", 0, 1 << 28, 1 << 28, 0, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("no channels", 0, W, H, 0, 0, BLOCK, 0, 1,
-        "\0"),
-    LIE("many channels", 0, W, H, 0, 8193, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("no block", 0, W, H, 0, 1, 0, 0, 3,
-        "Y\0\0"),
-    LIE("large block", 0, W, H, 0, 1, H + 1, 0, 3,
-        "Y\0\0"),
-    LIE("far", INT_MAX - 2, W, H, 0, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("display", 0, W, H, INT_MIN, 1, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("name that does not end", 0, W, H, 0, 1, BLOCK, 0, 3,
-        "YYY"),
-    LIE("no colour space", 0, W, H, 0, 1, BLOCK, 0, 2,
-        "Y\0"),
-    LIE("fewer names", 0, W, H, 0, 9, BLOCK, 0, 3,
-        "Y\0\0"),
-    LIE("fewer attributes", 0, W, H, 0, 1, BLOCK, 1, 3,
-        "Y\0\0"),
-    LIE("attributes below 0", 0, W, H, 0, 1, BLOCK, -1, 3,
-        "Y\0\0"),
-    LIE("many attributes", 0, W, H, 0, 1, BLOCK, INT_MAX, 3,
-        "Y\0\0"),
-    LIE("attribute of no kind", 0, W, H, 0, 1, BLOCK, 1, 10,
-        "Y\0\0xa\0b\0\0"),
-    LIE("attribute cut off", 0, W, H, 0, 1, BLOCK, 1, 8,
-        "Y\0\0fa\0\0\0"),
-    LIE("text cut off", 0, W, H, 0, 1, BLOCK, 1, 8,
-        "Y\0\0sa\0bb"),
+    LIE("no width", 0, 0, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("negative", 0, W, -1, 0, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("many pixels", 0, MOST, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("overflow", 0, 1 << 28, 1 << 28, 0, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("no channels", 0, W, H, 0, 0, BLOCK, 0, 1, "\0"),
+    LIE("many channels", 0, W, H, 0, 8193, BLOCK, 0, 3, "Y\0\0"),
+    LIE("no block", 0, W, H, 0, 1, 0, 0, 3, "Y\0\0"),
+    LIE("large block", 0, W, H, 0, 1, H + 1, 0, 3, "Y\0\0"),
+    LIE("far", INT_MAX - 2, W, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("display", 0, W, H, INT_MIN, 1, BLOCK, 0, 3, "Y\0\0"),
+    LIE("name that does not end", 0, W, H, 0, 1, BLOCK, 0, 3, "YYY"),
+    LIE("no colour space", 0, W, H, 0, 1, BLOCK, 0, 2, "Y\0"),
+    LIE("fewer names", 0, W, H, 0, 9, BLOCK, 0, 3, "Y\0\0"),
+    LIE("fewer attributes", 0, W, H, 0, 1, BLOCK, 1, 3, "Y\0\0"),
+    LIE("attributes below 0", 0, W, H, 0, 1, BLOCK, -1, 3, "Y\0\0"),
+    LIE("many attributes", 0, W, H, 0, 1, BLOCK, INT_MAX, 3, "Y\0\0"),
+    LIE("attribute of no kind", 0, W, H, 0, 1, BLOCK, 1, 10, "Y\0\0xa\0b\0\0"),
+    LIE("attribute cut off", 0, W, H, 0, 1, BLOCK, 1, 8, "Y\0\0fa\0\0\0"),
+    LIE("text cut off", 0, W, H, 0, 1, BLOCK, 1, 8, "Y\0\0sa\0bb"),
     {"other version", {GP_OIIO_PROTOCOL + 1, 0, 0, {0}}, ""},
     {"long text", {GP_OIIO_PROTOCOL, 0, UINT_MAX, {0}}, ""},
 };
@@ -383,8 +364,7 @@ static void it_ends_with_glarepp(void **state)
     real_one();
     const pid_t child = fork();
     if (child == 0) {
-        execl("/proc/self/exe", "io", "oiio_client", "--wait",
-              (char *) NULL);
+        execl("/proc/self/exe", "io", "oiio_client", "--wait", (char *) NULL);
         _exit(1);
     }
     for (int i = 0; i < 2000 && !helper; i++) {

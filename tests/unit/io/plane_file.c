@@ -104,8 +104,7 @@ static void planes_of_other_formats(void **state)
         assert_int_equal(gp_rect_w(p.window), 16);
         assert_string_equal(p.name, "Y");
         for (int k = 0; k < N; k++)
-            assert_float_equal(p.v[k], v[k],
-                               real ? 0.0f : 0.5f / row[i].scale);
+            assert_float_equal(p.v[k], v[k], real ? 0.0f : 0.5f / row[i].scale);
         gp_plane_free(&p);
         assert_int_equal(
             gp_read_plane_file(&said_log, &limits, path, "Z", true, &p),

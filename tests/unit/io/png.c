@@ -113,8 +113,7 @@ static void pixels_and_windows(void **state)
             const int dy = y + display.y0 - data.y0;
             const bool in = dx >= 0 && dx < gp_rect_w(data) && dy >= 0 &&
                             dy < gp_rect_h(data);
-            const float v =
-                in ? f.rgb.c[c][dy * gp_rect_w(data) + dx] : 0.0f;
+            const float v = in ? f.rgb.c[c][dy * gp_rect_w(data) + dx] : 0.0f;
             assert_int_equal(sample(&png, x, y, c), plain(v, p.depth_bits));
         }
         free_png(&png);

@@ -296,8 +296,7 @@ static void chunks(void **state)
     gp_image_close(&image);
     const struct gp_stream s = {.fd = -1, .data = m.bytes, .size = m.n,
                                 .borrowed = true};
-    assert_int_equal(gp_png_open(&wf_log, "in", &s, 1, 1, &image),
-                     GP_ERR_DATA);
+    assert_int_equal(gp_png_open(&wf_log, "in", &s, 1, 1, &image), GP_ERR_DATA);
 }
 
 /* Any byte changed, and any end but the last, is found; what follows IEND
@@ -376,8 +375,7 @@ static void texts_are_bounded(void **state)
         for (int i = 0; i < texts; i++)
             put_packed(&m, "zTXt", "key\0", 5, raw, TEXT, 100);
         put_pixels(&m, "\0\0", 2, 100);
-        assert_int_equal(check(m.bytes, m.n),
-                         texts == 3 ? GP_OK : GP_ERR_DATA);
+        assert_int_equal(check(m.bytes, m.n), texts == 3 ? GP_OK : GP_ERR_DATA);
     }
     put_head(&m, 1, 1, 8, 0, false);
     const size_t head = m.n;

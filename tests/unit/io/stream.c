@@ -1,9 +1,15 @@
-/* io/stream, and first bytes in io/read: pipes up to their limit, and what is read on after
- * its first bytes. */
+/* io: pipes up to their limit, first bytes; pictures to stdout one after the
+ * other, and such streams read back. */
 #include "unit.h"
+#include "exr_fixture.h"
+#include "write_fixture.h"
+
+#include "core/colour.h"
 #include "io/io_priv.h"
+#include "io/read.h"
 #include "io/stream.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <unistd.h>
 
@@ -122,5 +128,365 @@ static void first_bytes(void **state)
     assert_null(gp_format_name(zeros, sizeof zeros - 1));
 }
 
-SUITE_OF(stream, NULL, NULL,
-    pipes_to_their_limit, first_bytes)
+// -- stdin and stdout as files -------------------------------------------------
+
+/* Makes `fd` the file until give_back(). */
+static int borrow(int fd, const char *path, int flags)
+{
+    const int kept = dup(fd), file = open(path, flags, 0600);
+    assert_true(kept >= 0 && file >= 0);
+    assert_true(dup2(file, fd) == fd);
+    close(file);
+    return kept;
+}
+
+static void give_back(int fd, int kept)
+{
+    assert_true(dup2(kept, fd) == fd);
+    close(kept);
+}
+
+static gp_status to_stdout(const char *file, const struct gp_write_params *p,
+                           const struct gp_frame *f, enum gp_picture_kind kind)
+{
+    const int kept = borrow(STDOUT_FILENO, file, O_WRONLY | O_CREAT | O_APPEND);
+    gp_status st = wf_write(p, "-", f, kind);
+    give_back(STDOUT_FILENO, kept);
+    return st;
+}
+
+static gp_status from_stdin(const char *file, struct gp_members *m)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    const int kept = borrow(STDIN_FILENO, file, O_RDONLY);
+    wf_line[0] = '\0';
+    *m = (struct gp_members) {0};
+    gp_status st = gp_members_read(&wf_log, &p, "-", m);
+    give_back(STDIN_FILENO, kept);
+    return st;
+}
+
+// -- raw pixels ----------------------------------------------------------------
+
+static const struct {
+    struct gp_rect data, display;
+} windows[] = {
+    {{0, 0, 1, 1}, {0, 0, 1, 1}},     {{0, 0, 7, 5}, {0, 0, 7, 5}},
+    {{-3, -2, 6, 9}, {0, 0, 4, 4}},   {{1, 2, 3, 4}, {-2, 0, 6, 5}},
+    {{10, 10, 12, 12}, {0, 0, 3, 2}}, {{-9, -9, 90, 2}, {-9, -9, 90, 2}},
+};
+
+/* What a sample must be in the stream, written without the code's tables. */
+static size_t wanted(enum gp_raw_format raw, float v, uint8_t *to)
+{
+    const float encoded = gp_srgb_encode(v);
+    const unsigned wide = (unsigned) (encoded * 65535.0f + 0.5f);
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    switch (raw) {
+    case GP_RAW_RGB24:
+        to[0] = (uint8_t) (encoded * 255.0f + 0.5f);
+        return 1;
+    case GP_RAW_RGB48LE:
+        to[0] = (uint8_t) wide;
+        to[1] = (uint8_t) (wide >> 8);
+        return 2;
+    case GP_RAW_RGB48BE:
+        to[0] = (uint8_t) (wide >> 8);
+        to[1] = (uint8_t) wide;
+        return 2;
+    case GP_RAW_RGBF32LE:
+        break;
+    }
+    for (int i = 0; i < 4; i++)
+        to[i] = (uint8_t) (bits >> 8 * i);
+    return 4;
+}
+
+static void check_raw(const struct gp_frame *f, enum gp_raw_format raw,
+                      const uint8_t *at, size_t size)
+{
+    const uint8_t *const end = at + size;
+    for (int y = f->display.y0; y < f->display.y1; y++) {
+        for (int i = 0; i < 3 * gp_rect_w(f->display); i++) {
+            const int x = f->display.x0 + i / 3;
+            const bool in = x >= f->data.x0 && x < f->data.x1 &&
+                            y >= f->data.y0 && y < f->data.y1;
+            const size_t k = in ? (size_t) ((y - f->data.y0) * gp_frame_w(f) +
+                                            x - f->data.x0) : 0;
+            uint8_t v[4];
+            const size_t n = wanted(raw, in ? f->rgb.c[i % 3][k] : 0.0f, v);
+            assert_true((size_t) (end - at) >= n);
+            assert_memory_equal(at, v, n);
+            at += n;
+        }
+    }
+    assert_ptr_equal(at, end);
+}
+
+static void raw_pixels(void **state)
+{
+    for (size_t i = 0; i < 4 * COUNT(windows); i++) {
+        wf_stats = (struct gp_write_stats) {0}; // a stream of its own
+        const enum gp_raw_format raw = (enum gp_raw_format) (i % 4);
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        struct gp_frame f = wf_frame(windows[i / 4].data,
+                                     windows[i / 4].display, wf_rgb);
+        p.stdout_format = GP_STDOUT_RAW;
+        p.raw = raw;
+        for (size_t k = 0; k < gp_frame_pixels(&f); k++)
+            f.rgb.c[1][k] = f.rgb.c[1][k] / 12.0f + 0.5f;
+        f.rgb.c[0][0] = NAN;
+        f.rgb.c[2][0] = INFINITY;
+        const char *out = wf_path("raw");
+        size_t n;
+        assert_ok(to_stdout(out, &p, &f, GP_PICTURE_SHOWN));
+        uint8_t *bytes = wf_read(out, &n);
+        check_raw(&f, raw, bytes, n);
+        assert_int_equal(wf_stats.raw.w, gp_rect_w(f.display));
+        free(bytes);
+        remove(out);
+        gp_frame_free(&f);
+    }
+}
+
+static void raw_frames_have_one_size(void **state)
+{
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    const struct gp_rect small = {0, 0, 4, 3}, turned = {0, 0, 3, 4};
+    struct gp_frame a = wf_frame(small, small, wf_rgb);
+    struct gp_frame b = wf_frame(turned, turned, wf_rgb);
+    struct gp_frame c = wf_frame(turned, small, wf_rgb);
+    const char *out = wf_path("sizes");
+    size_t n;
+    wf_stats = (struct gp_write_stats) {0};
+    p.stdout_format = GP_STDOUT_RAW;
+    assert_ok(to_stdout(out, &p, &a, GP_PICTURE_SHOWN));
+    assert_int_equal(to_stdout(out, &p, &b, GP_PICTURE_SHOWN), GP_ERR_DATA);
+    wf_assert_said("made: ");
+    assert_ok(to_stdout(out, &p, &c, GP_PICTURE_SHOWN));
+    free(wf_read(out, &n));
+    assert_int_equal(n, 2 * 4 * 3 * 3); // not a byte of the wrong one
+    remove(out);
+    gp_frame_free(&a);
+    gp_frame_free(&b);
+    gp_frame_free(&c);
+}
+
+// -- the same bytes as in a file -------------------------------------------------
+
+static void stdout_has_the_files_bytes(void **state)
+{
+    static const char *const endings[] = {"exr", "png", "pfm"};
+    const struct gp_rect d = {-1, 2, 30, 21}, show = {0, 0, 32, 20};
+    struct gp_frame f = wf_frame(d, show, wf_all);
+    for (int i = 0; i < 12; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        const enum gp_picture_kind kind =
+            i / 3 % 2 ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
+        char name[32];
+        size_t n, m;
+        p.stdout_format = (enum gp_stdout_format) (i % 3);
+        p.depth_bits = i / 6 ? 16 : 8;
+        p.alpha = i / 6 ? GP_ALPHA_KEEP : GP_ALPHA_BLACK;
+        snprintf(name, sizeof name, "one.%s", endings[i % 3]);
+        const char *file = wf_path(name), *out = wf_path("two");
+        assert_ok(wf_write(&p, name, &f, kind));
+        assert_ok(to_stdout(out, &p, &f, kind));
+        assert_ok(to_stdout(out, &p, &f, kind));
+        uint8_t *one = wf_read(file, &n), *two = wf_read(out, &m);
+        assert_int_equal(m, 2 * n);
+        assert_memory_equal(one, two, n);
+        assert_memory_equal(one, two + n, n);
+        free(one);
+        free(two);
+        remove(file);
+        remove(out);
+    }
+    gp_frame_free(&f);
+}
+
+static void hdr_is_exr_alone(void **state)
+{
+    for (int i = 0; i < 4; i++) {
+        struct gp_write_params p = GP_WRITE_DEFAULTS;
+        p.stdout_format = (enum gp_stdout_format) i;
+        assert_ok(gp_write_check(&wf_log, &p, "-"));
+        assert_int_equal(gp_write_hdr_check(&wf_log, &p, "-"),
+                         i ? GP_ERR_USAGE : GP_OK);
+    }
+}
+
+// -- streams read back -----------------------------------------------------------
+
+/* What is in a stream; upper case is written by the program itself. */
+static const struct {
+    const char *pieces;
+    int n;             // images, 0: refused
+    const char *said;
+} streams[] = {
+    {"E", 1, ""},      {"EE", 2, ""},     {"EZBDP", 5, ""},
+    {"PFPF", 4, ""},   {"gF", 2, ""},     {"Eg", 2, ""},
+    {"E0P0", 2, ""},   {"x", 0, "78 79 7a"}, {"Ex", 0, "follows frame 1"},
+    {"PEx", 0, "follows frame 2"}, {"0", 0, "unknown data"},
+    {"E0x", 0, "found 78 at byte"},       {"h", 1, ""},
+    {"Eh", 2, ""},     {"z", 1, ""},      {"w", 1, ""},
+    {"l", 1, ""},      {"El", 2, ""},     {"hE", 1, ""},
+};
+
+struct piece {
+    char letter;
+    const char *bytes;
+    size_t n;
+};
+#define PIECE(letter, text) {letter, text, sizeof text - 1}
+static const struct piece pieces[] = {
+    PIECE('g', "Pf 2\t1\n1.0\n12345678"),
+    PIECE('0', "\0\0\0\0\0\0\0"),
+    PIECE('x', "xyz"),
+    PIECE('h', "PF\n2147483647 2147483647\n-1.0\n"),
+    PIECE('z', "PF\n0 5\n-1.0\n"),
+    PIECE('w', "PF\n99999999999999999999999 1\n-1.0\n12345678901234567890"),
+    PIECE('l', "\x89PNG\r\n\x1a\n\xff\xff\xff\xffIDAT"),
+};
+
+static const struct {
+    char letter;
+    const char *name;
+    enum gp_compression compression;
+} written[] = {
+    {'E', "e.exr", GP_COMPRESSION_NONE}, {'Z', "z.exr", GP_COMPRESSION_ZIP},
+    {'B', "b.exr", GP_COMPRESSION_B44A}, {'D', "d.exr", GP_COMPRESSION_PIZ},
+    {'P', "p.png", GP_COMPRESSION_AUTO}, {'F', "f.pfm", GP_COMPRESSION_AUTO},
+};
+
+static uint8_t *piece_bytes(const struct gp_frame *f, char letter, size_t *n)
+{
+    for (size_t i = 0; i < COUNT(pieces); i++) {
+        if (pieces[i].letter == letter) {
+            uint8_t *copy = malloc(pieces[i].n);
+            assert_non_null(copy);
+            memcpy(copy, pieces[i].bytes, *n = pieces[i].n);
+            return copy;
+        }
+    }
+    size_t i = 0;
+    while (written[i].letter != letter)
+        i++;
+    struct gp_write_params p = GP_WRITE_DEFAULTS;
+    const char *path = wf_path(written[i].name);
+    p.compression = written[i].compression;
+    assert_ok(wf_write(&p, written[i].name, f, GP_PICTURE_SCENE));
+    uint8_t *bytes = wf_read(path, n);
+    remove(path);
+    return bytes;
+}
+
+/* Writes the pieces to a file; at[i] is where piece i begins. */
+static size_t make_stream(const struct gp_frame *f, char path[64],
+                          const char *letters, size_t at[16])
+{
+    snprintf(path, 64, "%.50s/stream", wf_folder);
+    FILE *file = fopen(path, "wb");
+    size_t all = 0;
+    assert_non_null(file);
+    for (int i = 0; letters[i]; i++) {
+        size_t n;
+        uint8_t *bytes = piece_bytes(f, letters[i], &n);
+        at[i] = all;
+        all += n;
+        assert_int_equal(fwrite(bytes, 1, n, file), n);
+        free(bytes);
+    }
+    fclose(file);
+    return all;
+}
+
+static void streams_fall_into_images(void **state)
+{
+    const struct gp_rect d = {3, -7, 40, 50};
+    struct gp_frame f = wf_frame(d, d, wf_all);
+    for (size_t i = 0; i < COUNT(streams); i++) {
+        const char *letter = streams[i].pieces;
+        char path[64];
+        size_t at[16];
+        struct gp_members m;
+        make_stream(&f, path, letter, at);
+        gp_status st = from_stdin(path, &m);
+        if (st != (streams[i].n ? GP_OK : GP_ERR_DATA) ||
+            m.n != streams[i].n || !strstr(wf_line, streams[i].said))
+            fail_msg("%s: status %d, %d images: %s", letter, st, m.n, wf_line);
+        for (int k = 0, piece = 0; k < m.n; k++, piece++) {
+            while (k > 0 && letter[piece] == '0')
+                piece++; // padding
+            assert_int_equal(m.member[k].at, at[piece]);
+        }
+        gp_members_free(&m);
+        gp_members_free(&m);
+    }
+    gp_frame_free(&f);
+}
+
+/* Frames read last to first, while the others stay. */
+static void frames_of_a_stream(void **state)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    const struct gp_rect d = {0, 0, 37, 57};
+    struct gp_frame f = wf_frame(d, d, wf_rgb), got[4];
+    char path[64];
+    struct gp_members m;
+    size_t at[16];
+    make_stream(&f, path, "EFZD", at);
+    assert_ok(from_stdin(path, &m));
+    assert_int_equal(m.n, 4);
+    for (int i = 3; i >= 0; i--) {
+        char name[24];
+        snprintf(name, sizeof name, "frame %d", i);
+        assert_ok(gp_members_frame(&wf_log, &p, name, &m, i, &got[i]));
+        assert_string_equal(got[i].path, name);
+    }
+    for (int i = 0; i < 4; i++) {
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(got[i].rgb.c[c], f.rgb.c[c],
+                                gp_frame_pixels(&f) * sizeof(float));
+        gp_frame_free(&got[i]);
+    }
+    gp_members_free(&m);
+    gp_frame_free(&f);
+}
+
+/* Cut anywhere, a stream is images that cover it, the last maybe bad. */
+static void cut_streams(void **state)
+{
+    const struct gp_read_params p = GP_READ_DEFAULTS;
+    struct gp_frame f = wf_sized(9, 20, wf_rgb);
+    char path[64];
+    size_t at[16], n;
+    const size_t all = make_stream(&f, path, "ZEg", at);
+    const char *cut = wf_path("cut");
+    uint8_t *bytes = wf_read(path, &n);
+    assert_int_equal(n, all);
+    for (size_t size = 1; size < n; size += size < 64 ? 1 : 13) {
+        struct gp_members m;
+        fixture_save(cut, bytes, size);
+        if (from_stdin(cut, &m) == GP_ERR_DATA)
+            continue; // a magic number in two
+        assert_int_equal(m.n, size > at[2] ? 3 : size > at[1] ? 2 : 1);
+        const struct gp_member last = m.member[m.n - 1];
+        assert_int_equal(last.at + last.size, size);
+        struct gp_frame got;
+        const bool whole = size == at[1] || size == at[2];
+        gp_status st = gp_members_frame(&wf_log, &p, "cut", &m, m.n - 1, &got);
+        assert_int_equal(st, whole ? GP_OK : GP_ERR_DATA);
+        if (!st)
+            gp_frame_free(&got);
+        gp_members_free(&m);
+    }
+    free(bytes);
+    gp_frame_free(&f);
+}
+
+SUITE_OF_EACH(stream, wf_start, wf_end, pipes_to_their_limit, first_bytes,
+              raw_pixels, raw_frames_have_one_size, stdout_has_the_files_bytes,
+              hdr_is_exr_alone, streams_fall_into_images, frames_of_a_stream,
+              cut_streams)
