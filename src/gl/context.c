@@ -158,16 +158,6 @@ void gp_gl_prepare(void)
     setenv("EGL_LOG_LEVEL", "fatal", 0); // Mesa's warnings go to stderr
 }
 
-/* The CPU rasterizer starts as many threads as the machine has processors;
- * --threads, and a process that may use only some, count here too. */
-static void limit_threads(void)
-{
-    char threads[16];
-    snprintf(threads, sizeof threads, "%d", gp_threads());
-    if (threads_are_ours)
-        setenv("LP_NUM_THREADS", threads, 1); // in its place: nothing moves
-}
-
 static gp_status open_system(const struct gp_log *log,
                              const struct gp_gl_system *system,
                              struct gp_gl **out)
@@ -178,8 +168,13 @@ static gp_status open_system(const struct gp_log *log,
         return st;
     struct gp_gl *gl = block;
     void *library;
+    char threads[16];
     gl->system = system;
-    limit_threads();
+    // the CPU rasterizer starts as many threads as the machine has processors;
+    // --threads, and a process that may use only some, count here too
+    snprintf(threads, sizeof threads, "%d", gp_threads());
+    if (threads_are_ours)
+        setenv("LP_NUM_THREADS", threads, 1); // in its place: nothing moves
     GP_TRY(open_library(log, system, &library));
     GP_TRY(system->open(log, library, &gl->window));
     GP_TRY(gp_gl_use(log, gl));

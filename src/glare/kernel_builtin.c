@@ -84,29 +84,25 @@ static void make_gauss_rule(int n, struct gauss_rule *rule)
     }
 }
 
-/* f1 and f2 over the square of half width `h` degrees around the source,
- * where they have a cusp: eight triangles 0 < phi < pi/4, each ray from 0 to
- * R = h / cos(phi) in closed form,
+/* The centre's square, of half width h degrees, is where f1 and f2 have a
+ * cusp: eight triangles 0 < phi < pi/4, each ray from 0 to R = h / cos(phi) in
+ * closed form,
  *   integral of t / (t + A)^3 = R^2 / (2 A (R + A)^2)
  *   integral of t / (t + A)^2 = log(1 + R / A) - R / (R + A)
  * and a smooth function of phi is left. */
-static double centre_square(double h, const struct gauss_rule *rule)
-{
-    double sum = 0.0;
-    for (int i = 0; i < rule->n; i++) {
-        double phi = PI / 4.0 * (0.5 + rule->node[i]);
-        double r = h / cos(phi), s = r + A;
-        sum += rule->weight[i] * (C1 * r * r / (2.0 * A * s * s) +
-                                  C2 * (log1p(r / A) - r / s));
-    }
-    return 2.0 * PI * sum;
-}
-
 static void make_eye_tables(struct eye_tables *t)
 {
     for (int i = 0; i < ORDERS; i++)
         make_gauss_rule(orders[i].n, &t->rule[i]);
-    t->centre = centre_square(0.5 * PITCH, &t->rule[0]);
+    const struct gauss_rule *const rule = &t->rule[0];
+    double sum = 0.0;
+    for (int i = 0; i < rule->n; i++) {
+        double phi = PI / 4.0 * (0.5 + rule->node[i]);
+        double r = 0.5 * PITCH / cos(phi), s = r + A;
+        sum += rule->weight[i] * (C1 * r * r / (2.0 * A * s * s) +
+                                  C2 * (log1p(r / A) - r / s));
+    }
+    t->centre = 2.0 * PI * sum;
     double axis = sqrt(C0 * PI) * A / 2.0;
     for (int x = 0; x < F0_REACH; x++)
         t->f0[x] = axis * (erf((x + 0.5) * PITCH / A) -

@@ -192,57 +192,39 @@ static bool is_splat(int engine)
     return gp_engines[engine] == &gp_engine_splat;
 }
 
-/* Setting `i` of a splat, from the coarsest to the exact one; false after
- * that. */
-static bool splat_setting(const struct gp_glare_params *p, int i,
-                          struct gp_splat_params *out)
+/* The splat as it was asked for, and its settings from the coarsest to the
+ * exact one. Finer groups are more polygons: where the coarsest setting takes
+ * longer than another engine, so do the rest, which are not counted out then.
+ * A context is never opened in hope of frames to come: what it takes counts in
+ * full until it is open. */
+static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
+                      int engine, double least, struct gp_candidate *c)
 {
     static const struct { int group, cluster; bool shrink; } setting[] = {
         {8, 16, true}, {8, 16, false}, {4, 8, true}, {4, 8, false},
         {2, 4, true},  {2, 4, false},  {1, 0, true}, {1, 0, false},
     };
-    if (i >= (int) (sizeof setting / sizeof *setting))
-        return false;
-    *out = p->splat;
-    out->group = setting[i].group;
-    out->cluster = setting[i].cluster;
-    out->shrink = setting[i].shrink ? p->tolerance / 2.0f : 0.0f;
-    return true;
-}
-
-/* One splat. A context is never opened in hope of frames to come: what it
- * takes counts in full until it is open. */
-static void add_splat(const struct gp_glare_job *job, const struct gp_glare *g,
-                      int engine, const struct gp_splat_params *s,
-                      double enough, struct gp_candidate *c)
-{
-    const struct gp_prediction p = predict(job, g, engine, s, enough);
-    *c = (struct gp_candidate) {
-        .engine = engine, .splat = *s, .bound = NAN,
-        .exact = s->group == 1 && s->cluster == 0 && !(s->shrink > 0.0f),
-        .ms = p.ms, .later_ms = p.ms, .more = p.more,
-    };
-}
-
-/* Finer groups are more polygons: where the coarsest setting takes longer than
- * another engine, so do the rest, which are not counted out then. */
-static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
-                      int engine, double least, struct gp_candidate *c)
-{
-    int n = 0;
-    struct gp_splat_params s;
-    const double enough = ENOUGH * least;
-    add_splat(job, g, engine, &job->params->splat, enough, &c[n++]);
-    for (int i = 0; splat_setting(job->params, i, &s); i++) {
-        if (i > 0 && !(c[1].ms < least))
-            c[n++] = (struct gp_candidate) {
-                .engine = engine, .splat = s, .bound = NAN,
-                .ms = INFINITY, .later_ms = INFINITY,
-            };
-        else
-            add_splat(job, g, engine, &s, enough, &c[n++]);
+    enum { SETTINGS = sizeof setting / sizeof *setting };
+    const struct gp_glare_params *const p = job->params;
+    for (int n = 0; n <= SETTINGS; n++) {
+        struct gp_splat_params s = p->splat;
+        struct gp_prediction ms = {.ms = INFINITY};
+        if (n > 0) {
+            s.group = setting[n - 1].group;
+            s.cluster = setting[n - 1].cluster;
+            s.shrink = setting[n - 1].shrink ? p->tolerance / 2.0f : 0.0f;
+        }
+        const bool counted = n < 2 || c[1].ms < least;
+        if (counted)
+            ms = predict(job, g, engine, &s, ENOUGH * least);
+        c[n] = (struct gp_candidate) {
+            .engine = engine, .splat = s, .bound = NAN,
+            .exact = counted && s.group == 1 && s.cluster == 0 &&
+                     !(s.shrink > 0.0f),
+            .ms = ms.ms, .later_ms = ms.ms, .more = ms.more,
+        };
     }
-    return n;
+    return SETTINGS + 1;
 }
 
 int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,

@@ -84,40 +84,6 @@ static void transform(const struct gp_fftwd *lib, const struct grid *g,
     }
 }
 
-static void lay_out(const struct gp_sources *src, const struct gp_kernel *k,
-                 int c, const struct grid *g)
-{
-    memset(g->a, 0, 2 * sizeof(double) * (size_t) g->nx * (size_t) g->ny);
-    memset(g->b, 0, 2 * sizeof(double) * (size_t) g->nx * (size_t) g->ny);
-    for (int y = 0; y < src->h; y++) {
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-            g->a[2 * ((size_t) y * (size_t) g->nx + (size_t) src->x[i])] =
-                (double) src->rgb[c][i];
-    }
-    for (int y = 0; y < k->h; y++) {
-        for (int x = 0; x < k->w; x++)
-            g->b[2 * ((size_t) y * (size_t) g->nx + (size_t) x)] =
-                (double) k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x];
-    }
-}
-
-/* The full convolution's sample (x + cx, y + cy) is the layer's (x, y). */
-static void cut_out(const struct gp_sources *src, const struct gp_kernel *k,
-                 int c, const struct grid *g, double *layer)
-{
-    for (int y = 0; y < src->h; y++) {
-        for (int x = 0; x < src->w; x++) {
-            const int gx = x + k->cx, gy = y + k->cy;
-            const int inside = gx >= 0 && gx < src->w + k->w - 1 && gy >= 0 &&
-                               gy < src->h + k->h - 1;
-            layer[((size_t) c * (size_t) src->h + (size_t) y) *
-                      (size_t) src->w + (size_t) x] =
-                inside ? g->a[2 * ((size_t) gy * (size_t) g->nx + (size_t) gx)]
-                       : 0.0;
-        }
-    }
-}
-
 static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
                         const struct gp_kernel *k, double *layer)
 {
@@ -150,7 +116,19 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
                                 "a smaller frame", length));
     }
     for (int c = 0; c < 3; c++) {
-        lay_out(src, k, c, &g);
+        memset(g.a, 0, 2 * sizeof(double) * n);
+        memset(g.b, 0, 2 * sizeof(double) * n);
+        for (int y = 0; y < src->h; y++) {
+            for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
+                g.a[2 * ((size_t) y * (size_t) g.nx + (size_t) src->x[i])] =
+                    (double) src->rgb[c][i];
+        }
+        for (int y = 0; y < k->h; y++) {
+            for (int x = 0; x < k->w; x++)
+                g.b[2 * ((size_t) y * (size_t) g.nx + (size_t) x)] =
+                    (double) k->k.c[c][(size_t) y * (size_t) k->w +
+                                       (size_t) x];
+        }
         transform(lib, &g, plan[0], plan[1], g.a, z);
         transform(lib, &g, plan[0], plan[1], g.b, z);
         for (size_t i = 0; i < n; i++) {
@@ -159,7 +137,16 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
             g.a[2 * i + 1] = scale * (re * g.b[2 * i + 1] + im * g.b[2 * i]);
         }
         transform(lib, &g, plan[2], plan[3], g.a, z);
-        cut_out(src, k, c, &g, layer);
+        // the full convolution's sample (x + cx, y + cy) is the layer's (x, y)
+        double *out = layer + (size_t) c * (size_t) src->w * (size_t) src->h;
+        for (int gy = k->cy; gy < src->h + k->cy; gy++) {
+            for (int gx = k->cx; gx < src->w + k->cx; gx++) {
+                const bool inside = gx >= 0 && gx < src->w + k->w - 1 &&
+                                    gy >= 0 && gy < src->h + k->h - 1;
+                *out++ = inside ? g.a[2 * ((size_t) gy * (size_t) g.nx +
+                                           (size_t) gx)] : 0.0;
+            }
+        }
     }
 out:
     for (int i = 0; i < 4; i++) {

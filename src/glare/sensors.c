@@ -222,21 +222,6 @@ GP_X86_AVX2 static int find_avx2(const struct bright_rule *rule,
 }
 #endif
 
-static void make_rule(float open, const float weight[3],
-                      struct bright_rule *out)
-{
-    out->open = open;
-    memcpy(out->weight, weight, sizeof out->weight);
-    out->avx2 = gp_cpu_has_avx2();
-    for (int m = 0; m < 1 << LANES; m++) {
-        int n = 0;
-        for (int i = 0; i < LANES; i++) {
-            if (m >> i & 1)
-                out->order[m][n++] = (uint8_t) i;
-        }
-    }
-}
-
 /* Finds the bright ones of n <= PIECE cleaned pixels whose first is at column
  * x0; returns how many. The same bits with AVX2 and without. */
 static int find_bright(const struct bright_rule *rule,
@@ -425,8 +410,16 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         .step = (size_t) like.w * (size_t) like.h / GRID + 1,
     };
     const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
-    make_rule(p->knee > 0.0f ? p->threshold * (1.0f - p->knee) : p->threshold,
-              f->luminance, &s.rule);
+    s.rule.open =
+        p->knee > 0.0f ? p->threshold * (1.0f - p->knee) : p->threshold;
+    memcpy(s.rule.weight, f->luminance, sizeof s.rule.weight);
+    s.rule.avx2 = gp_cpu_has_avx2();
+    for (int m = 0; m < 1 << LANES; m++) {
+        for (int i = 0, k = 0; i < LANES; i++) {
+            if (m >> i & 1)
+                s.rule.order[m][k++] = (uint8_t) i;
+        }
+    }
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
                          sizeof *s.block, &v));
     s.block = v;

@@ -447,23 +447,6 @@ out:
     return st;
 }
 
-/* Float coordinates of the frame are `place` pixels apart, and a sample may
- * be taken so far from its place. */
-static gp_status add_sampling(const struct polygon_error *w, double wrong[3])
-{
-    int exponent;
-    double norm[3];
-    const gp_status st = need_rings(w);
-    if (st)
-        return st;
-    frexp((double) gp_max(w->src->w, w->src->h), &exponent);
-    gp_bound_rings_sampled(&w->drawn->rings, w->polygons,
-                           ldexp(1.0, exponent - 24), norm);
-    for (int c = 0; c < 3; c++)
-        wrong[c] += norm[c];
-    return GP_OK;
-}
-
 gp_status gp_group_bound(const struct gp_log *log,
                          const struct gp_sources *src,
                          const struct gp_kernel *kernel,
@@ -497,7 +480,16 @@ gp_status gp_group_bound(const struct gp_log *log,
     GP_TRY(find_layer_least(log, src, kernel, s, &least));
     if (side > 1) {
         GP_TRY(add_grouping(&w, wrong));
-        GP_TRY(add_sampling(&w, wrong));
+        // float coordinates of the frame are 2^(exponent - 24) pixels apart,
+        // and a sample may be taken so far from its place
+        int exponent;
+        double norm[3];
+        GP_TRY(need_rings(&w));
+        frexp((double) gp_max(src->w, src->h), &exponent);
+        gp_bound_rings_sampled(&w.drawn->rings, polygons,
+                               ldexp(1.0, exponent - 24), norm);
+        for (int c = 0; c < 3; c++)
+            wrong[c] += norm[c];
     }
     if (shrink->left_out > 0.0)
         GP_TRY(add_shrinking(&w, wrong));

@@ -84,16 +84,6 @@ double gp_fft_cost(int n, enum gp_fft_plan how)
            n * log2(n);
 }
 
-static bool is_smooth(int n)
-{
-    static const int primes[] = {2, 3, 5, 7};
-    for (int i = 0; i < 4; i++) {
-        while (n % primes[i] == 0)
-            n /= primes[i];
-    }
-    return n == 1;
-}
-
 int gp_fft_length(int n)
 {
     static const double ps[] = GP_COST_FFT_PS;
@@ -105,8 +95,13 @@ int gp_fft_length(int n)
     for (int m = (n + 7) / 8 * 8; m < 2 * n + 8; m += 8) {
         if (ps[0] * 1e-3 * m * (31 - __builtin_clz((unsigned) m)) >= cost)
             break;
-        const double ns = is_smooth(m) ? gp_fft_cost(m, GP_FFT_PLAN_MEASURE)
-                                       : INFINITY;
+        int rest = m; // of factors that the passes take
+        for (int p = 2; p <= 7; p += p == 2 ? 1 : 2) {
+            while (rest % p == 0)
+                rest /= p;
+        }
+        const double ns = rest == 1 ? gp_fft_cost(m, GP_FFT_PLAN_MEASURE)
+                                    : INFINITY;
         if (ns < cost) {
             best = m;
             cost = ns;

@@ -152,19 +152,6 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
 
 /* -- chunks ---------------------------------------------------------------- */
 
-/* Counts a polygon into the chunk, and the rows that it may touch. */
-static void hold_polygon(struct drawing *k, const struct gp_polygon *p)
-{
-    const double rows = gp_rect_h(k->field);
-    const double y = (double) p->y - k->field.y0;
-    const double top = fmax(floor(y) + k->meets.y0, 0.0);
-    const double bottom = fmax(ceil(y) + k->meets.y1, 0.0);
-    const int first = (int) fmin(top, rows), end = (int) fmin(bottom, rows);
-    k->top = k->held ? gp_min(k->top, first) : first;
-    k->bottom = k->held ? gp_max(k->bottom, end) : end;
-    k->held++;
-}
-
 /* Adds what the chunk holds to the total, and empties it. */
 static gp_status flush_chunk(struct drawing *k)
 {
@@ -195,6 +182,7 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
     if (k->plan->polygons.n <= k->plan->chunk)
         return draw_range(k, g, &k->s->total, 0, end);
     gp_status st = GP_OK;
+    const double rows = gp_rect_h(k->field);
     int first = 0;
     bool pending = false;
     for (size_t i = 0; !st && i < g->n; i++) {
@@ -202,7 +190,13 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
         const int x = (int) floorf(g->at[i].x), y = (int) floorf(g->at[i].y);
         if (x < r.x0 || x >= r.x1 || y < r.y0 || y >= r.y1)
             continue;
-        hold_polygon(k, &g->at[i]);
+        // the rows that the polygon may touch
+        const double middle = (double) g->at[i].y - k->field.y0;
+        const int top = (int) fmin(fmax(floor(middle) + k->meets.y0, 0.0), rows);
+        const int low = (int) fmin(fmax(ceil(middle) + k->meets.y1, 0.0), rows);
+        k->top = k->held ? gp_min(k->top, top) : top;
+        k->bottom = k->held ? gp_max(k->bottom, low) : low;
+        k->held++;
         pending = true;
         if (k->held < k->plan->chunk)
             continue;
@@ -411,35 +405,18 @@ static void place_view(struct drawing *k)
     k->field_side = gp_min(k->patch_side, most - 2 * k->margin);
 }
 
-static gp_status check_limits(const struct drawing *k)
-{
-    const struct gp_gl_info *const gl = gp_gl_info(k->s->gl);
-    if ((float) k->sprite > gl->max_point)
-        return gp_fail_bare(k->job->log, GP_ERR_GL,
-                            "%s: point sprites of %d pixels are needed (%.0f "
-                            "is the limit); use --primitive quad or tile, a "
-                            "smaller kernel, or more --shrink", gl->name,
-                            k->sprite, (double) gl->max_point);
-    if (k->patch_side / k->span < 1 || k->field_side < 1)
-        return gp_fail_bare(k->job->log, GP_ERR_GL,
-                            "%s: polygons of %d pixels, groups of %d, do not "
-                            "go into one texture (%d pixels are the limit); "
-                            "use --engine fft or direct", gl->name, k->sprite,
-                            k->span, k->patch_side);
-    return GP_OK;
-}
-
 gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
                         bool points)
 {
     const struct gp_splat_plan *const p = &s->plan;
     const struct gp_polygons *const q = &p->polygons;
+    const struct gp_gl_info *const gl = gp_gl_info(s->gl);
     const int span = gp_max(p->params.cluster, p->params.group);
     const int more = p->single ? 0 : span / 2 + 1; // half a box, and bilinear
     struct drawing k = {
         .job = job, .s = s, .plan = p, .points = points, .span = span,
         .sprite = points ? largest_sprite(p) : 0,
-        .patch_side = gp_min(gp_gl_info(s->gl)->max_size, FIELD_MAX),
+        .patch_side = gp_min(gl->max_size, FIELD_MAX),
         .meets = {p->crop.x0 - job->kernel->cx - more,
                   p->crop.y0 - job->kernel->cy - more,
                   p->crop.x1 - job->kernel->cx + more,
@@ -448,9 +425,21 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
         .cluster_blurs = blurs_of(q->at, q->clusters),
     };
     place_view(&k);
-    gp_status st = check_limits(&k);
+    if ((float) k.sprite > gl->max_point)
+        return gp_fail_bare(job->log, GP_ERR_GL,
+                            "%s: point sprites of %d pixels are needed (%.0f "
+                            "is the limit); use --primitive quad or tile, a "
+                            "smaller kernel, or more --shrink", gl->name,
+                            k.sprite, (double) gl->max_point);
+    if (k.patch_side / span < 1 || k.field_side < 1)
+        return gp_fail_bare(job->log, GP_ERR_GL,
+                            "%s: polygons of %d pixels, groups of %d, do not "
+                            "go into one texture (%d pixels are the limit); "
+                            "use --engine fft or direct", gl->name, k.sprite,
+                            span, k.patch_side);
     float reach[GP_SOURCE_BINS];
-    if (!st && !s->reaches.id)
+    gp_status st = GP_OK;
+    if (!s->reaches.id)
         st = gp_uniform_block_make(job->log, s->gl, "reaches", sizeof reach,
                                    &s->reaches);
     if (st)

@@ -170,23 +170,6 @@ static bool is_clustered(const struct grouping *g,
     return g->wide && cluster[(x + g->left) >> g->cluster_shift].sources;
 }
 
-/* Sums the rows [y0, y1) into the filled cells. */
-static void add_to_clusters(const struct grouping *g, int y0, int y1,
-                            struct cell_sum *cluster)
-{
-    const int shift = g->cluster_shift, mask = g->p->cluster - 1;
-    for (int y = y0; y < y1; y++) {
-        uint32_t i = g->src->row[y], end;
-        for (; i < g->src->row[y + 1]; i = end) {
-            const int at = (g->src->x[i] + g->left) >> shift;
-            end = run_end(g, i, y, shift);
-            if (cluster[at].sources)
-                add_sources(g->src, i, end, g->left - (at << shift),
-                            (y + g->above) & mask, &cluster[at]);
-        }
-    }
-}
-
 /* Sums what clusters leave of the rows [y0, y1) into one row of group cells,
  * or only counts. Returns how many cells hold light. */
 static size_t add_to_groups(const struct grouping *g, int y0, int y1,
@@ -263,7 +246,16 @@ static void group_band(void *ctx, int i, int thread)
     }
     if (!g->out || !b->clusters)
         return;
-    add_to_clusters(g, y0, y1, cluster);
+    const int shift = g->cluster_shift, mask = g->p->cluster - 1;
+    for (int y = y0; y < y1; y++) { // sums into the filled cells
+        for (uint32_t k = g->src->row[y], end; k < g->src->row[y + 1]; k = end) {
+            const int at = (g->src->x[k] + g->left) >> shift;
+            end = run_end(g, k, y, shift);
+            if (cluster[at].sources)
+                add_sources(g->src, k, end, g->left - (at << shift),
+                            (y + g->above) & mask, &cluster[at]);
+        }
+    }
     close_row(g, cluster, g->wide, start, g->p->cluster,
               g->out + b->first_cluster);
 }

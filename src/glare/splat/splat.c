@@ -135,21 +135,6 @@ static gp_status add_turning(const struct gp_glare_job *job,
     return st;
 }
 
-static gp_status find_bound(const struct gp_glare_job *job,
-                            struct gp_bound_cache *cache,
-                            struct gp_splat_plan *p)
-{
-    if (!p->single || p->params.shrink > 0.0f)
-        return gp_group_bound(job->log, job->src, job->kernel, &p->params,
-                              &p->polygons, &p->shrink, roundings(p), cache,
-                              &p->bound);
-    // exact but for rounding. Negative samples may cancel while the roundings
-    // stay: nothing is guaranteed then. (Light under 1e-38 counts as none.)
-    const double e = roundings(p) * 0x1p-24;
-    p->bound = job->kernel->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
-    return p->turned ? add_turning(job, cache, p) : GP_OK;
-}
-
 /* -- the plan's area ------------------------------------------------------- */
 
 /* Pixels from low to high, ends included, that lie in [0, limit). */
@@ -226,7 +211,18 @@ gp_status gp_splat_plan_make(const struct gp_glare_job *job,
     const size_t root = (size_t) sqrt((double) o.polygons.n) + 1;
     o.chunk = root > CHUNK_MIN ? root : CHUNK_MIN;
     GP_TRY(gp_shrink_make(job->log, k, &o.params, &o.polygons, &o.shrink));
-    GP_TRY(find_bound(job, cache, &o));
+    if (!o.single || o.params.shrink > 0.0f) {
+        GP_TRY(gp_group_bound(job->log, job->src, k, &o.params, &o.polygons,
+                              &o.shrink, roundings(&o), cache, &o.bound));
+    } else {
+        // exact but for rounding. Negative samples may cancel while the
+        // roundings stay: nothing is guaranteed then. (Light under 1e-38
+        // counts as none.)
+        const double e = roundings(&o) * 0x1p-24;
+        o.bound = k->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
+        if (o.turned)
+            GP_TRY(add_turning(job, cache, &o));
+    }
     o.polygon_pixels = count_pixels(job, &o);
     *p = o;
     return GP_OK;

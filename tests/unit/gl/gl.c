@@ -38,8 +38,8 @@ static void bad_libraries_are_named(void **state)
          {"/none/lib.so", "libosmesa6"}},
         {GP_GL_EGL, "GLAREPP_EGL", "/none/lib.so", {"/none/lib.so", "libegl1"}},
         {GP_GL_OSMESA, "GLAREPP_OSMESA", "libm.so.6",
-         {"libm.so.6", "OSMesaCreateContextAttribs"}},
-        {GP_GL_EGL, "GLAREPP_EGL", "libm.so.6", {"libm.so.6", "eglBindAPI"}},
+         {"OSMesaCreateContextAttribs", "osmesa"}},
+        {GP_GL_EGL, "GLAREPP_EGL", "libm.so.6", {"eglBindAPI", "EGL"}},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
