@@ -184,7 +184,7 @@ done
 user=
 if [ "$(id -u)" = 0 ]; then
     user='setpriv --reuid 65533 --regid 65533 --clear-groups'
-    chmod 755 . && mkdir built && cp "$glarepp" "${glarepp%/*}"/*.so built
+    chmod 755 . && mkdir built && cp "$glarepp" "${glarepp%/*}"/glarepp-* built
     glarepp=$tmp/built/glarepp
     # where a build for coverage may put its counters, which are not needed
     mkdir -m 777 counters
@@ -206,10 +206,11 @@ END
     is "$(ls locked)" old.exr 'nothing is left in a read-only folder'
     same locked/old.exr in.exr 'what is in a read-only folder stays'
 
-    # Threads that cannot start: the same bytes by one, or one line
+    # Threads that cannot start: the same bytes by one, or one line. (Not for
+    # splat: llvmpipe waits for ever for its own)
     mkdir few && chmod 777 few
-    for engine in direct fft splat; do
-        "$glarepp" -q -e $engine --hdr many.exr s.0001.exr 2>err || continue
+    for engine in direct fft; do
+        "$glarepp" -q -e $engine --hdr many.exr s.0001.exr 2>err
         for n in 1 2 3 4 6; do
             # shellcheck disable=SC2086
             timeout 60 $user prlimit --nproc=$n "$glarepp" -e $engine \
