@@ -200,31 +200,6 @@ static void print_roff(FILE *f, const char *text)
     putc('\n', f);
 }
 
-static void print_roff_option(FILE *f, const struct gp_option *o)
-{
-    char text[1024];
-    const char *name, *line;
-    fprintf(f, ".It ");
-    if (o->letter)
-        fprintf(f, "Fl %c , ", o->letter);
-    fprintf(f, "Fl \\-%s", o->name);
-    if (o->arg)
-        fprintf(f, " Ar %s", o->arg);
-    putc('\n', f);
-    option_text(o, false, text, sizeof text - 1);
-    print_roff(f, strcat(text, "."));
-    if (!gp_option_value(o, 0, &line))
-        return;
-    fprintf(f, ".Bl -tag -width Ds -compact\n");
-    for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
-        fprintf(f, ".It Cm ");
-        print_roff(f, name);
-        if (line)
-            print_roff(f, line);
-    }
-    fprintf(f, ".El\n");
-}
-
 void gp_help_man(FILE *f)
 {
     const unsigned both = GP_COMMAND_MAIN | GP_COMMAND_BENCH;
@@ -234,8 +209,29 @@ void gp_help_man(FILE *f)
         fprintf(f, ".Ss %s\n.Dl %s\n.Bl -tag -width Ds\n",
                 gp_option_groups[g].title, gp_option_groups[g].example);
         for (const struct gp_option *o = gp_options; o->name; o++) {
-            if ((int) o->group == g && !o->hidden)
-                print_roff_option(f, o);
+            char text[1024];
+            const char *name, *line;
+            if ((int) o->group != g || o->hidden)
+                continue;
+            fprintf(f, ".It ");
+            if (o->letter)
+                fprintf(f, "Fl %c , ", o->letter);
+            fprintf(f, "Fl \\-%s", o->name);
+            if (o->arg)
+                fprintf(f, " Ar %s", o->arg);
+            putc('\n', f);
+            option_text(o, false, text, sizeof text - 1);
+            print_roff(f, strcat(text, "."));
+            if (!gp_option_value(o, 0, &line))
+                continue;
+            fprintf(f, ".Bl -tag -width Ds -compact\n");
+            for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {
+                fprintf(f, ".It Cm ");
+                print_roff(f, name);
+                if (line)
+                    print_roff(f, line);
+            }
+            fprintf(f, ".El\n");
         }
         fprintf(f, ".El\n");
     }

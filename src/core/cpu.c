@@ -6,31 +6,26 @@
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #include <cpuid.h>
-
-enum { UNKNOWN, MISSING, THERE };
-
-/* Asked of the CPU itself: clang 14 knows no "f16c". And only once: a virtual
- * machine leaves to its host for each answer, which takes microseconds. */
-static bool has_f16c(void)
-{
-    static atomic_int found;
-    if (atomic_load(&found) == UNKNOWN) {
-        unsigned a, b, c, d;
-        const bool there = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
-        atomic_store(&found, there ? THERE : MISSING);
-    }
-    return atomic_load(&found) == THERE;
-}
 #endif
 
 bool gp_cpu_has_avx2(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
+    // F16C is asked of the CPU itself: clang 14 knows no "f16c". And only once:
+    // a virtual machine leaves each answer to its host, which takes
+    // microseconds
+    enum { UNKNOWN, MISSING, THERE };
+    static atomic_int f16c;
     const char *cpu = getenv("GLAREPP_CPU");
     if (cpu && strcmp(cpu, "base") == 0)
         return false;
+    if (atomic_load(&f16c) == UNKNOWN) {
+        unsigned a, b, c, d;
+        const bool there = __get_cpuid(1, &a, &b, &c, &d) && (c & bit_F16C);
+        atomic_store(&f16c, there ? THERE : MISSING);
+    }
     return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-           has_f16c();
+           atomic_load(&f16c) == THERE;
 #else
     return false;
 #endif

@@ -85,8 +85,7 @@ static double hdr(struct pair *p, const struct gp_flip_exposures *e)
     return mean;
 }
 
-// -- LDR
-// ---------------------------------------------------------------------------
+// -- LDR ---------------------------------------------------------------------
 
 static void flat_colours_are_as_far_as_they_are(void **state)
 {
@@ -208,8 +207,7 @@ static void threads_change_nothing(void **state)
     free_pair(&p);
 }
 
-// -- HDR
-// ----------------------------------------------------------------------------
+// -- HDR ---------------------------------------------------------------------
 
 static void square(struct pair *p, float scale)
 {
@@ -332,8 +330,7 @@ static void the_largest_of_all_exposures_counts(void **state)
     free_pair(&p);
 }
 
-// -- refusals
-// -------------------------------------------------------------------------
+// -- refusals ----------------------------------------------------------------
 
 static void what_makes_no_sense_is_refused(void **state)
 {
