@@ -1,10 +1,7 @@
 #include "app/options.h"
 
-#include "io/read.h"
-
 #include <ctype.h>
 #include <errno.h>
-#include <jansson.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -156,17 +153,6 @@ void gp_help(FILE *f, enum gp_command command)
             command == GP_COMMAND_BENCH     ? "glarepp bench frame.exr"
             : command == GP_COMMAND_COMPARE ? "glarepp compare a.exr b.exr"
                                         : "glarepp -o out.png frame.exr");
-}
-
-void gp_version(FILE *f)
-{
-    char io[256];
-    gp_io_versions(io, sizeof io);
-    fprintf(f, "glarepp " GP_VERSION "\n"
-               "with %s, jansson %s\n"
-               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, "
-               "EGL\n"
-               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
 }
 
 // -- the man page ------------------------------------------------------------

@@ -424,27 +424,6 @@ static struct gp_clobber_owner owner(const void *user,
     };
 }
 
-/* Adds the files of one target. A stream and a file of all views are one for
- * several jobs. */
-static gp_status add_files(const struct gp_log *log, struct gp_clobber *c,
-                           const struct gp_jobs *j, int target)
-{
-    const struct gp_output *const t = &j->target[target];
-    const int step = is_dash(t->name.path) ? j->n : t->whole ? j->views : 1;
-    gp_status st = GP_OK;
-    for (int i = 0; i < j->n && !st; i += step) {
-        char *const name = gp_job_name(&j->job[i], t);
-        st = !name ? gp_no_memory(log, t->name.path)
-             : t->name.views && is_dash(name)
-                 ? gp_fail(log, GP_ERR_USAGE,
-                           "%s: is - for a view, which is stdout; write ./%s",
-                           t->name.path, t->name.path)
-                 : gp_clobber_output(c, name, target, i);
-        free(name);
-    }
-    return st;
-}
-
 /* The files of --depth-file and --mask-file when these are patterns. */
 static gp_status check_beside(const struct gp_log *log,
                               const struct gp_clobber *c, const char *what,
@@ -474,8 +453,23 @@ gp_status gp_jobs_check_names(
     gp_status st;
     struct gp_clobber c;
     GP_TRY(gp_clobber_begin(log, s, owner, j, &c));
-    for (int i = 0; i < j->targets; i++)
-        GP_TRY(add_files(log, &c, j, i));
+    for (int t = 0; t < j->targets; t++) {
+        const struct gp_output *const target = &j->target[t];
+        const struct gp_pattern *const p = &target->name;
+        // a stream and a file of all views are one for several jobs
+        const int step = is_dash(p->path) ? j->n : target->whole ? j->views : 1;
+        for (int i = 0; i < j->n; i += step) {
+            char *const name = gp_job_name(&j->job[i], target);
+            st = !name ? gp_no_memory(log, p->path)
+                 : p->views && is_dash(name)
+                     ? gp_fail(log, GP_ERR_USAGE,
+                               "%s: is - for a view, which is stdout; write "
+                               "./%s", p->path, p->path)
+                     : gp_clobber_output(&c, name, t, i);
+            free(name);
+            GP_TRY(st);
+        }
+    }
     GP_TRY(gp_clobber_settle(&c));
     // (frames of stdin have names of their own)
     if (c.exists && j->members.n)

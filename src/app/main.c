@@ -10,9 +10,11 @@
 #include "core/parallel.h"
 #include "gl/gl.h"
 #include "io/file.h"
+#include "io/read.h"
 
 #include <errno.h>
 #include <fcntl.h>
+#include <jansson.h>
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -48,6 +50,7 @@ static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
     gp_status st = GP_OK;
+    char io[256];
     if (s->command == GP_COMMAND_HELP && s->completion)
         gp_complete(stdout, s->completion);
     else if (s->command == GP_COMMAND_HELP)
@@ -56,8 +59,14 @@ static gp_status print_text(const struct gp_log *log,
         gp_help(stdout, s->command);
     else if (s->help_man)
         gp_help_man(stdout);
-    else
-        gp_version(stdout);
+    else {
+        gp_io_versions(io, sizeof io);
+        printf("glarepp " GP_VERSION "\n"
+               "with %s, jansson %s\n"
+               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, "
+               "EGL\n"
+               "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
+    }
     if (st)
         return st;
     if (fflush(stdout) != 0 || ferror(stdout))

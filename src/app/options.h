@@ -146,9 +146,6 @@ void gp_help(FILE *f, enum gp_command command);
  * mdoc items, each part after a line @NAME@ that names its place. */
 void gp_help_man(FILE *f);
 
-/* --version: the program's and the libraries'. */
-void gp_version(FILE *f);
-
 /* A search: start it with gp_nearest_to(), try each name, read `name`. */
 struct gp_nearest {
     const char *word;
