@@ -269,52 +269,6 @@ static void names_too_long(void **state)
     gp_plane_list_free(&list);
 }
 
-// -- what is not there ------------------------------------------------------------
-
-static void what_a_file_has(void **state)
-{
-    static char view[MANY][16];
-    static const struct fixture_part part[] = {
-        PART("CryptoObject00", RGB(HALVES)), PART("rgba", RGB(HALVES)),
-    };
-    static const struct {
-        const char *layer, *view;
-        const char *said[2];
-    } row[] = {
-        {NULL, "none", {"has no view none (", "views: v1, v2, "}},
-        {NULL, "none", {"v32, ...)", "0 CryptoObject00, 1 rgba"}},
-        {"CryptoObject00", NULL, {"is Cryptomatte", "(layers of light: rgba)"}},
-        {"CryptoObject", NULL, {"is Cryptomatte", "; give one"}},
-        {"CryptoObjekt", NULL, {"has no layer CryptoObjekt", "layers: rgba"}},
-        {"CryptoObjekt00", NULL, {"has no layer CryptoObjekt00", "; "}},
-        {"Crypto", NULL, {"has no layer Crypto (", "layers: rgba"}},
-    };
-    memset(&say, 0, sizeof say);
-    say.own = "last";
-    say.own_part = 1;
-    for (say.views = 0; say.views < 40; say.views++) {
-        // the first has no name
-        snprintf(view[say.views], sizeof view[0], "%.*s%.*d",
-                 say.views > 0, "v", say.views > 0, say.views);
-        say.view[say.views] = view[say.views];
-    }
-    write_parts(part, 2);
-    for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_read_params p = GP_READ_DEFAULTS;
-        struct gp_frame frame = {0};
-        p.layer = row[i].layer;
-        p.view = row[i].view;
-        said_nothing();
-        assert_int_equal(gp_read_frame(&said_log, &p, path, &frame),
-                         GP_ERR_USAGE);
-        assert_int_equal(said_errors, 1);
-        for (int k = 0; k < 2; k++) {
-            if (!strstr(said_line, row[i].said[k]))
-                fail_msg("\"%s\" is not in %s", row[i].said[k], said_line);
-        }
-    }
-}
-
 SUITE_OF(exr_view, make_folder, remove_folder, layer_of_a_part,
          names_within_a_view, odd_lists_of_views, many_manifests,
-         planes_of_a_view, names_too_long, what_a_file_has)
+         planes_of_a_view, names_too_long)

@@ -10,6 +10,13 @@
 
 static const struct gp_read_params limits = GP_READ_DEFAULTS;
 
+/* A plane of the file at `path`. */
+static inline gp_status read_plane(const char *name, bool depth,
+                                   struct gp_plane *p)
+{
+    return gp_read_plane_file(&said_log, &limits, path, name, depth, p);
+}
+
 /* The last line of any level, as warnings count here too. */
 static char said[4096];
 

@@ -134,8 +134,7 @@ static void channels_by_name(void **state)
         assert_plane(&p, &named.part[row[i].part], row[i].channel);
         gp_plane_free(&p);
         // and without a frame
-        assert_ok(gp_read_plane_file(&said_log, &limits, path, row[i].name,
-                                     i & 1, &p));
+        assert_ok(read_plane(row[i].name, i & 1, &p));
         assert_plane(&p, &named.part[row[i].part], row[i].channel);
         gp_plane_free(&p);
     }
@@ -158,9 +157,7 @@ static void names_that_are_not_there(void **state)
         assert_int_equal(gp_read_depth(&said_log, &limits, &frame, name[i], &p),
                          GP_ERR_USAGE);
         assert_non_null(strstr(said_line, list));
-        assert_int_equal(
-            gp_read_plane_file(&said_log, &limits, path, name[i], false, &p),
-            GP_ERR_USAGE);
+        assert_int_equal(read_plane(name[i], false, &p), GP_ERR_USAGE);
         assert_non_null(strstr(said_line, "; "));
         assert_null(p.v);
     }
