@@ -404,6 +404,13 @@ static void other_parts(void **state)
     struct gp_frame a = wf_read_back("in.exr");
     assert_int_equal(a.part, 1);
     assert_int_equal(a.parts, 4);
+    // all levels are measured, also those that the library (3.1.5) misses
+    for (int i = 0; i < TILES; i++) {
+        uint64_t at;
+        assert_true(gp_exr_offsets_read(gp_input_of(&a), 0, i, 1, &at));
+        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 0, at), 44 + i);
+        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 1, at), 0);
+    }
     assert_ok(wf_write_hdr(&p, "out.exr", &a));
     // nothing in it may differ but what libdeflate's level says
     wf_assert_same(wf_path("in.exr"), wf_path("out.exr"));
@@ -467,24 +474,6 @@ static void damaged_parts(void **state)
         remove(wf_path("out.exr"));
         gp_frame_free(&a);
     }
-    gp_frame_free(&made);
-}
-
-/* Chunks of all levels are measured, also those that the library (3.1.5) does
- * not find. */
-static void rip_maps_by_number(void **state)
-{
-    struct gp_frame made = wf_sized(20, 20, wf_rgb);
-    make_parts(wf_path("in.exr"), &made, NULL);
-    struct gp_frame a = wf_read_back("in.exr");
-    for (int i = 0; i < TILES; i++) {
-        uint64_t at;
-        assert_true(gp_exr_offsets_read(gp_input_of(&a), 0, i, 1, &at));
-        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 0, at),
-                         4 + 16 + 4 + 20 + i);
-        assert_int_equal(gp_exr_chunk_bytes(gp_input_of(&a), 1, at), 0);
-    }
-    gp_frame_free(&a);
     gp_frame_free(&made);
 }
 
@@ -585,5 +574,4 @@ static void primaries(void **state)
 
 SUITE_OF_EACH(exr_hdr, wf_start, wf_end, attributes_of_other_formats,
               attributes_of_another_exr, linear_flag, chunks_that_nobody_wrote,
-              other_parts, damaged_parts, rip_maps_by_number, attributes,
-              primaries)
+              other_parts, damaged_parts, attributes, primaries)
