@@ -469,7 +469,8 @@ const struct gp_option gp_options[] = {
     OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
         .help = "Use an OpenColorIO config, whose view takes the place of "
                 "--tonemap: a file, env for $OCIO, or ocio://NAME of a "
-                "library that has built-in ones"),
+                "library that has built-in ones; a config is trusted as "
+                "a program is"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG,
         .help = "Colour space or role of the config that the frame is in; "

@@ -78,14 +78,20 @@ gp_status gp_shared_make(const struct gp_log *log, const char *path,
         *out = s;
         return GP_OK;
     }
-    const int error = errno;
+    const gp_status st = gp_shared_failed(log, path, size);
     if (s.fd >= 0)
         close(s.fd);
-    if (error == ENOMEM)
+    return st;
+}
+
+gp_status gp_shared_failed(const struct gp_log *log, const char *path,
+                           size_t size)
+{
+    if (errno == ENOMEM)
         return gp_no_memory(log, path);
     return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with a "
                    "helper (%s); raise ulimit -f or -n", path, size,
-                   strerror(error));
+                   strerror(errno));
 }
 
 void gp_shared_free(struct gp_shared *shared)

@@ -33,6 +33,9 @@ struct gp_shared {
 GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
                                        const char *path, size_t size,
                                        struct gp_shared *out);
+/* The line and the status for `size` bytes that errno says cannot be shared. */
+gp_status gp_shared_failed(const struct gp_log *log, const char *path,
+                           size_t size);
 void gp_shared_free(struct gp_shared *shared);
 
 #endif

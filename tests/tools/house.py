@@ -41,7 +41,8 @@ SIZES = {
     "core/frame.c": "the frame is its header: shapes, owners, units",
     "core/status.c": "the error line; the list of statuses is its header",
 }
-SUBJECT = re.compile(r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*: \S.*[^.]$")
+SUBJECT = re.compile(
+    r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")
 SINCE = "8c81615"  # subjects are held to the form from here on
 
 broken = 0

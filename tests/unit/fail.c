@@ -1,4 +1,5 @@
-/* The calls of the system that tests make fail; see fail.h. */
+/* The calls of the system that tests make fail; see fail.h. Those of a whole
+ * program, from outside it, are tests/faults/shim.c's. */
 #include "fail.h"
 
 #include <dlfcn.h>

@@ -35,6 +35,7 @@ enum {
 struct helper {
     bool busy;
     pid_t pid;               // 0: none runs
+    bool began;              // the last to start ended before it was asked
     int socket;
     unsigned seconds;        // for the call that it works on
     struct gp_shared shared; // for rows
@@ -168,9 +169,10 @@ static int spawn(const char *program, int socket, pid_t *pid)
     return error;
 }
 
-/* False: h->cause says why none runs. */
+/* False: h->cause says why none runs, h->began whether one ran. */
 static bool start_helper(struct helper *h)
 {
+    h->began = false;
     char program[PATH_MAX];
     struct gp_oiio_reply hello;
     char *text = NULL;
@@ -199,9 +201,7 @@ static bool start_helper(struct helper *h)
         gp_free(text);
         return true;
     }
-    char cause[WHY_BYTES];
-    snprintf(cause, sizeof cause, "%.300s %.150s", program, h->cause);
-    memcpy(h->cause, cause, sizeof cause);
+    h->began = true;
     return false;
 }
 
@@ -213,9 +213,14 @@ static void give_back(struct helper *h)
     pthread_mutex_unlock(&pool.lock);
 }
 
+static gp_status call_failed(const struct gp_log *log, const char *path,
+                             bool writes, const struct helper *h,
+                             const struct gp_oiio_reply *reply,
+                             const char *text);
+
 /* A helper for this thread, one that runs first; give it back. */
 static gp_status take_helper(const struct gp_log *log, const char *path,
-                             struct helper **out)
+                             bool writes, struct helper **out)
 {
     struct helper *h = NULL;
     pthread_mutex_lock(&pool.lock);
@@ -242,6 +247,7 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
     }
     const gp_status st =
         h->starved ? gp_no_memory(log, path) :
+        h->began ? call_failed(log, path, writes, h, NULL, "") :
         gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
                 "glarepp-oiio (%s); install it, or use EXR or PNG", path,
                 h->cause);
@@ -252,7 +258,7 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
 gp_status gp_oiio_check(const struct gp_log *log, const char *path)
 {
     struct helper *h;
-    const gp_status st = take_helper(log, path, &h);
+    const gp_status st = take_helper(log, path, true, &h);
     if (!st)
         give_back(h);
     return st;
@@ -350,13 +356,13 @@ static gp_status make_descriptor(const struct gp_log *log, const char *path,
     uint64_t done = 0;
     while (in->fd >= 0 && done < s->size) {
         const ssize_t n = write(in->fd, s->data + done, s->size - done);
-        if (n <= 0)
+        if (n < 0 && errno != EINTR)
             break;
-        done += (uint64_t) n;
+        done += n > 0 ? (uint64_t) n : 0;
     }
     if (in->fd >= 0 && done == s->size)
         return GP_OK;
-    return gp_no_memory(log, path);
+    return gp_shared_failed(log, path, s->size);
 }
 
 /* Whether the header can be true. What is not is not the file's doing. */
@@ -550,7 +556,7 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     in->size = stream->size;
     snprintf(ask.format, sizeof ask.format, "%s", reader);
     GP_TRY(make_descriptor(log, path, stream, in));
-    GP_TRY(take_helper(log, path, &in->helper));
+    GP_TRY(take_helper(log, path, false, &in->helper));
     struct helper *const h = in->helper;
     const int fd[2] = {in->fd >= 0 ? in->fd : stream->fd, -1};
     h->seconds = seconds_for(in->size);
@@ -618,7 +624,7 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
     if (out->fd < 0)
         GP_TRY(gp_fail(log, GP_ERR_IO, "%s: no file in memory (%s); write "
                        ".exr or .png", path, strerror(errno)));
-    GP_TRY(take_helper(log, path, &h));
+    GP_TRY(take_helper(log, path, true, &h));
     const int fd[2] = {out->fd, pixels->fd};
     h->seconds = seconds_for(pixels->size);
     if (!send_ask(h, &ask, text, fd) || !receive_reply(h, &reply, &why))

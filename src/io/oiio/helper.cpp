@@ -267,16 +267,16 @@ bool is_memory(const std::string &text)
     return false;
 }
 
-// One line. Memory is full where glarepp's own limits are; else the file
+// The first line, as libraries repeat themselves for each row. Memory is full where glarepp's own limits are; else the file
 // wanted more than it explains.
 void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 {
     const bool limited = inherited_data != RLIM_INFINITY ||
                          inherited_space != RLIM_INFINITY;
     reply.end = is_memory(why) && limited ? GP_OIIO_MEMORY : GP_OIIO_REFUSED;
-    text = why.substr(0, 500);
+    text = why.substr(0, std::min<std::size_t>(why.find('\n'), 200));
     for (char &c : text) {
-        if (c == '\n' || c == '\r' || c == '\0')
+        if (c == '\r' || c == '\0')
             c = ' ';
     }
     helper::close_file();

@@ -188,8 +188,8 @@ void check_dpx(Bytes &bytes)
 // -- rows ---------------------------------------------------------------------
 
 // Rows that are read at a time: near 16 MiB, so that there are strips for all
-// threads, but whole strips and tiles, and of EXR whole chunks. Of a packed strip that is read in parts OpenImageIO loses
-// doubles.
+// threads, but whole strips and tiles, and of EXR whole chunks. Of a packed
+// strip that is read in parts OpenImageIO loses doubles.
 int block_rows(const ImageSpec &spec, const std::string &format)
 {
     const std::size_t row = static_cast<std::size_t>(spec.width) *
