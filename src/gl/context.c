@@ -243,35 +243,25 @@ const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl)
     return &gl->info;
 }
 
-static const char *error_name(GLenum error)
-{
-    switch (error) {
-    case GL_INVALID_ENUM:
-        return "GL_INVALID_ENUM";
-    case GL_INVALID_VALUE:
-        return "GL_INVALID_VALUE";
-    case GL_INVALID_OPERATION:
-        return "GL_INVALID_OPERATION";
-    case GL_INVALID_FRAMEBUFFER_OPERATION:
-        return "GL_INVALID_FRAMEBUFFER_OPERATION";
-    case GL_OUT_OF_MEMORY:
-        return "GL_OUT_OF_MEMORY";
-    case GL_CONTEXT_LOST:
-        return "GL_CONTEXT_LOST";
-    default:
-        return "an unknown GL error";
-    }
-}
-
 gp_status gp_gl_check(const struct gp_log *log, const struct gp_gl *gl,
                       const char *what)
 {
     enum { FLAGS = 16 }; // a lost context answers for ever
-    GLenum first = gl->f.GetError();
+#define NAMED(flag) {flag, #flag}
+    static const struct { GLenum flag; const char *name; } names[] = {
+        NAMED(GL_INVALID_ENUM), NAMED(GL_INVALID_VALUE),
+        NAMED(GL_INVALID_OPERATION), NAMED(GL_INVALID_FRAMEBUFFER_OPERATION),
+        NAMED(GL_OUT_OF_MEMORY), NAMED(GL_CONTEXT_LOST),
+    };
+#undef NAMED
+    const GLenum first = gl->f.GetError();
     if (first == GL_NO_ERROR)
         return GP_OK;
+    const char *name = "an unknown GL error";
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        name = names[i].flag == first ? names[i].name : name;
     for (int i = 0; i < FLAGS && gl->f.GetError() != GL_NO_ERROR; i++)
         continue;
     return gp_fail(log, GP_ERR_GL, "%s: %s while %s; take --engine fft",
-                   gl->info.name, error_name(first), what);
+                   gl->info.name, name, what);
 }

@@ -74,6 +74,11 @@
 /* ms of a pixel of a polygon, blended; and gathered by tiles */
 #define GP_COST_GL_BLEND 4.03e-05
 #define GP_COST_GL_TILE 3.68e-06
+/* ms of a pixel of a tile's entry, and what an entry costs beside; the side of
+ * tiles follows from these, and with it the last bits of a layer. Mesa 22.3's
+ * llvmpipe on two cores; `build/tests/glare pairs --time splat` */
+#define GP_COST_TILE_PIXEL 1.3e-6
+#define GP_COST_TILE_ENTRY 1e-4
 /* ms of planning, for one source */
 #define GP_COST_GL_SOURCE 0.000691
 /* ms of a pixel of the frame up, cleared and back */

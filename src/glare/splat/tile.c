@@ -10,6 +10,7 @@
  */
 #include "core/memory.h"
 #include "core/minmax.h"
+#include "glare/costs.h"
 #include "glare/splat/splat_priv.h"
 
 #include <math.h>
@@ -34,11 +35,6 @@ static const size_t KEEP_BYTES = (size_t) 1 << 30; // of packed kernels
 /* A batch that is full leaves less than TILES_MAX entries free. */
 _Static_assert((GP_TILE_TEXELS - TILES_MAX) / ENTRY - TILES_MAX >=
                    GP_TILE_BATCH * ENTRIES_MAX, "a batch holds too little");
-
-/* Milliseconds on two cores of a 2.5 GHz Xeon, Mesa 22.3 llvmpipe (see
- * `build/tests/glare pairs --time splat`): a pixel of an entry, and what an entry
- * costs beside. */
-static const double PIXEL_MS = 1.3e-6, ENTRY_MS = 1e-4;
 
 /* -- pieces ---------------------------------------------------------------- */
 
@@ -157,7 +153,8 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind,
     double least = INFINITY;
     for (int s = GP_TILE_SIDES - 1; s >= 0; s--) {
         double pixels = (double) (1 << 2 * (LOW_SIDE + s));
-        double ms = entries[s] * (PIXEL_MS * pixels + ENTRY_MS);
+        double ms = entries[s] * (GP_COST_TILE_PIXEL * pixels +
+                                  GP_COST_TILE_ENTRY);
         if (ms < least && entries[s] <= ENTRIES_MAX * polygons) {
             least = ms;
             best = s;
