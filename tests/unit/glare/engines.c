@@ -1,5 +1,5 @@
 /* All engines: the table of hard cases against the reference, the laws of a
- * convolution, bounds, auto. GLAREPP_TEST_QUICK leaves out GL and large cases. */
+ * convolution, bounds, auto. GLAREPP_TEST_QUICK leaves out GL, large cases. */
 #include "unit.h"
 #include "core/parallel.h"
 #include "hard_cases.h"
@@ -71,7 +71,7 @@ static void check_row(const struct hard_case *h, struct gp_glare *kept)
             continue;
         check_cell(h, engine, &s, &stats);
         const uint64_t hash = scene_hash(&s);
-        // a context takes a tenth of a second: test_splat.c does this for GL
+        // a context takes a tenth of a second: the suite splat does this for GL
         if (strcmp(engine, "splat") == 0)
             continue;
         ran_once(engine, &s, &again, h->name);

@@ -1,7 +1,7 @@
 /* Ando's system on real frames: groups of 4x4, clusters of 8x8 and shrinking
  * to 1e-3, with the core from single sensors, stay within 1e-2 of the exact
  * layer and within their bound on every frame of the data folder that is not
- * far over 1k. The layer is the plain form of what GL draws; test_splat_group
+ * far over 1k. The layer is the plain form of what GL draws; splat_form
  * holds GL to it. The folder is $GLAREPP_DATA, or ../shared/data; without it
  * the test is skipped. */
 #include "unit.h"
@@ -114,7 +114,7 @@ static void every_frame_of_the_data_is_within_a_hundredth(void **state)
     for (int i = 0; i < files; i += step) {
         struct gp_frame f = {0};
         struct gp_sources src = {0};
-        // (what cannot be read, or has no colour, is test_data's)
+        // (what cannot be read, or has no colour, is for io's suite data)
         if (gp_read_frame(NULL, &read, file[i], &f) == GP_OK &&
             gp_frame_w(&f) <= WIDEST &&
             gp_sense(NULL, &sense, &f, &src) == GP_OK && src.n)
