@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "write_fixture.h"
 
-#include "core/parallel.h"
 #include "io/exr/exr_priv.h"
 #include "io/plane.h"
 
@@ -154,27 +153,6 @@ static void zip_filter(void **state)
     }
 }
 
-static void threads(void **state)
-{
-    static const enum gp_compression c[] = {
-        GP_COMPRESSION_ZIPS, GP_COMPRESSION_ZIP, GP_COMPRESSION_PIZ,
-    };
-    struct gp_frame f = wf_sized(97, 1300, wf_all);
-    for (int k = 0; k < 3; k++) {
-        for (int n = 1; n <= 7; n += n) {
-            gp_set_threads(n);
-            struct gp_frame b = wf_trip(&f, c[k], GP_OUT_AUTO);
-            gp_frame_free(&b);
-            if (n == 1)
-                rename(wf_path("a.exr"), wf_path("1.exr"));
-            else
-                wf_assert_same(wf_path("a.exr"), wf_path("1.exr"));
-        }
-    }
-    gp_set_threads(0);
-    gp_frame_free(&f);
-}
-
 static void automatic_type_and_compression(void **state)
 {
     static const enum gp_compression row[][2] = { // of the input, the output
@@ -274,25 +252,6 @@ static void subsampled_channels(void **state)
                          works ? GP_OK : GP_ERR_USAGE);
         gp_frame_free(&f);
     }
-}
-
-static void standard_output(void **state)
-{
-    struct gp_write_params p = GP_WRITE_DEFAULTS;
-    struct gp_frame f = wf_sized(70, 300, wf_all);
-    struct gp_frame b = wf_trip(&f, p.compression, p.type);
-    gp_frame_free(&b);
-    fflush(stdout);
-    const int keep = dup(STDOUT_FILENO);
-    assert_non_null(freopen(wf_path("b.exr"), "wb", stdout));
-    gp_status st = wf_write_hdr(&p, "-", &f);
-    fflush(stdout);
-    dup2(keep, STDOUT_FILENO);
-    close(keep);
-    assert_ok(st);
-    wf_assert_same(wf_path("a.exr"), wf_path("b.exr"));
-    assert_int_equal(wf_write_hdr(&p, "a.png", &f), GP_ERR_USAGE);
-    gp_frame_free(&f);
 }
 
 /* -- what cannot be held -------------------------------------------------------*/
@@ -469,7 +428,7 @@ static void lossy_ids(void **state)
 }
 
 SUITE_OF_EACH(exr_write, wf_start, wf_end, every_compression, one_channel,
-              noise, zip_filter, threads, automatic_type_and_compression,
-              colour_models, subsampled_channels, standard_output,
-              half_overflow_is_counted, b44_keeps_what_is_far_below_0_finite,
-              dwa_keeps_ids, lossy_channels, lossy_ids)
+              noise, zip_filter, automatic_type_and_compression, colour_models,
+              subsampled_channels, half_overflow_is_counted,
+              b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids,
+              lossy_channels, lossy_ids)
