@@ -246,6 +246,8 @@ static void not_found(void **state)
         {&ids, "ViewLayer", NULL, NULL, "has no layer ViewLayer ("},
         {&ids_part, "crypto_asset00", NULL, NULL, "is Cryptomatte"},
         {&ids_part, "crypto_asset", NULL, NULL, "is Cryptomatte"},
+        {&ids_part, "crypto_assex", NULL, NULL, "has no layer crypto_assex ("},
+        {&ids_part, "crypto_assex00", NULL, NULL, "has no layer crypto_asse"},
         {&ids_part, NULL, "0", NULL, "has no colour in part 0 ("},
         {&deep, "deep", NULL, NULL, "has no layer deep"}, // passed over
     };
