@@ -137,9 +137,10 @@ static gp_status no_memory(const struct gp_log *log, const char *what,
 }
 
 gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
-                   size_t size, void **out)
+                   size_t size, void *out)
 {
-    *out = NULL;
+    void *block = NULL;
+    memcpy(out, &block, sizeof block); // of whatever type it points to
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
         bytes > SIZE_MAX - HUGE_PAGE)
@@ -147,18 +148,18 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
                             "%s: more memory than there can be (%zu x %zu "
                             "bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
-    *out = reuse_kept(bytes);
-    if (*out)
-        return GP_OK;
-    if (posix_memalign(out, bytes < LARGE ? GP_ALIGN : HUGE_PAGE, bytes) != 0)
-        *out = NULL;
+    block = reuse_kept(bytes);
+    if (!block) {
+        const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
+        if (posix_memalign(&block, align, bytes) != 0)
+            return no_memory(log, what, bytes);
 #ifdef MADV_HUGEPAGE
-    if (*out && bytes >= LARGE)
-        madvise(*out, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
+        if (bytes >= LARGE)
+            madvise(block, bytes / HUGE_PAGE * HUGE_PAGE, MADV_HUGEPAGE);
 #endif
-    if (!*out)
-        return no_memory(log, what, bytes);
-    count_use(counted_bytes(*out), true);
+        count_use(counted_bytes(block), true);
+    }
+    memcpy(out, &block, sizeof block);
     return GP_OK;
 }
 
@@ -176,11 +177,13 @@ gp_status gp_resize(const struct gp_log *log, const char *what, size_t bytes,
 }
 
 gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
-                        size_t count, size_t size, void **out)
+                        size_t count, size_t size, void *out)
 {
-    gp_status st = gp_alloc(log, what, count, size, out);
+    void *block;
+    const gp_status st = gp_alloc(log, what, count, size, &block);
     if (!st)
-        memset(*out, 0, count * size);
+        memset(block, 0, count * size);
+    memcpy(out, &block, sizeof block);
     return st;
 }
 

@@ -10,19 +10,19 @@
  * widest vector of any CPU this runs on. */
 enum { GP_ALIGN = 64 };
 
-/* Allocates `count` * `size` zeroed bytes at GP_ALIGN into *out, which is
- * NULL on failure. A product that overflows fails like a full memory.
+/* Allocates `count` * `size` zeroed bytes at GP_ALIGN. `out` is the address of
+ * any object pointer, which is NULL on failure. A product that overflows fails like a full memory.
  * Ownership passes to the caller; free with gp_free().
  * Errors: GP_ERR_BUG, with a line that names `what` and the bytes, and no
  * file: gp_fail_bare().
  */
 GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
                                       const char *what, size_t count,
-                                      size_t size, void **out);
+                                      size_t size, void *out);
 
 /* The same without zeroing, for planes that are written whole. */
 GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
-                                 size_t count, size_t size, void **out);
+                                 size_t count, size_t size, void *out);
 
 /* Gives *block, which is NULL or from here, a new size of `bytes` >= 1; what
  * it holds stays, as far as it fits. Of a large block the system moves pages
