@@ -1,7 +1,8 @@
 /* io/read on real frames: every readable EXR of the data folder, sample for
  * sample against OpenImageIO and, where that is no witness, against OpenEXR's
  * RgbaInputFile; cli/data.t reads the damaged ones. The folder is
- * $GLAREPP_DATA, or ../shared/data; without it, or without the witnesses, tests are skipped. */
+ * $GLAREPP_DATA, or ../shared/data; without it, or without the witnesses,
+ * tests are skipped. */
 #include "unit.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"

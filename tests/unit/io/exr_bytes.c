@@ -209,7 +209,7 @@ static void files(void **state)
     assert_read_or_not(false);
     write_with(&one, 0, "\xff\x80 t", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
     assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
-    write_with(&two, 1, "name", "v2f", bytes, 8); // beside the one that is there
+    write_with(&two, 1, "name", "v2f", bytes, 8); // the second of that name
     assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (");
     write_with(&two, 1, "shot", "stringvector", "\5\0\0\0abc", 7);
     assert_read_or_not(false);
@@ -370,7 +370,8 @@ static uint64_t deep_end(uint64_t table, uint64_t samples, bool written,
     memcpy(bytes, made, size);
     free(made);
     assert_ok(index_of(bytes, sizeof bytes, &index));
-    const uint64_t chunk = index.tables + 8, sizes[3] = {table, samples, samples};
+    const uint64_t chunk = index.tables + 8;
+    const uint64_t sizes[3] = {table, samples, samples};
     if (written)
         memcpy(bytes + index.tables, &chunk, 8);
     memcpy(bytes + chunk + 4, sizes, sizeof sizes);

@@ -83,7 +83,8 @@ static void samples(void **state)
     struct gp_stored_image image;
     assert_ok(read_fixture(&f, &image));
     const struct gp_stored_channel *id = &image.channel[index_of(&image, "id")];
-    const struct gp_stored_channel *few = &image.channel[index_of(&image, "few")];
+    const struct gp_stored_channel *few =
+        &image.channel[index_of(&image, "few")];
     const struct gp_stored_channel *half =
         &image.channel[index_of(&image, "half")];
     assert_true(id->is_uint);
