@@ -97,8 +97,7 @@ static gp_status run_whole(struct trial *t)
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
 
 gp_status gp_bench_part(const struct gp_log *log, const struct gp_frame *f,
-                        const struct gp_sources *src, int parts,
-                        struct gp_frame *out)
+    const struct gp_sources *src, int parts, struct gp_frame *out)
 {
     const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
     struct gp_frame part = {.data = f->data, .display = f->display};
@@ -190,8 +189,6 @@ static gp_status time_row(struct trial *t)
     return st;
 }
 
-// -- errors ------------------------------------------------------------------
-
 /* Composes and tone maps what f->layer holds. */
 static gp_status show_layer(const struct bench *b)
 {
@@ -200,8 +197,7 @@ static gp_status show_layer(const struct bench *b)
 }
 
 static gp_status run_technique(const struct bench *b, double *ms,
-                               const struct gp_bench_technique *technique,
-                               struct gp_bench_row *row)
+    const struct gp_bench_technique *technique, struct gp_bench_row *row)
 {
     struct trial t = {
         .b = b, .params = *b->job->glare, .row = row, .ms = ms,
@@ -224,8 +220,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
             st = show_layer(b);
         if (!st && b->shown.c[0])
             st = gp_flip_ldr(b->log, gp_frame_w(b->f), gp_frame_h(b->f),
-                             &b->shown, &b->f->shown, GP_FLIP_PPD, NULL,
-                             &row->flip);
+                &b->shown, &b->f->shown, GP_FLIP_PPD, NULL, &row->flip);
     }
     // the renderer's name goes with its context
     snprintf(row->gl, sizeof row->gl, "%s", row->stats.gl ? row->stats.gl : "");
@@ -250,15 +245,12 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
-// -- the frame ---------------------------------------------------------------
-
 /* The exact layer, and its composite as it is shown. */
 static gp_status make_truth(struct bench *b)
 {
     const size_t n = gp_frame_pixels(b->f);
     gp_status st;
-    GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact,
-                    (void **) &b->exact));
+    GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact, &b->exact));
     GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
     GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
     if (strcmp(b->job->tone->curve, "none") == 0)
@@ -281,7 +273,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     gp_status st;
     double *ms = NULL;
     GP_TRY(gp_alloc(b->log, "times", (size_t) b->job->params->runs, sizeof *ms,
-                    (void **) &ms));
+                    &ms));
     GP_TRY(gp_sense(b->log, b->job->sensor, b->f, &b->src));
     out->width = gp_frame_w(b->f);
     out->height = gp_frame_h(b->f);
@@ -333,15 +325,13 @@ static gp_status check_files(const struct gp_log *log,
     if (!gp_bench_on_stdout(p->plot) &&
         (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: the plot is an SVG; give a name that ends in .svg",
-                       p->plot);
+            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
     return gp_bench_plot_check(log);
 }
 
 /* Makes the kernel that was asked for; the paper's own where none was. */
 static gp_status make_kernel(const struct gp_log *log,
-                             const struct gp_bench_job *job,
-                             struct gp_kernel *kernel, const char **name)
+    const struct gp_bench_job *job, struct gp_kernel *kernel, const char **name)
 {
     const char *const source = job->kernel->source;
     const bool own = job->params->paper && job->default_kernel;

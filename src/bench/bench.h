@@ -37,19 +37,18 @@ struct gp_bench_job {
 };
 
 /* Measures every technique on the input's one frame, or on the paper's three;
- * prints the table on stdout and writes it to the files that params names.
- * A technique's time goes from cleaned frame to layer: bright pass and glare
+ * prints the table on stdout and writes it to the files that params names. A
+ * technique's time goes from cleaned frame to layer: bright pass and glare
  * stage. With `-` as a file, only that file goes to stdout.
  *
  * Where the sun's params name a light, the table is of the ways to find how
  * much of it shows: exact, readback, and masks of 4 to 64 texels a side, disc
- * and square, summed in float, in 8 bits and by bilinear quarters; the error
- * is the difference to exact over all lights. Without a plot.
+ * and square, summed in float, in 8 bits and by bilinear quarters; the error is
+ * the difference to exact over all lights. Without a plot.
  *
  * A technique that cannot run here (no GL) is a row that says so.
  * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when
- * gnuplot, which --plot needs, is not installed or fails.
- */
+ * gnuplot, which --plot needs, is not installed or fails. */
 GP_MUST_CHECK gp_status gp_bench_run(const struct gp_log *log,
                                      const struct gp_bench_job *job);
 

@@ -35,8 +35,7 @@ extern const struct gp_paper_rate gp_paper_rates[GP_PAPER_KINDS];
  * Errors: GP_ERR_USAGE under 64 x 48 or over 16384 pixels a side; GP_ERR_BUG
  * out of memory. */
 GP_MUST_CHECK gp_status gp_paper_frame(const struct gp_log *log,
-                                       enum gp_paper_kind kind, int w, int h,
-                                       struct gp_frame *out);
+    enum gp_paper_kind kind, int w, int h, struct gp_frame *out);
 
 /* Makes a kernel image of size x size pixels with its centre at pixel
  * (size / 2, size / 2): a halo and coloured streaks, 0 on its border.
@@ -113,8 +112,7 @@ double gp_bench_median(double *v, int n);
  * as a file, only that file goes to stdout.
  * Errors: GP_ERR_IO; GP_ERR_BUG out of memory; as gp_bench_plot(). */
 GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
-                                       const struct gp_bench_params *p,
-                                       const struct gp_bench_table *t);
+    const struct gp_bench_params *p, const struct gp_bench_table *t);
 
 /* Writes `o`, whose reference it takes, as a file. Errors: as above. */
 GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,

@@ -209,8 +209,6 @@ static void paint_sky(const struct canvas *v)
     }
 }
 
-// -- frames ------------------------------------------------------------------
-
 static gp_status make_frame(const struct gp_log *log, const char *name, int w,
                             int h, struct gp_frame *out)
 {
@@ -242,9 +240,8 @@ gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
     const char *const name = gp_paper_rates[kind].name;
     if (w < W_MIN || h < H_MIN || w > SIDE_MAX || h > SIDE_MAX)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: no frame of this size (found %d x %d); give %d x "
-                       "%d to %d x %d", name, w, h, W_MIN, H_MIN, SIDE_MAX,
-                       SIDE_MAX);
+            "%s: no frame of this size (found %d x %d); give %d x "
+            "%d to %d x %d", name, w, h, W_MIN, H_MIN, SIDE_MAX, SIDE_MAX);
     gp_status st = make_frame(log, name, w, h, out);
     if (st)
         return st;
@@ -263,8 +260,6 @@ gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
     paint[kind](&v);
     return GP_OK;
 }
-
-// -- the kernel --------------------------------------------------------------
 
 struct streak {
     double x, y;      // direction, a unit vector

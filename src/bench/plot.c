@@ -111,8 +111,6 @@ static void place_label(struct panel *p, int i)
     }
 }
 
-// -- the script --------------------------------------------------------------
-
 static void write_labels(struct panel *p, double height, double bottom,
                          FILE *to)
 {
@@ -129,9 +127,8 @@ static void write_labels(struct panel *p, double height, double bottom,
                 at->row->pareto ? "" : " textcolor rgb '#666666'");
         if (fabs(y - at->y) > LINE)
             fprintf(to, "set arrow from screen %.5f,%.5f to screen %.5f,%.5f "
-                    "nohead lc rgb '#bbbbbb'\n", at->x / WIDTH,
-                    (bottom + at->y) / height, x / WIDTH,
-                    (bottom + y) / height);
+                "nohead lc rgb '#bbbbbb'\n", at->x / WIDTH,
+                (bottom + at->y) / height, x / WIDTH, (bottom + y) / height);
     }
 }
 

@@ -34,8 +34,6 @@ struct bench {
     int rows;
 };
 
-// -- rows --------------------------------------------------------------------
-
 static void add_row(struct bench *b, enum gp_sun_method method, int map,
                     enum gp_sun_pattern pattern, enum gp_sun_sum sum)
 {
@@ -154,9 +152,8 @@ static void print_table(const struct bench *b)
            gp_frame_w(&b->frame), gp_frame_h(&b->frame), b->suns.n,
            b->suns.light[0].x, b->suns.light[0].y, b->suns.light[0].radius,
            b->job->params->runs, gp_threads());
-    printf("  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method",
-           "ms", "min", "max", "first", "in flight", "visible", "mean error",
-           "worst");
+    printf("  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method", "ms",
+        "min", "max", "first", "in flight", "visible", "mean error", "worst");
     for (int i = 0; i < b->rows; i++) {
         const struct row *const r = &b->row[i];
         if (r->why[0])
@@ -218,10 +215,9 @@ static gp_status save_json(const struct bench *b, const char *path)
                             "visibility", r->visibility, "error_mean", r->mean,
                             "error_worst", r->worst));
     }
-    json_t *const all =
-        json_pack("{so si si si so}", "input", gp_json_name(b->frame.path),
-                  "lights", b->suns.n, "runs", b->job->params->runs, "threads",
-                  gp_threads(), "rows", rows);
+    json_t *const all = json_pack("{so si si si so}", "input",
+        gp_json_name(b->frame.path), "lights", b->suns.n, "runs",
+        b->job->params->runs, "threads", gp_threads(), "rows", rows);
     return gp_bench_save_json(b->log, all, path);
 }
 
@@ -232,19 +228,16 @@ gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
     struct bench b = {.log = log, .job = job};
     if (p->plot)
         return gp_fail(log, GP_ERR_USAGE,
-                       "--plot: not for the table of a sun; give --csv or "
-                       "--json");
+            "--plot: not for the table of a sun; give --csv or --json");
     GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &b.suns));
     GP_TRY(gp_read_frame(log, job->read, job->input, &b.frame));
     GP_TRY(gp_suns_place(log, job->reader, &b.frame, &b.suns));
     GP_TRY(gp_alloc_zero(log, "lights", (size_t) b.suns.n + 1, sizeof *b.exact,
-                         (void **) &b.exact));
-    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms,
-                         (void **) &b.ms));
+                         &b.exact));
+    GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     if (!b.suns.n)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: no light in it; add one, or give --sun",
-                       job->sun->lights));
+               "%s: no light in it; add one, or give --sun", job->sun->lights));
     add_rows(&b);
     for (int i = 0; i < b.rows; i++)
         GP_TRY(measure_row(&b, &b.row[i]));

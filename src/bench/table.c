@@ -63,9 +63,8 @@ void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
         snprintf(line, size, "-e %s", t->engine);
     else
         snprintf(line, size, "-e splat --group %d --group-method %s --cluster "
-                 "%d --shrink %g --primitive %s", p->group,
-                 methods[p->method], p->cluster, (double) p->shrink,
-                 primitives[p->primitive]);
+                 "%d --shrink %g --primitive %s", p->group, methods[p->method],
+                 p->cluster, (double) p->shrink, primitives[p->primitive]);
 }
 
 void gp_bench_mark_pareto(struct gp_bench_frame *f)
@@ -349,8 +348,7 @@ gp_status gp_bench_flush(const struct gp_log *log)
 }
 
 gp_status gp_bench_write(const struct gp_log *log,
-                         const struct gp_bench_params *p,
-                         const struct gp_bench_table *t)
+    const struct gp_bench_params *p, const struct gp_bench_table *t)
 {
     gp_status st = GP_OK;
     if (p->csv)

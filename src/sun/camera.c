@@ -125,10 +125,9 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         const double clip = fmax(fabs(x), fabs(y));
         if (!(fmin(spec, clip) <= reach))
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: cannot tell what worldToNDC maps to (the view "
-                           "axis falls on %.3g, %.3g: neither near 0.5, 0.5 "
-                           "nor near 0, 0); give --ndc spec or --ndc clip",
-                           path, x, y));
+                "%s: cannot tell what worldToNDC maps to (the view "
+                "axis falls on %.3g, %.3g: neither near 0.5, 0.5 "
+                "nor near 0, 0); give --ndc spec or --ndc clip", path, x, y));
         ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
     }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
@@ -143,9 +142,8 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         if (most > 1e30 || !spans(column(to_camera, 0), column(to_camera, 1),
                                   column(to_camera, 2)))
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: worldToCamera is singular (its largest entry "
-                           "is %g); write the file anew or give --camera",
-                           path, most);
+                "%s: worldToCamera is singular (its largest entry "
+                "is %g); write the file anew or give --camera", path, most);
         memcpy(c.to_camera, to_camera, sizeof c.to_camera);
     }
     *out = c;
@@ -156,8 +154,7 @@ out:
 // -- projecting --------------------------------------------------------------
 
 struct gp_projected gp_camera_project(const struct gp_camera *c,
-                                      struct gp_rect display,
-                                      const double world[3], double w)
+    struct gp_rect display, const double world[3], double w)
 {
     static const struct gp_projected behind = {.behind = true};
     const double *m = c->to_ndc;
@@ -214,8 +211,7 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
         fabs(det(column(m, 0), column(m, 1), axis)) *
         ((double) display.x1 - display.x0) * ((double) display.y1 - display.y0);
     const double rest = cos(t + a) * cos(t - a); // cos^2 t - sin^2 a
-    const double r =
-        sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
+    const double r = sqrt(fmax(area, 0.0) * cos(a)) * sin(a) / pow(rest, 0.75);
     return fmin(r, MOST_RADIUS);
 }
 
@@ -235,9 +231,8 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     bool found, has_camera, spec, clip;
     if (!json_is_object(o))
         return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d in order is no object; give {\"frame\": "
-                       "..., \"worldToNDC_rowmajor\": [...]}", p->path,
-                       p->what, p->index);
+            "%s: %s %d in order is no object; give {\"frame\": "
+            "..., \"worldToNDC_rowmajor\": [...]}", p->path, p->what, p->index);
     // messages name a frame by its number once that is known
     GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number,
                           &found));
@@ -300,8 +295,7 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: no frames (\"frames\" is empty); give each "
                        "frame's matrices", path));
-    GP_TRY(gp_alloc_zero(log, path, (size_t) f.n, sizeof *f.at,
-                         (void **) &f.at));
+    GP_TRY(gp_alloc_zero(log, path, (size_t) f.n, sizeof *f.at, &f.at));
     for (int i = 0; i < f.n; i++) {
         place.index = i + 1;
         GP_TRY(read_frame(&place, json_array_get(frames, (size_t) i),
@@ -316,8 +310,7 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
     }
     place.index = 0;
     if (json_is_object(root))
-        GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width,
-                              NULL));
+        GP_TRY(gp_json_number(&place, root, "width", 1.0, 1e9, &f.width, NULL));
     *out = f;
     f = (struct gp_camera_file) {0}; // the caller's
 out:

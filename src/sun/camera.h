@@ -48,8 +48,7 @@ struct gp_projected {
                      // pixels away; the rest is 0
 };
 struct gp_projected gp_camera_project(const struct gp_camera *c,
-                                      struct gp_rect display,
-                                      const double world[3], double w);
+    struct gp_rect display, const double world[3], double w);
 
 /* Radius in pixels, at the place where direction `dir` falls, of a disc of
  * `degrees` across: the geometric mean of the half-axes of the ellipse that its

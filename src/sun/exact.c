@@ -69,8 +69,7 @@ static double power(const struct circle *c, double px, double py)
 {
     const double m = px - c->x.whole, n = py - c->y.whole;
     const double whole = m * m + n * n - c->r.whole * c->r.whole;
-    const double mixed = m * c->x.rest + n * c->y.rest +
-                         c->r.whole * c->r.rest;
+    const double mixed = m * c->x.rest + n * c->y.rest + c->r.whole * c->r.rest;
     const double rest = c->x.rest * c->x.rest + c->y.rest * c->y.rest -
                         c->r.rest * c->r.rest;
     return whole - 2.0 * mixed + rest;
@@ -287,8 +286,7 @@ static void add_band(void *ctx, int i, int thread)
 
 /* Sums over the pixels of `rect` that the disc touches. */
 static struct sums sum_rect(const struct gp_occluders *o,
-                            const struct gp_light *l, double r,
-                            struct gp_rect rect)
+    const struct gp_light *l, double r, struct gp_rect rect)
 {
     struct bands b = {.o = o, .light = l, .radius = r};
     b.rect.x0 = within(floor(l->x - r), rect.x0, rect.x1);

@@ -134,8 +134,7 @@ static int to_pixel(double v)
 
 /* All pixels that the element may reach, in the frame or not. */
 static struct gp_rect whole_reach(const struct gp_flare_element *e,
-                                  const struct gp_light *l,
-                                  struct gp_rect display)
+    const struct gp_light *l, struct gp_rect display)
 {
     const bool none = e->shape == GP_FLARE_IMAGE &&
                       (e->image.w < 1 || e->image.h < 1);
@@ -151,19 +150,15 @@ static struct gp_rect whole_reach(const struct gp_flare_element *e,
 }
 
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-                              const struct gp_light *l, struct gp_rect frame,
-                              struct gp_rect display)
+    const struct gp_light *l, struct gp_rect frame, struct gp_rect display)
 {
     return gp_rect_meet(whole_reach(e, l, display), frame);
 }
 
-// -- images at half sizes: samples a pixel apart then miss no texel ----------
-
 /* Each texel is the mean of four; those outside are 0. The picture keeps its
  * corner, so a place u in texels is u / 2. */
 static gp_status halve(const struct gp_log *log,
-                       const struct gp_flare_image *in,
-                       struct gp_flare_image *out)
+    const struct gp_flare_image *in, struct gp_flare_image *out)
 {
     const int w = (in->w + 1) / 2, h = (in->h + 1) / 2;
     *out = (struct gp_flare_image) {.w = w, .h = h, .cx = in->cx / 2.0,
@@ -190,8 +185,7 @@ static gp_status halve(const struct gp_log *log,
 /* The level at which `size` of the longer side in pixels is not under a pixel
  * a texel, with its sums. Errors: GP_ERR_BUG memory. */
 static gp_status make_level(const struct gp_log *log,
-                            const struct gp_flare_image *image, double size,
-                            struct gp_flare_level *out)
+    const struct gp_flare_image *image, double size, struct gp_flare_level *out)
 {
     const size_t n = (size_t) image->w * (size_t) image->h;
     double longer = image->w > image->h ? image->w : image->h;
@@ -265,9 +259,8 @@ static double sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
 
 static bool is_summed(const struct pair *p, double scale)
 {
-    return p->diameter * scale <= SUMMED &&
-           gp_rect_w(p->whole) <= 4 * SUMMED &&
-           gp_rect_h(p->whole) <= 4 * SUMMED;
+    return p->diameter * scale <= SUMMED && gp_rect_w(p->whole) <= 4 * SUMMED &&
+        gp_rect_h(p->whole) <= 4 * SUMMED;
 }
 
 static double light_of(const struct pair *p, int c)
@@ -319,8 +312,7 @@ static void measure_image(const struct pair *p, struct gp_flare_quad *q,
 
 /* Adds a quad for channels [first, end), unless it is dark. */
 static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
-                     int element, int light, struct gp_rect display, int first,
-                     int end)
+    int element, int light, struct gp_rect display, int first, int end)
 {
     const double angle = p->e->rotation * pi / 180.0;
     struct gp_flare_quad q = {
@@ -361,14 +353,11 @@ static gp_status prepare_elements(
     const struct gp_log *log, const struct gp_flare *f, struct gp_rect display,
     struct gp_flare_quads *quads)
 {
-    void *block;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "flare polygons", (size_t) f->n,
-                         GP_FLARE_EDGE * sizeof(float), &block));
-    quads->edge = block;
+                         GP_FLARE_EDGE * sizeof(float), &quads->edge));
     GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
-                         sizeof *quads->level, &block));
-    quads->level = block;
+                         sizeof *quads->level, &quads->level));
     quads->elements = f->n;
     for (int k = 0; k < f->n; k++) {
         const struct gp_flare_element *const e = &f->element[k];
@@ -394,13 +383,11 @@ out:
     return st;
 }
 
-gp_status gp_flare_quads_make(
-    const struct gp_log *log, const struct gp_flare *f,
-    const struct gp_light *light, int n, bool clear, struct gp_rect frame,
-    struct gp_rect display, struct gp_flare_quads *out)
+gp_status gp_flare_quads_make(const struct gp_log *log,
+    const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
+    struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out)
 {
     size_t most = 0;
-    void *at;
     gp_status st;
     *out = (struct gp_flare_quads) {0};
     for (int l = 0; l < n; l++) {
@@ -410,8 +397,8 @@ gp_status gp_flare_quads_make(
     }
     if (most == 0)
         return GP_OK;
-    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at, &at));
-    out->at = at;
+    GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
+                    &out->at));
     GP_TRY(prepare_elements(log, f, display, out));
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++) {
@@ -443,8 +430,6 @@ void gp_flare_quads_free(struct gp_flare_quads *quads)
     gp_free(quads->level);
     *quads = (struct gp_flare_quads) {0};
 }
-
-// -- on the CPU --------------------------------------------------------------
 
 enum { ROWS = 16 }; // of a task
 
@@ -483,9 +468,8 @@ static void add_rows(void *ctx, int i, int thread)
 }
 
 gp_status gp_flare_add(const struct gp_log *log, const struct gp_flare *f,
-                       const struct gp_light *light, int n,
-                       struct gp_rect frame, struct gp_rect display,
-                       struct gp_planes *layer)
+    const struct gp_light *light, int n, struct gp_rect frame,
+    struct gp_rect display, struct gp_planes *layer)
 {
     struct gp_flare_quads quads = {0};
     gp_status st = gp_flare_quads_make(log, f, light, n, true, frame, display,
@@ -516,8 +500,7 @@ static const char *const *const keys_of[] = {
 };
 
 static gp_status read_floats(const struct gp_json_place *p, json_t *o,
-                             const char *key, bool grey, double lo, double hi,
-                             float out[3])
+    const char *key, bool grey, double lo, double hi, float out[3])
 {
     double v[3] = {(double) out[0], (double) out[1], (double) out[2]};
     const gp_status st = gp_json_numbers(p, o, key, 3, grey, lo, hi, v, NULL);
@@ -543,12 +526,12 @@ static gp_status read_image_path(const struct gp_json_place *p, json_t *o,
     const size_t folder = name[0] != '/' && slash
                               ? (size_t) (slash - p->path) + 1 : 0;
     const size_t bytes = folder + strlen(name) + 1;
-    void *path;
+    char *path;
     st = gp_alloc(p->log, "a flare image's path", bytes, 1, &path);
     if (st)
         return st;
     memcpy(path, p->path, folder);
-    memcpy((char *) path + folder, name, bytes - folder);
+    memcpy(path + folder, name, bytes - folder);
     *out = path;
     return GP_OK;
 }
@@ -569,9 +552,8 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_choice(p, o, "shape", shapes, &shape, &found));
     if (!found)
         GP_TRY(gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: no shape; add \"shape\": disc, ring, "
-                       "polygon, streak or image", p->path, p->what,
-                       p->index));
+               "%s: %s %d: no shape; add \"shape\": disc, ring, "
+               "polygon, streak or image", p->path, p->what, p->index));
     GP_TRY(gp_json_keys(p, o, keys_of[shape]));
     e->shape = (enum gp_flare_shape) shape;
     if (e->shape == GP_FLARE_STREAK)
@@ -597,14 +579,12 @@ gp_status gp_flare_read(const struct gp_log *log, const char *path,
     struct gp_json_place place = {log, path, "element", 0};
     struct gp_flare f = {0};
     json_t *root = NULL, *array = NULL;
-    void *elements = NULL;
     gp_status st;
     GP_TRY(gp_json_read(log, path, GP_JSON_SMALL, &root));
     GP_TRY(gp_json_array(&place, root, "elements", MOST_ELEMENTS, &array));
     const int n = (int) json_array_size(array);
     GP_TRY(gp_alloc_zero(log, "flare elements", n ? (size_t) n : 1,
-                         sizeof *f.element, &elements));
-    f.element = elements;
+                         sizeof *f.element, &f.element));
     while (f.n < n) {
         json_t *const o = json_array_get(array, (size_t) f.n);
         place.index = ++f.n;

@@ -75,10 +75,9 @@ void gp_flare_free(struct gp_flare *f);
 /* Adds all elements of every light to `layer` (w * h of `frame`), in plain C:
  * lights of visibility 0, or behind the camera, cost nothing. In the order of
  * lights, then elements; rows in parallel, same bytes for any threads. */
-GP_MUST_CHECK gp_status gp_flare_add(
-    const struct gp_log *log, const struct gp_flare *f,
-    const struct gp_light *light, int n, struct gp_rect frame,
-    struct gp_rect display, struct gp_planes *layer);
+GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
+    const struct gp_flare *f, const struct gp_light *light, int n,
+    struct gp_rect frame, struct gp_rect display, struct gp_planes *layer);
 
 /* The same on GL, where visibility is texel (i, 0) of `intensity` (r / g, 0
  * where g is 0) and the vertex shader fetches it: a hidden light's polygons
@@ -93,10 +92,9 @@ GP_MUST_CHECK gp_status gp_flare_draw(
     struct gp_rect frame, struct gp_rect display, struct gp_flare_gl **state);
 
 /* Waits, reads what the last draw left, and adds it to `layer`. */
-GP_MUST_CHECK gp_status gp_flare_read_layer(
-    const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_flare_gl *state, struct gp_rect frame,
-    struct gp_planes *layer);
+GP_MUST_CHECK gp_status gp_flare_read_layer(const struct gp_log *log,
+    const struct gp_gl *gl, const struct gp_flare_gl *state,
+    struct gp_rect frame, struct gp_planes *layer);
 void gp_flare_close(const struct gp_gl *gl, struct gp_flare_gl **state);
 
 #endif

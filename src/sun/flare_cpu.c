@@ -167,8 +167,7 @@ static int clamp_texel(float v, int size)
     return (int) gp_maxf(-2.0f, gp_minf(v, (float) size));
 }
 
-static void add_image(const struct run *r, const struct gp_flare_quad *q,
-                      int c)
+static void add_image(const struct run *r, const struct gp_flare_quad *q, int c)
 {
     const struct gp_flare_image *const m = q->image;
     const float cosine = q->turn[0] * q->radius[0];
@@ -213,9 +212,8 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *q,
     for (int i = 0; i < r->n; i++) {
         if (inside && i >= first && i < end) {
             struct run part = *r;
-            const float *const at = m->rgb.c[c] +
-                                    (size_t) ty * (size_t) m->w +
-                                    (size_t) (tx + i);
+            const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
+                (size_t) (tx + i);
             part.n = end - i;
             part.out += i;
             add_taps(&part, at, at + m->w, s, t);

@@ -54,19 +54,17 @@ static struct gp_rect rect_within(struct gp_rect r, struct gp_rect tile)
 // -- images ------------------------------------------------------------------
 
 static gp_status make_image(const struct gp_log *log, const struct gp_gl *gl,
-                            const struct gp_flare_image *m,
-                            struct gp_texture *out)
+    const struct gp_flare_image *m, struct gp_texture *out)
 {
     const int w = m->w + 2, h = m->h + 2;
-    void *block;
+    float *rgba;
     gp_status st =
         gp_texture_make(log, gl, "a flare image", GP_TEXEL_FLOAT, w, h, out);
     if (!st)
         st = gp_alloc_zero(log, "a flare image", (size_t) w * (size_t) h,
-                           4 * sizeof(float), &block);
+                           4 * sizeof(float), &rgba);
     if (st)
         return st;
-    float *const rgba = block;
     for (int y = 0; y < m->h; y++) {
         for (int x = 0; x < m->w; x++) {
             const size_t from = (size_t) y * (size_t) m->w + (size_t) x;
@@ -77,7 +75,7 @@ static gp_status make_image(const struct gp_log *log, const struct gp_gl *gl,
         }
     }
     gp_texture_write(gl, out, (struct gp_rect) {0, 0, w, h}, rgba);
-    gp_free(block);
+    gp_free(rgba);
     return GP_OK;
 }
 
@@ -94,13 +92,12 @@ static void free_slots(const struct gp_gl *gl, struct gp_flare_gl *s)
 static gp_status fit_images(const struct gp_log *log, const struct gp_gl *gl,
                             struct gp_flare_gl *s)
 {
-    void *block;
+    struct image_slot *slot;
     int n = 0;
     gp_status st = gp_alloc_zero(log, "flare images", (size_t) s->batches,
-                                 sizeof *s->slot, &block);
+                                 sizeof *slot, &slot);
     if (st)
         return st;
-    struct image_slot *const slot = block;
     for (int i = 0; !st && i < s->batches; i++) {
         const struct gp_flare_quad *const q = &s->quads.at[s->batch[i].quad];
         const struct gp_flare_level *const l = &s->quads.level[q->element];
@@ -204,8 +201,7 @@ static gp_status write_quads(const struct gp_log *log, const struct gp_gl *gl,
         const struct gp_rect r = rect_within(q->rect, s->reach);
         const int at = start[key_of(q)]++;
         float *const t = (float *) block +
-                         4 * ((size_t) (at % h) * (size_t) w +
-                              (size_t) (at / h * TEXELS));
+            4 * ((size_t) (at % h) * (size_t) w + (size_t) (at / h * TEXELS));
         const float rect[4] = {(float) r.x0, (float) r.y0, (float) r.x1,
                                (float) r.y1};
         memcpy(t, rect, sizeof rect);
@@ -373,8 +369,7 @@ gp_status gp_flare_draw(
 {
     gp_status st = GP_OK;
     if (!*state)
-        st = gp_alloc_zero(log, "the flare's state", 1, sizeof **state,
-                           (void **) state);
+        st = gp_alloc_zero(log, "the flare's state", 1, sizeof **state, state);
     if (st)
         return st;
     struct gp_flare_gl *const s = *state;
@@ -410,8 +405,7 @@ out:
 }
 
 gp_status gp_flare_read_layer(const struct gp_log *log, const struct gp_gl *gl,
-                              const struct gp_flare_gl *s,
-                              struct gp_rect frame, struct gp_planes *layer)
+    const struct gp_flare_gl *s, struct gp_rect frame, struct gp_planes *layer)
 {
     if (!s || s->quads.n == 0)
         return GP_OK;

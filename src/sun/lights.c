@@ -28,8 +28,6 @@ static const struct {
 };
 enum { PLACES = sizeof places / sizeof *places };
 
-// -- reading -----------------------------------------------------------------
-
 static gp_status read_light(const struct gp_json_place *p, json_t *o,
                             struct gp_light_spec *out)
 {
@@ -54,9 +52,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     const double *const at = out->at;
     if (n != 1)
         return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d needs one place (found %d); give \"pixel\", "
-                       "\"world\" or \"direction\"", p->path, p->what,
-                       p->index, n);
+            "%s: %s %d needs one place (found %d); give \"pixel\", "
+            "\"world\" or \"direction\"", p->path, p->what, p->index, n);
     if (out->place == GP_PLACE_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
         at[2] == 0.0)
         return gp_fail(p->log, GP_ERR_DATA,
@@ -99,12 +96,10 @@ gp_status gp_lights_read(const struct gp_log *log, const char *path,
         GP_TRY(gp_json_keys(&place, root, whole));
     GP_TRY(gp_json_array(&place, root, "lights", GP_LIGHTS_MAX, &array));
     const int count = (int) json_array_size(array);
-    GP_TRY(gp_alloc_zero(log, path, (size_t) count, sizeof *spec,
-                         (void **) &spec));
+    GP_TRY(gp_alloc_zero(log, path, (size_t) count, sizeof *spec, &spec));
     for (int i = 0; i < count; i++) {
         place.index = i + 1;
-        GP_TRY(read_light(&place, json_array_get(array, (size_t) i),
-                          &spec[i]));
+        GP_TRY(read_light(&place, json_array_get(array, (size_t) i), &spec[i]));
     }
     *out = spec;
     *n = count;
@@ -115,12 +110,9 @@ out:
     return st;
 }
 
-// -- placing -----------------------------------------------------------------
-
 gp_status gp_light_place_in(const struct gp_log *log, const char *path,
-                            const struct gp_light_spec *spec,
-                            const struct gp_camera *c, enum gp_depth_type type,
-                            struct gp_rect display, struct gp_light *out)
+    const struct gp_light_spec *spec, const struct gp_camera *c,
+    enum gp_depth_type type, struct gp_rect display, struct gp_light *out)
 {
     struct gp_light l = GP_LIGHT_DEFAULTS;
     struct gp_projected at = {.x = spec->at[0], .y = spec->at[1]};

@@ -81,8 +81,7 @@ struct gp_light_spec {
  * Errors: GP_ERR_IO; GP_ERR_DATA. *out is owned by the caller (gp_free()),
  * written on GP_OK only; *n may be 0. Files over 1 MiB are refused. */
 GP_MUST_CHECK gp_status gp_lights_read(const struct gp_log *log,
-                                       const char *path,
-                                       struct gp_light_spec **out, int *n);
+    const char *path, struct gp_light_spec **out, int *n);
 
 /* Gives a light its place in a frame. The depth of "world" is distance along
  * the axis for z and inverse, along the ray for ray; for normalized it cannot

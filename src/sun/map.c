@@ -8,8 +8,6 @@
 
 enum { LIGHT_TEXELS = 3 }; // of a row of `lights`
 
-// -- making ------------------------------------------------------------------
-
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state)
 {
     struct gp_sun_map *const s = *state;
@@ -47,9 +45,8 @@ gp_status gp_map_use(const struct gp_log *log, const struct gp_gl *gl,
     };
     if (s->program[which].id)
         return GP_OK;
-    return gp_program_make(log, gl, files[which].defines,
-                              files[which].vert, files[which].frag,
-                              &s->program[which]);
+    return gp_program_make(log, gl, files[which].defines, files[which].vert,
+                           files[which].frag, &s->program[which]);
 }
 
 // -- each frame --------------------------------------------------------------
@@ -88,8 +85,7 @@ static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
     return st;
 }
 
-gp_status gp_map_begin(
-    const struct gp_log *log, const struct gp_gl *gl,
+gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state)
 {
@@ -106,19 +102,17 @@ gp_status gp_map_begin(
                             "drawn); report it", p->side);
     if (n > limit)
         return gp_fail_bare(log, GP_ERR_GL,
-                            "sun map: %d lights do not go into a texture (%d "
-                            "texels wide is the limit); use --sun-method exact",
-                            n, limit);
+            "sun map: %d lights do not go into a texture (%d "
+            "texels wide is the limit); use --sun-method exact", n, limit);
     if (!*state)
-        st = gp_alloc_zero(log, "sun map", 1, sizeof **state,
-                           (void **) state);
+        st = gp_alloc_zero(log, "sun map", 1, sizeof **state, state);
     if (st)
         return st;
     struct gp_sun_map *const s = *state;
     s->n = 0; // nothing is drawn until all is
     if (!s->band) // zeroed: texels between boxes are written too
         GP_TRY(gp_alloc_zero(log, "sun map's pixels", GP_SUN_BAND,
-                             4 * sizeof(float), (void **) &s->band));
+                             4 * sizeof(float), &s->band));
     for (int i = 0; i < n; i++)
         s->light[i] = gp_map_light_of(o, p->side, &light[i]);
     GP_TRY(gp_map_pack(log, o, s->light, n,
@@ -145,8 +139,7 @@ static int power_of_two(int v)
 }
 
 static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_map_params *p, int n,
-                           struct gp_sun_map *s)
+    const struct gp_map_params *p, int n, struct gp_sun_map *s)
 {
     enum { MOST = 1 << 24 }; // texels, 256 MiB
     const int columns = (int) ceil(sqrt((double) n)); // about square
@@ -155,11 +148,10 @@ static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
     const int limit = gp_gl_info(gl)->max_size;
     if (w > limit || h > limit || (long long) w * h > MOST)
         return gp_fail_bare(log, GP_ERR_GL,
-                            "sun map: %d maps of %dx%d texels do not go into "
-                            "one texture (%d texels wide and high, and %d in "
-                            "all, is the limit); use a smaller --sun-map or "
-                            "--sun-method exact", n, p->side, p->side, limit,
-                            MOST);
+            "sun map: %d maps of %dx%d texels do not go into "
+            "one texture (%d texels wide and high, and %d in "
+            "all, is the limit); use a smaller --sun-map or "
+            "--sun-method exact", n, p->side, p->side, limit, MOST);
     s->map = p->side;
     s->columns = columns;
     if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
@@ -175,9 +167,8 @@ static int rows_of(const struct gp_sun_map *s, int n)
 }
 
 static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
-                           const struct gp_occluders *o,
-                           const struct gp_map_params *p, int n,
-                           struct gp_sun_map *s)
+    const struct gp_occluders *o, const struct gp_map_params *p, int n,
+    struct gp_sun_map *s)
 {
     const struct gp_texture *const to = &s->atlas.colour;
     float outside[2];
@@ -201,11 +192,8 @@ static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
     return st ? st : gp_draw_run(log, gl, &draw);
 }
 
-// -- intensity ---------------------------------------------------------------
-
 static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
-                             enum gp_sun_sum sum, struct gp_sun_map *s,
-                             const struct gp_target *to)
+    enum gp_sun_sum sum, struct gp_sun_map *s, const struct gp_target *to)
 {
     const enum gp_sun_program which = GP_SUN_POINTS + sum;
     const int count = s->map * s->map;
@@ -237,8 +225,7 @@ static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
     return st ? st : gp_draw_run(log, gl, &draw);
 }
 
-gp_status gp_sun_map_draw(
-    const struct gp_log *log, const struct gp_gl *gl,
+gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state)
 {
@@ -279,11 +266,8 @@ out:
     return st;
 }
 
-// -- results -----------------------------------------------------------------
-
 gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
-                          const struct gp_sun_map *s, struct gp_light *light,
-                          int n)
+    const struct gp_sun_map *s, struct gp_light *light, int n)
 {
     float rgba[4 * GP_LIGHTS_MAX];
     if (!s || !n || s->n != n)
@@ -301,8 +285,7 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
 }
 
 gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
-                             const struct gp_sun_map *s, bool intensity,
-                             int *w, int *h, float **out)
+    const struct gp_sun_map *s, bool intensity, int *w, int *h, float **out)
 {
     if (!s || !s->n || (!intensity && !s->map))
         return gp_fail(log, GP_ERR_USAGE,
@@ -318,10 +301,9 @@ gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
     const size_t n = (size_t) gp_rect_w(r) * (size_t) gp_rect_h(r);
     float *rgba = NULL, *grey = NULL;
     gp_status st;
-    GP_TRY(gp_alloc(log, "picture of the sun map", n, 4 * sizeof(float),
-                    (void **) &rgba));
-    GP_TRY(gp_alloc(log, "picture of the sun map", n, sizeof(float),
-                    (void **) &grey));
+    GP_TRY(gp_alloc(log, "picture of the sun map", n, 4 * sizeof *rgba,
+                    &rgba));
+    GP_TRY(gp_alloc(log, "picture of the sun map", n, sizeof(float), &grey));
     gp_target_read(gl, from, 0, r, rgba);
     GP_TRY(gp_gl_check(log, gl, "picture of the sun map"));
     *w = gp_rect_w(r);

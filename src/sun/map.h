@@ -77,7 +77,6 @@ void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 /* The plain form on the CPU of one light: its map (p->side squared texels of r
  * and g, may be NULL) and visibility, summed in double whatever p->sum. */
 double gp_sun_map_reference(const struct gp_occluders *o,
-                            const struct gp_map_params *p,
-                            const struct gp_light *light, float *map);
+    const struct gp_map_params *p, const struct gp_light *light, float *map);
 
 #endif

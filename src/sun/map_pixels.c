@@ -48,8 +48,7 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
                  : nearer > 3e38          ? 3e38f
                  : (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit,
     };
-    if (l->behind || !isfinite(l->x) || !isfinite(l->y) ||
-        !(l->radius >= 0.0))
+    if (l->behind || !isfinite(l->x) || !isfinite(l->y) || !(l->radius >= 0.0))
         return s;
     s.x = two_floats(l->x - o->frame.x0);
     s.y = two_floats(l->y - o->frame.y0);
@@ -101,8 +100,7 @@ static int pack_rows(struct gp_map_light *light, int n, int wide, int most,
 }
 
 gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
-                      struct gp_map_light *light, int n, int most,
-                      struct gp_map_pixels *out)
+    struct gp_map_light *light, int n, int most, struct gp_map_pixels *out)
 {
     enum { EXACT_IN_FLOAT = 1 << 24 };
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
@@ -224,8 +222,7 @@ static void write_row(void *ctx, int i, int thread)
 /* Writes the rows of a box that are in rows [y0, y1) of the texture, w texels
  * wide. */
 static void write_box(const struct gp_occluders *o, struct gp_rect box,
-                      int slot_x, int slot_y, int y0, int y1, int w,
-                      float *band)
+    int slot_x, int slot_y, int y0, int y1, int w, float *band)
 {
     const int down = slot_y - box.y0; // a row of the frame, plus this
     struct gp_rect part = box;
@@ -248,9 +245,8 @@ static void write_box(const struct gp_occluders *o, struct gp_rect box,
 }
 
 gp_status gp_map_write_pixels(const struct gp_log *log, const struct gp_gl *gl,
-                              const struct gp_occluders *o,
-                              const struct gp_map_pixels *pixels,
-                              struct gp_sun_map *s, int n)
+    const struct gp_occluders *o, const struct gp_map_pixels *pixels,
+    struct gp_sun_map *s, int n)
 {
     const struct gp_rect frame = {0, 0, gp_rect_w(o->frame),
                                   gp_rect_h(o->frame)};

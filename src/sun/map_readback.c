@@ -37,8 +37,7 @@ static double count_region(const struct gp_map_light *l,
         for (double y = floor(l->y - r); y <= l->y + r; y += 1.0) {
             const double half = half_width(l, p->pattern, y + 0.5 - l->y);
             if (half >= 0.0)
-                all += floor(l->x + half - 0.5) + 1.0 -
-                       ceil(l->x - half - 0.5);
+                all += floor(l->x + half - 0.5) + 1.0 - ceil(l->x - half - 0.5);
         }
     double shown = 0.0, weight = 0.0;
     float outside[2];
@@ -110,7 +109,7 @@ static gp_status measure_region(
         }
         GP_TRY(gp_draw_run(log, gl, &draw));
         GP_TRY(gp_alloc(log, "region under a light", (size_t) w * (size_t) h,
-                        4 * sizeof(float), (void **) &rgba));
+                        4 * sizeof(float), &rgba));
         gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h}, rgba);
     }
     *visibility = count_region(l, o, p, rgba);
@@ -120,9 +119,8 @@ out:
 }
 
 gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
-                          const struct gp_occluders *o,
-                          const struct gp_map_params *p, struct gp_light *light,
-                          int n, struct gp_sun_map **state)
+    const struct gp_occluders *o, const struct gp_map_params *p,
+    struct gp_light *light, int n, struct gp_sun_map **state)
 {
     float intensity[4 * GP_LIGHTS_MAX] = {0};
     gp_status st;
@@ -143,11 +141,8 @@ out:
     return st;
 }
 
-// -- the plain form ----------------------------------------------------------
-
 double gp_sun_map_reference(const struct gp_occluders *o,
-                            const struct gp_map_params *p,
-                            const struct gp_light *light, float *map)
+    const struct gp_map_params *p, const struct gp_light *light, float *map)
 {
     const struct gp_map_light l = gp_map_light_of(o, p->side, light);
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);

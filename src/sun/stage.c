@@ -36,8 +36,7 @@ static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
 /* The pictures of flare elements, which become light: no NaN, nothing under
  * 0. */
 static gp_status read_pictures(const struct gp_log *log,
-                               const struct gp_sun_reader *reader,
-                               struct gp_flare *f)
+    const struct gp_sun_reader *reader, struct gp_flare *f)
 {
     for (int k = 0; k < f->n; k++) {
         struct gp_flare_element *const e = &f->element[k];
@@ -66,12 +65,10 @@ static gp_status read_pictures(const struct gp_log *log,
 }
 
 gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
-                        enum gp_gl_api api, const struct gp_sun_reader *reader,
-                        struct gp_suns *out)
+    enum gp_gl_api api, const struct gp_sun_reader *reader, struct gp_suns *out)
 {
     struct gp_light_spec *lamps = NULL;
     int n = 0;
-    void *v;
     gp_status st = GP_OK;
     out->p = p;
     out->api = api;
@@ -81,8 +78,7 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_lights_read(log, p->lights, &lamps, &n));
     const int sun = p->at.n || p->dir.n;
     GP_TRY(gp_alloc(log, "lights", (size_t) (sun + n) + 1, sizeof *out->spec,
-                    &v));
-    out->spec = v;
+                    &out->spec));
     if (sun)
         out->spec[0] = sun_spec(p);
     if (n)
@@ -150,7 +146,6 @@ static gp_status place_lights(const struct gp_log *log,
     const struct gp_camera_frame *entry;
     struct gp_camera camera;
     bool found;
-    void *v;
     gp_status st;
     GP_TRY(find_camera(log, suns, about, f, &entry, &camera, &found));
     // the sun of --camera, where the command line names none
@@ -165,8 +160,7 @@ static gp_status place_lights(const struct gp_log *log,
                        "%s: frame %lld has no sun_dir_world; give --sun, "
                        "--sun-dir or --lights", p->camera, entry->frame));
     GP_TRY(gp_alloc(log, "lights", (size_t) (suns->specs + sun),
-                    sizeof *suns->light, &v));
-    suns->light = v;
+                    sizeof *suns->light, &suns->light));
     for (int i = -(int) sun; i < suns->specs; i++) {
         struct gp_light_spec spec = i < 0 ? sun_spec(p) : suns->spec[i];
         if (i < 0) {
@@ -192,8 +186,7 @@ out:
 /* A plane of another file that leaves out a part of the frame may be the wrong
  * file; what it does not have counts as empty. */
 static void warn_of_window(const struct gp_log *log, const char *path,
-                           const struct gp_plane *p, const struct gp_frame *f,
-                           struct gp_suns *suns)
+    const struct gp_plane *p, const struct gp_frame *f, struct gp_suns *suns)
 {
     const struct gp_rect common = gp_rect_meet(p->window, f->data);
     if (!path || !p->v || suns->warned_window ||
@@ -292,12 +285,9 @@ double gp_suns_mean(const struct gp_suns *suns)
     return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
 }
 
-// -- pictures ----------------------------------------------------------------
-
 /* Without GL: what the maps would be, or are known to be. */
 static gp_status paint_maps(const struct gp_log *log,
-                            const struct gp_suns *suns, bool intensity, int *w,
-                            int *h, float **out)
+    const struct gp_suns *suns, bool intensity, int *w, int *h, float **out)
 {
     const int side = suns->p->map.side;
     void *block = NULL, *v;
@@ -347,8 +337,6 @@ out:
     gp_free(grey);
     return st;
 }
-
-// -- the end -----------------------------------------------------------------
 
 void gp_suns_end_frame(struct gp_suns *suns)
 {

@@ -3,8 +3,7 @@
  *
  * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
  * gp_suns_join() and gp_suns_spread() with the engines, gp_suns_draw(),
- * gp_suns_end_frame(). Files are read through a gp_sun_reader.
- */
+ * gp_suns_end_frame(). Files are read through a gp_sun_reader. */
 #ifndef GP_SUN_STAGE_H
 #define GP_SUN_STAGE_H
 
@@ -144,10 +143,9 @@ bool gp_suns_add_light(const struct gp_suns *suns);
 /* The sources and the visible light of those lights that go through the
  * engines: none with the mask, whose share is not known yet, and none that
  * reaches beyond the frame. *joined says whether *out was made. */
-GP_MUST_CHECK gp_status gp_suns_join(
-    const struct gp_log *log, const struct gp_suns *suns,
-    const struct gp_frame *f, const struct gp_sources *src,
-    struct gp_sources *out, bool *joined);
+GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
+    const struct gp_suns *suns, const struct gp_frame *f,
+    const struct gp_sources *src, struct gp_sources *out, bool *joined);
 
 /* Spreads the kernel for those that do not, as far as sprites are kept, so
  * that gp_suns_draw() only draws: the engines' share of the work.
@@ -159,9 +157,8 @@ GP_MUST_CHECK gp_status gp_suns_spread(
 
 /* Adds to f->layer, which is made, what did not go through the engines: lens
  * flare, and glare of the other lights. All visibilities are known then. */
-GP_MUST_CHECK gp_status gp_suns_draw(
-    const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_kernel *kernel, struct gp_frame *f);
+GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
+    struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_frame *f);
 
 /* How the shares are found, in words, for the report: "mask, drawn on GL". */
 const char *gp_suns_way(const struct gp_suns *suns);

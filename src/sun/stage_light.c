@@ -29,12 +29,11 @@ gp_status gp_disc_pixels_make(const struct gp_log *log, double radius,
 {
     const int m = disc_reach(radius), side = 2 * m + 1;
     const double all = acos(-1.0) * radius * radius;
-    void *v;
+    float *weight;
     gp_status st = gp_alloc(log, "disc of a light",
-                            (size_t) side * (size_t) side, sizeof(float), &v);
+        (size_t) side * (size_t) side, sizeof *weight, &weight);
     if (st)
         return st;
-    float *const weight = v;
     for (int i = 0; i < side * side; i++)
         weight[i] = m == 0 ? 1.0f
                            : (float) (gp_disc_pixel_area(0.5, 0.5, radius,
@@ -141,7 +140,6 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
     gp_status st;
     struct gp_source *list = NULL;
     size_t n = 0, room = 0;
-    void *v;
     *joined = false;
     for (int i = 0; i < suns->n; i++) {
         if (is_source(suns, &suns->light[i], f->data))
@@ -149,8 +147,7 @@ gp_status gp_suns_join(const struct gp_log *log, const struct gp_suns *suns,
     }
     if (!room)
         return GP_OK;
-    GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &v));
-    list = v;
+    GP_TRY(gp_alloc(log, "lights", room, sizeof *list, &list));
     for (int i = 0; i < suns->n; i++) {
         const struct gp_light *const l = &suns->light[i];
         struct gp_disc_pixels d;
@@ -191,10 +188,9 @@ static gp_status find_sprite(const struct gp_log *log,
     struct gp_spread_kernel wide;
     if (radius > SPRITE_RADIUS)
         return gp_fail_bare(log, GP_ERR_DATA,
-                            "a light of radius %g: too large for glare of its "
-                            "own at the frame's edge (%d pixels at most); "
-                            "give it no flux, or --sun-in-frame", radius,
-                            SPRITE_RADIUS);
+            "a light of radius %g: too large for glare of its "
+            "own at the frame's edge (%d pixels at most); "
+            "give it no flux, or --sun-in-frame", radius, SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
     if (suns->sprite_kernel != k->serial)
         gp_suns_drop_sprites(suns);
@@ -227,8 +223,7 @@ static gp_status find_sprite(const struct gp_log *log,
 }
 
 gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
-                         const struct gp_kernel *kernel,
-                         const struct gp_frame *f)
+    const struct gp_kernel *kernel, const struct gp_frame *f)
 {
     gp_status st = GP_OK;
     int made = 0;
@@ -239,8 +234,7 @@ gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
         if (made++ == 0 && suns->gl) // for those of another kernel
             st = gp_gl_use(log, suns->gl);
         if (!st)
-            st = find_sprite(log, kernel, suns->light[i].radius, suns,
-                             &sprite);
+            st = find_sprite(log, kernel, suns->light[i].radius, suns, &sprite);
     }
     return st;
 }
@@ -249,34 +243,28 @@ gp_status gp_suns_spread(const struct gp_log *log, struct gp_suns *suns,
 
 /* All of a flare's elements, on the CPU or on GL. */
 static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
-                            const struct gp_flare *flare,
-                            const struct gp_light *light, struct gp_frame *f,
-                            struct gp_flare_gl **drawn)
+    const struct gp_flare *flare, const struct gp_light *light,
+    struct gp_frame *f, struct gp_flare_gl **drawn)
 {
     if (!on_gl(suns))
         return gp_flare_add(log, flare, light, suns->n, f->data, f->display,
                             &f->layer);
     gp_status st = gp_flare_draw(log, suns->gl, flare, light, suns->n,
-                                 &suns->map->intensity.colour, f->data,
-                                 f->display, drawn);
+        &suns->map->intensity.colour, f->data, f->display, drawn);
     return st ? st : gp_flare_read_layer(log, suns->gl, *drawn, f->data,
                                          &f->layer);
 }
 
 /* The glare of the sprites' lights, those of one radius at a time. */
 static gp_status draw_sprites(const struct gp_log *log, struct gp_suns *suns,
-                              const struct gp_kernel *kernel,
-                              struct gp_frame *f)
+    const struct gp_kernel *kernel, struct gp_frame *f)
 {
     const size_t n = (size_t) suns->n;
     struct gp_light *some = NULL; // those of other radii without flux
     bool *done = NULL;
-    void *v;
     gp_status st;
-    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &v));
-    some = v;
-    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &v));
-    done = v;
+    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
+    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
     for (int first = 0; first < suns->n; first++) {
         const double radius = suns->light[first].radius;
         struct gp_sun_sprite *sprite;
@@ -303,8 +291,7 @@ out:
 /* Sprite and flare together, where all lights that have flux are sprites of
  * one radius, as a lone sun is: one draw and one way back. */
 static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
-                               const struct gp_kernel *kernel,
-                               struct gp_frame *f, bool *drawn)
+    const struct gp_kernel *kernel, struct gp_frame *f, bool *drawn)
 {
     double radius = -1.0;
     struct gp_sun_sprite *sprite;
@@ -355,8 +342,7 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                               &suns->drawn));
     }
     if (on_gl(suns))
-        GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light,
-                               suns->n));
+        GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n));
 out:
     return st;
 }

@@ -148,14 +148,12 @@ GP_MUST_CHECK gp_status gp_map_begin(
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state);
 GP_MUST_CHECK gp_status gp_map_use(const struct gp_log *log,
-                                   const struct gp_gl *gl, struct gp_sun_map *s,
-                                   enum gp_sun_program which);
+    const struct gp_gl *gl, struct gp_sun_map *s, enum gp_sun_program which);
 
 /* Writes all boxes to s->pixels, which is made to fit. */
-GP_MUST_CHECK gp_status gp_map_write_pixels(
-    const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_pixels *pixels,
-    struct gp_sun_map *s, int n);
+GP_MUST_CHECK gp_status gp_map_write_pixels(const struct gp_log *log,
+    const struct gp_gl *gl, const struct gp_occluders *o,
+    const struct gp_map_pixels *pixels, struct gp_sun_map *s, int n);
 
 // -- flare: elements made ready for the lights of one frame (flare.c) --------
 
@@ -195,8 +193,7 @@ struct gp_flare_quad {
     float turn[2];        // cosine and sine of the rotation
     float radius[3];      // pixels, each channel's; image: [0] texels a pixel
     float inner[3];       // pixels: radius of the hole, distance of the sides,
-                          // half the width; image: [0], [1] the place in
-                          // texels
+                          // half the width; image: [0], [1] the place in texels
     int corner[2];        // plain: texel of pixel (rect.x0, rect.y0), whose
     float fraction[2];    // weight is 1 - fraction, and the next one's it
     float amount[3];      // light where coverage or sample is 1, when clear
@@ -219,17 +216,15 @@ enum { GP_FLARE_SIDES = 64, GP_FLARE_EDGE = 3 * GP_FLARE_SIDES };
  * visibility is over 0. Elements of f are not needed afterwards, but plain
  * images and such as are drawn at their own size or larger. Free with
  * gp_flare_quads_free(), after a failure too. Errors: GP_ERR_BUG memory. */
-GP_MUST_CHECK gp_status gp_flare_quads_make(
-    const struct gp_log *log, const struct gp_flare *f,
-    const struct gp_light *light, int n, bool clear, struct gp_rect frame,
-    struct gp_rect display, struct gp_flare_quads *out);
+GP_MUST_CHECK gp_status gp_flare_quads_make(const struct gp_log *log,
+    const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
+    struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out);
 void gp_flare_quads_free(struct gp_flare_quads *quads);
 
 /* The pixels of `frame` (data window) that element e may reach for light l;
  * empty when it reaches none. `display` gives centre and height. */
 struct gp_rect gp_flare_reach(const struct gp_flare_element *e,
-                              const struct gp_light *l, struct gp_rect frame,
-                              struct gp_rect display);
+    const struct gp_light *l, struct gp_rect frame, struct gp_rect display);
 
 /* Columns [*x0, *x1) outside of which the quad reaches nothing in rows
  * [y0, y1); cut to its rect. false: nothing at all. */

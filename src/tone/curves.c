@@ -80,8 +80,7 @@ GP_CLONES static void reinhard(float *restrict r, float *restrict g,
  * c / L_white is bounded beside it, as its product with L / L_white must be a
  * number however small L_white is. */
 GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
-                                        float *restrict b, size_t n,
-                                        float white)
+    float *restrict b, size_t n, float white)
 {
     white = gp_maxf(white, FLT_MIN);
     const float per_white = 1.0f / white;
@@ -146,8 +145,6 @@ GP_CLONES static void aces(float *restrict r, float *restrict g,
     }
 }
 
-// -- Hable -------------------------------------------------------------------
-
 /* ((x (A x + C B) + D E) / (x (A x + B) + D F)) - E / F with a shoulder A,
  * linear strength B, linear angle C, toe D, toe angle E / F; over one fraction
  * bar, where the constants cancel and black is exactly black. */
@@ -159,8 +156,7 @@ static inline float hable_curve(float x)
            (x * (a * x + b) + d * f);
 }
 
-GP_CLONES static void hable(float *r, float *g, float *b, size_t n,
-                            float white)
+GP_CLONES static void hable(float *r, float *g, float *b, size_t n, float white)
 {
     const float exposure_bias = 2.0f;
     const float per_white = 1.0f / hable_curve(11.2f);
@@ -293,8 +289,6 @@ GP_CLONES static void agx(float *restrict r, float *restrict g,
     }
 }
 
-// -- Khronos PBR Neutral -----------------------------------------------------
-
 /* Names as in the specification: F_90 = 0.04, K_s = 0.8 - F_90, K_d = 0.15.
  * The part under K_s, c - f, is x - f added to c - x: nothing cancels. */
 GP_CLONES static void neutral(float *restrict r, float *restrict g,
@@ -320,8 +314,6 @@ GP_CLONES static void neutral(float *restrict r, float *restrict g,
     }
 }
 
-// -- linear and none ---------------------------------------------------------
-
 GP_CLONES static void linear(float *r, float *g, float *b, size_t n,
                              float white)
 {
@@ -333,8 +325,6 @@ GP_CLONES static void linear(float *r, float *g, float *b, size_t n,
             v[i] = gp_minf(positive(v[i]), 1.0f);
     }
 }
-
-// -- the list ----------------------------------------------------------------
 
 #define CURVE(...) &(const struct gp_tone_curve) {.monotone = true, __VA_ARGS__}
 #define REINHARD                                                              \

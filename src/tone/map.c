@@ -36,8 +36,6 @@ static size_t part_start(size_t pixels, int part)
            pixels % PARTS * (size_t) part / PARTS;
 }
 
-// -- primaries ---------------------------------------------------------------
-
 static void multiply(const double a[9], const double b[9], double out[9])
 {
     for (int i = 0; i < 9; i++) {
@@ -58,9 +56,8 @@ static bool to_bt709(const float chromaticities[8], double out[9])
     };
     double from[9], to[9], cone_from[9], cone_to[9], back[9];
     if (memcmp(chromaticities, gp_rec709_chromaticities,
-               sizeof gp_rec709_chromaticities) == 0 ||
-        !gp_rgb_to_xyz(chromaticities, from) ||
-        !gp_rgb_to_xyz(gp_rec709_chromaticities, to))
+        sizeof gp_rec709_chromaticities) == 0 || !gp_rgb_to_xyz(chromaticities,
+        from) || !gp_rgb_to_xyz(gp_rec709_chromaticities, to))
         return false;
     // rows of the RGB to cone matrices; white's responses are their sums
     multiply(bradford, from, cone_from);
@@ -93,8 +90,6 @@ static bool to_bt709(const float chromaticities[8], double out[9])
     }
     return true;
 }
-
-// -- light: scaled, of BT.709 primaries --------------------------------------
 
 static inline float bounded(float x)
 {
@@ -216,8 +211,6 @@ float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
     scale = scale > 1.0 / (double) SCALE_MAX ? scale : 1.0 / (double) SCALE_MAX;
     return scale < (double) SCALE_MAX ? (float) scale : SCALE_MAX;
 }
-
-// -- the stage ---------------------------------------------------------------
 
 static void map_block(void *ctx, int block, int thread)
 {

@@ -96,8 +96,7 @@ static gp_status run_pass(const struct gp_log *log, struct pass *p)
     gp_status st = gp_parallel(blocks, pass_block, p, NULL);
     if (st)
         return gp_fail_bare(log, st,
-                            "OCIO: OpenColorIO failed on the pixels; free "
-                            "some memory");
+            "OCIO: OpenColorIO failed on the pixels; free some memory");
     return GP_OK;
 }
 

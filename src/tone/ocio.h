@@ -22,8 +22,7 @@ struct gp_ocio;
  * memory.
  */
 GP_MUST_CHECK gp_status gp_ocio_open(const struct gp_log *log,
-                                     const struct gp_ocio_params *p,
-                                     struct gp_ocio **out);
+    const struct gp_ocio_params *p, struct gp_ocio **out);
 void gp_ocio_close(struct gp_ocio **ocio);
 
 /* The names that it works with; lives as long as `ocio`. */

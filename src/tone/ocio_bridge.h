@@ -1,8 +1,7 @@
 /* The OpenColorIO bridge: what crosses from C to C++ and back.
  *
  * The bridge is a shared object of its own (glarepp-ocio.so), opened at first
- * need as core/bridge.h says. No C++ type crosses this header.
- */
+ * need as core/bridge.h says. No C++ type crosses this header. */
 #ifndef GP_TONE_OCIO_BRIDGE_H
 #define GP_TONE_OCIO_BRIDGE_H
 
@@ -66,8 +65,7 @@ struct gp_ocio_api {
 
     /* n pixels in place, float32, plane by plane. 0, or -1 when OpenColorIO
      * fails (out of memory). */
-    int (*apply)(const void *processor, float *r, float *g, float *b,
-                 size_t n);
+    int (*apply)(const void *processor, float *r, float *g, float *b, size_t n);
 };
 enum { GP_OCIO_API_VERSION = 2 };
 

@@ -2,8 +2,7 @@
  *
  * In: f->lit, in the frame's own primaries. Out: f->shown, display-linear
  * BT.709, in [0,1] for every operator but `none`. The transfer curve of the
- * display (sRGB) is applied where values become integers, in io.
- */
+ * display (sRGB) is applied where values become integers, in io. */
 #ifndef GP_TONE_TONE_H
 #define GP_TONE_TONE_H
 
@@ -51,8 +50,7 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
  * Errors: GP_ERR_USAGE unknown curve (lists them); GP_ERR_BUG no memory.
  */
 GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
-                                    const struct gp_tone_params *p,
-                                    struct gp_frame *f, float *scale);
+    const struct gp_tone_params *p, struct gp_frame *f, float *scale);
 
 /* The factor that exposure and auto-exposure of f->lit make, within 2^-60 and
  * 2^60. Same value for any thread count. */

@@ -5,8 +5,6 @@
 
 #include <unistd.h>
 
-// -- the front -----------------------------------------------------------------------
-
 static void the_front_is_what_nothing_beats(void **state)
 {
     static const struct {
@@ -38,8 +36,7 @@ static void options_ask_for_the_technique(void **state)
     static const struct {
         const char *name, *options;
     } rows[] = {
-        {"direct", "-e direct"},
-        {"fft", "-e fft"},
+        {"direct", "-e direct"}, {"fft", "-e fft"},
         {"splat group 8", "-e splat --group 8 --group-method core --cluster 0 "
                           "--shrink 0 --primitive auto"},
         {"splat 4/8/1e-3 moments", "-e splat --group 4 --group-method moments "
@@ -60,8 +57,6 @@ static void options_ask_for_the_technique(void **state)
         assert_string_equal(line, rows[i].options);
     }
 }
-
-// -- parts -----------------------------------------------------------------------------
 
 static struct gp_frame grey(int w, int h, float light)
 {
@@ -132,8 +127,6 @@ static void no_light_has_a_part_without_any(void **state)
     gp_sources_free(&none);
     gp_frame_free(&f);
 }
-
-// -- gnuplot ------------------------------------------------------------------------------
 
 static char heard[512];
 

@@ -96,8 +96,7 @@ static void windows_are_not_constant(void **state)
             same += a > 1.0 && a == b;
         }
     }
-    assert_true(lit > 15000 && pairs > lit * 9 / 10);
-    assert_true(same < pairs / 20);
+    assert_true(lit > 15000 && pairs > lit * 9 / 10 && same < pairs / 20);
     gp_frame_free(&f);
 }
 
@@ -148,8 +147,7 @@ static void sizes_out_of_range_are_refused(void **state)
         struct gp_frame f = {0};
         for (int kind = 0; kind < GP_PAPER_KINDS; kind++)
             assert_int_equal(gp_paper_frame(NULL, (enum gp_paper_kind) kind,
-                                            sizes[i][0], sizes[i][1], &f),
-                             GP_ERR_USAGE);
+                             sizes[i][0], sizes[i][1], &f), GP_ERR_USAGE);
         assert_int_equal(gp_paper_kernel(NULL, i % 2 ? 15 : 4097, &f),
                          GP_ERR_USAGE);
         assert_null(f.rgb.c[0]);
@@ -162,6 +160,5 @@ static void sizes_out_of_range_are_refused(void **state)
 }
 
 SUITE_OF(paper, NULL, NULL, bytes_are_the_same_everywhere,
-         light_is_as_it_is_named, windows_are_not_constant,
-         dim_pixels_stay_dim, the_kernel_is_coloured_and_ends_inside,
-         sizes_out_of_range_are_refused)
+         light_is_as_it_is_named, windows_are_not_constant, dim_pixels_stay_dim,
+         the_kernel_is_coloured_and_ends_inside, sizes_out_of_range_are_refused)

@@ -65,8 +65,7 @@ static void places_of_a_hand_made_camera(void **state)
         {{10, 24, 30}, 1, 960, 540, 4, 4, false},
         {{13, 24, 30}, 1, 960 + 1215, 540, 4, 5, false},
         {{10, 24, 18}, 1, 960, 540 + 4860, 4, 12.649110640673518, false},
-        {{0, -1, 0}, 0, 0, 0, 0, 0, true},
-        {{1, 0, 0}, 0, 0, 0, 0, 0, true},
+        {{0, -1, 0}, 0, 0, 0, 0, 0, true}, {{1, 0, 0}, 0, 0, 0, 0, 0, true},
         {{0, 0, 0}, 0, 0, 0, 0, 0, true},
         {{10, 20, 30}, 1, 0, 0, 0, 0, true}, // the camera itself
         {{10, 19, 30}, 1, 0, 0, 0, 0, true},
@@ -134,9 +133,8 @@ static void depth_counts_in_camera_units(void **state)
     for (int i = 0; i < 3; i++)
         to_camera[5 * i] = 0.01; // world in cm, camera in m
     to_camera[15] = 1;
-    assert_int_equal(
-        gp_camera_make(&said_log, "a.exr", to_camera, m, GP_NDC_AUTO, &c),
-        GP_OK);
+    assert_int_equal(gp_camera_make(&said_log, "a.exr", to_camera, m,
+                     GP_NDC_AUTO, &c), GP_OK);
     struct gp_projected p = gp_camera_project(&c, hd, at, 1.0);
     near_to("z", p.z, 0.04, 1e-12);
     near_to("ray", p.ray, 0.05, 1e-12);
@@ -188,21 +186,17 @@ static void matrices_that_are_none(void **state)
         double to;
         const char *say; // NULL: fine
     } row[] = {
-        {-1, 0, "no view axis"},
-        {-1, 1, "singular"},
+        {-1, 0, "no view axis"}, {-1, 1, "singular"},
         {-1, NAN, "worldToNDC is no matrix (row 0, column 0 is NaN)"},
-        {-1, DBL_MAX, "singular"},
-        {-1, DBL_TRUE_MIN, "singular"},
+        {-1, DBL_MAX, "singular"}, {-1, DBL_TRUE_MIN, "singular"},
         {14, NAN, "row 3, column 2 is NaN"},
         {7, INFINITY, "row 1, column 3 is Inf"},
         {7, 0, "no view axis"},      // orthographic
         {7, 1e-12, "no view axis"},  // but for rounding
         {7, 1e-200, "no view axis"},
         {0, 0, "singular"},          // flat
-        {0, 1e-12, "singular"},
-        {0, 1e300, "no view axis"},
-        {12, 1e40, "no view axis"},
-        {13, -DBL_MAX, "no view axis"},
+        {0, 1e-12, "singular"}, {0, 1e300, "no view axis"},
+        {12, 1e40, "no view axis"}, {13, -DBL_MAX, "no view axis"},
         {12, 1e9, NULL},             // far from the origin
     };
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -240,8 +234,6 @@ static void cameras_that_are_none(void **state)
         assert_non_null(strstr(said_line, "a.exr: worldToCamera"));
     }
 }
-
-// -- discs -------------------------------------------------------------------
 
 /* The half-axes' mean from the cone's own outline, which is an ellipse: by the
  * area that many of its points enclose. */
@@ -347,12 +339,9 @@ static void files_by_content(void **state)
         {NINE SPEC ", 'worldToNDC_blender_colvec': " NONE "}]", 1, NULL},
         {NINE UNIT ", " CLIP ", 'sun_dir_world': [0,1,0.1], "
          "'sun_radius_px': 2.5}]", 1, NULL},
-        {"{}", 0, "no \"frames\""},
-        {"[]", 0, "no frames"},
-        {"{'frames': []}", 0, "no frames"},
-        {"{'frames': 3}", 0, "no array"},
-        {"[3]", 0, "frame 1 in order"},
-        {"[{" SPEC "}]", 0, "frame 1 in order"},
+        {"{}", 0, "no \"frames\""}, {"[]", 0, "no frames"},
+        {"{'frames': []}", 0, "no frames"}, {"{'frames': 3}", 0, "no array"},
+        {"[3]", 0, "frame 1 in order"}, {"[{" SPEC "}]", 0, "frame 1 in order"},
         {"[{'frame': 1.5, " SPEC "}]", 0, "a fraction"},
         {"[{'frame': 1e17, " SPEC "}]", 0, "out of range"},
         {"[{'frame': '1', " SPEC "}]", 0, "no number"},
@@ -370,14 +359,12 @@ static void files_by_content(void **state)
         {NINE SPEC ", 'sun_dir_world': [0,0,0]}]", 0, "frame 9: \"sun_dir"},
         {NINE SPEC ", 'sun_dir_world': [0,1]}]", 0, "frame 9: \"sun_dir"},
         {NINE SPEC ", 'sun_radius_px': -1}]", 0, "frame 9: \"sun_radius"},
-        {NINE SPEC ", 'frame': 9}]", 0, "duplicate"},
-        {"", 0, "empty"},
+        {NINE SPEC ", 'frame': 9}]", 0, "duplicate"}, {"", 0, "empty"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_camera_file f = {0};
         gp_status st = gp_camera_read(&said_log, jf_write(row[i].text), &f);
-        if (st != (row[i].frames ? GP_OK : GP_ERR_DATA) ||
-            f.n != row[i].frames)
+        if (st != (row[i].frames ? GP_OK : GP_ERR_DATA) || f.n != row[i].frames)
             fail_msg("row %zu: status %d, %d frames, %s", i, st, f.n,
                      said_line);
         if (st && (!strstr(said_line, row[i].say) ||
@@ -428,9 +415,8 @@ static void frames_are_found_by_number(void **state)
     gp_camera_file_free(&f);
     assert_null(gp_camera_frame_find(&f, 0));
     // a lone camera is every frame's
-    assert_int_equal(
-        gp_camera_read(&said_log, jf_write("[{'frame': 9, " SPEC "}]"), &f),
-        GP_OK);
+    assert_int_equal(gp_camera_read(&said_log,
+                     jf_write("[{'frame': 9, " SPEC "}]"), &f), GP_OK);
     assert_non_null(gp_camera_frame_find(&f, 1234));
     gp_camera_file_free(&f);
 }

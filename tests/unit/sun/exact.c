@@ -300,8 +300,6 @@ static void fill_random(struct gp_plane *p, unsigned seed, float scale)
     }
 }
 
-// -- places of a light -------------------------------------------------------
-
 /* Lights over a frame of 20 x 10 whose left half (x under 10) is hidden: the
  * share by mode. */
 static const struct {
@@ -310,8 +308,7 @@ static const struct {
     double want[MODES]; // ignore, visible, hidden
     double bar;
 } places[] = {
-    {"clear", 15, 5, 3, {1, 1, 1}, 0},
-    {"hidden", 5, 5, 3, {0, 0, 0}, 0},
+    {"clear", 15, 5, 3, {1, 1, 1}, 0}, {"hidden", 5, 5, 3, {0, 0, 0}, 0},
     {"on the edge", 10, 5, 3, {0.5, 0.5, 0.5}, 1e-14},
     {"touches the edge", 13, 5, 3, {1, 1, 1}, 0},
     {"touches the frame", 3, 5, 3, {0, 0, 0}, 0},
@@ -402,8 +399,6 @@ static void test_no_planes(void **state)
     }
 }
 
-// -- against pixel after pixel -----------------------------------------------
-
 static double by_pixels(const struct gp_occluders *o, int outside,
                         const struct gp_light *l)
 {
@@ -473,9 +468,8 @@ static void test_vast_frame(void **state)
         plane_of((struct gp_rect) {900000000, 900000000, 900000010, 900000010});
     fill_plane(&depth, 5.0f);
     fill_plane(&mask, 1.0f);
-    const struct gp_occluders o = occluders(
-        &depth, &mask, (struct gp_rect) {-1000000000, -1000000000, 1000000000,
-                                         1000000000});
+    const struct gp_occluders o = occluders(&depth, &mask,
+        (struct gp_rect) {-1000000000, -1000000000, 1000000000, 1000000000});
     // the mask does not cover what depth finds before the light: s = 1 - m
     assert_near(visibility(&o, 0, light_at(10, 10, 3)), 1, 0, "both", 0);
     struct gp_occluders alone = o;
@@ -489,8 +483,6 @@ static void test_vast_frame(void **state)
     gp_plane_free(&depth);
     gp_plane_free(&mask);
 }
-
-// -- threads -----------------------------------------------------------------
 
 static void test_threads(void **state)
 {

@@ -14,14 +14,13 @@ static gp_status read_text(const char *text, struct gp_flare *out)
 static void reads_elements(void **state)
 {
     struct gp_flare f = {0};
-    assert_int_equal(read_text(
-        "{'elements': [{'shape': 'disc'},"
-        "{'shape': 'streak', 'color': [1, 2, 3], 'rotation': -30},"
-        "{'shape': 'polygon', 'sides': 8, 'position': 2,"
-        " 'scale': [1, 1.5, 2], 'size': 0.25, 'color': 0.5},"
-        "{'shape': 'ring', 'width': 0.5},"
-        "{'shape': 'image', 'image': 'a/b.exr'},"
-        "{'shape': 'image', 'image': '/c.exr'}]}", &f), GP_OK);
+    assert_int_equal(read_text("{'elements': [{'shape': 'disc'},"
+                     "{'shape': 'streak', 'color': [1, 2, 3], 'rotation': -30},"
+                     "{'shape': 'polygon', 'sides': 8, 'position': 2,"
+                     " 'scale': [1, 1.5, 2], 'size': 0.25, 'color': 0.5},"
+                     "{'shape': 'ring', 'width': 0.5},"
+                     "{'shape': 'image', 'image': 'a/b.exr'},"
+                     "{'shape': 'image', 'image': '/c.exr'}]}", &f), GP_OK);
     assert_int_equal(f.n, 6);
     assert_int_equal(f.element[0].shape, GP_FLARE_DISC);
     assert_true(f.element[0].size == 0.1 && f.element[0].at == 0.0);
@@ -32,8 +31,7 @@ static void reads_elements(void **state)
     assert_int_equal(f.element[2].sides, 8);
     assert_true(f.element[2].scale[1] == 1.5f);
     assert_true(f.element[2].colour[0] == 0.5f);
-    assert_true(f.element[2].colour[2] == 0.5f);
-    assert_true(f.element[3].width == 0.5);
+    assert_true(f.element[2].colour[2] == 0.5f && f.element[3].width == 0.5);
     assert_memory_equal(f.element[4].path, jf_folder, strlen(jf_folder));
     assert_string_equal(f.element[4].path + strlen(jf_folder), "/a/b.exr");
     assert_string_equal(f.element[5].path, "/c.exr");
@@ -58,8 +56,7 @@ static void refuses_elements(void **state)
         {"disc', 'size': 11", "size"}, {"disc', 'size': -1", "size"},
         {"disc', 'position': 11", "position"},
         {"disc', 'color': [1, 2]", "color"}, {"disc', 'color': 1e7", "color"},
-        {"disc', 'scale': [1, 1, 0]", "scale"},
-        {"disc', 'scale': 1", "scale"},
+        {"disc', 'scale': [1, 1, 0]", "scale"}, {"disc', 'scale': 1", "scale"},
         {"disc', 'rotation': 'x'", "rotation"},
         {"ring', 'width': 0", "width"}, {"ring', 'width': 2", "width"},
         {"polygon', 'sides': 2", "sides"}, {"polygon', 'sides': 65", "sides"},
@@ -247,8 +244,6 @@ static void reach_holds_all(void **state)
     }
 }
 
-// -- images ------------------------------------------------------------------
-
 static void plain_images_keep_total_and_centroid(void **state)
 {
     static const struct {
@@ -260,8 +255,7 @@ static void plain_images_keep_total_and_centroid(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_IMAGE,
-                                            .plain = true, .size = 9,
-                                            .rotation = 33);
+            .plain = true, .size = 9, .rotation = 33);
         e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2 + 0.5,
                              rows[i].h / 2 + 0.5, true);
         const struct gp_flare f = {&e, 1};
@@ -302,9 +296,8 @@ static void scaled_images_keep_their_totals(void **state)
         {3, 500, 0.2, 45.0, {1, 1.5f, 1}, false},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_flare_element e = ELEMENT(
-            .shape = GP_FLARE_IMAGE, .size = rows[i].size,
-            .rotation = rows[i].rotation);
+        struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_IMAGE,
+            .size = rows[i].size, .rotation = rows[i].rotation);
         memcpy(e.scale, rows[i].scale, sizeof e.scale);
         e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2.0,
                              rows[i].h / 2.0, rows[i].hot);
@@ -325,8 +318,6 @@ static void scaled_images_keep_their_totals(void **state)
         picture_free(&p);
     }
 }
-
-// -- hard cases --------------------------------------------------------------
 
 static void unseen_lights_draw_nothing(void **state)
 {
@@ -401,9 +392,7 @@ static void threads_change_nothing(void **state)
 }
 
 SUITE_OF(flare, jf_setup, jf_teardown, reads_elements, refuses_elements,
-         refuses_too_many, example_is_faint, totals_hold,
-         places_lie_on_the_axis, rotation_is_counter_clockwise,
-         small_steps_are_small, reach_holds_all,
-         plain_images_keep_total_and_centroid,
-         scaled_images_keep_their_totals, unseen_lights_draw_nothing,
-         odd_frames_hold, threads_change_nothing)
+    refuses_too_many, example_is_faint, totals_hold, places_lie_on_the_axis,
+    rotation_is_counter_clockwise, small_steps_are_small, reach_holds_all,
+    plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,
+    unseen_lights_draw_nothing, odd_frames_hold, threads_change_nothing)

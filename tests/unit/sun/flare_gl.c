@@ -14,8 +14,7 @@ static struct gp_gl *open_or_skip(void)
 }
 
 static void draw(struct gp_gl *gl, struct picture *p, const struct gp_flare *f,
-                 const struct gp_light *light, int n,
-                 struct gp_flare_gl **state)
+    const struct gp_light *light, int n, struct gp_flare_gl **state)
 {
     struct gp_texture t = {0};
     float *const rgba = calloc((size_t) n, 4 * sizeof(float));
@@ -24,9 +23,8 @@ static void draw(struct gp_gl *gl, struct picture *p, const struct gp_flare *f,
         rgba[4 * i] = (float) light[i].visibility * 0.5f;
         rgba[4 * i + 1] = 0.5f;
     }
-    assert_int_equal(
-        gp_texture_make(&said_log, gl, "test", GP_TEXEL_FLOAT, n, 1, &t),
-        GP_OK);
+    assert_int_equal(gp_texture_make(&said_log, gl, "test", GP_TEXEL_FLOAT, n,
+                     1, &t), GP_OK);
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, n, 1}, rgba);
     assert_int_equal(gp_flare_draw(&said_log, gl, f, light, n, &t, p->frame,
                                    p->display, state), GP_OK);
@@ -54,9 +52,8 @@ static void assert_same(const struct picture *a, const struct picture *b,
 }
 
 static void check_pair(struct gp_gl *gl, const struct gp_flare *f,
-                       const struct gp_light *light, int n,
-                       struct gp_rect frame, struct gp_rect display,
-                       struct gp_flare_gl **state, size_t row)
+    const struct gp_light *light, int n, struct gp_rect frame,
+    struct gp_rect display, struct gp_flare_gl **state, size_t row)
 {
     struct picture a = picture_make(frame, display);
     struct picture b = picture_make(frame, display);
@@ -140,8 +137,6 @@ static void hidden_lights_stay_shut(void **state)
     free_images(e, all.n);
     gp_gl_close(&gl);
 }
-
-// -- time --------------------------------------------------------------------
 
 /* All shapes for 1 and 64 lights, and a sprite, on the CPU and on GL. */
 static void time_all(void)

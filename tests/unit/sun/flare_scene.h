@@ -132,9 +132,8 @@ static inline struct gp_flare all_shapes(struct gp_flare_element *out)
         out[n].at = 0.2 * n - 1.0;
     }
     for (int i = 0; i < 4; i++, n++) {
-        out[n] = ELEMENT(
-            .shape = GP_FLARE_IMAGE, .plain = i == 0, .at = 0.7 * i,
-            .rotation = 20.0 * i, .size = 0.3 / (1 + i));
+        out[n] = ELEMENT(.shape = GP_FLARE_IMAGE, .plain = i == 0,
+            .at = 0.7 * i, .rotation = 20.0 * i, .size = 0.3 / (1 + i));
         out[n].image = image_make(80 + i, 40 + 9 * i, 40.0, 20.0, i > 1);
         out[n].scale[2] = i == 3 ? 1.25f : 1.0f;
     }

@@ -7,8 +7,6 @@
 
 static const struct gp_rect window = {0, 0, 400, 200};
 
-// -- reading -----------------------------------------------------------------
-
 static void lights_by_text(void **state)
 {
     static const struct {
@@ -63,12 +61,9 @@ static void files_that_are_refused(void **state)
     static const struct {
         const char *text, *say;
     } row[] = {
-        {"", "empty"},
-        {"3", "not JSON"},
-        {"{}", "no \"lights\""},
+        {"", "empty"}, {"3", "not JSON"}, {"{}", "no \"lights\""},
         {"{'lights': [], 'sun': 1}", "unknown key (found \"sun\")"},
-        {"{'lights': {}}", "no array"},
-        {"[3]", "light 1: no object (found 3)"},
+        {"{'lights': {}}", "no array"}, {"[3]", "light 1: no object (found 3)"},
         {"[{}]", "light 1 needs one place (found 0)"},
         {"[{'pixel': [1, 2]}, {'flux': 1}]", "light 2 needs one place"},
         {"[{'pixel': [1, 2], 'world': [1, 2, 3]}]", "(found 2)"},
@@ -135,8 +130,6 @@ static void counts_up_to_the_limit(void **state)
     }
 }
 
-// -- placing -----------------------------------------------------------------
-
 /* Looks along +y, z up; 200 pixels of height span 1 at distance 1. */
 static struct gp_camera camera(void)
 {
@@ -192,9 +185,8 @@ static void places_by_kind(void **state)
                               window, &l))
             fail_msg("row %zu: %s", i, said_line);
         if (!(fabs(l.x - row[i].x) < 1e-9 && fabs(l.y - row[i].y) < 1e-9 &&
-              fabs(l.radius - row[i].radius) < 1e-9 &&
-              (l.depth == row[i].depth ||
-               fabs(l.depth - row[i].depth) < 1e-12)))
+            fabs(l.radius - row[i].radius) < 1e-9 &&
+            (l.depth == row[i].depth || fabs(l.depth - row[i].depth) < 1e-12)))
             fail_msg("row %zu: %.12g, %.12g radius %.12g depth %.12g", i, l.x,
                      l.y, l.radius, l.depth);
         assert_int_equal(l.behind, row[i].behind);
@@ -235,6 +227,5 @@ static void places_that_cannot_be(void **state)
     }
 }
 
-SUITE_OF(lights, jf_setup, jf_teardown, lights_by_text,
-         files_that_are_refused, counts_up_to_the_limit, places_by_kind,
-         places_that_cannot_be)
+SUITE_OF(lights, jf_setup, jf_teardown, lights_by_text, files_that_are_refused,
+         counts_up_to_the_limit, places_by_kind, places_that_cannot_be)

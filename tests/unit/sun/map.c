@@ -47,17 +47,15 @@ static void assert_map(const struct machine *m, const struct sun_frame *f,
         if (fabs((double) (got[0] - want[2 * t])) > 1e-6 ||
             fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
             fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
-                     "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
-                     p->pattern, size, p->outside, t, (double) want[2 * t],
-                     (double) want[2 * t + 1], (double) got[0],
-                     (double) got[1]);
+                "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
+                p->pattern, size, p->outside, t, (double) want[2 * t],
+                (double) want[2 * t + 1], (double) got[0], (double) got[1]);
     }
     free(want);
 }
 
 static void assert_maps(const struct machine *m, const struct sun_frame *f,
-                        const struct gp_map_params *p,
-                        const struct gp_light *l, int n)
+    const struct gp_map_params *p, const struct gp_light *l, int n)
 {
     const int w = m->map->columns * p->side;
     const int h = (n + m->map->columns - 1) / m->map->columns * p->side;
@@ -72,17 +70,15 @@ static void assert_maps(const struct machine *m, const struct sun_frame *f,
 
 /* How far GL's sums may be from those in double. */
 static void assert_sums(const struct machine *m, const struct sun_frame *f,
-                        const struct gp_map_params *p, struct gp_light *l,
-                        int n)
+    const struct gp_map_params *p, struct gp_light *l, int n)
 {
     assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, l, n));
     for (int i = 0; i < n; i++) {
         const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
         if (!(fabs(l[i].visibility - want) <= 1e-6))
             fail_msg("%s, light %d, pattern %d, map %d, sum %d, outside %d: "
-                     "%.9g is %.9g",
-                     gp_gl_info(m->gl)->name, i, p->pattern, p->side, p->sum,
-                     p->outside, want, l[i].visibility);
+                     "%.9g is %.9g", gp_gl_info(m->gl)->name, i, p->pattern,
+                     p->side, p->sum, p->outside, want, l[i].visibility);
     }
 }
 
@@ -226,8 +222,7 @@ static void many_equal_single_ones(void **state)
         struct gp_light all[N];
         for (int i = 0; i < N; i++)
             all[i] = light_at(-45.0 + 170.0 * uniform01(),
-                              20.0 + 110.0 * uniform01(),
-                              20.0 * uniform01() * uniform01());
+                20.0 + 110.0 * uniform01(), 20.0 * uniform01() * uniform01());
         measure(m, &f.o, &p, false, all, N);
         for (int i = 0; i < N; i++) {
             struct gp_light one = all[i];
@@ -293,8 +288,6 @@ static void textures_may_be_small(void **state)
     free_frame(&f);
 }
 
-// -- readback ----------------------------------------------------------------
-
 static bool inside(const struct gp_light *l, enum gp_sun_pattern pattern,
                    int x, int y)
 {
@@ -305,8 +298,7 @@ static bool inside(const struct gp_light *l, enum gp_sun_pattern pattern,
 
 /* Pixel by pixel over a box around the light. */
 static double plain_count(const struct gp_occluders *o,
-                          const struct gp_map_params *p,
-                          const struct gp_light *l)
+    const struct gp_map_params *p, const struct gp_light *l)
 {
     double shown = 0.0, weight = 0.0;
     const bool none = l->radius < 0.5;
@@ -364,8 +356,6 @@ static void readback_is_a_plain_count(void **state)
     }
 }
 
-// -- hidden, behind, outside -------------------------------------------------
-
 static void ends_of_the_scale(void **state)
 {
     static const struct {
@@ -409,8 +399,6 @@ static void ends_of_the_scale(void **state)
     }
     gp_plane_free(&depth);
 }
-
-// -- against the exact share -------------------------------------------------
 
 /* Leaves: discs of random size that cover about half of the plane. */
 static void grow_leaves(struct gp_plane *p)
@@ -459,8 +447,6 @@ static void mask_64_is_near_exact(void **state)
     }
     gp_plane_free(&depth);
 }
-
-// -- refusals, pictures ------------------------------------------------------
 
 static void refused(struct machine *m, const struct gp_occluders *o, int map,
                     int n, gp_status want, const char *said)

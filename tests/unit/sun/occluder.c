@@ -16,8 +16,7 @@ static struct gp_plane row_of(float *v, int n)
 }
 
 static struct gp_occluders counted(const struct gp_plane *depth,
-                                   const struct gp_plane *mask,
-                                   enum gp_depth_type type)
+    const struct gp_plane *mask, enum gp_depth_type type)
 {
     struct gp_occluders o = {.depth = depth, .mask = mask, .type = type};
     o.frame = depth ? depth->window : mask ? mask->window : o.frame;
@@ -30,8 +29,6 @@ static void assert_same(double got, double want, const char *what, int i)
     if (!(got == want || fabs(got - want) <= 1e-12 * fabs(want)))
         fail_msg("%s, %d: %.17g, not %.17g", what, i, got, want);
 }
-
-// -- backgrounds -------------------------------------------------------------
 
 #define Z GP_DEPTH_Z
 #define RAY GP_DEPTH_RAY
@@ -149,8 +146,6 @@ static void test_no_depth(void **state)
                     "sum", i);
     }
 }
-
-// -- what a pixel shows ------------------------------------------------------
 
 /* Depth and mask of a pixel, a light's depth, and the share by depth alone,
  * by the mask alone, and by both. */
@@ -307,8 +302,6 @@ static void test_far_windows(void **state)
     }
 }
 
-// -- threads -----------------------------------------------------------------
-
 static void test_threads(void **state)
 {
     enum { W = 333, H = 211 };
@@ -334,5 +327,4 @@ static void test_threads(void **state)
 }
 
 SUITE_OF(occluder, NULL, NULL, test_backgrounds, test_facts, test_no_depth,
-         test_show, test_runs, test_empty_run, test_far_windows,
-         test_threads)
+         test_show, test_runs, test_empty_run, test_far_windows, test_threads)

@@ -55,16 +55,14 @@ static inline struct gp_plane plane_of(struct gp_rect window)
     struct gp_plane p = {.window = window};
     void *v;
     assert_ok(gp_alloc_zero(&said_log, "test",
-                            (size_t) gp_rect_w(window) *
-                                (size_t) gp_rect_h(window),
-                            sizeof *p.v, &v));
+              (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window),
+              sizeof *p.v, &v));
     p.v = v;
     return p;
 }
 
 static inline struct gp_occluders occluders(const struct gp_plane *depth,
-                                            const struct gp_plane *mask,
-                                            struct gp_rect frame)
+    const struct gp_plane *mask, struct gp_rect frame)
 {
     struct gp_occluders o = {.depth = depth, .mask = mask, .frame = frame};
     gp_occluders_count(&o);
@@ -170,8 +168,7 @@ static inline struct machine *machine_at(int i)
 
 /* The shares of n lights by the sun map, or by readback, into l. */
 static inline void measure(struct machine *m, const struct gp_occluders *o,
-                           const struct gp_map_params *p, bool readback,
-                           struct gp_light *l, int n)
+    const struct gp_map_params *p, bool readback, struct gp_light *l, int n)
 {
     assert_ok(readback ? gp_sun_readback(&said_log, m->gl, o, p, l, n, &m->map)
                        : gp_sun_map_draw(&said_log, m->gl, o, p, l, n,

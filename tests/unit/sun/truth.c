@@ -127,8 +127,6 @@ static void masks_follow_a_fence(void **state)
     gp_plane_free(&mask);
 }
 
-// -- the data's truth --------------------------------------------------------
-
 struct errors {
     double depth, alpha;          // worst of exact to the truth
     double truth, exact, worst;   // mask 16 to truth; mask 64 to exact: sums
@@ -153,8 +151,7 @@ static void add_frame(const char *stem, const json_t *frame, struct errors *e)
         json_number_value(json_object_get(frame, "sun_visibility_depth"));
     const double by_alpha =
         json_number_value(json_object_get(frame, "sun_visibility_alpha"));
-    struct gp_light l = light_at(
-        json_number_value(json_array_get(at, 0)),
+    struct gp_light l = light_at(json_number_value(json_array_get(at, 0)),
         json_number_value(json_array_get(at, 1)),
         json_number_value(json_object_get(frame, "sun_radius_px")));
     char name[600];
@@ -212,8 +209,7 @@ static void frames_of_the_data(void **state)
     if (!e.masks)
         return;
     print_message("mask 16 to truth, mean %.4f; mask 64 to exact, mean %.4f, "
-                  "worst %.4f\n", e.truth / e.masks, e.exact / e.masks,
-                  e.worst);
+        "worst %.4f\n", e.truth / e.masks, e.exact / e.masks, e.worst);
     assert_true(e.truth / e.masks <= 0.06);
     assert_true(e.exact / e.masks <= 0.01 && e.worst <= 0.03);
 }

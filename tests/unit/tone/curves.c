@@ -128,8 +128,7 @@ static void grey_ramps_rise(void **state)
         memcpy(v[2], v[0], sizeof v[0]);
         (*c)->map(v[0], v[1], v[2], N, 100.0f);
         for (int k = 0; k < 3; k++) {
-            assert_true(v[k][0] == 0.0f);
-            assert_true(v[k][N - 1] > 0.99f);
+            assert_true(v[k][0] == 0.0f && v[k][N - 1] > 0.99f);
             for (int i = 1; i < N; i++) {
                 // rounding: of the value, and of agx before it is near 0
                 float floor = v[k][i - 1] * (1.0f - 8 * FLT_EPSILON) - 1e-12f;
@@ -163,8 +162,7 @@ static void output_is_always_in_range(void **state)
                 for (int k = 0; k < 3; k++) {
                     if (!(v[k][i] >= 0.0f && v[k][i] <= 1.0f))
                         fail_msg("%s of %g %g %g, white %g: %g", (*c)->name,
-                                 (double) hard[i % H],
-                                 (double) hard[i / H % H],
+                                 (double) hard[i % H], (double) hard[i / H % H],
                                  (double) hard[i / H / H], (double) whites[w],
                                  (double) v[k][i]);
                 }

@@ -29,17 +29,14 @@ static const char config_text[] =
     "  - !<Look> {name: twice, process_space: lin, transform: "
     "!<MatrixTransform> {matrix: [2,0,0,0, 0,2,0,0, 0,0,2,0, 0,0,0,1]}}\n"
     "colorspaces:\n"
-    "  - !<ColorSpace> {name: lin}\n"
-    "  - !<ColorSpace>\n"
+    "  - !<ColorSpace> {name: lin}\n  - !<ColorSpace>\n"
     "    name: half\n"
     "    from_scene_reference: !<MatrixTransform> {matrix: [0.5,0,0,0, "
     "0,0.5,0,0, 0,0,0.5,0, 0,0,0,1], offset: [0.25,0.25,0.25,0]}\n"
-    "  - !<ColorSpace>\n"
-    "    name: turned\n"
+    "  - !<ColorSpace>\n    name: turned\n"
     "    from_scene_reference: !<MatrixTransform> {matrix: [0,0,1,0, "
     "1,0,0,0, 0,1,0,0, 0,0,0,1]}\n"
-    "  - !<ColorSpace>\n"
-    "    name: shot\n"
+    "  - !<ColorSpace>\n    name: shot\n"
     "    from_scene_reference: !<FileTransform> {src: $SHOT.spimtx}\n";
 
 static void put_file(const char *name, const char *text)
@@ -110,8 +107,7 @@ static void view_of_every_pixel(void **state)
             const float y = 0.5f * x * exp2f(rows[i].ev) + 0.25f;
             if (f.shown.c[k % 3][k / 3] != y)
                 fail_msg("row %zu, sample %zu: %g of %g, wanted %g", i, k,
-                         (double) f.shown.c[k % 3][k / 3], (double) x,
-                         (double) y);
+                    (double) f.shown.c[k % 3][k / 3], (double) x, (double) y);
         }
         gp_frame_free(&f);
     }
@@ -148,8 +144,7 @@ static void bad_pixels_stay_alone(void **state)
         tone.exposure = 8;
         assert_int_equal(gp_ocio_show(&wf_log, o, &tone, &f), 0);
         for (size_t k = 1; k < 25; k++)
-            assert_true(f.shown.c[0][k] ==
-                        128.0f * f.lit.c[0][k] + 0.25f);
+            assert_true(f.shown.c[0][k] == 128.0f * f.lit.c[0][k] + 0.25f);
         assert_true(isnan(bad[i]) || isfinite(f.shown.c[0][0]));
         gp_frame_free(&f);
     }
@@ -215,8 +210,6 @@ static float shown_red(const struct gp_ocio_params *p, float light)
     assert_null(o);
     return red;
 }
-
-// -- names --------------------------------------------------------------------
 
 static void what_is_chosen(void **state)
 {
@@ -290,8 +283,6 @@ static void environment_names_the_config(void **state)
         unsetenv("OCIO");
     }
 }
-
-// -- errors -------------------------------------------------------------------
 
 static void wrong_names_list_the_right_ones(void **state)
 {

@@ -336,8 +336,6 @@ static void threads_change_nothing(void **state)
     gp_set_threads(0);
 }
 
-// -- memory -------------------------------------------------------------------
-
 static struct gp_frame starved;
 static double found;
 
