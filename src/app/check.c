@@ -37,10 +37,8 @@ static const struct need {
      "--ocio env", NULL},
     {GP_NEED_NO_CONFIG, false, "--ocio takes its place; leave one of the two "
      "out", NULL},
-    {GP_NEED_PICTURE, false, "there is no picture to show; give -o FILE",
-     NULL},
-    {GP_NEED_HDR, false, "there is no frame to convert; give --hdr FILE",
-     NULL},
+    {GP_NEED_PICTURE, false, "there is no picture to show; give -o FILE", NULL},
+    {GP_NEED_HDR, false, "there is no frame to convert; give --hdr FILE", NULL},
     {GP_NEED_MASK, true, "does nothing with this --sun-method; use "
      "--sun-method mask", NULL},
     {GP_NEED_MAP, true, "does nothing with this --sun-method; use "
@@ -52,10 +50,8 @@ static const struct need {
      "; use --tonemap reinhard-extended"},
     {GP_NEED_SPLAT, true, "does nothing with --engine ",
      "; use --engine splat"},
-    {GP_NEED_AUTO, true, "does nothing with --engine ",
-     "; use --engine auto"},
-    {GP_NEED_STREAM, true, "does nothing, as no output is -; write -o -",
-     NULL},
+    {GP_NEED_AUTO, true, "does nothing with --engine ", "; use --engine auto"},
+    {GP_NEED_STREAM, true, "does nothing, as no output is -; write -o -", NULL},
     {GP_NEED_FILES, true, "does nothing, as no picture is written; leave it "
      "out", NULL},
 };
@@ -92,19 +88,15 @@ static unsigned needs_met(const struct gp_settings *s)
         unsigned bit;
         bool met;
     } list[] = {
-        {GP_NEED_OWN_FRAMES, s->inputs.n == 0},
-        {GP_NEED_NO_LIGHT, !light},
+        {GP_NEED_OWN_FRAMES, s->inputs.n == 0}, {GP_NEED_NO_LIGHT, !light},
         {GP_NEED_REPORT, s->report || s->level >= GP_LEVEL_INFO},
         {GP_NEED_RAW, !gp_option_given(s, "stdout-format") ||
                           s->write.stdout_format == GP_STDOUT_RAW},
-        {GP_NEED_LIGHT, light},
-        {GP_NEED_NO_PLACE, !sun->at.n},
+        {GP_NEED_LIGHT, light}, {GP_NEED_NO_PLACE, !sun->at.n},
         {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera},
-        {GP_NEED_FLUX, sun->color.n || sun->lights},
-        {GP_NEED_CONFIG, config},
+        {GP_NEED_FLUX, sun->color.n || sun->lights}, {GP_NEED_CONFIG, config},
         {GP_NEED_NO_CONFIG, !config},
-        {GP_NEED_PICTURE, s->outputs.n || polygons},
-        {GP_NEED_HDR, s->hdr},
+        {GP_NEED_PICTURE, s->outputs.n || polygons}, {GP_NEED_HDR, s->hdr},
         {GP_NEED_MASK, mask},
         {GP_NEED_MAP, mask || s->debug[GP_DEBUG_SUNMAP]},
         {GP_NEED_TONES, !config},
@@ -113,8 +105,7 @@ static unsigned needs_met(const struct gp_settings *s)
          config || strcmp(s->tone.curve, "reinhard-extended") == 0},
         {GP_NEED_SPLAT,
          chosen || strcmp(s->glare.engine, "splat") == 0 || polygons},
-        {GP_NEED_AUTO, chosen},
-        {GP_NEED_STREAM, stream},
+        {GP_NEED_AUTO, chosen}, {GP_NEED_STREAM, stream},
         {GP_NEED_FILES, files},
     };
     unsigned met = 0;
@@ -166,20 +157,17 @@ static gp_status check_splat(const struct gp_log *log, struct gp_settings *s)
 {
     struct gp_splat_params *const p = &s->glare.splat;
     if (!is_power_of_two(p->group))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--group: not a power of two (found %d); give 1, 2, 4, "
-                       "8, 16, 32 or 64", p->group);
+        return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
+                       "%d); give 1, 2, 4, 8, 16, 32 or 64", p->group);
     if (!gp_option_given(s, "cluster") && p->cluster <= p->group)
         p->cluster = 0;
     if (p->cluster != 0 && !is_power_of_two(p->cluster))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--cluster: not a power of two (found %d); give 0, 2, "
-                       "4, 8, 16, 32 or 64", p->cluster);
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
+                       "(found %d); give 0, 2, 4, 8, 16, 32 or 64", p->cluster);
     if (p->cluster != 0 && p->cluster <= p->group)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--cluster: no larger than --group (found %d and %d); "
-                       "give a larger one, or 0 for none", p->cluster,
-                       p->group);
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: no larger than --group "
+                       "(found %d and %d); give a larger one, or 0 for none",
+                       p->cluster, p->group);
     return GP_OK;
 }
 
@@ -188,16 +176,14 @@ static gp_status check_sun(const struct gp_log *log, const struct gp_log *warn,
 {
     const struct gp_sun_params *const p = &s->sun;
     if (p->at.n == 3 && p->at.v[2] < 0.0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--sun: a negative radius (found %g); give 0 or more",
-                       p->at.v[2]);
+        return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
+                       "%g); give 0 or more", p->at.v[2]);
     if (p->color.n == 2)
         return gp_fail(log, GP_ERR_USAGE,
                        "--sun-color: two numbers; give one or three");
     if (p->map.side % 2)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--sun-map: odd (found %d); give an even number",
-                       p->map.side);
+        return gp_fail(log, GP_ERR_USAGE, "--sun-map: odd (found %d); give "
+                       "an even number", p->map.side);
     if (p->map.sum == GP_SUM_BYTE && p->map.side > 16 &&
         p->method == GP_SUN_MASK)
         gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: a map over 16 adds up to "
@@ -214,27 +200,21 @@ static gp_status check_files(const struct gp_log *log,
         wants = wants || s->debug[i];
     if (s->command == GP_COMMAND_BENCH) {
         if (!s->bench.paper && s->inputs.n == 0)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "no input; write glarepp bench frame.exr, or "
-                           "glarepp bench --paper");
+            return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
+                           "frame.exr, or glarepp bench --paper");
         if (!s->bench.paper && s->inputs.n > 1)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: one frame at a time is measured (found %d); "
-                           "give one", s->inputs.at[1], s->inputs.n);
+            return gp_fail(log, GP_ERR_USAGE, "%s: one frame at a time is "
+                "measured (found %d); give one", s->inputs.at[1], s->inputs.n);
         return GP_OK;
     }
     if (s->inputs.n == 0)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "no input; write glarepp -o out.png frame.exr, or see "
-                       "glarepp --help");
+        return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
+                       "frame.exr, or see glarepp --help");
     if (!wants)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "nothing to make; write glarepp -o out.png %s, or see "
-                       "glarepp --help", s->inputs.at[0]);
+        return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
+                       "out.png %s, or see glarepp --help", s->inputs.at[0]);
     return GP_OK;
 }
-
-// -- all of them -------------------------------------------------------------
 
 gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
 {
@@ -242,23 +222,20 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     const struct gp_log *const warn = s->level < GP_LEVEL_WARN ? NULL : log;
     const int words = s->completion ? 0 : 1;
     if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "help: too many words (found %s); give one topic",
-                       s->inputs.at[words]);
+        return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
+                       "give one topic", s->inputs.at[words]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
     if (s->command == GP_COMMAND_COMPARE)
-        return gp_compare_check(log, s->inputs.at, s->inputs.n,
-                                &s->compare);
+        return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
     GP_TRY(check_files(log, s));
     GP_TRY(check_needs(log, s, false));
     GP_TRY(check_splat(log, s));
     GP_TRY(check_sun(log, warn, s));
     if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--gain: more light would be scattered than there is "
-                       "(found %g with --mix scatter); give 0 to 1, or --mix "
-                       "add", (double) s->compose.gain);
+        return gp_fail(log, GP_ERR_USAGE, "--gain: more light would be "
+                       "scattered than there is (found %g with --mix scatter); "
+                       "give 0 to 1, or --mix add", (double) s->compose.gain);
     GP_TRY(check_needs(warn, s, true));
     // what follows from several settings
     if (gp_option_given(s, "raw"))

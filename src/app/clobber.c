@@ -10,8 +10,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// -- files of options --------------------------------------------------------
-
 /* Plain names; where one is a pattern, its frames are the owner's to add. */
 static const struct single {
     const char *what;
@@ -268,12 +266,10 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
 #define OF(o)                                                                 \
     (o).of ? " for " : "", (o).of ? (o).of : "", (o).view ? ", view " : "",   \
     (o).view ? (o).view : ""
-        st = gp_fail(c->log, GP_ERR_USAGE,
-                     "%s: given for two outputs (%s %s%s%s%s%s and %s "
-                     "%s%s%s%s%s); %s", name, x.what, x.as, OF(x), y.what,
-                     y.as, OF(y),
-                     strcmp(name, "-") == 0 ? "only one can go to stdout"
-                                            : "give each a name of its own");
+        st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
+            "%s%s%s%s%s and %s %s%s%s%s%s); %s", name, x.what, x.as, OF(x),
+            y.what, y.as, OF(y), strcmp(name, "-") == 0 ? "only one can "
+            "go to stdout" : "give each a name of its own");
 #undef OF
         gp_free(x.name);
         gp_free(y.name);
@@ -300,10 +296,9 @@ gp_status gp_clobber_input(const struct gp_clobber *c, const char *what,
     if (!found)
         return GP_OK;
     const struct gp_clobber_owner o = owner_of(c, found);
-    gp_status st = gp_fail(c->log, GP_ERR_USAGE,
-                           "%s: %s would replace a file that is read (%s %s); "
-                           "write to another name", o.name ? o.name : "",
-                           o.what, what, path);
+    gp_status st = gp_fail(c->log, GP_ERR_USAGE, "%s: %s would replace a file "
+                           "that is read (%s %s); write to another name",
+                           o.name ? o.name : "", o.what, what, path);
     gp_free(o.name);
     return st;
 }

@@ -158,8 +158,7 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
     // signals are for the first thread
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (made < lanes - 1 &&
-           pthread_create(&id[made], NULL, lane, &s) == 0)
+    while (made < lanes - 1 && pthread_create(&id[made], NULL, lane, &s) == 0)
         made++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
     fly(&s, true);

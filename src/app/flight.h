@@ -53,8 +53,7 @@ struct gp_flight {
  * Returns the first status other than GP_OK of work->end; units after that
  * one may have run steps, and are not ended. */
 GP_MUST_CHECK gp_status gp_flight_run(const struct gp_flight_params *p,
-                                      const struct gp_flight_work *work,
-                                      struct gp_flight *f);
+    const struct gp_flight_work *work, struct gp_flight *f);
 
 /* The unit that is ended next. */
 int gp_flight_head(const struct gp_flight *f);

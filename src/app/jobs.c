@@ -32,9 +32,8 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
 {
     const int views = gp_jobs_of_frame(j);
     if (j->n > GP_FRAME_LIST_MAX - views)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: too many frames (over %d); make them in several "
-                       "runs", p->path, GP_FRAME_LIST_MAX);
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                       "them in several runs", p->path, GP_FRAME_LIST_MAX);
     for (int i = 0; i < views; i++) {
         const char *const view = j->view.n ? j->view.name[i] : NULL;
         char *const input = gp_pattern_name(p, frame, view);
@@ -56,9 +55,8 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
 /* Lists the frames of a pattern: those of --frames, or those on disk, of which
  * with views in the pattern any view is. */
 static gp_status list_frames(const struct gp_log *log,
-                             const struct gp_settings *s,
-                             const struct gp_pattern *p,
-                             const struct gp_views *view, struct gp_frames *all)
+    const struct gp_settings *s, const struct gp_pattern *p,
+    const struct gp_views *view, struct gp_frames *all)
 {
     if (s->frames)
         return gp_frames_parse(log, s->frames, all);
@@ -79,8 +77,7 @@ static gp_status list_frames(const struct gp_log *log,
 
 /* Appends the frames of one input. */
 static gp_status add_input(const struct gp_log *log,
-                           const struct gp_settings *s,
-                           const struct gp_pattern *p, struct gp_jobs *j)
+    const struct gp_settings *s, const struct gp_pattern *p, struct gp_jobs *j)
 {
     struct gp_frames f = {0};
     gp_status st = GP_OK;
@@ -109,17 +106,15 @@ static gp_status add_input(const struct gp_log *log,
 
 /* Settles which views there are, and whether they are files or parts. */
 static gp_status find_views(const struct gp_log *log,
-                            const struct gp_settings *s,
-                            const struct gp_pattern *in, struct gp_jobs *j)
+    const struct gp_settings *s, const struct gp_pattern *in, struct gp_jobs *j)
 {
     const bool in_names = in[0].views > 0;
     gp_status st = GP_OK;
     for (int i = 1; i < s->inputs.n; i++) {
         if ((in[i].views > 0) != in_names)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: no %%V or %%v (found in %s); make the two in "
-                           "separate runs", in[in_names ? i : 0].path,
-                           in[in_names ? 0 : i].path);
+            return gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
+                "%s); make the two in separate runs", in[in_names ? i : 0].path,
+                in[in_names ? 0 : i].path);
     }
     if (s->views || in_names)
         st = gp_views_parse(log, s->views ? s->views : "left,right", &j->view);
@@ -136,8 +131,7 @@ static gp_status find_views(const struct gp_log *log,
 /* Makes the jobs of all inputs. *patterns: some input has a place for a frame
  * number; a file that has the pattern's very name has none. */
 static gp_status add_inputs(const struct gp_log *log,
-                            const struct gp_settings *s, struct gp_jobs *j,
-                            bool *patterns)
+    const struct gp_settings *s, struct gp_jobs *j, bool *patterns)
 {
     gp_status st;
     void *block;
@@ -150,16 +144,14 @@ static gp_status add_inputs(const struct gp_log *log,
         if (!is_dash(path))
             st = gp_pattern_of_input(log, path, &in[i]);
         else if (s->inputs.n > 1)
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "-: stdin goes with no other input (found %d); "
-                         "give only -", s->inputs.n);
+            st = gp_fail(log, GP_ERR_USAGE, "-: stdin goes with no other input "
+                         "(found %d); give only -", s->inputs.n);
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
         else if (is_dash(s->kernel.source))
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "-: frame and kernel cannot both come from stdin; "
-                         "give one of them as a file");
+            st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot both "
+                         "come from stdin; give one of them as a file");
         *patterns = *patterns || in[i].len;
     }
     if (!st)
@@ -181,9 +173,8 @@ static gp_status read_stdin(const struct gp_log *log,
         return st;
     const int frames = j->members.n;
     if (frames > GP_FRAME_LIST_MAX / j->views)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "-: too many frames (over %d); make them in several "
-                       "runs", GP_FRAME_LIST_MAX);
+        return gp_fail(log, GP_ERR_USAGE, "-: too many frames (over %d); make "
+                       "them in several runs", GP_FRAME_LIST_MAX);
     const int n = frames * j->views;
     struct gp_job *grown = realloc(j->job, (size_t) n * sizeof *grown);
     if (!grown)
@@ -195,10 +186,9 @@ static gp_status read_stdin(const struct gp_log *log,
     if (s->frames)
         st = gp_frames_parse(log, s->frames, &f);
     if (!st && s->frames && f.n != frames)
-        st = gp_fail(log, GP_ERR_USAGE,
-                     "-: stdin has %d frame%s, --frames %s lists %d; list one "
-                     "number for each", frames, frames == 1 ? "" : "s",
-                     s->frames, f.n);
+        st = gp_fail(log, GP_ERR_USAGE, "-: stdin has %d frame%s, --frames %s "
+                     "lists %d; list one number for each", frames,
+                     frames == 1 ? "" : "s", s->frames, f.n);
     for (int i = 0; i < n && !st; i++) {
         struct gp_job *const job = &j->job[i];
         char name[32];
@@ -277,27 +267,23 @@ static gp_status check_patterns(const struct gp_log *log,
         const struct gp_pattern *const p = &j->target[t].name;
         const bool dash = is_dash(p->path);
         if (!p->len && !dash && (patterns || frames > 1))
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: one name for a sequence (found %d frame%s); "
-                           "write a pattern such as out.####.png, or -",
-                           p->path, frames, frames == 1 ? "" : "s");
+            return gp_fail(log, GP_ERR_USAGE, "%s: one name for a sequence "
+                "(found %d frame%s); write a pattern such as "
+                "out.####.png, or -", p->path, frames, frames == 1 ? "" : "s");
         for (int i = 0; i < j->n && p->len; i++) {
             if (!j->job[i].numbered)
-                return gp_fail(log, GP_ERR_USAGE,
-                               "%s: no frame number in this input (needed for "
-                               "%s); number it, or write plain names",
-                               j->job[i].input, p->path);
+                return gp_fail(log, GP_ERR_USAGE, "%s: no frame number in this "
+                               "input (needed for %s); number it, or "
+                               "write plain names", j->job[i].input, p->path);
         }
         if (p->views && !j->view.n)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: %%V and %%v are views, and there are none (no "
-                           "%%V in %s, no --views); give --views left,right",
-                           p->path, j->job[0].input);
+            return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v are views, and "
+                           "there are none (no %%V in %s, no --views); give "
+                           "--views left,right", p->path, j->job[0].input);
         if (!p->views && !j->target[t].whole && j->view.n > 1 && !dash)
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: one name for several views (found %d); write "
-                           "%%V or %%v into it, such as out.%%V.png, or -",
-                           p->path, j->view.n);
+            return gp_fail(log, GP_ERR_USAGE, "%s: one name for several views "
+                           "(found %d); write %%V or %%v into it, such as "
+                           "out.%%V.png, or -", p->path, j->view.n);
         st = gp_views_check(log, p, &j->view);
     }
     return st;
@@ -329,10 +315,9 @@ static gp_status check_numbers(const struct gp_log *log,
     for (int i = 1; i < j->n && !st; i++) {
         if (order[i]->frame == order[i - 1]->frame &&
             order[i]->view == order[i - 1]->view)
-            st = gp_fail(log, GP_ERR_USAGE,
-                         "%s: frame %d comes twice (found it in %s); make the "
-                         "two in separate runs", order[i]->input,
-                         order[i]->frame, order[i - 1]->input);
+            st = gp_fail(log, GP_ERR_USAGE, "%s: frame %d comes twice (found "
+                         "it in %s); make the two in separate runs",
+                         order[i]->input, order[i]->frame, order[i - 1]->input);
     }
     gp_free(block);
     return st;
@@ -340,8 +325,7 @@ static gp_status check_numbers(const struct gp_log *log,
 
 /* Checks all that the outputs must meet before stdin is read. */
 static gp_status check_targets(const struct gp_log *log,
-                               const struct gp_settings *s,
-                               const struct gp_jobs *j, bool patterns)
+    const struct gp_settings *s, const struct gp_jobs *j, bool patterns)
 {
     gp_status st;
     GP_TRY(check_patterns(log, j, patterns));
@@ -350,9 +334,8 @@ static gp_status check_targets(const struct gp_log *log,
     for (int i = 0; i < j->targets; i++) {
         const struct gp_output *const t = &j->target[i];
         if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
-            return gp_fail(log, GP_ERR_USAGE,
-                           "-: stdout is a terminal; pipe it on, or give a "
-                           "file");
+            return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
+                           "it on, or give a file");
         for (int k = 0; k < gp_jobs_of_frame(j); k++) { // the first frame's
             char *const name = gp_job_name(&j->job[k], t);
             st = !name ? gp_no_memory(log, t->name.path)
@@ -372,8 +355,7 @@ out:
 /* Frames that were asked for by number, and views of a frame, that do not
  * exist and are needed cost no work. */
 static gp_status check_missing(const struct gp_log *log,
-                               const struct gp_settings *s,
-                               const struct gp_jobs *j)
+    const struct gp_settings *s, const struct gp_jobs *j)
 {
     const bool eyes = j->view.n > 1 && j->views == 1; // files of each frame
     const char *first = NULL;
@@ -396,14 +378,11 @@ static gp_status check_missing(const struct gp_log *log,
     }
     if (!first)
         return GP_OK;
-    return gp_fail(log, GP_ERR_IO,
-                   "%s: no such frame (the first of %d missing, of %d in "
-                   "%s %s); render %s, or give --skip-bad-frames",
-                   first, missing, j->n / j->views,
-                   s->frames ? "--frames" : "--views",
-                   s->frames  ? s->frames
-                   : s->views ? s->views : "left,right",
-                   missing == 1 ? "it" : "them");
+    return gp_fail(log, GP_ERR_IO, "%s: no such frame (the first of %d "
+        "missing, of %d in %s %s); render %s, or give --skip-bad-frames", first,
+        missing, j->n / j->views, s->frames ? "--frames" : "--views",
+        s->frames  ? s->frames : s->views ? s->views : "left,right",
+        missing == 1 ? "it" : "them");
 }
 
 // -- names -------------------------------------------------------------------
@@ -462,9 +441,8 @@ gp_status gp_jobs_check_names(
             char *const name = gp_job_name(&j->job[i], target);
             st = !name ? gp_no_memory(log, p->path)
                  : p->views && is_dash(name)
-                     ? gp_fail(log, GP_ERR_USAGE,
-                               "%s: is - for a view, which is stdout; write "
-                               "./%s", p->path, p->path)
+                     ? gp_fail(log, GP_ERR_USAGE, "%s: is - for a view, which "
+                               "is stdout; write ./%s", p->path, p->path)
                      : gp_clobber_output(&c, name, t, i);
             free(name);
             GP_TRY(st);

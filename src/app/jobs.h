@@ -72,8 +72,7 @@ struct gp_jobs {
  *   s    borrowed by *out
  *   out  written only on GP_OK; free with gp_jobs_free()
  * Errors: GP_ERR_USAGE; GP_ERR_IO a pattern without frames, frames that are
- * missing, and as gp_write_check().
- */
+ * missing, and as gp_write_check(). */
 GP_MUST_CHECK gp_status gp_jobs_make(
     const struct gp_log *log, const struct gp_settings *s, struct gp_jobs *out);
 void gp_jobs_free(struct gp_jobs *j);
@@ -89,8 +88,7 @@ char *gp_job_name(const struct gp_job *job, const struct gp_output *target);
  * exist: nothing is left to make. A file that holds all views is made from
  * all of them: with one, those of every view of the frame must be there.
  *
- *   job  one of j->job
- */
+ *   job  one of j->job */
 bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
                  const struct gp_job *job);
 

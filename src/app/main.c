@@ -61,18 +61,15 @@ static gp_status print_text(const struct gp_log *log,
         gp_help_man(stdout);
     else {
         gp_io_versions(io, sizeof io);
-        printf("glarepp " GP_VERSION "\n"
-               "with %s, jansson %s\n"
-               "opened when needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, "
-               "EGL\n"
+        printf("glarepp " GP_VERSION "\n" "with %s, jansson %s\n" "opened when "
+               "needed: FFTW 3, OpenImageIO, OpenColorIO, OSMesa, EGL\n"
                "GPL-3.0-or-later; no warranty\n", io, jansson_version_str());
     }
     if (st)
         return st;
     if (fflush(stdout) != 0 || ferror(stdout))
-        return gp_fail(log, GP_ERR_IO,
-                       "-: cannot write to stdout (%s); check who reads it",
-                       strerror(errno));
+        return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
+                       "who reads it", strerror(errno));
     return GP_OK;
 }
 

@@ -23,8 +23,7 @@ const struct gp_settings gp_defaults = {
 static const struct gp_option_choice gp_normalizes[] = {
     {"luminance", GP_NORMALIZE_LUMINANCE, "the luminance of its sum is 1, the "
      "ratios of its channels stay"},
-    {"none", GP_NORMALIZE_NONE, "as it is in the file"},
-    {0},
+    {"none", GP_NORMALIZE_NONE, "as it is in the file"}, {0},
 };
 static const struct gp_option_choice gp_mixes[] = {
     {"add", GP_MIX_ADD, "the layer comes on top of the frame"},
@@ -76,8 +75,7 @@ static const struct gp_option_choice gp_sun_methods[] = {
 };
 static const struct gp_option_choice gp_patterns[] = {
     {"disc", GP_PATTERN_DISC, "equal-area samples of the disc"},
-    {"square", GP_PATTERN_SQUARE, "the square around it, as in the paper"},
-    {0},
+    {"square", GP_PATTERN_SQUARE, "the square around it, as in the paper"}, {0},
 };
 static const struct gp_option_choice gp_sums[] = {
     {"float", GP_SUM_FLOAT, "every texel, in float"},
@@ -90,22 +88,19 @@ static const struct gp_option_choice gp_outsides[] = {
     {"ignore", GP_OUTSIDE_IGNORE, "the share is taken over the part inside"},
     {"visible", GP_OUTSIDE_VISIBLE, "what is outside shows, glare and flare "
      "included"},
-    {"hidden", GP_OUTSIDE_HIDDEN, "what is outside is hidden"},
-    {0},
+    {"hidden", GP_OUTSIDE_HIDDEN, "what is outside is hidden"}, {0},
 };
 static const struct gp_option_choice gp_sun_draws[] = {
     {"auto", GP_DRAW_AUTO, "on GL with a GPU, on the CPU with a software "
      "context, where that takes a quarter of the time"},
     {"gl", GP_DRAW_GL, "sprites and elements fetch the share on GL; nothing is "
      "read back before the layer is done"},
-    {"cpu", GP_DRAW_CPU, "the shares are read first"},
-    {0},
+    {"cpu", GP_DRAW_CPU, "the shares are read first"}, {0},
 };
 static const struct gp_option_choice gp_ndcs[] = {
     {"auto", GP_NDC_AUTO, "told apart by where the view axis falls"},
     {"spec", GP_NDC_SPEC, "0 to 1, y down, as OpenEXR defines it"},
-    {"clip", GP_NDC_CLIP, "-1 to 1, y up, as Arnold and Gaffer write it"},
-    {0},
+    {"clip", GP_NDC_CLIP, "-1 to 1, y up, as Arnold and Gaffer write it"}, {0},
 };
 static const struct gp_option_choice gp_plans[] = {
     {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
@@ -118,16 +113,13 @@ static const struct gp_option_choice gp_types[] = {
     {"auto", GP_OUT_AUTO, "as in the input"},
     {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504; formats "
      "that have none take float"},
-    {"float", GP_OUT_FLOAT, "32 bits"},
-    {0},
+    {"float", GP_OUT_FLOAT, "32 bits"}, {0},
 };
 static const struct gp_option_choice gp_compressions[] = {
     {"auto", GP_COMPRESSION_AUTO, "as in the input when that is lossless, "
      "zip else"},
-    {"none", GP_COMPRESSION_NONE, NULL},
-    {"rle", GP_COMPRESSION_RLE, NULL},
-    {"zips", GP_COMPRESSION_ZIPS, NULL},
-    {"zip", GP_COMPRESSION_ZIP, NULL},
+    {"none", GP_COMPRESSION_NONE, NULL}, {"rle", GP_COMPRESSION_RLE, NULL},
+    {"zips", GP_COMPRESSION_ZIPS, NULL}, {"zip", GP_COMPRESSION_ZIP, NULL},
     {"piz", GP_COMPRESSION_PIZ, NULL},
     {"pxr24", GP_COMPRESSION_PXR24, "32-bit floats lose 8 bits, depth too; "
      "half keeps all"},
@@ -136,8 +128,7 @@ static const struct gp_option_choice gp_compressions[] = {
     {"b44a", GP_COMPRESSION_B44A, "the same"},
     {"dwaa", GP_COMPRESSION_DWAA, "R, G, B and Y of every layer lose, and "
      "NaN becomes 0; depth and alpha keep all"},
-    {"dwab", GP_COMPRESSION_DWAB, "the same"},
-    {0},
+    {"dwab", GP_COMPRESSION_DWAB, "the same"}, {0},
 };
 static const struct gp_option_choice gp_bits[] = {
     {"8", 8, NULL}, {"16", 16, NULL}, {0},
@@ -145,8 +136,7 @@ static const struct gp_option_choice gp_bits[] = {
 static const struct gp_option_choice gp_alphas[] = {
     {"black", GP_ALPHA_BLACK, "composite the picture over black, "
      "without alpha"},
-    {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"},
-    {0},
+    {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
     {"exr", GP_STDOUT_EXR, "OpenEXR; with --hdr the only one"},
@@ -160,13 +150,11 @@ static const struct gp_option_choice gp_raws[] = {
     {"rgb24", GP_RAW_RGB24, "8 bits, sRGB"},
     {"rgb48le", GP_RAW_RGB48LE, "16 bits, sRGB, low byte first"},
     {"rgb48be", GP_RAW_RGB48BE, "16 bits, sRGB, high byte first"},
-    {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"},
-    {0},
+    {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"}, {0},
 };
 static const struct gp_option_choice gp_progresses[] = {
     {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
-    {"always", GP_PROGRESS_ALWAYS, NULL},
-    {"never", GP_PROGRESS_NEVER, NULL},
+    {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},
     {0},
 };
 static const struct gp_option_choice gp_debugs[] = {
@@ -181,10 +169,8 @@ static const struct gp_option_choice gp_debugs[] = {
     {0},
 };
 static const struct gp_option_choice gp_shells[] = {
-    {"bash", GP_SHELL_BASH, NULL},
-    {"zsh", GP_SHELL_ZSH, NULL},
-    {"fish", GP_SHELL_FISH, NULL},
-    {0},
+    {"bash", GP_SHELL_BASH, NULL}, {"zsh", GP_SHELL_ZSH, NULL},
+    {"fish", GP_SHELL_FISH, NULL}, {0},
 };
 
 const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
@@ -301,20 +287,17 @@ const struct gp_option gp_options[] = {
         .help = "Skip frames that fail, list them at the end, exit 6"),
     OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
         .help = "Read the frame from this layer: NAME.R,G,B, a part of that "
-                "name, or right.NAME of one view; without it, the first "
-                "colour"),
+        "name, or right.NAME of one view; without it, the first colour"),
     OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Look for the colour in this part of a multi-part file, by "
                 "name or number from 0"),
     OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
-        .help = "Take the light of this layer in place of the frame's own; "
-                "may be given more than once, and --hdr gives each its glare "
-                "too"),
+        .help = "Take the light of this layer in place of the frame's own; may "
+        "be given more than once, and --hdr gives each its glare too"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
-        .hi = 1LL << 40,
-        .help = "Refuse files whose data or display window claims more "
-                "pixels; in files other than EXR each four channels count as "
-                "pixels of their own"),
+        .hi = 1LL << 40, .help = "Refuse files whose data or display window "
+        "claims more pixels; in files other than EXR each four channels count "
+        "as pixels of their own"),
 
     OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T", .hi = FLT_MAX,
@@ -379,9 +362,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),
     OPT(sun.adapt, .name = "sun-adapt", IN(SUN), .arg = "F", .hi = 1,
-        .needs = GP_NEED_LIGHT,
-        .help = "Dim the picture by F times the visible share, as the pupil "
-                "does"),
+        .needs = GP_NEED_LIGHT, .help = "Dim the picture by F times the "
+        "visible share, as the pupil does"),
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
         .help = "Read a JSON file with a camera for each frame, and the "
                 "sun's direction"),
@@ -402,40 +384,34 @@ const struct gp_option gp_options[] = {
     CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
         .choices = gp_depth_types, .help = "Meaning of the depth values"),
     OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
-        .needs = GP_NEED_LIGHT,
-        .help = "Coverage channel of what hides the lights, 0 clear to 1 "
-                "opaque, e.g. A"),
+        .needs = GP_NEED_LIGHT, .help = "Coverage channel of what hides the "
+        "lights, 0 clear to 1 opaque, e.g. A"),
     OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
         .help = "Read the coverage from this file (or pattern)"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
-        .arg = "NAME", .list = engine_name,
-        .help = "Compute the glare by this method; all give the same layer "
-                "within their error"),
+        .arg = "NAME", .list = engine_name, .help = "Compute the glare by this "
+        "method; all give the same layer within their error"),
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
-        .needs = GP_NEED_AUTO, .hi = 1,
-        .help = "Allow auto this error: the norm of the layer's error over "
-                "that of the exact layer"),
+        .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error: the "
+        "norm of the layer's error over that of the exact layer"),
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
-        .needs = GP_NEED_SPLAT, .hi = 64,
-        .help = "splat: draw NxN pixels as one polygon; a power of two, 1 "
-                "for none"),
+        .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
+        "one polygon; a power of two, 1 for none"),
     CHOICE(glare.splat.method, .name = "group-method", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "HOW", .choices = gp_methods,
         .help = "splat: how a group represents its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
-        .needs = GP_NEED_SPLAT, .hi = 64,
-        .help = "splat: draw filled areas of NxN pixels as one polygon; a "
-                "power of two over that of --group, 0 for none; without it, "
-                "none where --group is as large"),
+        .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw filled areas of "
+        "NxN pixels as one polygon; a power of two over that of --group, 0 for "
+        "none; without it, none where --group is as large"),
     OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "F", .lo = FLT_MIN, .hi = 1,
         .help = "splat: share of bright pixels from which an area is filled"),
     OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
-        .needs = GP_NEED_SPLAT, .hi = 0.99,
-        .help = "splat: leave out this share of the light where the kernel "
-                "is too dim to see; 0 for none"),
+        .needs = GP_NEED_SPLAT, .hi = 0.99, .help = "splat: leave out this "
+        "share of the light where the kernel is too dim to see; 0 for none"),
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "WHAT", .choices = gp_primitives,
         .help = "splat: draw this for a polygon"),
@@ -446,10 +422,9 @@ const struct gp_option gp_options[] = {
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
-        .hi = GP_FLIGHT_MOST,
-        .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
-                "or as many as fit into half of the memory; no output "
-                "depends on it"),
+        .hi = GP_FLIGHT_MOST, .help = "Keep N frames in flight, 1 for one "
+        "after the other, 0 for 3 or as many as fit into half of the memory; "
+        "no output depends on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .needs = GP_NEED_NO_CONFIG, .list = curve_name,
@@ -458,9 +433,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_CURVE, .hi = 32,
         .help = "Scale the light by 2 to the EV first"),
     OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
-        .needs = GP_NEED_CURVE,
-        .help = "Scale so that the frame's log-average becomes middle grey; "
-                "EV comes on top"),
+        .needs = GP_NEED_CURVE, .help = "Scale so that the frame's log-average "
+        "becomes middle grey; EV comes on top"),
     OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .needs = GP_NEED_TONES | GP_NEED_EXTENDED,
         .help = "Luminance that burns out with reinhard-extended, in scaled "
@@ -468,13 +442,11 @@ const struct gp_option gp_options[] = {
 
     OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
         .help = "Use an OpenColorIO config, whose view takes the place of "
-                "--tonemap: a file, env for $OCIO, or ocio://NAME of a "
-                "library that has built-in ones; a config is trusted as "
-                "a program is"),
+        "--tonemap: a file, env for $OCIO, or ocio://NAME of a library that "
+        "has built-in ones; a config is trusted as a program is"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
-        .needs = GP_NEED_CONFIG,
-        .help = "Colour space or role of the config that the frame is in; "
-                "without it, scene_linear"),
+        .needs = GP_NEED_CONFIG, .help = "Colour space or role of the config "
+        "that the frame is in; without it, scene_linear"),
     OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Display of the config; without it, its default"),
@@ -488,9 +460,8 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_CONFIG | GP_NEED_HDR,
         .help = "Convert --hdr to this colour space of the config"),
     OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
-        .needs = GP_NEED_CONFIG,
-        .help = "Set a context variable of the config; may be given more "
-                "than once"),
+        .needs = GP_NEED_CONFIG, .help = "Set a context variable of the "
+        "config; may be given more than once"),
 
     CHOICE(write.type, .name = "type", IN(FILE), .arg = "TYPE",
         .choices = gp_types,
@@ -505,9 +476,8 @@ const struct gp_option gp_options[] = {
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
         .choices = gp_alphas, .help = "Write alpha of -o pictures this way"),
     OPT(write.no_clobber, .name = "no-clobber", IN(FILE),
-        .needs = GP_NEED_FILES,
-        .help = "Skip frames whose outputs already exist, to resume a run; "
-                "print how many at the end"),
+        .needs = GP_NEED_FILES, .help = "Skip frames whose outputs already "
+        "exist, to resume a run; print how many at the end"),
     CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
         .needs = GP_NEED_STREAM, .arg = "FORMAT", .choices = gp_stdout_formats,
         .help = "Write this format where - is an output"),
@@ -551,9 +521,8 @@ const struct gp_option gp_options[] = {
     OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = FLT_MAX,
         .help = "Error over which a value is a warning"),
     OPT(compare.fail_relative, .name = "failrelative", COMPARE, .arg = "F",
-        .hi = FLT_MAX,
-        .help = "Share of the mean of both magnitudes that an error must be "
-                "over as well to fail"),
+        .hi = FLT_MAX, .help = "Share of the mean of both magnitudes that an "
+        "error must be over as well to fail"),
     OPT(compare.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
         .hi = FLT_MAX, .help = "The same for warnings"),
     OPT(compare.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
@@ -588,8 +557,7 @@ const struct gp_option gp_options[] = {
 
 // -- look-up -----------------------------------------------------------------
 
-const char *gp_option_value(const struct gp_option *o, int i,
-                            const char **text)
+const char *gp_option_value(const struct gp_option *o, int i, const char **text)
 {
     *text = NULL;
     if (o->choices) {

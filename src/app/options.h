@@ -4,8 +4,7 @@
  *   options   the one table of options: parse.c, check.c, help.c read it
  *   jobs      which frames are made, and under which names
  *   pipeline  frame after frame through the stages
- *   report    JSON lines; progress: the line on the terminal
- */
+ *   report    JSON lines; progress: the line on the terminal */
 #ifndef GP_APP_OPTIONS_H
 #define GP_APP_OPTIONS_H
 
@@ -127,11 +126,9 @@ const char *gp_command_at(int i, enum gp_command *command);
  * checked too, unless --help or --version is asked for.
  *
  *   out  written in any case; free with gp_settings_free(); borrows from argv
- * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_USAGE with one line; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
-                                         char *const argv[],
-                                         struct gp_settings *out);
+    char *const argv[], struct gp_settings *out);
 
 /* Checks what no single option can see, settles what follows from several,
  * and warns of settings that do nothing.

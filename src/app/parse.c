@@ -211,9 +211,8 @@ static gp_status set_text(const struct use *u, void *field)
     if (!known)
         return unknown_value(u);
     if (!*u->value && !o->blank)
-        return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: needs a value (found an empty word); give %s",
-                       o->name, o->arg);
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: needs a value (found an "
+                       "empty word); give %s", o->name, o->arg);
     struct gp_texts *const list = field;
     if (o->kind == GP_KIND_TEXTS)
         list->at[list->n++] = u->value;
@@ -258,10 +257,8 @@ static const struct {
     const char *word;
     enum gp_command command;
 } commands[] = {
-    {"", GP_COMMAND_MAIN},
-    {"bench", GP_COMMAND_BENCH},
-    {"compare", GP_COMMAND_COMPARE},
-    {"help", GP_COMMAND_HELP},
+    {"", GP_COMMAND_MAIN}, {"bench", GP_COMMAND_BENCH},
+    {"compare", GP_COMMAND_COMPARE}, {"help", GP_COMMAND_HELP},
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
 
@@ -287,8 +284,7 @@ const char *gp_command_at(int i, enum gp_command *command)
  * Errors: GP_ERR_USAGE a first word that is nearly a command's and names no
  * file. */
 static gp_status read_command(const struct gp_log *log, int argc,
-                              char *const argv[], int *i,
-                              struct gp_settings *out)
+    char *const argv[], int *i, struct gp_settings *out)
 {
     if (argc < 2)
         return GP_OK;
@@ -305,9 +301,8 @@ static gp_status read_command(const struct gp_log *log, int argc,
     if (!near.name || word[strspn(word, "abcdefghijklmnopqrstuvwxyz")] ||
         access(word, F_OK) == 0)
         return GP_OK;
-    return gp_fail(log, GP_ERR_USAGE,
-                   "%s: no such command or file; did you mean glarepp %s?",
-                   word, near.name);
+    return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did you "
+                   "mean glarepp %s?", word, near.name);
 }
 
 // -- words -------------------------------------------------------------------
@@ -324,12 +319,10 @@ static gp_status unknown_option(const struct gp_log *log,
     }
     int shown = (int) (name - word + (ptrdiff_t) length);
     if (near.name)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%.*s: unknown option; did you mean --%s?", shown,
-                       word, near.name);
-    return gp_fail(log, GP_ERR_USAGE,
-                   "%.*s: unknown option; glarepp %s%s--help lists them",
-                   shown, word, word_of(command),
+        return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; did "
+                       "you mean --%s?", shown, word, near.name);
+    return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
+                   "%s%s--help lists them", shown, word, word_of(command),
                    command == GP_COMMAND_MAIN ? "" : " ");
 }
 
@@ -360,34 +353,28 @@ static gp_status read_option(const struct gp_log *log, int argc,
         return unknown_option(log, s->command, word);
     const char *const name = u.option->name, *const arg = u.option->arg;
     if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--%s: not for pictures; write glarepp %s --%s, or "
-                       "leave it out", name,
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not for pictures; write "
+                       "glarepp %s --%s, or leave it out", name,
                        word_of(u.option->commands), name);
     if (!(u.option->commands & s->command))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--%s: not for glarepp %s; glarepp %s --help lists its "
-                       "options", name, word_of(s->command),
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; glarepp "
+                       "%s --help lists its options", name, word_of(s->command),
                        word_of(s->command));
     if (!arg && u.value)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: takes no value (found \"%s\"); leave it out",
-                       word, u.value);
+        return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
+                       "value (found \"%s\"); leave it out", word, u.value);
     if (arg && !u.value) {
         if (*i + 1 >= argc)
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
                            word, arg);
         const char *const next = argv[++*i];
         if (strncmp(next, "--", 2) == 0 && split_word(next, &of_next))
-            return gp_fail(log, GP_ERR_USAGE,
-                           "%s: needs a value (found the option %s); give %s",
-                           word, next, arg);
+            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value (found the "
+                           "option %s); give %s", word, next, arg);
         u.value = next;
     }
     return set_option(&u);
 }
-
-// -- the whole line ----------------------------------------------------------
 
 gp_status gp_options_parse(const struct gp_log *log, int argc,
                            char *const argv[], struct gp_settings *out)

@@ -63,9 +63,8 @@ static gp_status make_schedule(const struct gp_log *log,
     }
     for (int i = 0; i < GP_STAGES; i++) {
         if (p->on[i] && (needs[i] & ~have))
-            return gp_fail(log, GP_ERR_BUG,
-                           "%s: runs before its input exists (bits %#x)",
-                           gp_stages[i].name, needs[i] & ~have);
+            return gp_fail(log, GP_ERR_BUG, "%s: runs before its input "
+                "exists (bits %#x)", gp_stages[i].name, needs[i] & ~have);
         const bool there = p->on[i] || (gp_stages[i].asked &&
                                         !gp_stages[i].asked(r->s));
         have |= there ? gp_stages[i].gives : 0u;
@@ -126,8 +125,7 @@ static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
         atomic_fetch_add(&p->kept, views);
     for (u->begun = 0; u->begun < views && !u->kept; u->begun++) {
         gp_status st = gp_frame_state_begin(&u->log.log, p->jobs,
-                                            unit * views + u->begun,
-                                            &u->view[u->begun]);
+            unit * views + u->begun, &u->view[u->begun]);
         if (st)
             return st;
     }
@@ -308,8 +306,7 @@ out:
 }
 
 gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
-                          const struct gp_jobs *jobs,
-                          struct gp_progress *progress)
+    const struct gp_jobs *jobs, struct gp_progress *progress)
 {
     gp_status st;
     struct pipeline p = {

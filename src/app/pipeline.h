@@ -6,8 +6,7 @@
  * Kernel, spectra, plans, OCIO processors and GL objects are made once for all
  * frames. Reading and writing run beside the computing of other frames; what
  * is computed, reported, printed or put into a stream comes in the order of
- * the jobs, so that nothing depends on how many are in flight.
- */
+ * the jobs, so that nothing depends on how many are in flight. */
 #ifndef GP_APP_PIPELINE_H
 #define GP_APP_PIPELINE_H
 
@@ -24,8 +23,7 @@
  *   log       gets the errors, and with --verbose a line for each frame
  *   progress  open
  * Errors: those of the stages, with their line printed; GP_ERR_FRAMES some
- * frames were skipped as bad.
- */
+ * frames were skipped as bad. */
 GP_MUST_CHECK gp_status gp_pipeline_run(
     const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress);

@@ -197,8 +197,7 @@ static void take_message(void *user, enum gp_level level, const char *line)
 }
 
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
-                       const struct gp_flight *flight, int unit,
-                       const char *name)
+    const struct gp_flight *flight, int unit, const char *name)
 {
     *l = (struct gp_frame_log) {
         .log = {take_message, l, to ? to->level : GP_LEVEL_ERROR},
@@ -337,17 +336,15 @@ gp_status gp_failures_report(const struct gp_log *log,
     char list[GP_FAILURES_BYTES];
     const int views = gp_jobs_of_frame(f->jobs), frames = f->jobs->n / views;
     if (f->kept)
-        gp_say(log, GP_LEVEL_WARN,
-               "--no-clobber: skipped %d of %d %s%s (all outputs exist); "
-               "remove the files to make them again", f->kept,
+        gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
+               "outputs exist); remove the files to make them again", f->kept,
                f->jobs->n, views > 1 ? "view" : "frame",
                f->jobs->n == 1 ? "" : "s");
     if (!f->bad)
         return GP_OK;
     const bool numbers = list_failed(f, list, sizeof list);
-    return gp_fail(log, GP_ERR_FRAMES,
-                   "--skip-bad-frames: %d of %d frame%s failed (%s); mend "
-                   "what the lines above say and make them again%s%s",
-                   f->bad, frames, frames == 1 ? "" : "s", list,
-                   numbers ? " with --frames " : "", numbers ? list : "");
+    return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
+                   "failed (%s); mend what the lines above say and make "
+                   "them again%s%s", f->bad, frames, frames == 1 ? "" : "s",
+                   list, numbers ? " with --frames " : "", numbers ? list : "");
 }

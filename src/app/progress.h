@@ -66,11 +66,9 @@ struct gp_frame_log {
 /* Starts without messages. `l` stays where it is until gp_frame_log_close().
  *
  *   name  of the file that the unit is made of: it is put before errors that
- *         name none (GP_LEVEL_BARE); borrowed until gp_frame_log_close()
- */
+ *         name none (GP_LEVEL_BARE); borrowed until gp_frame_log_close() */
 void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
-                       const struct gp_flight *flight, int unit,
-                       const char *name);
+    const struct gp_flight *flight, int unit, const char *name);
 
 /* Prints what is still kept. */
 void gp_frame_log_flush(struct gp_frame_log *l);
@@ -89,8 +87,7 @@ struct gp_failures {
 /* Starts with no frame failed. Free with gp_failures_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_failures_make(const struct gp_log *log,
-                                         const struct gp_jobs *jobs,
-                                         struct gp_failures *out);
+    const struct gp_jobs *jobs, struct gp_failures *out);
 void gp_failures_free(struct gp_failures *f);
 
 /* Counts jobs->job[index] as failed; a frame once, whatever its views. */

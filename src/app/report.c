@@ -27,8 +27,6 @@ static const char *const type_names[] = {
     [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
 };
 
-// -- values ------------------------------------------------------------------
-
 /* A number rounded to `step`, null when JSON has no word for it. */
 static json_t *number(double v, double step)
 {
@@ -53,8 +51,7 @@ static void put_name(json_t *o, const char *key, const char *name)
     json_object_set_new(o, key, gp_json_name(name));
 }
 
-static void put_list(json_t *o, const char *key, const char *const *name,
-                     int n)
+static void put_list(json_t *o, const char *key, const char *const *name, int n)
 {
     json_t *const list = json_array();
     for (int i = 0; i < n; i++)
@@ -216,9 +213,8 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
                f->nonfinite, f->clamped);
     if (f->verified)
         append(line, size, &at, ", measured rel_l2 %.3g (bound %.3g), max_rel "
-               "%.3g, max_abs %.3g, flux_error %.3g", f->error.rel_l2,
-               g->bound, f->error.max_rel, f->error.max_abs,
-               f->error.flux_error);
+               "%.3g, max_abs %.3g, flux_error %.3g", f->error.rel_l2, g->bound,
+               f->error.max_rel, f->error.max_abs, f->error.flux_error);
     append(line, size, &at, ";");
     for (int i = 0; i < GP_TIMES; i++) {
         if (f->ms[i] >= 0.0)
@@ -250,9 +246,8 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
         }
     }
     if (!r.file)
-        return gp_fail(log, GP_ERR_IO,
-                       "%s: cannot write the report (%s); check the folder",
-                       path, strerror(errno));
+        return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); "
+                       "check the folder", path, strerror(errno));
     *out = r;
     return GP_OK;
 }
@@ -260,9 +255,8 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
 static gp_status write_failed(const struct gp_log *log,
                               const struct gp_report *r)
 {
-    return gp_fail(log, GP_ERR_IO,
-                   "%s: cannot write the report (%s); check the disk, or who "
-                   "reads the pipe", r->path, strerror(errno));
+    return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); check "
+                   "the disk, or who reads the pipe", r->path, strerror(errno));
 }
 
 /* Cuts a regular file to that size; others stay as they are. */
@@ -355,8 +349,7 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
 {
     if (!r->file)
         return GP_OK;
-    bool fine = r->file == stdout ? fflush(stdout) == 0
-                                  : fclose(r->file) == 0;
+    bool fine = r->file == stdout ? fflush(stdout) == 0 : fclose(r->file) == 0;
     gp_status st = fine ? GP_OK : write_failed(log, r);
     if (r->made && r->lines == 0)
         unlink(r->path);

@@ -72,22 +72,19 @@ struct gp_report {
  * goes with the first line, not before. Errors: GP_ERR_IO with the system's
  * reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
-                                       const char *path, bool create_dir,
-                                       struct gp_report *out);
+    const char *path, bool create_dir, struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;
  * numbers that JSON cannot say (NaN, Inf) are null; bytes of names that are
  * not UTF-8 become U+FFFD.
  * Errors: GP_ERR_IO (full disk, closed pipe); GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
-                                        struct gp_report *r,
-                                        const struct gp_facts *facts);
+    struct gp_report *r, const struct gp_facts *facts);
 
 /* The line of a frame that could not be made: frame (when numbered), input and
  * error, the message that was printed for it. Same errors. */
-GP_MUST_CHECK gp_status gp_report_failed(
-    const struct gp_log *log, struct gp_report *r, const struct gp_facts *facts,
-    const char *error);
+GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
+    struct gp_report *r, const struct gp_facts *facts, const char *error);
 
 /* Closes it; a file without a line that this run made is removed. A closed or
  * zeroed report is fine. Errors: GP_ERR_IO. */

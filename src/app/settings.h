@@ -1,6 +1,5 @@
 /* Settings of the command line: the params of every stage, and the app's own.
- * Stages never see this struct, only their part of it.
- */
+ * Stages never see this struct, only their part of it. */
 #ifndef GP_APP_SETTINGS_H
 #define GP_APP_SETTINGS_H
 

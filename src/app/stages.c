@@ -15,8 +15,7 @@
 // -- a frame on its way ------------------------------------------------------
 
 gp_status gp_frame_state_begin(const struct gp_log *log,
-                               const struct gp_jobs *jobs, int index,
-                               struct gp_frame_state *out)
+    const struct gp_jobs *jobs, int index, struct gp_frame_state *out)
 {
     const struct gp_job *const job = &jobs->job[index];
     void *names;
@@ -24,9 +23,8 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
         .log = log, .job = job, .view = index % jobs->views,
         .targets = jobs->targets,
     };
-    gp_status st = gp_alloc_zero(log, "output list",
-                                 (size_t) jobs->targets + 1, sizeof *out->names,
-                                 &names);
+    gp_status st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
+                                 sizeof *out->names, &names);
     out->names = names;
     out->facts = (struct gp_facts) {
         .numbered = job->numbered, .frame = job->frame, .view = job->view,
@@ -265,8 +263,7 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
     if (all_light(fs)->n == 0)
         return GP_OK;
     gp_status st = gp_alloc(fs->log, "exact layer",
-                            3 * gp_frame_pixels(&fs->frame), sizeof(double),
-                            &exact);
+        3 * gp_frame_pixels(&fs->frame), sizeof(double), &exact);
     if (st)
         return st;
     st = gp_glare_reference(fs->log, all_light(fs), &r->kernel, exact);
@@ -285,8 +282,7 @@ static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = GP_OK;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, &r->suns, &r->kernel,
-                                  &fs->frame);
+    return st ? st : gp_suns_draw(fs->log, &r->suns, &r->kernel, &fs->frame);
 }
 
 /* Sums by rows, so that threads cannot change the last bit. */
@@ -398,8 +394,7 @@ static bool untoned(const struct gp_settings *s)
     return strcmp(s->tone.curve, "none") == 0;
 }
 
-unsigned gp_target_needs(const struct gp_settings *s,
-                         enum gp_target_kind kind)
+unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
 {
     const unsigned shown = untoned(s) ? GP_HAS_LIT : GP_HAS_SHOWN;
     switch (kind) {
@@ -460,8 +455,7 @@ out:
 }
 
 static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
-                              const struct gp_output *t, const char *name,
-                              struct gp_write_stats *stats)
+    const struct gp_output *t, const char *name, struct gp_write_stats *stats)
 {
     const size_t n = gp_frame_pixels(&fs->frame);
     const bool scene = untoned(r->s);

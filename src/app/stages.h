@@ -73,8 +73,7 @@ struct gp_frame_state {
 /* Starts with the facts that jobs->job[index] gives. End with
  * gp_frame_state_end(), also after a failure. Errors: GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
-                                      const struct gp_jobs *jobs, int index,
-                                      struct gp_frame_state *out);
+    const struct gp_jobs *jobs, int index, struct gp_frame_state *out);
 void gp_frame_state_end(struct gp_frame_state *fs);
 
 /* Frees what the frame no longer needs; bits as above. */
@@ -126,7 +125,6 @@ enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
 /* Returns what must exist for a target to be written. */
-unsigned gp_target_needs(const struct gp_settings *s,
-                         enum gp_target_kind kind);
+unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);
 
 #endif

@@ -47,13 +47,11 @@ static gp_status read_beside(
     if (st)
         return st;
     if (pattern.views && !job->view)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: %%V and %%v are views, and %s has none; name the "
-                       "file, or give --views", path, job->input);
+        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v are views, and %s "
+            "has none; name the file, or give --views", path, job->input);
     if (pattern.len && !number_of(job, &number))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: a pattern, and %s has no frame number; name the "
-                       "file", path, job->input);
+        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern, and %s has no frame "
+                       "number; name the file", path, job->input);
     char *const name = gp_pattern_name(&pattern, number, job->view);
     if (!name)
         return gp_no_memory(log, path);
@@ -63,8 +61,7 @@ static gp_status read_beside(
 }
 
 static gp_status read_planes(void *user, const struct gp_log *log,
-                             const struct gp_frame *f, struct gp_plane *depth,
-                             struct gp_plane *mask)
+    const struct gp_frame *f, struct gp_plane *depth, struct gp_plane *mask)
 {
     const struct gp_sun_files *const files = user;
     const struct gp_settings *const s = files->s;

@@ -157,8 +157,7 @@ static void set_figures(json_t *o, const struct row *r)
         json_t *const worst = json_object();
         set_count(worst, "x", f->x);
         set_count(worst, "y", f->y);
-        json_object_set_new(
-            worst, "channel",
+        json_object_set_new(worst, "channel",
             gp_json_name(gp_compare_name(r->match, f->channel)));
         set_real(worst, "a", f->worst_a);
         set_real(worst, "b", f->worst_b);
@@ -178,8 +177,7 @@ static void set_figures(json_t *o, const struct row *r)
     if (r->flip->known && r->flip->hdr) {
         const struct gp_flip_exposures *const e = &r->flip->exposures;
         json_object_set_new(o, "flip_exposures",
-                            json_pack("[ffi]", (double) e->start,
-                                      (double) e->stop, e->count));
+            json_pack("[ffi]", (double) e->start, (double) e->stop, e->count));
     }
     set_count(o, "nonfinite", f->nonfinite);
     set_count(o, "failed", f->failed);
@@ -241,11 +239,10 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     const long long h = (long long) m.window.y1 - m.window.y0;
     const long long most = r->job->read->max_pixels;
     if (w > most || h > most / w || w > INT32_MAX / 4 || h > INT32_MAX / 4)
-        GP_TRY(gp_fail(r->log, GP_ERR_DATA,
-                       "%s: its window and that of %s are too far apart "
-                       "(%lld x %lld pixels over both, at most %lld); crop "
-                       "them, or raise --max-pixels", r->row.a, r->row.b, w, h,
-                       most));
+        GP_TRY(gp_fail(r->log, GP_ERR_DATA, "%s: its window and that of %s are "
+                       "too far apart (%lld x %lld pixels over both, at most "
+                       "%lld); crop them, or raise --max-pixels", r->row.a,
+                       r->row.b, w, h, most));
     if (m.shared == 0) {
         report(r, GP_COMPARE_DIFFERENT, "no channel has the same name in both");
         goto out;
@@ -282,9 +279,8 @@ static gp_status compare_part(struct run *r, const struct gp_stored_file f[2],
     if (image[0].deep != image[1].deep)
         report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
     else if (image[0].deep)
-        st = gp_fail(r->log, GP_ERR_DATA,
-                     "%s: deep data cannot be compared (part %d); flatten "
-                     "both files", r->row.a, part);
+        st = gp_fail(r->log, GP_ERR_DATA, "%s: deep data cannot be compared "
+                     "(part %d); flatten both files", r->row.a, part);
     else
         st = compare_images(r, &image[0], &image[1]);
 out:
@@ -351,10 +347,9 @@ static gp_status find_names(struct run *r)
         GP_TRY(gp_pattern_of_input(r->log, job->input[i], &n->in[i]));
     const bool sequence = n->in[0].len || n->in[1].len;
     if (job->frames && !sequence)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "%s: --frames needs a pattern (found plain names); "
-                       "write shot.####.exr, or leave --frames out",
-                       job->input[0]);
+        return gp_fail(r->log, GP_ERR_USAGE, "%s: --frames needs a pattern "
+                       "(found plain names); write shot.####.exr, or leave "
+                       "--frames out", job->input[0]);
     if (job->frames)
         GP_TRY(gp_frames_parse(r->log, job->frames, &n->frames));
     for (int i = 0; i < 2 && !job->frames; i++) {
@@ -369,9 +364,8 @@ static gp_status find_names(struct run *r)
         goto out;
     GP_TRY(gp_pattern_find(r->log, heatmap, &n->heatmap));
     if (sequence && !n->heatmap.len)
-        return gp_fail(r->log, GP_ERR_USAGE,
-                       "%s: one name for a sequence; write a pattern such as "
-                       "heat.####.png", heatmap);
+        return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for a sequence; "
+                       "write a pattern such as heat.####.png", heatmap);
     GP_TRY(gp_write_check(r->log, job->write, heatmap));
 out:
     gp_frames_free(&more);
@@ -421,9 +415,8 @@ int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job)
             GP_TRY(gp_no_memory(log, job->json));
     }
     if (fflush(stdout) != 0 || ferror(stdout))
-        GP_TRY(gp_fail(log, GP_ERR_IO,
-                       "-: cannot write to stdout (%s); check who reads it",
-                       strerror(errno)));
+        GP_TRY(gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
+                       "who reads it", strerror(errno)));
     if (job->json)
         GP_TRY(gp_file_save(log, job->json, text, size));
 out:
@@ -441,25 +434,22 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
 {
     const double *const e = p->flip_exposures.v;
     if (n != 2)
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: two images are compared (found %d); write glarepp "
-                       "compare A B", n > 2 ? inputs[2] : "compare", n);
+        return gp_fail(log, GP_ERR_USAGE, "%s: two images are compared (found "
+            "%d); write glarepp compare A B", n > 2 ? inputs[2] : "compare", n);
     if (on_stdout(inputs[0]) && on_stdout(inputs[1]))
         return gp_fail(log, GP_ERR_USAGE,
                        "-: stdin holds one image; give a file beside it");
     if (p->flip_exposures.n &&
         !(e[2] >= 1.0 && e[2] <= GP_FLIP_EXPOSURES_MAX && e[2] == floor(e[2])))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--flip-exposures: not a number of exposures (found "
-                       "%g); give START,STOP,COUNT with a count of 1 to %d",
-                       e[2], GP_FLIP_EXPOSURES_MAX);
+        return gp_fail(log, GP_ERR_USAGE, "--flip-exposures: not a number of "
+                       "exposures (found %g); give START,STOP,COUNT with a "
+                       "count of 1 to %d", e[2], GP_FLIP_EXPOSURES_MAX);
     if (p->no_flip && (p->heatmap || p->flip_exposures.n))
         return gp_fail(log, GP_ERR_USAGE,
                        "--no-flip: %s is made of FLIP; leave one of the two "
                        "out", p->heatmap ? "--heatmap" : "--flip-exposures");
     if (on_stdout(p->heatmap))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "--heatmap: stdout is for the figures (found -); give "
-                       "a file");
+        return gp_fail(log, GP_ERR_USAGE, "--heatmap: stdout is for the "
+                       "figures (found -); give a file");
     return GP_OK;
 }

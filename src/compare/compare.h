@@ -66,14 +66,12 @@ struct gp_compare_job {
  *
  * Returns the program's exit status: the worst enum gp_compare_result of all
  * pairs (a frame that cannot be read is a file error, and the next frame is
- * compared); GP_ERR_USAGE; GP_ERR_BUG when memory is full.
- */
+ * compared); GP_ERR_USAGE; GP_ERR_BUG when memory is full. */
 int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job);
 
 /* Checks what the option table cannot.
  * Errors: GP_ERR_USAGE with one line. */
 GP_MUST_CHECK gp_status gp_compare_check(const struct gp_log *log,
-                                         const char *const *inputs, int n,
-                                         const struct gp_compare_params *p);
+    const char *const *inputs, int n, const struct gp_compare_params *p);
 
 #endif

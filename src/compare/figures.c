@@ -291,8 +291,7 @@ gp_status gp_compare_measure(
             ? GP_COMPARE_FAILURE
         : (double) out->warned > (double) limits->warn_percent * hundredth ||
                 out->max > (double) limits->hard_warn
-            ? GP_COMPARE_WARNING
-            : GP_COMPARE_MATCH;
+            ? GP_COMPARE_WARNING : GP_COMPARE_MATCH;
     gp_free(block);
     return GP_OK;
 }

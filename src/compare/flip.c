@@ -126,8 +126,7 @@ GP_CLONES static void filter_row(const float *in, const float *tap, int taps,
 
 /* out[i] += weight * sum over t of tap[t] * in[t * pitch + i]. */
 GP_CLONES static void filter_column(const float *in, int pitch,
-                                    const float *tap, int taps, float weight,
-                                    int n, float *restrict out)
+    const float *tap, int taps, float weight, int n, float *restrict out)
 {
     for (int t = 0; t < taps; t++) {
         const float k = weight * tap[t];
@@ -209,8 +208,7 @@ static float lab_curve(float t)
 {
     const float border = 6.0f / 29.0f;
     return t > border * border * border
-               ? cbrtf(t)
-               : t / (3.0f * border * border) + 4.0f / 29.0f;
+               ? cbrtf(t) : t / (3.0f * border * border) + 4.0f / 29.0f;
 }
 
 /* Linear BT.709 to L*a*b* whose a* and b* grow with L* (section 4.1.2). */
@@ -381,10 +379,9 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
         return gp_fail(log, GP_ERR_USAGE,
                        "flip: no pixels (found %d x %d); give pictures", w, h);
     if (!(ppd >= GP_FLIP_PPD_MIN && ppd <= GP_FLIP_PPD_MAX))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "flip: pixels per degree out of range (found %g); give "
-                       "%g to %g", (double) ppd, (double) GP_FLIP_PPD_MIN,
-                       (double) GP_FLIP_PPD_MAX);
+        return gp_fail(log, GP_ERR_USAGE, "flip: pixels per degree out of "
+                       "range (found %g); give %g to %g", (double) ppd,
+                       (double) GP_FLIP_PPD_MIN, (double) GP_FLIP_PPD_MAX);
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
@@ -418,8 +415,6 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     gp_free(sums);
     return st;
 }
-
-// -- HDR: LDR-FLIP at many exposures, the largest of which counts ------------
 
 /* Narkowicz, ACES Filmic Tone Mapping Curve (2016): (x (a x + b)) /
  * (x (c x + d) + e), with x times 0.6 as Andersson et al. 2021 take it. */
@@ -473,8 +468,7 @@ static double median(float *v, size_t n)
 }
 
 gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
-                                 const struct gp_planes *reference,
-                                 struct gp_flip_exposures *out)
+    const struct gp_planes *reference, struct gp_flip_exposures *out)
 {
     void *block;
     if (pixels == 0)
@@ -545,10 +539,9 @@ static void tone_block(void *ctx, int block, int thread)
     }
 }
 
-gp_status gp_flip_hdr(
-    const struct gp_log *log, int w, int h, const struct gp_planes *reference,
-    const struct gp_planes *test, float ppd, const struct gp_flip_exposures *e,
-    float *map, double *mean)
+gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
+    const struct gp_planes *reference, const struct gp_planes *test, float ppd,
+    const struct gp_flip_exposures *e, float *map, double *mean)
 {
     gp_status st;
     const size_t n = w > 0 && h > 0 ? (size_t) w * (size_t) h : 0;
@@ -559,10 +552,9 @@ gp_status gp_flip_hdr(
     double sum = 0.0;
     if (e && (e->count < 1 || e->count > GP_FLIP_EXPOSURES_MAX ||
               !isfinite(e->start) || !isfinite(e->stop)))
-        return gp_fail(log, GP_ERR_USAGE,
-                       "flip: exposures out of range (found %d from %g to %g); "
-                       "give 1 to %d of finite EV", e->count, (double) e->start,
-                       (double) e->stop, GP_FLIP_EXPOSURES_MAX);
+        return gp_fail(log, GP_ERR_USAGE, "flip: exposures out of range (found "
+            "%d from %g to %g); give 1 to %d of finite EV", e->count,
+            (double) e->start, (double) e->stop, GP_FLIP_EXPOSURES_MAX);
     if (!e)
         GP_TRY(gp_flip_exposures_find(log, n, reference, &found));
     e = e ? e : &found;

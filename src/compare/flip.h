@@ -31,10 +31,9 @@ enum { GP_FLIP_EXPOSURES_MAX = 64 };
  *   map    w * h values in [0,1], or NULL
  *   mean   of the map; NULL where it is not wanted
  *
- * Beyond the border the outermost pixels are repeated. Both are written only
- * on GP_OK.
- * Errors: GP_ERR_USAGE no pixels, ppd out of range; GP_ERR_BUG out of memory.
- */
+ * Beyond the border the outermost pixels are repeated. Both are written only on
+ * GP_OK. Errors: GP_ERR_USAGE no pixels, ppd out of range; GP_ERR_BUG out of
+ * memory. */
 GP_MUST_CHECK gp_status gp_flip_ldr(
     const struct gp_log *log, int w, int h, const struct gp_planes *a,
     const struct gp_planes *b, float ppd, float *map, double *mean);
@@ -54,8 +53,7 @@ struct gp_flip_exposures {
  *
  * Where the median is 0, which the paper leaves open, that of the pixels over 0
  * is taken; a black frame gives exposure 0, once.
- * Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_flip_exposures_find(
     const struct gp_log *log, size_t pixels, const struct gp_planes *reference,
     struct gp_flip_exposures *out);
@@ -67,11 +65,9 @@ GP_MUST_CHECK gp_status gp_flip_exposures_find(
  *   e                the exposures; NULL finds them from `reference`
  *
  * The rest, and the errors, as in gp_flip_ldr(); GP_ERR_USAGE also for
- * exposures that are not finite, or a count out of range.
- */
-GP_MUST_CHECK gp_status gp_flip_hdr(
-    const struct gp_log *log, int w, int h, const struct gp_planes *reference,
-    const struct gp_planes *test, float ppd, const struct gp_flip_exposures *e,
-    float *map, double *mean);
+ * exposures that are not finite, or a count out of range. */
+GP_MUST_CHECK gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
+    const struct gp_planes *reference, const struct gp_planes *test, float ppd,
+    const struct gp_flip_exposures *e, float *map, double *mean);
 
 #endif

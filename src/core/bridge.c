@@ -20,10 +20,8 @@ bool gp_bridge_find(const char *name, char *path, size_t size)
     char *const slash = strrchr(program, '/');
     *(slash ? slash : program) = '\0';
     const char *const place[][2] = {
-        {getenv("GLAREPP_BRIDGES"), ""},
-        {program, ""},
-        {program, "/../lib/glarepp"},
-        {GP_BRIDGE_DIR, ""},
+        {getenv("GLAREPP_BRIDGES"), ""}, {program, ""},
+        {program, "/../lib/glarepp"}, {GP_BRIDGE_DIR, ""},
     };
     for (size_t i = 0; i < sizeof place / sizeof *place; i++) {
         const char *const folder = place[i][0];
@@ -90,8 +88,7 @@ gp_status gp_shared_failed(const struct gp_log *log, const char *path,
     if (errno == ENOMEM)
         return gp_no_memory(log, path);
     return gp_fail(log, GP_ERR_IO, "%s: %zu bytes cannot be shared with a "
-                   "helper (%s); raise ulimit -f or -n", path, size,
-                   strerror(errno));
+        "helper (%s); raise ulimit -f or -n", path, size, strerror(errno));
 }
 
 void gp_shared_free(struct gp_shared *shared)

@@ -31,8 +31,7 @@ struct gp_shared {
  * `path` is for the message. Errors: GP_ERR_BUG out of memory; GP_ERR_IO no
  * descriptor, or more bytes than a file may have (ulimit -f). */
 GP_MUST_CHECK gp_status gp_shared_make(const struct gp_log *log,
-                                       const char *path, size_t size,
-                                       struct gp_shared *out);
+    const char *path, size_t size, struct gp_shared *out);
 /* The line and the status for `size` bytes that errno says cannot be shared. */
 gp_status gp_shared_failed(const struct gp_log *log, const char *path,
                            size_t size);

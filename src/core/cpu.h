@@ -6,8 +6,7 @@
  * only by that very model, not by later ones.)
  *
  * GP_X86_AVX2 marks files and functions with hand-written AVX2; they are
- * called only when gp_cpu_has_avx2().
- */
+ * called only when gp_cpu_has_avx2(). */
 #ifndef GP_CORE_CPU_H
 #define GP_CORE_CPU_H
 

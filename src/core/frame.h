@@ -1,8 +1,7 @@
 /* The frame that flows through the program, and its planes.
  *
  * Each plane has one writer, named beside it. A stage reads what earlier
- * stages wrote and never writes there.
- */
+ * stages wrote and never writes there. */
 #ifndef GP_CORE_FRAME_H
 #define GP_CORE_FRAME_H
 
@@ -76,8 +75,7 @@ static inline size_t gp_type_size(enum gp_pixel_type type)
  * `data` NULL) or is carried as it is in the file (`colour` -1, `data` has
  * the samples in native byte order and the file's own type).
  * Its grid: columns where x % xs == 0 and rows where y % ys == 0 within the
- * data window, as in OpenEXR; `w` x `h` samples, rows without padding.
- */
+ * data window, as in OpenEXR; `w` x `h` samples, rows without padding. */
 struct gp_channel {
     char *name;
     enum gp_pixel_type type;
@@ -149,8 +147,7 @@ static inline size_t gp_frame_pixels(const struct gp_frame *f)
 /* Allocates three planes of w * h samples, not cleared. `what` is for the
  * message. On failure *p is empty. Free with gp_planes_free(). */
 GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
-                                       const char *what, size_t samples,
-                                       struct gp_planes *p);
+    const char *what, size_t samples, struct gp_planes *p);
 void gp_planes_free(struct gp_planes *p);
 
 /* Frees what it owns and clears it; an empty one is fine. */

@@ -194,9 +194,8 @@ static gp_status read_all(const struct gp_log *log, const char *path, int fd,
         if (n < 0 && errno == EINTR)
             continue;
         if (n < 0)
-            return gp_fail(log, GP_ERR_IO,
-                           "%s: cannot read (%s); check the file", path,
-                           strerror(errno));
+            return gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); "
+                           "check the file", path, strerror(errno));
         if (n == 0)
             break;
         *bytes += (size_t) n;
@@ -217,9 +216,8 @@ static gp_status parse(const struct gp_log *log, const char *path,
     while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
         first++;
     if (first == bytes)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: not JSON (the file is empty); write an array or "
-                       "an object", path);
+        return gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
+                       "write an array or an object", path);
     full = false;
     json_t *const root = json_loadb(
         text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
@@ -252,9 +250,8 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
                        "%s: cannot read (it is a folder); name a file", path));
     GP_TRY(read_all(log, path, fd, most, &text, &bytes));
     if (bytes > most)
-        GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: too large (over %zu KiB); split it", path,
-                       most >> 10));
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu "
+                       "KiB); split it", path, most >> 10));
     GP_TRY(parse(log, path, text, bytes, out));
 out:
     gp_free(text);
@@ -319,8 +316,7 @@ static json_t *value_of(json_t *o, const char *key, bool *found)
 }
 
 static gp_status check_number(const struct gp_json_place *p, const char *key,
-                              const json_t *v, double lo, double hi,
-                              double *out)
+    const json_t *v, double lo, double hi, double *out)
 {
     if (!json_is_number(v))
         return fail_at(p, "\"%s\" is no number (found %s); give %s",
@@ -334,8 +330,7 @@ static gp_status check_number(const struct gp_json_place *p, const char *key,
 }
 
 gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
-                         const char *key, double lo, double hi, double *out,
-                         bool *found)
+    const char *key, double lo, double hi, double *out, bool *found)
 {
     const json_t *v = value_of(o, key, found);
     return v ? check_number(p, key, v, lo, hi, out) : GP_OK;
@@ -399,8 +394,7 @@ gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
 }
 
 gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
-                         const char *key, const char *const names[], int *out,
-                         bool *found)
+    const char *key, const char *const names[], int *out, bool *found)
 {
     const char *text = NULL;
     int at;

@@ -36,16 +36,14 @@ struct gp_json_place {
  * Errors: GP_ERR_IO cannot be read, is a folder; GP_ERR_DATA too large, or not
  * JSON (line and column); GP_ERR_BUG out of memory. */
 enum { GP_JSON_SMALL = 1 << 20 }; // bytes
-GP_MUST_CHECK gp_status gp_json_read(const struct gp_log *log,
-                                     const char *path, size_t most,
-                                     json_t **out);
+GP_MUST_CHECK gp_status gp_json_read(const struct gp_log *log, const char *path,
+                                     size_t most, json_t **out);
 
 /* The array that a file holds: itself, or value `key` of its object, whose
  * other keys are left to gp_json_keys(). *out is borrowed from root.
  * Errors: GP_ERR_DATA neither, or more than `most` items. */
 GP_MUST_CHECK gp_status gp_json_array(const struct gp_json_place *p,
-                                      json_t *root, const char *key,
-                                      size_t most, json_t **out);
+    json_t *root, const char *key, size_t most, json_t **out);
 
 /* Errors: GP_ERR_DATA `o` is no object, or has a key outside of `keys` (NULL
  * ends); the message names it and what there could be. */
@@ -55,28 +53,22 @@ GP_MUST_CHECK gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
 /* Values of a key: `out` stays as it is when the key is missing (*found says,
  * may be NULL). Numbers are finite and within [lo, hi]; ints are whole.
  * Errors: GP_ERR_DATA with file, place, key, what was found, the range. */
-GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p,
-                                       json_t *o, const char *key, double lo,
-                                       double hi, double *out, bool *found);
+GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
+    const char *key, double lo, double hi, double *out, bool *found);
 GP_MUST_CHECK gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
-                                    const char *key, int lo, int hi, int *out,
-                                    bool *found);
+    const char *key, int lo, int hi, int *out, bool *found);
 
 /* `count` numbers; `grey`: one number counts for all of them. */
 GP_MUST_CHECK gp_status gp_json_numbers(const struct gp_json_place *p,
-                                        json_t *o, const char *key, int count,
-                                        bool grey, double lo, double hi,
-                                        double *out, bool *found);
+    json_t *o, const char *key, int count, bool grey, double lo, double hi,
+    double *out, bool *found);
 
 /* Borrowed from o. */
 GP_MUST_CHECK gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
-                                     const char *key, const char **out,
-                                     bool *found);
+    const char *key, const char **out, bool *found);
 
 /* Index into `names` (NULL ends) of a text. */
-GP_MUST_CHECK gp_status gp_json_choice(const struct gp_json_place *p,
-                                       json_t *o, const char *key,
-                                       const char *const names[], int *out,
-                                       bool *found);
+GP_MUST_CHECK gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
+    const char *key, const char *const names[], int *out, bool *found);
 
 #endif

@@ -101,8 +101,7 @@ static void *reuse_kept(size_t bytes)
         count_block(kept.bytes[best]);
         found = take_kept(best);
     }
-    while (!found && kept.n > 0 &&
-           kept.used + bytes + kept.waiting > kept.most)
+    while (!found && kept.n > 0 && kept.used + bytes + kept.waiting > kept.most)
         free(take_kept(0));
     pthread_mutex_unlock(&kept.lock);
     return found;
@@ -130,10 +129,9 @@ void gp_free(void *p)
 static gp_status no_memory(const struct gp_log *log, const char *what,
                            size_t bytes)
 {
-    return gp_fail_bare(log, GP_ERR_BUG,
-                        "%s: out of memory (%zu byte%s); use a smaller frame "
-                        "or a machine with more memory", what, bytes,
-                        bytes == 1 ? "" : "s");
+    return gp_fail_bare(log, GP_ERR_BUG, "%s: out of memory (%zu byte%s); use "
+                        "a smaller frame or a machine with more memory", what,
+                        bytes, bytes == 1 ? "" : "s");
 }
 
 gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
@@ -144,9 +142,8 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
         bytes > SIZE_MAX - HUGE_PAGE)
-        return gp_fail_bare(log, GP_ERR_BUG,
-                            "%s: more memory than there can be (%zu x %zu "
-                            "bytes); use a smaller frame", what, count, size);
+        return gp_fail_bare(log, GP_ERR_BUG, "%s: more memory than there can "
+            "be (%zu x %zu bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
     block = reuse_kept(bytes);
     if (!block) {

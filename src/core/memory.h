@@ -17,8 +17,7 @@ enum { GP_ALIGN = 64 };
  * file: gp_fail_bare().
  */
 GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
-                                      const char *what, size_t count,
-                                      size_t size, void *out);
+    const char *what, size_t count, size_t size, void *out);
 
 /* The same without zeroing, for planes that are written whole. */
 GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,

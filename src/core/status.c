@@ -6,8 +6,7 @@
 static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
                 va_list args)
 {
-    if (!log || !log->sink ||
-        (level > log->level && level != GP_LEVEL_BARE))
+    if (!log || !log->sink || (level > log->level && level != GP_LEVEL_BARE))
         return;
     char line[GP_LINE_BYTES];
     vsnprintf(line, sizeof line, fmt, args);
@@ -51,8 +50,7 @@ gp_status (gp_no_memory_bare)(const struct gp_log *log, const char *what)
     return gp_fail_bare(log, GP_ERR_BUG, no_memory, what);
 }
 
-void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
-            ...)
+void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt, ...)
 {
     va_list args;
     va_start(args, fmt);

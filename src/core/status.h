@@ -2,8 +2,7 @@
  *
  * One list makes the enum, the exit statuses and the texts of the man page.
  * A function that can fail returns gp_status; the message is made where the
- * failure is seen, with the values that were found, by gp_fail().
- */
+ * failure is seen, with the values that were found, by gp_fail(). */
 #ifndef GP_CORE_STATUS_H
 #define GP_CORE_STATUS_H
 
@@ -34,8 +33,7 @@ enum gp_level {
 enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 
 /* Where messages go. `sink` gets one line without its newline. A NULL log
- * is silent. Messages over `level` are dropped, errors never.
- */
+ * is silent. Messages over `level` are dropped, errors never. */
 struct gp_log {
     void (*sink)(void *user, enum gp_level level, const char *line);
     void *user;
@@ -47,8 +45,7 @@ struct gp_log {
  *
  * The form is "FILE: what is wrong (what was found); what to do".
  * Never call it inside a parallel body: return a status there, and let the
- * caller that owns the loop print the line.
- */
+ * caller that owns the loop print the line. */
 gp_status gp_fail(const struct gp_log *log, gp_status status, const char *fmt,
                   ...) GP_PRINTF(3, 4);
 

@@ -242,6 +242,5 @@ static void room_bounds_the_flight(void **state)
     assert_true(seen.most <= 2);
 }
 
-SUITE_OF(flight, NULL, NULL,
-    all_in_order, failures_are_skipped, first_failure_ends,
-    room_bounds_the_flight)
+SUITE_OF(flight, NULL, NULL, all_in_order, failures_are_skipped,
+         first_failure_ends, room_bounds_the_flight)

@@ -120,8 +120,7 @@ static void slips_of_commands(void **state)
     } rows[] = {
         {"bnech a", "bnech: no such command or file; did you mean "
                             "glarepp bench?"},
-        {"benc a", "glarepp bench?"},
-        {"hlep", "glarepp help?"},
+        {"benc a", "glarepp bench?"}, {"hlep", "glarepp help?"},
         {"helpp gain", "glarepp help?"},
         {"-o a bnech", NULL},       // not the first word
         {"bench.exr -o a", NULL},   // a file's name
@@ -158,15 +157,11 @@ static int edits_between(const char *a, const char *b)
 
 static void edits_are_counted(void **state)
 {
-    static const struct {
-        const char *a, *b;
-        int edits;
-    } rows[] = {
+    static const struct { const char *a, *b; int edits; } rows[] = {
         {"", "", 0}, {"", "abc", 3}, {"abc", "", 3}, {"gain", "gain", 0},
         {"gian", "gain", 1}, {"hdrs", "hrd", 2}, {"gai", "gain", 1},
         {"again", "gain", 1}, {"kitten", "sitting", 3}, {"abcd", "wxyz", 4},
-        {"ca", "abc", 3},
-        {"0123456789012345678901234567890", "0", 30},
+        {"ca", "abc", 3}, {"0123456789012345678901234567890", "0", 30},
         {"01234567890123456789012345678901", "0", 99},
         {"0", "01234567890123456789012345678901", 99},
     };
@@ -212,9 +207,7 @@ static void topic_has(const char *name, const char *part)
 
 static void topics_print_their_part(void **state)
 {
-    static const struct {
-        const char *name, *part;
-    } rows[] = {
+    static const struct { const char *name, *part; } rows[] = {
         {"gain", "-g, --gain G"}, {"--gain", "-g, --gain G"},
         {"-g", "-g, --gain G"}, {"g", "-g, --gain G"}, {"GAIN", "--gain G"},
         {"engine", "      direct "}, {"engines", "--tolerance E"},
@@ -263,13 +256,10 @@ static void every_topic_is_known(void **state)
 
 static void unknown_topics_suggest(void **state)
 {
-    static const struct {
-        const char *name, *part;
-    } rows[] = {
+    static const struct { const char *name, *part; } rows[] = {
         {"kernle", "glarepp help kernel?"}, {"sequnces", "help sequences?"},
         {"--gian", "glarepp help gain?"}, {"enviroment", "help environment?"},
-        {"--sequences", "no such topic"},
-        {"benhc", "glarepp help bench?"},
+        {"--sequences", "no such topic"}, {"benhc", "glarepp help bench?"},
         {"xyzzyquux", "glarepp help lists them"}, {"", "lists them"},
         {"-", "lists them"}, {"--", "lists them"}, {"NAME", "no such topic"},
         {"help-man", "no such topic"}, {"sun-dri", "help sun-dir?"},
@@ -282,8 +272,6 @@ static void unknown_topics_suggest(void **state)
     }
 }
 
-// -- completions -------------------------------------------------------------
-
 static void completions_are_complete(void **state)
 {
     for (int shell = GP_SHELL_BASH; shell <= GP_SHELL_FISH; shell++) {
@@ -295,9 +283,8 @@ static void completions_are_complete(void **state)
         for (const struct gp_option *o = gp_options; o->name; o++) {
             const char *name, *line;
             char word[64];
-            snprintf(word, sizeof word, shell == GP_SHELL_FISH ? " -l %s"
-                                                               : "--%s",
-                     o->name);
+            snprintf(word, sizeof word,
+                     shell == GP_SHELL_FISH ? " -l %s" : "--%s", o->name);
             if (!o->hidden && !strstr(text, word))
                 fail_msg("shell %d: no %s", shell, word);
             for (int i = 0; (name = gp_option_value(o, i, &line)); i++) {

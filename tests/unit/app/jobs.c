@@ -29,14 +29,12 @@ static void describe(const struct gp_jobs *j, char *text, size_t size)
     for (int i = 0; i < j->n; i++) {
         const struct gp_job *const job = &j->job[i];
         const char *const view = job->view ? job->view : "";
-        at += (size_t) snprintf(text + at, size - at, "%s%s%s%s>",
-                                i ? " " : "", job->input,
-                                job->numbered ? "#" : *view ? ":" : "", view);
+        at += (size_t) snprintf(text + at, size - at, "%s%s%s%s>", i ? " " : "",
+            job->input, job->numbered ? "#" : *view ? ":" : "", view);
         for (int k = 0; k < j->targets; k++) {
             char *name = gp_job_name(&j->job[i], &j->target[k]);
             at += (size_t) snprintf(text + at, size - at, "%s%s%s",
-                                    k ? "," : "", name,
-                                    j->target[k].whole ? "!" : "");
+                k ? "," : "", name, j->target[k].whole ? "!" : "");
             free(name);
         }
     }
@@ -61,8 +59,6 @@ static void check_row(const struct job_row *r, bool views, bool parts)
     gp_jobs_free(&j);
     gp_settings_free(&s);
 }
-
-// -- a folder with frames ----------------------------------------------------
 
 static const char *const files[] = {
     "s.0001.exr", "s.0002.exr", "s.0010.exr", "s.7.exr", "real@2x.exr",
@@ -125,9 +121,8 @@ static const struct job_row rows[] = {
     {"-o o.#.png s.0002.exr s.0001.exr", GP_OK,
      "s.0002.exr#>o.2.png s.0001.exr#>o.1.png"},
     {"-o o.#.png s.0002.exr", GP_OK, "s.0002.exr#>o.2.png"},
-    {"-o o.#.png s.####.exr x.0077.exr", GP_OK,
-     "s.0001.exr#>o.1.png s.0002.exr#>o.2.png s.0010.exr#>o.10.png "
-     "x.0077.exr#>o.77.png"},
+    {"-o o.#.png s.####.exr x.0077.exr", GP_OK, "s.0001.exr#>o.1.png "
+     "s.0002.exr#>o.2.png s.0010.exr#>o.10.png x.0077.exr#>o.77.png"},
     {"--report r.json in.exr s.0001.exr", GP_OK, "in.exr> s.0001.exr>"},
     {"-f 1-2 -o - s.####.exr", GP_OK, "s.0001.exr#>- s.0002.exr#>-"},
     {"-o - in.exr s.0001.exr", GP_OK, "in.exr>- s.0001.exr>-"},
@@ -243,8 +238,7 @@ static const struct job_row view_rows[] = {
     {"--views a,a1 -f 1,11 --skip-bad-frames -o o.%V#.png v.%V.####.exr",
      GP_ERR_USAGE, "o.a11.png:"},
     {"--views a,a1 -f 1,11 --skip-bad-frames -o o.%V.#.png v.%V.####.exr",
-     GP_OK,
-     "v.a.0001.exr#a>o.a.1.png v.a1.0001.exr#a1>o.a1.1.png "
+     GP_OK, "v.a.0001.exr#a>o.a.1.png v.a1.0001.exr#a1>o.a1.1.png "
      "v.a.0011.exr#a>o.a.11.png v.a1.0011.exr#a1>o.a1.11.png"},
     {"--hdr v.%V.####.exr v.%V.####.exr", GP_ERR_USAGE, "v.left.0001.exr:"},
     {"--views right,left --hdr w.%v.exr v.%V.0001.exr", GP_OK,
@@ -301,9 +295,8 @@ static const struct job_row stdin_rows[] = {
      "1)#right>h.1.exr!,o.r.1.png - (frame 2)#left>h.2.exr!,o.l.2.png - "
      "(frame 2)#right>h.2.exr!,o.r.2.png - (frame 3)#left>h.3.exr!,o.l.3.png "
      "- (frame 3)#right>h.3.exr!,o.r.3.png"},
-    {"--views a,b -f 9,7,8 -o - -", GP_OK,
-     "- (frame 9)#a>- - (frame 9)#b>- - (frame 7)#a>- - (frame 7)#b>- - "
-     "(frame 8)#a>- - (frame 8)#b>-"},
+    {"--views a,b -f 9,7,8 -o - -", GP_OK, "- (frame 9)#a>- - (frame 9)#b>- - "
+     "(frame 7)#a>- - (frame 7)#b>- - (frame 8)#a>- - (frame 8)#b>-"},
     {"--views a,b -f 1-4 -o o.%V.#.png -", GP_ERR_USAGE, "-:"},
     {"--views a,b -o o.%V.png -", GP_ERR_USAGE, "o.%V.png:"},
     {"--views b,b1 -f 1,11,111 -o o.%V#.png -", GP_ERR_USAGE, "o.b11.png:"},
@@ -354,8 +347,6 @@ static void too_many_jobs(void **state)
     gp_settings_free(&s);
 }
 
-// -- what is made already ----------------------------------------------------
-
 struct made_row {
     const char *line;
     bool made;  // of the first frame
@@ -401,6 +392,5 @@ static void what_is_made(void **state)
     }
 }
 
-SUITE_OF(jobs, make_folder, remove_folder,
-    frames, views_in_names, views_in_files, views_in_stdin, too_many_jobs,
-    what_is_made)
+SUITE_OF(jobs, make_folder, remove_folder, frames, views_in_names,
+         views_in_files, views_in_stdin, too_many_jobs, what_is_made)

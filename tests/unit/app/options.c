@@ -147,14 +147,9 @@ static void words_that_look_like_options(void **state)
  * cluster leaves no room for one, a cluster that was asked for stays. */
 static void clusters_follow_groups(void **state)
 {
-    static const struct {
-        const char *line;
-        int group, cluster;
-    } rows[] = {
-        {"-o a i", 4, 8},
-        {"-o a i --group 1", 1, 8},
-        {"-o a i --group 8", 8, 0},
-        {"-o a i --group 64", 64, 0},
+    static const struct { const char *line; int group, cluster; } rows[] = {
+        {"-o a i", 4, 8}, {"-o a i --group 1", 1, 8},
+        {"-o a i --group 8", 8, 0}, {"-o a i --group 64", 64, 0},
         {"-o a i --group 8 --cluster 16", 8, 16},
         {"-o a i --group 32 --cluster 64", 32, 64},
         {"-o a i --group 4 --cluster 0", 4, 0},
@@ -204,27 +199,19 @@ static void commands(void **state)
  * after "-o a i ", or with a "!" the whole line; several with "|" between. */
 static const char *const bad_values[][2] = {
     {"--gain", "--gain|-g ''|-g x|-g 1x|-g 1,5|-g -0.1|-g nan|-g inf"},
-    {"-g", "-g"},
-    {"-o", "!-o --hdr i"},
-    {"--dither=1", "--dither=1"},
-    {"-qv", "-qv"},
-    {"--output", "!-o '' i"},
+    {"-g", "-g"}, {"-o", "!-o --hdr i"}, {"--dither=1", "--dither=1"},
+    {"-qv", "-qv"}, {"--output", "!-o '' i"},
     {"--depth", "--depth ''|--depth="},
-    {"--threshold", "-t nan|-t -nan|-t 1e39"},
-    {"--knee", "--knee 1.001"},
+    {"--threshold", "-t nan|-t -nan|-t 1e39"}, {"--knee", "--knee 1.001"},
     {"--max-value", "--max-value 0|--max-value nan"},
     {"--exposure", "--exposure -33"},
     {"--threads", "--threads 1.5|--threads -1|--threads 99999999999999999999"},
     {"--max-pixels", "--max-pixels 0|--max-pixels 1e6"},
-    {"--kernel-center", "--kernel-center 1|--kernel-center 1,|"
-     "--kernel-center 1,2,3|--kernel-center ,2|--kernel-center nan,2|"
-     "--kernel-center 1,inf"},
-    {"--engine", "-e gpu|-e ''"},
-    {"--tonemap", "--tonemap filmic"},
-    {"--kernel", "-k builtin:foo"},
-    {"--mix", "--mix screen"},
-    {"--compression", "--compression lzw"},
-    {"--depth-bits", "--depth-bits 12"},
+    {"--kernel-center", "--kernel-center 1|--kernel-center 1,|--kernel-center "
+     "1,2,3|--kernel-center ,2|--kernel-center nan,2|--kernel-center 1,inf"},
+    {"--engine", "-e gpu|-e ''"}, {"--tonemap", "--tonemap filmic"},
+    {"--kernel", "-k builtin:foo"}, {"--mix", "--mix screen"},
+    {"--compression", "--compression lzw"}, {"--depth-bits", "--depth-bits 12"},
     {"--debug", "--debug foo=x|--debug sensors|--debug sensors=|"
      "--debug polygons="},
     {"--sun", "--sun 1|--sun 1,2,3,4|--sun 1,2,|--sun 1,inf"},
@@ -237,8 +224,7 @@ static const char *const bad_values[][2] = {
     {"--tolerance", "--tolerance -1|--tolerance nan"},
     {"--group-method", "--group-method mean"},
     {"--primitive", "--primitive disc"},
-    {"--rotate", "--rotate inf|--rotate north"},
-    {"--csv", "--csv x"},
+    {"--rotate", "--rotate inf|--rotate north"}, {"--csv", "--csv x"},
 };
 
 static const char *const wrong[][2] = {
@@ -251,8 +237,7 @@ static const char *const wrong[][2] = {
     {"--treshold 2 i", "did you mean --threshold?"},
     {"--Knee 2 i", "did you mean --knee?"},
     {"--xyzzyquux i", "glarepp --help lists them"},
-    {"--x i", "glarepp --help lists them"},
-    {"-Z i", "-Z: unknown option"},
+    {"--x i", "glarepp --help lists them"}, {"-Z i", "-Z: unknown option"},
     {"--help-ma i", "did you mean --help?"},
     {"-o a i --mix scatter -g 1.5", "more light would be scattered"},
     {"-o a i --verify", "--verify: its result would be shown nowhere"},
@@ -345,7 +330,6 @@ static void warnings(void **state)
     }
 }
 
-SUITE_OF(options, NULL, NULL,
-    defaults_hold, every_option_is_stored, forms_of_values,
-    words_that_look_like_options, clusters_follow_groups, commands,
-    errors_say_what_is_wrong, warnings)
+SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
+         forms_of_values, words_that_look_like_options, clusters_follow_groups,
+         commands, errors_say_what_is_wrong, warnings)

@@ -50,8 +50,7 @@ static void failed_lists(void **state)
         {"5", "5"}, {"5,6", "5-6"}, {"5,7", "5,7"}, {"5,7,9", "5-9x2"},
         {"1,2,3,7,9,12", "1-3,7,9,12"}, {"1,2,4,6,8", "1-2,4-8x2"},
         {"9-5,1", "9-5,1"}, {"40-10x10", "40-10x10"}, {"-3--1", "-3--1"},
-        {"-999999999,999999999,-999999998",
-         "-999999999,999999999,-999999998"},
+        {"-999999999,999999999,-999999998", "-999999999,999999999,-999999998"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frames f, back;
@@ -140,8 +139,7 @@ static void failed_views(void **state)
         struct gp_failures f;
         bool whole;
         for (int k = 0; k < 10; k++) {
-            snprintf(name[k], sizeof name[k], "%d.%s", k / 2 + 1,
-                     views[k % 2]);
+            snprintf(name[k], sizeof name[k], "%d.%s", k / 2 + 1, views[k % 2]);
             job[k] = (struct gp_job) {name[k], rows[i].numbered, k / 2 + 1,
                                       views[k % 2]};
         }
@@ -160,8 +158,6 @@ static void failed_views(void **state)
         gp_failures_free(&f);
     }
 }
-
-// -- the line ----------------------------------------------------------------
 
 /* What an update draws into a file that is no terminal, `ms` after the start;
  * "" for nothing. */
@@ -209,6 +205,5 @@ static void progress_lines(void **state)
     assert_string_equal(drawn(GP_PROGRESS_ALWAYS, true, 0, 2, 0.0, "f"), "");
 }
 
-SUITE_OF(progress, NULL, NULL,
-    failed_lists, long_lists_are_cut, names_without_numbers, failed_views,
-    progress_lines)
+SUITE_OF(progress, NULL, NULL, failed_lists, long_lists_are_cut,
+         names_without_numbers, failed_views, progress_lines)

@@ -200,8 +200,6 @@ static void errors_of_files(void **state)
     (void) gp_report_close(NULL, &r);
 }
 
-// -- lines for readers -------------------------------------------------------
-
 static void lines_are_cut_not_overrun(void **state)
 {
     struct gp_facts facts = full_facts();
@@ -214,13 +212,11 @@ static void lines_are_cut_not_overrun(void **state)
     }
     gp_facts_text(&facts, line, sizeof line);
     assert_non_null(strstr(line, "in.0007.exr: 640x480, 12 sources, splat "
-                                 "(asked for), 12 polygons (7 groups, 5 "
-                                 "clusters), 11 cores, blended quads on "
-                                 "OSMesa: llvmpipe"));
+                           "(asked for), 12 polygons (7 groups, 5 clusters), "
+                           "11 cores, blended quads on OSMesa: llvmpipe"));
 }
 
-SUITE_OF(report, NULL, NULL,
-    all_fields_in_order, what_was_not_needed_is_left_out,
-    hard_values_stay_json, locales_do_not_matter,
-    files_are_touched_with_the_first_line, errors_of_files,
-    lines_are_cut_not_overrun)
+SUITE_OF(report, NULL, NULL, all_fields_in_order,
+         what_was_not_needed_is_left_out, hard_values_stay_json,
+         locales_do_not_matter, files_are_touched_with_the_first_line,
+         errors_of_files, lines_are_cut_not_overrun)

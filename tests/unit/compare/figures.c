@@ -55,8 +55,7 @@ static void fill(struct image *m, unsigned seed)
 }
 
 static struct gp_compare_figures measure(const struct image *a,
-                                         const struct image *b,
-                                         const struct gp_compare_params *s)
+    const struct image *b, const struct gp_compare_params *s)
 {
     struct gp_compare_match m;
     struct gp_compare_figures f;
@@ -113,10 +112,7 @@ static void luminance_is_relative(void **state)
 /* What each pair of values is. */
 static void values_that_are_no_numbers(void **state)
 {
-    static const struct {
-        float a, b;
-        bool same;
-    } rows[] = {
+    static const struct { float a, b; bool same; } rows[] = {
         {NAN, NAN, true},        {-NAN, NAN, true},
         {INFINITY, INFINITY, true}, {-INFINITY, -INFINITY, true},
         {INFINITY, -INFINITY, false}, {NAN, INFINITY, false},
@@ -287,9 +283,7 @@ static void black_has_flip(void **state)
 static void magma_is_magma(void **state)
 {
     // of 255, from the published table
-    static const struct {
-        float v, rgb[3];
-    } rows[] = {
+    static const struct { float v, rgb[3]; } rows[] = {
         {0.0f, {0, 0, 4}},       {0.25f, {81, 18, 124}},
         {0.5f, {183, 55, 121}},  {0.75f, {252, 137, 97}},
         {1.0f, {252, 253, 191}}, {2.0f, {252, 253, 191}},

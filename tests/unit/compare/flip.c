@@ -89,14 +89,9 @@ static double hdr(struct pair *p, const struct gp_flip_exposures *e)
 
 static void flat_colours_are_as_far_as_they_are(void **state)
 {
-    static const struct {
-        float a[3], b[3];
-        double want;
-    } rows[] = {
-        {{0, 0, 0}, {1, 1, 1}, 0.967380},
-        {{1, 0, 0}, {0, 1, 0}, 0.986662},
-        {{0, 1, 0}, {0, 0, 1}, 1.0},
-        {{1, 0, 0}, {0, 0, 1}, 0.965079},
+    static const struct { float a[3], b[3]; double want; } rows[] = {
+        {{0, 0, 0}, {1, 1, 1}, 0.967380}, {{1, 0, 0}, {0, 1, 0}, 0.986662},
+        {{0, 1, 0}, {0, 0, 1}, 1.0}, {{1, 0, 0}, {0, 0, 1}, 0.965079},
         {{1, 1, 0}, {0, 1, 1}, 0.971958},
         {{.5f, .5f, .5f}, {.6f, .6f, .6f}, 0.196215},
         {{.2f, .3f, .4f}, {.25f, .3f, .4f}, 0.142384},
@@ -221,10 +216,7 @@ static void square(struct pair *p, float scale)
 
 static void exposures_fit_the_reference(void **state)
 {
-    static const struct {
-        int w, h;
-        double start, stop, mean;
-    } rows[] = {
+    static const struct { int w, h; double start, stop, mean; } rows[] = {
         {60, 44, -3.859875, -2.135175, 0.1392478},
         {31, 70, -3.859875, -2.135175, 0.1420240},
     };
@@ -283,11 +275,9 @@ static void dark_and_hostile_references_have_exposures(void **state)
         float range;
         int count;
     } rows[] = {
-        {{0, 0, 0, 0}, 0, 1},
-        {{-1, -INFINITY, NAN, 0}, 0, 1},
+        {{0, 0, 0, 0}, 0, 1}, {{-1, -INFINITY, NAN, 0}, 0, 1},
         {{0, 0, 0, 8}, 0, 2}, // the median of what is lit
-        {{0, 0, 2, 8}, 3, 3},
-        {{1, 1, 1, 1024}, 10, 10},
+        {{0, 0, 2, 8}, 3, 3}, {{1, 1, 1, 1024}, 10, 10},
         {{1e-30f, 1e-30f, 1e-30f, INFINITY}, 149.486f, GP_FLIP_EXPOSURES_MAX},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -329,8 +319,6 @@ static void the_largest_of_all_exposures_counts(void **state)
     free(most);
     free_pair(&p);
 }
-
-// -- refusals ----------------------------------------------------------------
 
 static void what_makes_no_sense_is_refused(void **state)
 {
@@ -393,10 +381,9 @@ static void memory_is_full(void **state)
 }
 
 SUITE_OF(flip, NULL, NULL, flat_colours_are_as_far_as_they_are,
-         patterns_agree_with_the_plain_form,
-         laws_hold_at_any_size_and_distance, one_pixel_is_seen_near_it_alone,
-         threads_change_nothing, exposures_fit_the_reference,
-         the_median_decides_where_exposures_stop,
+         patterns_agree_with_the_plain_form, laws_hold_at_any_size_and_distance,
+         one_pixel_is_seen_near_it_alone, threads_change_nothing,
+         exposures_fit_the_reference, the_median_decides_where_exposures_stop,
          dark_and_hostile_references_have_exposures,
          the_largest_of_all_exposures_counts, what_makes_no_sense_is_refused,
          memory_is_full)

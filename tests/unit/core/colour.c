@@ -12,10 +12,7 @@ static void assert_near(double got, double want, double tolerance)
 
 static void weights_are_the_published_ones(void **state)
 {
-    static const struct {
-        float ch[8];
-        double weight[3], tolerance;
-    } rows[] = {
+    static const struct { float ch[8]; double weight[3], tolerance; } rows[] = {
         // ITU-R BT.2020-2, table 4
         {{0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.3290f},
          {0.2627, 0.6780, 0.0593}, 6e-5},
@@ -103,14 +100,10 @@ static void degenerate_primaries_count_as_bt709(void **state)
 
 static void srgb_points(void **state)
 {
-    static const struct {
-        float linear, encoded, tolerance;
-    } rows[] = {
-        {0.0f, 0.0f, 0.0f},
-        {1.0f, 1.0f, 0.0f},
+    static const struct { float linear, encoded, tolerance; } rows[] = {
+        {0.0f, 0.0f, 0.0f}, {1.0f, 1.0f, 0.0f},
         {0.0031308f, 0.0404500f, 1e-6f}, // where the line meets the power
-        {0.18f, 0.4613561f, 1e-6f},
-        {0.2140411f, 0.5f, 1e-6f},
+        {0.18f, 0.4613561f, 1e-6f}, {0.2140411f, 0.5f, 1e-6f},
         {0.001f, 0.01292f, 1e-7f},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {

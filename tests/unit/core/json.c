@@ -30,13 +30,10 @@ static void files_by_content(void **state)
         size_t n;
         const char *say; // NULL: read
     } row[] = {
-        {BYTES("[]"), NULL},
-        {BYTES("{}"), NULL},
-        {BYTES(" [1, 2.5, -3e4]\n"), NULL},
-        {BYTES("\xef\xbb\xbf[1]"), NULL},
+        {BYTES("[]"), NULL}, {BYTES("{}"), NULL},
+        {BYTES(" [1, 2.5, -3e4]\n"), NULL}, {BYTES("\xef\xbb\xbf[1]"), NULL},
         {BYTES("{\"id\": 18446744073709551615999}"), NULL},
-        {BYTES("[\"\xe2\x82\xac\"]"), NULL},
-        {BYTES(""), "the file is empty"},
+        {BYTES("[\"\xe2\x82\xac\"]"), NULL}, {BYTES(""), "the file is empty"},
         {BYTES("\n \t\r\n"), "the file is empty"},
         {BYTES("\xef\xbb\xbf"), "the file is empty"},
         {BYTES("3"), "line 1, column 1"},
@@ -44,17 +41,12 @@ static void files_by_content(void **state)
         {BYTES("[1] [2]"), "line 1, column 5"},
         {BYTES("{\"a\": 1, \"a\": 2}"), "duplicate"},
         {BYTES("{\"b\": {\"a\": 1, \"a\": 1}}"), "duplicate"},
-        {BYTES("[\"\xff\xfe\"]"), "line 1"},
-        {BYTES("[\"\xc3(\"]"), "line 1"},
+        {BYTES("[\"\xff\xfe\"]"), "line 1"}, {BYTES("[\"\xc3(\"]"), "line 1"},
         {BYTES("[\"\xed\xa0\x80\"]"), "line 1"}, // half of a surrogate pair
-        {BYTES("[NaN]"), "line 1"},
-        {BYTES("[Infinity]"), "line 1"},
-        {BYTES("[1e999]"), "overflow"},
-        {BYTES("[01]"), "line 1"},
-        {BYTES("[1,5.]"), "line 1"},
-        {BYTES("[\"a\0b\"]"), "line 1"},
-        {BYTES("[1]\0"), "line 1"},
-        {BYTES("[\"\\u0000\"]"), "line 1"},
+        {BYTES("[NaN]"), "line 1"}, {BYTES("[Infinity]"), "line 1"},
+        {BYTES("[1e999]"), "overflow"}, {BYTES("[01]"), "line 1"},
+        {BYTES("[1,5.]"), "line 1"}, {BYTES("[\"a\0b\"]"), "line 1"},
+        {BYTES("[1]\0"), "line 1"}, {BYTES("[\"\\u0000\"]"), "line 1"},
         {BYTES("[\x1b[31m]"), "(invalid token near '?"},
         {BYTES("// no\n[]"), "line 1"},
     };
@@ -189,15 +181,11 @@ static void arrays_of_files(void **state)
 static void keys_must_be_known(void **state)
 {
     static const char *const keys[] = {"a", "bc", NULL};
-    static const struct {
-        const char *text, *say;
-    } row[] = {
-        {"{}", NULL},
-        {"{'bc': 0, 'a': 0}", NULL},
+    static const struct { const char *text, *say; } row[] = {
+        {"{}", NULL}, {"{'bc': 0, 'a': 0}", NULL},
         {"{'a': 0, 'b': 0}", "a.json: light 3: "},
         {"{'z': 0, 'y': 0}", "\"z\""}, // the file's first
-        {"{'A': 0}", "\"A\""},
-        {"{'': 0}", "(found \"\")"},
+        {"{'A': 0}", "\"A\""}, {"{'': 0}", "(found \"\")"},
         {"{'\\u001b[2J\\nx': 0}", "\"?[2J?x\""},
         {"[0, 1]", "(found an array of 2)"},
     };
@@ -230,8 +218,6 @@ static void long_names_are_cut(void **state)
     }
 }
 
-/* -- values ---------------------------------------------------------------- */
-
 enum kind { NUMBER, INT, ARRAY, GREY, TEXT, CHOICE };
 
 /* What value "v" of an object is as each kind: numbers in [lo, hi], three of
@@ -246,8 +232,7 @@ static void values(void **state)
         double lo, hi, want[3];
         const char *say; // NULL: no error
     } row[] = {
-        {NUMBER, "{}", 0, 1, {9}, NULL},
-        {NUMBER, "{'v': 0}", 0, 1, {0}, NULL},
+        {NUMBER, "{}", 0, 1, {9}, NULL}, {NUMBER, "{'v': 0}", 0, 1, {0}, NULL},
         {NUMBER, "{'v': 1}", 0, 1, {1}, NULL},
         {NUMBER, "{'v': 2.5e-1}", 0, 1, {0.25}, NULL},
         {NUMBER, "{'v': -1e308}", -DBL_MAX, DBL_MAX, {-1e308}, NULL},
@@ -280,8 +265,7 @@ static void values(void **state)
         {ARRAY, "{'v': [1, '2', 3]}", 0, 10, {9, 9, 9}, "(found a text)"},
         {GREY, "{'v': {'0': 1}}", 0, 10, {9, 9, 9}, "(found an object)"},
         {GREY, "{'v': 11}", 0, 10, {9, 9, 9}, "(found 11)"},
-        {TEXT, "{}", 0, 0, {9}, NULL},
-        {TEXT, "{'v': ''}", 0, 0, {0}, NULL},
+        {TEXT, "{}", 0, 0, {9}, NULL}, {TEXT, "{'v': ''}", 0, 0, {0}, NULL},
         {TEXT, "{'v': 'ring'}", 0, 0, {4}, NULL},
         {TEXT, "{'v': 1}", 0, 0, {9}, "(found 1)"},
         {CHOICE, "{}", 0, 0, {9}, NULL},
@@ -318,9 +302,8 @@ static void values(void **state)
             v[0] = (double) strlen(text);
         if (st != (row[i].say ? GP_ERR_DATA : GP_OK))
             fail_msg("row %zu: status %d %s", i, st, said_line);
-        for (int k = 0; k < (row[i].kind == ARRAY || row[i].kind == GREY ? 3
-                                                                         : 1);
-             k++)
+        for (int k = 0; k < (row[i].kind == ARRAY ||
+                             row[i].kind == GREY ? 3 : 1); k++)
             assert_true(v[k] == row[i].want[k]);
         assert_int_equal(found, there);
         if (row[i].say) {
@@ -343,7 +326,6 @@ static void the_file_itself_has_no_number(void **state)
 }
 
 SUITE_OF(json, jf_setup, jf_teardown, files_by_content,
-         files_that_cannot_be_read, sizes_up_to_the_limit,
-         deep_nesting_is_an_error, a_decimal_comma_changes_nothing,
-         arrays_of_files, keys_must_be_known, long_names_are_cut, values,
-         the_file_itself_has_no_number)
+    files_that_cannot_be_read, sizes_up_to_the_limit, deep_nesting_is_an_error,
+    a_decimal_comma_changes_nothing, arrays_of_files, keys_must_be_known,
+    long_names_are_cut, values, the_file_itself_has_no_number)

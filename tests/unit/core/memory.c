@@ -124,8 +124,7 @@ static void threads_share(void **state)
     pthread_t id[4];
     int name[4] = {0, 1, 2, 3};
     for (int i = 0; i < 4; i++)
-        assert_int_equal(pthread_create(&id[i], NULL, use_blocks, &name[i]),
-                         0);
+        assert_int_equal(pthread_create(&id[i], NULL, use_blocks, &name[i]), 0);
     for (int i = 0; i < 4; i++) {
         void *wrong;
         pthread_join(id[i], &wrong);

@@ -90,9 +90,7 @@ static void each_i_once(void **state)
 
 static void lowest_failure(void **state)
 {
-    static const struct {
-        int threads, n, from, step;
-    } row[] = {
+    static const struct { int threads, n, from, step; } row[] = {
         {1, 100, 0, 1}, {2, 100, 99, 1}, {3, 2000, 77, 5}, {8, 2000, 1999, 1},
         {8, 5000, 3, 1}, {4, 2, 1, 1},
     };
@@ -103,8 +101,7 @@ static void lowest_failure(void **state)
         s.fail_from = row[k].from;
         s.fail_step = row[k].step;
         gp_set_threads(row[k].threads);
-        assert_int_equal(gp_parallel(row[k].n, body, &s, &failed),
-                         GP_ERR_DATA);
+        assert_int_equal(gp_parallel(row[k].n, body, &s, &failed), GP_ERR_DATA);
         assert_int_equal(failed, row[k].from);
         for (int i = 0; i < row[k].from; i++) // all below was run
             assert_int_equal(s.count[i], 1);
@@ -243,5 +240,6 @@ static void threads_do_not_start(void **state)
     gp_set_threads(1);
 }
 
-SUITE_OF(parallel, NULL, NULL, processors_unknown, each_i_once, lowest_failure,
-         callers_share, child_has_its_own, threads_do_not_start)
+// threads_do_not_start before any loop has left workers that would help
+SUITE_OF(parallel, NULL, NULL, processors_unknown, threads_do_not_start,
+         each_i_once, lowest_failure, callers_share, child_has_its_own)

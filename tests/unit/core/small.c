@@ -12,8 +12,6 @@
 #include <limits.h>
 #include <unistd.h>
 
-// -- frames -----------------------------------------------------------------------
-
 static int origins;
 
 static void free_origin(void *origin)
@@ -134,8 +132,7 @@ static void statuses_have_texts(void **state)
 {
 #define ROW(name, code, text) {name, code, text},
     static const struct { int status, code; const char *text; } rows[] = {
-        GP_STATUS_LIST(ROW)
-    };
+        GP_STATUS_LIST(ROW) };
 #undef ROW
     for (size_t i = 0; i < COUNT(rows); i++) {
         assert_int_equal(rows[i].status, rows[i].code);
@@ -145,8 +142,6 @@ static void statuses_have_texts(void **state)
     for (size_t i = 0; i < COUNT(others); i++)
         assert_string_equal(gp_status_text(others[i]), "unknown status");
 }
-
-// -- the program's own shared objects -----------------------------------------------
 
 static void bridges_are_looked_for(void **state)
 {
@@ -174,8 +169,7 @@ static void bridges_are_looked_for(void **state)
             unsetenv("GLAREPP_BRIDGES");
         for (int lost = 0; lost < 2; lost++) {
             fail_always.links = lost; // the program does not know where it is
-            assert_null(gp_bridge_open(rows[i].name, "none", why,
-                                       sizeof why));
+            assert_null(gp_bridge_open(rows[i].name, "none", why, sizeof why));
             if (!strstr(why, rows[i].said))
                 fail_msg("row %zu: \"%s\"", i, why);
         }
