@@ -194,8 +194,7 @@ static bool find_layer(const char *const *name, int n, int index[3])
         last_len = len;
         bool picture = is_picture(name[i], len);
         int at[3];
-        if ((found && !picture) ||
-            !find_all(name, n, i, len, ascending, at))
+        if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
             continue;
         memcpy(index, at, sizeof at);
         found = true;

@@ -28,8 +28,7 @@ enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
  * Of several layers one that is called Combined, beauty or rgba comes before
  * the first: Blender's ambient occlusion pass comes before its picture.
  * Cryptomatte's ids are never colour, nor is an empty name, which
- * means a channel that is not to be chosen.
- */
+ * means a channel that is not to be chosen. */
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out);
 
@@ -37,8 +36,7 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
  * case, LAYER.Y with LAYER.RY or BY, LAYER.Y. Of "" the channels without a
  * layer.
  *
- *   lone  only the channel that is called `layer` itself, as grey
- */
+ *   lone  only the channel that is called `layer` itself, as grey */
 bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
                           bool lone, struct gp_colour_choice *out);
 
@@ -67,11 +65,9 @@ int gp_find_alpha(const struct gp_frame *f);
  *   out   index into f->channel, or -1 when searching finds none
  *
  * Errors: GP_ERR_USAGE the name is not in the frame (the line lists the
- * channels it has); GP_ERR_DATA two candidates of equal rank (names both).
- */
+ * channels it has); GP_ERR_DATA two candidates of equal rank (names both). */
 GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
-                                      const struct gp_frame *f,
-                                      const char *name, int *out);
+    const struct gp_frame *f, const char *name, int *out);
 
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list
  * with commas, which begins empty. False when it ends with "...", for want of
@@ -93,8 +89,7 @@ void gp_channel_floats(const struct gp_frame *f, int channel, float *out);
  * Source: Friedman and Jones, "Cryptomatte specification", version 1.2.0: the
  * attribute cryptomatte/HASH/name names a layer NAME, whose ids and coverages
  * are the channels NAME00.R,G,B,A, NAME01.R, ... and whose preview, if there
- * is one, is NAME.R,G,B.
- */
+ * is one, is NAME.R,G,B. */
 
 /* Layers that a file names; more of them are known only by their channels'
  * names, as in a file that names none. */

@@ -249,11 +249,9 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
                        bool create_dir, struct gp_file **out)
 {
     gp_status st;
-    void *mem = NULL;
     struct gp_file *f = NULL;
     GP_TRY(gp_file_check(log, path, create_dir));
-    GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &mem));
-    f = mem;
+    GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &f));
     *f = (struct gp_file) {.log = log, .fd = -1};
     f->is_stdout = strcmp(path, "-") == 0;
     f->path = gp_strdup(f->is_stdout ? "stdout" : path);

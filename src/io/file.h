@@ -9,8 +9,7 @@
  *
  * Every function prints its own error line through the log given to
  * gp_file_open(). The bytes on disk are not forced out (no fsync): a rename
- * of data that a power cut loses is the file system's business.
- */
+ * of data that a power cut loses is the file system's business. */
 #ifndef GP_IO_FILE_H
 #define GP_IO_FILE_H
 
@@ -31,11 +30,9 @@ struct gp_file;
  *               gp_file_discard()
  *
  * Errors: GP_ERR_IO no such folder, a folder of that name, not writable;
- * GP_ERR_BUG out of memory.
- */
-GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log,
-                                     const char *path, bool create_dir,
-                                     struct gp_file **out);
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_file_open(const struct gp_log *log, const char *path,
+                                     bool create_dir, struct gp_file **out);
 
 /* Appends `size` bytes. Errors: GP_ERR_IO with the system's reason. */
 GP_MUST_CHECK gp_status gp_file_write(struct gp_file *f, const void *data,
@@ -60,9 +57,8 @@ GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 void gp_file_discard(struct gp_file **f);
 
 /* Writes a whole file of `size` bytes. Errors: as above. */
-GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log,
-                                     const char *path, const void *data,
-                                     size_t size);
+GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log, const char *path,
+                                     const void *data, size_t size);
 
 /* Checks before any work what gp_file_open() will need: the folder exists and
  * is writable (or may be made), the name is no folder. */

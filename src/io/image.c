@@ -110,8 +110,7 @@ static void split_row(void *ctx, int y, int thread)
             linear_row(s, row, w);
             memcpy(s->f->rgb.c[c->colour] + at, row, (size_t) w * sizeof *row);
         } else if (c->type == GP_HALF) {
-            (void) gp_float_to_half(row, (uint16_t *) c->data + at,
-                                    (size_t) w);
+            (void) gp_float_to_half(row, (uint16_t *) c->data + at, (size_t) w);
         } else {
             memcpy((float *) c->data + at, row, (size_t) w * sizeof *row);
         }
@@ -164,8 +163,7 @@ gp_status gp_image_load(const struct gp_log *log, struct gp_image *image)
     void *pixels;
     if (image->pixels)
         return GP_OK;
-    gp_status st = gp_alloc(log, "picture", rows, row * sizeof(float),
-                            &pixels);
+    gp_status st = gp_alloc(log, "picture", rows, row * sizeof(float), &pixels);
     for (int y = 0; !st && y < h; y += image->block)
         st = image->rows(log, image, y, (float *) pixels + (size_t) y * row);
     if (st)
@@ -187,8 +185,7 @@ void gp_image_close(struct gp_image *image)
 
 /* The colour of a layer by its name. */
 static gp_status choose_layer(const struct gp_log *log, const char *layer,
-                              const struct gp_image *image,
-                              struct gp_colour_choice *out)
+    const struct gp_image *image, struct gp_colour_choice *out)
 {
     const char *const *name = image->channel_name;
     char list[GP_CHANNEL_LIST] = "";
@@ -220,9 +217,8 @@ static struct gp_colour_choice choose(const struct gp_image *image)
 }
 
 static gp_status make_channels(const struct gp_log *log,
-                               const struct gp_image *image,
-                               const struct gp_colour_choice *colour,
-                               struct gp_frame *f)
+    const struct gp_image *image, const struct gp_colour_choice *colour,
+    struct gp_frame *f)
 {
     void *list;
     gp_status st = gp_alloc_zero(log, "channels", (size_t) image->channels,
@@ -250,8 +246,7 @@ static gp_status make_channels(const struct gp_log *log,
 }
 
 static gp_status keep_attributes(const struct gp_log *log,
-                                 const struct gp_image *image,
-                                 struct gp_frame *f)
+    const struct gp_image *image, struct gp_frame *f)
 {
     void *list;
     gp_status st = gp_alloc_zero(log, "attributes", (size_t) image->attributes,
@@ -313,8 +308,7 @@ out:
 }
 
 gp_status gp_window_check(const struct gp_log *log, const char *path,
-                          const char *which, int64_t w, int64_t h,
-                          long long max_pixels)
+    const char *which, int64_t w, int64_t h, long long max_pixels)
 {
     if (w >= 1 && h >= 1 && w <= INT_MAX / 4 && h <= INT_MAX / 4 &&
         w * h <= max_pixels)

@@ -1,6 +1,5 @@
 /* A picture as its file stores it, of any format but EXR, and the frame that
- * is made of it.
- */
+ * is made of it. */
 #ifndef GP_IO_IMAGE_H
 #define GP_IO_IMAGE_H
 
@@ -50,19 +49,15 @@ GP_MUST_CHECK gp_status gp_image_load(const struct gp_log *log,
  *   layer  as in gp_read_params
  *   out    written only on GP_OK
  *
- * Errors: those of rows(); GP_ERR_USAGE no such layer.
- */
+ * Errors: those of rows(); GP_ERR_USAGE no such layer. */
 GP_MUST_CHECK gp_status gp_image_frame(const struct gp_log *log,
-                                       const char *layer,
-                                       struct gp_image *image,
-                                       struct gp_frame *out);
+    const char *layer, struct gp_image *image, struct gp_frame *out);
 
 /* Refuses a window of `w` x `h` pixels that is empty, has more than
  * max_pixels, or edges that int cannot hold four times. `which` is "data" or
  * "display", for the line. Errors: GP_ERR_DATA. */
 GP_MUST_CHECK gp_status gp_window_check(const struct gp_log *log,
-                                        const char *path, const char *which,
-                                        int64_t w, int64_t h,
-                                        long long max_pixels);
+    const char *path, const char *which, int64_t w, int64_t h,
+    long long max_pixels);
 
 #endif

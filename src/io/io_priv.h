@@ -47,12 +47,10 @@ extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
  *
  * Errors: those of gp_stream_open() and gp_stream_fill(), whose limit is 16
  * bytes for each of max_pixels, and 64 MiB; GP_ERR_DATA the name says EXR and
- * the bytes do not, or a pipe begins like no image.
- */
+ * the bytes do not, or a pipe begins like no image. */
 GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
-                                     const struct gp_read_params *p,
-                                     const char *path,
-                                     struct gp_stream *stream, bool *exr);
+    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
+    bool *exr);
 
 /* Opens picture `part` of a stream of any format, of EXR those with DWA, by its
  * first bytes;
@@ -60,18 +58,14 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
  * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, cut off, over
  * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
-                                      const struct gp_read_params *p,
-                                      const char *path,
-                                      const struct gp_stream *stream, int part,
-                                      struct gp_image *out);
+    const struct gp_read_params *p, const char *path,
+    const struct gp_stream *stream, int part, struct gp_image *out);
 
 /* gp_read_frame() for an open stream, from its first bytes on; takes the
  * stream over: it is closed, or lives on in the frame. */
 GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
-                                       const struct gp_read_params *p,
-                                       const char *path,
-                                       struct gp_stream *stream,
-                                       struct gp_frame *out);
+    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
+    struct gp_frame *out);
 
 /* -- writing --------------------------------------------------------------- */
 
@@ -81,15 +75,12 @@ struct gp_writer {
     bool only_straight; // only to stdout, a pipe or a device
     // checks the params; NULL: any will do. Errors: as gp_write_check()
     gp_status (*check)(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const char *ending);
+        const struct gp_write_params *p, const char *path, const char *ending);
     // gp_write_picture() for this format
     gp_status (*write)(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f,
-                       const struct gp_planes *planes,
-                       enum gp_picture_kind kind,
-                       struct gp_write_stats *stats);
+        const struct gp_write_params *p, const char *path,
+        const struct gp_frame *f, const struct gp_planes *planes,
+        enum gp_picture_kind kind, struct gp_write_stats *stats);
 };
 extern const struct gp_writer gp_writers[]; // the last one is for all endings
 
@@ -103,8 +94,7 @@ struct gp_quantizer;
  *   out   written only on GP_OK; free with gp_quantizer_free(). Read only
  *         after this, so any number of threads may share it.
  *
- * Errors: GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
                                           struct gp_quantizer **out);
 void gp_quantizer_free(struct gp_quantizer *q);
@@ -127,8 +117,7 @@ void gp_quantize(const struct gp_quantizer *q, const float *linear,
  *
  * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
  * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
- * so that wide pictures do not lose its low bits.
- */
+ * so that wide pictures do not lose its low bits. */
 void gp_quantize_dither(const struct gp_quantizer *q, const float *linear,
                         int x, int y, uint16_t *code, size_t n);
 
@@ -138,9 +127,8 @@ void gp_quantize_linear(const struct gp_quantizer *q, const float *value,
                         uint16_t *code, size_t n);
 
 /* The same with the dither of gp_quantize_dither(). */
-void gp_quantize_linear_dither(const struct gp_quantizer *q,
-                               const float *value, int x, int y,
-                               uint16_t *code, size_t n);
+void gp_quantize_linear_dither(const struct gp_quantizer *q, const float *value,
+                               int x, int y, uint16_t *code, size_t n);
 
 /* -- PNG ------------------------------------------------------------------- */
 
@@ -162,12 +150,10 @@ void gp_quantize_linear_dither(const struct gp_quantizer *q,
  * Errors, also of rows(): GP_ERR_DATA cut off, a chunk's checksum or data are
  * wrong (the last rows() reads on to IEND), over max_pixels; GP_ERR_IO cannot
  * be read; GP_ERR_BUG out of memory.
- * Source: W3C PNG (third edition).
- */
+ * Source: W3C PNG (third edition). */
 GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
-                                    long long max_pixels,
-                                    struct gp_image *out);
+                                    long long max_pixels, struct gp_image *out);
 
 /* gp_write_picture() for PNG: RGB, or RGBA with GP_ALPHA_KEEP and an alpha
  * channel (picture.h says what alpha means where light has none).
@@ -175,15 +161,11 @@ GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
  * Colour chunks: for BT.709 primaries cICP (BT.709, sRGB curve), sRGB, gAMA
  * and cHRM; for a scene-linear picture in other primaries gAMA, and cHRM with
  * these primaries unless they are imaginary. Pixels that are not square get a
- * pHYs chunk.
- */
+ * pHYs chunk. */
 GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
-                                     const struct gp_write_params *p,
-                                     const char *path,
-                                     const struct gp_frame *f,
-                                     const struct gp_planes *planes,
-                                     enum gp_picture_kind kind,
-                                     struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
 
 /* -- PFM ------------------------------------------------------------------- */
 
@@ -191,17 +173,13 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
  * black, in the display window. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
-                                    long long max_pixels,
-                                    struct gp_image *out);
+                                    long long max_pixels, struct gp_image *out);
 GP_MUST_CHECK gp_status gp_pfm_length(const uint8_t *data, uint64_t size,
                                       uint64_t *length);
 GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
-                                     const struct gp_write_params *p,
-                                     const char *path,
-                                     const struct gp_frame *f,
-                                     const struct gp_planes *planes,
-                                     enum gp_picture_kind kind,
-                                     struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
 
 /* -- raw frames, as ffmpeg's rawvideo reads them --------------------------- */
 
@@ -214,15 +192,11 @@ GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
  *          becomes this frame's
  *
  * Errors: those of gp_write_picture(); GP_ERR_DATA a size other than that of
- * the frames before, which a stream without headers cannot say.
- */
+ * the frames before, which a stream without headers cannot say. */
 GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
-                                     const struct gp_write_params *p,
-                                     const char *path,
-                                     const struct gp_frame *f,
-                                     const struct gp_planes *planes,
-                                     enum gp_picture_kind kind,
-                                     struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
 
 /* -- temporary files ------------------------------------------------------- */
 
@@ -277,20 +251,15 @@ struct gp_plane_place {
  *   list    written always; lives no longer than `o`; free with
  *           gp_plane_list_free()
  *
- * Errors: GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_plane_list_exr(const struct gp_log *log,
-                                          const char *path,
-                                          const struct gp_input *o,
-                                          bool colour, bool depth,
-                                          struct gp_plane_list *list);
+    const char *path, const struct gp_input *o, bool colour, bool depth,
+    struct gp_plane_list *list);
 
 /* A file of one part with `channels` channels, whose names the caller puts
  * into list->channel[]. Else as above. */
 GP_MUST_CHECK gp_status gp_plane_list_one(const struct gp_log *log,
-                                          const char *path, bool colour,
-                                          int channels,
-                                          struct gp_plane_list *list);
+    const char *path, bool colour, int channels, struct gp_plane_list *list);
 void gp_plane_list_free(struct gp_plane_list *list);
 
 /* Finds a channel.
@@ -302,12 +271,9 @@ void gp_plane_list_free(struct gp_plane_list *list);
  *   out       written on GP_OK
  *
  * Errors: GP_ERR_USAGE not there, with a list of what is, in the form in
- * which --depth takes it; GP_ERR_DATA two of equal rank in one part.
- */
+ * which --depth takes it; GP_ERR_DATA two of equal rank in one part. */
 GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
-                                      const struct gp_plane_list *list,
-                                      const char *name, bool depth,
-                                      bool own_file,
-                                      struct gp_plane_place *out);
+    const struct gp_plane_list *list, const char *name, bool depth,
+    bool own_file, struct gp_plane_place *out);
 
 #endif

@@ -189,8 +189,7 @@ static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 
 gp_status gp_pfm_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f,
-                       const struct gp_planes *planes,
+                       const struct gp_frame *f, const struct gp_planes *planes,
                        enum gp_picture_kind kind, struct gp_write_stats *stats)
 {
     gp_status st;

@@ -26,8 +26,7 @@ enum { ONE = 0x3f800000, INF = 0x7f800000 }; // bits of 1.0f and INFINITY
  *
  * Choices are made on the bits of floats: those of values >= 0 are in the
  * order of the values, and the compiler makes vectors of integer choices
- * where it has to keep branches for float ones, which may trap.
- */
+ * where it has to keep branches for float ones, which may trap. */
 struct gp_quantizer {
     int max;
     int32_t *least; // bits of the smallest float of each code; max + 2 entries
@@ -156,8 +155,7 @@ static INLINE void encode_block(const float *restrict in, float max,
 }
 
 static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
-                                        const float *linear, uint16_t *code,
-                                        size_t n)
+    const float *linear, uint16_t *code, size_t n)
 {
     const int32_t *const least = q->least;
     const uint8_t *const first = q->first;
@@ -174,8 +172,7 @@ static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
 }
 
 static GP_CLONES void quantize_by_curve(const struct gp_quantizer *q,
-                                        const float *linear, uint16_t *code,
-                                        size_t n)
+    const float *linear, uint16_t *code, size_t n)
 {
     const int32_t *const least = q->least;
     float x[BLOCK], v[BLOCK];
@@ -220,8 +217,7 @@ static INLINE void dither_block(const float *v, uint32_t inner,
 }
 
 GP_CLONES void gp_quantize_dither(const struct gp_quantizer *q,
-                                  const float *linear, int x, int y,
-                                  uint16_t *code, size_t n)
+    const float *linear, int x, int y, uint16_t *code, size_t n)
 {
     uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
     float scratch[BLOCK], v[BLOCK];
@@ -233,8 +229,7 @@ GP_CLONES void gp_quantize_dither(const struct gp_quantizer *q,
 }
 
 GP_CLONES void gp_quantize_linear_dither(const struct gp_quantizer *q,
-                                         const float *value, int x, int y,
-                                         uint16_t *code, size_t n)
+    const float *value, int x, int y, uint16_t *code, size_t n)
 {
     uint32_t inner = (uint32_t) x * noise_x + (uint32_t) y * noise_y;
     float v[BLOCK];
@@ -260,11 +255,9 @@ GP_CLONES void gp_quantize_linear(const struct gp_quantizer *q,
 static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
 
 gp_status gp_picture_make(const struct gp_log *log,
-                          const struct gp_write_params *p, const char *path,
-                          const struct gp_frame *f,
-                          const struct gp_planes *planes,
-                          enum gp_picture_kind kind, bool codes,
-                          struct gp_picture *out)
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind, bool codes,
+    struct gp_picture *out)
 {
     gp_status st;
     void *alpha;
@@ -274,9 +267,8 @@ gp_status gp_picture_make(const struct gp_log *log,
     *out = (struct gp_picture) {0};
     if (w < 1 || h < 1 || w > edge_max || h > edge_max || w > pixels_max / h)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: no picture of this display window (%lld x %lld "
-                       "pixels); write .exr", path, (long long) w,
-                       (long long) h);
+            "%s: no picture of this display window (%lld x %lld "
+            "pixels); write .exr", path, (long long) w, (long long) h);
     *out = (struct gp_picture) {
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
         .bits = p->depth_bits, .dither = p->dither,
@@ -318,8 +310,7 @@ static void run_row(void *ctx, int y, int thread)
 }
 
 gp_status gp_picture_each_row(const struct gp_log *log,
-                              const struct gp_picture *pic,
-                              gp_picture_body body, void *ctx)
+    const struct gp_picture *pic, gp_picture_body body, void *ctx)
 {
     gp_status st;
     void *list = NULL, *linear = NULL, *code = NULL;

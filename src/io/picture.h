@@ -36,27 +36,21 @@ struct gp_picture {
  *
  * Errors: GP_ERR_DATA an empty display window, or one of more than 2^40
  * pixels (those of files are bounded by --max-pixels when they are read);
- * GP_ERR_BUG out of memory.
- */
+ * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
-                                        const struct gp_write_params *p,
-                                        const char *path,
-                                        const struct gp_frame *f,
-                                        const struct gp_planes *planes,
-                                        enum gp_picture_kind kind, bool codes,
-                                        struct gp_picture *out);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind, bool codes,
+    struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
 /* Runs body(ctx, y, row) once for each row y of the picture, in parallel and
  * in any order. `row` is scratch that no other body has meanwhile, for
  * gp_picture_codes() or gp_picture_floats(); what it holds is left from some
  * other row. A body writes nothing that another y reads, and prints nothing.
- * Errors: GP_ERR_BUG out of memory; then no body has run.
- */
+ * Errors: GP_ERR_BUG out of memory; then no body has run. */
 typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
 GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
-                                            const struct gp_picture *pic,
-                                            gp_picture_body body, void *ctx);
+    const struct gp_picture *pic, gp_picture_body body, void *ctx);
 
 /* Row y of the display window, 0 at its top, as codes in row->code: sRGB, or
  * what an encoded picture has.
@@ -67,8 +61,7 @@ GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
  * glare shines over an empty background. Alpha is raised to the largest
  * component there: a = max(A, R, G, B), each clamped to [0, 1], so that
  * colour / a stays within 1 and the picture put over black is, pixel by
- * pixel, the picture without alpha.
- */
+ * pixel, the picture without alpha. */
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row);
 

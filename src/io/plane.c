@@ -33,8 +33,7 @@ void gp_plane_list_free(struct gp_plane_list *list)
 }
 
 gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
-                            bool colour, int channels,
-                            struct gp_plane_list *list)
+    bool colour, int channels, struct gp_plane_list *list)
 {
     *list = (struct gp_plane_list) {.path = path};
     gp_status st = alloc_list(log, 1, channels, list);
@@ -49,8 +48,7 @@ gp_status gp_plane_list_one(const struct gp_log *log, const char *path,
 }
 
 /* The channels of a part; none where the library has no list. */
-static const exr_attr_chlist_t *channels_of(const struct gp_input *o,
-                                            int part)
+static const exr_attr_chlist_t *channels_of(const struct gp_input *o, int part)
 {
     static const exr_attr_chlist_t none;
     const exr_attr_chlist_t *list;
@@ -208,8 +206,7 @@ static gp_status depth_of_view(const struct gp_log *log,
 }
 
 static gp_status search_depth(const struct gp_log *log,
-                              const struct gp_plane_list *list,
-                              struct gp_plane_place *out)
+    const struct gp_plane_list *list, struct gp_plane_place *out)
 {
     const struct gp_plane_part *const first = list->part;
     int i = -1;
@@ -259,8 +256,7 @@ static void search_lone(const struct gp_plane_list *list, bool depth,
 
 /* Warns of what a search found that its user might not expect. */
 static void warn_unexpected(const struct gp_log *log,
-                            const struct gp_plane_list *list,
-                            struct gp_plane_place *at, bool own_file)
+    const struct gp_plane_list *list, struct gp_plane_place *at, bool own_file)
 {
     const char *const view = list->part[0].view;
     if (!at->part || own_file)
@@ -318,9 +314,8 @@ out:
 
 /* The channel as the report and --depth call it. */
 static gp_status make_name(const struct gp_log *log,
-                           const struct gp_plane_list *list,
-                           const struct gp_plane_place *at,
-                           struct gp_plane *out)
+    const struct gp_plane_list *list, const struct gp_plane_place *at,
+    struct gp_plane *out)
 {
     const struct gp_plane_part *part = at->part;
     const char *channel = part->channel[at->channel].name;
@@ -340,9 +335,8 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 {
     void *to;
     gp_status st = gp_alloc(log, "depth or coverage",
-                            (size_t) gp_rect_w(window) *
-                                (size_t) gp_rect_h(window),
-                            sizeof *out->v, &to);
+        (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window), sizeof *out->v,
+        &to);
     out->window = window;
     out->v = to;
     return st;
@@ -352,17 +346,14 @@ static gp_status make_samples(const struct gp_log *log, struct gp_rect window,
 
 /* One channel of one part, from the file. */
 static gp_status from_part(const struct gp_log *log,
-                           const struct gp_read_params *p, const char *path,
-                           const struct gp_input *o,
-                           const struct gp_plane_place *at,
-                           struct gp_plane *out)
+    const struct gp_read_params *p, const char *path, const struct gp_input *o,
+    const struct gp_plane_place *at, struct gp_plane *out)
 {
     gp_status st;
     void *samples = NULL, *sinks = NULL;
     struct gp_exr_sink *sink;
     struct gp_exr_chunks l;
-    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels,
-                              &l));
+    GP_TRY(gp_exr_chunks_find(log, path, o, at->part->part, p->max_pixels, &l));
     const exr_attr_chlist_entry_t *e = &l.channel->entries[at->channel];
     const struct gp_rect window = {l.x0, l.y0, l.x0 + l.w, l.y0 + l.h};
     struct gp_channel c = {
@@ -400,9 +391,8 @@ out:
 /* Finds the channel that is asked for among all parts of the frame's file, and
  * its name; nothing when `at` has no part. Free the list in any case. */
 static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
-                             const char *name, bool depth,
-                             struct gp_plane_list *list,
-                             struct gp_plane_place *at, struct gp_plane *named)
+    const char *name, bool depth, struct gp_plane_list *list,
+    struct gp_plane_place *at, struct gp_plane *named)
 {
     gp_status st;
     const struct gp_input *const in = gp_input_of(f);
@@ -428,9 +418,8 @@ out:
 }
 
 static gp_status read_beside(const struct gp_log *log,
-                             const struct gp_read_params *p,
-                             const struct gp_frame *f, const char *name,
-                             bool depth, struct gp_plane *out)
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    bool depth, struct gp_plane *out)
 {
     struct gp_plane_list list;
     struct gp_plane_place at;
@@ -456,16 +445,14 @@ static gp_status read_beside(const struct gp_log *log,
 }
 
 gp_status gp_read_depth(const struct gp_log *log,
-                        const struct gp_read_params *p,
-                        const struct gp_frame *f, const char *name,
-                        struct gp_plane *out)
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    struct gp_plane *out)
 {
     return read_beside(log, p, f, name, true, out);
 }
 
 gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
-                        const char *name, char **channel,
-                        enum gp_pixel_type *type)
+    const char *name, char **channel, enum gp_pixel_type *type)
 {
     struct gp_plane_list list;
     struct gp_plane_place at;
@@ -484,9 +471,8 @@ gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
 }
 
 gp_status gp_read_coverage(const struct gp_log *log,
-                           const struct gp_read_params *p,
-                           const struct gp_frame *f, const char *name,
-                           struct gp_plane *out)
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    struct gp_plane *out)
 {
     return read_beside(log, p, f, name, false, out);
 }
@@ -541,8 +527,7 @@ static gp_status read_channel(const struct gp_log *log, struct gp_image *image,
 }
 
 static gp_status from_other(const struct wanted *w,
-                            const struct gp_stream *stream,
-                            struct gp_plane *out)
+    const struct gp_stream *stream, struct gp_plane *out)
 {
     gp_status st;
     struct gp_image image = {0};
@@ -564,8 +549,7 @@ out:
 
 gp_status gp_read_plane_file(const struct gp_log *log,
                              const struct gp_read_params *p, const char *path,
-                             const char *name, bool depth,
-                             struct gp_plane *out)
+                             const char *name, bool depth, struct gp_plane *out)
 {
     const struct wanted w = {log, p, path, name, depth};
     struct gp_stream stream;

@@ -28,12 +28,10 @@
  *
  * Errors: GP_ERR_USAGE the name is nowhere (the line lists the channels of
  * all parts); GP_ERR_DATA two candidates of equal rank in one part, a part
- * that cannot be decoded. Frames of other formats than EXR have one part.
- */
+ * that cannot be decoded. Frames of other formats than EXR have one part. */
 GP_MUST_CHECK gp_status gp_read_depth(const struct gp_log *log,
-                                      const struct gp_read_params *p,
-                                      const struct gp_frame *f,
-                                      const char *name, struct gp_plane *out);
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    struct gp_plane *out);
 
 /* Finds that depth and does not read it: for what is only said of it.
  *
@@ -41,20 +39,16 @@ GP_MUST_CHECK gp_status gp_read_depth(const struct gp_log *log,
  *            (gp_free()); NULL when searching finds none
  *   type     its samples in the file; written with a channel
  *
- * Errors: as above, but for what cannot be decoded.
- */
+ * Errors: as above, but for what cannot be decoded. */
 GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
-                                      const struct gp_frame *f,
-                                      const char *name, char **channel,
-                                      enum gp_pixel_type *type);
+    const struct gp_frame *f, const char *name, char **channel,
+    enum gp_pixel_type *type);
 
 /* The channel `name` (never NULL) of a frame, wherever it is, as above: for
  * coverage. */
 GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
-                                         const struct gp_read_params *p,
-                                         const struct gp_frame *f,
-                                         const char *name,
-                                         struct gp_plane *out);
+    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
+    struct gp_plane *out);
 
 /* The same from a file of its own, which need not hold colour: EXR, or any
  * format of the bridge (a grey TIFF of depth, a PNG matte as stored, without
@@ -64,9 +58,8 @@ GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
  * Errors: as gp_read_frame(), and as above; without a name GP_ERR_USAGE when
  * no channel, or more than one, could be it. */
 GP_MUST_CHECK gp_status gp_read_plane_file(const struct gp_log *log,
-                                           const struct gp_read_params *p,
-                                           const char *path, const char *name,
-                                           bool depth, struct gp_plane *out);
+    const struct gp_read_params *p, const char *path, const char *name,
+    bool depth, struct gp_plane *out);
 
 /* A 4x4 matrix attribute (m44f or m44d) of the frame's colour part, else of
  * the first part that has it: m[4 * row + column], row vectors, as stored.

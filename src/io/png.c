@@ -114,8 +114,7 @@ static gp_status check_size(const struct png_input *in, long long max_pixels)
     if (h > (unsigned long long) max_pixels / w)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: too large (%lu x %lu pixels, at most %lld); crop "
-                       "it, or raise --max-pixels", in->path, w, h,
-                       max_pixels);
+                       "it, or raise --max-pixels", in->path, w, h, max_pixels);
     if (w > WIDEST || h > WIDEST)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: too large (%lu x %lu pixels; a PNG is read up to "
@@ -148,8 +147,7 @@ static void describe_curve(struct png_input *in)
     if (in->gamma == 1.0f)
         snprintf(in->space, sizeof in->space, "linear");
     else
-        snprintf(in->space, sizeof in->space, "Gamma%.2g",
-                 (double) in->gamma);
+        snprintf(in->space, sizeof in->space, "Gamma%.2g", (double) in->gamma);
 }
 
 /* A later attribute of the same name, in any case, replaces an earlier one. */
@@ -235,8 +233,7 @@ static void decode_rows(struct png_input *in, int y, int n)
     if (in->interlaced && !in->decoded) {
         for (int pass = 0; pass < PNG_INTERLACE_ADAM7_PASSES; pass++) {
             for (int i = 0; i < in->height; i++)
-                png_read_row(in->png, in->rows + (size_t) i * in->stride,
-                             NULL);
+                png_read_row(in->png, in->rows + (size_t) i * in->stride, NULL);
         }
         in->decoded = true;
     } else if (!in->interlaced) {
@@ -328,9 +325,8 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
     struct gp_image image = {
         .path = path, .rows = read_rows, .close = close_input, .own = in,
     };
-    in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in,
-                                       on_read_error, on_warning, in,
-                                       allocate, release);
+    in->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, in, on_read_error,
+        on_warning, in, allocate, release);
     if (in->png)
         in->info = png_create_info_struct(in->png);
     if (!in->info && !in->st)
@@ -372,8 +368,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
  *   Sub, libdeflate 3         51    0.75      25    1.00       20    0.52
  *   Sub, libdeflate 6        117    0.68      28    1.00       40    0.50
  *   Paeth, libdeflate 3       93    0.97      32    1.03       27    0.47
- *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47
- */
+ *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47 */
 enum { FILTER_SUB = 1, LEVEL = 3 };
 
 enum { IDAT_BYTES = 1 << 20 }; // a chunk's size is seen by readers only
@@ -414,8 +409,7 @@ static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 
 /* The picture as one zlib stream; *data is for free(). */
 static gp_status compress_picture(const struct gp_log *log,
-                                  const struct gp_picture *pic, void **data,
-                                  size_t *size)
+    const struct gp_picture *pic, void **data, size_t *size)
 {
     gp_status st;
     struct filtering f = {.pic = pic};
@@ -502,9 +496,8 @@ static void set_colour(png_structp png, png_infop info,
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
-                              const struct gp_frame *f,
-                              enum gp_picture_kind kind, const void *data,
-                              size_t size)
+    const struct gp_frame *f, enum gp_picture_kind kind, const void *data,
+    size_t size)
 {
     // ITU-T H.273: BT.709 primaries, sRGB curve, RGB, full range
     static const png_byte cicp[4] = {1, 13, 0, 1};
@@ -547,8 +540,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
 
 gp_status gp_png_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f,
-                       const struct gp_planes *planes,
+                       const struct gp_frame *f, const struct gp_planes *planes,
                        enum gp_picture_kind kind, struct gp_write_stats *stats)
 {
     gp_status st;

@@ -200,9 +200,8 @@ static gp_status check_start(const struct gp_log *log, const char *path,
     return st;
 }
 
-gp_status gp_read_open(const struct gp_log *log,
-                       const struct gp_read_params *p, const char *path,
-                       struct gp_stream *stream, bool *exr)
+gp_status gp_read_open(const struct gp_log *log, const struct gp_read_params *p,
+                       const char *path, struct gp_stream *stream, bool *exr)
 {
     // four float channels for each pixel, and a header
     const uint64_t most = UINT64_MAX / 32, pixels = (uint64_t) p->max_pixels;
@@ -214,9 +213,8 @@ gp_status gp_read_open(const struct gp_log *log,
 }
 
 gp_status gp_read_image(const struct gp_log *log,
-                        const struct gp_read_params *p, const char *path,
-                        const struct gp_stream *stream, int part,
-                        struct gp_image *out)
+    const struct gp_read_params *p, const char *path,
+    const struct gp_stream *stream, int part, struct gp_image *out)
 {
     uint8_t first[GP_FIRST_BYTES] = {0};
     const int64_t got = gp_stream_read(stream, first, sizeof first, 0);
@@ -231,9 +229,8 @@ gp_status gp_read_image(const struct gp_log *log,
 }
 
 static gp_status read_other(const struct gp_log *log,
-                            const struct gp_read_params *p, const char *path,
-                            const struct gp_stream *stream,
-                            struct gp_frame *out)
+    const struct gp_read_params *p, const char *path,
+    const struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
     struct gp_image image = {0};
@@ -245,16 +242,14 @@ static gp_status read_other(const struct gp_log *log,
     for (const char *c = p->part; c && (*c || c == p->part); c++) {
         if (*c < '0' || *c > '9' || part > 99999)
             return gp_fail(log, GP_ERR_USAGE,
-                           "%s: has no part %.200s: parts of formats other "
-                           "than EXR have only numbers; give one from 0",
-                           path, p->part);
+                "%s: has no part %.200s: parts of formats other "
+                "than EXR have only numbers; give one from 0", path, p->part);
         part = 10 * part + (*c - '0');
     }
     GP_TRY(gp_read_image(log, p, path, stream, part, &image));
     if (!gp_rect_empty(image.display)) // else it is the data window
-        GP_TRY(gp_window_check(log, path, "display",
-                               gp_rect_w(image.display),
-                               gp_rect_h(image.display), p->max_pixels));
+        GP_TRY(gp_window_check(log, path, "display", gp_rect_w(image.display),
+               gp_rect_h(image.display), p->max_pixels));
     GP_TRY(gp_image_frame(log, p->layer, &image, out));
 out:
     gp_image_close(&image);
@@ -277,8 +272,7 @@ gp_status gp_read_stream(const struct gp_log *log,
 }
 
 gp_status gp_read_frame(const struct gp_log *log,
-                        const struct gp_read_params *p, const char *path,
-                        struct gp_frame *out)
+    const struct gp_read_params *p, const char *path, struct gp_frame *out)
 {
     struct gp_stream stream;
     bool exr;
@@ -335,8 +329,7 @@ static gp_status find_members(const struct gp_log *log, const char *path,
 }
 
 gp_status gp_members_read(const struct gp_log *log,
-                          const struct gp_read_params *p, const char *path,
-                          struct gp_members *out)
+    const struct gp_read_params *p, const char *path, struct gp_members *out)
 {
     struct gp_members m = {.stream = GP_STREAM_EMPTY};
     bool exr;
@@ -361,9 +354,8 @@ void gp_members_free(struct gp_members *m)
 }
 
 gp_status gp_members_frame(const struct gp_log *log,
-                           const struct gp_read_params *p, const char *name,
-                           const struct gp_members *m, int i,
-                           struct gp_frame *out)
+    const struct gp_read_params *p, const char *name,
+    const struct gp_members *m, int i, struct gp_frame *out)
 {
     struct gp_stream view = {
         .fd = -1, .borrowed = true, .size = m->member[i].size,

@@ -1,8 +1,7 @@
 /* io: files in and out. The only room that knows file formats.
  *
  * In: a path (or "-", stdin) becomes a gp_frame. Out: planes of a frame become
- * a file under its final name, whole or not at all.
- */
+ * a file under its final name, whole or not at all. */
 #ifndef GP_IO_READ_H
 #define GP_IO_READ_H
 
@@ -66,11 +65,9 @@ static inline struct gp_read_params gp_read_limits(
  * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty,
  * truncated, damaged, deep, over max_pixels, or no colour channel;
  * GP_ERR_USAGE the file has no such layer, part or view (the line lists what
- * it has), or the layer is Cryptomatte's.
- */
+ * it has), or the layer is Cryptomatte's. */
 GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
-                                      const struct gp_read_params *p,
-                                      const char *path, struct gp_frame *out);
+    const struct gp_read_params *p, const char *path, struct gp_frame *out);
 
 /* Another layer of the file that `f` was read from, without reading the file
  * again: what is in f's part comes from f's channels, the rest is decoded
@@ -87,19 +84,16 @@ GP_MUST_CHECK gp_status gp_read_frame(const struct gp_log *log,
  *          input is f's, so free it before f
  *
  * Errors: those of gp_read_frame(); GP_ERR_DATA the layer's data window is not
- * f's; GP_ERR_USAGE f is not from an EXR.
- */
+ * f's; GP_ERR_USAGE f is not from an EXR. */
 GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
-                                      const struct gp_read_params *p,
-                                      const struct gp_frame *f,
-                                      const char *layer, struct gp_frame *out);
+    const struct gp_read_params *p, const struct gp_frame *f, const char *layer,
+    struct gp_frame *out);
 
 /* -- several images in one stream ------------------------------------------
  *
  * One after the other, as `cat a.exr b.exr` makes them. The stream is read to
  * its end into memory before the first frame: a program that writes to a pipe
- * says nowhere how many frames will come.
- */
+ * says nowhere how many frames will come. */
 
 /* The place of one image in the stream. */
 struct gp_member {
@@ -127,25 +121,19 @@ struct gp_members {
  *         frame read from it is freed
  *
  * Errors: those of gp_read_open(); GP_ERR_DATA bytes after an image that
- * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory.
- */
+ * begin no EXR, PNG or PFM; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_members_read(const struct gp_log *log,
-                                        const struct gp_read_params *p,
-                                        const char *path,
-                                        struct gp_members *out);
+    const struct gp_read_params *p, const char *path, struct gp_members *out);
 /* Frees what it owns and clears it; an empty or all-zero one is fine. */
 void gp_members_free(struct gp_members *m);
 
 /* gp_read_frame() for image `i` of [0, m->n). The frame borrows the stream's
  * bytes; several threads may read at once.
  *
- *   name  for messages and gp_frame.path
- */
+ *   name  for messages and gp_frame.path */
 GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
-                                         const struct gp_read_params *p,
-                                         const char *name,
-                                         const struct gp_members *m, int i,
-                                         struct gp_frame *out);
+    const struct gp_read_params *p, const char *name,
+    const struct gp_members *m, int i, struct gp_frame *out);
 
 /* -- versions -------------------------------------------------------------- */
 

@@ -341,8 +341,7 @@ static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
 }
 
 gp_status gp_frames_on_disk(const struct gp_log *log,
-                            const struct gp_pattern *p, const char *view,
-                            struct gp_frames *out)
+    const struct gp_pattern *p, const char *view, struct gp_frames *out)
 {
     gp_status st;
     struct gp_pattern filled;

@@ -9,8 +9,7 @@
  * render@2x.####.png has its number at ####. Folders have no number.
  *
  * As in OpenImageIO's tools, %V anywhere in a path is the name of a view
- * ("left"), %v its first letter ("l"), both any number of times.
- */
+ * ("left"), %v its first letter ("l"), both any number of times. */
 #ifndef GP_IO_SEQUENCE_H
 #define GP_IO_SEQUENCE_H
 
@@ -49,34 +48,27 @@ struct gp_views {
 /* Finds the places of number and views in `path`. A path without any is no
  * error: out->len and out->views are 0.
  * Errors: GP_ERR_USAGE two places of one kind, or more than GP_FRAME_DIGITS
- * digits.
- */
+ * digits. */
 GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
-                                        const char *path,
-                                        struct gp_pattern *out);
+    const char *path, struct gp_pattern *out);
 
 /* The same for a name that is read: a file that has the very name, #, @ or %
  * and all, is that file, and has no places. */
 GP_MUST_CHECK gp_status gp_pattern_of_input(const struct gp_log *log,
-                                            const char *path,
-                                            struct gp_pattern *out);
+    const char *path, struct gp_pattern *out);
 
 /* The name of one frame, owned by the caller (free()); a pattern without a
  * place gives its path. NULL when memory is full.
  *
- *   view  of one view; NULL leaves %V and %v as they are
- */
+ *   view  of one view; NULL leaves %V and %v as they are */
 char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view);
 
 /* The frames of `p` that exist on disk, ascending. A file counts when it is
  * exactly what gp_pattern_name() gives for some number >= 0: shot.7.exr is no
  * frame of shot.####.exr. `p` has a place for it; `view` as there.
- * Errors: GP_ERR_IO the folder cannot be read, or holds no such frame.
- */
+ * Errors: GP_ERR_IO the folder cannot be read, or holds no such frame. */
 GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
-                                          const struct gp_pattern *p,
-                                          const char *view,
-                                          struct gp_frames *out);
+    const struct gp_pattern *p, const char *view, struct gp_frames *out);
 
 /* Reads a list: items with commas between, an item is N, A-B or A-BxSTEP.
  * A-B counts down when B < A. Numbers may be negative. A frame that comes
@@ -84,8 +76,7 @@ GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
  * Errors: GP_ERR_USAGE says which item is wrong; more than GP_FRAME_LIST_MAX.
  */
 GP_MUST_CHECK gp_status gp_frames_parse(const struct gp_log *log,
-                                        const char *text,
-                                        struct gp_frames *out);
+    const char *text, struct gp_frames *out);
 void gp_frames_free(struct gp_frames *f);
 
 /* Adds those of `more` that are not there yet; *all comes out ascending.
@@ -97,15 +88,13 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
  * Errors: GP_ERR_USAGE a name that is empty, comes twice or has a slash; more
  * than GP_VIEWS_MAX. GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_views_parse(const struct gp_log *log,
-                                       const char *text,
-                                       struct gp_views *out);
+                                       const char *text, struct gp_views *out);
 void gp_views_free(struct gp_views *v);
 
 /* Holds a pattern against the views that it is for.
  * Errors: GP_ERR_USAGE it has %v and no %V, and two views the same letter. */
 GP_MUST_CHECK gp_status gp_views_check(const struct gp_log *log,
-                                       const struct gp_pattern *p,
-                                       const struct gp_views *v);
+    const struct gp_pattern *p, const struct gp_views *v);
 
 /* The frame number in a file's own name: the last run of up to
  * GP_FRAME_DIGITS digits before the ending, 1001 in shot_v2.1001.exr. False

@@ -60,8 +60,7 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 
 /* A subsampled channel at full resolution in place of its samples. */
 static gp_status widen(const struct gp_log *log, struct gp_rect window,
-                       const exr_attr_chlist_entry_t *e,
-                       struct gp_stored_channel *c)
+    const exr_attr_chlist_entry_t *e, struct gp_stored_channel *c)
 {
     struct gp_channel small = {
         .type = c->is_uint ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
@@ -84,8 +83,7 @@ static gp_status widen(const struct gp_log *log, struct gp_rect window,
 }
 
 static gp_status read_channels(const struct gp_log *log,
-                               const struct gp_exr_chunks *l,
-                               struct gp_stored_image *out)
+    const struct gp_exr_chunks *l, struct gp_stored_image *out)
 {
     const int n = l->channel->num_channels;
     const exr_attr_chlist_entry_t *const entry = l->channel->entries;
@@ -113,9 +111,8 @@ out:
 }
 
 static gp_status read_exr(const struct gp_log *log,
-                          const struct gp_read_params *p,
-                          const struct gp_stored_file *file, int part,
-                          struct gp_stored_image *out)
+    const struct gp_read_params *p, const struct gp_stored_file *file, int part,
+    struct gp_stored_image *out)
 {
     struct gp_exr_chunks l;
     out->deep = gp_exr_is_deep(file->input, part);
@@ -142,9 +139,8 @@ static gp_status read_exr(const struct gp_log *log,
 /* -- other formats --------------------------------------------------------- */
 
 static gp_status read_other(const struct gp_log *log,
-                            const struct gp_read_params *p,
-                            const struct gp_stored_file *f,
-                            struct gp_stored_image *out)
+    const struct gp_read_params *p, const struct gp_stored_file *f,
+    struct gp_stored_image *out)
 {
     gp_status st;
     struct gp_image image = {0};
@@ -181,8 +177,7 @@ out:
 /* -- both ------------------------------------------------------------------ */
 
 gp_status gp_stored_open(const struct gp_log *log,
-                      const struct gp_read_params *p, const char *path,
-                      struct gp_stored_file *f)
+    const struct gp_read_params *p, const char *path, struct gp_stored_file *f)
 {
     bool exr;
     *f = (struct gp_stored_file) {
@@ -205,9 +200,8 @@ void gp_stored_close(struct gp_stored_file *f)
 }
 
 gp_status gp_stored_read(const struct gp_log *log,
-                      const struct gp_read_params *p,
-                      const struct gp_stored_file *f, int part,
-                      struct gp_stored_image *out)
+    const struct gp_read_params *p, const struct gp_stored_file *f, int part,
+    struct gp_stored_image *out)
 {
     struct gp_stored_image made = {0};
     gp_status st = f->input ? read_exr(log, p, f, part, &made)

@@ -48,8 +48,7 @@ struct gp_stored_file {
 /* Opens a file or stdin ("-") of any format. Close it in any case.
  * Errors: as gp_read_frame(). */
 GP_MUST_CHECK gp_status gp_stored_open(const struct gp_log *log,
-                                    const struct gp_read_params *p,
-                                    const char *path, struct gp_stored_file *f);
+    const struct gp_read_params *p, const char *path, struct gp_stored_file *f);
 void gp_stored_close(struct gp_stored_file *f);
 
 /* Reads part `part` of [0, f->parts).
@@ -57,9 +56,8 @@ void gp_stored_close(struct gp_stored_file *f);
  * Errors: as gp_read_frame(), but for deep parts and parts without colour,
  * which are none. */
 GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
-                                    const struct gp_read_params *p,
-                                    const struct gp_stored_file *f, int part,
-                                    struct gp_stored_image *out);
+    const struct gp_read_params *p, const struct gp_stored_file *f, int part,
+    struct gp_stored_image *out);
 void gp_stored_image_free(struct gp_stored_image *image);
 
 #endif

@@ -65,9 +65,8 @@ gp_status gp_stream_fill(const struct gp_log *log, const char *path,
     }
     if (!st && s->more)
         st = gp_fail(log, GP_ERR_DATA,
-                     "%s: more than --max-pixels allows (over %llu bytes); "
-                     "raise it, or give files", path,
-                     (unsigned long long) limit);
+            "%s: more than --max-pixels allows (over %llu bytes); "
+            "raise it, or give files", path, (unsigned long long) limit);
     if (st)
         gp_stream_close(s);
     return st;

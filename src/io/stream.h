@@ -27,11 +27,9 @@ struct gp_stream {
  *          still to come
  *
  * Errors: GP_ERR_IO cannot open or read, is a folder; GP_ERR_DATA empty;
- * GP_ERR_BUG out of memory.
- */
+ * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
-                                       const char *path, uint64_t first,
-                                       struct gp_stream *s);
+    const char *path, uint64_t first, struct gp_stream *s);
 
 /* Reads a pipe to its end into memory; nothing to do for any other stream.
  * The memory that is taken is at most a quarter (and 64 KiB) over what the
@@ -41,11 +39,9 @@ GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
  *   s      empty on failure
  *
  * Errors: GP_ERR_IO cannot read; GP_ERR_DATA it gives more than `limit`;
- * GP_ERR_BUG out of memory.
- */
+ * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_stream_fill(const struct gp_log *log,
-                                       const char *path, uint64_t limit,
-                                       struct gp_stream *s);
+    const char *path, uint64_t limit, struct gp_stream *s);
 
 /* Reads up to `n` bytes at `offset`. Returns how many there were, which is
  * less than n only at the end, or -1 with errno. Any number of threads may

@@ -28,8 +28,7 @@ static bool find_ending(const struct gp_write_params *p, const char *path,
 
 /* DWA is packed by OpenImageIO. */
 static gp_status check_exr(const struct gp_log *log,
-                           const struct gp_write_params *p, const char *path,
-                           const char *ending)
+    const struct gp_write_params *p, const char *path, const char *ending)
 {
     (void) ending;
     return p->compression < GP_COMPRESSION_DWAA ? GP_OK
@@ -37,11 +36,9 @@ static gp_status check_exr(const struct gp_log *log,
 }
 
 static gp_status write_other(const struct gp_log *log,
-                             const struct gp_write_params *p, const char *path,
-                             const struct gp_frame *f,
-                             const struct gp_planes *planes,
-                             enum gp_picture_kind kind,
-                             struct gp_write_stats *stats)
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
     (void) stats;
@@ -59,8 +56,7 @@ const struct gp_writer gp_writers[] = {
 };
 
 static const struct gp_writer *find_writer(const struct gp_write_params *p,
-                                           const char *path,
-                                           char ending[ENDING_BYTES])
+    const char *path, char ending[ENDING_BYTES])
 {
     const bool straight = find_ending(p, path, ending);
     const struct gp_writer *w = gp_writers;
@@ -77,9 +73,8 @@ gp_status gp_write_hdr_check(const struct gp_log *log,
     const bool straight = find_ending(p, path, ending);
     if (straight && strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --hdr keeps all channels, which only EXR can "
-                       "(found --stdout-format %s); give --hdr a file", path,
-                       ending);
+            "%s: --hdr keeps all channels, which only EXR can "
+            "(found --stdout-format %s); give --hdr a file", path, ending);
     if (strcmp(ending, "exr") != 0)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: --hdr keeps all channels, which only EXR can "
@@ -103,11 +98,9 @@ gp_status gp_write_check(const struct gp_log *log,
 }
 
 gp_status gp_write_picture(const struct gp_log *log,
-                           const struct gp_write_params *p, const char *path,
-                           const struct gp_frame *f,
-                           const struct gp_planes *planes,
-                           enum gp_picture_kind kind,
-                           struct gp_write_stats *stats)
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats)
 {
     char ending[ENDING_BYTES];
     if (gp_write_would_clobber(p, path))
@@ -118,9 +111,8 @@ gp_status gp_write_picture(const struct gp_log *log,
 
 
 gp_status gp_write_hdr(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_hdr_colour *set, int n,
-                       struct gp_write_stats *stats)
+    const struct gp_write_params *p, const char *path,
+    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
     gp_status st = gp_write_hdr_check(log, p, path);
     if (st || gp_write_would_clobber(p, path))

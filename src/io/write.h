@@ -95,15 +95,11 @@ enum gp_picture_kind {
  * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
  * neither name is there, and a file that was there stays whole.
  * Errors: GP_ERR_IO with the system's reason; GP_ERR_USAGE unknown ending,
- * or a compression that the format lacks.
- */
+ * or a compression that the format lacks. */
 GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
-                                         const struct gp_write_params *p,
-                                         const char *path,
-                                         const struct gp_frame *f,
-                                         const struct gp_planes *planes,
-                                         enum gp_picture_kind kind,
-                                         struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
 
 /* A frame, and what its colour channels become (w * h of its data window). */
 struct gp_hdr_colour {
@@ -124,18 +120,14 @@ struct gp_hdr_colour {
  *
  * Errors: those of gp_write_picture(); GP_ERR_USAGE a channel is the colour of
  * two frames, or p->compression would change Cryptomatte's ids (exr_lossy.h);
- * GP_ERR_DATA an added colour channel's name is taken.
- */
+ * GP_ERR_DATA an added colour channel's name is taken. */
 GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
-                                     const struct gp_write_params *p,
-                                     const char *path,
-                                     const struct gp_hdr_colour *set, int n,
-                                     struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path,
+    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
 
 /* gp_write_check() for gp_write_hdr(), which writes only EXR. */
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
-                                           const struct gp_write_params *p,
-                                           const char *path);
+    const struct gp_write_params *p, const char *path);
 
 /* True when no_clobber is set and there is a regular file of that name. The
  * writing functions skip it then and return GP_OK; asked before a
@@ -145,7 +137,6 @@ bool gp_write_would_clobber(const struct gp_write_params *p, const char *path);
 /* Checks before any frame is read that `path` could be written with these
  * params: folder exists (or create_dir), ending known. Same errors. */
 GP_MUST_CHECK gp_status gp_write_check(const struct gp_log *log,
-                                       const struct gp_write_params *p,
-                                       const char *path);
+    const struct gp_write_params *p, const char *path);
 
 #endif

@@ -35,8 +35,7 @@ const char *gp_exr_part_view(const struct gp_input *in, int part)
                                                                       : view;
 }
 
-size_t gp_exr_part_layer(const struct gp_input *in, int part,
-                         const char **name)
+size_t gp_exr_part_layer(const struct gp_input *in, int part, const char **name)
 {
     const char *own = gp_exr_part_name(in, part);
     const char *view = gp_exr_part_view(in, part);
@@ -183,8 +182,7 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
 }
 
 enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
-                                          const struct gp_input *in, int part,
-                                          const char *name)
+    const struct gp_input *in, int part, const char *name)
 {
     const size_t len = gp_layer_length(name);
     const char *layer;
@@ -242,8 +240,7 @@ static gp_status search_part(const struct search *s, int part,
  * depth than colour, before those with one. Without a layer's name a deep part
  * comes before a lone channel too, so that its reader says what is wrong. */
 static gp_status search_parts(const struct search *s, const char *layer,
-                              const char *view, struct gp_exr_choice *out,
-                              bool *found)
+    const char *view, struct gp_exr_choice *out, bool *found)
 {
     int deep = -1;
     *found = false;
@@ -329,8 +326,7 @@ struct names {
 };
 
 /* Adds a name that is not there yet; `number` >= 0 goes before it. */
-static void add_name(struct names *to, int number, const char *name,
-                     size_t len)
+static void add_name(struct names *to, int number, const char *name, size_t len)
 {
     const size_t used = strlen(to->text), room = sizeof to->text - used;
     char head[16] = "";
@@ -451,9 +447,8 @@ static gp_status not_there(const struct search *s,
 }
 
 gp_status gp_exr_choose(const struct gp_log *log,
-                        const struct gp_read_params *p, const char *path,
-                        const struct gp_input *in, int first,
-                        struct gp_exr_choice *out)
+    const struct gp_read_params *p, const char *path, const struct gp_input *in,
+    int first, struct gp_exr_choice *out)
 {
     struct search s = {.log = log, .in = in, .first = first, .only = -1};
     bool found = false;

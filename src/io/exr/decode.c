@@ -22,8 +22,7 @@
  * shorter (1032). RLE: 2 bytes for 128. PIZ: a run code of 1 bit and a count
  * of 8 bits give 255 samples of 2 bytes (454). PXR24: DEFLATE, then 3 bytes
  * become 4. B44: 3 bytes for 4x4 halfs. DWA: an 8x8 block of 128 bytes is at
- * least one AC code of 2 bytes in DEFLATE.
- */
+ * least one AC code of 2 bytes in DEFLATE. */
 static uint64_t most_expansion(exr_compression_t compression)
 {
     switch (compression) {
@@ -105,8 +104,7 @@ static const char *find_chunk(const struct gp_exr_chunks *cs, int index,
     return NULL;
 }
 
-static gp_status read_chunks(const struct gp_log *log,
-                             struct gp_exr_chunks *cs)
+static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
 {
     const uint64_t size = cs->input->stream.size;
     gp_exr_fault_clear();
@@ -133,9 +131,8 @@ static gp_status read_chunks(const struct gp_log *log,
             return gp_exr_fault_print(log, cs->path, gp_exr_fault());
         if (wrong)
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: cut off or damaged (chunk %d of %d: %s); copy "
-                           "or render the file again", cs->path, i + 1,
-                           cs->chunks, wrong);
+                "%s: cut off or damaged (chunk %d of %d: %s); copy "
+                "or render the file again", cs->path, i + 1, cs->chunks, wrong);
         if (bytes > cs->largest)
             cs->largest = bytes;
     }
@@ -158,8 +155,7 @@ static gp_status read_window(const struct gp_log *log, long long max_pixels,
     int64_t n = 0;
     if (exr_get_data_window(exr, cs->part, &d))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: has no data window; render the file again",
-                       cs->path);
+            "%s: has no data window; render the file again", cs->path);
     const int64_t w = (int64_t) d.max.x - d.min.x + 1;
     const int64_t h = (int64_t) d.max.y - d.min.y + 1;
     gp_status st = gp_window_check(log, cs->path, "data", w, h, max_pixels);
@@ -185,8 +181,7 @@ static gp_status read_window(const struct gp_log *log, long long max_pixels,
         return gp_fail(log, GP_ERR_DATA,
                        "%s: cut off or damaged (%d chunks in a file of %llu "
                        "bytes, %lld needed); copy or render the file again",
-                       cs->path, all, (unsigned long long) size,
-                       (long long) n);
+                       cs->path, all, (unsigned long long) size, (long long) n);
     cs->chunks = (int) n;
     return GP_OK;
 }
@@ -207,9 +202,8 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                        path, part);
     if (gp_exr_is_deep(in, part))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: deep data has no single colour per pixel (part "
-                       "%d); flatten it first, with e.g. oiiotool --flatten",
-                       path, part);
+            "%s: deep data has no single colour per pixel (part "
+            "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
     GP_TRY(read_window(log, max_pixels, out));
     GP_TRY(gp_alloc_zero(log, "chunks", (size_t) out->chunks,
                          sizeof *out->chunk, &list));
@@ -249,9 +243,8 @@ struct packed {
 
 /* One row of one channel: n samples that are `at` bytes into the chunk; `at`
  * is even always. */
-static void unpack_row(const struct packed *p, size_t at,
-                       exr_pixel_type_t type, bool as_float, void *to,
-                       size_t n)
+static void unpack_row(const struct packed *p, size_t at, exr_pixel_type_t type,
+                       bool as_float, void *to, size_t n)
 {
     const bool half = type == EXR_PIXEL_HALF;
     if (p->odd && half && as_float)
@@ -409,9 +402,8 @@ static gp_status open_worker(const struct gp_log *log,
 /* -- DWAA and DWAB, by OpenImageIO ---------------------------------------- */
 
 static gp_status sort_channels(const struct gp_log *log,
-                               const struct gp_exr_chunks *cs,
-                               const struct gp_image *image,
-                               const struct gp_exr_sink *sink)
+    const struct gp_exr_chunks *cs, const struct gp_image *image,
+    const struct gp_exr_sink *sink)
 {
     const size_t w = (size_t) cs->w, step = (size_t) image->channels;
     void *block;
@@ -431,9 +423,8 @@ static gp_status sort_channels(const struct gp_log *log,
             continue;
         if (from == image->channels)
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: OpenImageIO did not find channel %s; write "
-                           "the file with zip compression", cs->path,
-                           e->name.str));
+                   "%s: OpenImageIO did not find channel %s; write "
+                   "the file with zip compression", cs->path, e->name.str));
         for (size_t y = 0, at = 0; y < (size_t) cs->h; y++, at += w) {
             const float *p = image->pixels + at * step + (size_t) from;
             for (size_t x = 0; x < w; x++) {
@@ -456,8 +447,7 @@ out:
 }
 
 static gp_status decode_by_oiio(const struct gp_log *log,
-                                const struct gp_exr_chunks *cs,
-                                const struct gp_exr_sink *sink)
+    const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
     const struct gp_stream *s = &cs->input->stream;
     struct gp_image image = {0};
@@ -476,9 +466,8 @@ static gp_status decode_by_oiio(const struct gp_log *log,
     const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
     if (w != cs->w || h != cs->h)
         st = gp_fail(log, GP_ERR_DATA,
-                     "%s: OpenImageIO found %d x %d pixels (%d x %d in the "
-                     "header); render the file again", cs->path, w, h, cs->w,
-                     cs->h);
+            "%s: OpenImageIO found %d x %d pixels (%d x %d in the "
+            "header); render the file again", cs->path, w, h, cs->w, cs->h);
     else
         st = gp_image_load(log, &image);
     if (!st)
@@ -539,8 +528,7 @@ static gp_status explain(const struct gp_log *log, struct worker *w, int index,
 }
 
 gp_status gp_exr_decode(const struct gp_log *log,
-                        const struct gp_exr_chunks *cs,
-                        const struct gp_exr_sink *sink)
+    const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
     const int team = gp_threads() < cs->chunks ? gp_threads() : cs->chunks;
     int failed;

@@ -77,8 +77,7 @@ static void pack_row(const struct gp_exr_source *s, size_t row, bool b44,
  *   clamped  grows by the finite values that half cannot hold; B44 can hold
  *            none below -32752
  *
- * Returns the number of bytes, always even.
- */
+ * Returns the number of bytes, always even. */
 static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
                         uint8_t *to, long long *clamped)
 {
@@ -105,8 +104,7 @@ static size_t pack_rows(const struct gp_exr_image *img, int y0, int y1,
 /* -- OpenEXRCore's compressors: RLE, PIZ, PXR24, B44, B44A -------------------
  *
  * The library ties them to a file that it writes itself. Here they get a
- * context whose file goes nowhere, and give the compressed bytes back.
- */
+ * context whose file goes nowhere, and give the compressed bytes back. */
 
 struct library {
     exr_context_t ctxt;
@@ -159,9 +157,8 @@ static exr_result_t library_open(struct library *l,
         r = exr_add_part(l->ctxt, "part", EXR_STORAGE_SCANLINE, &part);
     if (!r)
         r = exr_initialize_required_attr(l->ctxt, part, &window, &window, 1.0f,
-                                         &centre, 1.0f,
-                                         EXR_LINEORDER_INCREASING_Y,
-                                         (exr_compression_t) img->compression);
+            &centre, 1.0f, EXR_LINEORDER_INCREASING_Y,
+            (exr_compression_t) img->compression);
     for (int i = 0; !r && i < img->sources; i++) {
         const struct gp_exr_source *s = &img->source[i];
         r = exr_add_channel(l->ctxt, part, s->name, (exr_pixel_type_t) s->type,
@@ -307,7 +304,6 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
 {
     const enum gp_compression c = b->img->compression;
     gp_status st;
-    void *mem;
     if (c == GP_COMPRESSION_NONE)
         return GP_OK;
     if (c != GP_COMPRESSION_ZIP && c != GP_COMPRESSION_ZIPS) {
@@ -315,10 +311,8 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
         return library_open(&w->library, b->img)
                    ? refused(log, path, gp_exr_fault()) : GP_OK;
     }
-    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &mem));
-    w->raw = mem;
-    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &mem));
-    w->scratch = mem;
+    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->raw));
+    GP_TRY(gp_alloc(log, "EXR chunks", b->chunk_bytes, 1, &w->scratch));
     w->zip = gp_exr_zip_compressor();
     if (!w->zip)
         st = gp_no_memory_bare(log, "EXR compressor");
@@ -345,7 +339,6 @@ static gp_status start_batch(const struct gp_log *log, const char *path,
                              const struct gp_exr_image *img, struct batch *b)
 {
     gp_status st;
-    void *mem;
     *b = (struct batch) {
         .img = img, .rows = chunk_rows(img->compression),
         .workers = gp_threads(),
@@ -365,14 +358,11 @@ static gp_status start_batch(const struct gp_log *log, const char *path,
     if (b->slots > gp_exr_chunk_count(img))
         b->slots = gp_exr_chunk_count(img);
     GP_TRY(gp_alloc_zero(log, "EXR threads", (size_t) b->workers,
-                         sizeof *b->worker, &mem));
-    b->worker = mem;
+                         sizeof *b->worker, &b->worker));
     GP_TRY(gp_alloc_zero(log, "EXR chunks", (size_t) b->slots, sizeof *b->slot,
-                         &mem));
-    b->slot = mem;
+                         &b->slot));
     GP_TRY(gp_alloc(log, "EXR chunks", (size_t) b->slots, b->chunk_bytes,
-                    &mem));
-    b->bytes = mem;
+                    &b->bytes));
     for (int i = 0; i < b->slots; i++)
         b->slot[i].bytes = b->bytes + (size_t) i * b->chunk_bytes;
     for (int i = 0; i < b->workers; i++)
@@ -384,8 +374,7 @@ out:
 /* -- DWAA and DWAB ----------------------------------------------------------
  *
  * OpenImageIO writes an EXR in memory with the same channels, and its chunks
- * are taken over as they are: OpenEXRCore 3.1.5 cannot make them.
- */
+ * are taken over as they are: OpenEXRCore 3.1.5 cannot make them. */
 
 /* DWA stores halfs, floats too, and its loss moves values near the end of
  * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the
@@ -395,9 +384,8 @@ static const float DWA_MAX = 57344.0f;
 /* Samples of all channels, interleaved; names and types have room for every
  * channel. */
 static gp_status interleave(const struct gp_log *log, const char *path,
-                            const struct gp_exr_image *img, const char **names,
-                            int *types, struct gp_shared *pixels,
-                            struct gp_write_stats *stats)
+    const struct gp_exr_image *img, const char **names, int *types,
+    struct gp_shared *pixels, struct gp_write_stats *stats)
 {
     const size_t w = (size_t) gp_rect_w(img->data);
     const size_t h = (size_t) gp_rect_h(img->data);
@@ -441,8 +429,7 @@ static gp_status interleave(const struct gp_log *log, const char *path,
 
 /* The chunks of the only part of `from`, to part `part` of `out`. */
 static gp_status take_chunks(struct gp_exr_out *out, int part,
-                             const struct gp_exr_image *img,
-                             const struct gp_input *from)
+    const struct gp_exr_image *img, const struct gp_input *from)
 {
     const char *const path = gp_file_path(out->file);
     struct gp_exr_chunks cs;
@@ -474,8 +461,7 @@ out:
 }
 
 static gp_status encode_dwa(struct gp_exr_out *out, int part,
-                            const struct gp_exr_image *img, float quality,
-                            struct gp_write_stats *stats)
+    const struct gp_exr_image *img, float quality, struct gp_write_stats *stats)
 {
     gp_status st;
     void *names = NULL, *types = NULL;
@@ -519,8 +505,7 @@ out:
 /* -- all compressions ----------------------------------------------------- */
 
 gp_status gp_exr_encode(struct gp_exr_out *out, int part,
-                        const struct gp_exr_image *img, float quality,
-                        struct gp_write_stats *stats)
+    const struct gp_exr_image *img, float quality, struct gp_write_stats *stats)
 {
     struct batch b;
     gp_status st;
@@ -540,8 +525,7 @@ gp_status gp_exr_encode(struct gp_exr_out *out, int part,
             const struct slot *s = &b.slot[i];
             const int index = b.first + i;
             GP_TRY(gp_exr_out_scanlines(out, part, index,
-                                        img->data.y0 + index * b.rows,
-                                        s->bytes, s->size));
+                   img->data.y0 + index * b.rows, s->bytes, s->size));
             stats->clamped += s->clamped;
         }
     }

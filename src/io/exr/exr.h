@@ -3,8 +3,7 @@
  * In: open.c (header.c checks the bytes of the header before the library sees
  * them), choose.c (which part and channels are the frame), read.c, decode.c
  * with zip.c. Out: sources.c (which channels), write.c, encode.c with zip.c,
- * out.c (the file's header, tables and chunks).
- */
+ * out.c (the file's header, tables and chunks). */
 #ifndef GP_IO_EXR_EXR_H
 #define GP_IO_EXR_EXR_H
 
@@ -24,8 +23,7 @@
  *
  * It is the open read context: attributes, other parts and their raw chunks
  * are read from there when gp_write_hdr() needs them, so nothing that nobody
- * asks for is ever read.
- */
+ * asks for is ever read. */
 struct gp_input {
     /* Open for reading with the whole header parsed. Safe to read from many
      * threads at once. Its errors are return values only; nothing is
@@ -58,11 +56,9 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
  * `part` of the result is 0 until the reader has chosen.
  * Errors: GP_ERR_DATA the header is damaged, or the file is cut off before its
  * last chunk ends, whatever part or level that is of; GP_ERR_IO a read failed;
- * GP_ERR_BUG out of memory.
- */
-GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log,
-                                    const char *path, struct gp_stream *stream,
-                                    struct gp_input **out);
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log, const char *path,
+    struct gp_stream *stream, struct gp_input **out);
 
 /* Closes and frees; for gp_frame.input_free. NULL is fine. */
 void gp_input_free(void *input);
@@ -71,14 +67,13 @@ void gp_input_free(void *input);
  *
  * A stereo file has a part for each view, named by the part's "view"
  * attribute, or all views in one part, named by its "multiView" attribute, a
- * list of which the first is the default view. There the view's name is
- * before the channel's own: right.R, diffuse.right.R; the default view has R.
+ * list of which the first is the default view. There the view's name is before
+ * the channel's own: right.R, diffuse.right.R; the default view has R.
  * Source: OpenEXR, "Storing Multi-View Images in OpenEXR Files", and
  * viewFromChannelName() of ImfMultiView.cpp.
  *
  * All inputs here are EXR, and `part` is in [0, in->parts). Strings are
- * borrowed.
- */
+ * borrowed. */
 
 bool gp_exr_is_deep(const struct gp_input *in, int part);
 
@@ -102,9 +97,8 @@ struct gp_exr_names {
  * no longer than `in`; written always; free with gp_exr_names_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
-                                        const struct gp_input *in, int part,
-                                        const char *view,
-                                        struct gp_exr_names *out);
+    const struct gp_input *in, int part, const char *view,
+    struct gp_exr_names *out);
 void gp_exr_names_free(struct gp_exr_names *names);
 
 /* -- pixels --------------------------------------------------------------- */
@@ -132,21 +126,17 @@ struct gp_exr_sink {
     bool as_float; // convert; else the file's own type
 };
 
-/* Reads the place and size of every chunk of level 0 and checks that each
- * is in the file and could hold as much as it claims: stored chunks exactly
- * their size, compressed ones at most what their method can expand to. Takes
- * memory for the list of chunks only, which the offset table in the file
- * bounds.
+/* Reads the place and size of every chunk of level 0 and checks that each is
+ * in the file and could hold as much as it claims: stored chunks exactly their
+ * size, compressed ones at most what their method can expand to. Takes memory
+ * for the list of chunks only, which the offset table in the file bounds.
  *
  *   out  written always; free with gp_exr_chunks_free()
  *
- * Errors: GP_ERR_DATA deep data, more than max_pixels, cut off or damaged.
- */
+ * Errors: GP_ERR_DATA deep data, more than max_pixels, cut off or damaged. */
 GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
-                                           const char *path,
-                                           const struct gp_input *in,
-                                           int part, long long max_pixels,
-                                           struct gp_exr_chunks *out);
+    const char *path, const struct gp_input *in, int part, long long max_pixels,
+    struct gp_exr_chunks *out);
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 
 /* Decodes all chunks, in parallel and straight to the sinks: by OpenEXRCore,
@@ -155,8 +145,7 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
  * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
  * GP_ERR_IO no OpenImageIO; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
-                                      const struct gp_exr_chunks *chunks,
-                                      const struct gp_exr_sink *sink);
+    const struct gp_exr_chunks *chunks, const struct gp_exr_sink *sink);
 
 /* The windows, pixel aspect ratio, primaries and number of the part, as the
  * header has them, into `f`. */
@@ -169,24 +158,18 @@ enum gp_pixel_type gp_exr_pixel_type(exr_pixel_type_t type);
 /* gp_read_frame() for a stream that begins as an EXR; takes the stream over,
  * also on failure. Contract and errors as there. */
 GP_MUST_CHECK gp_status gp_read_exr(const struct gp_log *log,
-                                    const struct gp_read_params *p,
-                                    const char *path, struct gp_stream *stream,
-                                    struct gp_frame *out);
+    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
+    struct gp_frame *out);
 
 /* -- out ------------------------------------------------------------------ */
 
 /* gp_write_picture() and gp_write_hdr() once `path` is checked. */
 GP_MUST_CHECK gp_status gp_exr_write_picture(const struct gp_log *log,
-                                             const struct gp_write_params *p,
-                                             const char *path,
-                                             const struct gp_frame *f,
-                                             const struct gp_planes *planes,
-                                             enum gp_picture_kind kind,
-                                             struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats);
 GP_MUST_CHECK gp_status gp_exr_write_hdr(const struct gp_log *log,
-                                         const struct gp_write_params *p,
-                                         const char *path,
-                                         const struct gp_hdr_colour *set,
-                                         int n, struct gp_write_stats *stats);
+    const struct gp_write_params *p, const char *path,
+    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
 
 #endif

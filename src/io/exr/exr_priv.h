@@ -13,8 +13,7 @@
  * It calls a file damaged also when memory is full or the disk does not read,
  * and continues after some of these as if an attribute had not been there. So
  * its memory and its bytes come through here, and what goes wrong with them is
- * kept, for each thread.
- */
+ * kept, for each thread. */
 
 /* For alloc_fn of a context: malloc(). */
 void *gp_exr_allocate(size_t size);
@@ -46,8 +45,7 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
  * A walk over them comes before the library: it bounds the lists, holds every
  * value to its type, and keeps where everything is. OpenEXRCore 3.1.5 leaves
  * out values that it cannot parse and reports nothing; OpenEXR's C++ library
- * refuses the file, and would refuse one that they are carried to.
- */
+ * refuses the file, and would refuse one that they are carried to. */
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
@@ -82,12 +80,9 @@ struct gp_exr_index {
  *
  * Errors: GP_ERR_DATA a value is none of its type, which the library may leave
  * out without a word, or there are more channels, attributes or parts than it
- * could sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory.
- */
+ * could sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
-                                          const char *path,
-                                          const struct gp_stream *s,
-                                          struct gp_exr_index *out);
+    const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
 /* False when all bytes of `s` are no value of that type. */
@@ -97,8 +92,7 @@ bool gp_exr_value_is(const struct gp_stream *s, const char *type);
  *
  * It is carried as bytes: attributes of any type, known or not, and whole
  * headers of other parts. (OpenEXRCore 3.1.5 refuses to copy attributes whose
- * type it does not know.)
- */
+ * type it does not know.) */
 
 /* Flags of the version field, openexr file layout, "Version Field". */
 enum {
@@ -135,9 +129,7 @@ struct gp_exr_carried {
  * gp_exr_carried_free(). Errors: GP_ERR_DATA it has changed since;
  * GP_ERR_IO a read failed; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_carried_read(const struct gp_log *log,
-                                            const char *path,
-                                            const struct gp_input *in,
-                                            struct gp_exr_carried *out);
+    const char *path, const struct gp_input *in, struct gp_exr_carried *out);
 void gp_exr_carried_free(struct gp_exr_carried *carried);
 
 /* The attribute of that name and type, or NULL. */
@@ -179,8 +171,7 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 /* What a channel of a part holds: by its own layer, or by the part's name when
  * it has none. `in` as above. */
 enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
-                                          const struct gp_input *in, int part,
-                                          const char *name);
+    const struct gp_input *in, int part, const char *name);
 
 struct gp_exr_choice {
     int part;
@@ -194,13 +185,10 @@ struct gp_exr_choice {
  *          gp_exr_chunks_find() refuses
  *
  * Errors: GP_ERR_DATA no colour channel; GP_ERR_USAGE as in gp_read_frame(),
- * and the line lists what the file has; GP_ERR_BUG out of memory.
- */
+ * and the line lists what the file has; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
-                                      const struct gp_read_params *p,
-                                      const char *path,
-                                      const struct gp_input *in, int first,
-                                      struct gp_exr_choice *out);
+    const struct gp_read_params *p, const char *path, const struct gp_input *in,
+    int first, struct gp_exr_choice *out);
 
 /* -- luminance-chroma images to RGB (luma_chroma.c) ------------------------
  *
@@ -211,8 +199,7 @@ GP_MUST_CHECK gp_status gp_exr_choose(const struct gp_log *log,
  * more saturated than their neighbours, which the filter's ringing makes,
  * are pulled back.
  * Source: OpenEXR, ImfRgbaYca.cpp and class RgbaInputFile::FromYca of
- * ImfRgbaFile.cpp, whose results these equal bit by bit for half files.
- */
+ * ImfRgbaFile.cpp, whose results these equal bit by bit for half files. */
 
 struct gp_yc {
     int w, h;        // of the picture, both even when xs or ys is 2
@@ -228,23 +215,20 @@ struct gp_yc {
 /* The weights of R, G, B in Y for these primaries, in OpenEXR's own single
  * precision (RgbaYca::computeYw, ImfChromaticities.cpp). Degenerate primaries
  * give those of BT.709.
- *   chromaticities  rx ry gx gy bx by wx wy
- */
+ *   chromaticities  rx ry gx gy bx by wx wy */
 void gp_yc_weights(const float chromaticities[8], float weight[3]);
 
 /* Fills out->c[0..2], w * h each; they may not overlap the inputs.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
-                                     const struct gp_yc *in,
-                                     struct gp_planes *out);
+    const struct gp_yc *in, struct gp_planes *out);
 
 /* -- ZIP, ZIPS and RLE (zip.c) ---------------------------------------------
  *
  * Such a chunk holds all bytes at even places, then all bytes at odd places,
  * each byte as the difference to the one before, plus 128 (ImfZip.cpp). The
  * two halves are never put together in memory: the readers below take both
- * at once on the way to the planes.
- */
+ * at once on the way to the planes. */
 
 struct libdeflate_compressor;
 
@@ -265,15 +249,13 @@ void gp_exr_zip_filter(const uint8_t *restrict in, uint8_t *restrict out,
  *   out      n bytes
  *
  * Returns the compressed size, always less than n, or 0 when the chunk does
- * not shrink and is stored as it is.
- */
+ * not shrink and is stored as it is. */
 size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
                   size_t n, uint8_t *scratch, uint8_t *out);
 
 /* Expands EXR's run lengths to exactly `out_size` bytes; false when the runs
  * give more or less. */
-bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out,
-              size_t out_size);
+bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out, size_t out_size);
 
 /* Undoes the differences in place. */
 void gp_undo_delta(uint8_t *v, size_t n);
@@ -319,12 +301,10 @@ int gp_exr_chunk_count(const struct gp_exr_image *img);
  *   quality  of DWAA and DWAB (OpenEXR's default is 45); else not used
  *
  * Errors: GP_ERR_USAGE a compression that cannot hold these channels;
- * GP_ERR_IO; GP_ERR_BUG out of memory.
- */
+ * GP_ERR_IO; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
-                                      const struct gp_exr_image *img,
-                                      float quality,
-                                      struct gp_write_stats *stats);
+    const struct gp_exr_image *img, float quality,
+    struct gp_write_stats *stats);
 
 /* -- which channels a part gets (sources.c) ------------------------------- */
 
@@ -339,10 +319,8 @@ struct gp_exr_sources {
 
 /* R, G and B from `planes`. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
-                                               const struct gp_write_params *p,
-                                               const struct gp_frame *f,
-                                               const struct gp_planes *planes,
-                                               struct gp_exr_sources *out);
+    const struct gp_write_params *p, const struct gp_frame *f,
+    const struct gp_planes *planes, struct gp_exr_sources *out);
 
 /* The channels of one part, with the colours of several frames of it:
  *   - what is the colour of none of them as it is;
@@ -357,12 +335,10 @@ GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
  *   p    --type is that of the colours
  *
  * Errors: GP_ERR_DATA such a name is taken; GP_ERR_USAGE a channel is the
- * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole.
- */
+ * colour of two frames; GP_ERR_BUG out of memory, or no frame is whole. */
 GP_MUST_CHECK gp_status gp_exr_sources_hdr(const struct gp_log *log,
-                                           const struct gp_write_params *p,
-                                           const struct gp_hdr_colour *set,
-                                           int n, struct gp_exr_sources *out);
+    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
+    struct gp_exr_sources *out);
 void gp_exr_sources_free(struct gp_exr_sources *s);
 
 /* -- a header in the making (out.c) --------------------------------------- */
@@ -398,27 +374,22 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  *   own     of the input; NULL when that was not EXR
  *   name    of the part; may be NULL in files of one part
  *   chunks  of the part in a multi-part file, where type and number of chunks
- *           are required; 0 in files of one part
- */
+ *           are required; 0 in files of one part */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
-                        const struct gp_exr_image *img,
-                        const struct gp_exr_carried_part *own,
-                        enum gp_exr_kept kept, const char *name, int chunks);
+    const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
+    enum gp_exr_kept kept, const char *name, int chunks);
 
 /* Bytes as they are: another part's header. */
-void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes,
-                       size_t size);
+void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes, size_t size);
 
 /* Writes the version field. Errors: GP_ERR_BUG when memory ran out. */
 GP_MUST_CHECK gp_status gp_exr_header_done(const struct gp_log *log,
-                                           const char *path,
-                                           struct gp_exr_header *h);
+    const char *path, struct gp_exr_header *h);
 void gp_exr_header_free(struct gp_exr_header *h);
 
 /* -- the file on its way out (out.c) ---------------------------------------
  *
- * Header, offset tables, chunks (openexr file layout, "Chunk Layout").
- */
+ * Header, offset tables, chunks (openexr file layout, "Chunk Layout"). */
 
 struct gp_exr_table {
     uint64_t at;      // where it is in the file
@@ -440,19 +411,15 @@ struct gp_exr_out {
  *   chunks  of each part, > 0
  *   out     empty on failure; free with gp_exr_out_free()
  *
- * Errors: GP_ERR_IO, GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_IO, GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_out_begin(const struct gp_log *log,
-                                         struct gp_file *file,
-                                         const void *header, size_t size,
-                                         const int *chunks, int parts,
-                                         struct gp_exr_out *out);
+    struct gp_file *file, const void *header, size_t size, const int *chunks,
+    int parts, struct gp_exr_out *out);
 
 /* Appends a scanline chunk that starts at row `y`; `size` is at most
  * INT32_MAX. */
 GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
-                                             int index, int y,
-                                             const void *data, size_t size);
+    int index, int y, const void *data, size_t size);
 
 /* Copies all chunks of a part of the input, flat or deep, scanlines or tiles
  * of all levels, byte by byte and in the order in which they are in the file.
@@ -460,11 +427,9 @@ GP_MUST_CHECK gp_status gp_exr_out_scanlines(struct gp_exr_out *out, int part,
  *   part  has the same number in both files
  *
  * Errors: GP_ERR_DATA a chunk is missing or reaches out of the file (`path`
- * is the input, for the line); GP_ERR_IO; GP_ERR_BUG out of memory.
- */
+ * is the input, for the line); GP_ERR_IO; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_out_copy(struct gp_exr_out *out, int part,
-                                        const char *path,
-                                        const struct gp_input *in);
+    const char *path, const struct gp_input *in);
 
 /* Fills in the offset tables. Errors: GP_ERR_IO; GP_ERR_BUG a chunk was
  * never written. */
@@ -484,8 +449,7 @@ void gp_exr_out_free(struct gp_exr_out *out);
  *              keeps its bits, depth too
  *
  * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
- * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp.
- */
+ * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */
 bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
                   const char *name);
 

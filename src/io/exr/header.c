@@ -53,8 +53,7 @@ struct value {
  * are.
  *
  *   complete  written: the list ends where the value does, or the file
- *             before
- */
+ *             before */
 static uint64_t count_channels(const struct value *v, uint64_t most,
                                bool *complete)
 {
@@ -367,8 +366,7 @@ static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
 }
 
 gp_status gp_exr_index_make(const struct gp_log *log, const char *path,
-                            const struct gp_stream *s,
-                            struct gp_exr_index *out)
+                            const struct gp_stream *s, struct gp_exr_index *out)
 {
     enum { PARTS = 0x10, DEEP = 0x08 }; // flags in byte 5 of the file
     struct walk walk = {.log = log, .path = path, .index = out};

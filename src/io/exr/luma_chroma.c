@@ -188,8 +188,7 @@ static void desaturate(const struct gp_yc *in, float f, float rgb[3])
 
 /* fixSaturation() of the row between two others. The mean is of the four
  * diagonal neighbours; beside the image its edge column counts. */
-static void fix_row(const struct rows *rows, const struct colours row[3],
-                    int y)
+static void fix_row(const struct rows *rows, const struct colours row[3], int y)
 {
     const int w = rows->in->w;
     const float *above = row[0].saturation, *below = row[2].saturation;

@@ -63,8 +63,7 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
  * readers go by the flags of the version there; OpenEXRCore 3.1.5 believes the
  * attribute, and finds the header damaged. So it does not get to see it. */
 static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
-                                uint64_t n, uint64_t offset,
-                                exr_stream_error_func_ptr_t error)
+    uint64_t n, uint64_t offset, exr_stream_error_func_ptr_t error)
 {
     (void) ctxt;
     (void) error; // what went wrong is kept above
@@ -230,17 +229,14 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
                       struct gp_stream *stream, struct gp_input **out)
 {
     struct gp_input *in = NULL;
-    void *mem;
-    gp_status st = gp_alloc_zero(log, "input", 1, sizeof *in, &mem);
+    gp_status st = gp_alloc_zero(log, "input", 1, sizeof *in, &in);
     if (st) {
         gp_stream_close(stream);
         return st;
     }
-    in = mem;
     in->stream = *stream;
     *stream = (struct gp_stream) GP_STREAM_EMPTY;
-    GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &mem));
-    in->index = mem;
+    GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
     GP_TRY(gp_exr_index_make(log, path, &in->stream, in->index));
     GP_TRY(parse_header(log, path, in));
     // parts and levels that nobody reads must be whole as well
@@ -304,21 +300,16 @@ static bool point_into(const struct gp_exr_index *index,
 }
 
 gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
-                              const struct gp_input *in,
-                              struct gp_exr_carried *out)
+    const struct gp_input *in, struct gp_exr_carried *out)
 {
     const struct gp_exr_index *const index = in->index;
     gp_status st;
-    void *mem = NULL;
     *out = (struct gp_exr_carried) {0};
-    GP_TRY(gp_alloc(log, path, index->tables, 1, &mem));
-    out->bytes = mem;
+    GP_TRY(gp_alloc(log, path, index->tables, 1, &out->bytes));
     GP_TRY(gp_alloc(log, path, (size_t) index->attrs, sizeof *out->attr,
-                    &mem));
-    out->attr = mem;
+                    &out->attr));
     GP_TRY(gp_alloc(log, path, (size_t) index->parts, sizeof *out->part,
-                    &mem));
-    out->part = mem;
+                    &out->part));
     gp_exr_fault_clear();
     const int64_t got = gp_exr_read_bytes(&in->stream, out->bytes,
                                           index->tables, 0);

@@ -5,8 +5,7 @@
  * 3.1.5 refuse chunks out of order (unless the part's lineOrder is random) and
  * deep chunks without samples, and parts are carried with both. A release
  * whose write_scan_chunk() and write_tile_chunk() take them ends this file;
- * those of its repository at 01e9f18f do not yet.
- */
+ * those of its repository at 01e9f18f do not yet. */
 #include "io/exr/exr_priv.h"
 
 #include "core/colour.h"
@@ -118,9 +117,8 @@ static void put_window(struct gp_exr_header *h, const char *name,
 
 /* An attribute of the input, or its default. */
 static void put_or(struct gp_exr_header *h,
-                   const struct gp_exr_carried_part *own,
-                   const char *name, const char *type, const void *data,
-                   size_t size)
+                   const struct gp_exr_carried_part *own, const char *name,
+                   const char *type, const void *data, size_t size)
 {
     const struct gp_exr_attr *a =
         own ? gp_exr_attr_find(own, name, type) : NULL;
@@ -220,9 +218,8 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
 }
 
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
-                        const struct gp_exr_image *img,
-                        const struct gp_exr_carried_part *own,
-                        enum gp_exr_kept kept, const char *name, int chunks)
+    const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
+    enum gp_exr_kept kept, const char *name, int chunks)
 {
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;
@@ -271,11 +268,10 @@ gp_status gp_exr_out_begin(const struct gp_log *log, struct gp_file *file,
                            int parts, struct gp_exr_out *out)
 {
     gp_status st;
-    void *mem;
     const char *what = gp_file_path(file);
     *out = (struct gp_exr_out) {.log = log, .file = file};
-    GP_TRY(gp_alloc_zero(log, what, (size_t) parts, sizeof *out->table, &mem));
-    out->table = mem;
+    GP_TRY(gp_alloc_zero(log, what, (size_t) parts, sizeof *out->table,
+                         &out->table));
     out->parts = parts;
     uint32_t version;
     memcpy(&version, (const uint8_t *) header + 4, 4);
@@ -284,8 +280,7 @@ gp_status gp_exr_out_begin(const struct gp_log *log, struct gp_file *file,
     for (int p = 0; p < parts; p++) {
         struct gp_exr_table *t = &out->table[p];
         const size_t n = (size_t) chunks[p];
-        GP_TRY(gp_alloc_zero(log, what, n, sizeof *t->offset, &mem));
-        t->offset = mem;
+        GP_TRY(gp_alloc_zero(log, what, n, sizeof *t->offset, &t->offset));
         t->chunks = chunks[p];
         t->at = gp_file_size(file);
         GP_TRY(gp_file_write(file, t->offset, n * sizeof *t->offset));
@@ -359,8 +354,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
     void *block = NULL, *offsets = NULL, *places = NULL;
     GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
     GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof(uint64_t), &offsets));
-    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof(struct place),
-                    &places));
+    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof(struct place), &places));
     struct place *const place = places;
     gp_exr_fault_clear();
     if (!gp_exr_offsets_read(in, part, 0, n, offsets))
@@ -388,9 +382,8 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
         st = gp_exr_fault_print(out->log, path, gp_exr_fault());
     else if (st == GP_ERR_DATA)
         (void) gp_fail(out->log, st,
-                       "%s: part %d is cut off or damaged; copy or render the "
-                       "file again, or give --hdr a file without it", path,
-                       part);
+            "%s: part %d is cut off or damaged; copy or render the "
+            "file again, or give --hdr a file without it", path, part);
 out:
     gp_free(places);
     gp_free(offsets);

@@ -74,9 +74,8 @@ static gp_status check_sampling(const struct reading *r)
             continue;
         }
         return gp_fail(r->log, GP_ERR_DATA,
-                       "%s: channel %s is subsampled %d x %d, which no colour "
-                       "has; write it at full resolution", r->path,
-                       e->name.str, xs, ys);
+            "%s: channel %s is subsampled %d x %d, which no colour "
+            "has; write it at full resolution", r->path, e->name.str, xs, ys);
     }
     return GP_OK;
 }
@@ -88,13 +87,10 @@ static gp_status make_channels(struct reading *r)
     struct gp_frame *const f = r->f;
     const int n = cs->channel->num_channels;
     gp_status st;
-    void *mem;
     GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *f->channel,
-                         &mem));
-    f->channel = mem;
+                         &f->channel));
     GP_TRY(gp_alloc_zero(r->log, "channels", (size_t) n, sizeof *r->sink,
-                         &mem));
-    r->sink = mem;
+                         &r->sink));
     f->colour_type = GP_HALF;
     for (int i = 0; i < n; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
@@ -126,17 +122,15 @@ out:
 static gp_status make_planes(struct reading *r)
 {
     struct gp_frame *f = r->f;
-    gp_status st =
-        gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
+    gp_status st = gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
     for (int k = 0; !st && k < 3; k++) {
         const int index = r->choice->colour.index[k];
         float *to = f->rgb.c[k];
         if (index >= 0 && f->model == GP_COLOUR_YC) {
             const struct gp_channel *c = &f->channel[index];
-            void *p;
             st = gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
-                          sizeof(float), &p);
-            to = r->yc[k] = p;
+                          sizeof(float), &r->yc[k]);
+            to = r->yc[k];
         }
         if (index >= 0)
             r->sink[index] = (struct gp_exr_sink) {to, true};
@@ -156,13 +150,10 @@ static gp_status finish_yc(struct reading *r)
     for (int k = 0; k < 3; k += 2) {
         if (r->yc[k])
             continue;
-        void *p;
         gp_status st = gp_alloc_zero(r->log, "chroma",
-                                     (size_t) chroma->w * (size_t) chroma->h,
-                                     sizeof(float), &p);
+            (size_t) chroma->w * (size_t) chroma->h, sizeof(float), &r->yc[k]);
         if (st)
             return st;
-        r->yc[k] = p;
     }
     struct gp_yc yc = {
         .w = r->chunks.w, .h = r->chunks.h, .xs = chroma->xs,
@@ -185,10 +176,8 @@ static void fill_missing_plane(struct gp_frame *f, int k)
 
 /* The frame of one part and its colour, without an input. */
 static gp_status read_choice(const struct gp_log *log,
-                             const struct gp_read_params *p, const char *path,
-                             const struct gp_input *in,
-                             const struct gp_exr_choice *choice,
-                             struct gp_frame *out)
+    const struct gp_read_params *p, const char *path, const struct gp_input *in,
+    const struct gp_exr_choice *choice, struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {.model = choice->colour.model};
@@ -199,9 +188,8 @@ static gp_status read_choice(const struct gp_log *log,
                               &r.chunks));
     gp_exr_frame_header(&r.chunks, &f);
     GP_TRY(gp_window_check(log, path, "display",
-                           (int64_t) f.display.x1 - f.display.x0,
-                           (int64_t) f.display.y1 - f.display.y0,
-                           p->max_pixels));
+           (int64_t) f.display.x1 - f.display.x0,
+           (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
     GP_TRY(check_sampling(&r));
     GP_TRY(make_channels(&r));
     GP_TRY(make_planes(&r));
@@ -228,8 +216,7 @@ out:
 }
 
 gp_status gp_read_exr(const struct gp_log *log, const struct gp_read_params *p,
-                      const char *path, struct gp_stream *stream,
-                      struct gp_frame *out)
+    const char *path, struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
     struct gp_input *in = NULL;
@@ -251,9 +238,8 @@ out:
 /* Chooses in the view that is asked for; else in that of f's part first, since
  * a layer of the other eye is the last that is meant. */
 static gp_status choose_layer(const struct gp_log *log,
-                              const struct gp_read_params *p,
-                              const struct gp_frame *f, const char *layer,
-                              struct gp_exr_choice *out)
+    const struct gp_read_params *p, const struct gp_frame *f, const char *layer,
+    struct gp_exr_choice *out)
 {
     const struct gp_input *in = gp_input_of(f);
     struct gp_read_params q = {
@@ -288,11 +274,9 @@ static bool holds_choice(const struct gp_frame *f,
 
 /* A frame like f, with the colour that f's channels hold. */
 static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
-                            const struct gp_colour_choice *colour,
-                            struct gp_frame *out)
+    const struct gp_colour_choice *colour, struct gp_frame *out)
 {
     gp_status st;
-    void *channels;
     *out = (struct gp_frame) {
         .path = gp_strdup(f->path), .data = f->data, .display = f->display,
         .pixel_aspect = f->pixel_aspect, .part = f->part, .parts = f->parts,
@@ -303,8 +287,8 @@ static gp_status copy_layer(const struct gp_log *log, const struct gp_frame *f,
     if (!out->path)
         GP_TRY(gp_no_memory(log, f->path));
     GP_TRY(gp_planes_make(log, "layer", gp_frame_pixels(f), &out->rgb));
-    GP_TRY(gp_alloc_zero(log, "channels", 3, sizeof *out->channel, &channels));
-    out->channel = channels;
+    GP_TRY(gp_alloc_zero(log, "channels", 3, sizeof *out->channel,
+                         &out->channel));
     for (int k = 0; k < 3; k++) {
         const int index = colour->index[k];
         if (index < 0) {
@@ -327,9 +311,8 @@ out:
 }
 
 gp_status gp_read_layer(const struct gp_log *log,
-                        const struct gp_read_params *p,
-                        const struct gp_frame *f, const char *layer,
-                        struct gp_frame *out)
+    const struct gp_read_params *p, const struct gp_frame *f, const char *layer,
+    struct gp_frame *out)
 {
     struct gp_input *const in = f->input;
     struct gp_exr_choice choice;

@@ -34,9 +34,8 @@ void gp_exr_sources_free(struct gp_exr_sources *s)
 }
 
 /* One plane, in the sample type that --type asks for. */
-static void add_plane(struct gp_exr_sources *s,
-                      const struct gp_write_params *p, const char *name,
-                      const struct gp_frame *f, const float *plane, bool linear)
+static void add_plane(struct gp_exr_sources *s, const struct gp_write_params *p,
+    const char *name, const struct gp_frame *f, const float *plane, bool linear)
 {
     s->source[s->sources++] = (struct gp_exr_source) {
         .name = name, .xs = 1, .ys = 1, .linear = linear,
@@ -47,10 +46,8 @@ static void add_plane(struct gp_exr_sources *s,
 }
 
 gp_status gp_exr_sources_picture(const struct gp_log *log,
-                                 const struct gp_write_params *p,
-                                 const struct gp_frame *f,
-                                 const struct gp_planes *planes,
-                                 struct gp_exr_sources *out)
+    const struct gp_write_params *p, const struct gp_frame *f,
+    const struct gp_planes *planes, struct gp_exr_sources *out)
 {
     static const char *const name[3] = {"B", "G", "R"}; // sorted
     gp_status st = make_room(log, 3, out);
@@ -99,15 +96,13 @@ static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
             owners += strcmp(colour[k], c->name) == 0;
         if (owners > 1)
             GP_TRY(gp_fail(g->log, GP_ERR_USAGE,
-                           "%s: channel %s is the colour of %d layers; name "
-                           "each layer once", g->complete->path, c->name,
-                           owners));
+                   "%s: channel %s is the colour of %d layers; name "
+                   "each layer once", g->complete->path, c->name, owners));
         if (owners == 1)
             continue;
         if (!c->data)
-            GP_TRY(gp_fail(g->log, GP_ERR_BUG,
-                           "%s: channel %s has no samples",
-                           g->complete->path, c->name));
+            GP_TRY(gp_fail(g->log, GP_ERR_BUG, "%s: channel %s has no samples",
+                   g->complete->path, c->name));
         out->source[out->sources++] = (struct gp_exr_source) {
             .name = c->name, .type = c->type, .xs = c->xs, .ys = c->ys,
             .linear = c->linear, .columns = c->w, .data = c->data,
@@ -146,9 +141,8 @@ static char *name_beside(const char *like, bool layered, int c)
 
 /* Colour c of a frame under a name that the part does not have. */
 static gp_status add_new_colour(const struct group *g,
-                                const struct gp_hdr_colour *from,
-                                const struct gp_channel *like, int c,
-                                struct gp_exr_sources *out)
+    const struct gp_hdr_colour *from, const struct gp_channel *like, int c,
+    struct gp_exr_sources *out)
 {
     const struct gp_frame *f = from->f;
     // names beside a grey channel that is called after what it shows, and has
@@ -188,8 +182,7 @@ static bool all_zero(const float *v, size_t n)
 
 /* The colour of one frame. */
 static gp_status add_frame(const struct group *g,
-                           const struct gp_hdr_colour *from,
-                           struct gp_exr_sources *out)
+    const struct gp_hdr_colour *from, struct gp_exr_sources *out)
 {
     const struct gp_frame *f = from->f;
     float *const *const plane = from->planes->c;
@@ -225,9 +218,8 @@ static gp_status add_frame(const struct group *g,
 }
 
 gp_status gp_exr_sources_hdr(const struct gp_log *log,
-                             const struct gp_write_params *p,
-                             const struct gp_hdr_colour *set, int n,
-                             struct gp_exr_sources *out)
+    const struct gp_write_params *p, const struct gp_hdr_colour *set, int n,
+    struct gp_exr_sources *out)
 {
     gp_status st;
     void *names = NULL;

@@ -103,23 +103,19 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
     const char *const from = w->part[0].f->path;
     const bool all = in && keeps_parts(w);
     gp_status st;
-    void *mem;
     w->file_parts = all ? in->parts : 1;
     if (in)
         GP_TRY(gp_exr_carried_read(w->log, from, in, &w->carried));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
-                         sizeof *w->at, &mem));
-    w->at = mem;
+                         sizeof *w->at, &w->at));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
-                         sizeof *w->chunks, &mem));
-    w->chunks = mem;
+                         sizeof *w->chunks, &w->chunks));
     for (int i = 0; i < w->parts; i++) {
         struct new_part *const part = &w->part[i];
         const int number = all ? part->f->part : 0;
         if (number < 0 || number >= w->file_parts || w->at[number])
             GP_TRY(gp_fail(w->log, GP_ERR_BUG,
-                           "%s: part %d is not one of its own", part->f->path,
-                           number));
+                   "%s: part %d is not one of its own", part->f->path, number));
         w->at[number] = part;
         part->own = in ? &w->carried.part[part->f->part] : NULL;
         part->img = (struct gp_exr_image) {
@@ -213,11 +209,9 @@ out:
 /* -- pictures ------------------------------------------------------------- */
 
 gp_status gp_exr_write_picture(const struct gp_log *log,
-                               const struct gp_write_params *p,
-                               const char *path, const struct gp_frame *f,
-                               const struct gp_planes *planes,
-                               enum gp_picture_kind kind,
-                               struct gp_write_stats *stats)
+    const struct gp_write_params *p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_write_stats *stats)
 {
     struct new_part part = {.f = f};
     struct writing w = {
@@ -275,35 +269,31 @@ static gp_status check_ids(const struct writing *w)
                 gp_exr_crypto_channel(&crypto, in, part->f->part, s->name) ==
                     GP_CRYPTO_IDS)
                 return gp_fail(w->log, GP_ERR_USAGE,
-                               "%s: this compression would change the "
-                               "Cryptomatte ids of %s (channel %s); use "
-                               "--compression zip", w->path, part->f->path,
-                               s->name);
+                    "%s: this compression would change the "
+                    "Cryptomatte ids of %s (channel %s); use "
+                    "--compression zip", w->path, part->f->path, s->name);
         }
     }
     return GP_OK;
 }
 
 gp_status gp_exr_write_hdr(const struct gp_log *log,
-                           const struct gp_write_params *p, const char *path,
-                           const struct gp_hdr_colour *set, int n,
-                           struct gp_write_stats *stats)
+    const struct gp_write_params *p, const char *path,
+    const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
 {
     struct writing w = {
         .log = log, .p = p, .path = path,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
-    void *part, *group = NULL;
+    struct gp_hdr_colour *group = NULL;
     gp_status st;
-    GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *w.part, &part));
-    w.part = part;
+    GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *w.part, &w.part));
     GP_TRY(gp_alloc(log, "parts", (size_t) n, sizeof *set, &group));
     for (int i = 0; i < n; i++) {
         const int found = group_frames(set, n, i, group);
         if (found < 0)
-            GP_TRY(gp_fail(log, GP_ERR_BUG,
-                           "%s: no frame is the whole part %d", set[i].f->path,
-                           set[i].f->part));
+            GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: no frame is the whole part %d",
+                   set[i].f->path, set[i].f->part));
         if (found == 0)
             continue;
         struct new_part *const to = &w.part[w.parts++];

@@ -64,8 +64,7 @@ size_t gp_exr_zip(struct libdeflate_compressor *c, const uint8_t *raw,
 
 /* -- in ------------------------------------------------------------------- */
 
-bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out,
-              size_t out_size)
+bool gp_unrle(const uint8_t *in, size_t in_size, uint8_t *out, size_t out_size)
 {
     const uint8_t *const in_end = in + in_size;
     uint8_t *const out_end = out + out_size;
@@ -133,8 +132,7 @@ void gp_undo_delta(uint8_t *v, size_t n)
     }
 }
 
-void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
-                   size_t n)
+void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out, size_t n)
 {
     uint8_t *to = out;
     size_t i = 0;
@@ -156,8 +154,7 @@ void gp_interleave(const uint8_t *even, const uint8_t *odd, void *out,
 #ifdef HAVE_X86
 
 GP_X86_AVX2 static size_t split_half_wide(const uint8_t *even,
-                                          const uint8_t *odd, float *out,
-                                          size_t n)
+    const uint8_t *odd, float *out, size_t n)
 {
     size_t i = 0;
     for (; i + 16 <= n; i += 16) {

@@ -214,9 +214,8 @@ static void give_back(struct helper *h)
 }
 
 static gp_status call_failed(const struct gp_log *log, const char *path,
-                             bool writes, const struct helper *h,
-                             const struct gp_oiio_reply *reply,
-                             const char *text);
+    bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
+    const char *text);
 
 /* A helper for this thread, one that runs first; give it back. */
 static gp_status take_helper(const struct gp_log *log, const char *path,
@@ -249,8 +248,7 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
         h->starved ? gp_no_memory(log, path) :
         h->began ? call_failed(log, path, writes, h, NULL, "") :
         gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
-                "glarepp-oiio (%s); install it, or use EXR or PNG", path,
-                h->cause);
+            "glarepp-oiio (%s); install it, or use EXR or PNG", path, h->cause);
     give_back(h);
     return st;
 }
@@ -312,9 +310,8 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
 
 /* The line for a call that failed: `reply` NULL: the helper is no more. */
 static gp_status call_failed(const struct gp_log *log, const char *path,
-                             bool writes, const struct helper *h,
-                             const struct gp_oiio_reply *reply,
-                             const char *text)
+    bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
+    const char *text)
 {
     const gp_status st = writes ? GP_ERR_IO : GP_ERR_DATA;
     const char *const what = writes ? "cannot be written"
@@ -346,8 +343,7 @@ struct input {
 
 /* A descriptor of the bytes: the file's own, or that of a copy in memory. */
 static gp_status make_descriptor(const struct gp_log *log, const char *path,
-                                 const struct gp_stream *s,
-                                 struct input *in)
+                                 const struct gp_stream *s, struct input *in)
 {
     in->fd = -1;
     if (!s->data)
@@ -410,9 +406,8 @@ static bool next_attribute(const char **at, const char *end,
 /* The image that a reply describes; in->text is taken apart where it is.
  * GP_ERR_DATA without a line: it cannot be true. */
 static gp_status make_image(const struct gp_log *log,
-                            const struct gp_oiio_reply *reply,
-                            long long max_pixels, struct input *in,
-                            struct gp_image *image)
+    const struct gp_oiio_reply *reply, long long max_pixels, struct input *in,
+    struct gp_image *image)
 {
     gp_status st;
     const struct gp_oiio_spec *const s = &reply->spec;
@@ -580,9 +575,8 @@ out:
 // -- writing ------------------------------------------------------------------
 
 gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
-                        const int *types, const struct gp_shared *pixels,
-                        const char *ending, const char *type,
-                        const char *compression, struct gp_stream *out)
+    const int *types, const struct gp_shared *pixels, const char *ending,
+    const char *type, const char *compression, struct gp_stream *out)
 {
     gp_status st;
     const char *const path = image->path;

@@ -267,8 +267,8 @@ bool is_memory(const std::string &text)
     return false;
 }
 
-// The first line, as libraries repeat themselves for each row. Memory is full where glarepp's own limits are; else the file
-// wanted more than it explains.
+// The first line, as libraries repeat themselves for each row. Memory is full
+// where glarepp's own limits are; else the file wanted more than it explains.
 void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 {
     const bool limited = inherited_data != RLIM_INFINITY ||

@@ -45,10 +45,8 @@ public:
         const std::size_t most = from < size_ ? size_ - from : 0;
         std::size_t done = 0;
         while (done < std::min(n, most)) {
-            const ssize_t got =
-                ::pread(fd_, static_cast<char *>(to) + done,
-                        std::min(n, most) - done,
-                        static_cast<off_t>(from + done));
+            const ssize_t got = ::pread(fd_, static_cast<char *>(to) + done,
+                std::min(n, most) - done, static_cast<off_t>(from + done));
             if (got <= 0)
                 break;
             done += static_cast<std::size_t>(got);
@@ -138,8 +136,7 @@ void check_size(const ImageSpec &spec, const gp_oiio_ask &ask)
         throw std::runtime_error("a volume, not a picture");
     if (spec.deep)
         throw std::runtime_error("deep data");
-    const long long pixels =
-        static_cast<long long>(spec.width) * spec.height;
+    const long long pixels = static_cast<long long>(spec.width) * spec.height;
     if (pixels > ask.max_pixels)
         throw std::runtime_error("too large: " + size_text(spec) +
                                  ", at most " +

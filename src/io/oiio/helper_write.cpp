@@ -75,8 +75,7 @@ ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
 void check_room(const ImageSpec &spec, bool native)
 {
     const std::uint64_t most = 2 * static_cast<std::uint64_t>(
-                                       spec.image_bytes(native)) +
-                               (std::uint64_t(1) << 16);
+        spec.image_bytes(native)) + (std::uint64_t(1) << 16);
     struct rlimit limit;
     if (!getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY &&
         most > limit.rlim_cur)

@@ -11,8 +11,7 @@
  * The program is looked for in $GLAREPP_BRIDGES, beside glarepp, in
  * ../lib/glarepp from there, and in the installed folder.
  * $GLAREPP_HELPER_SECONDS is how long one call may take (60), and a second
- * more for each MiB that is read or unpacked.
- */
+ * more for each MiB that is read or unpacked. */
 #ifndef GP_IO_OIIO_OIIO_H
 #define GP_IO_OIIO_OIIO_H
 
@@ -38,14 +37,10 @@
  *
  * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, cut off, over
  * max_pixels, no format that is read, or the helper did not survive it;
- * GP_ERR_BUG out of memory.
- */
-GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log,
-                                     const char *path,
-                                     const struct gp_stream *stream,
-                                     const char *reader, int part,
-                                     long long max_pixels,
-                                     struct gp_image *out);
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
+    const struct gp_stream *stream, const char *reader, int part,
+    long long max_pixels, struct gp_image *out);
 
 /* -- writing ---------------------------------------------------------------- */
 
@@ -67,15 +62,11 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log,
  * has no temporary names: the bytes go on to where they belong like all others.
  *
  * Errors: GP_ERR_IO no helper, or OpenImageIO refuses or fails; GP_ERR_BUG out
- * of memory.
- */
+ * of memory. */
 GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
-                                      const struct gp_image *image,
-                                      const int *types,
-                                      const struct gp_shared *pixels,
-                                      const char *ending, const char *type,
-                                      const char *compression,
-                                      struct gp_stream *out);
+    const struct gp_image *image, const int *types,
+    const struct gp_shared *pixels, const char *ending, const char *type,
+    const char *compression, struct gp_stream *out);
 
 /* Starts a helper where none is, so that a run that cannot write fails at its
  * begin. Errors: GP_ERR_IO. */
@@ -90,17 +81,14 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * NaN and negative values as 0, what lies beyond as the largest.
  * GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; the others are over black. */
 GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
-                                       const struct gp_write_params *p,
-                                       const char *path, const char *ending,
-                                       const struct gp_frame *f,
-                                       const struct gp_planes *planes,
-                                       enum gp_picture_kind kind);
+    const struct gp_write_params *p, const char *path, const char *ending,
+    const struct gp_frame *f, const struct gp_planes *planes,
+    enum gp_picture_kind kind);
 
 /* Whether that can be done with these params. Errors: GP_ERR_USAGE unknown
  * ending, more bits than the format has, a compression that TIFF lacks;
  * GP_ERR_IO no helper. */
 GP_MUST_CHECK gp_status gp_other_check(const struct gp_log *log,
-                                       const struct gp_write_params *p,
-                                       const char *path, const char *ending);
+    const struct gp_write_params *p, const char *path, const char *ending);
 
 #endif

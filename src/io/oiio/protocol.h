@@ -12,8 +12,7 @@
  *                  comes along where it is a new one. Blocks are asked for in
  *                  their order, each once
  *   GP_OIIO_WRITE  with the descriptors of an empty file and of memory that
- *                  holds the pixels: writes them as `format`
- */
+ *                  holds the pixels: writes them as `format` */
 #ifndef GP_IO_OIIO_PROTOCOL_H
 #define GP_IO_OIIO_PROTOCOL_H
 

@@ -74,8 +74,7 @@ static const char *tiff_compression(enum gp_compression c)
 }
 
 gp_status gp_other_check(const struct gp_log *log,
-                         const struct gp_write_params *p, const char *path,
-                         const char *ending)
+    const struct gp_write_params *p, const char *path, const char *ending)
 {
     const struct format *const t = find_format(ending);
     if (!t)
@@ -165,11 +164,9 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
 }
 
 static gp_status write_by_helper(const struct gp_log *log,
-                                 const struct gp_write_params *p,
-                                 struct gp_file *file, const struct format *t,
-                                 const struct gp_picture *pic,
-                                 const struct gp_shared *pixels, bool integer,
-                                 enum gp_picture_kind kind)
+    const struct gp_write_params *p, struct gp_file *file,
+    const struct format *t, const struct gp_picture *pic,
+    const struct gp_shared *pixels, bool integer, enum gp_picture_kind kind)
 {
     static const char *const names[] = {"R", "G", "B", "A"};
     const bool scene = kind == GP_PICTURE_SCENE;
@@ -204,10 +201,9 @@ static bool is_integer(const struct format *t, const struct gp_write_params *p,
 }
 
 gp_status gp_other_write(const struct gp_log *log,
-                         const struct gp_write_params *p, const char *path,
-                         const char *ending, const struct gp_frame *f,
-                         const struct gp_planes *planes,
-                         enum gp_picture_kind kind)
+    const struct gp_write_params *p, const char *path, const char *ending,
+    const struct gp_frame *f, const struct gp_planes *planes,
+    enum gp_picture_kind kind)
 {
     gp_status st;
     const struct format *const t = find_format(ending);
