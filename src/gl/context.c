@@ -159,8 +159,7 @@ void gp_gl_prepare(void)
 }
 
 static gp_status open_system(const struct gp_log *log,
-                             const struct gp_gl_system *system,
-                             struct gp_gl **out)
+    const struct gp_gl_system *system, struct gp_gl **out)
 {
     void *block;
     gp_status st = gp_alloc_zero(log, "GL context", 1, sizeof **out, &block);

@@ -89,8 +89,7 @@ static EGLContext make_context(const struct egl_functions *f,
     EGLint configs = 0;
     if (!has(extensions, "EGL_KHR_surfaceless_context") ||
         !f->bind_api(EGL_OPENGL_API) ||
-        !f->choose_config(display, wanted, &config, 1, &configs) ||
-        configs < 1)
+        !f->choose_config(display, wanted, &config, 1, &configs) || configs < 1)
         return EGL_NO_CONTEXT;
     EGLContext c = f->create_context(display, config, EGL_NO_CONTEXT, core);
     return c ? c : f->create_context(display, config, EGL_NO_CONTEXT, any);

@@ -14,8 +14,7 @@
  *   GLAREPP_GL_MAX_SIZE          lowers info's max_size, for tests of tiling
  *   LP_NUM_THREADS               Mesa's own: threads of its CPU rasterizer;
  *                                gp_threads() when it is not set
- *   EGL_LOG_LEVEL                Mesa's own: "fatal" when it is not set
- */
+ *   EGL_LOG_LEVEL                Mesa's own: "fatal" when it is not set */
 #ifndef GP_GL_GL_H
 #define GP_GL_GL_H
 
@@ -48,8 +47,7 @@ void gp_gl_prepare(void);
  *
  * Errors: GP_ERR_GL names the library that is missing and its Debian package
  * (libosmesa6; libegl1 and libegl-mesa0), or the version that was found when
- * GL is under 4.5.
- */
+ * GL is under 4.5. */
 GP_MUST_CHECK gp_status gp_gl_open(const struct gp_log *log,
                                    enum gp_gl_api api, struct gp_gl **out);
 
@@ -104,9 +102,8 @@ struct gp_texture {
  * Errors: GP_ERR_GL sizes under 1 or over max_size (names the limit), out of
  * memory. */
 GP_MUST_CHECK gp_status gp_texture_make(const struct gp_log *log,
-                                        const struct gp_gl *gl,
-                                        const char *what, enum gp_texel kind,
-                                        int w, int h, struct gp_texture *out);
+    const struct gp_gl *gl, const char *what, enum gp_texel kind, int w, int h,
+    struct gp_texture *out);
 
 /* Writes the texels of `rect`, which is inside the texture, from packed
  * rows of rgba: 4 * w * h floats. */
@@ -129,10 +126,8 @@ struct gp_target {
  * with gp_target_free(). Errors as for textures, and GP_ERR_GL when the driver
  * cannot draw to such texels. */
 GP_MUST_CHECK gp_status gp_target_make(const struct gp_log *log,
-                                       const struct gp_gl *gl,
-                                       const char *what, enum gp_texel kind,
-                                       int n, int w, int h,
-                                       struct gp_target *out);
+    const struct gp_gl *gl, const char *what, enum gp_texel kind, int n, int w,
+    int h, struct gp_target *out);
 
 /* Sets the pixels of `rect`, cut to the target, to 0 in all attachments. */
 void gp_target_clear(const struct gp_gl *gl, const struct gp_target *t,
@@ -156,15 +151,13 @@ struct gp_uniform_block {
 /* Makes a block, not cleared; free with gp_uniform_block_free().
  * Errors: GP_ERR_GL 0 bytes or over max_block, out of memory. */
 GP_MUST_CHECK gp_status gp_uniform_block_make(const struct gp_log *log,
-                                              const struct gp_gl *gl,
-                                              const char *what, size_t bytes,
-                                              struct gp_uniform_block *out);
+    const struct gp_gl *gl, const char *what, size_t bytes,
+    struct gp_uniform_block *out);
 
 /* Writes the first `bytes`, no more than the block has; draws that were asked
  * for before see what was there then. */
 void gp_uniform_block_write(const struct gp_gl *gl,
-                            const struct gp_uniform_block *b,
-                            const void *data, size_t bytes);
+    const struct gp_uniform_block *b, const void *data, size_t bytes);
 void gp_uniform_block_free(const struct gp_gl *gl, struct gp_uniform_block *b);
 
 /* A buffer texture: RGBA32F texels in one row, more than a texture or a
@@ -177,15 +170,13 @@ struct gp_texel_buffer {
 /* Makes n texels, not cleared; free with gp_texel_buffer_free().
  * Errors: GP_ERR_GL n under 1 or over max_texel_buffer, out of memory. */
 GP_MUST_CHECK gp_status gp_texel_buffer_make(const struct gp_log *log,
-                                             const struct gp_gl *gl,
-                                             const char *what, int n,
-                                             struct gp_texel_buffer *out);
+    const struct gp_gl *gl, const char *what, int n,
+    struct gp_texel_buffer *out);
 
 /* Writes texels [first, first + n), which the buffer has, from 4 * n floats;
  * draws that were asked for before see what was there then. */
 void gp_texel_buffer_write(const struct gp_gl *gl,
-                           const struct gp_texel_buffer *b, int first, int n,
-                           const float *rgba);
+    const struct gp_texel_buffer *b, int first, int n, const float *rgba);
 void gp_texel_buffer_free(const struct gp_gl *gl, struct gp_texel_buffer *b);
 
 /* -- programs and draws ---------------------------------------------------- */
@@ -199,13 +190,10 @@ struct gp_program {
  * so be several programs), common.glsl, and the file from "#line 1" on, so
  * that its messages point at the file.
  *   out  written only on GP_OK; free with gp_program_free()
- * Errors: GP_ERR_BUG no such file; GP_ERR_GL with the driver's log.
- */
+ * Errors: GP_ERR_BUG no such file; GP_ERR_GL with the driver's log. */
 GP_MUST_CHECK gp_status gp_program_make(const struct gp_log *log,
-                                        const struct gp_gl *gl,
-                                        const char *defines, const char *vert,
-                                        const char *frag,
-                                        struct gp_program *out);
+    const struct gp_gl *gl, const char *defines, const char *vert,
+    const char *frag, struct gp_program *out);
 void gp_program_free(const struct gp_gl *gl, struct gp_program *p);
 
 /* One uniform of a program. The member that is set, one at most, decides:
@@ -231,8 +219,7 @@ struct gp_uniform {
  *
  * `view` is what clip coordinates -1 to 1 span, in pixels of the target; all
  * zero is the target. It may reach beyond the target, up to max_size wide and
- * high: a point whose centre is outside of it is not drawn at all.
- */
+ * high: a point whose centre is outside of it is not drawn at all. */
 struct gp_draw {
     const struct gp_program *program;
     const struct gp_target *target;
@@ -248,7 +235,6 @@ struct gp_draw {
 /* Errors: GP_ERR_BUG a uniform that the program does not use. The caller looks
  * at GL's own error flag, once for many draws. */
 GP_MUST_CHECK gp_status gp_draw_run(const struct gp_log *log,
-                                    const struct gp_gl *gl,
-                                    const struct gp_draw *draw);
+    const struct gp_gl *gl, const struct gp_draw *draw);
 
 #endif

@@ -24,8 +24,7 @@ struct gp_gl_system {
 extern const struct gp_gl_system gp_gl_osmesa, gp_gl_egl;
 
 /* The GL functions that this program calls: one list makes the table, and
- * context.c fills it by walking the same list.
- * X(type, name without "gl") */
+ * context.c fills it by walking the same list. X(type, name without "gl") */
 #define GP_GL_FUNCTIONS(X)                                                    \
     X(PFNGLATTACHSHADERPROC, AttachShader)                                    \
     X(PFNGLBINDBUFFERBASEPROC, BindBufferBase)                                \
@@ -113,10 +112,8 @@ extern const struct gp_shader_file gp_shader_files[]; // name NULL ends
 
 /* gp_program_make() from texts that need not be files. */
 GP_MUST_CHECK gp_status gp_program_from_text(const struct gp_log *log,
-                                             const struct gp_gl *gl,
-                                             const char *defines,
-                                             const struct gp_shader_file *vert,
-                                             const struct gp_shader_file *frag,
-                                             struct gp_program *out);
+    const struct gp_gl *gl, const char *defines,
+    const struct gp_shader_file *vert, const struct gp_shader_file *frag,
+    struct gp_program *out);
 
 #endif

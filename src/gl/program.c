@@ -40,11 +40,9 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
     return GP_OK;
 }
 
-gp_status gp_program_from_text(const struct gp_log *log,
-                               const struct gp_gl *gl, const char *defines,
-                               const struct gp_shader_file *vert,
-                               const struct gp_shader_file *frag,
-                               struct gp_program *out)
+gp_status gp_program_from_text(const struct gp_log *log, const struct gp_gl *gl,
+    const char *defines, const struct gp_shader_file *vert,
+    const struct gp_shader_file *frag, struct gp_program *out)
 {
     gp_status st;
     GLuint v = 0, f = 0;
@@ -105,13 +103,11 @@ struct units {
 static gp_status no_uniform(const struct gp_log *log, const char *name)
 {
     return gp_fail(log, GP_ERR_BUG,
-                   "uniform %s: the program has none of that name; report it",
-                   name);
+        "uniform %s: the program has none of that name; report it", name);
 }
 
 static gp_status set_uniform(const struct gp_log *log, const struct gp_gl *gl,
-                             GLuint program, const struct gp_uniform *u,
-                             struct units *next)
+    GLuint program, const struct gp_uniform *u, struct units *next)
 {
     if (u->block) {
         const GLuint at = gl->f.GetUniformBlockIndex(program, u->name);

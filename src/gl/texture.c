@@ -3,8 +3,7 @@
 /* -- textures -------------------------------------------------------------- */
 
 gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
-                          const char *what, enum gp_texel kind, int w, int h,
-                          struct gp_texture *out)
+    const char *what, enum gp_texel kind, int w, int h, struct gp_texture *out)
 {
     const int limit = gl->info.max_size;
     if (w < 1 || h < 1 || w > limit || h > limit)
@@ -100,8 +99,7 @@ void gp_target_read(const struct gp_gl *gl, const struct gp_target *t,
 {
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
     gl->f.NamedFramebufferReadBuffer(t->framebuffer,
-                                     GL_COLOR_ATTACHMENT0 +
-                                         (GLenum) attachment);
+        GL_COLOR_ATTACHMENT0 + (GLenum) attachment);
     gl->f.ReadPixels(rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect),
                      GL_RGBA, GL_FLOAT, rgba);
 }
@@ -141,8 +139,7 @@ gp_status gp_uniform_block_make(const struct gp_log *log,
 }
 
 void gp_uniform_block_write(const struct gp_gl *gl,
-                            const struct gp_uniform_block *b,
-                            const void *data, size_t bytes)
+    const struct gp_uniform_block *b, const void *data, size_t bytes)
 {
     gl->f.NamedBufferSubData(b->id, 0, (GLsizeiptr) bytes, data);
 }
@@ -156,9 +153,8 @@ void gp_uniform_block_free(const struct gp_gl *gl, struct gp_uniform_block *b)
 
 enum { TEXEL_BYTES = 4 * sizeof(float) };
 
-gp_status gp_texel_buffer_make(const struct gp_log *log,
-                               const struct gp_gl *gl, const char *what, int n,
-                               struct gp_texel_buffer *out)
+gp_status gp_texel_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
+    const char *what, int n, struct gp_texel_buffer *out)
 {
     if (n < 1 || n > gl->info.max_texel_buffer)
         return gp_fail_bare(log, GP_ERR_GL,
@@ -181,8 +177,7 @@ gp_status gp_texel_buffer_make(const struct gp_log *log,
 }
 
 void gp_texel_buffer_write(const struct gp_gl *gl,
-                           const struct gp_texel_buffer *b, int first, int n,
-                           const float *rgba)
+    const struct gp_texel_buffer *b, int first, int n, const float *rgba)
 {
     gl->f.NamedBufferSubData(b->buffer, (GLintptr) first * TEXEL_BYTES,
                              (GLsizeiptr) n * TEXEL_BYTES, rgba);

@@ -24,8 +24,7 @@ struct gp_compose_params {
  * made when it is empty, else it has the frame's size and is written over.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
-                                   const struct gp_compose_params *p,
-                                   const struct gp_sources *src,
-                                   struct gp_frame *f);
+    const struct gp_compose_params *p, const struct gp_sources *src,
+    struct gp_frame *f);
 
 #endif

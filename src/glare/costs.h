@@ -7,8 +7,7 @@
  * {a, b, c} are values at sizes a factor of 16 apart (named by each); between
  * them the logarithm of the size decides, beyond them they stay. One core: all
  * engines share their work among threads alike, so that more of them change
- * every prediction by about the same factor.
- */
+ * every prediction by about the same factor. */
 #ifndef GP_GLARE_COSTS_H
 #define GP_GLARE_COSTS_H
 

@@ -4,8 +4,7 @@
  *
  * the linear convolution, sampled on the frame's pixels, each channel by
  * itself. Every engine is one const descriptor; options, `auto`, tests and
- * bench loop over gp_engines.
- */
+ * bench loop over gp_engines. */
 #ifndef GP_GLARE_ENGINE_H
 #define GP_GLARE_ENGINE_H
 
@@ -153,30 +152,24 @@ struct gp_glare {
  * and the same frame by itself may come from different engines: their layers
  * then differ by no more than the tolerance, in rel_l2. An engine that is named
  * gives a frame the same bytes wherever it stands.
- * Errors: GP_ERR_USAGE unknown engine; GP_ERR_GL from splat.
- */
+ * Errors: GP_ERR_USAGE unknown engine; GP_ERR_GL from splat. */
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,
-                                     const struct gp_glare_params *p,
-                                     struct gp_glare *g,
-                                     const struct gp_sources *src,
-                                     const struct gp_kernel *kernel,
-                                     struct gp_frame *f,
-                                     struct gp_glare_stats *stats);
+    const struct gp_glare_params *p, struct gp_glare *g,
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    struct gp_frame *f, struct gp_glare_stats *stats);
 void gp_glare_close(struct gp_glare *g);
 
 /* The truth: the same sum in double, plain loops when n sources times the
  * kernel's area is small, else a double-precision FFT. Slow; for --verify and
  * tests. `layer` has 3 * w * h doubles, plane after plane. */
 GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
-                                           const struct gp_sources *src,
-                                           const struct gp_kernel *kernel,
-                                           double *layer);
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    double *layer);
 /* Errors of a layer against the truth; design.md section 6. */
 struct gp_glare_error {
     double rel_l2, max_rel, max_abs, flux_error;
 };
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
-                      const double *exact, float gain,
-                      struct gp_glare_error *out);
+    const double *exact, float gain, struct gp_glare_error *out);
 
 #endif

@@ -8,8 +8,7 @@
 /* Warns when the engine that was asked for takes long and another does not: a
  * job on a farm should not find out after an hour. */
 static void warn_of_patience(const struct gp_glare_job *job,
-                             const struct gp_glare *g, int named,
-                             const char *path)
+    const struct gp_glare *g, int named, const char *path)
 {
     static const double LONG_MS = 20e3;
     const double ms = gp_engines[named]->predict(job, g->state[named]).ms;
@@ -38,17 +37,15 @@ static void clear_plane(void *ctx, int c, int thread)
 }
 
 gp_status gp_glare_run(const struct gp_log *log,
-                       const struct gp_glare_params *p, struct gp_glare *g,
-                       const struct gp_sources *src,
-                       const struct gp_kernel *kernel, struct gp_frame *f,
-                       struct gp_glare_stats *stats)
+    const struct gp_glare_params *p, struct gp_glare *g,
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    struct gp_frame *f, struct gp_glare_stats *stats)
 {
     gp_status st = GP_OK;
     const char *const path = f->path ? f->path : "frame";
     int named = 0;
     *stats = (struct gp_glare_stats) {0};
-    while (gp_engines[named] &&
-           strcmp(gp_engines[named]->name, p->engine) != 0)
+    while (gp_engines[named] && strcmp(gp_engines[named]->name, p->engine) != 0)
         named++;
     if (!gp_engines[named])
         named = -1;
@@ -99,8 +96,7 @@ void gp_glare_close(struct gp_glare *g)
 // -- a kernel spread over a disc: the layer of a frame that is the disc -------
 
 gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
-                           int reach, const float *weight,
-                           struct gp_spread_kernel *out)
+    int reach, const float *weight, struct gp_spread_kernel *out)
 {
     gp_status st;
     const int w = k->w + 2 * reach, h = k->h + 2 * reach;

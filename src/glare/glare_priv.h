@@ -36,8 +36,7 @@ double gp_eye_share(int x, int y);
 /* Makes the builtin kernel of that name, with or without "builtin:", faded at
  * its rim, not normalised. Errors: as gp_kernel_builtin(). */
 GP_MUST_CHECK gp_status gp_builtin_make(const struct gp_log *log,
-                                        const char *name, int size,
-                                        struct gp_planes *out);
+    const char *name, int size, struct gp_planes *out);
 
 // -- kernel_rotate.c ----------------------------------------------------------
 
@@ -65,8 +64,7 @@ double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy);
  * pixels; GP_ERR_BUG out of memory. */
 enum { GP_ROTATED_PIXELS = 1 << 28 };
 GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
-                                  const struct gp_unturned *u, bool grey,
-                                  struct gp_rotated *out);
+    const struct gp_unturned *u, bool grey, struct gp_rotated *out);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 //
@@ -114,10 +112,8 @@ typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
  * Bounds are asked only where they decide, and kept in c[i].bound.
  * Errors: what `ask` returns. */
 GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
-                                       double tolerance,
-                                       struct gp_plan_past *past,
-                                       gp_plan_ask ask, void *ctx,
-                                       struct gp_choice *out);
+    double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
+    struct gp_choice *out);
 
 /* The candidates for a job, predicted with g's states: each engine, splat with
  * the settings given, exact, and with coarser and coarser groups, with and
@@ -130,8 +126,7 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
  * a warning with `path`, that the tolerance cannot be kept.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
-                                struct gp_glare *g, const char *path,
-                                struct gp_candidate *out);
+    struct gp_glare *g, const char *path, struct gp_candidate *out);
 
 /* What rel_l2 of the layer may be more than an engine's bound says, which is
  * about floats that never leave their range: where values leave it downwards.

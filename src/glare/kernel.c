@@ -123,9 +123,8 @@ static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
 }
 
 static gp_status find_factor(const struct gp_log *log,
-                             const struct raw_kernel *raw,
-                             enum gp_normalize normalize,
-                             const struct row_sums *all, double *factor)
+    const struct raw_kernel *raw, enum gp_normalize normalize,
+    const struct row_sums *all, double *factor)
 {
     *factor = 1.0;
     if (!(all->peak > 0.0f))
@@ -235,8 +234,7 @@ static gp_status cut(const struct gp_log *log, const struct raw_kernel *raw,
 
 /* Takes raw->in when it is owned, also on failure. */
 static gp_status make_kernel(const struct gp_log *log,
-                             enum gp_normalize normalize,
-                             struct raw_kernel *raw, struct gp_kernel *out)
+    enum gp_normalize normalize, struct raw_kernel *raw, struct gp_kernel *out)
 {
     gp_status st;
     struct gp_kernel k = {0};
@@ -370,8 +368,7 @@ static gp_status find_center(const struct gp_log *log,
 }
 
 gp_status gp_kernel_builtin(const struct gp_log *log,
-                            const struct gp_kernel_params *p,
-                            struct gp_kernel *out)
+    const struct gp_kernel_params *p, struct gp_kernel *out)
 {
     const int size = p->builtin_size;
     struct raw_kernel raw = {
@@ -385,9 +382,8 @@ gp_status gp_kernel_builtin(const struct gp_log *log,
 }
 
 gp_status gp_kernel_from_frame(const struct gp_log *log,
-                               const struct gp_kernel_params *p,
-                               const struct gp_frame *image,
-                               struct gp_kernel *out)
+    const struct gp_kernel_params *p, const struct gp_frame *image,
+    struct gp_kernel *out)
 {
     struct raw_kernel raw = {
         .name = image->path ? image->path : "kernel",

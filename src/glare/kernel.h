@@ -37,8 +37,7 @@ struct gp_unturned {
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
  * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
  * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
- * under FLT_MIN, 1.2e-38, are 0.
- */
+ * under FLT_MIN, 1.2e-38, are 0. */
 struct gp_kernel {
     int w, h;
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
@@ -71,8 +70,7 @@ extern const struct gp_builtin_kernel gp_builtin_kernels[];
  * even or out of range, a centre that is not finite or over 2^20 pixels, an
  * angle that is not finite, a rotated kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
-                                          const struct gp_kernel_params *p,
-                                          struct gp_kernel *out);
+    const struct gp_kernel_params *p, struct gp_kernel *out);
 
 /* Makes a kernel from planes that were read from a file.
  *
@@ -86,12 +84,10 @@ GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
  * or faint, or a luminance sum that is not positive when normalising;
  * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that
- * is not finite, a rotated kernel of over 2^28 pixels.
- */
+ * is not finite, a rotated kernel of over 2^28 pixels. */
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
-                                             const struct gp_kernel_params *p,
-                                             const struct gp_frame *image,
-                                             struct gp_kernel *out);
+    const struct gp_kernel_params *p, const struct gp_frame *image,
+    struct gp_kernel *out);
 void gp_kernel_free(struct gp_kernel *k);
 
 /* A kernel spread over a light's disc: the layer of that disc of flux 1. */
@@ -109,8 +105,7 @@ struct gp_spread_kernel {
  *        with gp_planes_free()
  * Errors: those of gp_glare_run(). */
 GP_MUST_CHECK gp_status gp_kernel_spread(const struct gp_log *log,
-                                         const struct gp_kernel *k, int reach,
-                                         const float *weight,
-                                         struct gp_spread_kernel *out);
+    const struct gp_kernel *k, int reach, const float *weight,
+    struct gp_spread_kernel *out);
 
 #endif

@@ -216,9 +216,8 @@ out:
 
 // -- lenses -------------------------------------------------------------------
 
-/* Each is a formula of dx, dy, pixels from the centre's pixel, and of
- * R = size / 2 (255.5 for 511 pixels), sampled at pixel centres. All are
- * >= 0. */
+/* Each is a formula of dx, dy, pixels from the centre's pixel, and of R = size
+ * / 2 (255.5 for 511 pixels), sampled at pixel centres. All are >= 0. */
 
 /* Nearly exp(-z^2 / 2), but 0 from 4 on, with seven smooth derivatives. */
 static double bump(double z)

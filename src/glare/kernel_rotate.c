@@ -83,8 +83,7 @@ static void rotate_row(void *ctx, int y, int thread)
     for (int c = 0; c < 3; c++)
         memset(t->to->k.c[c] + at, 0, bytes);
     for (int x = 0; x < t->to->w; x++) {
-        const struct spot s =
-            find_spot(t->u, x - t->to->cx, y - t->to->cy);
+        const struct spot s = find_spot(t->u, x - t->to->cx, y - t->to->cy);
         if (is_outside(t->u, &s))
             continue;
         for (int c = 0; c < (t->grey ? 1 : 3); c++)
@@ -95,8 +94,7 @@ static void rotate_row(void *ctx, int y, int thread)
 }
 
 gp_status gp_rotate(const struct gp_log *log, const char *name,
-                  const struct gp_unturned *u, bool grey,
-                  struct gp_rotated *out)
+    const struct gp_unturned *u, bool grey, struct gp_rotated *out)
 {
     // the box around the rotated corners of what bilinear sampling reaches, one
     // pixel around the samples
@@ -120,8 +118,7 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
     struct gp_rotated t = {
         .w = (int) w, .h = (int) h, .cx = -(int) box[0], .cy = -(int) box[1],
     };
-    gp_status st = gp_planes_make(log, name, (size_t) t.w * (size_t) t.h,
-                                  &t.k);
+    gp_status st = gp_planes_make(log, name, (size_t) t.w * (size_t) t.h, &t.k);
     if (st)
         return st;
     struct rotating rotating = {u, &t, grey};

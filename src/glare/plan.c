@@ -126,9 +126,7 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
                          struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
                          struct gp_choice *out)
 {
-    struct asking a = {
-        .c = c, .tolerance = tolerance, .ask = ask, .ctx = ctx,
-    };
+    struct asking a = {.c = c, .tolerance = tolerance, .ask = ask, .ctx = ctx};
     int fastest, taken;
     // fewest ms first; of equals, the first in the list
     for (int i = 0; i < n; i++) {
@@ -283,8 +281,7 @@ static void add_name(struct words *w, const struct gp_candidate *c)
 /* Every candidate whose bound was asked, the exact engines, and the splat of
  * fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03". */
 static void explain(const struct gp_candidate *c, int n,
-                 const struct gp_choice *choice, double tolerance,
-                 struct words w)
+    const struct gp_choice *choice, double tolerance, struct words w)
 {
     const struct gp_candidate *const t = &c[choice->taken];
     int splat = -1;
@@ -357,12 +354,10 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
     }
     if (least < enough) { // what sources anywhere leave
         if (!*keep) {
-            void *v;
-            gp_status st = gp_alloc_zero(job->log, "bound", 1, sizeof **keep,
-                                         &v);
+            gp_status st =
+                gp_alloc_zero(job->log, "bound", 1, sizeof **keep, keep);
             if (st)
                 return st;
-            *keep = v;
         }
         struct gp_floor *const f = *keep;
         if (!f->kernel || f->kernel != k->serial || f->w != src->w ||

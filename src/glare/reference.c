@@ -73,11 +73,9 @@ static void transform(const struct gp_fftwd *lib, const struct grid *g,
     for (int x = 0; x < g->nx; x++) {
         double *const line = a + 2 * (size_t) x;
         for (int y = 0; y < g->ny; y++)
-            memcpy(z + 2 * (size_t) y,
-                   line + 2 * (size_t) y * (size_t) g->nx,
-                   2 * sizeof(double));
-        lib->execute_dft(column, (void *) z,
-                         (void *) (z + 2 * (size_t) g->ny));
+            memcpy(z + 2 * (size_t) y, line + 2 * (size_t) y * (size_t) g->nx,
+                2 * sizeof(double));
+        lib->execute_dft(column, (void *) z, (void *) (z + 2 * (size_t) g->ny));
         for (int y = 0; y < g->ny; y++)
             memcpy(line + 2 * (size_t) y * (size_t) g->nx,
                    z + 2 * (size_t) (g->ny + y), 2 * sizeof(double));
@@ -160,8 +158,7 @@ out:
 }
 
 gp_status gp_glare_reference(const struct gp_log *log,
-                             const struct gp_sources *src,
-                             const struct gp_kernel *kernel, double *layer)
+    const struct gp_sources *src, const struct gp_kernel *kernel, double *layer)
 {
     const double work = 3.0 * gp_direct_work(src, kernel->w, kernel->h,
                                              kernel->cx, kernel->cy);
@@ -180,8 +177,7 @@ static double worse(double a, double b)
 }
 
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
-                      const double *exact, float gain,
-                      struct gp_glare_error *out)
+    const double *exact, float gain, struct gp_glare_error *out)
 {
     const size_t n = gp_frame_pixels(f);
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;

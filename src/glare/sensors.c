@@ -100,10 +100,9 @@ lit_luminance(const float weight[3], float r, float g, float b)
  * branch and no store, so that it becomes vector code and the frame is only
  * read: bad pixels are rare. */
 GP_CLONES static void count_row(const float *restrict r,
-                                const float *restrict g,
-                                const float *restrict b, int w, float max,
-                                const float *restrict weight, float open,
-                                int *nonfinite, int *clamped, int *bright)
+    const float *restrict g, const float *restrict b, int w, float max,
+    const float *restrict weight, float open, int *nonfinite, int *clamped,
+    int *bright)
 {
     int bad = 0, over = 0, lit_up = 0;
     for (int x = 0; x < w; x++) {
@@ -166,9 +165,8 @@ static void clean_block(void *ctx, int i, int thread)
 // -- the bright pixels of a row -----------------------------------------------
 
 /* Pixels [from, n), after `at` that were found before. */
-static int find_plain(const struct bright_rule *rule,
-                      const float *const rgb[3], int x0, int from, int n,
-                      int at, struct bright_piece *out)
+static int find_plain(const struct bright_rule *rule, const float *const rgb[3],
+    int x0, int from, int n, int at, struct bright_piece *out)
 {
     for (int i = from; i < n; i++) {
         const float c[3] = {lit(rgb[0][i]), lit(rgb[1][i]),
@@ -186,8 +184,7 @@ static int find_plain(const struct bright_rule *rule,
 /* The same, eight pixels at a time: those that are bright move to the front
  * of their vector, and the next vector overwrites the rest. */
 GP_X86_AVX2 static int find_avx2(const struct bright_rule *rule,
-                                 const float *const rgb[3], int x0, int n,
-                                 struct bright_piece *out)
+    const float *const rgb[3], int x0, int n, struct bright_piece *out)
 {
     const __m256 zero = _mm256_setzero_ps(), open = _mm256_set1_ps(rule->open);
     const __m256 weight[3] = {_mm256_set1_ps(rule->weight[0]),
@@ -225,8 +222,7 @@ GP_X86_AVX2 static int find_avx2(const struct bright_rule *rule,
 /* Finds the bright ones of n <= PIECE cleaned pixels whose first is at column
  * x0; returns how many. The same bits with AVX2 and without. */
 static int find_bright(const struct bright_rule *rule,
-                       const float *const rgb[3], int x0, int n,
-                       struct bright_piece *out)
+    const float *const rgb[3], int x0, int n, struct bright_piece *out)
 {
 #ifdef __x86_64__
     if (rule->avx2)
@@ -286,8 +282,7 @@ static void list_row(const struct sense *s, int y, struct block_sum *sum,
         const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
                                      s->rgb[2] + first};
         const int rest = s->w - x0;
-        const int n = find_bright(
-            &s->rule, rgb, x0,
+        const int n = find_bright(&s->rule, rgb, x0,
             rest < PIECE ? rest : PIECE, &c);
         if (!n)
             continue;
@@ -397,7 +392,6 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
                    struct gp_frame *f, struct gp_sources *out)
 {
     gp_status st;
-    void *v;
     const struct gp_sources like = {
         .w = gp_frame_w(f), .h = gp_frame_h(f),
         .x0 = f->data.x0, .y0 = f->data.y0,
@@ -421,13 +415,10 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         }
     }
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) blocks + 1,
-                         sizeof *s.block, &v));
-    s.block = v;
+                         sizeof *s.block, &s.block));
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
-                         &v));
-    s.dark = v;
-    GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &v));
-    s.bright = v;
+                         &s.dark));
+    GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &s.bright));
     gp_parallel_do(blocks, clean_block, &s);
     size_t n = 0, faint = 0;
     for (int y = 0; y < s.h; y++)

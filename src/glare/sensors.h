@@ -4,8 +4,7 @@
  * glare/ as a room: cleaned frame and kernel in, one layer out.
  *   sensors  frame  -> sources (a sparse list of bright pixels)
  *   kernel   file or builtin -> normalised point-spread function
- *   engines  sources * kernel -> layer (direct, fft, splat; auto picks)
- */
+ *   engines  sources * kernel -> layer (direct, fft, splat; auto picks) */
 #ifndef GP_GLARE_SENSORS_H
 #define GP_GLARE_SENSORS_H
 
@@ -28,8 +27,7 @@ struct gp_sensor_params {
  * under FLT_MIN then counts as 0 (gp_sources.faint).
  *
  *   out  written only on GP_OK; free with gp_sources_free()
- * Errors: GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sense(const struct gp_log *log,
                                  const struct gp_sensor_params *p,
                                  struct gp_frame *f, struct gp_sources *out);

@@ -27,11 +27,9 @@ static float largest_channel(const float rgb[3])
 // -- a list: make, add, finish, free ------------------------------------------
 
 gp_status gp_sources_make(const struct gp_log *log,
-                          const struct gp_sources *like, size_t room,
-                          struct gp_sources *out)
+    const struct gp_sources *like, size_t room, struct gp_sources *out)
 {
     gp_status st;
-    void *v;
     struct gp_sources s = {
         .w = like->w, .h = like->h, .x0 = like->x0, .y0 = like->y0,
         .luminance = {like->luminance[0], like->luminance[1],
@@ -40,13 +38,11 @@ gp_status gp_sources_make(const struct gp_log *log,
         .nonfinite = like->nonfinite, .clamped = like->clamped,
         .darkest = like->darkest,
     };
-    GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row, &v));
-    s.row = v;
-    GP_TRY(gp_alloc(log, "sources", room, sizeof *s.x, &v));
-    s.x = v;
+    GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row,
+                         &s.row));
+    GP_TRY(gp_alloc(log, "sources", room, sizeof *s.x, &s.x));
     for (int k = 0; k < 3; k++) {
-        GP_TRY(gp_alloc(log, "sources", room, sizeof *s.rgb[k], &v));
-        s.rgb[k] = v;
+        GP_TRY(gp_alloc(log, "sources", room, sizeof *s.rgb[k], &s.rgb[k]));
     }
     *out = s;
     s = (struct gp_sources) {0};
@@ -142,9 +138,8 @@ static size_t sort_and_merge(struct gp_source *s, size_t n)
 }
 
 gp_status gp_sources_join(const struct gp_log *log,
-                          const struct gp_sources *src,
-                          struct gp_source *more, size_t n,
-                          struct gp_sources *out)
+    const struct gp_sources *src, struct gp_source *more, size_t n,
+    struct gp_sources *out)
 {
     for (size_t i = 0; i < n; i++) {
         if (more[i].x < 0 || more[i].x >= src->w || more[i].y < 0 ||

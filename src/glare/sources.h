@@ -1,6 +1,5 @@
 /* Sources: the light that glare spreads, as a sparse list of pixels. Sensors
- * make one from a frame; lights whose flux was given join it.
- */
+ * make one from a frame; lights whose flux was given join it. */
 #ifndef GP_GLARE_SOURCES_H
 #define GP_GLARE_SOURCES_H
 
@@ -58,12 +57,10 @@ struct gp_sources {
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
  * that of `like`: its sizes, window, weights, faint, nonfinite, clamped,
- * darkest.
- * Written only on GP_OK; free with gp_sources_free().
+ * darkest. Written only on GP_OK; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
-                                        const struct gp_sources *like,
-                                        size_t room, struct gp_sources *out);
+    const struct gp_sources *like, size_t room, struct gp_sources *out);
 
 /* Appends a source that stands after all others in row order, and counts it
  * into flux, energy, brightest and count. What counts as 0 goes to `faint`, and
@@ -82,21 +79,18 @@ void gp_sources_free(struct gp_sources *s);
  *   out   as gp_sources_make() of src
  * Errors: GP_ERR_BUG out of memory, or a pixel outside the frame. */
 GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
-                                        const struct gp_sources *src,
-                                        struct gp_source *more, size_t n,
-                                        struct gp_sources *out);
+    const struct gp_sources *src, struct gp_source *more, size_t n,
+    struct gp_sources *out);
 
 /* Parts the sources into those with a channel of at least `hot` and the rest,
  * two lists as gp_sources_make() of src. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_split(const struct gp_log *log,
-                                         const struct gp_sources *src,
-                                         float hot, struct gp_sources *hottest,
-                                         struct gp_sources *rest);
+    const struct gp_sources *src, float hot, struct gp_sources *hottest,
+    struct gp_sources *rest);
 
 /* The sources as full planes (w * h, 0 where dark), for engines that need
  * an image and for --debug sensors. `p` is made. */
 GP_MUST_CHECK gp_status gp_sources_planes(const struct gp_log *log,
-                                          const struct gp_sources *s,
-                                          struct gp_planes *p);
+    const struct gp_sources *s, struct gp_planes *p);
 
 #endif

@@ -154,8 +154,7 @@ static inline struct gp_frame scene_frame(int w, int h, int x0, int y0,
     };
     f.pixel_aspect = 1.0f;
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    memcpy(f.chromaticities, gp_rec709_chromaticities,
-           sizeof f.chromaticities);
+    memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
     if (gp_planes_make(NULL, "rgb", (size_t) w * (size_t) h, &f.rgb))
         abort();
     for (int y = 0; y < h; y++) {
@@ -244,8 +243,7 @@ static inline struct gp_kernel scene_kernel_times(struct gp_kernel k,
 /* One sample of the layer, gathered: the sum over the kernel's taps of the
  * source that each came from. `image` is the sources as a plane. */
 static inline double scene_sample(const float *image, int w, int h,
-                                  const struct gp_kernel *k, int c, int x,
-                                  int y)
+    const struct gp_kernel *k, int c, int x, int y)
 {
     double sum = 0.0;
     for (int ky = 0; ky < k->h; ky++) {
@@ -327,8 +325,7 @@ static inline double scene_own_error(const struct scene *s)
 static char scene_line[1024];    // the last message
 static float scene_gain = 1.0f;  // of the layer in the composite
 
-static inline void scene_keep(void *user, enum gp_level level,
-                              const char *line)
+static inline void scene_keep(void *user, enum gp_level level, const char *line)
 {
     (void) user;
     (void) level;
@@ -340,8 +337,7 @@ static const struct gp_log scene_log = {scene_keep, NULL, GP_LEVEL_INFO};
 /* Runs the named engine into s->f.layer, every sample of which must be
  * written: it is NaN before. */
 static inline gp_status scene_run(const char *engine, struct scene *s,
-                                  struct gp_glare *g,
-                                  struct gp_glare_stats *stats)
+    struct gp_glare *g, struct gp_glare_stats *stats)
 {
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     p.engine = engine;

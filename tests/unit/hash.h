@@ -18,8 +18,7 @@ static inline uint64_t hash_more(uint64_t hash, const void *bytes, size_t n)
 }
 
 /* Of three planes of `samples` each. */
-static inline uint64_t hash_layer(const struct gp_planes *layer,
-                                  size_t samples)
+static inline uint64_t hash_layer(const struct gp_planes *layer, size_t samples)
 {
     uint64_t hash = HASH_NONE;
     for (int c = 0; c < 3; c++)

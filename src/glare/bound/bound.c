@@ -76,8 +76,7 @@ static gp_status fit_state(const struct gp_log *log, const struct gp_kernel *k,
     gp_status st = GP_OK;
     if (!cache->data || !k->serial || cache->kernel != k->serial) {
         gp_bound_cache_free(cache);
-        st = gp_alloc_zero(log, "bound", 1, sizeof(struct state),
-                           &cache->data);
+        st = gp_alloc_zero(log, "bound", 1, sizeof(struct state), &cache->data);
         if (st)
             return st;
         cache->kernel = k->serial;
@@ -102,8 +101,7 @@ static double rect_sum(const struct gp_kernel *k, const double *integral,
 }
 
 static gp_status make_integral(const struct gp_log *log,
-                               const struct gp_kernel *k, int c, bool square,
-                               double **out)
+    const struct gp_kernel *k, int c, bool square, double **out)
 {
     void *v;
     const size_t pitch = (size_t) k->w + 1;
@@ -128,28 +126,24 @@ static gp_status make_integral(const struct gp_log *log,
 
 /* Makes the least means of one channel over a NEAR cell: of light from anywhere
  * in a cell of `side` that is so many cells away, up to `reach`. */
-static gp_status make_means(const struct gp_log *log,
-                            const struct gp_kernel *k, const double *sum,
-                            int side, int reach, float **out)
+static gp_status make_means(const struct gp_log *log, const struct gp_kernel *k,
+    const double *sum, int side, int reach, float **out)
 {
-    void *v;
     const int n = 2 * reach + 1;
     // differences of an integral image may fall short of 0
     const double lost = 1e-13 * sum[((size_t) k->w + 1) *
                                     ((size_t) k->h + 1) - 1];
     gp_status st = gp_alloc(log, "bound", (size_t) n * (size_t) n,
-                            sizeof **out, &v);
+                            sizeof **out, out);
     if (st)
         return st;
-    *out = v;
     for (int i = 0; i < n * n; i++) {
         // from the corner of a cell to that of the other
         const int dx = (i % n - reach) * side, dy = (i / n - reach) * side;
         double least = INFINITY;
         for (int y = dy - side + 1; y <= dy + side - NEAR; y++) {
             for (int x = dx - side + 1; x <= dx + side - NEAR; x++)
-                least = fmin(least,
-                             rect_sum(k, sum, x, y, x + NEAR, y + NEAR));
+                least = fmin(least, rect_sum(k, sum, x, y, x + NEAR, y + NEAR));
         }
         (*out)[i] = (float) (fmax(least - lost, 0.0) / (NEAR * NEAR) *
                              (1.0 - 1e-6));
@@ -157,9 +151,8 @@ static gp_status make_means(const struct gp_log *log,
     return GP_OK;
 }
 
-static gp_status make_least(const struct gp_log *log,
-                            const struct gp_kernel *k,
-                            struct state *s)
+static gp_status make_least(const struct gp_log *log, const struct gp_kernel *k,
+    struct state *s)
 {
     gp_status st = GP_OK;
     double *sum = NULL;
@@ -200,8 +193,7 @@ static void diagonal_row(void *ctx, int y, int thread)
     for (int c = 0; c < 3; c++) {
         const double *const square = d->s->square[d->s->channels == 1 ? 0 : c];
         // what differences of an integral image may have made up
-        const double lost =
-            4.0 * 0x1p-53 * ((double) d->k->w + d->k->h + 4.0) *
+        const double lost = 4.0 * 0x1p-53 * ((double) d->k->w + d->k->h + 4.0) *
             square[((size_t) d->k->w + 1) * ((size_t) d->k->h + 1) - 1];
         double sum = 0.0;
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
@@ -284,10 +276,8 @@ static void near_row(void *ctx, int y, int thread)
 /* Makes sum[c] at least the sum of squares of channel c, by cells. A cell that
  * the frame cuts is not counted. */
 static gp_status add_cells(const struct gp_log *log,
-                           const struct gp_sources *src,
-                           const struct state *s, double sum[3])
+    const struct gp_sources *src, const struct state *s, double sum[3])
 {
-    void *v;
     gp_status st;
     const int rows = src->h / NEAR;
     struct cells m = {
@@ -297,15 +287,11 @@ static gp_status add_cells(const struct gp_log *log,
     };
     const size_t near = (size_t) m.w * (size_t) m.h;
     const size_t far = (size_t) m.far_w * (size_t) m.far_h;
-    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *m.row, &v));
-    m.row = v;
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *m.row, &m.row));
     for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc_zero(log, "bound", near, sizeof(float), &v));
-        m.near[c] = v;
-        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &v));
-        m.far[c] = v;
-        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &v));
-        m.back[c] = v;
+        GP_TRY(gp_alloc_zero(log, "bound", near, sizeof(float), &m.near[c]));
+        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &m.far[c]));
+        GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &m.back[c]));
     }
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
@@ -337,9 +323,8 @@ out:
 
 /* gp_layer_least() with the kernel's state. */
 static gp_status find_layer_least(const struct gp_log *log,
-                                  const struct gp_sources *src,
-                                  const struct gp_kernel *kernel,
-                                  struct state *s, double *least)
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    struct state *s, double *least)
 {
     gp_status st = GP_OK;
     void *v = NULL;
@@ -367,10 +352,8 @@ out:
     return st;
 }
 
-gp_status gp_layer_least(const struct gp_log *log,
-                         const struct gp_sources *src,
-                         const struct gp_kernel *kernel,
-                         struct gp_bound_cache *cache, double *least)
+gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
+    const struct gp_kernel *kernel, struct gp_bound_cache *cache, double *least)
 {
     struct state *s;
     gp_status st = fit_state(log, kernel, cache, &s);
@@ -447,13 +430,10 @@ out:
     return st;
 }
 
-gp_status gp_group_bound(const struct gp_log *log,
-                         const struct gp_sources *src,
-                         const struct gp_kernel *kernel,
-                         const struct gp_splat_params *p,
-                         const struct gp_polygons *polygons,
-                         const struct gp_shrink *shrink, double roundings,
-                         struct gp_bound_cache *cache, double *out)
+gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
+    const struct gp_kernel *kernel, const struct gp_splat_params *p,
+    const struct gp_polygons *polygons, const struct gp_shrink *shrink,
+    double roundings, struct gp_bound_cache *cache, double *out)
 {
     gp_status st;
     struct state *s;

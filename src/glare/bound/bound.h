@@ -16,23 +16,17 @@ void gp_bound_cache_free(struct gp_bound_cache *c);
  * the sources and the kernel alone; 0 when nothing can be said (lobes).
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_layer_least(const struct gp_log *log,
-                                       const struct gp_sources *src,
-                                       const struct gp_kernel *kernel,
-                                       struct gp_bound_cache *cache,
-                                       double *least);
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    struct gp_bound_cache *cache, double *least);
 
 /* Finds what rel_l2 of a splat layer cannot exceed: grouping and clustering,
  * light left out by shrinking, samples' positions, and `roundings` float
  * roundings (each 2^-24 of a pixel's sum). INFINITY for kernels with lobes.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_group_bound(const struct gp_log *log,
-                                       const struct gp_sources *src,
-                                       const struct gp_kernel *kernel,
-                                       const struct gp_splat_params *p,
-                                       const struct gp_polygons *polygons,
-                                       const struct gp_shrink *shrink,
-                                       double roundings,
-                                       struct gp_bound_cache *cache,
-                                       double *out);
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double roundings,
+    struct gp_bound_cache *cache, double *out);
 
 #endif

@@ -2,8 +2,7 @@
  *   spectrum.c  what grouping makes wrong, by the kernel's spectrum
  *   left_out.c  what shrinking leaves out, by cells of the frame and by rings
  *               of the kernel
- *   bound.c     the least that the layer can be, and all of it together
- */
+ *   bound.c     the least that the layer can be, and all of it together */
 #ifndef GP_GLARE_BOUND_BOUND_PRIV_H
 #define GP_GLARE_BOUND_BOUND_PRIV_H
 
@@ -62,9 +61,8 @@ struct gp_power {
  * Written only on GP_OK; free with gp_power_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_power_make(const struct gp_log *log,
-                                      const struct gp_kernel *kernel,
-                                      bool tail, int w, int h, int pad,
-                                      struct gp_power *out);
+    const struct gp_kernel *kernel, bool tail, int w, int h, int pad,
+    struct gp_power *out);
 void gp_power_free(struct gp_power *p);
 
 /* d = sources - polygons, before either is spread: each polygon is its light
@@ -80,17 +78,14 @@ struct gp_residue {
 
 /* Free with gp_residue_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_residue_make(const struct gp_log *log,
-                                        const struct gp_sources *src,
-                                        const struct gp_polygons *polygons,
-                                        int pad, struct gp_residue *out);
+    const struct gp_sources *src, const struct gp_polygons *polygons, int pad,
+    struct gp_residue *out);
 void gp_residue_free(struct gp_residue *r);
 
 /* Finds what |k * d| over the frame cannot exceed, each channel.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_power_bound(const struct gp_log *log,
-                                       const struct gp_power *power,
-                                       const struct gp_residue *r,
-                                       double out[3]);
+    const struct gp_power *power, const struct gp_residue *r, double out[3]);
 
 /* -- left_out.c: light that polygons lack where their kernel is cut -------- */
 
@@ -119,19 +114,15 @@ void gp_bound_table_free(struct gp_bound_table *t);
  * a pixel of another. Kernel without its core when `tail`.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bound_table_make(const struct gp_log *log,
-                                            const struct gp_bound_cells *cells,
-                                            const struct gp_kernel *kernel,
-                                            bool tail, int carry,
-                                            struct gp_bound_table *out);
+    const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
+    bool tail, int carry, struct gp_bound_table *out);
 
 /* Finds the most light of each channel that shrinking leaves out in any pixel.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bound_cells_left(const struct gp_log *log,
-                                            const struct gp_bound_cells *cells,
-                                            const struct gp_polygons *polygons,
-                                            const struct gp_shrink *shrink,
-                                            const struct gp_bound_table *most,
-                                            double out[3]);
+    const struct gp_bound_cells *cells, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, const struct gp_bound_table *most,
+    double out[3]);
 
 /* Kernel samples within (w, h) of the centre, without the core when `tail`, by
  * square rings around it. */
@@ -143,25 +134,21 @@ struct gp_bound_rings {
 
 /* Free with gp_bound_rings_free(). Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bound_rings_make(const struct gp_log *log,
-                                            const struct gp_kernel *k,
-                                            bool tail, int w, int h,
-                                            struct gp_bound_rings *out);
+    const struct gp_kernel *k, bool tail, int w, int h,
+    struct gp_bound_rings *out);
 void gp_bound_rings_free(struct gp_bound_rings *r);
 
 /* Finds what the light left out by shrinking adds up to over an unbounded
  * plane, and, by Young's inequality ring for ring, what its norm cannot exceed.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bound_rings_left(const struct gp_log *log,
-                                            const struct gp_bound_rings *r,
-                                            const struct gp_polygons *polygons,
-                                            const struct gp_shrink *shrink,
-                                            double sum[3], double norm[3]);
+    const struct gp_bound_rings *r, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double sum[3], double norm[3]);
 
 /* Finds what the norm cannot exceed when polygons that lie between pixels are
  * sampled up to `place` pixels away from where they should be, in x and in
  * y. */
 void gp_bound_rings_sampled(const struct gp_bound_rings *r,
-                            const struct gp_polygons *polygons, double place,
-                            double norm[3]);
+    const struct gp_polygons *polygons, double place, double norm[3]);
 
 #endif

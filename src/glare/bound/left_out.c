@@ -67,9 +67,8 @@ static void find_offsets(const struct window *w, int cells, int *first, int *n)
 
 /* The largest of the windows of a plane, first along rows, then down. */
 static void find_largest(const float *plane, const struct window *x,
-                         const struct window *y,
-                         const struct gp_bound_table *t, float *rows,
-                         double *out)
+    const struct window *y, const struct gp_bound_table *t, float *rows,
+    double *out)
 {
     int from, to;
     const size_t w = (size_t) t->w;
@@ -95,9 +94,8 @@ static void find_largest(const float *plane, const struct window *x,
 }
 
 gp_status gp_bound_table_make(const struct gp_log *log,
-                              const struct gp_bound_cells *cells,
-                              const struct gp_kernel *kernel, bool tail,
-                              int carry, struct gp_bound_table *out)
+    const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
+    bool tail, int carry, struct gp_bound_table *out)
 {
     gp_status st;
     const int far = cells->side - 1 + carry;
@@ -105,7 +103,7 @@ gp_status gp_bound_table_make(const struct gp_log *log,
                                               cells->h + carry);
     struct gp_blur b = {0};
     struct gp_bound_table t = {.channels = kernel->grey ? 1 : 3};
-    void *v, *rows = NULL;
+    void *rows = NULL;
     GP_TRY(gp_blur_make(log, kernel, crop, tail, 1, &b));
     const struct window x = {kernel->cx - crop.x0, cells->side, far, b.w};
     const struct window y = {kernel->cy - crop.y0, cells->side, far, b.h};
@@ -115,8 +113,7 @@ gp_status gp_bound_table_make(const struct gp_log *log,
                     &rows));
     for (int c = 0; c < t.channels; c++) {
         GP_TRY(gp_alloc(log, "bound", (size_t) t.w * (size_t) t.h,
-                        sizeof(double), &v));
-        t.at[c] = v;
+                        sizeof(double), &t.at[c]));
         find_largest(b.k.c[c], &x, &y, &t, rows, t.at[c]);
     }
     *out = t;
@@ -184,8 +181,7 @@ static void spread_row(void *ctx, int y, int thread)
  * cells less than reach / side rings apart: (ring + 1) * side is farther than
  * any two of their points. */
 static void fill_light(const struct gp_polygons *polygons,
-                       const struct gp_shrink *shrink, int rings,
-                       const struct light *l)
+    const struct gp_shrink *shrink, int rings, const struct light *l)
 {
     const struct gp_bound_cells *const cells = l->cells;
     for (size_t i = 0; i < polygons->n; i++) {
@@ -213,13 +209,11 @@ static int farthest(int first, int n)
 }
 
 gp_status gp_bound_cells_left(const struct gp_log *log,
-                              const struct gp_bound_cells *cells,
-                              const struct gp_polygons *polygons,
-                              const struct gp_shrink *shrink,
-                              const struct gp_bound_table *most, double out[3])
+    const struct gp_bound_cells *cells, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, const struct gp_bound_table *most,
+    double out[3])
 {
     gp_status st;
-    void *v;
     const int rings = gp_max(farthest(most->x0, most->w),
                              farthest(most->y0, most->h)) + 1;
     struct light l = {
@@ -228,15 +222,13 @@ gp_status gp_bound_cells_left(const struct gp_log *log,
     };
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc_zero(log, "bound", l.plane * (size_t) rings,
-                             sizeof(double), &v));
-        l.at[c] = v;
+                             sizeof(double), &l.at[c]));
     }
     GP_TRY(gp_alloc(log, "bound",
                     (size_t) gp_threads() * (size_t) cells->columns,
-                    sizeof *l.line, &v));
-    l.line = v;
-    GP_TRY(gp_alloc(log, "bound", (size_t) cells->rows, sizeof *l.most, &v));
-    l.most = v;
+                    sizeof *l.line, &l.line));
+    GP_TRY(gp_alloc(log, "bound", (size_t) cells->rows, sizeof *l.most,
+                    &l.most));
     fill_light(polygons, shrink, rings, &l);
     gp_parallel_do(cells->rows, spread_row, &l);
     for (int c = 0; c < 3; c++) {
@@ -336,10 +328,8 @@ static void add_size(const struct gp_bound_rings *r, int c,
 }
 
 gp_status gp_bound_rings_left(const struct gp_log *log,
-                              const struct gp_bound_rings *r,
-                              const struct gp_polygons *polygons,
-                              const struct gp_shrink *shrink, double sum[3],
-                              double norm[3])
+    const struct gp_bound_rings *r, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double sum[3], double norm[3])
 {
     void *v;
     gp_status st = gp_alloc_zero(log, "bound", 2 * (size_t) r->n,
@@ -370,8 +360,7 @@ gp_status gp_bound_rings_left(const struct gp_log *log,
 }
 
 void gp_bound_rings_sampled(const struct gp_bound_rings *r,
-                            const struct gp_polygons *polygons, double place,
-                            double norm[3])
+    const struct gp_polygons *polygons, double place, double norm[3])
 {
     for (int c = 0; c < 3; c++) {
         double square[2] = {0}; // clusters, groups

@@ -95,11 +95,9 @@ static gp_status transform(const struct gp_log *log, const struct part *part,
     GP_TRY(gp_fft_plan_make(log, p->nx, GP_FFT_PLAN_ESTIMATE, NULL, &p->x));
     GP_TRY(gp_fft_plan_make(log, p->ny, GP_FFT_PLAN_ESTIMATE, NULL, &p->y));
     for (int c = 0; c < p->channels; c++) {
-        GP_TRY(gp_alloc(log, "bound", points, sizeof(float), &v));
-        p->power[c] = v;
+        GP_TRY(gp_alloc(log, "bound", points, sizeof(float), &p->power[c]));
         GP_TRY(gp_alloc(log, "bound", (size_t) p->nx / 2 + 1, sizeof(float),
-                        &v));
-        p->most[c] = v;
+                        &p->most[c]));
     }
     GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof(int), &v));
     int *const place = v;
@@ -265,12 +263,10 @@ static void fill_band(void *ctx, int i, int thread)
 }
 
 gp_status gp_residue_make(const struct gp_log *log,
-                          const struct gp_sources *src,
-                          const struct gp_polygons *polygons, int pad,
-                          struct gp_residue *out)
+    const struct gp_sources *src, const struct gp_polygons *polygons, int pad,
+    struct gp_residue *out)
 {
     gp_status st;
-    void *v;
     struct gp_residue r = {.w = src->w, .h = src->h, .pad = pad};
     struct filling f = {
         .src = src, .polygons = polygons, .out = &r,
@@ -279,12 +275,10 @@ gp_status gp_residue_make(const struct gp_log *log,
     const int bands = (f.height + BAND - 1) / BAND;
     GP_TRY(gp_planes_make(log, "bound",
                           (size_t) f.width * (size_t) f.height, &r.d));
-    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *r.row, &v));
-    r.row = v;
-    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *f.lit, &v));
-    f.lit = v;
-    GP_TRY(gp_alloc_zero(log, "bound", (size_t) bands, sizeof *f.square, &v));
-    f.square = v;
+    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *r.row, &r.row));
+    GP_TRY(gp_alloc(log, "bound", (size_t) f.height, sizeof *f.lit, &f.lit));
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) bands, sizeof *f.square,
+                         &f.square));
     gp_parallel_do(bands, fill_band, &f);
     for (int y = 0; y < f.height; y++) {
         if (f.lit[y])
@@ -335,8 +329,7 @@ static void load_residue(const void *ctx, int c, int j, float *z)
 {
     const struct gp_residue *const r = ctx;
     const int width = r->w + 2 * r->pad;
-    const float *const row =
-        r->d.c[c] + (size_t) r->row[j] * (size_t) width;
+    const float *const row = r->d.c[c] + (size_t) r->row[j] * (size_t) width;
     for (int x = 0; x < width; x++)
         z[2 * x] = row[x];
 }

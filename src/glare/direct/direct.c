@@ -37,8 +37,7 @@ gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
 {
     const int r = radius < 0 ? INT_MAX / 2 : radius;
     // the cut, in kernel pixels; the centre may lie outside the kernel
-    const struct gp_rect cut = gp_rect_meet(
-        (struct gp_rect) {0, 0, k->w, k->h},
+    const struct gp_rect cut = gp_rect_meet((struct gp_rect) {0, 0, k->w, k->h},
         (struct gp_rect) {k->cx - r, k->cy - r, k->cx + r + 1, k->cy + r + 1});
     struct gp_taps t = {
         .w = gp_rect_w(cut), .h = gp_rect_h(cut),
@@ -46,14 +45,12 @@ gp_status gp_taps_make(const struct gp_log *log, const struct gp_kernel *k,
     };
     t.pitch = (size_t) t.w + 2 * GP_TAPS_PAD;
     for (int c = 0; c < 3; c++) {
-        void *v;
         gp_status st = gp_alloc_zero(log, "kernel", t.pitch * (size_t) t.h,
-                                     sizeof(float), &v);
+                                     sizeof(float), &t.k[c]);
         if (st) {
             gp_taps_free(&t);
             return st;
         }
-        t.k[c] = v;
         for (int y = 0; y < t.h; y++) {
             float *const row = t.k[c] + (size_t) y * t.pitch + GP_TAPS_PAD;
             memcpy(row,
@@ -97,9 +94,8 @@ static void list_strip(const struct direct *d, int x0,
 
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
 GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
-                               const float *k0, const float *k1,
-                               const float *k2, ptrdiff_t row_at,
-                               float sum[3][STRIP])
+    const float *k0, const float *k1, const float *k2, ptrdiff_t row_at,
+    float sum[3][STRIP])
 {
     gp_vec total[3][STRIP / LANES] = {0}, lost[3][STRIP / LANES] = {0};
     while (n > 0) {
@@ -159,26 +155,20 @@ static void run_strip(void *ctx, int strip, int thread)
 }
 
 static gp_status sum_sources(const struct gp_log *log,
-                             const struct gp_sources *src,
-                             const struct gp_taps *taps, bool add,
-                             struct gp_planes *layer)
+    const struct gp_sources *src, const struct gp_taps *taps, bool add,
+    struct gp_planes *layer)
 {
     gp_status st;
     const int threads = gp_threads();
-    struct direct d = {
-        .src = src, .taps = taps, .layer = layer, .add = add,
-    };
-    void *v;
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list, &v));
-    d.list = v;
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row, &v));
-    d.row = v;
+    struct direct d = {.src = src, .taps = taps, .layer = layer, .add = add};
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list,
+                         &d.list));
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row,
+                         &d.row));
     for (int i = 0; i < threads; i++) {
-        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &v));
-        d.list[i] = v;
+        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &d.list[i]));
         GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
-                        &v));
-        d.row[i] = v;
+                        &d.row[i]));
     }
     gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
 out:
@@ -212,8 +202,7 @@ static bool fits_quads(const struct gp_taps *t, int h)
 }
 
 gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
-                        const struct gp_taps *taps, bool add,
-                        struct gp_planes *layer)
+    const struct gp_taps *taps, bool add, struct gp_planes *layer)
 {
     if (!fits_quads(taps, src->h) || gp_direct_quads(src) <= 0.0)
         return sum_sources(log, src, taps, add, layer);

@@ -25,8 +25,7 @@ struct gp_taps {
  * and in y (the whole kernel when radius < 0). Free with gp_taps_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_taps_make(const struct gp_log *log,
-                                     const struct gp_kernel *kernel,
-                                     int radius, struct gp_taps *out);
+    const struct gp_kernel *kernel, int radius, struct gp_taps *out);
 void gp_taps_free(struct gp_taps *t);
 
 /* Adds the sum to the layer (`add`), or writes it there. Each sample is summed
@@ -34,13 +33,11 @@ void gp_taps_free(struct gp_taps *t);
  * with compensation, so that its error grows only with the group.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
-                                      const struct gp_sources *src,
-                                      const struct gp_taps *taps, bool add,
-                                      struct gp_planes *layer);
+    const struct gp_sources *src, const struct gp_taps *taps, bool add,
+    struct gp_planes *layer);
 
-/* Quads that gp_direct_sum() makes of the sources when the
- * kernel is small, about; 0 when it takes them one by one, as they stand too
- * far apart. */
+/* Quads that gp_direct_sum() makes of the sources when the kernel is small,
+ * about; 0 when it takes them one by one, as they stand too far apart. */
 double gp_direct_quads(const struct gp_sources *src);
 
 /* What rel_l2 of the sum of n sources cannot exceed: float rounding, as long
@@ -78,17 +75,15 @@ size_t gp_quads_count(const struct gp_sources *src, int step);
 
 /* Errors: GP_ERR_BUG out of memory. Free with gp_quads_free(). */
 GP_MUST_CHECK gp_status gp_quads_make(const struct gp_log *log,
-                                      const struct gp_sources *src,
-                                      struct gp_quads *out);
+    const struct gp_sources *src, struct gp_quads *out);
 void gp_quads_free(struct gp_quads *q);
 
 /* gp_direct_sum() of w x h pixels, in the same order of the sources and within
  * the same bound. (h + taps->h) * taps->pitch must fit an int; best when the
  * taps fit the second-level cache. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
-                                     const struct gp_quads *quads,
-                                     const struct gp_taps *taps, int w, int h,
-                                     bool add, struct gp_planes *layer);
+    const struct gp_quads *quads, const struct gp_taps *taps, int w, int h,
+    bool add, struct gp_planes *layer);
 
 // -- what both forms of the sum are made of -------------------------------------
 

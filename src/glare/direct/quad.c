@@ -105,22 +105,20 @@ gp_status gp_quads_make(const struct gp_log *log, const struct gp_sources *src,
                         struct gp_quads *out)
 {
     gp_status st;
-    void *v;
     struct gp_quads q = {0};
     const int rows = src->h + GP_QUAD - 1;
     struct quading m = {src, &q, rows};
     const int tasks = (rows + ROWS_OF_TASK - 1) / ROWS_OF_TASK;
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q.row, &v));
-    q.row = v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) rows + 1, sizeof *q.row,
+                         &q.row));
     gp_parallel_do(tasks, count_quads, &m);
     for (int r = 0; r < rows; r++) // counts become offsets
         q.row[r + 1] += q.row[r];
     q.n = q.row[rows];
-    GP_TRY(gp_alloc(log, "direct", q.n, sizeof *q.x, &v));
-    q.x = v;
+    GP_TRY(gp_alloc(log, "direct", q.n, sizeof *q.x, &q.x));
     for (int c = 0; c < 3; c++) {
-        GP_TRY(gp_alloc(log, "direct", GP_QUAD * q.n, sizeof(float), &v));
-        q.light[c] = v;
+        GP_TRY(gp_alloc(log, "direct", GP_QUAD * q.n, sizeof(float),
+                        &q.light[c]));
     }
     gp_parallel_do(tasks, write_quads, &m);
     *out = q;
@@ -175,8 +173,7 @@ static void rows_of(const struct summing *s, int y, int *from, int *to)
 }
 
 GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
-                               uint32_t n, int32_t base, int32_t *restrict at,
-                               uint32_t *restrict quad)
+    uint32_t n, int32_t base, int32_t *restrict at, uint32_t *restrict quad)
 {
     for (uint32_t i = 0; i < n; i++) {
         at[i] = base - x[i];
@@ -221,8 +218,7 @@ struct part {
 /* sum[row] = sum over quads of light * taps, four rows of a strip: each sample
  * of the kernel serves all four. */
 GP_FUSED static void sum_quads(struct part p, const float *light,
-                               const float *k, ptrdiff_t row,
-                               float sum[GP_QUAD * STRIP])
+    const float *k, ptrdiff_t row, float sum[GP_QUAD * STRIP])
 {
     gp_vec total[GP_QUAD][2], lost[GP_QUAD][2];
     for (int r = 0; r < GP_QUAD; r++) {
@@ -315,10 +311,8 @@ static void run_task(void *ctx, int i, int thread)
     }
 }
 
-gp_status gp_quads_sum(const struct gp_log *log,
-                       const struct gp_quads *quads,
-                       const struct gp_taps *taps, int w, int h, bool add,
-                       struct gp_planes *layer)
+gp_status gp_quads_sum(const struct gp_log *log, const struct gp_quads *quads,
+    const struct gp_taps *taps, int w, int h, bool add, struct gp_planes *layer)
 {
     gp_status st;
     const int threads = gp_threads(), rows = h + GP_QUAD - 1;
@@ -326,19 +320,16 @@ gp_status gp_quads_sum(const struct gp_log *log,
         .in = quads, .taps = taps, .layer = layer, .w = w, .h = h,
         .panels = (w + PANEL - 1) / PANEL, .add = add,
     };
-    void *v;
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list, &v));
-    s.list = v;
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *s.list,
+                         &s.list));
     for (int i = 0; i < threads; i++) {
         struct quad_list *const l = &s.list[i];
-        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->at, &v));
-        l->at = v;
-        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->quad, &v));
-        l->quad = v;
-        GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row, &v));
-        l->row = v;
-        GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from, &v));
-        l->from = v;
+        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->at, &l->at));
+        GP_TRY(gp_alloc(log, "direct", quads->n, sizeof *l->quad, &l->quad));
+        GP_TRY(gp_alloc(log, "direct", (size_t) rows + 1, sizeof *l->row,
+                        &l->row));
+        GP_TRY(gp_alloc(log, "direct", (size_t) rows, sizeof *l->from,
+                        &l->from));
     }
     gp_parallel_do(s.panels * ((h + BAND - 1) / BAND), run_task, &s);
 out:

@@ -127,9 +127,8 @@ static struct gp_fft_matrix one_channel(const struct gp_fft_matrix *m, int c)
  * (a grey kernel) or three of p->ny rows, scaled so that the passes need no
  * more factors. fft has the plans of p->nx and p->ny and one channel. */
 static gp_status make_spectrum(const struct gp_glare_job *job,
-                               struct fft_state *s,
-                               const struct gp_fft_job *fft,
-                               const struct gp_fft_placing *p, int core)
+    struct fft_state *s, const struct gp_fft_job *fft,
+    const struct gp_fft_placing *p, int core)
 {
     gp_status st = GP_OK;
     const struct gp_kernel *const k = job->kernel;
@@ -194,8 +193,7 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
     const struct light_rows *const r = ctx;
     const struct gp_fft_placing *const p = r->p;
     const int w = r->src->w;
-    float *const row =
-        r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
+    float *const row = r->layer->c[c] + (size_t) (p->out.y0 + j) * (size_t) w;
     memset(row, 0, (size_t) p->out.x0 * sizeof *row);
     const int first = wrap(p->out.x0 - p->in.x0, p->nx);
     const int end = p->out.x0 + p->nx - first;
@@ -217,8 +215,7 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
 
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
-                           const struct gp_sources *src,
-                           const struct gp_fft_placing *p, int core)
+    const struct gp_sources *src, const struct gp_fft_placing *p, int core)
 {
     gp_status st;
     struct gp_fft_job fft = {.log = job->log, .channels = 1};
@@ -269,9 +266,8 @@ out:
 /* What goes direct: the core for all that was transformed, and hot sources
  * whole. */
 static gp_status add_direct(const struct gp_glare_job *job, struct fft_state *s,
-                            const struct gp_fft_split *split,
-                            const struct gp_sources *hot,
-                            const struct gp_sources *rest)
+    const struct gp_fft_split *split, const struct gp_sources *hot,
+    const struct gp_sources *rest)
 {
     gp_status st = GP_OK;
     if (!is_known(s->taps_kernel, job->kernel)) {
@@ -299,8 +295,7 @@ static gp_status add_direct(const struct gp_glare_job *job, struct fft_state *s,
 /* Opens the state and finds where all sources stand, and what of the sum goes
  * direct; p->nx is 0 when no light reaches the frame. */
 static gp_status place_and_split(const struct gp_glare_job *job, void **state,
-                                 struct gp_fft_placing *p,
-                                 struct gp_fft_split *split)
+    struct gp_fft_placing *p, struct gp_fft_split *split)
 {
     const struct gp_kernel *const k = job->kernel;
     const struct gp_sources *const src = job->src;
@@ -413,8 +408,7 @@ static bool has_plan(const struct fft_state *s, int n, enum gp_fft_plan how)
 
 /* What a run with this placing has to make before it can start. */
 static double setup_ms(const struct gp_glare_job *job,
-                       const struct fft_state *s,
-                       const struct gp_fft_placing *p, int core)
+    const struct fft_state *s, const struct gp_fft_placing *p, int core)
 {
     const struct gp_glare_params *const params = job->params;
     // a file that keeps measured plans is taken to have these
@@ -439,9 +433,8 @@ static double setup_ms(const struct gp_glare_job *job,
 /* What goes direct. Finding the tails' norms takes as long as a small frame:
  * not before it is known that without a core it is too wrong. */
 static void predict_split(const struct gp_glare_job *job,
-                          const struct fft_state *s,
-                          const struct gp_fft_placing *p,
-                          struct gp_fft_split *split)
+    const struct fft_state *s, const struct gp_fft_placing *p,
+    struct gp_fft_split *split)
 {
     const struct gp_kernel *const k = job->kernel;
     const double points = (double) p->nx * p->ny;

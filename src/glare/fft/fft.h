@@ -53,9 +53,7 @@ struct gp_fft_plan_pair {
  * run, and are read from and added to the wisdom file (NULL: kept nowhere).
  * Call on one thread. Errors: GP_ERR_BUG. Free with gp_fft_plan_free(). */
 GP_MUST_CHECK gp_status gp_fft_plan_make(const struct gp_log *log, int n,
-                                         enum gp_fft_plan how,
-                                         const char *wisdom,
-                                         struct gp_fft_plan_pair *out);
+    enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out);
 void gp_fft_plan_free(struct gp_fft_plan_pair *p);
 
 // -- pass.c ---------------------------------------------------------------------
@@ -72,8 +70,7 @@ void gp_fft_plan_free(struct gp_fft_plan_pair *p);
  *   columns  one column stays in the first-level cache: forward, times the
  *            kernel's column, backward; rows without light are not stored,
  *            rows that are no output are not kept.
- *   rows     back, eight at a time, two to a transform, into the layer.
- */
+ *   rows     back, eight at a time, two to a transform, into the layer. */
 
 /* Columns k = 0 .. nx/2 of a half spectrum, each `pitch` complex numbers. */
 struct gp_fft_matrix {
@@ -84,8 +81,7 @@ struct gp_fft_matrix {
 
 /* Makes `channels` planes; not cleared. Free with gp_fft_matrix_free(). */
 GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
-                                           int channels, int nx, int rows,
-                                           struct gp_fft_matrix *out);
+    int channels, int nx, int rows, struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
 /* What the passes share. */
@@ -102,41 +98,35 @@ typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
 /* Transforms `rows` rows into m->z[c][column][j]; factors of 1/2 are left out:
  * the matrix holds twice the spectrum. */
 GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
-                                       gp_fft_load load, const void *ctx,
-                                       struct gp_fft_matrix *m);
+    gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
 
 /* Transforms columns of `rows` rows, row j standing at place[j] of ny, to
  * whole columns of `out` (pitch >= ny), times `scale`. */
 GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_job *job,
-                                       const struct gp_fft_matrix *m, int rows,
-                                       const int *place, float scale,
-                                       struct gp_fft_matrix *out);
+    const struct gp_fft_matrix *m, int rows, const int *place, float scale,
+    struct gp_fft_matrix *out);
 
 /* Forward, times the kernel, backward, each column in place: rows [0, rows)
  * in, places first .. first + count (modulo ny) out to rows [0, count).
  * The kernel has one channel (grey) or three. */
 GP_MUST_CHECK gp_status gp_fft_multiply(const struct gp_fft_job *job,
-                                        struct gp_fft_matrix *m, int rows,
-                                        const int *place,
-                                        const struct gp_fft_matrix *kernel,
-                                        int kernel_channels, int first,
-                                        int count);
+    struct gp_fft_matrix *m, int rows, const int *place,
+    const struct gp_fft_matrix *kernel, int kernel_channels, int first,
+    int count);
 
 /* Row `j` of channel `c` from z[2 * x], x in [0, nx). */
 typedef void (*gp_fft_store)(const void *ctx, int c, int j, const float *z);
 
 /* Transforms rows [0, rows) back. */
 GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_job *job,
-                                        const struct gp_fft_matrix *m,
-                                        int rows, gp_fft_store store,
-                                        const void *ctx);
+    const struct gp_fft_matrix *m, int rows, gp_fft_store store,
+    const void *ctx);
 
 // -- split.c --------------------------------------------------------------------
 
 /* What a source leaves in a frame at least, in each channel: one quarter of the
  * kernel, centre included, or of its middle w x h samples when the frame is
- * smaller. 0 where a quarter is dark or, of a
- * negative kernel, may cancel. */
+ * smaller. 0 where a quarter is dark or, of a negative kernel, may cancel. */
 struct gp_fft_quarters {
     double square[3], sum[3]; // sum of squares, and of samples
 };

@@ -49,8 +49,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
  * |sources| |kernel| 2^-24 strong: one hot pixel lays it over the darkest
  * corner. Two parts of the sum carry nearly all of that product and cost
  * little by themselves: the kernel's core, for all sources, and the few
- * hottest sources, for the whole kernel. What remains is transformed.
- */
+ * hottest sources, for the whole kernel. What remains is transformed. */
 
 enum { GP_FFT_CORES = 5 };
 
@@ -79,12 +78,9 @@ struct gp_fft_split {
  *   points     nx * ny
  *   fft_ms     predicted for the transform
  *   gain       of the layer in the composite, > 0
- * The choice depends only on the frame, never on the number of threads.
- */
+ * The choice depends only on the frame, never on the number of threads. */
 void gp_fft_split_choose(const struct gp_sources *src,
-                         const struct gp_kernel *k,
-                         const double tail[GP_FFT_CORES], double points,
-                         double fft_ms, double gain,
-                         struct gp_fft_split *out);
+    const struct gp_kernel *k, const double tail[GP_FFT_CORES], double points,
+    double fft_ms, double gain, struct gp_fft_split *out);
 
 #endif

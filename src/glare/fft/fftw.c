@@ -130,8 +130,7 @@ static void save_wisdom(const struct gp_fftwf *lib, const char *wisdom)
 }
 
 gp_status gp_fft_plan_make(const struct gp_log *log, int n,
-                           enum gp_fft_plan how, const char *wisdom,
-                           struct gp_fft_plan_pair *out)
+    enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out)
 {
     const struct gp_fftwf *lib;
     gp_status st = gp_fftwf_open(log, &lib);

@@ -135,14 +135,12 @@ gp_status gp_fft_matrix_make(const struct gp_log *log, int channels, int nx,
     if (m.pitch % 64 == 0)
         m.pitch += ROWS; // neighbouring columns must not share a cache set
     for (int c = 0; c < channels; c++) {
-        void *v;
         gp_status st = gp_alloc(log, "spectrum", (size_t) m.columns * m.pitch,
-                                2 * sizeof(float), &v);
+                                2 * sizeof(float), &m.z[c]);
         if (st) {
             gp_fft_matrix_free(&m);
             return st;
         }
-        m.z[c] = v;
     }
     *out = m;
     return GP_OK;
@@ -223,8 +221,7 @@ static void rows_in(void *ctx, int i, int thread)
 }
 
 gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
-                         gp_fft_load load, const void *ctx,
-                         struct gp_fft_matrix *m)
+    gp_fft_load load, const void *ctx, struct gp_fft_matrix *m)
 {
     struct pass s = {
         .job = job, .m = m, .rows = rows, .load = load, .ctx = ctx,
@@ -269,9 +266,8 @@ static void columns_forward(void *ctx, int i, int thread)
 }
 
 gp_status gp_fft_columns(const struct gp_fft_job *job,
-                         const struct gp_fft_matrix *m, int rows,
-                         const int *place, float scale,
-                         struct gp_fft_matrix *out)
+    const struct gp_fft_matrix *m, int rows, const int *place, float scale,
+    struct gp_fft_matrix *out)
 {
     struct gp_fft_matrix in = *m;
     struct pass s = {
@@ -307,10 +303,9 @@ static void columns_multiply(void *ctx, int i, int thread)
     }
 }
 
-gp_status gp_fft_multiply(const struct gp_fft_job *job,
-                          struct gp_fft_matrix *m, int rows, const int *place,
-                          const struct gp_fft_matrix *kernel,
-                          int kernel_channels, int first, int count)
+gp_status gp_fft_multiply(const struct gp_fft_job *job, struct gp_fft_matrix *m,
+    int rows, const int *place, const struct gp_fft_matrix *kernel,
+    int kernel_channels, int first, int count)
 {
     struct pass s = {
         .job = job, .m = m, .kernel = kernel, .rows = rows, .place = place,
@@ -331,8 +326,7 @@ static void rows_out(void *ctx, int i, int thread)
     pack(s->m->z[c] + 2 * (size_t) j0, s->m->pitch, nx, spectrum, pitch);
     for (int p = 0; p < PAIRS && j0 + 2 * p < s->rows; p++) {
         s->lib->execute_dft(s->job->x->backward,
-                            (void *) (spectrum + (size_t) p * pitch),
-                            (void *) z);
+            (void *) (spectrum + (size_t) p * pitch), (void *) z);
         s->store(s->ctx, c, j0 + 2 * p, z);
         if (j0 + 2 * p + 1 < s->rows)
             s->store(s->ctx, c, j0 + 2 * p + 1, z + 1);

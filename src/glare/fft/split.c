@@ -102,8 +102,7 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
     }
 }
 
-double gp_fft_least(const struct gp_sources *s,
-                    const struct gp_fft_quarters *q)
+double gp_fft_least(const struct gp_sources *s, const struct gp_fft_quarters *q)
 {
     double all = 0.0;
     for (int c = 0; c < 3; c++) {
@@ -122,8 +121,7 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
     double noise = 0.0, layer = 0.0; // squares
     for (int c = 0; c < 3; c++) {
         const double norm = sqrt(s->energy[c]);
-        const double young = fmin(norm * k->norm1[c],
-                                  s->flux[c] * k->norm2[c]);
+        const double young = fmin(norm * k->norm1[c], s->flux[c] * k->norm2[c]);
         noise += norm * norm * k->norm2[c] * k->norm2[c];
         layer += young * young;
     }
@@ -246,9 +244,8 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
 }
 
 void gp_fft_split_choose(const struct gp_sources *src,
-                         const struct gp_kernel *k,
-                         const double tail[GP_FFT_CORES], double points,
-                         double fft_ms, double gain, struct gp_fft_split *out)
+    const struct gp_kernel *k, const double tail[GP_FFT_CORES], double points,
+    double fft_ms, double gain, struct gp_fft_split *out)
 {
     static const double LEAST_GAIN = 4.0, NEAR = 2.0, WORTH = 4.0;
     static const double ANYWAY_MS = 5.0;
@@ -274,8 +271,7 @@ void gp_fft_split_choose(const struct gp_sources *src,
     s.quads = gp_direct_quads(src);
     struct gp_fft_split found = find_split(&s, WORTH * fft_ms + ANYWAY_MS, ALLOWED, 0);
     if (!(found.rounding <= ALLOWED)) {
-        const double least =
-            find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
+        const double least = find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
         found = find_split(&s, fft_ms / 2.0, NEAR * least, 0);
         if (found.rounding * LEAST_GAIN > none.rounding)
             return;

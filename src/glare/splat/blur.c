@@ -73,8 +73,7 @@ static void blur_strip(void *ctx, int i, int thread)
         const bool core = b->tail && abs(ky - k->cy) <= GP_CORE_RADIUS;
         for (int j = 0; j < n + before; j++) {
             const int x = x0 - before + j;
-            const bool left_out =
-                x < 0 || x >= w ||
+            const bool left_out = x < 0 || x >= w ||
                 (core && abs(b->crop.x0 + x - k->cx) <= GP_CORE_RADIUS);
             row[j] = left_out ? 0.0 : (double) in[x];
         }
@@ -84,16 +83,14 @@ static void blur_strip(void *ctx, int i, int thread)
     }
     sum_box(b, rows, b->out->h, STRIP);
     for (int y = 0; y < b->out->h; y++) {
-        float *const to =
-            b->out->k.c[c] + (size_t) y * (size_t) b->out->w + x0;
+        float *const to = b->out->k.c[c] + (size_t) y * (size_t) b->out->w + x0;
         for (int x = 0; x < n; x++)
             to[x] = (float) (rows[(size_t) y * STRIP + (size_t) x] * scale);
     }
 }
 
-gp_status gp_blur_make(const struct gp_log *log,
-                       const struct gp_kernel *kernel, struct gp_rect crop,
-                       bool tail, int side, struct gp_blur *out)
+gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
+    struct gp_rect crop, bool tail, int side, struct gp_blur *out)
 {
     gp_status st;
     void *buffer = NULL;
@@ -192,8 +189,7 @@ static void add_channel(const struct gp_kernel *k, int c, bool tail,
         const int x0 = gp_clamp(k->cx - flat, 0, k->w);
         const int x1 = gp_clamp(k->cx + flat + 1, 0, k->w);
         if (!core && x0 < x1)
-            add_flat(row, x0, x1, sum + dy - r->first,
-                     r->peak + dy - r->first);
+            add_flat(row, x0, x1, sum + dy - r->first, r->peak + dy - r->first);
         if (x0 > 0) { // starts on the ring of its rightmost sample
             const int at = k->cx - (x0 - 1) - r->first;
             add_outward(row + x0 - 1, -1, x0, sum + at, r->peak + at);
@@ -216,19 +212,16 @@ static int farthest(int at, int size)
     return gp_max(abs(at), abs(size - 1 - at));
 }
 
-static gp_status make_rings(const struct gp_log *log,
-                            const struct gp_kernel *k, bool tail,
-                            struct rings *r)
+static gp_status make_rings(const struct gp_log *log, const struct gp_kernel *k,
+    bool tail, struct rings *r)
 {
     gp_status st;
-    void *peak, *left, *sum = NULL;
+    void *sum = NULL;
     r->first = gp_max(nearest(k->cx, k->w), nearest(k->cy, k->h));
     r->n = gp_max(farthest(k->cx, k->w), farthest(k->cy, k->h)) - r->first + 1;
     const size_t n = (size_t) r->n;
-    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->peak, &peak));
-    r->peak = peak;
-    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->left, &left));
-    r->left = left;
+    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->peak, &r->peak));
+    GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->left, &r->left));
     GP_TRY(gp_alloc(log, "shrinking", n, sizeof(double), &sum));
     double *const ring = sum;
     for (int c = 0; c < (k->grey ? 1 : 3); c++) {
@@ -303,10 +296,8 @@ static float find_least(const struct rings *r, const struct lights *l,
 }
 
 gp_status gp_shrink_make(const struct gp_log *log,
-                         const struct gp_kernel *kernel,
-                         const struct gp_splat_params *p,
-                         const struct gp_polygons *polygons,
-                         struct gp_shrink *out)
+    const struct gp_kernel *kernel, const struct gp_splat_params *p,
+    const struct gp_polygons *polygons, struct gp_shrink *out)
 {
     gp_status st = GP_OK;
     const bool tail = p->method == GP_GROUP_CORE;
@@ -433,11 +424,9 @@ static void draw_row(void *ctx, int y, int thread)
 }
 
 gp_status gp_group_reference(const struct gp_log *log,
-                             const struct gp_sources *src,
-                             const struct gp_kernel *kernel,
-                             const struct gp_splat_params *p,
-                             const struct gp_polygons *polygons,
-                             const struct gp_shrink *shrink, double *layer)
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double *layer)
 {
     struct drawing d = {
         .src = src, .kernel = kernel, .polygons = polygons, .shrink = shrink,
@@ -506,10 +495,8 @@ static void add_rim(struct lines *l, const struct gp_kernel *k,
 }
 
 gp_status gp_polygons_outline(const struct gp_log *log,
-                              const struct gp_sources *src,
-                              const struct gp_kernel *kernel,
-                              const struct gp_splat_params *p,
-                              struct gp_planes *picture)
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, struct gp_planes *picture)
 {
     static const float green[3] = {0.0f, 1.0f, 0.0f};
     gp_status st;

@@ -103,8 +103,7 @@ static void fill_uniforms(const struct drawing *k, const struct grid *g,
 
 /* Draws cells [first, end) with one kernel. */
 static gp_status draw_with(const struct drawing *k, const struct grid *g,
-                           const struct gp_target *to, int which, int first,
-                           int end)
+    const struct gp_target *to, int which, int first, int end)
 {
     struct gp_splat *const s = k->s;
     const enum gp_splat_program program =
@@ -139,9 +138,8 @@ static gp_status draw_range(const struct drawing *k, const struct grid *g,
                             const struct gp_target *to, int first, int end)
 {
     if (!g->places)
-        return draw_with(k, g, to,
-                         k->turned ? GP_SPLAT_TURNED : GP_SPLAT_WHOLE, first,
-                         end);
+        return draw_with(k, g, to, k->turned ? GP_SPLAT_TURNED : GP_SPLAT_WHOLE,
+            first, end);
     gp_status st = GP_OK;
     for (int blur = 0; !st && blur < GP_BLURS; blur++) {
         if (g->blurs >> blur & 1)
@@ -243,8 +241,7 @@ static gp_status draw_groups(struct drawing *k, struct gp_rect rect,
         st = draw_grid(k, &clusters);
     if (!st)
         st = gp_splat_group(log, s, rect, &groups.cells, k->group_blurs, 0.0f,
-                            clustered ? &s->clusters : NULL, p->cluster,
-                            &s->groups);
+            clustered ? &s->clusters : NULL, p->cluster, &s->groups);
     groups.sensors = &s->groups.colour;
     groups.places = p->group > 1 ? &s->groups.more[0] : NULL;
     return st ? st : draw_grid(k, &groups);

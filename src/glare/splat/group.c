@@ -173,8 +173,7 @@ static bool is_clustered(const struct grouping *g,
 /* Sums what clusters leave of the rows [y0, y1) into one row of group cells,
  * or only counts. Returns how many cells hold light. */
 static size_t add_to_groups(const struct grouping *g, int y0, int y1,
-                            const struct cell_sum *cluster,
-                            struct cell_sum *cell)
+    const struct cell_sum *cluster, struct cell_sum *cell)
 {
     const int shift = g->group_shift, mask = g->p->group - 1;
     size_t n = 0;
@@ -199,8 +198,7 @@ static size_t add_to_groups(const struct grouping *g, int y0, int y1,
 
 /* Single sensors of a row that no cluster holds: no sum is needed. */
 static size_t add_singles(const struct grouping *g, int y,
-                          const struct cell_sum *cluster,
-                          struct gp_polygon *out)
+    const struct cell_sum *cluster, struct gp_polygon *out)
 {
     size_t n = 0;
     for (uint32_t i = g->src->row[y]; i < g->src->row[y + 1]; i++) {
@@ -269,9 +267,8 @@ static int cells_over(int before, int size, int side)
 }
 
 gp_status gp_polygons_make(const struct gp_log *log,
-                           const struct gp_sources *src,
-                           const struct gp_splat_params *p,
-                           struct gp_polygons *out)
+    const struct gp_sources *src, const struct gp_splat_params *p,
+    struct gp_polygons *out)
 {
     gp_status st;
     void *band = NULL, *scratch = NULL, *at = NULL;

@@ -17,8 +17,7 @@ gp_status gp_splat_use(const struct gp_log *log, struct gp_splat *s,
 }
 
 gp_status gp_splat_fit_target(const struct gp_log *log, const struct gp_gl *gl,
-                              const char *what, int n, int w, int h,
-                              struct gp_target *t)
+    const char *what, int n, int w, int h, struct gp_target *t)
 {
     if (t->framebuffer && t->colour.w >= w && t->colour.h >= h)
         return GP_OK;
@@ -56,8 +55,7 @@ void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
 /* Uploads the planes with their border, band after band; what was made so far
  * stays in *o when it fails. */
 static gp_status upload_kernel(const struct gp_log *log, struct gp_splat *s,
-                               const struct gp_planes *k,
-                               struct gp_splat_kernel *o)
+    const struct gp_planes *k, struct gp_splat_kernel *o)
 {
     const int b = o->border, w = o->w + 2 * b, h = o->h + 2 * b;
     const int rows = GP_SPLAT_BAND_TEXELS / w;
@@ -200,10 +198,8 @@ gp_status gp_splat_upload(const struct gp_log *log, struct gp_splat *s,
 /* -- groups ---------------------------------------------------------------- */
 
 gp_status gp_splat_group(const struct gp_log *log, struct gp_splat *s,
-                         struct gp_rect rect, const struct gp_cells *c,
-                         unsigned boxes, float fill,
-                         const struct gp_target *parents, int parent_side,
-                         struct gp_target *out)
+    struct gp_rect rect, const struct gp_cells *c, unsigned boxes, float fill,
+    const struct gp_target *parents, int parent_side, struct gp_target *out)
 {
     gp_status st = gp_splat_use(log, s, GP_SPLAT_GROUP);
     if (!st)

@@ -3,8 +3,7 @@
  * counts with them; GL makes the same ones by group.frag.
  *   group.c  groups and clusters
  *   blur.c   the kernel as polygons need it, its reach, and what they look
- *            like: their layer in double, the picture of their rims
- */
+ *            like: their layer in double, the picture of their rims */
 #ifndef GP_GLARE_SPLAT_POLYGONS_H
 #define GP_GLARE_SPLAT_POLYGONS_H
 
@@ -46,8 +45,7 @@ struct gp_polygons {
 /* Groups the sources by cells of NxN pixels: a polygon for each cell of side
  * p->cluster whose share of bright pixels (of its pixels inside the data
  * window) is at least cluster_fill, and one for each other cell of side
- * p->group that holds light. With group 1 and no cluster: one polygon a
- * source.
+ * p->group that holds light. With group 1 and no cluster: one polygon a source.
  *
  * Cells count from pixel (0, 0) of EXR pixel space, so that a moving data
  * window moves no cell; those that straddle the window's edge hold what is
@@ -62,12 +60,10 @@ struct gp_polygons {
  * and none over the cell's side.
  *
  *   out  written only on GP_OK; free with gp_polygons_free()
- * Errors: GP_ERR_BUG out of memory.
- */
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_polygons_make(const struct gp_log *log,
-                                         const struct gp_sources *src,
-                                         const struct gp_splat_params *p,
-                                         struct gp_polygons *out);
+    const struct gp_sources *src, const struct gp_splat_params *p,
+    struct gp_polygons *out);
 void gp_polygons_free(struct gp_polygons *p);
 
 /* -- the kernel ------------------------------------------------------------ */
@@ -88,9 +84,8 @@ struct gp_blur {
  * Written only on GP_OK; free with gp_blur_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_blur_make(const struct gp_log *log,
-                                     const struct gp_kernel *kernel,
-                                     struct gp_rect crop, bool tail, int side,
-                                     struct gp_blur *out);
+    const struct gp_kernel *kernel, struct gp_rect crop, bool tail, int side,
+    struct gp_blur *out);
 void gp_blur_free(struct gp_blur *b);
 
 /* Shrinking (Ando et al. 2007, section 4.3): a polygon of light L reaches as
@@ -109,10 +104,8 @@ struct gp_shrink {
 /* Finds the reaches for p->shrink, the share; 0 leaves nothing out.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
-                                       const struct gp_kernel *kernel,
-                                       const struct gp_splat_params *p,
-                                       const struct gp_polygons *polygons,
-                                       struct gp_shrink *out);
+    const struct gp_kernel *kernel, const struct gp_splat_params *p,
+    const struct gp_polygons *polygons, struct gp_shrink *out);
 
 /* -- the picture of polygons ----------------------------------------------- */
 
@@ -126,9 +119,7 @@ GP_MUST_CHECK gp_status gp_shrink_make(const struct gp_log *log,
  * Takes time for polygons and pixels, not for the lines' length.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_polygons_outline(const struct gp_log *log,
-                                            const struct gp_sources *src,
-                                            const struct gp_kernel *kernel,
-                                            const struct gp_splat_params *p,
-                                            struct gp_planes *picture);
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, struct gp_planes *picture);
 
 #endif

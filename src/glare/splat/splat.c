@@ -113,8 +113,7 @@ static double roundings(const struct gp_splat_plan *p)
  * flux times that error's norm is the most that all sources can make of it
  * (Young's inequality). */
 static gp_status add_turning(const struct gp_glare_job *job,
-                             struct gp_bound_cache *cache,
-                             struct gp_splat_plan *p)
+    struct gp_bound_cache *cache, struct gp_splat_plan *p)
 {
     const struct gp_unturned *const u = job->kernel->unturned;
     const double radius = hypot(fabs((double) u->cx) + u->w,
@@ -183,8 +182,7 @@ void gp_splat_plan_free(struct gp_splat_plan *p)
 }
 
 gp_status gp_splat_plan_make(const struct gp_glare_job *job,
-                             struct gp_bound_cache *cache,
-                             struct gp_splat_plan *p)
+    struct gp_bound_cache *cache, struct gp_splat_plan *p)
 {
     gp_status st;
     const struct gp_kernel *const k = job->kernel;
@@ -272,8 +270,7 @@ gp_status gp_splat_make(const struct gp_log *log, void **state)
     if (st)
         return st;
     struct gp_splat *s = *state = block;
-    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float),
-                  &band);
+    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float), &band);
     if (st)
         close_splat(state);
     else

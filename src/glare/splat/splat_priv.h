@@ -3,8 +3,7 @@
  *   tile.c     polygons gathered per tile, and the lists that say which
  *              polygon reaches which tile
  *   draw.c     polygons as blended quads or point sprites
- *   splat.c    the plan of what is drawn, and the engine
- */
+ *   splat.c    the plan of what is drawn, and the engine */
 #ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
 #define GP_GLARE_SPLAT_SPLAT_PRIV_H
 
@@ -40,8 +39,7 @@ struct gp_splat_plan {
  * kernel and parameters. src->n is over 0.
  * Errors: GP_ERR_BUG out of memory; *p is then empty. */
 GP_MUST_CHECK gp_status gp_splat_plan_make(const struct gp_glare_job *job,
-                                           struct gp_bound_cache *cache,
-                                           struct gp_splat_plan *p);
+    struct gp_bound_cache *cache, struct gp_splat_plan *p);
 void gp_splat_plan_free(struct gp_splat_plan *p);
 
 /* -- the engine's state ---------------------------------------------------- */
@@ -111,15 +109,13 @@ GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
 
 /* Makes a program when it is not there. Errors: GP_ERR_GL. */
 GP_MUST_CHECK gp_status gp_splat_use(const struct gp_log *log,
-                                     struct gp_splat *s,
-                                     enum gp_splat_program which);
+    struct gp_splat *s, enum gp_splat_program which);
 
 /* Makes a target with n attachments at least w x h; what it held is lost when
  * it grows. Errors: those of gp_target_make(). */
 GP_MUST_CHECK gp_status gp_splat_fit_target(const struct gp_log *log,
-                                            const struct gp_gl *gl,
-                                            const char *what, int n, int w,
-                                            int h, struct gp_target *t);
+    const struct gp_gl *gl, const char *what, int n, int w, int h,
+    struct gp_target *t);
 
 /* Drops the kernels when they are not made from this very kernel, crop, and
  * use: `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered`
@@ -132,9 +128,7 @@ void gp_splat_drop_kernels(struct gp_splat *s);
  * that the crop does not meet) has w 0 and no texture.
  * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_splat_need_kernel(const struct gp_log *log,
-                                             struct gp_splat *s,
-                                             const struct gp_kernel *k,
-                                             int which);
+    struct gp_splat *s, const struct gp_kernel *k, int which);
 
 /* A grid of cells of side x side pixels. Pixels count from the data window's
  * corner, so the grid's may be negative. */
@@ -153,9 +147,7 @@ struct gp_rect gp_cells_rect(const struct gp_cells *c);
 /* Uploads the light of the pixels of `rect`, which is inside the frame, to
  * s->sources: rgb, and luminance. Errors: GP_ERR_GL over the texture limit. */
 GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
-                                        struct gp_splat *s,
-                                        const struct gp_sources *src,
-                                        struct gp_rect rect);
+    struct gp_splat *s, const struct gp_sources *src, struct gp_rect rect);
 
 /* One pass over what gp_splat_upload() left of `rect` (Ando et al. 2007,
  * sections 4.1 and 4.2): makes `out`, at least c->w x c->h, two attachments,
@@ -167,12 +159,9 @@ GP_MUST_CHECK gp_status gp_splat_upload(const struct gp_log *log,
  *            side parent_side; NULL: none
  * Errors: GP_ERR_GL. */
 GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
-                                       struct gp_splat *s, struct gp_rect rect,
-                                       const struct gp_cells *c,
-                                       unsigned boxes, float fill,
-                                       const struct gp_target *parents,
-                                       int parent_side,
-                                       struct gp_target *out);
+    struct gp_splat *s, struct gp_rect rect, const struct gp_cells *c,
+    unsigned boxes, float fill, const struct gp_target *parents,
+    int parent_side, struct gp_target *out);
 
 /* -- drawing --------------------------------------------------------------- */
 
@@ -207,14 +196,10 @@ struct gp_tiles;
  * Errors: GP_ERR_GL no context can draw it, or a blurred kernel over the
  * texture limit; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_tiles_draw(const struct gp_log *log,
-                                      struct gp_gl *gl,
-                                      const struct gp_kernel *kernel,
-                                      struct gp_rect crop, bool tail,
-                                      const struct gp_polygons *polygons,
-                                      const struct gp_shrink *shrink, int w,
-                                      int h, struct gp_planes *layer,
-                                      struct gp_tiles **state,
-                                      double *roundings);
+    struct gp_gl *gl, const struct gp_kernel *kernel, struct gp_rect crop,
+    bool tail, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, int w, int h, struct gp_planes *layer,
+    struct gp_tiles **state, double *roundings);
 void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state);
 
 /* Roundings of a pixel's sum that gp_tiles_draw() stays under, before it is
@@ -227,12 +212,9 @@ double gp_tiles_roundings(const struct gp_polygons *polygons);
  * cut to |dx|, |dy| <= reach of gp_shrink; GP_GROUP_CORE adds the core from
  * each source. `layer` has 3 * w * h doubles. Slow. */
 GP_MUST_CHECK gp_status gp_group_reference(const struct gp_log *log,
-                                           const struct gp_sources *src,
-                                           const struct gp_kernel *kernel,
-                                           const struct gp_splat_params *p,
-                                           const struct gp_polygons *polygons,
-                                           const struct gp_shrink *shrink,
-                                           double *layer);
+    const struct gp_sources *src, const struct gp_kernel *kernel,
+    const struct gp_splat_params *p, const struct gp_polygons *polygons,
+    const struct gp_shrink *shrink, double *layer);
 
 /* -- tile.c's lists, which tests look into --------------------------------- */
 
@@ -267,12 +249,9 @@ struct gp_tile_pieces {
  *   out  written only on GP_OK; free with gp_tile_pieces_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_tile_pieces_make(const struct gp_log *log,
-                                            const struct gp_kernel *kernel,
-                                            struct gp_rect crop,
-                                            const struct gp_polygons *polygons,
-                                            const struct gp_shrink *shrink,
-                                            int w, int h,
-                                            struct gp_tile_pieces *out);
+    const struct gp_kernel *kernel, struct gp_rect crop,
+    const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
+    int h, struct gp_tile_pieces *out);
 void gp_tile_pieces_free(struct gp_tile_pieces *p);
 
 /* Some of a kind's pieces, entered for the tiles of a field that they reach. */

@@ -6,8 +6,7 @@
  * and what a polygon costs beside its samples is paid once for eight pixels. A
  * texel of a grey kernel holds four samples of a row, so that a fragment loads
  * two texels a row and takes its samples from them. Loads that would filter
- * (GL_LINEAR) are slower, and their weights are the driver's.
- */
+ * (GL_LINEAR) are slower, and their weights are the driver's. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/costs.h"
@@ -58,9 +57,8 @@ static void find_span(double at, double centre, int samples, int reach,
 
 /* The frame's pixels that a polygon draws. */
 static struct gp_rect box_of(const struct gp_tile_pieces *p,
-                             const struct gp_shrink *shrink,
-                             struct gp_rect crop, int w, int h,
-                             const struct gp_polygon *g)
+    const struct gp_shrink *shrink, struct gp_rect crop, int w, int h,
+    const struct gp_polygon *g)
 {
     const int reach = shrink->reach[gp_source_bin(g->light)];
     const int more = gp_blur_box[g->blur] - 1;
@@ -73,15 +71,12 @@ static struct gp_rect box_of(const struct gp_tile_pieces *p,
 }
 
 gp_status gp_tile_pieces_make(const struct gp_log *log,
-                              const struct gp_kernel *kernel,
-                              struct gp_rect crop,
-                              const struct gp_polygons *polygons,
-                              const struct gp_shrink *shrink, int w, int h,
-                              struct gp_tile_pieces *out)
+    const struct gp_kernel *kernel, struct gp_rect crop,
+    const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
+    int h, struct gp_tile_pieces *out)
 {
     struct gp_tile_pieces p = {0};
     size_t to[GP_TILE_KINDS];
-    void *block;
     for (int b = 0; b < GP_BLURS; b++) {
         double more = 0.5 * (gp_blur_box[b] - 1);
         p.cx[b] = (double) kernel->cx - crop.x0 + more;
@@ -95,10 +90,9 @@ gp_status gp_tile_pieces_make(const struct gp_log *log,
     for (int k = 0; k < GP_TILE_KINDS; k++)
         p.first[k + 1] += p.first[k];
     gp_status st = gp_alloc(log, "polygons of tiles",
-                            p.first[GP_TILE_KINDS] + 1, sizeof *p.at, &block);
+                            p.first[GP_TILE_KINDS] + 1, sizeof *p.at, &p.at);
     if (st)
         return st;
-    p.at = block;
     memcpy(to, p.first, sizeof to);
     for (size_t i = 0; i < polygons->n; i++) {
         const struct gp_polygon *g = &polygons->at[i];
@@ -137,8 +131,7 @@ static int count_tiles(struct gp_rect tiles)
     return gp_rect_w(tiles) * gp_rect_h(tiles);
 }
 
-int gp_tile_side(const struct gp_tile_pieces *p, int kind,
-                 struct gp_rect field)
+int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
 {
     double entries[GP_TILE_SIDES] = {0}, polygons = 0.0;
     for (size_t i = p->first[kind]; i < p->first[kind + 1]; i++) {
@@ -168,8 +161,7 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind,
 /* Counts the entries of each tile, for as many pieces as fit; returns the
  * piece after the last of them. */
 static size_t count_entries(const struct gp_tile_pieces *p, size_t first,
-                            size_t end, struct gp_tile_batch *batch,
-                            int tiles, int in_tile[])
+    size_t end, struct gp_tile_batch *batch, int tiles, int in_tile[])
 {
     int entries = 0, room = (GP_TILE_TEXELS - tiles) / ENTRY;
     memset(in_tile, 0, (size_t) tiles * sizeof in_tile[0]);
@@ -321,18 +313,14 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
 
 /* Makes *state when it is not there, and forgets kernels of other kinds. */
 static gp_status open_state(const struct gp_log *log, struct gp_gl *gl,
-                            const struct gp_kernel *kernel,
-                            struct gp_rect crop, bool tail,
-                            struct gp_tiles **state)
+    const struct gp_kernel *kernel, struct gp_rect crop, bool tail,
+    struct gp_tiles **state)
 {
     gp_status st = GP_OK;
-    void *block;
     if (!*state) {
-        GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, &block));
-        *state = block;
+        GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, state));
         GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
-                        4 * sizeof(float), &block));
-        (*state)->texel = block;
+                        4 * sizeof(float), &(*state)->texel));
         GP_TRY(gp_texel_buffer_make(log, gl, "lists of tiles", GP_TILE_TEXELS,
                                     &(*state)->entries));
     }
@@ -412,9 +400,8 @@ static gp_status fit_kernel(const struct gathering *k, int b)
 /* -- drawing --------------------------------------------------------------- */
 
 static gp_status draw_batch(const struct gathering *k,
-                            const struct gp_program *p,
-                            const struct packed *kernel,
-                            const struct gp_tile_batch *batch)
+    const struct gp_program *p, const struct packed *kernel,
+    const struct gp_tile_batch *batch)
 {
     // log2 of a tile's fragments
     const int columns = batch->side - 2, rows = batch->side - 1;
@@ -505,8 +492,7 @@ static gp_status draw_field(struct gathering *k)
 {
     int draws = 0;
     double sums = 0.0;
-    gp_status st = gp_splat_fit_target(
-        k->log, k->gl, "layer", ATTACHMENTS,
+    gp_status st = gp_splat_fit_target(k->log, k->gl, "layer", ATTACHMENTS,
         (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W,
         (gp_rect_h(k->field) + FRAGMENT_H - 1) / FRAGMENT_H, &k->t->target);
     if (st)
@@ -538,11 +524,9 @@ static int field_size(int size, int most, int fragment)
 }
 
 gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
-                        const struct gp_kernel *kernel, struct gp_rect crop,
-                        bool tail, const struct gp_polygons *polygons,
-                        const struct gp_shrink *shrink, int w, int h,
-                        struct gp_planes *layer, struct gp_tiles **state,
-                        double *roundings)
+    const struct gp_kernel *kernel, struct gp_rect crop, bool tail,
+    const struct gp_polygons *polygons, const struct gp_shrink *shrink, int w,
+    int h, struct gp_planes *layer, struct gp_tiles **state, double *roundings)
 {
     struct gathering k = {.log = log, .gl = gl, .kernel = kernel,
                           .polygons = polygons, .w = w, .h = h,

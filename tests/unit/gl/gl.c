@@ -119,12 +119,9 @@ static void limit_can_only_be_lowered(void **state)
         struct gp_target g = {0};
         last_line[0] = '\0';
         assert_int_equal(gp_texture_make(&log_kept, gl, "kernel",
-                                         GP_TEXEL_FLOAT, rows[i].w, rows[i].h,
-                                         &t),
-                         rows[i].want);
+            GP_TEXEL_FLOAT, rows[i].w, rows[i].h, &t), rows[i].want);
         assert_int_equal(gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT,
-                                        1, rows[i].w, rows[i].h, &g),
-                         rows[i].want);
+            1, rows[i].w, rows[i].h, &g), rows[i].want);
         if (rows[i].want)
             assert_said("16x16 is the limit");
         gp_texture_free(gl, &t);
@@ -161,8 +158,7 @@ static void fill(float *px, unsigned seed)
 }
 
 static void add_twice(struct gp_gl *gl, const struct gp_program *p,
-                      const struct gp_texture *from,
-                      const struct gp_target *to)
+    const struct gp_texture *from, const struct gp_target *to)
 {
     const struct gp_uniform uniform[] = {{.name = "addend", .texture = from},
                                          {0}};
@@ -266,8 +262,7 @@ static void blocks_and_lists_have_limits(void **state)
     assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a", 0, &b),
                      GP_ERR_GL);
     assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a",
-                                   (size_t) gp_gl_info(gl)->max_block + 1, &b),
-                     GP_ERR_GL);
+        (size_t) gp_gl_info(gl)->max_block + 1, &b), GP_ERR_GL);
     assert_said("one uniform block");
     assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "a", 0, &l),
                      GP_ERR_GL);
@@ -347,8 +342,7 @@ static struct gp_program program_of(struct gp_gl *gl, const char *defines,
 
 /* Draws once, the whole target when nothing else is said. */
 static void draw_once(struct gp_gl *gl, const struct gp_program *p,
-                      const struct gp_target *to,
-                      const struct gp_uniform *uniform, bool replace)
+    const struct gp_target *to, const struct gp_uniform *uniform, bool replace)
 {
     const struct gp_draw draw = {
         .program = p, .target = to, .cut = {0, 0, 999, 999},
@@ -358,8 +352,7 @@ static void draw_once(struct gp_gl *gl, const struct gp_program *p,
         fail_msg("%s", last_line);
 }
 
-static const char eight[] =
-    "uniform float first;\n"
+static const char eight[] = "uniform float first;\n"
     "layout(location = 0) out vec4 o0; layout(location = 1) out vec4 o1;\n"
     "layout(location = 2) out vec4 o2; layout(location = 3) out vec4 o3;\n"
     "layout(location = 4) out vec4 o4; layout(location = 5) out vec4 o5;\n"
@@ -463,8 +456,7 @@ static void uniforms_arrive(void **state)
         {.name = "Block", .block = &block}, {0}};
     draw_once(gl, &p, &t, u, true);
     for (int i = 0; i < 3; i++)
-        gp_target_read(gl, &t, i, (struct gp_rect) {0, 0, 1, 1},
-                            got + 4 * i);
+        gp_target_read(gl, &t, i, (struct gp_rect) {0, 0, 1, 1}, got + 4 * i);
     for (int i = 0; i < 12; i++)
         assert_true(got[i] == want[i]);
     const struct gp_uniform absent[] = {{.name = "Absent", .block = &block},

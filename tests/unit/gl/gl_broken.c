@@ -225,16 +225,14 @@ static void targets_are_refused(void **state)
         gl->f.CheckNamedFramebufferStatus;
     struct gp_target t = {0};
     gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
-    assert_int_equal(
-        gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 1, 2, 2, &t),
-        GP_ERR_GL);
+    assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 1,
+        2, 2, &t), GP_ERR_GL);
     assert_said("unsupported", "framebuffer status 0x8cdd");
     gl->f.CheckNamedFramebufferStatus = check;
     // a byte target that memory cannot hold
     fail_at(FAIL_GL, 1);
-    assert_int_equal(
-        gp_target_make(&said_log, gl, "layer", GP_TEXEL_BYTE, 1, 2, 2, &t),
-        GP_ERR_GL);
+    assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_BYTE, 1, 2,
+        2, &t), GP_ERR_GL);
     assert_said("byte", "GL_OUT_OF_MEMORY");
     assert_true(fail_end());
     assert_int_equal(t.framebuffer, 0);

@@ -76,8 +76,7 @@ static void check_blur(const struct gp_kernel *k, const struct blur_row *r,
         double sum = 0.0, want_sum = 0.0;
         for (int i = 0; i < b->w * b->h; i++) {
             const double got = (double) b->k.c[c][i];
-            const double want =
-                box_mean(k, r, crop, c, i % b->w, i / b->w);
+            const double want = box_mean(k, r, crop, c, i % b->w, i / b->w);
             sum += got;
             if (fabs(got - want) > 1e-7 * fabs(want) + 1e-20)
                 fail_msg("box %d, channel %d, sample %d: %g in place of %g",
@@ -190,10 +189,9 @@ static struct gp_polygons lights(float brightest, struct gp_polygon *at)
 }
 
 /* The boxes above carry samples up to 5 pixels from where they were. */
-static void check_shrink(const struct gp_kernel *k,
-                         const struct shrink_row *r, double share,
-                         const struct gp_polygons *q,
-                         const struct gp_shrink *s, const char *what)
+static void check_shrink(const struct gp_kernel *k, const struct shrink_row *r,
+    double share, const struct gp_polygons *q, const struct gp_shrink *s,
+    const char *what)
 {
     const bool tail = r->method == GP_GROUP_CORE;
     double left = 0.0, all = 0.0;
@@ -214,10 +212,8 @@ static void check_shrink(const struct gp_kernel *k,
 }
 
 /* One step over `least` leaves too much out, or all that there is. */
-static void check_largest(const struct gp_kernel *k,
-                          const struct shrink_row *r,
-                          const struct gp_polygons *q,
-                          const struct gp_shrink *s)
+static void check_largest(const struct gp_kernel *k, const struct shrink_row *r,
+    const struct gp_polygons *q, const struct gp_shrink *s)
 {
     const bool tail = r->method == GP_GROUP_CORE;
     const double least = (double) nextafterf(s->least, INFINITY);
@@ -347,8 +343,7 @@ struct box {
 
 static bool on_rim(const struct box *b, int x, int y)
 {
-    const bool inside =
-        x >= b->x0 && x <= b->x1 && y >= b->y0 && y <= b->y1;
+    const bool inside = x >= b->x0 && x <= b->x1 && y >= b->y0 && y <= b->y1;
     return inside && (x == b->x0 || x == b->x1 || y == b->y0 || y == b->y1);
 }
 
@@ -372,9 +367,8 @@ static void single_sensors_have_the_kernels_box(void **state)
     };
     const struct gp_splat_params p = GP_SPLAT_EXACT;
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct scene s = lit_scene(&rows[i].at, 1,
-                                scene_kernel(rows[i].w, rows[i].h, rows[i].cx,
-                                             rows[i].cy, BOX));
+        struct scene s = lit_scene(&rows[i].at, 1, scene_kernel(rows[i].w,
+            rows[i].h, rows[i].cx, rows[i].cy, BOX));
         struct gp_planes picture = outlined(&s, &p);
         for (int y = 0; y < H; y++) {
             for (int x = 0; x < W; x++) {
@@ -400,8 +394,7 @@ static void all_that_are_drawn_have_one(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct scene s = scene_sense(scene_frame(W, H, -7, 3, BLOCK, 5),
-                                     scene_kernel(31, 20, MID, MID, PEAK),
-                                     &usual);
+            scene_kernel(31, 20, MID, MID, PEAK), &usual);
         struct gp_polygons polygons;
         struct gp_shrink shrink;
         assert_ok(gp_polygons_make(NULL, &s.src, &rows[i], &polygons));
@@ -425,8 +418,7 @@ static void all_that_are_drawn_have_one(void **state)
                 want[j / W][j % W] |= on_rim(&b, j % W, j / W);
         }
         for (int j = 0; j < W * H; j++)
-            assert_int_equal(green(&picture, j % W, j / W),
-                             want[j / W][j % W]);
+            assert_int_equal(green(&picture, j % W, j / W), want[j / W][j % W]);
         gp_polygons_free(&polygons);
         gp_planes_free(&picture);
         scene_free(&s);

@@ -28,8 +28,7 @@ static const char *const content_text[CONTENTS] = {
 };
 
 /* Light of pixel (x, y), 0 where dark; `step` is a distance of its own. */
-static float light_of(enum content what, int x, int y, int step,
-                             uint32_t *seed)
+static float light_of(enum content what, int x, int y, int step, uint32_t *seed)
 {
     const float u = scene_random(seed);
     switch (what) {
@@ -98,8 +97,7 @@ static struct gp_kernel kernel_of_planes(int w, int h, enum kind kind,
             const int dx = abs(i % w - w / 2), dy = abs(i / w - h / 2);
             const float far = 1.0f + (float) (dx * dx + dy * dy);
             const float streak = dx == 0 || dy == 0 || dx == dy ? 1.0f : 0.0f;
-            image.rgb.c[c][i] =
-                kind == RANDOM ? powf(scene_random(seed), 4.0f)
+            image.rgb.c[c][i] = kind == RANDOM ? powf(scene_random(seed), 4.0f)
                                : streak / sqrtf(far) + 0.1f / (far * far);
         }
     }
@@ -183,9 +181,8 @@ static struct trial make_trial(uint32_t seed)
         kw = 2 * w + 5;
         kh = 2 * h + 9;
     }
-    t.s = scene_sense(make_frame(t.content, w, h, &seed),
-                      make_kernel(t.kind, kw, kh, &seed),
-                      &(struct gp_sensor_params) {0.0f, 0.0f, 65504.0f});
+    t.s = scene_sense(make_frame(t.content, w, h, &seed), make_kernel(t.kind,
+        kw, kh, &seed), &(struct gp_sensor_params) {0.0f, 0.0f, 65504.0f});
     t.p = make_params(&seed);
     if (gp_polygons_make(NULL, &t.s.src, &t.p, &t.q) ||
         gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
@@ -209,8 +206,7 @@ static double bound_of(const struct trial *t, double roundings,
     return bound;
 }
 
-static double least_of(const struct trial *t,
-                              struct gp_bound_cache *cache)
+static double least_of(const struct trial *t, struct gp_bound_cache *cache)
 {
     double least = -1.0;
     assert_ok(gp_layer_least(NULL, &t->s.src, &t->s.k, cache, &least));

@@ -30,8 +30,7 @@ static void check_taps(const struct gp_kernel *k, int radius)
             for (int x = 0; x < t.w; x++) {
                 const int kx = x - t.cx + k->cx, ky = y - t.cy + k->cy;
                 assert_true(abs(kx - k->cx) <= r && abs(ky - k->cy) <= r);
-                assert_true(row[GP_TAPS_PAD + x] ==
-                            k->k.c[c][ky * k->w + kx]);
+                assert_true(row[GP_TAPS_PAD + x] == k->k.c[c][ky * k->w + kx]);
                 counted++;
             }
         }
@@ -49,9 +48,8 @@ static void taps_are_the_kernel(void **state)
     };
     static const int radii[] = {-1, 0, 1, 4, 8, 16, 32, 1000};
     for (size_t i = 0; i < COUNT(centres); i++) {
-        struct gp_kernel k = scene_kernel(37, 21, centres[i][0],
-                                          centres[i][1],
-                                          i % 2 ? LOBES : TINTED);
+        struct gp_kernel k = scene_kernel(37, 21, centres[i][0], centres[i][1],
+            i % 2 ? LOBES : TINTED);
         for (size_t j = 0; j < COUNT(radii); j++)
             check_taps(&k, radii[j]);
         assert_int_equal(isinf(gp_direct_bound(&k, 100)), k.negative);

@@ -24,14 +24,12 @@ static int misses;
 static void miss(const struct hard_case *h, const char *engine,
                  const char *what, double got, double want)
 {
-    print_error("%s, %s: %s is %g, not %g\n", h->name, engine, what, got,
-                want);
+    print_error("%s, %s: %s is %g, not %g\n", h->name, engine, what, got, want);
     misses++;
 }
 
 static void check_cell(const struct hard_case *h, const char *engine,
-                       const struct scene *s,
-                       const struct gp_glare_stats *stats)
+    const struct scene *s, const struct gp_glare_stats *stats)
 {
     struct gp_glare_error e;
     const double bar = hard_bar(h, engine);
@@ -48,8 +46,7 @@ static void check_cell(const struct hard_case *h, const char *engine,
     if (!(stats->bound > 0.0))
         miss(h, engine, "bound", stats->bound, INFINITY);
     if (isfinite(stats->bound) && !(e.rel_l2 <= stats->bound))
-        miss(h, engine, "rel_l2 against the bound", e.rel_l2,
-             stats->bound);
+        miss(h, engine, "rel_l2 against the bound", e.rel_l2, stats->bound);
     if (h->shape == LOBES && isfinite(stats->bound))
         miss(h, engine, "bound where light cancels", stats->bound, INFINITY);
     const double own = scene_own_error(s);
@@ -146,11 +143,9 @@ static void bounds_hold(void **state)
     double least = INFINITY;
     for (int i = 0; i < 6 * 5 * sizes; i++) {
         const int at = i / 30;
-        struct scene s = scene_make(
-            scene_frame(size[at].w, size[at].h, 0, 0, lights[i % 6],
-                        (uint32_t) i + 1),
-            scene_kernel(size[at].kernel, size[at].kernel, MID, 0,
-                         shapes[i / 6 % 5]), &usual);
+        struct scene s = scene_make(scene_frame(size[at].w, size[at].h, 0, 0,
+            lights[i % 6], (uint32_t) i + 1), scene_kernel(size[at].kernel,
+            size[at].kernel, MID, 0, shapes[i / 6 % 5]), &usual);
         for (int e = 0; s.src.n && !is_dark(&s) && e < 2; e++) {
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
@@ -165,8 +160,7 @@ static void bounds_hold(void **state)
             // a run does not look for the least that these sources leave
             if (!(rel_l2 <= bound && bound <= stats.bound))
                 fail_msg("%s, scene %d: rel_l2 %g, bound %g, reported %g",
-                         gp_engines[e]->name, i, rel_l2, bound,
-                         stats.bound);
+                    gp_engines[e]->name, i, rel_l2, bound, stats.bound);
             if (e == 1 && rel_l2 > 0.0)
                 least = fmin(least, bound / rel_l2);
             gp_glare_close(&g);
@@ -398,9 +392,8 @@ static void light_moves_its_layer(void **state)
     assert_true(a.src.n > 1);
     for (size_t k = 0; k < COUNT(steps); k++) {
         const int dx = steps[k][0], dy = steps[k][1];
-        struct scene b = scene_make(moved(dx, dy),
-                                    scene_kernel(31, 29, MID, 0, TINTED),
-                                    &usual);
+        struct scene b = scene_make(moved(dx, dy), scene_kernel(31, 29, MID, 0,
+            TINTED), &usual);
         assert_int_equal(b.src.n, a.src.n);
         for (int i = 0; gp_engines[i]; i++) {
             const char *const e = gp_engines[i]->name;

@@ -195,8 +195,7 @@ static void check_alone(const struct hard_case *h, const struct scene *s,
     assert_int_equal(stats->hot, 0);
     if (!(stats->bound == 0.0 || rel_l2 <= stats->bound))
         fail_msg("%s: %g over the bound %g", h->name, rel_l2, stats->bound);
-    if ((stats->bound < 1e-3 || h->shape == LOBES) &&
-        !(rel_l2 <= h->bar.fft))
+    if ((stats->bound < 1e-3 || h->shape == LOBES) && !(rel_l2 <= h->bar.fft))
         fail_msg("%s: rel_l2 %g", h->name, rel_l2);
 }
 
@@ -322,11 +321,9 @@ static struct chosen choose(const struct scene *s, double gain)
     const double points = (double) p.nx * p.ny;
     c.fft_ms = gp_fft_passes_ms(&s->src, &p, GP_FFT_PLAN_MEASURE);
     gp_fft_tail_norms(&s->k, tail);
-    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, gain,
-                        &c.split);
+    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, gain, &c.split);
     // what no eye could see is not split, and the rounding goes with the gain
-    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-40,
-                        &unseen);
+    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-40, &unseen);
     c.plain = unseen.rounding * 1e40 * gain;
     assert_int_equal(unseen.core, -1);
     assert_true(isinf(unseen.hot) && unseen.hot_count == 0);
@@ -357,8 +354,7 @@ static void choices_keep_the_rules(void **state)
             const int none = c.split.core < 0 && c.split.hot_count == 0;
             split += !none;
             whole += none;
-            assert_int_equal(c.split.hot_count,
-                             count_hot(&s.src, c.split.hot));
+            assert_int_equal(c.split.hot_count, count_hot(&s.src, c.split.hot));
             if (c.plain <= 0.999e-6 && !none)
                 fail_msg("%s: split for nothing", hard_cases[i].name);
             if (c.split.ms > 4.0 * c.fft_ms + 5.0 ||
@@ -378,8 +374,7 @@ static void choices_keep_the_rules(void **state)
 /* One sun over a night: it alone goes direct. */
 static void one_sun_goes_direct(void **state)
 {
-    struct scene s = scene_sense(
-        scene_frame(256, 192, 0, 0, HOT, 1u),
+    struct scene s = scene_sense(scene_frame(256, 192, 0, 0, HOT, 1u),
         scene_kernel(255, 255, MID, 0, PEAK),
         &(struct gp_sensor_params) {0.0f, 0.0f, 1e10f});
     const struct chosen c = choose(&s, 1.0);
@@ -450,11 +445,9 @@ static void add_blob(struct gp_frame *f, int x0, int y0, float light,
         for (int x = x0 - r; x <= x0 + r; x++) {
             if (x < 0 || x >= w || y < 0 || y >= h)
                 continue;
-            const float d = (float) ((x - x0) * (x - x0) +
-                                     (y - y0) * (y - y0));
+            const float d = (float) ((x - x0) * (x - x0) + (y - y0) * (y - y0));
             for (int c = 0; c < 3; c++)
-                f->rgb.c[c][y * w + x] +=
-                    (1.0f - 0.15f * (float) c) * light *
+                f->rgb.c[c][y * w + x] += (1.0f - 0.15f * (float) c) * light *
                     expf(-d / (2 * sigma * sigma));
         }
     }
@@ -502,8 +495,7 @@ static void check_promise(struct scene *s, const struct chosen *c,
     assert_int_equal(stats.fft_core, c->split.core);
     assert_true(scene_rel_l2(s) <= 1e-6);
     const double own = scene_own_error(s);
-    if (!(own <= (c->split.rounding <= 1e-6 ? 1e-6
-                                            : 4.0 * c->split.rounding)))
+    if (!(own <= (c->split.rounding <= 1e-6 ? 1e-6 : 4.0 * c->split.rounding)))
         fail_msg("view %d, %dx%d: %g of a pixel's own value, %g predicted",
                  (int) view, s->src.w, s->src.h, own, c->split.rounding);
 }
@@ -515,10 +507,9 @@ static void predicted_rounding_is_kept(void **state)
     for (int i = 0; i < 3 * VIEWS && !(quick && i); i++) {
         const int *const size = sizes[i / VIEWS % 2];
         const enum view view = (enum view) (i % VIEWS);
-        struct scene s = scene_make(
-            make_view(view, size[0], size[1], 5u + (uint32_t) i),
-            scene_kernel(size[2], size[2], MID, 0,
-                         i < 2 * VIEWS ? PEAK : TINTED), &usual);
+        struct scene s = scene_make(make_view(view, size[0], size[1],
+            5u + (uint32_t) i), scene_kernel(size[2], size[2], MID, 0,
+            i < 2 * VIEWS ? PEAK : TINTED), &usual);
         const struct chosen c = choose(&s, 1.0);
         promised += c.split.rounding <= 1e-6;
         check_promise(&s, &c, view);
@@ -555,8 +546,7 @@ static void a_night_is_worth_more_than_a_sky(void **state)
                     scene_kernel(512, 512, MID, 0, PEAK), &usual);
     c = choose(&s, 1.0);
     if (!(c.split.ms <= c.fft_ms + 10.0))
-        fail_msg("sky: %g ms direct for %g of transform", c.split.ms,
-                 c.fft_ms);
+        fail_msg("sky: %g ms direct for %g of transform", c.split.ms, c.fft_ms);
     scene_free(&s);
 }
 

@@ -151,8 +151,7 @@ static void check_polygon(const struct gp_polygon *q, const struct naive *n,
 /* Every block of that side in row order; those in filled areas are left out
  * unless they are these areas. Returns how many polygons it saw. */
 static size_t check_blocks(const struct gp_sources *s,
-                           const struct gp_splat_params *p, int side,
-                           const struct gp_polygon *at)
+    const struct gp_splat_params *p, int side, const struct gp_polygon *at)
 {
     size_t n = 0;
     for (int by = block_of(s->y0, side); by * side < s->y0 + s->h; by++) {
@@ -256,8 +255,7 @@ static void clusters_from_the_fill_on(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++)
         assert_int_equal(clusters_of(rows[i].w, rows[i].h, rows[i].bright,
-                                     rows[i].fill),
-                         rows[i].clusters);
+            rows[i].fill), rows[i].clusters);
 }
 
 /* -- laws -------------------------------------------------------------------*/
@@ -297,8 +295,7 @@ static void too_much_light_stays_finite(void **state)
  */
 
 static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
-                    const struct gp_splat_params *p,
-                    const struct gp_polygons *q)
+    const struct gp_splat_params *p, const struct gp_polygons *q)
 {
     double *const layer =
         scene_alloc(3 * (size_t) s->w * (size_t) s->h, sizeof *layer);
@@ -349,8 +346,7 @@ static void ungrouped_is_exact(void **state)
     };
     for (int i = 0; i < 7 * 3; i++) {
         const int *const r = kernels[i / 3];
-        struct scene s = scene_make(
-            scene_frame(61, 47, -3, 7, FEW, 5u),
+        struct scene s = scene_make(scene_frame(61, 47, -3, 7, FEW, 5u),
             scene_kernel(r[0], r[1], r[2], r[3], TINTED), &over_one);
         struct gp_splat_params p = GP_SPLAT_EXACT;
         p.method = (enum gp_group_method) (i % 3);

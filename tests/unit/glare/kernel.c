@@ -466,9 +466,8 @@ static void engines_agree(void **state)
 {
     static const char *const engines[] = {"direct", "fft"};
     struct gp_frame f = image(21, 30, false, false);
-    struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7),
-                                turned(&f, 30.0f, GP_NORMALIZE_LUMINANCE, NULL),
-                                &usual);
+    struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7), turned(&f,
+        30.0f, GP_NORMALIZE_LUMINANCE, NULL), &usual);
     for (size_t i = 0; i < COUNT(engines); i++) {
         struct gp_glare g = {0};
         struct gp_glare_stats stats;

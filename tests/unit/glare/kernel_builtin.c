@@ -100,8 +100,7 @@ static void have_their_colours(void **state)
     for (int c = 0; c < 3; c++) {
         static const int radius[3] = {113, 102, 86};
         for (int other = 0; other < 3; other++)
-            assert_true(at(&k, c, radius[c], 0) >=
-                        at(&k, other, radius[c], 0));
+            assert_true(at(&k, c, radius[c], 0) >= at(&k, other, radius[c], 0));
     }
     assert_true(at(&k, 1, 0, 0) == 0.0);
     gp_kernel_free(&k);

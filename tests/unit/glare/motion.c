@@ -106,8 +106,7 @@ static bool slide(const struct technique *t, struct motion_result *out)
 static void make_steps(enum motion_shape shape, const struct gp_kernel *kernel)
 {
     for (int i = 0; i < count; i++)
-        steps[i] = scene_make(motion_frame(shape, i), *kernel,
-                              &motion_sensors);
+        steps[i] = scene_make(motion_frame(shape, i), *kernel, &motion_sensors);
 }
 
 static void free_steps(void)

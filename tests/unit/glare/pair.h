@@ -5,8 +5,7 @@
  *
  *   GLAREPP_SEED=N   another seed; failures print the one they had
  *
- * Times are printed, never asserted.
- */
+ * Times are printed, never asserted. */
 #ifndef GP_TESTS_PAIR_H
 #define GP_TESTS_PAIR_H
 

@@ -2,8 +2,7 @@
  * that they agree, and times them.
  *
  *   build/tests/glare pairs                 proves all
- *   build/tests/glare pairs --time [NAME]   times those whose name begins so
- */
+ *   build/tests/glare pairs --time [NAME]   times those whose name begins so */
 #include "unit.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
@@ -94,8 +93,7 @@ struct spreading {
 
 /* The frame's light, all of it, and a kernel that is not grey. */
 static struct spreading *open_spreading(const struct pair *pair,
-                                        struct pair_input *in, int w, int h,
-                                        int cx, int cy)
+    struct pair_input *in, int w, int h, int cx, int cy)
 {
     static const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
     struct spreading *const p = scene_alloc(1, sizeof *p);
@@ -121,8 +119,7 @@ static void *open_direct(const struct pair *pair, struct pair_input *in)
 {
     struct spreading *const p = open_spreading(pair, in, 33, 21, 20, 9);
     if (gp_taps_make(NULL, &p->s.k, -1, &p->taps) ||
-        gp_planes_make(NULL, "layer", gp_frame_pixels(&p->s.f),
-                       &p->s.f.layer))
+        gp_planes_make(NULL, "layer", gp_frame_pixels(&p->s.f), &p->s.f.layer))
         abort();
     return p;
 }

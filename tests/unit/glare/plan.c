@@ -29,8 +29,7 @@ static gp_status answer(void *ctx, int i, double *bound)
 }
 
 static gp_status choose(const struct made_up *from, int n, double tolerance,
-                        struct gp_plan_past *past, struct asked *asked,
-                        struct gp_choice *out)
+    struct gp_plan_past *past, struct asked *asked, struct gp_choice *out)
 {
     struct gp_candidate c[MOST] = {0};
     for (int i = 0; i < n; i++)

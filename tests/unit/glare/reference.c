@@ -64,10 +64,9 @@ static void transform_is_the_sum(void **state)
         {401, 397, 101, 99, -20, 110, TINTED}, // centre outside
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct scene s = scene_sense(
-            scene_frame(rows[i].w, rows[i].h, 0, 0, ALL, 5u),
-            scene_kernel(rows[i].kw, rows[i].kh, rows[i].cx, rows[i].cy,
-                         rows[i].shape), &usual);
+        struct scene s = scene_sense(scene_frame(rows[i].w, rows[i].h, 0, 0,
+            ALL, 5u), scene_kernel(rows[i].kw, rows[i].kh, rows[i].cx,
+            rows[i].cy, rows[i].shape), &usual);
         // else the plain loops would be checked again
         assert_true(3.0 * gp_direct_work(&s.src, s.k.w, s.k.h, s.k.cx,
                                          s.k.cy) > 3e9);

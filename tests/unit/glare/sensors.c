@@ -299,8 +299,7 @@ static void light_joins(void **state)
         assert_true(out.rgb[0][4] == 1e-37f && out.rgb[1][4] == 0.0f &&
                     out.rgb[2][4] == FLT_MIN);
         assert_true(out.faint[0] == 1e-39 + (double) 1e-39f &&
-                    out.faint[1] == (double) 1e-40f &&
-                    out.faint[2] == (double) 2e-39f);
+            out.faint[1] == (double) 1e-40f && out.faint[2] == (double) 2e-39f);
         struct gp_source one = {9, 9, {1.0f, 1.0f, 1.0f}};
         assert_ok(gp_sources_join(NULL, &out, &one, 1, &twice));
         assert_list(&twice, "joined twice");

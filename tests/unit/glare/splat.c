@@ -117,8 +117,7 @@ static void over_the_limit_fails_with_words(void **state)
     how.primitive = GP_PRIMITIVE_QUAD;
     assert_ok(splat(GP_GL_AUTO, &src, &small, &layer, &kept));
     gp_planes_free(&layer);
-    assert_int_equal(splat(GP_GL_AUTO, &src, &large, &layer, &kept),
-                     GP_ERR_GL);
+    assert_int_equal(splat(GP_GL_AUTO, &src, &large, &layer, &kept), GP_ERR_GL);
     assert_non_null(strstr(said_line, "kernel: 17x9"));
     assert_non_null(strstr(said_line, "16x16 is the limit"));
     gp_planes_free(&layer);
@@ -287,9 +286,8 @@ static void counts_are_those_of_the_groups(void **state)
 
 /* Share of all luminance by which `layer` is darker, pixel after pixel. */
 static double light_lost(const struct gp_sources *src,
-                         const struct gp_kernel *k,
-                         const struct gp_planes *exact,
-                         const struct gp_planes *layer)
+    const struct gp_kernel *k, const struct gp_planes *exact,
+    const struct gp_planes *layer)
 {
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     double lost = 0.0, all = 0.0;

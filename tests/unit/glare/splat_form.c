@@ -2,8 +2,7 @@
  * and against each other.
  *
  *   build/tests/glare splat_form --hash   prints checksums of layers (the tests
- *                                         call it)
- */
+ *                                         call it) */
 #include "unit.h"
 #include "splat_scene.h"
 #include "driver_threads.h"

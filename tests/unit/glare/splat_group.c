@@ -158,8 +158,7 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
         clusters = read_cells(s, coarse, &s->clusters);
     }
     assert_ok(gp_splat_group(&said_log, s, frame, &fine, ~0u, 0.0f,
-                             p->cluster ? &s->clusters : NULL, p->cluster,
-                             &s->groups));
+        p->cluster ? &s->clusters : NULL, p->cluster, &s->groups));
     struct cells groups = read_cells(s, fine, &s->groups);
     assert_int_equal(count_open(&clusters), want.clusters);
     assert_int_equal(count_open(&groups), want.groups);

@@ -130,10 +130,8 @@ static const enum gp_primitive primitives[PRIMITIVES] = {
 static struct gp_glare_stats stats; // of the last run
 static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next
 
-static inline gp_status splat(enum gp_gl_api gl,
-                              const struct gp_sources *src,
-                              const struct gp_kernel *k,
-                              struct gp_planes *layer, void **state)
+static inline gp_status splat(enum gp_gl_api gl, const struct gp_sources *src,
+    const struct gp_kernel *k, struct gp_planes *layer, void **state)
 {
     const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
                                            .gl = gl, .splat = how};
@@ -166,8 +164,7 @@ static inline void *open_or_skip(enum gp_gl_api gl)
 
 /* rel_l2 of a layer against the sum in double; 0 when both are all 0. */
 static inline double rel_l2(const struct gp_sources *src,
-                            const struct gp_kernel *k,
-                            const struct gp_planes *layer)
+    const struct gp_kernel *k, const struct gp_planes *layer)
 {
     const size_t n = (size_t) src->w * (size_t) src->h;
     double wrong = 0.0, all = 0.0, *const sum = calloc(3 * n, sizeof *sum);

@@ -345,8 +345,7 @@ static bool fail_once(const struct fault *f, long n, uint64_t want)
         return true;
     }
     if (row->run() != GP_OK || hash != want)
-        fail_msg("%s, %ld: not the same bytes when all is well", row->name,
-                 n);
+        fail_msg("%s, %ld: not the same bytes when all is well", row->name, n);
     return true;
 }
 

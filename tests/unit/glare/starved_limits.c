@@ -62,8 +62,7 @@ static fftw_plan plan_twice(int n, fftw_complex *a, fftw_complex *b, int sign,
     return ++plans == refused ? NULL : real_twice(n, a, b, sign, flags);
 }
 
-static struct scene make_scene(enum light light, int w, int h, int size,
-                               int cx)
+static struct scene make_scene(enum light light, int w, int h, int size, int cx)
 {
     return scene_sense(scene_frame(w, h, 0, 0, light, 4u),
                        scene_kernel(size, size, cx, size / 2, PEAK), &usual);

@@ -108,8 +108,7 @@ static gp_status draw(struct gp_gl *gl, struct scene *s,
                              struct gp_tiles **state, double *roundings)
 {
     return gp_tiles_draw(&log_kept, gl, &s->kernel, s->crop, s->tail,
-                         &s->polygons, &s->shrink, s->w, s->h, &s->layer,
-                         state, roundings);
+        &s->polygons, &s->shrink, s->w, s->h, &s->layer, state, roundings);
 }
 
 /* -- the sum --------------------------------------------------------------- */
