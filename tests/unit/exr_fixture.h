@@ -4,7 +4,6 @@
 #define EXR_FIXTURE_H
 
 #include "unit.h"
-
 #include "core/status.h"
 
 #include <math.h>
@@ -157,9 +156,8 @@ static void *fixture_samples(const struct fixture_channel *c, int x0, int y0,
 }
 
 static void fixture_chunk(exr_context_t exr, int part,
-                          const struct fixture_part *p,
-                          const exr_chunk_info_t *info, bool *first,
-                          exr_encode_pipeline_t *pipe)
+    const struct fixture_part *p, const exr_chunk_info_t *info, bool *first,
+    exr_encode_pipeline_t *pipe)
 {
     void *data[FIXTURE_CHANNELS] = {0};
     int x0 = p->data.min.x, y0 = info->start_y;
@@ -188,8 +186,7 @@ static void fixture_chunk(exr_context_t exr, int part,
 }
 
 static void fixture_tiles(exr_context_t exr, int part,
-                          const struct fixture_part *p,
-                          exr_encode_pipeline_t *pipe)
+    const struct fixture_part *p, exr_encode_pipeline_t *pipe)
 {
     bool first = true;
     int32_t nx, ny;
@@ -209,8 +206,7 @@ static void fixture_tiles(exr_context_t exr, int part,
 }
 
 static void fixture_lines(exr_context_t exr, int part,
-                          const struct fixture_part *p,
-                          exr_encode_pipeline_t *pipe)
+    const struct fixture_part *p, exr_encode_pipeline_t *pipe)
 {
     bool first = true;
     int32_t lines;
@@ -294,7 +290,8 @@ static uint8_t *fixture_make(const struct fixture *f, size_t *size)
 
 /* Writes bytes to a file: a new one, since file systems wait for the disk when
  * one is cut and filled again. */
-static inline void fixture_save(const char *path, const void *bytes, size_t size)
+static inline void fixture_save(const char *path, const void *bytes,
+                                size_t size)
 {
     remove(path);
     FILE *f = fopen(path, "wb");

@@ -4,7 +4,6 @@
 
 #include "core/frame.h"
 #include "io/read.h"
-
 #include "said.h"
 #include "unit.h"
 

@@ -3,7 +3,6 @@
 #define WRITE_FIXTURE_H
 
 #include "unit.h"
-
 #include "core/colour.h"
 #include "core/frame.h"
 #include "core/memory.h"
@@ -11,13 +10,10 @@
 #include "io/oiio/oiio.h"
 #include "io/read.h"
 #include "io/write.h"
-
 #include "bridge_here.h"
 
 #include <dirent.h>
 #include <unistd.h>
-
-// -- files --------------------------------------------------------------------
 
 static char wf_folder[64];
 
@@ -110,8 +106,6 @@ static inline void wf_assert_said(const char *part)
         fail_msg("\"%s\" is not in: %s", part, wf_line);
 }
 
-// -- frames -------------------------------------------------------------------
-
 static inline uint32_t wf_hash(uint32_t a, uint32_t b, uint32_t c)
 {
     uint32_t h = a * 2654435761u ^ b * 2246822519u ^ c * 3266489917u;
@@ -165,8 +159,7 @@ static inline void *wf_samples(const struct gp_channel *c, int number)
 /* A frame that came from no file: rgb by wf_value(0..2), and the channels of
  * a list that ends with a NULL name. */
 static inline struct gp_frame wf_frame(struct gp_rect data,
-                                       struct gp_rect display,
-                                       const struct wf_channel *list)
+    struct gp_rect display, const struct wf_channel *list)
 {
     struct gp_frame f = {
         .path = gp_strdup("made"), .data = data, .display = display,
@@ -231,8 +224,6 @@ static inline void wf_fill_bits(const struct gp_frame *f, bool finite)
     }
 }
 
-// -- writing ------------------------------------------------------------------
-
 /* Outputs are names in the folder, or "-"; no parameters are the defaults. */
 
 static struct gp_write_stats wf_stats; // of all that was written
@@ -244,8 +235,7 @@ static inline const char *wf_output(const char *name)
 }
 
 static inline gp_status wf_write_set(const struct gp_write_params *p,
-                                     const char *name,
-                                     const struct gp_hdr_colour *set, int n)
+    const char *name, const struct gp_hdr_colour *set, int n)
 {
     wf_line[0] = '\0';
     return gp_write_hdr(&wf_log, p ? p : &wf_defaults, wf_output(name), set, n,
@@ -261,8 +251,7 @@ static inline gp_status wf_write_hdr(const struct gp_write_params *p,
 }
 
 static inline gp_status wf_write(const struct gp_write_params *p,
-                                 const char *name, const struct gp_frame *f,
-                                 enum gp_picture_kind kind)
+    const char *name, const struct gp_frame *f, enum gp_picture_kind kind)
 {
     wf_line[0] = '\0';
     return gp_write_picture(&wf_log, p ? p : &wf_defaults, wf_output(name), f,
@@ -281,8 +270,7 @@ static inline struct gp_frame wf_read_back(const char *name)
 
 /* The frame of its own --hdr, in a.exr; the caller frees it. */
 static inline struct gp_frame wf_trip(const struct gp_frame *f,
-                                      enum gp_compression compression,
-                                      enum gp_out_type type)
+    enum gp_compression compression, enum gp_out_type type)
 {
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     p.compression = compression;
@@ -321,8 +309,16 @@ static inline int wf_last_compression(void)
 static const struct wf_channel wf_all[] = {
     {"A", GP_HALF, -1, 0, 0}, {"B", GP_HALF, 2, 0, 0},
     {"G", GP_HALF, 1, 0, 0},  {"R", GP_HALF, 0, 0, 0},
-    {"Z", GP_FLOAT, -1, 0, 0}, {"id", GP_UINT, -1, 0, 0},
-    {NULL, 0, 0, 0, 0},
+    {"Z", GP_FLOAT, -1, 0, 0}, {"id", GP_UINT, -1, 0, 0}, {NULL, 0, 0, 0, 0},
 };
+
+/* Frees each frame of a list that ends with NULL. */
+static inline void wf_free_all(struct gp_frame *const *frame)
+{
+    for (; *frame; frame++)
+        gp_frame_free(*frame);
+}
+#define free_frames(...)                                                      \
+    wf_free_all((struct gp_frame *const[]) {__VA_ARGS__, NULL})
 
 #endif

@@ -3,7 +3,6 @@
 #include "core/frame.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
-
 #include "said.h"
 
 enum { NAMES = 12 };
@@ -174,13 +173,8 @@ static void subsampled_channels(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         const int w = row[i].w, h = row[i].h, width = gp_rect_w(row[i].window);
         struct gp_channel channel = {
-            .type = GP_FLOAT,
-            .xs = row[i].xs,
-            .ys = row[i].ys,
-            .w = w,
-            .h = h,
-            .colour = -1,
-            .data = some,
+            .type = GP_FLOAT, .xs = row[i].xs, .ys = row[i].ys, .w = w, .h = h,
+            .colour = -1, .data = some,
         };
         struct gp_frame f = {
             .data = row[i].window, .channel = &channel, .channels = 1};
@@ -193,8 +187,6 @@ static void subsampled_channels(void **state)
         }
     }
 }
-
-// -- colour and ids ------------------------------------------------------------
 
 enum { COLOURS = 8 };
 
@@ -282,8 +274,7 @@ static void alpha_of_the_colour(void **state)
 {
     static const struct {
         const char *name[4];
-        int colour[4];
-        int alpha;
+        int colour[4], alpha;
     } row[] = {
         {{"A", "B", "G", "R"}, {-1, 2, 1, 0}, 0},
         {{"l.B", "l.G", "l.R", "l.ALPHA"}, {2, 1, 0, -1}, 3},

@@ -7,7 +7,6 @@
 #include "io/channels.h"
 #include "io/exr/exr.h"
 #include "oiio_here.h"
-
 #include "reading.h"
 
 #include <ftw.h>
@@ -20,14 +19,11 @@ static char *file[FILES];
 static int files;
 static char reference[PATH_MAX]; // the RgbaInputFile program, "" without
 
-/* -- what there is -------------------------------------------------------- */
-
 static int collect(const char *found, const struct stat *info, int type,
                    struct FTW *at)
 {
     (void) info;
-    const char *name = found + at->base;
-    const char *dot = strrchr(name, '.');
+    const char *name = found + at->base, *dot = strrchr(name, '.');
     if (type == FTW_F && !strstr(found, "/damaged/") && dot &&
         strcmp(dot, ".exr") == 0 && files < FILES)
         file[files++] = strdup(found);
@@ -72,8 +68,6 @@ static int teardown(void **state)
     return 0;
 }
 
-/* -- against OpenImageIO -------------------------------------------------- */
-
 static bool same(float a, float b)
 {
     return a == b || (isnan(a) && isnan(b));
@@ -81,8 +75,7 @@ static bool same(float a, float b)
 
 /* Channel `index` of the frame against channel `from` of the image. */
 static void assert_channel_is(const struct gp_frame *f, int index,
-                              const struct gp_image *image, int from,
-                              float *scratch)
+    const struct gp_image *image, int from, float *scratch)
 {
     const struct gp_channel *c = &f->channel[index];
     const size_t n = (size_t) image->channels;
@@ -140,8 +133,7 @@ static void every_frame_as_openimageio_reads_it(void **state)
             struct gp_stream s;
             assert_ok(gp_stream_open(NULL, file[i], 1, &s));
             if (gp_oiio_open(&said_log, file[i], &s, "openexr", f.part, INT_MAX,
-                             &image) ||
-                gp_image_load(&said_log, &image))
+                &image) || gp_image_load(&said_log, &image))
                 fail_msg("%s", said_line);
             gp_stream_close(&s);
             assert_frame_is(&f, &image);
@@ -154,8 +146,6 @@ static void every_frame_as_openimageio_reads_it(void **state)
                   deep, chroma);
     assert_true(compared > 0);
 }
-
-/* -- against OpenEXR ------------------------------------------------------ */
 
 /* Luminance-chroma, or decoded by the bridge. */
 static bool needs_openexr(const struct gp_frame *f)

@@ -1,10 +1,8 @@
 /* io/exr/header.c and open.c: the bytes of a header are bounded and indexed, a
- * value that is none of its type is refused whatever its name and part,
- * nothing that OpenEXR reads is; and where a file ends inside a longer
- * stream. */
+ * value that is none of its type is refused whatever its name and part, nothing
+ * that OpenEXR reads is; and where a file ends inside a longer stream. */
 #include "unit.h"
 #include "io/exr/exr_priv.h"
-
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -16,8 +14,6 @@ static gp_status index_of(uint8_t *bytes, size_t size,
     said_nothing();
     return gp_exr_index_make(&said_log, "a.exr", &s, index);
 }
-
-/* -- values --------------------------------------------------------------------*/
 
 static bool is(const char *type, const void *bytes, size_t size)
 {
@@ -137,8 +133,6 @@ static void long_lists(void **state)
     assert_false(is("stringvector", strings, sizeof strings - 1));
 }
 
-/* -- attributes of files --------------------------------------------------------*/
-
 /* Writes `f` with one more attribute at the end of a part's header. */
 static void write_with(const struct fixture *f, int part, const char name[5],
                        const char *type, const void *value, uint32_t size)
@@ -217,11 +211,8 @@ static void files(void **state)
     assert_read_or_not(true);
 }
 
-/* -- headers -------------------------------------------------------------------*/
-
 static const struct fixture two_parts = {
-    .parts = 2,
-    .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
+    .parts = 2, .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
              {.name = "b", .channel = {HALF_CH("Z")}, .data = W(3)}},
 };
 
@@ -301,8 +292,6 @@ static void changed_headers(void **state)
         free(bytes);
     }
 }
-
-/* -- the end -------------------------------------------------------------------*/
 
 static const uint64_t cut_off = UINT64_MAX; // or no header at all
 

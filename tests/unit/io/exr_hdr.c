@@ -1,10 +1,8 @@
 /* What EXR files get of their input: which attributes a header has, and what
- * --hdr carries, attributes of every kind and other parts, byte by byte.
- * Inputs are made here, with parts that no library of this program could
- * write. */
+ * --hdr carries, attributes of every kind and other parts, byte by byte. Inputs
+ * are made here, with parts that no library of this program could write. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "io/exr/exr_priv.h"
 #include "io/file.h"
 #include "io/read.h"
@@ -44,9 +42,8 @@ static const struct gp_exr_source one_source = {
 
 /* A header's only part, of a frame with that attribute. */
 static struct gp_exr_header make_header(struct gp_attribute *attribute,
-                                        const struct gp_exr_carried_part *raw,
-                                        enum gp_exr_kept kept, uint32_t flags,
-                                        enum gp_compression compression)
+    const struct gp_exr_carried_part *raw, enum gp_exr_kept kept,
+    uint32_t flags, enum gp_compression compression)
 {
     const struct gp_rect r = {0, 0, 2, 2};
     struct gp_frame f = wf_frame(r, r, wf_rgb);
@@ -92,9 +89,8 @@ static void attributes_of_other_formats(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         for (int shown = 0; shown < 2; shown++) {
             struct gp_attribute a = row[i].a;
-            struct gp_exr_header h = make_header(
-                &a, NULL, shown ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0,
-                GP_COMPRESSION_ZIP);
+            struct gp_exr_header h = make_header(&a, NULL, shown
+                ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0, GP_COMPRESSION_ZIP);
             int count;
             const struct gp_exr_attr got = find(&h, a.name, &count);
             const bool want = row[i].type && (!shown || row[i].shown);
@@ -104,10 +100,9 @@ static void attributes_of_other_formats(void **state)
                 const size_t n = a.kind == 0 ? strlen(a.text) : 4;
                 assert_string_equal(got.type, row[i].type);
                 assert_int_equal(got.size, n);
-                assert_memory_equal(got.data,
-                                    a.kind == 0 ? (const void *) a.text
-                                    : a.kind == 1 ? (const void *) &a.number
-                                                  : &a.real, n);
+                assert_memory_equal(got.data, a.kind == 0
+                    ? (const void *) a.text : a.kind == 1
+                    ? (const void *) &a.number : &a.real, n);
             }
             assert_int_equal(!(h.flags & GP_EXR_LONG_NAMES),
                              !(want && strlen(a.name) > 31));
@@ -123,10 +118,8 @@ static void attributes_of_another_exr(void **state)
         uint32_t flags;
         int count[4]; // for each gp_exr_kept
     } row[] = {
-        {"owner", 0, {1, 1, 1, 1}},
-        {"owner", GP_EXR_DEEP, {1, 1, 1, 1}},
-        {"multiView", 0, {1, 1, 0, 0}},
-        {"preview", 0, {1, 0, 0, 0}},
+        {"owner", 0, {1, 1, 1, 1}}, {"owner", GP_EXR_DEEP, {1, 1, 1, 1}},
+        {"multiView", 0, {1, 1, 0, 0}}, {"preview", 0, {1, 0, 0, 0}},
         {"chromaticities", 0, {1, 0, 1, 0}},
         {"compression", 0, {1, 1, 1, 1}},       // the picture's own
         {"version", 0, {1, 1, 1, 1}},
@@ -141,9 +134,8 @@ static void attributes_of_another_exr(void **state)
                                       data, sizeof data};
         const struct gp_exr_carried_part raw = {.attr = &a, .attrs = 1};
         for (int kept = 0; kept < 4; kept++) {
-            struct gp_exr_header h = make_header(
-                NULL, &raw, (enum gp_exr_kept) kept, row[i].flags,
-                GP_COMPRESSION_PIZ);
+            struct gp_exr_header h = make_header(NULL, &raw,
+                (enum gp_exr_kept) kept, row[i].flags, GP_COMPRESSION_PIZ);
             int count;
             const struct gp_exr_attr got = find(&h, a.name, &count);
             if (count != row[i].count[kept])
@@ -203,9 +195,8 @@ static void chunks_that_nobody_wrote(void **state)
 
 /* B, G and R of a frame as `type`. */
 static struct gp_exr_image colour_of(const struct gp_frame *f,
-                                     enum gp_pixel_type type,
-                                     enum gp_compression compression,
-                                     struct gp_exr_source source[3])
+    enum gp_pixel_type type, enum gp_compression compression,
+    struct gp_exr_source source[3])
 {
     static const char *const name[] = {"B", "G", "R"};
     for (int i = 0; i < 3; i++)
@@ -217,8 +208,7 @@ static struct gp_exr_image colour_of(const struct gp_frame *f,
 }
 
 static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
-                                  const int *chunks, int parts,
-                                  struct gp_exr_out *out)
+    const int *chunks, int parts, struct gp_exr_out *out)
 {
     struct gp_file *file;
     assert_ok(gp_exr_header_done(NULL, path, h));
@@ -365,8 +355,6 @@ static void make_parts(const char *path, const struct gp_frame *f,
     end_file(&out, file);
 }
 
-// -- comparing ----------------------------------------------------------------
-
 static struct gp_exr_carried header_of(const struct gp_frame *f)
 {
     struct gp_exr_carried raw;
@@ -376,8 +364,7 @@ static struct gp_exr_carried header_of(const struct gp_frame *f)
 
 /* Each attribute of `a` but the listed ones is in `b`, bit by bit. */
 static void assert_attributes(const struct gp_exr_carried_part *a,
-                              const struct gp_exr_carried_part *b,
-                              const char *const *but)
+    const struct gp_exr_carried_part *b, const char *const *but)
 {
     for (int i = 0; i < a->attrs; i++) {
         const struct gp_exr_attr *p = &a->attr[i];
@@ -438,9 +425,7 @@ static void other_parts(void **state)
     assert_int_equal(rb.version, GP_EXR_VERSION);
     assert_null(gp_exr_attr_find(&rb.part[0], "name", "string"));
     gp_exr_carried_free(&rb);
-    gp_frame_free(&b);
-    gp_frame_free(&a);
-    gp_frame_free(&made);
+    free_frames(&b, &a, &made);
 }
 
 static void damaged_parts(void **state)
@@ -532,10 +517,8 @@ static void attributes(void **state)
     struct gp_frame a = wf_read_back("in.exr");
     struct gp_exr_carried ra = header_of(&a);
     for (int i = 0; i < 3; i++) {
-        assert_ok(i == 0 ? wf_write_hdr(NULL, "out.exr", &a)
-                         : wf_write(NULL, "out.exr", &a,
-                                    i == 1 ? GP_PICTURE_SCENE
-                                           : GP_PICTURE_SHOWN));
+        assert_ok(i == 0 ? wf_write_hdr(NULL, "out.exr", &a) : wf_write(NULL,
+            "out.exr", &a, i == 1 ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN));
         struct gp_frame b = wf_read_back("out.exr");
         struct gp_exr_carried rb = header_of(&b);
         assert_attributes(&ra.part[0], &rb.part[0], but[i]);
@@ -551,8 +534,7 @@ static void attributes(void **state)
         gp_frame_free(&b);
     }
     gp_exr_carried_free(&ra);
-    gp_frame_free(&a);
-    gp_frame_free(&made);
+    free_frames(&a, &made);
 }
 
 /* A frame that came from no EXR says its own primaries. */

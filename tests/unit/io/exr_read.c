@@ -4,7 +4,6 @@
 #include "core/parallel.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
-
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -21,8 +20,7 @@ static void assert_frame_is(const struct gp_frame *f,
             void *all = fixture_samples(want, f->data.x0, f->data.y0, w,
                                         gp_frame_h(f));
             assert_memory_equal(c->data, all,
-                                (size_t) c->w * (size_t) c->h *
-                                    gp_type_size(c->type));
+                (size_t) c->w * (size_t) c->h * gp_type_size(c->type));
             free(all);
             continue;
         }
@@ -42,13 +40,9 @@ static void every_layout(void **state)
 {
     static const struct fixture_part row[] = {
         {.channel = {RGB(HALVES)}, .data = W(1)},
-        {.channel = {RGB(HALVES)},
-         .data = FIXTURE_WINDOW(0, 0, 67, 1)},
-        {.channel = {RGB(FLOATS)},
-         .data = FIXTURE_WINDOW(-3, -40, 1, 53)},
-        {.channel = {HALF_CH("A"), RGB(HALVES),
-                     FLOAT_CH("Z"),
-                     UINT_CH("id")},
+        {.channel = {RGB(HALVES)}, .data = FIXTURE_WINDOW(0, 0, 67, 1)},
+        {.channel = {RGB(FLOATS)}, .data = FIXTURE_WINDOW(-3, -40, 1, 53)},
+        {.channel = {HALF_CH("A"), RGB(HALVES), FLOAT_CH("Z"), UINT_CH("id")},
          .data = FIXTURE_WINDOW(-17, 5, 83, 200)},
         {.channel = {RGB(EXR_PIXEL_UINT)},
          .data = FIXTURE_WINDOW(3, 3, 19, 37)},
@@ -70,8 +64,7 @@ static void every_layout(void **state)
             assert_int_equal(frame.data.y1, row[i].data.max.y + 1);
             assert_int_equal(frame.model, GP_COLOUR_RGB);
             assert_int_equal(frame.colour_type,
-                             f.part[0].channel[1].type == HALVES
-                                 ? GP_HALF : GP_FLOAT);
+                f.part[0].channel[1].type == HALVES ? GP_HALF : GP_FLOAT);
             assert_frame_is(&frame, &f.part[0]);
             gp_frame_free(&frame);
         }
@@ -100,9 +93,8 @@ static void subsampled_channels_stay_as_they_are(void **state)
         gp_channel_floats(&frame, 4, full);
         for (int y = 0; y < H; y++) {
             for (int x = 0; x < W; x++)
-                assert_true(full[y * W + x] ==
-                            fixture_value("zoom", -8 + x / 2 * 2,
-                                          4 + y / 2 * 2));
+                assert_true(full[y * W + x] == fixture_value("zoom",
+                    -8 + x / 2 * 2, 4 + y / 2 * 2));
         }
         gp_frame_free(&frame);
     }
@@ -191,15 +183,12 @@ static void colour_part_of_many(void **state)
     struct gp_frame frame;
     int found;
     struct fixture f = {
-        .parts = 3,
-        .part = {
-            {.name = "depth", .channel = {FLOAT_CH("Z")},
-             .data = W(9)},
+        .parts = 3, .part = {
+            {.name = "depth", .channel = {FLOAT_CH("Z")}, .data = W(9)},
             {.name = "picture", .channel = {HALF_CH("A"), RGB(HALVES)},
              .data = FIXTURE_WINDOW(2, 2, 30, 40),
              .compression = EXR_COMPRESSION_ZIP},
-            {.name = "more", .channel = {RGB(HALVES)},
-             .data = W(9)},
+            {.name = "more", .channel = {RGB(HALVES)}, .data = W(9)},
         },
     };
     fixture_write_file(in_folder("parts.exr"), &f);

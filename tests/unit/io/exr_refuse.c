@@ -4,7 +4,6 @@
 #include "core/parallel.h"
 #include "io/read.h"
 #include "io/plane.h"
-
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -210,13 +209,11 @@ static void changed_head(void **state)
         {.part = {{.channel = {RGB(HALVES)}, .tile = 8, .mipmap = true,
                    .data = FIXTURE_WINDOW(-3, 5, 20, 11),
                    .compression = EXR_COMPRESSION_ZIP}}},
-        {.part = {{.channel = {{"BY", HALVES, 2, 2},
-                               {"RY", HALVES, 2, 2},
+        {.part = {{.channel = {{"BY", HALVES, 2, 2}, {"RY", HALVES, 2, 2},
                                HALF_CH("Y")},
                    .data = FIXTURE_WINDOW(0, 0, 20, 36),
                    .compression = EXR_COMPRESSION_ZIP}}},
-        {.parts = 2,
-         .part = {{.name = "Z", .channel = {FLOAT_CH("Z")},
+        {.parts = 2, .part = {{.name = "Z", .channel = {FLOAT_CH("Z")},
                    .data = FIXTURE_WINDOW(0, 0, 7, 9), .tile = 4},
                   {.name = "rgba", .channel = {RGB(FLOATS)},
                    .data = FIXTURE_WINDOW(0, 0, 7, 9)}}},

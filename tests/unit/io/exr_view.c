@@ -4,7 +4,6 @@
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 #include "io/io_priv.h"
-
 #include "plane_fixture.h"
 
 enum { MANY = 70 };
@@ -63,8 +62,6 @@ static void open_parts(const struct fixture_part *part, int parts,
     assert_ok(read_file(path, frame));
 }
 
-// -- names --------------------------------------------------------------------
-
 static void layer_of_a_part(void **state)
 {
     static const struct {
@@ -99,8 +96,7 @@ static void names_within_a_view(void **state)
         bool belongs;
         const char *of; // NULL: the default view or none
     } row[] = {
-        {"left", "R", "R", true, NULL},
-        {"right", "R", "R", false, NULL},
+        {"left", "R", "R", true, NULL}, {"right", "R", "R", false, NULL},
         {"right", "right.R", "R", true, "right"},
         {"left", "right.R", "R", false, "right"},
         {"left", "left.R", "R", true, NULL},
@@ -173,8 +169,6 @@ static void many_manifests(void **state)
         assert_string_equal(crypto.layer[i], "object");
     gp_frame_free(&frame);
 }
-
-// -- planes of a view -----------------------------------------------------------
 
 #define RIGHT HALF_CH("right.B"), HALF_CH("right.G"), HALF_CH("right.R")
 

@@ -2,7 +2,6 @@
  * half or a lossy compression cannot hold what is there, and ids. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "io/exr/exr_priv.h"
 #include "io/plane.h"
 
@@ -21,8 +20,7 @@ static double tolerance(enum gp_compression c, enum gp_pixel_type type,
 }
 
 static void assert_samples(const float *a, const float *b, size_t n,
-                           enum gp_compression c, enum gp_pixel_type type,
-                           const char *name)
+    enum gp_compression c, enum gp_pixel_type type, const char *name)
 {
     for (size_t i = 0; i < n; i++) {
         const double v = (double) a[i];
@@ -108,9 +106,8 @@ static void one_channel(void **state)
         struct gp_frame b = wf_trip(&f, c, c % 2 ? GP_OUT_HALF : GP_OUT_FLOAT);
         assert_int_equal(strstr(wf_line, "written as zip") != NULL, dwa);
         assert_int_equal(b.channels, 1);
-        assert_samples(f.rgb.c[0], b.rgb.c[0], gp_frame_pixels(&f),
-                       dwa ? GP_COMPRESSION_ZIP : (enum gp_compression) c,
-                       b.colour_type, "Y");
+        assert_samples(f.rgb.c[0], b.rgb.c[0], gp_frame_pixels(&f), dwa
+            ? GP_COMPRESSION_ZIP : (enum gp_compression) c, b.colour_type, "Y");
         gp_frame_free(&b);
     }
     gp_frame_free(&f);
@@ -173,8 +170,7 @@ static void automatic_type_and_compression(void **state)
             rename(wf_path("a.exr"), wf_path("b.exr"));
             b = wf_trip(&a, row[i][1], GP_OUT_AUTO);
             wf_assert_same(wf_path("a.exr"), wf_path("b.exr"));
-            gp_frame_free(&a);
-            gp_frame_free(&b);
+            free_frames(&a, &b);
         }
     }
     gp_frame_free(&made);
@@ -233,8 +229,7 @@ static void subsampled_channels(void **state)
     };
     static const struct wf_channel odd[] = {
         {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0},
-        {"R", GP_HALF, 0, 0, 0}, {"s", GP_FLOAT, -1, 3, 3},
-        {NULL, 0, 0, 0, 0},
+        {"R", GP_HALF, 0, 0, 0}, {"s", GP_FLOAT, -1, 3, 3}, {NULL, 0, 0, 0, 0},
     };
     const struct gp_rect r = {-6, -12, 30, 60};
     for (int c = 0; c <= GP_COMPRESSION_B44A; c++) {
@@ -243,8 +238,7 @@ static void subsampled_channels(void **state)
         struct gp_frame f = wf_frame(r, r, list);
         struct gp_frame b = wf_trip(&f, c, GP_OUT_AUTO);
         assert_frame(&f, &b, c);
-        gp_frame_free(&b);
-        gp_frame_free(&f);
+        free_frames(&b, &f);
         // every third row: OpenEXRCore 3.1.5 miscounts in blocks of 16
         f = wf_frame(r, r, odd);
         const bool works = c <= GP_COMPRESSION_ZIP;
@@ -254,7 +248,7 @@ static void subsampled_channels(void **state)
     }
 }
 
-/* -- what cannot be held -------------------------------------------------------*/
+/* -- what cannot be held ---------------------------------------------------*/
 
 static void half_overflow_is_counted(void **state)
 {
@@ -339,11 +333,8 @@ static void dwa_keeps_ids(void **state)
     }
     gp_plane_free(&ids);
     gp_plane_free(&depth);
-    gp_frame_free(&b);
-    gp_frame_free(&f);
+    free_frames(&b, &f);
 }
-
-/* -- ids -----------------------------------------------------------------------*/
 
 static const struct gp_rect window = {-3, 5, 42, 45};
 

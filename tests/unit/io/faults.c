@@ -12,29 +12,21 @@
 #include "sun/camera.h"
 #include "sun/flare.h"
 #include "sun/lights.h"
-
 #include "write_fixture.h"
 #include "exr_fixture.h"
 #include "reading.h"
-
 #include "fail.h"
 
 #include <fcntl.h>
 
-// -- files that are read ------------------------------------------------------
-
 /* Planes of several kinds beside the colour. */
 static const struct fixture parts = {
-    .parts = 2,
-    .part = {
-        {.name = "main",
-         .channel = {HALF_CH("A"), RGB(HALVES),
+    .parts = 2, .part = {
+        {.name = "main", .channel = {HALF_CH("A"), RGB(HALVES),
                      FLOAT_CH("Z"), HALF_CH("fog.B"),
-                     HALF_CH("fog.G"), HALF_CH("fog.R"),
-                     UINT_CH("id")},
+                     HALF_CH("fog.G"), HALF_CH("fog.R"), UINT_CH("id")},
          .data = W(12), .compression = EXR_COMPRESSION_ZIP},
-        {.name = "one.left",
-         .channel = {FLOAT_CH("mask"),
+        {.name = "one.left", .channel = {FLOAT_CH("mask"),
                      {"wide", HALVES, 2, 2}},
          .data = FIXTURE_WINDOW(-4, 8, 6, 16),
          .compression = EXR_COMPRESSION_RLE},
@@ -57,13 +49,10 @@ static const struct fixture depth = {
 static const struct {
     const char *name, *text;
 } texts[] = {
-    {"s.0001.exr", "no frame"},
-    {"s.0012.exr", "no frame"},
-    {"lights.json",
-     "[{\"pixel\": [1, 2], \"radius\": 2, \"flux\": [1, 2, 3]},"
+    {"s.0001.exr", "no frame"}, {"s.0012.exr", "no frame"},
+    {"lights.json", "[{\"pixel\": [1, 2], \"radius\": 2, \"flux\": [1, 2, 3]},"
      " {\"direction\": [0, 1, 0], \"flux\": 3}]"},
-    {"flare.json",
-     "{\"elements\": [{\"shape\": \"disc\", \"position\": 1,"
+    {"flare.json", "{\"elements\": [{\"shape\": \"disc\", \"position\": 1,"
      " \"size\": 0.1, \"color\": 1}, {\"shape\": \"image\","
      " \"position\": 0, \"size\": 1, \"image\": \"a.exr\"}]}"},
     {"camera.json",
@@ -138,8 +127,7 @@ static gp_status read_plane(const char *name)
     struct gp_plane p = {0};
     const bool depth_file = strstr(name, ".exr") != NULL;
     return end_plane(gp_read_plane_file(&said_log, &limits, wf_path(name),
-                                        depth_file ? NULL : "G", depth_file,
-                                        &p), &p);
+        depth_file ? NULL : "G", depth_file, &p), &p);
 }
 
 /* In another part than the colour, subsampled. */
@@ -293,7 +281,7 @@ static gp_status file(const char *name)
     return straight ? ending : ended(ending, path);
 }
 
-// -- every point ----------------------------------------------------------------
+// -- every point ------------------------------------------------------------
 
 struct work {
     const char *what;
@@ -310,8 +298,7 @@ static bool one_point(const struct work *w, enum fail_class kind, int n)
     const gp_status st = w->run(w->argument);
     const bool fired = fail_end();
     const bool right = st == GP_OK || (fired && (kind == FAIL_ALLOC
-                           ? st == GP_ERR_BUG
-                           : st == GP_ERR_IO || st == GP_ERR_DATA));
+        ? st == GP_ERR_BUG : st == GP_ERR_IO || st == GP_ERR_DATA));
     if (!right || said_errors != (st != GP_OK))
         fail_msg("%s %s, %s %d: status %d, %d lines: %s", w->what, w->argument,
                  kind == FAIL_ALLOC ? "memory" : "files", n, st, said_errors,
@@ -369,8 +356,6 @@ static void helpers_work(void **state)
     every_point(row, COUNT(row));
 }
 
-// -- the whole ---------------------------------------------------------------------
-
 static int start(void **state)
 {
     static bool bridge;
@@ -399,8 +384,7 @@ static int start(void **state)
 
 static int end(void **state)
 {
-    gp_frame_free(&made);
-    gp_frame_free(&from_parts);
+    free_frames(&made, &from_parts);
     return wf_end(state);
 }
 

@@ -2,7 +2,6 @@
  * the system says no. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "io/file.h"
 #include "io/io_priv.h"
 
@@ -399,8 +398,7 @@ static void folders_that_are_none(void **state)
         int why;
     } row[] = {
         {"plain/x", false, true, ENOTDIR}, {"plain/x", true, true, ENOTDIR},
-        {"plain/y/x", false, true, ENOTDIR},
-        {"plain/y/x", true, true, ENOTDIR},
+        {"plain/y/x", false, true, ENOTDIR}, {"plain/y/x", true, true, ENOTDIR},
         {"dangling/x", false, true, ENOENT},
         {"dangling/x", true, false, EEXIST}, {"round/x", false, true, ELOOP},
         {"round/x", true, true, ELOOP}, {"round", false, false, ELOOP},

@@ -22,8 +22,7 @@ static float float_of(uint32_t u)
 /* The definition of binary16, by ldexp; NaN is left to the caller. */
 static double half_value(unsigned h)
 {
-    int exponent = (int) (h >> 10 & 31);
-    int mantissa = (int) (h & 1023);
+    int exponent = (int) (h >> 10 & 31), mantissa = (int) (h & 1023);
     double v = exponent == 31 ? (double) INFINITY
                : exponent ? ldexp(1024 + mantissa, exponent - 25)
                           : ldexp(mantissa, -24);
@@ -173,11 +172,9 @@ static int use_any_form(void **state)
 SUITE(half)
 {
     const struct CMUnitTest tests[] = {
-        TWICE(all_halfs_to_float),
-        TWICE(halfs_survive_the_round_trip),
+        TWICE(all_halfs_to_float), TWICE(halfs_survive_the_round_trip),
         TWICE(rounding_is_to_nearest_even),
-        TWICE(large_values_are_clamped_and_counted),
-        TWICE(nan_stays_nan),
+        TWICE(large_values_are_clamped_and_counted), TWICE(nan_stays_nan),
         TWICE(round_equals_there_and_back_but_overflows),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

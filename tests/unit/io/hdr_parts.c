@@ -4,14 +4,11 @@
 #include "unit.h"
 #include "exr_fixture.h"
 #include "write_fixture.h"
-
 #include "io/exr/exr_priv.h"
 #include "io/read.h"
 
 static const struct gp_read_params read_params = GP_READ_DEFAULTS;
 static const struct gp_rect window = {-3, 5, 42, 45};
-
-// -- frames and files ---------------------------------------------------------
 
 static struct gp_frame read_as(const char *path, const char *view)
 {
@@ -83,8 +80,7 @@ static void assert_lit(const struct gp_frame *f, const struct gp_planes *want)
 
 /* The colour of that layer of an open file. */
 static void assert_layer_lit(const struct gp_frame *f, const char *layer,
-                             const struct gp_planes *want,
-                             enum gp_colour_model model)
+    const struct gp_planes *want, enum gp_colour_model model)
 {
     struct gp_frame c;
     assert_ok(gp_read_layer(&wf_log, &read_params, f, layer, &c));
@@ -93,20 +89,13 @@ static void assert_layer_lit(const struct gp_frame *f, const char *layer,
     gp_frame_free(&c);
 }
 
-// -- one part -----------------------------------------------------------------
-
 static const struct wf_channel mixed[] = {
-    {"A", GP_HALF, -1, 0, 0},
-    {"B", GP_HALF, 2, 0, 0},
+    {"A", GP_HALF, -1, 0, 0}, {"B", GP_HALF, 2, 0, 0},
     {"CryptoObject00.A", GP_FLOAT, -1, 0, 0},
-    {"CryptoObject00.R", GP_FLOAT, -1, 0, 0},
-    {"G", GP_HALF, 1, 0, 0},
-    {"R", GP_HALF, 0, 0, 0},
-    {"Z", GP_FLOAT, -1, 0, 0},
-    {"diffuse.R", GP_FLOAT, -1, 0, 0},
-    {"id", GP_UINT, -1, 0, 0},
-    {"light.R", GP_HALF, -1, 0, 0},
-    {NULL, 0, 0, 0, 0},
+    {"CryptoObject00.R", GP_FLOAT, -1, 0, 0}, {"G", GP_HALF, 1, 0, 0},
+    {"R", GP_HALF, 0, 0, 0}, {"Z", GP_FLOAT, -1, 0, 0},
+    {"diffuse.R", GP_FLOAT, -1, 0, 0}, {"id", GP_UINT, -1, 0, 0},
+    {"light.R", GP_HALF, -1, 0, 0}, {NULL, 0, 0, 0, 0},
 };
 
 static void carried_bits(void **state)
@@ -128,14 +117,11 @@ static void carried_bits(void **state)
             assert_carried(&made, &b);
             assert_lit(&b, &planes);
             gp_planes_free(&planes);
-            gp_frame_free(&a);
-            gp_frame_free(&b);
+            free_frames(&a, &b);
         }
     }
     gp_frame_free(&made);
 }
-
-// -- several colours ----------------------------------------------------------
 
 #define PART(label, ...)                                                      \
     {.name = label, .data = FIXTURE_WINDOW(-3, 5, 45, 40),                    \
@@ -215,13 +201,11 @@ static void layers_in_parts(void **state)
         assert_ok(gp_read_layer(&wf_log, &q, &b, "key", &c));
         assert_lit(&c, n == 1 ? &key.rgb : &pk);
         assert_carried(&key, &c);
-        gp_frame_free(&c);
-        gp_frame_free(&b);
+        free_frames(&c, &b);
     }
     gp_planes_free(&pa);
     gp_planes_free(&pk);
-    gp_frame_free(&key);
-    gp_frame_free(&a);
+    free_frames(&key, &a);
 }
 
 static void add_views(exr_context_t exr, int part)
@@ -254,8 +238,7 @@ static void views_in_one_part(void **state)
         assert_lit(&b, &planes[i]);
         assert_int_equal(b.channels, 7);
         assert_memory_equal(gp_frame_channel(&b, "Z")->data,
-                            gp_frame_channel(&eye[i], "Z")->data,
-                            gp_frame_pixels(&b) * 4);
+            gp_frame_channel(&eye[i], "Z")->data, gp_frame_pixels(&b) * 4);
         gp_frame_free(&b);
         gp_planes_free(&planes[i]);
         gp_frame_free(&eye[i]);
@@ -280,12 +263,8 @@ static void refused(void **state)
     wf_assert_said("is the colour of 2 layers");
     assert_int_equal(wf_write_set(NULL, "b.exr", lone, 1), GP_ERR_BUG);
     assert_int_equal(wf_names(), 1);
-    gp_frame_free(&key);
-    gp_frame_free(&again);
-    gp_frame_free(&a);
+    free_frames(&key, &again, &a);
 }
-
-// -- real frames --------------------------------------------------------------
 
 /* Attributes of the colour part that may not be what they were. */
 static bool is_own(const char *name)
@@ -330,18 +309,13 @@ static void real_frames(void **state)
         "camera/arnold_multichannel_tiled64.exr",
         "channels/channelTestNukePartPerLayer.exr",
         "channels/channelTestNukeSinglePart.exr",
-        "channels/channelTestPartPerLayer.exr",
-        "chromaticities/XYZ.exr",
+        "channels/channelTestPartPerLayer.exr", "chromaticities/XYZ.exr",
         "depth/Beachball_multipart.0001.exr",
-        "depth/gaffer_multipart_customDepth.exr",
-        "depth/v1.7.test.1_RGBZ.exr",
-        "luminance_chroma/Rec709_YC.exr",
-        "multiview/Fog_Y_2views.exr",
-        "patterns/BrightRingsNanInf.exr",
-        "patterns/WideFloatRange.exr",
+        "depth/gaffer_multipart_customDepth.exr", "depth/v1.7.test.1_RGBZ.exr",
+        "luminance_chroma/Rec709_YC.exr", "multiview/Fog_Y_2views.exr",
+        "patterns/BrightRingsNanInf.exr", "patterns/WideFloatRange.exr",
         "rendered/brightsky.1001.exr",
-        "seq_foliage/foliage_blender_multilayer.1004.exr",
-        "windows_dw/t05.exr",
+        "seq_foliage/foliage_blender_multilayer.1004.exr", "windows_dw/t05.exr",
         "windows_dw/t08.exr",
     };
     const char *data = getenv("GLAREPP_DATA");
@@ -369,13 +343,11 @@ static void real_frames(void **state)
         wf_assert_planes(&a.rgb, &b.rgb, gp_frame_pixels(&a));
         assert_carried(&a, &b);
         assert_headers(&a, &b);
-        gp_frame_free(&a);
-        gp_frame_free(&b);
+        free_frames(&a, &b);
     }
     if (tried == 0)
         skip();
 }
 
 SUITE_OF_EACH(hdr_parts, wf_start, wf_end, carried_bits, layers_in_one_part,
-              layers_in_parts, views_in_one_part, refused,
-              real_frames)
+         layers_in_parts, views_in_one_part, refused, real_frames)

@@ -5,7 +5,6 @@
 #include "io/half.h"
 #include "io/image.h"
 #include "io/io_priv.h"
-
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -183,9 +182,8 @@ static void windows_and_attributes(void **state)
         assert_int_equal(f.data.y1, 4);
         assert_int_equal(f.display.x0, i % 2 ? 0 : -7);
         assert_int_equal(f.display.x1, i % 2 ? 40 : -6);
-        assert_memory_equal(f.chromaticities,
-                            i % 2 ? weird : gp_rec709_chromaticities,
-                            sizeof weird);
+        assert_memory_equal(f.chromaticities, i % 2
+            ? weird : gp_rec709_chromaticities, sizeof weird);
         const struct gp_channel *a = gp_frame_channel(&f, "A");
         uint16_t half;
         (void) gp_float_to_half(&pixels[3], &half, 1);
@@ -219,8 +217,6 @@ static void parts_and_views(void **state)
         assert_null(f.rgb.c[0]);
     }
 }
-
-// -- portable float maps -------------------------------------------------------
 
 enum { MOST = 1000 };
 

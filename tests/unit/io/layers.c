@@ -3,14 +3,11 @@
 #include "unit.h"
 #include "exr_fixture.h"
 #include "reading.h"
-
 #include "core/memory.h"
 #include "io/channels.h"
 #include "io/exr/exr_priv.h"
 
 enum { W = 13, H = 9 };
-
-// -- inputs -------------------------------------------------------------------
 
 static void add_view(exr_context_t exr, int part)
 {
@@ -84,11 +81,8 @@ static const struct fixture deep = {
               .compression = EXR_COMPRESSION_ZIPS, .channel = {RGB(HALVES)}}},
 };
 
-// -- looking ------------------------------------------------------------------
-
 static gp_status read_as(const struct fixture *file, const char *layer,
-                         const char *part, const char *view,
-                         struct gp_frame *f)
+    const char *part, const char *view, struct gp_frame *f)
 {
     struct gp_read_params p = GP_READ_DEFAULTS;
     p.layer = layer;
@@ -290,8 +284,6 @@ static void long_lists(void **state)
     gp_frame_free(&f);
 }
 
-// -- further layers of an open file -------------------------------------------
-
 static void further_refused(void **state)
 {
     static const struct {
@@ -319,8 +311,6 @@ static void further_refused(void **state)
     assert_int_equal(gp_read_layer(&said_log, &p, &f, "a", &layer),
                      GP_ERR_USAGE);
 }
-
-// -- names alone --------------------------------------------------------------
 
 static void names(void **state)
 {

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "core/memory.h"
 #include "io/oiio/protocol.h"
-
 #include "fail.h"
 #include "oiio_here.h"
 
@@ -24,7 +23,7 @@ enum { W = 5, H = 7, BLOCK = 3, MOST = 100 };
 static const char ppm[] = "P6\n2 1\n255\n\377\0\0\0\0\377";
 static char folder[] = "/tmp/glarepp-helper-XXXXXX";
 
-// -- a helper that is made up ---------------------------------------------------
+// -- a helper that is made up -----------------------------------------------
 
 /* What it says of a picture of W x H x 1, whose samples are its process. */
 static const struct gp_oiio_reply sound = {
@@ -187,8 +186,7 @@ static pid_t helper_of(pid_t parent)
     pid_t found = 0;
     for (struct dirent *e; d && !found && (e = readdir(d));) {
         int of = 0;
-        char state = 0;
-        char what[32] = "";
+        char state = 0, what[32] = "";
         snprintf(name, sizeof name, "/proc/%.20s/stat", e->d_name);
         FILE *const f = fopen(name, "r");
         if (f && fgets(line, sizeof line, f) &&
@@ -339,7 +337,7 @@ static void calls_that_fail(void **state)
     }
 }
 
-// -- the real one -----------------------------------------------------------------
+// -- the real one -------------------------------------------------------------
 
 static void real_one(void)
 {
@@ -430,8 +428,7 @@ SUITE(oiio_client)
     const struct CMUnitTest made_up[] = {
         cmocka_unit_test(helpers_that_fail),
         cmocka_unit_test(helpers_that_write_nothing),
-        cmocka_unit_test(one_helper_each),
-        cmocka_unit_test(calls_that_fail),
+        cmocka_unit_test(one_helper_each), cmocka_unit_test(calls_that_fail),
     };
     if (argc > 1 && strcmp(argv[1], "--wait") == 0) {
         real_one();

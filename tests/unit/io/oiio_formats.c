@@ -4,7 +4,6 @@
 #include "unit.h"
 #include "core/colour.h"
 #include "io/exr/exr.h"
-
 #include "exr_fixture.h"
 #include "oiio_here.h"
 #include "reading.h"
@@ -31,8 +30,7 @@ static float value(int x, int y, int c)
     return c == 2 ? 1.0f - v : v;
 }
 
-static struct gp_image picture(float *pixels, int channels,
-                                    const char *space)
+static struct gp_image picture(float *pixels, int channels, const char *space)
 {
     static const char *const grey[] = {"Y"};
     for (int i = 0; i < PIXELS; i++) {
@@ -59,8 +57,7 @@ static void written_formats_come_back(void **state)
         {"tif", "uint8", "sRGB", 3, 2.1e-3f},
         {"tif", "uint16", "Linear", 1, 1e-5f},
         {"tga", "uint8", "sRGB", 3, 2.1e-3f},
-        {"sgi", "uint16", "Linear", 3, 1e-5f},
-        {"bmp", "uint8", "", 3, 2.1e-3f},
+        {"sgi", "uint16", "Linear", 3, 1e-5f}, {"bmp", "uint8", "", 3, 2.1e-3f},
         {"jpg", "uint8", "sRGB", 3, 6e-2f},
         {"dpx", "uint16", "Linear", 3, 2e-5f},
         {"hdr", "float", "Linear", 3, 8e-3f}, // 8 bits of mantissa
@@ -121,8 +118,7 @@ static void alpha_of_every_type(void **state)
                                    ? pixels[k] : pixels[k] * alpha;
             if (!(fabsf(back.pixels[k] - want) <= row[i].error))
                 fail_msg("%s %s: sample %d is %g, not %g", row[i].format,
-                         row[i].type, k, (double) back.pixels[k],
-                         (double) want);
+                    row[i].type, k, (double) back.pixels[k], (double) want);
         }
         gp_image_close(&back);
     }
@@ -180,8 +176,6 @@ static void alpha_and_attributes(void **state)
     gp_frame_free(&f);
 }
 
-// -- what is refused ----------------------------------------------------------
-
 /* As in an EXR, what a picture would show counts. */
 static void display_window_that_lies(void **state)
 {
@@ -231,7 +225,7 @@ static void claims(void **state)
     }
 }
 
-// -- TIFFs made byte by byte ---------------------------------------------------
+// -- TIFFs made byte by byte -----------------------------------------------
 
 /* One directory after the pixels, Intel's order, each field with the one value
  * that fits into it. */
@@ -505,8 +499,7 @@ static void tiffs_of_every_kind(void **state)
     }
     gp_frame_free(&f);
     f = wf_sized(16384, 1, wf_rgb); // more than WebP has
-    assert_int_equal(wf_write(NULL, "a.webp", &f, GP_PICTURE_SHOWN),
-                     GP_ERR_IO);
+    assert_int_equal(wf_write(NULL, "a.webp", &f, GP_PICTURE_SHOWN), GP_ERR_IO);
     wf_assert_said("a.webp: ");
     assert_int_equal(wf_names(), 0);
     gp_frame_free(&f);
@@ -519,9 +512,7 @@ static void pictures_that_do_not_fit(void **state)
         const char *name;
         bool helper;
     } row[] = {
-        {"a.png", false},
-        {"a.pfm", false},
-        {"a.tif", true}, {"a.sgi", true},
+        {"a.png", false}, {"a.pfm", false}, {"a.tif", true}, {"a.sgi", true},
     };
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_frame f = wf_sized(900, 900, wf_rgb);
@@ -578,9 +569,8 @@ static int teardown(void **state)
     return wf_end(state) || remove_folder(state);
 }
 
-SUITE_OF(oiio_formats, setup, teardown,
-    written_formats_come_back, alpha_of_every_type, blocks_and_channels,
-    alpha_and_attributes, display_window_that_lies,
-    claims, odd_tiffs, tiffs_that_are_read,
-    odd_exrs, cut_off, formats_that_are_not_read, tiffs_of_every_kind,
-    pictures_that_do_not_fit, endings)
+SUITE_OF(oiio_formats, setup, teardown, written_formats_come_back,
+         alpha_of_every_type, blocks_and_channels, alpha_and_attributes,
+         display_window_that_lies, claims, odd_tiffs, tiffs_that_are_read,
+         odd_exrs, cut_off, formats_that_are_not_read, tiffs_of_every_kind,
+         pictures_that_do_not_fit, endings)

@@ -4,7 +4,6 @@
 
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
-
 #include "bridge_here.h"
 #include "said.h"
 
@@ -36,9 +35,8 @@ static inline struct gp_stream stream_of(const void *bytes, size_t n)
 }
 
 /* Part 0 with its pixels; what is wrong goes to said_line. */
-static inline gp_status read_stream(const char *path,
-                                    const struct gp_stream *s,
-                                    long long max_pixels, struct gp_image *out)
+static inline gp_status read_stream(const char *path, const struct gp_stream *s,
+    long long max_pixels, struct gp_image *out)
 {
     said_nothing();
     *out = (struct gp_image) {0};
@@ -82,8 +80,7 @@ static inline void refused(const char *name, const void *bytes, size_t n,
 
 /* image->pixels as a file of `format` at `path`. */
 static inline gp_status write_image(const char *path, const char *format,
-                                    const struct gp_image *image,
-                                    const char *type, const char *compression)
+    const struct gp_image *image, const char *type, const char *compression)
 {
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
@@ -113,8 +110,7 @@ static inline gp_status write_image(const char *path, const char *format,
 
 /* A picture of w x h for write_image(). */
 static inline struct gp_image image_of(float *pixels, int w, int h,
-                                       const char *const *names, int channels,
-                                       const char *space)
+    const char *const *names, int channels, const char *space)
 {
     return (struct gp_image) {
         .path = "image", .data = {0, 0, w, h}, .display = {0, 0, w, h},

@@ -3,7 +3,6 @@
  * gp_srgb_encode(), and the laws of the dither. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "core/colour.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
@@ -75,8 +74,7 @@ static void windows_that_are_no_picture(void **state)
         f.display = display[i];
         wf_line[0] = '\0';
         assert_int_equal(gp_picture_make(&wf_log, &p, "p.png", &f, &f.rgb,
-                                         GP_PICTURE_SCENE, false, &pic),
-                         GP_ERR_DATA);
+            GP_PICTURE_SCENE, false, &pic), GP_ERR_DATA);
         wf_assert_said("p.png: no picture of this display window (");
         assert_int_equal(pic.channels, 0); // empty
     }
@@ -109,8 +107,6 @@ static void floats_with_alpha(void **state)
     gp_picture_free(&pic);
     gp_frame_free(&f);
 }
-
-// -- codes ---------------------------------------------------------------------
 
 static int plain(float v, int max)
 {
@@ -298,8 +294,7 @@ SUITE(picture)
         cmocka_unit_test_prestate(every_edge, &sixteen),
         cmocka_unit_test_prestate(stride_of_floats, &eight),
         cmocka_unit_test_prestate(stride_of_floats, &sixteen),
-        cmocka_unit_test(specials),
-        cmocka_unit_test(linear_codes),
+        cmocka_unit_test(specials), cmocka_unit_test(linear_codes),
         cmocka_unit_test(linear_dither),
         cmocka_unit_test_prestate(dither_laws, &eight),
         cmocka_unit_test_prestate(dither_laws, &sixteen),

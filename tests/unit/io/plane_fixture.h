@@ -4,7 +4,6 @@
 #define PLANE_FIXTURE_H
 
 #include "io/plane.h"
-
 #include "exr_fixture.h"
 #include "reading.h"
 
@@ -63,13 +62,10 @@ static void assert_plane(const struct gp_plane *p,
 
 /* Names with dots, every type, subsampling, tiles, windows off the origin. */
 static const struct fixture named = {
-    .parts = 3,
-    .part = {
+    .parts = 3, .part = {
         {.name = "main", .channel = {HALF_CH("A"), RGB(HALVES)}, .data = W(3),
          .compression = EXR_COMPRESSION_ZIP},
-        {.name = "one.left",
-         .channel = {UINT_CH("ids"),
-                     FLOAT_CH("mask"),
+        {.name = "one.left", .channel = {UINT_CH("ids"), FLOAT_CH("mask"),
                      {"wide", HALVES, 2, 2}},
          .data = FIXTURE_WINDOW(-4, 8, 6, 16),
          .compression = EXR_COMPRESSION_PIZ},

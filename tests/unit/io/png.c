@@ -1,7 +1,6 @@
 /* PNG out: pixels, windows, alpha, colour chunks. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "core/parallel.h"
 #include "core/colour.h"
 #include "io/io_priv.h"
@@ -47,8 +46,7 @@ static struct png read_png(const char *path)
 
 /* Writes a.png and reads it. */
 static struct png write_png(const struct gp_write_params *p,
-                            const struct gp_frame *f,
-                            enum gp_picture_kind kind)
+    const struct gp_frame *f, enum gp_picture_kind kind)
 {
     assert_ok(wf_write(p, "a.png", f, kind));
     return read_png(wf_path("a.png"));
@@ -147,9 +145,8 @@ static void alpha_keeps_light(void **state)
         const double a = sample(&png, x, 0, 3) / 65535.0;
         assert_true(fabs(a - want[x]) < 1e-5);
         for (int c = 0; c < 3; c++) {
-            const double over = a * (double) gp_srgb_decode(
-                                        (float) sample(&png, x, 0, c) /
-                                        65535.0f);
+            const double over = a * (double) gp_srgb_decode((float) sample(&png,
+                x, 0, c) / 65535.0f);
             const double v = (double) f.rgb.c[c][x];
             const double shown = v > 1 ? 1 : v > 0 ? v : 0;
             assert_true(fabs(over - shown) < 3e-5);

@@ -1,7 +1,6 @@
 /* PNG in: every kind of pixel, chunks, damaged files. */
 #include "unit.h"
 #include "write_fixture.h"
-
 #include "io/io_priv.h"
 
 #include <libdeflate.h>
@@ -50,9 +49,8 @@ static void put_packed(struct made *m, const char *type, const char *head,
     struct libdeflate_compressor *const c = libdeflate_alloc_compressor(9);
     assert_non_null(c);
     memcpy(packed, head, head_bytes);
-    const size_t got = libdeflate_zlib_compress(c, data, n,
-                                                packed + head_bytes,
-                                                sizeof packed - head_bytes);
+    const size_t got = libdeflate_zlib_compress(c, data, n, packed + head_bytes,
+        sizeof packed - head_bytes);
     assert_true(got > 0);
     put_chunk(m, type, packed, head_bytes + got * (size_t) part / 100);
     libdeflate_free_compressor(c);
@@ -197,8 +195,7 @@ static void kinds(void **state)
                 fail_msg("type %d, %d bits: %s", type, bits, wf_line);
             assert_int_equal(image.bits, bits == 16 ? 16 : 8);
             assert_string_equal(image.colour_space, "sRGB");
-            const float max = bits == 16 ? 65535.0f : 255.0f;
-            const float *v = image.pixels;
+            const float max = bits == 16 ? 65535.0f : 255.0f, *v = image.pixels;
             for (int i = 0; i < size[0] * size[1]; i++) {
                 unsigned code[4];
                 const int channels =
@@ -211,8 +208,7 @@ static void kinds(void **state)
                                   (unsigned) max;
                     if (fabsf(*v * max - (float) code[c]) > 0.01f)
                         fail_msg("type %d, %d bits, pixel %d, %d: %g for %u",
-                                 type, bits, i, c, (double) (*v * max),
-                                 code[c]);
+                            type, bits, i, c, (double) (*v * max), code[c]);
                 }
             }
             gp_image_close(&image);

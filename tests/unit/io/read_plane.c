@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "io/exr/exr.h"
 #include "oiio_here.h"
-
 #include "plane_fixture.h"
 
 static void open_fixture(const struct fixture *f, struct gp_frame *frame)
@@ -11,8 +10,6 @@ static void open_fixture(const struct fixture *f, struct gp_frame *frame)
     fixture_write_file(in_folder("f.exr"), f);
     assert_ok(read_file(path, frame));
 }
-
-/* -- search --------------------------------------------------------------- */
 
 /* Views of parts are told by their names, "_left" or "_right". */
 static void views_by_name(exr_context_t exr, int part)
@@ -52,15 +49,13 @@ static void depth_of_any_part(void **state)
         // the colour is not the first part
         {{Z_PART("z", 5), COLOUR("c")}, 2, 0, "Z", "z.Z", NULL},
         // file order; a part called depth before it
-        {{COLOUR("c"), Z_PART("a", 5), Z_PART("b", 6)},
-         3, 1, "Z", "a.Z", NULL},
+        {{COLOUR("c"), Z_PART("a", 5), Z_PART("b", 6)}, 3, 1, "Z", "a.Z", NULL},
         {{COLOUR("c"), Z_PART("a", 5), Z_PART("x.Depth.1", 6)},
          3, 2, "Z", "x.Depth.1.Z", NULL},
         // vectors are no depth
         {{COLOUR("c"), PART("n", 5, HALF_CH("X"), HALF_CH("Y"), HALF_CH("Z")),
           PART("z", 6, HALF_CH("far.Z"))}, 3, 2, "far.Z", "z.far.Z", NULL},
-        {{COLOUR("c"),
-          PART("n", 5, HALF_CH("X"), HALF_CH("Y"), HALF_CH("Z"))},
+        {{COLOUR("c"), PART("n", 5, HALF_CH("X"), HALF_CH("Y"), HALF_CH("Z"))},
          2, -1, NULL, NULL, NULL},
         // ranks within a part
         {{COLOUR("c"), PART("p", 5, HALF_CH("a.Z"), HALF_CH("depth.Z"))},
@@ -74,8 +69,7 @@ static void depth_of_any_part(void **state)
          2, 1, "Z", "depth_left.Z", "view left"},
         {{COLOUR("c"), Z_PART("z_right", 5)}, 2, 1, "Z", "z_right.Z", NULL},
         // deep parts are passed over, and named when there is nothing else
-        {{COLOUR("c"), Z_PART("z", 6), DEEP("depth")},
-         3, 1, "Z", "z.Z", NULL},
+        {{COLOUR("c"), Z_PART("z", 6), DEEP("depth")}, 3, 1, "Z", "z.Z", NULL},
         {{COLOUR("c"), DEEP("d")}, 2, -1, NULL, NULL, "deep"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -109,8 +103,6 @@ static void depth_of_any_part(void **state)
         gp_frame_free(&frame);
     }
 }
-
-/* -- names ---------------------------------------------------------------- */
 
 static void channels_by_name(void **state)
 {
@@ -171,8 +163,6 @@ static void names_that_are_not_there(void **state)
     gp_frame_free(&frame);
 }
 
-/* -- what a frame does not keep as it was --------------------------------- */
-
 static void samples_are_those_of_the_file(void **state)
 {
     static const struct fixture yc = {.part = {{
@@ -230,8 +220,6 @@ static void frames_without_a_file(void **state)
     assert_true(m[0] == 42.0);
 }
 
-/* -- matrices ------------------------------------------------------------- */
-
 /* Part 0: m44f; part 1: m44d and another; both in bits that floats hold. */
 static void put_matrices(exr_context_t exr, int part)
 {
@@ -273,8 +261,6 @@ static void matrices(void **state)
     }
 }
 
-/* -- real files ----------------------------------------------------------- */
-
 static bool data_path(const char *name)
 {
     const char *data = getenv("GLAREPP_DATA");
@@ -307,8 +293,7 @@ static void depth_of_real_files(void **state)
          0.099975586f, 0.099975586f},
         {"channels/channelTestPartPerLayer.exr", "Z", {0, 0, 16, 16}, 0.1f,
          0.1f},
-        {"channels/channelTestSinglePart.exr", "Z", {0, 0, 16, 16}, 0.1f,
-         0.1f},
+        {"channels/channelTestSinglePart.exr", "Z", {0, 0, 16, 16}, 0.1f, 0.1f},
         {"seq_foliage/foliage.1004.exr", "Z", {0, 0, 640, 360}, 1e10f,
          17.670004f},
         {"seq_foliage/foliage_blender_multilayer.1004.exr",
@@ -374,8 +359,7 @@ static void channels_of_a_plane_file(void **state)
                                                    "--depth"},
         {{HALF_CH("a"), HALF_CH("b")}, false, NULL, "a, b); name one with "
                                                     "--mask"},
-        {{HALF_CH("B"), HALF_CH("G"), HALF_CH("R")}, true,
-         NULL, "B, G, R"},
+        {{HALF_CH("B"), HALF_CH("G"), HALF_CH("R")}, true, NULL, "B, G, R"},
         {{HALF_CH("l.Z"), HALF_CH("r.Z")}, true, NULL, "l.Z and r.Z"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -493,8 +477,6 @@ static void deep_files(void **state)
         assert_null(p.v);
     }
 }
-
-/* -- files that lie ------------------------------------------------------- */
 
 static void damaged_files(void **state)
 {

@@ -1,10 +1,7 @@
 /* io/sequence: patterns, lists of frames, and what is on disk. */
 #include "unit.h"
 #include "io/sequence.h"
-
 #include "reading.h"
-
-// -- patterns ----------------------------------------------------------------
 
 struct name_row {
     const char *path;
@@ -166,8 +163,6 @@ static void views_of_one_letter(void **state)
     }
 }
 
-// -- lists -------------------------------------------------------------------
-
 /* The numbers of a list with blanks between them. */
 static const char *numbers_of(const struct gp_frames *f)
 {
@@ -257,8 +252,6 @@ static void frames_together(void **state)
     gp_frames_free(&a);
 }
 
-// -- disk --------------------------------------------------------------------
-
 static const char *const files[] = {
     "s.0001.exr", "s.0010.exr", "s.0002.exr", "s.12345.exr", "s.7.exr",
     "s.007.exr", "s.0003.exr.bak", "s.0004.png", "s.-005.exr", "s.00a1.exr",
@@ -306,8 +299,6 @@ static void frames_that_exist(void **state)
     assert_string_equal(numbers_of(&f), "1 2 10 12345");
     gp_frames_free(&f);
 }
-
-// -- numbers in names --------------------------------------------------------
 
 struct number_row {
     const char *path;

@@ -1,7 +1,6 @@
 /* io/raw_read: every channel as stored, and which of them are light. */
 #include "unit.h"
 #include "io/stored.h"
-
 #include "bridge_here.h"
 #include "exr_fixture.h"
 #include "reading.h"
@@ -39,8 +38,7 @@ static void light(void **state)
         struct fixture f;
         const char *light[3]; // channels; NULL: no light at all
     } row[] = {
-        {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE}}},
-         {"R", "G", "B"}},
+        {{.part = {{.channel = {RGB(HALVES)}, .data = WIDE}}}, {"R", "G", "B"}},
         {{.part = {{.channel = {HALF_CH("Y")}, .data = WIDE}}},
          {"Y", "Y", "Y"}},
         // the chroma is no light of its own
@@ -50,8 +48,7 @@ static void light(void **state)
         // one of the three is missing, or whole numbers
         {{.part = {{.channel = {HALF_CH("G"), HALF_CH("R")},
                     .data = WIDE}}}, {NULL}},
-        {{.part = {{.channel = {HALF_CH("B"),
-                                UINT_CH("G"),
+        {{.part = {{.channel = {HALF_CH("B"), UINT_CH("G"),
                                 HALF_CH("R")}, .data = WIDE}}},
          {NULL}},
         {{.part = {{.channel = {HALF_CH("u"), HALF_CH("v")},
@@ -76,8 +73,7 @@ static void samples(void **state)
 {
     static const struct fixture f = {
         .part = {{.channel = {{"few", EXR_PIXEL_UINT, 2, 2},
-                              {"half", HALVES, 2, 1},
-                              UINT_CH("id")},
+                              {"half", HALVES, 2, 1}, UINT_CH("id")},
                   .data = FIXTURE_WINDOW(-4, 2, 8, 6)}},
     };
     struct gp_stored_image image;
@@ -105,8 +101,7 @@ static void samples(void **state)
 static void header(void **state)
 {
     struct fixture f = {
-        .chromaticities = true,
-        .display = FIXTURE_WINDOW(-3, -2, 100, 50),
+        .chromaticities = true, .display = FIXTURE_WINDOW(-3, -2, 100, 50),
         .part = {{.channel = {RGB(HALVES)}, .data = WIDE}},
     };
     struct gp_stored_image image;
@@ -126,8 +121,6 @@ static void header(void **state)
     assert_int_equal(image.channels, 0);
     gp_stored_image_free(&image);
 }
-
-/* -- DWA that is none ----------------------------------------------------------*/
 
 /* Says of a file's chunks, which are ZIP, that they are DWAA. Of so few rows
  * both have one chunk. */
@@ -179,5 +172,4 @@ static int start(void **state)
     return find_bridges(state) || make_folder(state);
 }
 
-SUITE_OF(stored, start, remove_folder,
-    light, samples, header, dwa_that_is_none)
+SUITE_OF(stored, start, remove_folder, light, samples, header, dwa_that_is_none)

@@ -3,7 +3,6 @@
 #include "unit.h"
 #include "exr_fixture.h"
 #include "write_fixture.h"
-
 #include "core/colour.h"
 #include "io/io_priv.h"
 #include "io/read.h"
@@ -12,8 +11,6 @@
 #include <fcntl.h>
 #include <pthread.h>
 #include <unistd.h>
-
-// -- pipes -----------------------------------------------------------------------
 
 struct source {
     int fd;
@@ -89,8 +86,6 @@ static void pipes_to_their_limit(void **state)
     }
 }
 
-// -- first bytes -----------------------------------------------------------------
-
 static void first_bytes(void **state)
 {
     static const struct {
@@ -128,7 +123,7 @@ static void first_bytes(void **state)
     assert_null(gp_format_name(zeros, sizeof zeros - 1));
 }
 
-// -- stdin and stdout as files -------------------------------------------------
+// -- stdin and stdout as files ---------------------------------------------
 
 /* Makes `fd` the file until give_back(). */
 static int borrow(int fd, const char *path, int flags)
@@ -166,7 +161,7 @@ static gp_status from_stdin(const char *file, struct gp_members *m)
     return st;
 }
 
-// -- raw pixels ----------------------------------------------------------------
+// -- raw pixels ------------------------------------------------------------
 
 static const struct {
     struct gp_rect data, display;
@@ -268,12 +263,8 @@ static void raw_frames_have_one_size(void **state)
     free(wf_read(out, &n));
     assert_int_equal(n, 2 * 4 * 3 * 3); // not a byte of the wrong one
     remove(out);
-    gp_frame_free(&a);
-    gp_frame_free(&b);
-    gp_frame_free(&c);
+    free_frames(&a, &b, &c);
 }
-
-// -- the same bytes as in a file -------------------------------------------------
 
 static void stdout_has_the_files_bytes(void **state)
 {
@@ -317,7 +308,7 @@ static void hdr_is_exr_alone(void **state)
     }
 }
 
-// -- streams read back -----------------------------------------------------------
+// -- streams read back -------------------------------------------------------
 
 /* What is in a stream; upper case is written by the program itself. */
 static const struct {
@@ -341,10 +332,8 @@ struct piece {
 };
 #define PIECE(letter, text) {letter, text, sizeof text - 1}
 static const struct piece pieces[] = {
-    PIECE('g', "Pf 2\t1\n1.0\n12345678"),
-    PIECE('0', "\0\0\0\0\0\0\0"),
-    PIECE('x', "xyz"),
-    PIECE('h', "PF\n2147483647 2147483647\n-1.0\n"),
+    PIECE('g', "Pf 2\t1\n1.0\n12345678"), PIECE('0', "\0\0\0\0\0\0\0"),
+    PIECE('x', "xyz"), PIECE('h', "PF\n2147483647 2147483647\n-1.0\n"),
     PIECE('z', "PF\n0 5\n-1.0\n"),
     PIECE('w', "PF\n99999999999999999999999 1\n-1.0\n12345678901234567890"),
     PIECE('l', "\x89PNG\r\n\x1a\n\xff\xff\xff\xffIDAT"),
