@@ -14,8 +14,8 @@ struct job_row {
     const char *text;  // the error's start, or "input>outputs" of each frame
 };
 
-static gp_status make(const char *line, struct gp_settings *s,
-                      struct gp_jobs *j)
+static gp_status make(
+    const char *line, struct gp_settings *s, struct gp_jobs *j)
 {
     const gp_status st = parse(line, s);
     return st ? st : gp_jobs_make(&keeper, s, j);
@@ -302,20 +302,12 @@ static const struct job_row stdin_rows[] = {
     {"--views b,b1 -f 1,11,111 -o o.%V#.png -", GP_ERR_USAGE, "o.b11.png:"},
 };
 
-static void frames(void **state)
+static void frames_and_views(void **state)
 {
     for (size_t i = 0; i < COUNT(rows); i++)
         check_row(&rows[i], false, false);
-}
-
-static void views_in_names(void **state)
-{
     for (size_t i = 0; i < COUNT(view_rows); i++)
         check_row(&view_rows[i], true, false);
-}
-
-static void views_in_files(void **state)
-{
     for (size_t i = 0; i < COUNT(part_rows); i++)
         check_row(&part_rows[i], true, true);
 }
@@ -347,12 +339,8 @@ static void too_many_jobs(void **state)
     gp_settings_free(&s);
 }
 
-struct made_row {
-    const char *line;
-    bool made;  // of the first frame
-};
-
-static const struct made_row made_rows[] = {
+// `made`: of the first frame
+static const struct { const char *line; bool made; } made_rows[] = {
     {"--no-clobber -o m.#.png s.0001.exr", true},
     {"--no-clobber -o m.#.png --layer m.#.exr s.0001.exr", true},
     {"-o m.#.png s.0001.exr", false},
@@ -380,17 +368,15 @@ static const struct made_row made_rows[] = {
 static void what_is_made(void **state)
 {
     for (size_t i = 0; i < COUNT(made_rows); i++) {
-        const struct made_row *const r = &made_rows[i];
         struct gp_settings s;
         struct gp_jobs j = {0};
-        if (make(r->line, &s, &j) != GP_OK)
-            fail_msg("%s: %s", r->line, said);
-        if (gp_job_made(&s.write, &j, &j.job[0]) != r->made)
-            fail_msg("%s", r->line);
+        if (make(made_rows[i].line, &s, &j) ||
+            gp_job_made(&s.write, &j, &j.job[0]) != made_rows[i].made)
+            fail_msg("%s: %s", made_rows[i].line, said);
         gp_jobs_free(&j);
         gp_settings_free(&s);
     }
 }
 
-SUITE_OF(jobs, make_folder, remove_folder, frames, views_in_names,
-         views_in_files, views_in_stdin, too_many_jobs, what_is_made)
+SUITE_OF(jobs, make_folder, remove_folder, frames_and_views, views_in_stdin,
+         too_many_jobs, what_is_made)

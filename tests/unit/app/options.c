@@ -10,9 +10,8 @@ static void defaults_hold(void **state)
     struct gp_settings s;
     assert_int_equal(parse("-o a.png in.exr", &s), GP_OK);
     assert_int_equal(lines, 0);
-    assert_int_equal(s.inputs.n, 1);
+    assert_true(s.inputs.n == 1 && s.outputs.n == 1);
     assert_string_equal(s.inputs.at[0], "in.exr");
-    assert_int_equal(s.outputs.n, 1);
     assert_string_equal(s.outputs.at[0], "a.png");
     assert_string_equal(s.kernel.source, "builtin:eye");
     assert_false(s.kernel.centered);

@@ -195,8 +195,7 @@ static void threads_change_nothing(void **state)
     const double one = ldr(&p, GP_FLIP_PPD), one_hdr = hdr(&p, NULL);
     for (int threads = 2; threads <= 5; threads++) {
         gp_set_threads(threads);
-        assert_true(ldr(&p, GP_FLIP_PPD) == one);
-        assert_true(hdr(&p, NULL) == one_hdr);
+        assert_true(ldr(&p, GP_FLIP_PPD) == one && hdr(&p, NULL) == one_hdr);
     }
     gp_set_threads(0);
     free_pair(&p);
