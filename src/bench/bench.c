@@ -39,8 +39,6 @@ struct trial {
     double *ms;                     // of the runs
 };
 
-// -- runs --------------------------------------------------------------------
-
 static void keep_line(void *user, enum gp_level level, const char *line)
 {
     struct gp_bench_row *const row = user;
@@ -306,8 +304,6 @@ out:
     gp_free(ms);
     return st;
 }
-
-// -- the run -----------------------------------------------------------------
 
 /* Minutes of measuring should not end at a name that cannot be written. */
 static gp_status check_files(const struct gp_log *log,

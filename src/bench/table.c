@@ -102,8 +102,6 @@ double gp_bench_median(double *v, int n)
     return 0.5 * (v[(n - 1) / 2] + v[n / 2]);
 }
 
-// -- text --------------------------------------------------------------------
-
 /* A number of a column, or "-" where it is not known. */
 static void print_cell(int width, const char *format, double v)
 {

@@ -8,8 +8,6 @@
 
 enum { RUN = 64 }; // pixels of a polygon at a time
 
-// -- columns that are reached ------------------------------------------------
-
 /* Cuts [*lo, *hi] to the values of (limit - a * y) / b at four corners. */
 static void narrow_span(double limit, double a, double b, const double y[2],
                         double *lo, double *hi)
@@ -227,8 +225,6 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *q,
         r->out[i] += r->amount * blend(a, b, t);
     }
 }
-
-// -- a row -------------------------------------------------------------------
 
 static struct run cut(const struct run *r, int first, int end)
 {

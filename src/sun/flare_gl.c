@@ -51,8 +51,6 @@ static struct gp_rect rect_within(struct gp_rect r, struct gp_rect tile)
                              r.y1 - tile.y0};
 }
 
-// -- images ------------------------------------------------------------------
-
 static gp_status make_image(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_flare_image *m, struct gp_texture *out)
 {
@@ -260,10 +258,9 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
         "#define IMAGE\n", "#define PLAIN\n",
     };
     const size_t keys = (size_t) (FIRST_IMAGE + s->quads.elements) + 1;
-    void *block = NULL;
+    int *start = NULL;
     gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * keys, sizeof(int), &block));
-    int *const start = block;
+    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * keys, sizeof(int), &start));
     GP_TRY(make_batches(log, s, start, start + keys));
     GP_TRY(fit_images(log, gl, s));
     GP_TRY(write_quads(log, gl, s, start));
@@ -276,11 +273,9 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
                                       "flare.frag", &s->program[p]));
     }
 out:
-    gp_free(block);
+    gp_free(start);
     return st;
 }
-
-// -- tiles and bands ---------------------------------------------------------
 
 /* The pixels that are reached among the rows of a tile from y0 on. */
 static struct gp_rect band_of(const struct gp_flare_gl *s,
@@ -359,8 +354,6 @@ static void read_tile(const struct gp_gl *gl, const struct gp_flare_gl *s,
         }
     }
 }
-
-// -- drawing -----------------------------------------------------------------
 
 gp_status gp_flare_draw(
     const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,

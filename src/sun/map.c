@@ -49,8 +49,6 @@ gp_status gp_map_use(const struct gp_log *log, const struct gp_gl *gl,
                            files[which].frag, &s->program[which]);
 }
 
-// -- each frame --------------------------------------------------------------
-
 /* The sum of two floats, for places that one is too short for. */
 static void split_float(double v, float out[2])
 {

@@ -66,8 +66,6 @@ void gp_map_outside(enum gp_sun_outside outside, float count[2])
     count[1] = outside == GP_OUTSIDE_IGNORE ? 0.0f : 1.0f;
 }
 
-// -- all of them -------------------------------------------------------------
-
 /* Texels of n pixels in a row; room for a pixel without one. */
 static int texels(int n)
 {

@@ -13,8 +13,6 @@ bool gp_suns_wanted(const struct gp_sun_params *p)
     return p->at.n || p->dir.n || p->camera || p->lights;
 }
 
-// -- what the command line names ---------------------------------------------
-
 /* The sun of --sun or --sun-dir. */
 static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
 {

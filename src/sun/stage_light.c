@@ -164,8 +164,6 @@ out:
     return st;
 }
 
-// -- sprites -----------------------------------------------------------------
-
 enum { SPRITE_RADIUS = 1024 }; // its picture is 1024 + the kernel's size wide
 
 void gp_suns_drop_sprites(struct gp_suns *suns)

@@ -16,14 +16,12 @@ struct gp_ocio {
     struct gp_ocio_made made;
 };
 
-// -- the bridge --------------------------------------------------------------
-
 gp_status gp_ocio_open(const struct gp_log *log,
                        const struct gp_ocio_params *p, struct gp_ocio **out)
 {
     static const struct gp_ocio_api *api; // stays open until the end
     char why[2048];
-    void *mem;
+    struct gp_ocio *o;
     *out = NULL;
     if (!api)
         api = gp_bridge_open("glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
@@ -35,10 +33,9 @@ gp_status gp_ocio_open(const struct gp_log *log,
         return gp_fail(log, GP_ERR_IO,
                        "--ocio: the OpenColorIO bridge cannot be opened (%s); "
                        "put it beside the program", why);
-    gp_status st = gp_alloc_zero(log, "OCIO", 1, sizeof **out, &mem);
+    gp_status st = gp_alloc_zero(log, "OCIO", 1, sizeof *o, &o);
     if (st)
         return st;
-    struct gp_ocio *o = mem;
     o->api = api;
     st = (gp_status) api->open(p, &o->made, why, sizeof why);
     if (st) {

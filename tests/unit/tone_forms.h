@@ -9,6 +9,14 @@ static inline double luminance(const double c[3])
     return 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 }
 
+static unsigned seed __attribute__((unused)) = 1;
+
+static inline double noise(void) // of [0, 1)
+{
+    seed = seed * 1664525u + 1013904223u;
+    return (double) (seed >> 8) / 16777216.0;
+}
+
 // -- the printed equations, for colours >= 0 ----------------------------------
 
 static inline void multiply(const double m[9], const double in[3], double out[3])

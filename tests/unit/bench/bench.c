@@ -2,6 +2,7 @@
 #include "unit.h"
 #include "bench/bench_priv.h"
 #include "core/memory.h"
+#include "said.h"
 
 #include <unistd.h>
 
@@ -128,18 +129,8 @@ static void no_light_has_a_part_without_any(void **state)
     gp_frame_free(&f);
 }
 
-static char heard[512];
-
-static void listen(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    strncpy(heard, line, sizeof heard - 1);
-}
-
 static void gnuplot_gives_all_it_writes(void **state)
 {
-    const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
     char *out = NULL, *script = NULL;
     size_t size = 0;
     if (gp_gnuplot(NULL, "exit\n", &out, &size) != GP_OK)
@@ -152,30 +143,29 @@ static void gnuplot_gives_all_it_writes(void **state)
     for (size_t i = 0; i < n; i++)
         strcpy(script + i * 16, "print 123456789\n");
     const char to_stdout[] = "set print '-'\n";
-    memcpy(script, "#", 1);
+    script[0] = '#';
     char *whole = calloc(n, 32);
     strcpy(whole, to_stdout);
     memcpy(whole + strlen(to_stdout), script, n * 16);
-    assert_int_equal(gp_gnuplot(&log, whole, &out, &size), GP_OK);
+    assert_int_equal(gp_gnuplot(&said_log, whole, &out, &size), GP_OK);
     assert_int_equal(size, (n - 1) * 10);
     assert_memory_equal(out, "123456789\n123456789\n", 20);
     free(out);
     free(script);
     free(whole);
-    heard[0] = '\0';
-    assert_int_equal(gp_gnuplot(&log, "no such word\n", &out, &size),
+    said_nothing();
+    assert_int_equal(gp_gnuplot(&said_log, "no such word\n", &out, &size),
                      GP_ERR_IO);
-    assert_non_null(strstr(heard, "gnuplot: made no picture ("));
-    assert_null(strchr(heard, '\n'));
+    assert_non_null(strstr(said_line, "gnuplot: made no picture ("));
+    assert_null(strchr(said_line, '\n'));
 }
 
 static void gnuplot_that_is_missing_is_named(void **state)
 {
-    const struct gp_log log = {listen, NULL, GP_LEVEL_ERROR};
     char *const path = gp_strdup(getenv("PATH") ? getenv("PATH") : "");
     setenv("PATH", "/nonexistent", 1);
-    assert_int_equal(gp_bench_plot_check(&log), GP_ERR_IO);
-    assert_non_null(strstr(heard, "gnuplot-nox"));
+    assert_int_equal(gp_bench_plot_check(&said_log), GP_ERR_IO);
+    assert_non_null(strstr(said_line, "gnuplot-nox"));
     setenv("PATH", path, 1);
     free(path);
 }

@@ -2,7 +2,6 @@
  * and against the data folder's frames and their headers. The folder is
  * $GLAREPP_DATA, or ../shared/data; without it those tests skip. */
 #include "json_file.h"
-
 #include "core/json.h"
 #include "io/plane.h"
 #include "sun/camera.h"
@@ -48,6 +47,17 @@ static void hand_matrix(const struct hand *h, bool clip, double m[16])
     }
 }
 
+static struct gp_camera camera_of(const struct hand *h, bool clip,
+                                  enum gp_ndc ndc)
+{
+    double m[16];
+    struct gp_camera c;
+    hand_matrix(h, clip, m);
+    if (gp_camera_make(&said_log, "a.exr", NULL, m, ndc, &c))
+        fail_msg("%s", said_line);
+    return c;
+}
+
 static const struct hand plain = {1.5, 0, 0, {10, 20, 30}, 1};
 
 static void places_of_a_hand_made_camera(void **state)
@@ -77,12 +87,8 @@ static void places_of_a_hand_made_camera(void **state)
     };
     for (int form = 0; form < 4; form++) {
         struct hand h = plain;
-        double m[16];
-        struct gp_camera c;
         h.scale = form & 2 ? 1e-200 : 1.0; // of a projection says nothing
-        hand_matrix(&h, form & 1, m);
-        if (gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_AUTO, &c))
-            fail_msg("%s", said_line);
+        const struct gp_camera c = camera_of(&h, form & 1, GP_NDC_AUTO);
         for (size_t i = 0; i < COUNT(row); i++) {
             struct gp_projected p =
                 gp_camera_project(&c, hd, row[i].at, row[i].w);
@@ -109,11 +115,7 @@ static void windows_move_and_scale(void **state)
         {5, 5, 5, 5},
     };
     static const double dir[3] = {0.2, 1, 0.3};
-    double m[16];
-    struct gp_camera c;
-    hand_matrix(&plain, false, m);
-    assert_int_equal(
-        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_AUTO, &c), GP_OK);
+    const struct gp_camera c = camera_of(&plain, false, GP_NDC_AUTO);
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_rect r = rows[i];
         struct gp_projected p = gp_camera_project(&c, r, dir, 0.0);
@@ -274,12 +276,8 @@ static void discs_cover_what_their_cones_cut(void **state)
     };
     static const double degrees[] = {1e-3, 0.533, 5, 11};
     struct hand h = plain;
-    double m[16];
-    struct gp_camera c;
     h.sx = 0.1;
-    hand_matrix(&h, true, m);
-    assert_int_equal(
-        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_CLIP, &c), GP_OK);
+    const struct gp_camera c = camera_of(&h, true, GP_NDC_CLIP);
     for (size_t i = 0; i < COUNT(dirs); i++) {
         for (size_t k = 0; k < COUNT(degrees); k++) {
             const double want = traced_radius(&c, dirs[i], degrees[k]);
@@ -300,11 +298,7 @@ static void discs_that_are_none(void **state)
         {{1, 0.005, 0}, 1},   // its edge is beside the camera
         {{1, 1, 0}, 91},
     };
-    double m[16];
-    struct gp_camera c;
-    hand_matrix(&plain, false, m);
-    assert_int_equal(
-        gp_camera_make(&said_log, "a.exr", NULL, m, GP_NDC_SPEC, &c), GP_OK);
+    const struct gp_camera c = camera_of(&plain, false, GP_NDC_SPEC);
     for (size_t i = 0; i < COUNT(row); i++)
         near_to("radius", gp_camera_disc(&c, hd, row[i].dir, row[i].degrees),
                 0.0, 0.0);
@@ -313,8 +307,6 @@ static void discs_that_are_none(void **state)
     near_to("no window",
             gp_camera_disc(&c, (struct gp_rect) {5, 5, 5, 5}, ahead, 1), 0, 0);
 }
-
-// -- files -------------------------------------------------------------------
 
 // looks along +y, z up; the same camera in both forms
 #define SPEC "'worldToNDC_rowmajor': " \

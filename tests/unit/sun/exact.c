@@ -2,10 +2,7 @@
  * samples of a disc, and the share in every place that a light may have,
  * against what it must be and against pixel after pixel. */
 #include "scene.h"
-
 #include "core/parallel.h"
-
-// -- area in a pixel, by quadrature ------------------------------------------
 
 /* A disc and a pixel in whole sixteenths, so that what is squared is exact. */
 struct exact_case {

@@ -1,10 +1,7 @@
 /* flare: files are read strictly; totals, places and edges hold. */
 #include "flare_scene.h"
-
 #include "core/parallel.h"
 #include "json_file.h"
-
-// -- files -------------------------------------------------------------------
 
 static gp_status read_text(const char *text, struct gp_flare *out)
 {

@@ -187,11 +187,9 @@ static void time_all(void)
 
 SUITE(flare_gl)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(forms_agree),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(forms_agree),
         cmocka_unit_test(tiles_agree),
-        cmocka_unit_test(hidden_lights_stay_shut),
-    };
+        cmocka_unit_test(hidden_lights_stay_shut)};
     if (argc > 1 && strcmp(argv[1], "--time") == 0) {
         time_all();
         return 0;

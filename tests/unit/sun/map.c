@@ -2,7 +2,6 @@
  * each form are what it says they are, readback is a plain count, masks are
  * near gp_sun_exact(), and what cannot be drawn is refused. */
 #include "scene.h"
-
 #include "gl/gl_priv.h"
 
 static const struct gp_rect window = {-40, 25, 120, 125}; // 160 x 100

@@ -2,7 +2,6 @@
  * that a pixel shows with either plane or both, and sums of runs of pixels,
  * which go another way, against pixel after pixel. */
 #include "scene.h"
-
 #include "core/parallel.h"
 
 #include <float.h>
@@ -205,8 +204,6 @@ static void test_show(void **state)
         }
     }
 }
-
-// -- runs of pixels ----------------------------------------------------------
 
 /* Samples around every border that a rule may have. */
 static float random_sample(void)

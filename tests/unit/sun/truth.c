@@ -2,7 +2,6 @@
  * light, and the truth beside the data's frames. Their folder is $GLAREPP_DATA,
  * or ../shared/data; without it that test skips. */
 #include "scene.h"
-
 #include "io/channels.h"
 #include "reading.h"
 

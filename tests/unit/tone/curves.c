@@ -2,18 +2,9 @@
  * double; laws that all must keep. */
 #include "unit.h"
 #include "tone_forms.h"
-
 #include "tone/tone.h"
 
 #include <float.h>
-
-static unsigned seed = 1;
-
-static double noise(void)
-{
-    seed = seed * 1664525u + 1013904223u;
-    return (double) (seed >> 8) / 16777216.0;
-}
 
 static void map_one(const char *name, const float in[3], float white,
                     float out[3])
@@ -110,8 +101,6 @@ static void published_points(void **state)
         }
     }
 }
-
-// -- laws ---------------------------------------------------------------------
 
 static void grey_ramps_rise(void **state)
 {

@@ -1,7 +1,6 @@
 /* tone/ocio: pixels through views and spaces; which config, spaces, views,
  * looks and files names choose, and what wrong ones give. */
 #include "unit.h"
-
 #include "core/parallel.h"
 #include "tone/ocio.h"
 #include "write_fixture.h"

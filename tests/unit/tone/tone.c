@@ -8,14 +8,6 @@
 
 #include <float.h>
 
-static unsigned seed = 1;
-
-static double noise(void)
-{
-    seed = seed * 1664525u + 1013904223u;
-    return (double) (seed >> 8) / 16777216.0;
-}
-
 static struct gp_frame make_frame(int w, int h)
 {
     struct gp_frame f = {.data = {-7, 3, w - 7, h + 3}};
