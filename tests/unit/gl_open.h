@@ -3,15 +3,7 @@
 #define GP_TESTS_GL_OPEN_H
 
 #include "gl/gl.h"
-
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <string.h>
-
-#include <cmocka.h>
+#include "unit.h"
 
 static char last_line[4096];
 

@@ -7,14 +7,10 @@
 #include "glare/engine.h"
 #include "glare/sensors.h"
 #include "hash.h"
+#include "unit.h"
 
 #include <float.h>
 #include <limits.h>
-#include <math.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
 
 /* What frames hold. Backgrounds are in (0.05, 0.8), under a threshold of 1. */
 enum light {

@@ -276,7 +276,6 @@ static void blocks_and_lists_have_limits(void **state)
     gp_gl_close(&gl);
 }
 
-
 static const struct gp_shader_file good_vert = {
     "good.vert", "void main() { gl_Position = vec4(gl_VertexID == 1 ? 3 : -1, "
                  "gl_VertexID == 2 ? 3 : -1, 0, 1); }\n"};

@@ -5,7 +5,6 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-
 static int pick(uint32_t *seed, int low, int high)
 {
     return low + (int) (scene_random(seed) * (float) (high - low + 1));

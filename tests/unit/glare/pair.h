@@ -10,19 +10,9 @@
 #define GP_TESTS_PAIR_H
 
 #include "core/clock.h"
+#include "unit.h"
 
 #include <float.h>
-#include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
 
 #define PAIR_KINDS(X)                                                         \
     X(PAIR_UNIFORM, "uniform in [0, 2)")                                      \
