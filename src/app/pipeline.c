@@ -230,15 +230,12 @@ static gp_status make_slots(struct pipeline *p)
     const int units = p->jobs->n / p->jobs->views;
     const int most = p->asked->frame_jobs ? p->asked->frame_jobs
                      : gp_threads() > 1   ? FLIGHT : 1;
-    void *block;
     p->slots = most < units ? most : units > 0 ? units : 1;
     gp_status st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->slots,
-                                 sizeof *p->unit, &block);
-    p->unit = block;
+                                 sizeof *p->unit, &p->unit);
     for (int i = 0; i < p->slots && !st; i++) {
         st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->jobs->views,
-                           sizeof *p->unit[i].view, &block);
-        p->unit[i].view = block;
+                           sizeof *p->unit[i].view, &p->unit[i].view);
     }
     return st;
 }

@@ -10,13 +10,11 @@ gp_status gp_planes_make(const struct gp_log *log, const char *what,
 {
     *p = (struct gp_planes) {0};
     for (int c = 0; c < 3; c++) {
-        void *plane;
-        gp_status st = gp_alloc(log, what, samples, sizeof(float), &plane);
+        gp_status st = gp_alloc(log, what, samples, sizeof(float), &p->c[c]);
         if (st) {
             gp_planes_free(p);
             return st;
         }
-        p->c[c] = plane;
     }
     return GP_OK;
 }

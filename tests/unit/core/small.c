@@ -25,12 +25,10 @@ static void frames_own_what_they_hold(void **state)
     static const char *const names[] = {"R", "Z", "depth.Z"};
     const long blocks = fail_blocks();
     struct gp_frame f = {0};
-    void *channels;
     gp_frame_free(&f); // an empty one
     assert_null(gp_frame_channel(&f, "Z"));
     assert_int_equal(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
-                                   &channels), GP_OK);
-    f.channel = channels;
+                                   &f.channel), GP_OK);
     f.channels = 3;
     for (int i = 0; i < 3; i++)
         f.channel[i].name = gp_strdup(names[i]);
