@@ -183,8 +183,10 @@ static void take_message(void *user, enum gp_level level, const char *line)
         const size_t room = 2 * l->room + bytes;
         char *const text = realloc(l->text, room);
         keeps = text != NULL;
-        l->text = keeps ? text : l->text;
-        l->room = keeps ? room : l->room;
+        if (text) {
+            l->text = text;
+            l->room = room;
+        }
     }
     if (!keeps) {
         gp_frame_log_flush(l);

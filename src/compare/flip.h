@@ -7,7 +7,7 @@
  *   Rendered High Dynamic Range Images, Eurographics 2021 short papers.
  *
  * Planes are w * h samples, rows from the top. Every result is the same for any
- * number of threads, and the same for (a, b) and (b, a) with the same exposures.
+ * number of threads, and the same for (a, b) and (b, a) at equal exposures.
  */
 #ifndef GP_COMPARE_FLIP_H
 #define GP_COMPARE_FLIP_H

@@ -11,7 +11,8 @@
 enum { GP_ALIGN = 64 };
 
 /* Allocates `count` * `size` zeroed bytes at GP_ALIGN. `out` is the address of
- * any object pointer, which is NULL on failure. A product that overflows fails like a full memory.
+ * any object pointer, which is NULL on failure. A product that overflows fails
+ * like a full memory.
  * Ownership passes to the caller; free with gp_free().
  * Errors: GP_ERR_BUG, with a line that names `what` and the bytes, and no
  * file: gp_fail_bare().

@@ -10,7 +10,7 @@
 
 #include <stdbool.h>
 
-// -- sensors.c, reference.c: declared for tests --------------------------------
+// -- sensors.c, reference.c: declared for tests ------------------------------
 
 /* Weight of a pixel of luminance y: 0 shut, 1 open, between on the ramp. */
 float gp_bright_pass(const struct gp_sensor_params *p, float y);

@@ -128,7 +128,8 @@ GP_CLONES static void corona(const struct gauss_rule *rule, int x, int y, int n,
 }
 
 /* The shares of the pixels (x, y) to (x + n - 1, y); 0 <= y <= x. */
-static void share_strip(const struct eye_tables *t, int x, int y, int n, double *share)
+static void share_strip(const struct eye_tables *t, int x, int y, int n,
+    double *share)
 {
     memset(share, 0, (size_t) n * sizeof *share);
     if (x == 0)

@@ -272,8 +272,8 @@ static void add_name(struct words *w, const struct gp_candidate *c)
 {
     const struct gp_splat_params *const s = &c->splat;
     if (is_splat(c->engine))
-        add_words(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group, s->cluster,
-            s->shrink > 0.0f ? " shrunk" : "");
+        add_words(w, "%s %d/%d%s", gp_engines[c->engine]->name, s->group,
+            s->cluster, s->shrink > 0.0f ? " shrunk" : "");
     else
         add_words(w, "%s", gp_engines[c->engine]->name);
 }

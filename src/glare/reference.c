@@ -52,7 +52,7 @@ void gp_glare_reference_direct(const struct gp_sources *src,
     gp_parallel_do(src->h, plain_row, &s);
 }
 
-/* -- dense frames: complex two-dimensional transforms, in double ------------ */
+/* -- dense frames: complex two-dimensional transforms, in double ----------- */
 
 struct grid {
     int nx, ny;
@@ -110,8 +110,8 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
         if (!plan[i])
             GP_TRY(gp_fail_bare(log, GP_ERR_BUG,
-                                "reference: FFTW makes no plan (length %d); verify "
-                                "a smaller frame", length));
+                                "reference: FFTW makes no plan (length %d); "
+                                "verify a smaller frame", length));
     }
     for (int c = 0; c < 3; c++) {
         memset(g.a, 0, 2 * sizeof(double) * n);
@@ -168,7 +168,7 @@ gp_status gp_glare_reference(const struct gp_log *log,
     return GP_OK;
 }
 
-// -- errors against the truth --------------------------------------------------
+// -- errors against the truth ------------------------------------------------
 
 /* The larger; a layer that is not a number is as wrong as can be. */
 static double worse(double a, double b)

@@ -16,7 +16,7 @@ enum {
     BLOCK = 16,  // rows a task takes
     WIDE = 4,    // doubles summed side by side
     TABLES = 4,  // that neighbours are counted in: a sky has them in one bin
-    PIECE = 256, // pixels of a row at a time: they stay in the first-level cache
+    PIECE = 256, // pixels of a row at a time: they stay in the L1 cache
     LANES = 8,   // pixels looked at together with AVX2
 };
 
@@ -94,7 +94,7 @@ lit_luminance(const float weight[3], float r, float g, float b)
     return weight[0] * lit(r) + weight[1] * lit(g) + weight[2] * lit(b);
 }
 
-// -- bad pixels, counts, darkness ----------------------------------------------
+// -- bad pixels, counts, darkness --------------------------------------------
 
 /* Counts one row's bad pixels and, if there are none, its bright ones. No
  * branch and no store, so that it becomes vector code and the frame is only

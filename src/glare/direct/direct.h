@@ -85,7 +85,7 @@ GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
     const struct gp_quads *quads, const struct gp_taps *taps, int w, int h,
     bool add, struct gp_planes *layer);
 
-// -- what both forms of the sum are made of -------------------------------------
+// -- what both forms of the sum are made of ----------------------------------
 
 enum {
     GP_DIRECT_LANES = 8,

@@ -1,4 +1,4 @@
-/* The engine fft: see split.c for what goes direct, pass.c for the transforms. */
+/* The engine fft; split.c says what goes direct, pass.c has the transforms. */
 #include "core/memory.h"
 #include "glare/bound/bound.h"
 #include "glare/direct/direct.h"
@@ -91,7 +91,7 @@ static gp_status find_plan(const struct gp_glare_job *job, struct fft_state *s,
     return st;
 }
 
-// -- the kernel's spectrum ------------------------------------------------------
+// -- the kernel's spectrum ---------------------------------------------------
 
 struct kernel_rows {
     const struct gp_kernel *kernel;
@@ -166,7 +166,7 @@ out:
     return st;
 }
 
-// -- one frame ------------------------------------------------------------------
+// -- one frame ---------------------------------------------------------------
 
 /* Rows of the frame that hold light, in order, and where they stand. */
 struct light_rows {
@@ -378,7 +378,8 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     if (split.hot_count) {
         GP_TRY(gp_sources_split(job->log, src, split.hot, &hot, &rest));
         src = &rest;
-        p = src->n ? gp_fft_place(src, job->kernel) : (struct gp_fft_placing) {0};
+        p = src->n ? gp_fft_place(src, job->kernel)
+                   : (struct gp_fft_placing) {0};
     }
     if (p.nx)
         GP_TRY(transform(job, s, src, &p, split.core));
@@ -395,7 +396,7 @@ out:
     return st;
 }
 
-// -- what a frame will take -----------------------------------------------------
+// -- what a frame will take --------------------------------------------------
 
 static bool has_plan(const struct fft_state *s, int n, enum gp_fft_plan how)
 {

@@ -41,7 +41,7 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
 double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p);
 
-// -- what goes direct -----------------------------------------------------------
+// -- what goes direct --------------------------------------------------------
 
 /* Which part of the sum goes direct, so that float rounding stays unseen.
  *

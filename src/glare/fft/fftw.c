@@ -59,12 +59,13 @@ gp_status gp_fftwd_open(const struct gp_log *log, const struct gp_fftwd **out)
     } lib;
     gp_status st = GP_OK;
     if (!lib.table.export_wisdom_to_filename)
-        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3", "fftw_", lib.slot);
+        st = load_functions(log, "libfftw3.so.3", "libfftw3-double3", "fftw_",
+            lib.slot);
     *out = &lib.table;
     return st;
 }
 
-// -- lengths --------------------------------------------------------------------
+// -- lengths -----------------------------------------------------------------
 
 double gp_fft_cost(int n, enum gp_fft_plan how)
 {
@@ -110,7 +111,7 @@ int gp_fft_length(int n)
     return best;
 }
 
-// -- plans ----------------------------------------------------------------------
+// -- plans -------------------------------------------------------------------
 
 /* Reads the wisdom once for each plan and writes it back under another name
  * first, so that two runs side by side never see half a file. */

@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <math.h>
 
-// -- where it stands ------------------------------------------------------------
+// -- where it stands ---------------------------------------------------------
 
 /* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
  * Returns the least period. */
@@ -132,13 +132,13 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
             (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
 }
 
-// -- what goes direct -------------------------------------------------------------
+// -- what goes direct --------------------------------------------------------
 
 const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
 
 /* The largest error of a pixel is about this times |s| |k| / sqrt(points): 1e-6
  * to 6.5e-6 over random frames, W1 to W3 and all radii (test_fft_split; numpy
- * float32 against float64); rounded up, as the darkest pixels are what counts. */
+ * float32 against float64); rounded up, as the darkest pixels count. */
 static const double NOISE = 6.5e-6;
 static const double ALLOWED = 1e-6;
 
@@ -269,7 +269,8 @@ void gp_fft_split_choose(const struct gp_sources *src,
     if (none.rounding <= ALLOWED)
         return;
     s.quads = gp_direct_quads(src);
-    struct gp_fft_split found = find_split(&s, WORTH * fft_ms + ANYWAY_MS, ALLOWED, 0);
+    struct gp_fft_split found =
+        find_split(&s, WORTH * fft_ms + ANYWAY_MS, ALLOWED, 0);
     if (!(found.rounding <= ALLOWED)) {
         const double least = find_split(&s, fft_ms / 2.0, INFINITY, 1).rounding;
         found = find_split(&s, fft_ms / 2.0, NEAR * least, 0);

@@ -190,7 +190,8 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
             continue;
         // the rows that the polygon may touch
         const double middle = (double) g->at[i].y - k->field.y0;
-        const int top = (int) fmin(fmax(floor(middle) + k->meets.y0, 0.0), rows);
+        const int top =
+            (int) fmin(fmax(floor(middle) + k->meets.y0, 0.0), rows);
         const int low = (int) fmin(fmax(ceil(middle) + k->meets.y1, 0.0), rows);
         k->top = k->held ? gp_min(k->top, top) : top;
         k->bottom = k->held ? gp_max(k->bottom, low) : low;

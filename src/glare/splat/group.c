@@ -246,7 +246,8 @@ static void group_band(void *ctx, int i, int thread)
         return;
     const int shift = g->cluster_shift, mask = g->p->cluster - 1;
     for (int y = y0; y < y1; y++) { // sums into the filled cells
-        for (uint32_t k = g->src->row[y], end; k < g->src->row[y + 1]; k = end) {
+        const uint32_t past = g->src->row[y + 1];
+        for (uint32_t k = g->src->row[y], end; k < past; k = end) {
             const int at = (g->src->x[k] + g->left) >> shift;
             end = run_end(g, k, y, shift);
             if (cluster[at].sources)

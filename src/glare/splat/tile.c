@@ -285,7 +285,7 @@ struct gathering {
     struct gp_tiles *t;
     struct gp_tile_pieces pieces;
     struct gp_rect field;
-    int w, h;
+    int w;                   // of the frame
     struct gp_planes *layer;
     double roundings; // of the worst field so far
 };
@@ -529,7 +529,7 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
     int h, struct gp_planes *layer, struct gp_tiles **state, double *roundings)
 {
     struct gathering k = {.log = log, .gl = gl, .kernel = kernel,
-                          .polygons = polygons, .w = w, .h = h,
+                          .polygons = polygons, .w = w,
                           .layer = layer};
     const struct gp_rect frame = {0, 0, w, h};
     gp_status st;

@@ -35,7 +35,7 @@ enum {
 struct helper {
     bool busy;
     pid_t pid;               // 0: none runs
-    bool began;              // the last to start ended before it was asked
+    bool killed;             // by a signal or the time limit
     int socket;
     unsigned seconds;        // for the call that it works on
     struct gp_shared shared; // for rows
@@ -58,9 +58,10 @@ static void end_helper(struct helper *h, const char *why)
     int status = 0;
     kill(h->pid, SIGKILL); // one that has ended keeps the status it ended with
     const bool known = waitpid(h->pid, &status, 0) == h->pid;
+    h->killed = !why && known && WIFSIGNALED(status);
     if (why)
         snprintf(h->cause, sizeof h->cause, "%s", why);
-    else if (known && WIFSIGNALED(status))
+    else if (h->killed)
         snprintf(h->cause, sizeof h->cause, "was ended by signal %d, %s",
                  WTERMSIG(status), strsignal(WTERMSIG(status)));
     else if (known)
@@ -86,6 +87,7 @@ static bool receive(struct helper *h, void *to, size_t n)
             char why[64];
             snprintf(why, sizeof why, "took more than %u s", h->seconds);
             end_helper(h, why);
+            h->killed = true;
             return false;
         }
         if (ready <= 0)
@@ -169,14 +171,14 @@ static int spawn(const char *program, int socket, pid_t *pid)
     return error;
 }
 
-/* False: h->cause says why none runs, h->began whether one ran. */
+/* False: h->cause says why none runs. */
 static bool start_helper(struct helper *h)
 {
-    h->began = false;
     char program[PATH_MAX];
     struct gp_oiio_reply hello;
     char *text = NULL;
     int pair[2], error;
+    h->killed = false;
     if (!gp_bridge_find("glarepp-oiio", program, sizeof program)) {
         snprintf(h->cause, sizeof h->cause, "glarepp-oiio is not there");
         return false;
@@ -201,7 +203,11 @@ static bool start_helper(struct helper *h)
         gp_free(text);
         return true;
     }
-    h->began = true;
+    if (h->killed)
+        return false;
+    char cause[WHY_BYTES];
+    snprintf(cause, sizeof cause, "%.300s %.150s", program, h->cause);
+    memcpy(h->cause, cause, sizeof cause);
     return false;
 }
 
@@ -246,7 +252,7 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
     }
     const gp_status st =
         h->starved ? gp_no_memory(log, path) :
-        h->began ? call_failed(log, path, writes, h, NULL, "") :
+        h->killed ? call_failed(log, path, writes, h, NULL, "") :
         gp_fail(log, GP_ERR_IO, "%s: this format needs the program "
             "glarepp-oiio (%s); install it, or use EXR or PNG", path, h->cause);
     give_back(h);

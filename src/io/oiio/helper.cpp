@@ -239,8 +239,8 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
     case GP_OIIO_ROWS:
         if (fd[0] >= 0)
             shared.map(fd[0], ask.size);
-        helper::read_rows(ask.y, reinterpret_cast<float *>(
-                                     static_cast<char *>(shared.at) + ask.at));
+        helper::read_rows(ask.y, static_cast<float *>(shared.at) +
+                                     ask.at / sizeof(float));
         text.clear();
         break;
     case GP_OIIO_WRITE: {

@@ -24,7 +24,7 @@
 
 #include <stddef.h>
 
-/* -- reading ---------------------------------------------------------------- */
+/* -- reading --------------------------------------------------------------- */
 
 /* Opens picture `part` (0: the first) of a stream, which stays the caller's
  * and must live until gp_image_close(). Of EXR, channels that are stored as
@@ -42,7 +42,7 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     const struct gp_stream *stream, const char *reader, int part,
     long long max_pixels, struct gp_image *out);
 
-/* -- writing ---------------------------------------------------------------- */
+/* -- writing --------------------------------------------------------------- */
 
 /* Makes a file in memory.
  *
@@ -79,7 +79,7 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * and --depth-bits for one to be shown. All show the display window. Radiance
  * HDR holds three mantissas and an exponent: the nearest of those are stored,
  * NaN and negative values as 0, what lies beyond as the largest.
- * GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; the others are over black. */
+ * GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; others are over black. */
 GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,

@@ -232,7 +232,7 @@ static void helpers_that_fail(void **state)
         const char *part;
         gp_status st;
     } row[] = {
-        {"ends at its start", GP_ERR_DATA}, {"says nothing", GP_ERR_DATA},
+        {"ends at its start", GP_ERR_IO}, {"says nothing", GP_ERR_DATA},
         {"ends", GP_ERR_DATA},            {"hangs", GP_ERR_DATA},
         {"stops talking", GP_ERR_DATA},   {"refuses", GP_ERR_DATA},
         {"is full", GP_ERR_BUG},
