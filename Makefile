@@ -71,7 +71,7 @@ FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 CHECKS := check-headers check-house check-symbols check-man \
           check-manual check-tidy check-cppcheck
 
-.PHONY: all help demo check check-all check-asan check-ubsan check-tsan check-valgrind \
+.PHONY: all help demo check check-built check-all check-asan check-ubsan check-tsan check-valgrind \
         coverage coverage-run $(CHECKS) lint hardcases hardcases-manual bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
@@ -207,14 +207,16 @@ $(B)/bench/plain: tests/bench/plain.cpp
 
 demo: ## installs what is missing, builds, renders the example frames
 	@$(MAKE) --no-print-directory deps
-	@$(MAKE) --no-print-directory all
+	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@examples/demo.sh $(B)/glarepp $(B)/demo
 
 check: ## installs what is missing, builds, runs every test
 	@$(MAKE) --no-print-directory deps
+	@$(MAKE) --no-print-directory -j$$(nproc) check-built
 	@$(MAKE) --no-print-directory check-all
 
-check-all: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build
+check-built: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build compile_commands.json
+check-all: check-built
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
 
 hardcases: $(B)/tests/hardcases $(BRIDGES) ## the hard cases: the largest error of each cell, as tables
