@@ -31,7 +31,7 @@ struct gp_clobber_file {
     bool open;       // by a descriptor that was given: others may have it too
 };
 
-/* Who writes a file, for messages. */
+/* The output that writes a file, for messages. */
 struct gp_clobber_owner {
     char *name;        // as written; from malloc, NULL: memory is full
     const char *what;  // "--hdr"

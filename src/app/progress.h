@@ -76,7 +76,7 @@ void gp_frame_log_flush(struct gp_frame_log *l);
 /* Forgets the rest and frees. A zeroed one is fine. */
 void gp_frame_log_close(struct gp_frame_log *l);
 
-/* How the frames of a run ended. Zeroed is empty. */
+/* The counts of how the frames of a run ended. Zeroed is empty. */
 struct gp_failures {
     const struct gp_jobs *jobs;  // borrowed
     bool *failed;                // one a job, owned

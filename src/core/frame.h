@@ -93,8 +93,8 @@ enum gp_colour_model {
     GP_COLOUR_YC,    // luminance-chroma: Y, RY, BY
 };
 
-/* What a file that is not EXR says of its picture, for the EXR that is made
- * of it. An EXR's own attributes stay in its header. */
+/* The attributes of a file that is not EXR, for the EXR that is made of it.
+ * An EXR's own attributes stay in its header. */
 struct gp_attribute {
     char *name;
     enum { GP_ATTRIBUTE_TEXT, GP_ATTRIBUTE_INT, GP_ATTRIBUTE_FLOAT } kind;

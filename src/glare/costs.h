@@ -1,4 +1,4 @@
-/* What things cost on one core: the numbers behind the predictions.
+/* Costs on one core: the numbers behind the predictions.
  *
  * Measured at 2.5 GHz with AVX2; `make bench` prints what they are on another
  * machine. What `auto` takes depends on them, so they are part of the build and
@@ -43,7 +43,7 @@
  * follow from these, and with them the last bits of a layer. */
 #define GP_COST_FFT_PS {135, 190, 140, 190, 190, 190, 215}
 #define GP_COST_FFT_PS_LARGE_5 185
-/* How many times as long it takes planned by estimate, by the same factors */
+/* Times as long with plans by estimate, by the same factors */
 #define GP_COST_FFT_ESTIMATED {1.2, 1.2, 1.1, 1.65, 1.15, 1.4, 1.4}
 /* ms of a pass for each nanosecond of its transforms: moved, placed,
  * multiplied */

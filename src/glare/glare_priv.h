@@ -1,4 +1,4 @@
-/* What the .c files of this folder share, and what their tests see. */
+/* Shared by the .c files of this folder and by their tests. */
 #ifndef GP_GLARE_GLARE_PRIV_H
 #define GP_GLARE_GLARE_PRIV_H
 
@@ -84,7 +84,7 @@ struct gp_candidate {
     double bound;                 // of rel_l2; NAN: not asked
 };
 
-/* What a choice says. */
+/* The planner's choice. */
 struct gp_choice {
     int taken;   // index of the candidate
     bool within; // its bound keeps the tolerance
@@ -128,11 +128,11 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
     struct gp_glare *g, const char *path, struct gp_candidate *out);
 
-/* What rel_l2 of the layer may be more than an engine's bound says, which is
- * about floats that never leave their range: where values leave it downwards.
+/* The excess of the layer's rel_l2 over an engine's bound, which is about
+ * floats that never leave their range: where values leave it downwards.
  * INFINITY where nothing can be said. 1e-20 in ordinary frames, and found at
- * once; else by gp_layer_least(). *keep is NULL at first and kept from frame to
- * frame. Errors: GP_ERR_BUG out of memory. */
+ * once; else by gp_layer_least(). *keep is NULL at first and kept from frame
+ * to frame. Errors: GP_ERR_BUG out of memory. */
 struct gp_floor;
 GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_job *job,
                                       struct gp_floor **keep, double *floor);

@@ -245,7 +245,7 @@ static void streak(double dx, double dy, double r, double v[3])
         v[c] = a[c] * exp(-fabs(dx) / (l[c] * r)) * across(dy, r);
 }
 
-/* What a stop of six blades makes of a point: each pair of parallel edges
+/* The diffraction of a stop of six blades: each pair of parallel edges
  * diffracts into two opposite rays at right angles to them, which fall off
  * with the square of the distance and are as long as the light's waves:
  *   v_c = sum over i = 0, 1, 2 of across(q_i) / (1 + (p_i / (w_c R / 40))^2)

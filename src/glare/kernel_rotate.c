@@ -25,7 +25,7 @@ bool gp_rotate_angle(float degrees, struct gp_unturned *u)
 
 // -- one sample ---------------------------------------------------------------
 
-/* Where a sample of the turned kernel lies in the unturned one. */
+/* Returns the place in the unturned kernel of a sample of the turned one. */
 struct spot {
     int x, y;       // of the upper left of four samples; may lie outside
     double fx, fy;  // from there, in [0, 1)

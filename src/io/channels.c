@@ -103,7 +103,7 @@ static int find_exact(const char *const *name, int n, const char *layer,
     return -1;
 }
 
-/* How many of a set of three there are, letters as they are, words in any
+/* Counts the members of a set of three, letters as they are, words in any
  * case; `layer` ends with a dot or is "". */
 static int find_three(const char *const *name, int n, const char *layer,
                       size_t len, const char *const last[3], int index[3])

@@ -30,7 +30,7 @@ bool gp_file_is_straight(const char *path)
     return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
 }
 
-/* Where the last component starts. */
+/* Returns where the last component starts. */
 static const char *base_of(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -52,8 +52,8 @@ char *gp_file_folder(const char *path)
     return folder;
 }
 
-/* What the link `path` says, seen from where `path` is seen from; NULL with
- * errno. */
+/* Returns the target of the link `path`, seen from where `path` is seen
+ * from; NULL with errno. */
 static char *follow(const char *path)
 {
     char to[LINK_BYTES];

@@ -1,4 +1,4 @@
-/* What the files of io share: readers, writers, and which plane is meant. */
+/* Shared by the files of io: readers, writers, and which plane is meant. */
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H
 
@@ -235,8 +235,8 @@ struct gp_plane_list {
     const struct gp_input *input; // with a view; borrowed
 };
 
-/* What was found: a part of the list and a channel of it. Nothing when `part`
- * is NULL. */
+/* The result: a part of the list and a channel of it. Nothing when `part` is
+ * NULL. */
 struct gp_plane_place {
     const struct gp_plane_part *part;
     int channel;  // index in its part, which is the file's order

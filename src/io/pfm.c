@@ -68,7 +68,7 @@ static bool parse_header(const uint8_t *data, size_t size, struct header *h)
     return true;
 }
 
-/* Whether all rows are in `size` bytes. */
+/* Checks that all rows are in `size` bytes. */
 static bool holds_rows(const struct header *h, uint64_t size)
 {
     const uint64_t row = (uint64_t) h->width * (uint64_t) h->channels * 4;

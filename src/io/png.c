@@ -28,9 +28,10 @@ static void on_warning(png_structp png, png_const_charp message)
 // -- reading ------------------------------------------------------------------
 
 enum {
-    /* What libpng may take in all: three rows of its widest picture, texts and
-     * profiles, and copies of what is in the file. It bounds each chunk that
-     * it unpacks, but lets there be a thousand, and trusts declared lengths. */
+    /* Memory that libpng may take: three rows of its widest picture, texts
+     * and profiles, and copies of what is in the file. It bounds each chunk
+     * that it unpacks, but lets there be a thousand, and trusts declared
+     * lengths. */
     MOST_BYTES = 48 << 20, COPIES = 4,
     WIDEST = 1000000,          // pixels a side that libpng reads by default
     DEFLATE_MOST = 1032,       // bytes that a byte of a deflated stream becomes
@@ -435,7 +436,7 @@ out:
     return st;
 }
 
-/* What libpng's callbacks see. */
+/* State of libpng's callbacks. */
 struct target {
     const struct gp_log *log;
     struct gp_file *file;

@@ -26,7 +26,7 @@
 
 enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
 
-/* How the intensity map is summed. */
+/* The way that the intensity map is summed. */
 enum gp_sun_sum {
     GP_SUM_FLOAT,    // every texel, in float, times 1 / count
     GP_SUM_BYTE,     // in 8 bits, as in the paper: times 1 / 255, saturating

@@ -180,7 +180,7 @@ static void write_places(const struct gp_occluders *o, const float *v, int n,
     }
 }
 
-/* Where the rows of a box go: `to` is the band's row 0. */
+/* The place for the rows of a box: `to` is the band's row 0. */
 struct box_rows {
     const struct gp_occluders *o;
     struct gp_rect box;  // of the frame, those rows that go into the band

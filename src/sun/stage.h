@@ -26,7 +26,7 @@ enum gp_sun_method {
     GP_SUN_READBACK, // gp_sun_readback()
 };
 
-/* Where the glare and flare of a mask's lights are drawn. */
+/* The place where glare and flare of a mask's lights are drawn. */
 enum gp_sun_draw {
     GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
     GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
@@ -160,7 +160,7 @@ GP_MUST_CHECK gp_status gp_suns_spread(
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_frame *f);
 
-/* How the shares are found, in words, for the report: "mask, drawn on GL". */
+/* Returns how the shares are found, for the report: "mask, drawn on GL". */
 const char *gp_suns_way(const struct gp_suns *suns);
 
 /* The mean visibility, by flux where any is given: what a pupil meets. */

@@ -60,9 +60,9 @@ static inline float gp_float_of(int32_t k)
 
 // -- discs (exact.c) ---------------------------------------------------------
 
-/* Where (u, v) in [0, 1)^2 falls: the square [-1, 1]^2, or the unit disc by
- * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios. Texel
- * (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
+/* Maps (u, v) in [0, 1)^2 to the square [-1, 1]^2, or to the unit disc by
+ * the concentric map (Shirley and Chiu 1997), which keeps areas' ratios.
+ * Texel (i, j) of an n x n sun map is the cell [i, i+1)/n x [j, j+1)/n. */
 void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
                       double *x, double *y);
 

@@ -24,7 +24,7 @@ bool fail_end(void);
 /* Blocks that were allocated and not freed. */
 long fail_blocks(void);
 
-/* What fails each time, until it is set back. */
+/* Calls that fail each time, until it is set back. */
 struct fail_always {
     bool threads, affinity,
         links; // pthread_create, sched_getaffinity, readlink

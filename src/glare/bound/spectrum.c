@@ -1,4 +1,5 @@
-/* How much light a kernel can make of what sources and polygons differ by. */
+/* The most light that a kernel makes of the difference of sources and
+ * polygons. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"

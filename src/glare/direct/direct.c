@@ -193,7 +193,7 @@ double gp_direct_quads(const struct gp_sources *src)
     return quads <= FULL * (double) src->n ? quads : 0.0;
 }
 
-/* Whether quads may be used for a frame of h rows: they need the kernel's
+/* Returns whether quads may serve a frame of h rows: they need the kernel's
  * rows four times as fast, from the cache, and place them by an int. */
 static bool fits_quads(const struct gp_taps *t, int h)
 {
@@ -256,9 +256,9 @@ static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
     return s && s->kernel && s->kernel == k->serial;
 }
 
-/* What run_strip() does, in rows of strips of sources whose taps another has
- * just used and of those whose have to be fetched; how often it lists one; and
- * the tiles of quads that kernels would cover, were each source one. */
+/* The work of run_strip(), in rows of strips of sources whose taps another has
+ * just used and of those whose have to be fetched; how often it lists one;
+ * and the tiles of quads that kernels would cover, were each source one. */
 struct strip_work {
     double near, far, listed, tiles;
 };

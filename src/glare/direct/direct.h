@@ -40,8 +40,8 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
  * about; 0 when it takes them one by one, as they stand too far apart. */
 double gp_direct_quads(const struct gp_sources *src);
 
-/* What rel_l2 of the sum of n sources cannot exceed: float rounding, as long
- * as no product is under the range of float. INFINITY for a kernel that is
+/* Bounds rel_l2 of the sum of n sources: float rounding, as long as no
+ * product is under the range of float. INFINITY for a kernel that is
  * negative somewhere, whose light can cancel while the rounding stays. */
 double gp_direct_bound(const struct gp_kernel *k, size_t n);
 
@@ -69,8 +69,7 @@ struct gp_quads {
     float *light[3]; // GP_QUAD * n each
 };
 
-/* How many there are, counted in every `step`-th row and multiplied: n to
- * 4 n for n sources. */
+/* Counts them in every `step`-th row and multiplies: n to 4 n for n sources. */
 size_t gp_quads_count(const struct gp_sources *src, int step);
 
 /* Errors: GP_ERR_BUG out of memory. Free with gp_quads_free(). */

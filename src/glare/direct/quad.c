@@ -12,7 +12,7 @@ enum {
     STRIP = 16,        // columns summed together: two vectors
 };
 
-/* Where the sources of four rows stand, when they are read side by side. */
+/* The places of the sources of four rows that are read side by side. */
 struct heads {
     const struct gp_sources *src;
     uint32_t at[GP_QUAD], end[GP_QUAD];

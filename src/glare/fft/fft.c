@@ -263,8 +263,8 @@ out:
     return st;
 }
 
-/* What goes direct: the core for all that was transformed, and hot sources
- * whole. */
+/* Draws what goes direct: the core for all that was transformed, and hot
+ * sources whole. */
 static gp_status add_direct(const struct gp_glare_job *job, struct fft_state *s,
     const struct gp_fft_split *split, const struct gp_sources *hot,
     const struct gp_sources *rest)
@@ -407,7 +407,7 @@ static bool has_plan(const struct fft_state *s, int n, enum gp_fft_plan how)
     return false;
 }
 
-/* What a run with this placing has to make before it can start. */
+/* Predicts what a run with this placing makes before it starts. */
 static double setup_ms(const struct gp_glare_job *job,
     const struct fft_state *s, const struct gp_fft_placing *p, int core)
 {
@@ -431,8 +431,8 @@ static double setup_ms(const struct gp_glare_job *job,
     return ms;
 }
 
-/* What goes direct. Finding the tails' norms takes as long as a small frame:
- * not before it is known that without a core it is too wrong. */
+/* Predicts what goes direct. Finding the tails' norms takes as long as a
+ * small frame: not before it is known that without a core it is too wrong. */
 static void predict_split(const struct gp_glare_job *job,
     const struct fft_state *s, const struct gp_fft_placing *p,
     struct gp_fft_split *split)

@@ -84,7 +84,7 @@ GP_MUST_CHECK gp_status gp_fft_matrix_make(const struct gp_log *log,
     int channels, int nx, int rows, struct gp_fft_matrix *out);
 void gp_fft_matrix_free(struct gp_fft_matrix *m);
 
-/* What the passes share. */
+/* State that the passes share. */
 struct gp_fft_job {
     const struct gp_log *log;
     const struct gp_fft_plan_pair *x, *y;  // lengths nx, ny
@@ -124,9 +124,10 @@ GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_job *job,
 
 // -- split.c -----------------------------------------------------------------
 
-/* What a source leaves in a frame at least, in each channel: one quarter of the
- * kernel, centre included, or of its middle w x h samples when the frame is
- * smaller. 0 where a quarter is dark or, of a negative kernel, may cancel. */
+/* The least that a source leaves in a frame, in each channel: one quarter of
+ * the kernel, centre included, or of its middle w x h samples when the frame
+ * is smaller. 0 where a quarter is dark or, of a negative kernel, may
+ * cancel. */
 struct gp_fft_quarters {
     double square[3], sum[3]; // sum of squares, and of samples
 };

@@ -5,8 +5,8 @@
 
 #include "glare/fft/fft.h"
 
-/* Where the sources, the kernel and the outputs stand on the torus of
- * nx * ny samples. The smallest on which no wrapped light reaches an output. */
+/* The places of sources, kernel and outputs on the torus of nx * ny
+ * samples. The smallest on which no wrapped light reaches an output. */
 struct gp_fft_placing {
     int nx, ny;          // 0 when no light reaches the frame
     struct gp_rect in;   // box of the sources
@@ -26,8 +26,8 @@ double gp_fft_passes_ms(const struct gp_sources *s,
 double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
                           enum gp_fft_plan how);
 
-/* What rel_l2 of transforms of s with k cannot exceed, where the layer's norm
- * is at least `least`; INFINITY where that is 0.
+/* Bounds rel_l2 of transforms of s with k, where the layer's norm is at least
+ * `least`; INFINITY where that is 0.
  *
  * A stage of a transform is within (4 + sqrt 2) 2^-24 of its norm, one that
  * only adds within 2^-24 (Higham 2002, theorem 24.2). Roundings of different

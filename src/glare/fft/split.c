@@ -165,8 +165,8 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
     }
 }
 
-/* What the squares of a bin's sources add up to, about: the mean square of
- * [1, 3/2) and [3/2, 2) is 0.7 and 0.77 of their ends'. */
+/* Estimates the sum of squares of a bin's sources: the mean square of [1,
+ * 3/2) and [3/2, 2) is 0.7 and 0.77 of their ends'. */
 static double bin_energy(const struct gp_sources *s, int bin)
 {
     const double end = (double) gp_source_bin_start(bin + 1);
@@ -191,8 +191,8 @@ static double core_ms(double n, double quads, int r)
 
 enum { BINS = GP_SOURCE_BINS - 1 }; // the last one would hold NaN
 
-/* What all splits of one frame share. A split sends no source, or all from one
- * bin up, whole, and one of the cores for the rest. */
+/* State that all splits of one frame share. A split sends no source, or all
+ * from one bin up, whole, and one of the cores for the rest. */
 struct search {
     const struct gp_sources *src;
     const double *tail;

@@ -13,7 +13,7 @@
 
 /* -- the plan -------------------------------------------------------------- */
 
-/* What is drawn, and the bound of its error: made on the CPU before any
+/* The drawing, and the bound of its error: made on the CPU before any
  * drawing. */
 struct gp_splat_plan {
     bool made;

@@ -221,7 +221,7 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks)
 
 /* -- one chunk ------------------------------------------------------------ */
 
-/* What one thread needs; its pipeline is reused for all its chunks. */
+/* State of one thread; its pipeline is reused for all its chunks. */
 struct worker {
     const struct gp_exr_chunks *chunks;
     const struct gp_exr_sink *sink;

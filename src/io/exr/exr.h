@@ -119,8 +119,8 @@ struct gp_exr_chunks {
     size_t largest;                   // unpacked bytes of the largest chunk
 };
 
-/* Where the samples of one channel go: w/xs * h/ys of them, rows without
- * padding. Not wanted when `to` is NULL. */
+/* The place for the samples of one channel: w/xs * h/ys of them, rows
+ * without padding. Not wanted when `to` is NULL. */
 struct gp_exr_sink {
     void *to;
     bool as_float; // convert; else the file's own type

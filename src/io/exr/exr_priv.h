@@ -1,4 +1,4 @@
-/* What the files of io/exr share: nothing here is for other folders. */
+/* Shared by the files of io/exr: nothing here is for other folders. */
 #ifndef GP_IO_EXR_EXR_PRIV_H
 #define GP_IO_EXR_EXR_PRIV_H
 
@@ -25,8 +25,8 @@ int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
 /* Forgets what happened on this thread; before calls of the library. */
 void gp_exr_fault_clear(void);
 
-/* What happened on this thread since: GP_OK, GP_ERR_BUG memory was full,
- * GP_ERR_IO a read failed. Safe in parallel bodies. */
+/* Returns what happened on this thread since: GP_OK, GP_ERR_BUG memory was
+ * full, GP_ERR_IO a read failed. Safe in parallel bodies. */
 gp_status gp_exr_fault(void);
 
 /* True when a read on this thread since got fewer bytes than it asked for.
@@ -49,7 +49,7 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
-/* Where an attribute is in the file. */
+/* The place of an attribute in the file. */
 struct gp_exr_place {
     uint64_t name, type, value;
     uint32_t size; // of the value
@@ -168,8 +168,8 @@ bool gp_exr_bare_name(const struct gp_input *in, int part, const char *view,
  * input that is NULL or not EXR. */
 void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out);
 
-/* What a channel of a part holds: by its own layer, or by the part's name when
- * it has none. `in` as above. */
+/* Returns what a channel of a part holds: by its own layer, or by the part's
+ * name when it has none. `in` as above. */
 enum gp_crypto_kind gp_exr_crypto_channel(const struct gp_crypto *c,
     const struct gp_input *in, int part, const char *name);
 

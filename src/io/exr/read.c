@@ -8,7 +8,7 @@
 
 #include <string.h>
 
-/* What is known while a frame is read. */
+/* State while a frame is read. */
 struct reading {
     const struct gp_log *log;
     const char *path;

@@ -67,7 +67,7 @@ struct group {
     const struct gp_frame *complete; // the one that has all channels of it
 };
 
-/* What no frame has as colour. */
+/* Channels that are never colour. */
 static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
 {
     // the names of all colours: a file may have very many other channels, and

@@ -51,7 +51,7 @@ struct new_part {
     const struct gp_exr_carried_part *own; // of the input, or NULL
 };
 
-/* What is open at once, so that one place closes it. */
+/* Everything that is open at once, so that one place closes it. */
 struct writing {
     const struct gp_log *log;
     const struct gp_write_params *p;

@@ -219,9 +219,24 @@ static void give_back(struct helper *h)
     pthread_mutex_unlock(&pool.lock);
 }
 
+/* The line for a call that failed: `reply` NULL: the helper is no more. */
 static gp_status call_failed(const struct gp_log *log, const char *path,
     bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
-    const char *text);
+    const char *text)
+{
+    const gp_status st = writes ? GP_ERR_IO : GP_ERR_DATA;
+    const char *const what = writes ? "cannot be written"
+                                    : "cannot be read";
+    const char *const hint = writes ? "write .exr or .png"
+                                    : "give an EXR or convert it";
+    if (reply ? reply->end == GP_OIIO_MEMORY : h->starved)
+        return gp_no_memory(log, path);
+    if (!reply)
+        return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
+                       h->cause, hint);
+    return gp_fail(log, st, "%s: %s (%s); %s", path, what,
+                   text[0] ? text : "cut off or damaged", hint);
+}
 
 /* A helper for this thread, one that runs first; give it back. */
 static gp_status take_helper(const struct gp_log *log, const char *path,
@@ -314,28 +329,10 @@ static bool send_ask(struct helper *h, struct gp_oiio_ask *ask,
            send_all(h, text, ask->bytes);
 }
 
-/* The line for a call that failed: `reply` NULL: the helper is no more. */
-static gp_status call_failed(const struct gp_log *log, const char *path,
-    bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
-    const char *text)
-{
-    const gp_status st = writes ? GP_ERR_IO : GP_ERR_DATA;
-    const char *const what = writes ? "cannot be written"
-                                    : "cannot be read";
-    const char *const hint = writes ? "write .exr or .png"
-                                    : "give an EXR or convert it";
-    if (reply ? reply->end == GP_OIIO_MEMORY : h->starved)
-        return gp_no_memory(log, path);
-    if (!reply)
-        return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
-                       h->cause, hint);
-    return gp_fail(log, st, "%s: %s (%s); %s", path, what,
-                   text[0] ? text : "cut off or damaged", hint);
-}
-
 // -- reading ------------------------------------------------------------------
 
-/* What a gp_image of a helper points into, and where its rows come from. */
+/* The memory that a gp_image of a helper points into, and the source of its
+ * rows. */
 struct input {
     struct helper *helper;
     int fd;              // of a copy in memory, -1: the stream's own
@@ -367,7 +364,8 @@ static gp_status make_descriptor(const struct gp_log *log, const char *path,
     return gp_shared_failed(log, path, s->size);
 }
 
-/* Whether the header can be true. What is not is not the file's doing. */
+/* Checks that the header can be true. One that cannot is not the file's
+ * doing. */
 static bool spec_holds(const struct gp_oiio_spec *s, long long max_pixels)
 {
     const int32_t edge[] = {s->x, s->y, s->w, s->h, s->full_x, s->full_y,
@@ -476,7 +474,8 @@ static void close_image(struct gp_image *image)
     gp_free(in);
 }
 
-/* Where the block that begins at row y goes: every other one to its half. */
+/* Returns the place of the block that begins at row y: every other one in
+ * its half. */
 static size_t place_of(const struct gp_image *image, int y)
 {
     const struct input *const in = image->own;

@@ -99,7 +99,7 @@ void limit(int what, rlim_t most, bool hard)
     (void) setrlimit(static_cast<__rlimit_resource_t>(what), &l);
 }
 
-// What glarepp may have: memory, and bytes of a file.
+// The limits of glarepp itself: memory, and bytes of a file.
 rlim_t inherited_data, inherited_space, inherited_file;
 
 // CPU time for one call: what is used, and `seconds` of each processor.

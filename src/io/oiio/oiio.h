@@ -85,7 +85,7 @@ GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
     const struct gp_frame *f, const struct gp_planes *planes,
     enum gp_picture_kind kind);
 
-/* Whether that can be done with these params. Errors: GP_ERR_USAGE unknown
+/* Checks that these params can be written. Errors: GP_ERR_USAGE unknown
  * ending, more bits than the format has, a compression that TIFF lacks;
  * GP_ERR_IO no helper. */
 GP_MUST_CHECK gp_status gp_other_check(const struct gp_log *log,

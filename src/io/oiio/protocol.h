@@ -1,4 +1,4 @@
-/* What glarepp and its helper program glarepp-oiio say to each other.
+/* The messages between glarepp and its helper program glarepp-oiio.
  *
  * A socket between the two carries, in either direction, a fixed struct and
  * then `bytes` of text; files and memory go along as descriptors. The helper
@@ -22,7 +22,7 @@ enum { GP_OIIO_PROTOCOL = 0x67700001 }; // counts up when a struct changes
 
 enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_ROWS, GP_OIIO_WRITE };
 
-/* How a call ended; text is the reason of all but GP_OIIO_DONE. */
+/* The end of a call; text is the reason of all but GP_OIIO_DONE. */
 enum gp_oiio_end {
     GP_OIIO_DONE,
     GP_OIIO_REFUSED,  // the file is damaged, or not to be read or written

@@ -11,9 +11,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* What a format can hold. Of 2.4's other writers RLA loses samples, FITS writes
- * its rows one too high, IFF 1x1 as black, GIF is not the same from run to run,
- * HEIF's reads past the end of its rows, icons are not read back. */
+/* The types that a format holds. Of 2.4's other writers RLA loses samples,
+ * FITS writes its rows one too high, IFF 1x1 as black, GIF is not the same
+ * from run to run, HEIF's reads past the end of its rows, icons are not read
+ * back. */
 static const struct format {
     const char *ending;
     int bits;      // most bits of an integer sample; 0 holds none

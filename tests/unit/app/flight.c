@@ -9,7 +9,7 @@
 
 enum { MOST = 200 };
 
-/* What is seen of a flight. Steps may run on any thread. */
+/* Counts of a flight, for tests. Steps may run on any thread. */
 struct seen {
     struct gp_flight flight;
     atomic_int steps[MOST][3];

@@ -27,7 +27,7 @@ static void the_table_is_sound(void **state)
     assert_null(gp_option_find("", 0));
 }
 
-/* What --help or the man page's part prints, in memory; the caller frees it. */
+/* Returns what --help or the man page's part prints; the caller frees it. */
 static char *printed(enum gp_command command, bool man)
 {
     char *text = NULL;
@@ -179,7 +179,7 @@ static void edits_are_counted(void **state)
 
 // -- topics ------------------------------------------------------------------
 
-/* What a topic prints, NULL when it is none; the caller frees it. */
+/* Returns what a topic prints, NULL when it is none; the caller frees it. */
 static char *topic(const char *name)
 {
     char *text = NULL;

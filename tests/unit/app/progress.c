@@ -69,7 +69,7 @@ static void failed_lists(void **state)
     }
 }
 
-/* What does not fit is counted. */
+/* A list that does not fit ends with the count of the rest. */
 static void long_lists_are_cut(void **state)
 {
     for (int n = 150; n < 260; n++) {

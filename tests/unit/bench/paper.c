@@ -43,7 +43,7 @@ static void bytes_are_the_same_everywhere(void **state)
     }
 }
 
-/* How many sources, and of what luminance: the sensors' view of each. */
+/* Each kind has its share of sources, of its luminance, as sensors see them. */
 static void light_is_as_it_is_named(void **state)
 {
     static const struct {

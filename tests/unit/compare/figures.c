@@ -109,7 +109,7 @@ static void luminance_is_relative(void **state)
     assert_true(isinf(measure(&a, &b, &defaults).max_rel));
 }
 
-/* What each pair of values is. */
+/* Each pair of values that are no numbers has its own answer. */
 static void values_that_are_no_numbers(void **state)
 {
     static const struct { float a, b; bool same; } rows[] = {

@@ -12,7 +12,7 @@
 
 enum { MOST = 5000, CALLERS = 5 };
 
-/* What a loop is seen to do. */
+/* The calls that a loop made. */
 struct seen {
     atomic_int count[MOST];
     atomic_int in_use[256]; // by thread number

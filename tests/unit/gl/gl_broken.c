@@ -51,7 +51,7 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
 
 // -- systems ------------------------------------------------------------------
 
-/* What breaks, and the line that says so; NULL: a context all the same. */
+/* A break, and the line that says so; NULL: a context all the same. */
 struct broken {
     const char *what, *said;
 };

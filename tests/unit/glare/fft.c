@@ -338,7 +338,7 @@ static size_t count_hot(const struct gp_sources *s, float hot)
     return n;
 }
 
-/* What every choice must be, whatever the frame. */
+/* Checks what every choice must be, whatever the frame. */
 static void choices_keep_the_rules(void **state)
 {
     static const double gains[] = {1.0, 0.0, 1e-6, 1e-3, 0.1, 100.0};

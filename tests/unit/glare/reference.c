@@ -152,7 +152,7 @@ static void no_error_is_zero(void **state)
     }
 }
 
-/* Where nothing should be, what is there is the error itself. */
+/* The layer itself is the error where nothing should be. */
 static void dark_layers_have_absolute_errors(void **state)
 {
     struct scene s = measured(2, 2, 1.0f, 0.0, 0.0f);

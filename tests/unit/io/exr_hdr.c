@@ -60,7 +60,7 @@ static struct gp_exr_header make_header(struct gp_attribute *attribute,
     return h;
 }
 
-/* What other formats tell of the picture, and not of how they stored it. */
+/* Checks what other formats say of the picture, not of how they stored it. */
 static void attributes_of_other_formats(void **state)
 {
     static char longest[257], longer[258];
@@ -300,8 +300,8 @@ static void put_rips(struct gp_exr_out *out, int part)
     assert_int_equal(index, TILES);
 }
 
-/* What is wrong with chunk 2 of a part: the bytes at `at` of it, or its place,
- * `back` bytes before the file's end. */
+/* Damage to chunk 2 of a part: the bytes at `at` of it, or its place, `back`
+ * bytes before the file's end. */
 struct damage {
     bool cut; // the header says so, whatever part is read
     int part;

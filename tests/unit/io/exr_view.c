@@ -8,7 +8,7 @@
 
 enum { MANY = 70 };
 
-/* What the next file's attributes say. */
+/* The attributes of the next file. */
 static struct {
     const char *view[MANY];  // of part 0; the first is the default
     int views;

@@ -289,7 +289,7 @@ struct work {
     const char *argument;
 };
 
-/* Whether the work was done without the fault. */
+/* Returns whether the work was done without the fault. */
 static bool one_point(const struct work *w, enum fail_class kind, int n)
 {
     const int files = wf_names();

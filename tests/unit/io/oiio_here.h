@@ -15,7 +15,7 @@
 
 #include <cmocka.h>
 
-/* Whether there is an OpenImageIO; after open_oiio(). */
+/* Returns whether there is an OpenImageIO; after open_oiio(). */
 static bool has_oiio;
 
 static inline int open_oiio(void **state)
