@@ -127,7 +127,6 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
                           int part, const char *view, struct gp_exr_names *out)
 {
     const exr_attr_chlist_t *list;
-    void *name = NULL, *text = NULL;
     size_t bytes = 1;
     *out = (struct gp_exr_names) {0};
     if (exr_get_channels(in->exr, part, &list))
@@ -135,11 +134,11 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
     for (int i = 0; i < list->num_channels; i++)
         bytes += strlen(list->entries[i].name.str) + 1;
     gp_status st = gp_alloc(log, "channel names", (size_t) list->num_channels,
-                            sizeof(char *), &name);
+                            sizeof *out->name, &out->name);
     if (!st)
-        st = gp_alloc(log, "channel names", bytes, 1, &text);
-    *out = (struct gp_exr_names) {name, text, st ? 0 : list->num_channels};
-    char *to = text;
+        st = gp_alloc(log, "channel names", bytes, 1, &out->text);
+    out->n = st ? 0 : list->num_channels;
+    char *to = out->text;
     for (int i = 0; i < out->n; i++) {
         const char *const own = list->entries[i].name.str;
         out->name[i] = own;
@@ -154,18 +153,11 @@ gp_status gp_exr_names_in(const struct gp_log *log, const struct gp_input *in,
 
 /* -- Cryptomatte ---------------------------------------------------------- */
 
-/* cryptomatte/HASH/name */
-static bool names_layer(const exr_attribute_t *a)
-{
-    static const char first[] = "cryptomatte/", last[] = "/name";
-    const size_t len = strlen(a->name), end = sizeof last - 1;
-    return a->type == EXR_ATTR_STRING && len > sizeof first - 1 + end &&
-           strncmp(a->name, first, sizeof first - 1) == 0 &&
-           strcmp(a->name + len - end, last) == 0;
-}
-
 void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
 {
+    // cryptomatte/HASH/name
+    static const char first[] = "cryptomatte/", last[] = "/name";
+    const size_t start = sizeof first - 1, end = sizeof last - 1;
     *out = (struct gp_crypto) {0};
     for (int part = 0; in && in->exr && part < in->parts; part++) {
         int32_t n = 0;
@@ -173,9 +165,14 @@ void gp_exr_crypto(const struct gp_input *in, struct gp_crypto *out)
             continue;
         for (int32_t i = 0; i < n && out->n < GP_CRYPTO_LAYERS; i++) {
             const exr_attribute_t *a;
-            if (!exr_get_attribute_by_index(in->exr, part,
-                                            EXR_ATTR_LIST_FILE_ORDER, i, &a) &&
-                names_layer(a) && a->string->str && a->string->str[0])
+            if (exr_get_attribute_by_index(in->exr, part,
+                                           EXR_ATTR_LIST_FILE_ORDER, i, &a))
+                continue;
+            const size_t len = strlen(a->name);
+            if (a->type == EXR_ATTR_STRING && len > start + end &&
+                strncmp(a->name, first, start) == 0 &&
+                strcmp(a->name + len - end, last) == 0 && a->string->str &&
+                a->string->str[0])
                 out->layer[out->n++] = a->string->str;
         }
     }
@@ -204,60 +201,52 @@ struct search {
     int only;  // this part and no other, or -1
 };
 
-/* Looks among a part's channels of a view; those of ids are no colour. */
-static gp_status search_part(const struct search *s, int part,
-                             const char *layer, const char *view, bool lone,
-                             struct gp_colour_choice *out, bool *found)
-{
-    const exr_attr_chlist_t *list;
-    struct gp_exr_names names;
-    gp_status st = gp_exr_names_in(s->log, s->in, part, view, &names);
-    if (st)
-        return st;
-    const bool none = exr_get_channels(s->in->exr, part, &list);
-    for (int i = 0; !none && i < names.n; i++) {
-        if (gp_exr_crypto_channel(&s->crypto, s->in, part,
-                                  list->entries[i].name.str))
-            names.name[i] = "";
-    }
-    if (!layer) {
-        *found = gp_find_colour(names.name, names.n, lone, out);
-    } else {
-        // the layer of that name, or the part: with or without its view
-        const char *called;
-        const size_t n = gp_exr_part_layer(s->in, part, &called);
-        const bool own = n > 0 && (strcmp(called, layer) == 0 ||
-                                   is_word(called, n, layer));
-        *found = gp_find_layer_colour(names.name, names.n, layer, lone, out) ||
-                 (!lone && own &&
-                  gp_find_layer_colour(names.name, names.n, "", false, out));
-    }
-    gp_exr_names_free(&names);
-    return GP_OK;
-}
-
 /* All parts in their order; those without a lone channel, which is more likely
  * depth than colour, before those with one. Without a layer's name a deep part
  * comes before a lone channel too, so that its reader says what is wrong. */
 static gp_status search_parts(const struct search *s, const char *layer,
     const char *view, struct gp_exr_choice *out, bool *found)
 {
+    const struct gp_input *const in = s->in;
     int deep = -1;
     *found = false;
     for (int lone = 0; lone < 2; lone++) {
-        for (int i = -1; i < s->in->parts; i++) {
+        for (int i = -1; i < in->parts; i++) {
             const int part = i < 0 ? s->first : i;
             if (i == s->first || (s->only >= 0 && part != s->only) ||
-                (view && !has_view(s->in, part, view)))
+                (view && !has_view(in, part, view)))
                 continue;
-            if (gp_exr_is_deep(s->in, part)) {
+            if (gp_exr_is_deep(in, part)) {
                 deep = deep < 0 ? part : deep;
                 continue;
             }
-            gp_status st = search_part(s, part, layer, view, lone,
-                                       &out->colour, found);
+            // the part's channels of the view; those of ids are no colour
+            const exr_attr_chlist_t *list;
+            struct gp_exr_names names;
+            gp_status st = gp_exr_names_in(s->log, in, part, view, &names);
             if (st)
                 return st;
+            const bool none = exr_get_channels(in->exr, part, &list);
+            for (int k = 0; !none && k < names.n; k++) {
+                if (gp_exr_crypto_channel(&s->crypto, in, part,
+                                          list->entries[k].name.str))
+                    names.name[k] = "";
+            }
+            // the layer of that name, or the part: with or without its view
+            const char *called;
+            const size_t n = gp_exr_part_layer(in, part, &called);
+            if (!layer)
+                *found = gp_find_colour(names.name, names.n, lone,
+                                        &out->colour);
+            else
+                *found = gp_find_layer_colour(names.name, names.n, layer, lone,
+                                              &out->colour) ||
+                         (!lone && n > 0 &&
+                          (strcmp(called, layer) == 0 ||
+                           is_word(called, n, layer)) &&
+                          gp_find_layer_colour(names.name, names.n, "", false,
+                                               &out->colour));
+            gp_exr_names_free(&names);
             if (*found) {
                 out->part = part;
                 return GP_OK;
@@ -270,29 +259,6 @@ static gp_status search_parts(const struct search *s, const char *layer,
         }
     }
     return GP_OK;
-}
-
-/* VIEW.LAYER, LAYER.VIEW or VIEW, when there is nothing of the whole name. */
-static gp_status search_view_in_name(const struct search *s, const char *layer,
-                                     struct gp_exr_choice *out, bool *found)
-{
-    char word[GP_CHANNEL_NAME + 1];
-    const char *first = strchr(layer, '.'), *last = strrchr(layer, '.');
-    *found = false;
-    if (strlen(layer) >= sizeof word)
-        return GP_OK;
-    gp_status st = search_parts(s, NULL, layer, out, found);
-    strcpy(word, layer);
-    if (!st && !*found && first) {
-        word[first - layer] = '\0';
-        st = search_parts(s, first + 1, word, out, found);
-        word[first - layer] = '.';
-    }
-    if (!st && !*found && last) {
-        word[last - layer] = '\0';
-        st = search_parts(s, word, last + 1, out, found);
-    }
-    return st;
 }
 
 /* The number of the part of that number or name, or -1. */
@@ -350,40 +316,6 @@ static void add_name(struct names *to, int number, const char *name, size_t len)
     to->name[to->n++].len = len;
 }
 
-/* The layers of a part that hold light. */
-static void add_layers(const struct search *s, int part, struct names *to)
-{
-    const exr_attr_chlist_t *list;
-    const char *name;
-    if (exr_get_channels(s->in->exr, part, &list))
-        return;
-    for (int i = 0; !to->cut && i < list->num_channels; i++) {
-        const char *const channel = list->entries[i].name.str;
-        size_t len = gp_layer_length(channel);
-        const char *const own = channel + len;
-        if ((strcmp(own, "R") != 0 && strcmp(own, "Y") != 0 &&
-             strcasecmp(own, "red") != 0) ||
-            gp_exr_crypto_channel(&s->crypto, s->in, part, channel))
-            continue;
-        if (len > 0) {
-            add_name(to, -1, channel, len - 1);
-        } else if (s->in->parts > 1) {
-            len = gp_exr_part_layer(s->in, part, &name);
-            add_name(to, -1, name, len);
-        }
-    }
-}
-
-static void add_views(const struct gp_input *in, int part, struct names *to)
-{
-    const char *own = gp_exr_part_view(in, part), *view[VIEWS];
-    if (own)
-        add_name(to, -1, own, strlen(own));
-    const int n = own ? 0 : views_of(in, part, view);
-    for (int i = 0; i < n; i++)
-        add_name(to, -1, view[i], strlen(view[i]));
-}
-
 /* True when `layer` is one of ids: CryptoObject00, CryptoObject, or one of its
  * channels. */
 static bool is_layer_of_ids(const struct search *s, const char *layer)
@@ -416,14 +348,34 @@ static gp_status not_there(const struct search *s,
                            const struct gp_read_params *p, const char *path)
 {
     struct names layers = {0}, parts = {0}, views = {0};
+    const struct gp_input *const in = s->in;
     char what[700];
     bool known = !p->view;
-    for (int part = 0; part < s->in->parts; part++) {
-        const char *name = gp_exr_part_name(s->in, part);
-        add_layers(s, part, &layers);
-        add_views(s->in, part, &views);
+    for (int part = 0; part < in->parts; part++) {
+        const char *const name = gp_exr_part_name(in, part);
+        const char *const own = gp_exr_part_view(in, part), *view[VIEWS];
+        const exr_attr_chlist_t *list;
         add_name(&parts, part, name ? name : "-", name ? strlen(name) : 1);
-        known = known || has_view(s->in, part, p->view);
+        known = known || has_view(in, part, p->view);
+        if (own)
+            add_name(&views, -1, own, strlen(own));
+        for (int i = 0, n = own ? 0 : views_of(in, part, view); i < n; i++)
+            add_name(&views, -1, view[i], strlen(view[i]));
+        // the layers that hold light
+        if (exr_get_channels(in->exr, part, &list))
+            continue;
+        for (int i = 0; !layers.cut && i < list->num_channels; i++) {
+            const char *layer = list->entries[i].name.str;
+            size_t len = gp_layer_length(layer);
+            const char *const letter = layer + len;
+            if ((strcmp(letter, "R") != 0 && strcmp(letter, "Y") != 0 &&
+                 strcasecmp(letter, "red") != 0) ||
+                gp_exr_crypto_channel(&s->crypto, in, part, layer) ||
+                (len == 0 && in->parts == 1))
+                continue;
+            len = len > 0 ? len - 1 : gp_exr_part_layer(in, part, &layer);
+            add_name(&layers, -1, layer, len);
+        }
     }
     const char *has_layers = layers.n ? layers.text : "none";
     if (p->layer && is_layer_of_ids(s, p->layer))
@@ -431,7 +383,7 @@ static gp_status not_there(const struct search *s,
                        "%s: layer %.200s is Cryptomatte: ids are no light and "
                        "are never filtered (layers of light: %s); give one of "
                        "those", path, p->layer, has_layers);
-    if (p->part && part_number(s->in, p->part) < 0)
+    if (p->part && part_number(in, p->part) < 0)
         snprintf(what, sizeof what, "part %.200s", p->part);
     else if (!known)
         snprintf(what, sizeof what, "view %.200s", p->view);
@@ -451,6 +403,7 @@ gp_status gp_exr_choose(const struct gp_log *log,
     int first, struct gp_exr_choice *out)
 {
     struct search s = {.log = log, .in = in, .first = first, .only = -1};
+    char word[GP_CHANNEL_NAME + 1];
     bool found = false;
     gp_exr_crypto(in, &s.crypto);
     if (p->part) {
@@ -459,8 +412,22 @@ gp_status gp_exr_choose(const struct gp_log *log,
             return not_there(&s, p, path);
     }
     gp_status st = search_parts(&s, p->layer, p->view, out, &found);
-    if (!st && !found && p->layer && !p->view)
-        st = search_view_in_name(&s, p->layer, out, &found);
+    if (!st && !found && p->layer && !p->view &&
+        strlen(p->layer) < sizeof word) {
+        // there is nothing of the whole name: VIEW, VIEW.LAYER or LAYER.VIEW
+        char *const one = strchr(strcpy(word, p->layer), '.');
+        char *const last = strrchr(word, '.');
+        st = search_parts(&s, NULL, p->layer, out, &found);
+        if (!st && !found && one) {
+            *one = '\0';
+            st = search_parts(&s, one + 1, word, out, &found);
+            *one = '.';
+        }
+        if (!st && !found && last) {
+            *last = '\0';
+            st = search_parts(&s, word, last + 1, out, &found);
+        }
+    }
     if (st || found)
         return st;
     if (p->layer || p->part || p->view)

@@ -74,58 +74,50 @@ static int64_t block_pixels(int all, int size, int i)
     return left < size ? left : size;
 }
 
-/* Asks the library for chunk `index`. Its rectangle must be the one that its
- * index says: together they cover the window, each pixel once. Returns what
- * is wrong, or NULL. */
-static const char *find_chunk(const struct gp_exr_chunks *cs, int index,
-                              exr_chunk_info_t *c)
-{
-    const exr_context_t exr = cs->input->exr;
-    exr_result_t r;
-    int64_t x = 0, y, w, h;
-    if (cs->lines) {
-        y = cs->y0 + (int64_t) index * cs->lines;
-        w = cs->w;
-        h = block_pixels(cs->h, cs->lines, index);
-        r = exr_read_scanline_chunk_info(exr, cs->part, (int) y, c);
-    } else {
-        const int across = (cs->w - 1) / cs->tile_w + 1;
-        x = index % across;
-        y = index / across;
-        w = block_pixels(cs->w, cs->tile_w, (int) x);
-        h = block_pixels(cs->h, cs->tile_h, (int) y);
-        r = exr_read_tile_chunk_info(exr, cs->part, (int) x, (int) y, 0, 0, c);
-    }
-    if (r)
-        return exr_get_default_error_message(r);
-    if (c->idx != index || (!cs->lines && c->start_x != x) ||
-        c->start_y != y || c->width != w || c->height != h)
-        return "it is not where it belongs";
-    return NULL;
-}
-
+/* Asks the library for all chunks. The rectangle of each must be the one that
+ * its index says: together they cover the window, each pixel once. */
 static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
 {
+    const exr_context_t exr = cs->input->exr;
     const uint64_t size = cs->input->stream.size;
+    const int across = cs->lines ? 1 : (cs->w - 1) / cs->tile_w + 1;
     gp_exr_fault_clear();
     for (int i = 0; i < cs->chunks; i++) {
         exr_chunk_info_t *c = &cs->chunk[i];
+        exr_result_t r;
+        int64_t x = i % across, y = i / across, w = cs->w, h;
+        if (cs->lines) {
+            h = block_pixels(cs->h, cs->lines, i);
+            y = cs->y0 + y * cs->lines;
+            r = exr_read_scanline_chunk_info(exr, cs->part, (int) y, c);
+        } else {
+            w = block_pixels(cs->w, cs->tile_w, (int) x);
+            h = block_pixels(cs->h, cs->tile_h, (int) y);
+            r = exr_read_tile_chunk_info(exr, cs->part, (int) x, (int) y, 0, 0,
+                                         c);
+        }
+        const char *wrong = NULL;
+        if (r)
+            wrong = exr_get_default_error_message(r);
+        else if (c->idx != i || (!cs->lines && c->start_x != x) ||
+                 c->start_y != y || c->width != w || c->height != h)
+            wrong = "it is not where it belongs";
+
         uint64_t bytes = 0;
-        const char *wrong = find_chunk(cs, i, c);
         if (!wrong && (!unpacked_bytes(cs, c, &bytes) ||
                        bytes != c->unpacked_size))
             return gp_fail(log, GP_ERR_DATA,
                            "%s: channels are subsampled in a way that its "
                            "blocks of lines do not hold (chunk %d); write the "
                            "file without subsampling", cs->path, i + 1);
+        // the 64 are for headers and for the last, unfinished unit
         if (!wrong && c->packed_size > size)
             wrong = "it ends after the file";
-        if (!wrong && cs->compression == EXR_COMPRESSION_NONE &&
-            c->packed_size != bytes)
+        else if (!wrong && cs->compression == EXR_COMPRESSION_NONE &&
+                 c->packed_size != bytes)
             wrong = "its size is wrong";
-        // the 64 are for headers and for the last, unfinished unit
-        if (!wrong &&
-            bytes > (c->packed_size + 64) * most_expansion(cs->compression))
+        else if (!wrong && bytes > (c->packed_size + 64) *
+                                       most_expansion(cs->compression))
             wrong = "it is too small for its pixels";
         if (wrong && gp_exr_fault())
             return gp_exr_fault_print(log, cs->path, gp_exr_fault());
@@ -139,63 +131,17 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
     return GP_OK;
 }
 
-/* The data window, and the number of chunks of level 0, which come first in
- * the table. */
-static gp_status read_window(const struct gp_log *log, long long max_pixels,
-                             struct gp_exr_chunks *cs)
-{
-    const exr_context_t exr = cs->input->exr;
-    const uint64_t size = cs->input->stream.size;
-    const int all = cs->input->index->part[cs->part].chunks;
-    exr_attr_box2i_t d;
-    exr_tile_level_mode_t mode;
-    exr_tile_round_mode_t round;
-    uint32_t tw = 0, th = 0;
-    int32_t lines = 0;
-    int64_t n = 0;
-    if (exr_get_data_window(exr, cs->part, &d))
-        return gp_fail(log, GP_ERR_DATA,
-            "%s: has no data window; render the file again", cs->path);
-    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
-    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
-    gp_status st = gp_window_check(log, cs->path, "data", w, h, max_pixels);
-    if (st)
-        return st;
-    cs->x0 = d.min.x;
-    cs->y0 = d.min.y;
-    cs->w = (int) w;
-    cs->h = (int) h;
-    if (cs->storage == EXR_STORAGE_TILED) {
-        if (!exr_get_tile_descriptor(exr, cs->part, &tw, &th, &mode, &round) &&
-            tw > 0 && th > 0 && tw < INT_MAX && th < INT_MAX)
-            n = ((w + tw - 1) / tw) * ((h + th - 1) / th);
-        cs->tile_w = (int) tw;
-        cs->tile_h = (int) th;
-    } else if (!exr_get_scanlines_per_chunk(exr, cs->part, &lines) &&
-               lines > 0) {
-        n = (h + lines - 1) / lines;
-        cs->lines = lines;
-    }
-    // each chunk has 8 bytes in the offset table, so the file bounds the list
-    if (n < 1 || n > all || (uint64_t) n > size / 8)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: cut off or damaged (%d chunks in a file of %llu "
-                       "bytes, %lld needed); copy or render the file again",
-                       cs->path, all, (unsigned long long) size, (long long) n);
-    cs->chunks = (int) n;
-    return GP_OK;
-}
-
 gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
                              const struct gp_input *in, int part,
                              long long max_pixels, struct gp_exr_chunks *out)
 {
+    const exr_context_t exr = in->exr;
     gp_status st;
-    void *list = NULL;
+    exr_attr_box2i_t d;
     *out = (struct gp_exr_chunks) {.input = in, .path = path, .part = part};
-    if (exr_get_storage(in->exr, part, &out->storage) ||
-        exr_get_compression(in->exr, part, &out->compression) ||
-        exr_get_channels(in->exr, part, &out->channel))
+    if (exr_get_storage(exr, part, &out->storage) ||
+        exr_get_compression(exr, part, &out->compression) ||
+        exr_get_channels(exr, part, &out->channel))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR header is damaged (part %d lacks "
                        "channels, compression or type); render the file again",
@@ -204,10 +150,47 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_DATA,
             "%s: deep data has no single colour per pixel (part "
             "%d); flatten it first, with e.g. oiiotool --flatten", path, part);
-    GP_TRY(read_window(log, max_pixels, out));
-    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) out->chunks,
-                         sizeof *out->chunk, &list));
-    out->chunk = list;
+
+    if (exr_get_data_window(exr, part, &d))
+        return gp_fail(log, GP_ERR_DATA,
+            "%s: has no data window; render the file again", path);
+    const int64_t w = (int64_t) d.max.x - d.min.x + 1;
+    const int64_t h = (int64_t) d.max.y - d.min.y + 1;
+    GP_TRY(gp_window_check(log, path, "data", w, h, max_pixels));
+    out->x0 = d.min.x;
+    out->y0 = d.min.y;
+    out->w = (int) w;
+    out->h = (int) h;
+
+    // the number of chunks of level 0, which come first in the table; each has
+    // 8 bytes there, so the file bounds the list
+    const uint64_t size = in->stream.size;
+    const int all = in->index->part[part].chunks;
+    int64_t n = 0;
+    if (out->storage == EXR_STORAGE_TILED) {
+        exr_tile_level_mode_t mode;
+        exr_tile_round_mode_t round;
+        uint32_t tw = 0, th = 0;
+        if (!exr_get_tile_descriptor(exr, part, &tw, &th, &mode, &round) &&
+            tw > 0 && th > 0 && tw < INT_MAX && th < INT_MAX)
+            n = ((w + tw - 1) / tw) * ((h + th - 1) / th);
+        out->tile_w = (int) tw;
+        out->tile_h = (int) th;
+    } else {
+        int32_t lines = 0;
+        if (!exr_get_scanlines_per_chunk(exr, part, &lines) && lines > 0) {
+            n = (h + lines - 1) / lines;
+            out->lines = lines;
+        }
+    }
+    if (n < 1 || n > all || (uint64_t) n > size / 8)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: cut off or damaged (%d chunks in a file of %llu "
+                       "bytes, %lld needed); copy or render the file again",
+                       path, all, (unsigned long long) size, (long long) n);
+    out->chunks = (int) n;
+    GP_TRY(gp_alloc_zero(log, "chunks", (size_t) n, sizeof *out->chunk,
+                         &out->chunk));
     GP_TRY(read_chunks(log, out));
 out:
     return st;
@@ -234,38 +217,6 @@ struct worker {
     bool ready;
 };
 
-/* Unpacked bytes of a chunk: either in order, or split by even and odd
- * places with the halves at `bytes` and `odd`. */
-struct packed {
-    const uint8_t *bytes;
-    const uint8_t *odd;  // NULL when in order
-};
-
-/* One row of one channel: n samples that are `at` bytes into the chunk; `at`
- * is even always. */
-static void unpack_row(const struct packed *p, size_t at, exr_pixel_type_t type,
-                       bool as_float, void *to, size_t n)
-{
-    const bool half = type == EXR_PIXEL_HALF;
-    if (p->odd && half && as_float)
-        gp_split_half_to_float(p->bytes + at / 2, p->odd + at / 2, to, n);
-    else if (p->odd)
-        gp_interleave(p->bytes + at / 2, p->odd + at / 2, to, half ? n : 2 * n);
-    else if (half && as_float)
-        gp_half_to_float((const uint16_t *) (const void *) (p->bytes + at), to,
-                         n);
-    else
-        memcpy(to, p->bytes + at, n * (half ? 2 : 4));
-    if (type == EXR_PIXEL_UINT && as_float) {
-        for (size_t i = 0; i < n; i++) {
-            float *const v = (float *) to + i;
-            uint32_t u;
-            memcpy(&u, v, sizeof u);
-            *v = (float) u;
-        }
-    }
-}
-
 /* The samples of a chunk to the sinks; for unpack_and_convert_fn. */
 static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
 {
@@ -274,15 +225,14 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     const exr_chunk_info_t *c = &pipe->chunk;
     const int x0 = cs->tile_w ? c->start_x * cs->tile_w : 0;
     const int y0 = cs->tile_w ? c->start_y * cs->tile_h : c->start_y - cs->y0;
-    struct packed p = {.bytes = pipe->unpacked_buffer};
-    size_t at = 0;
-    if (w->is_split) {
-        p.bytes = w->split;
-        p.odd = w->split + (c->unpacked_size + 1) / 2;
-    }
-    if (w->is_stored)
-        p.bytes = pipe->packed_buffer;
-    if (!p.bytes)
+    // either in order, or split by even and odd places
+    const uint8_t *bytes = w->is_split    ? w->split
+                           : w->is_stored ? pipe->packed_buffer
+                                          : pipe->unpacked_buffer;
+    const uint8_t *const odd =
+        w->is_split ? bytes + (c->unpacked_size + 1) / 2 : NULL;
+    size_t at = 0; // of a row of one channel in the chunk: always even
+    if (!bytes)
         return EXR_ERR_CORRUPT_CHUNK;
     for (int y = y0; y < y0 + c->height; y++) {
         for (int i = 0; i < cs->channel->num_channels; i++) {
@@ -295,11 +245,30 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
             const size_t width = (size_t) (cs->w / e->x_sampling);
             const size_t index = (size_t) (y / e->y_sampling) * width +
                                  (size_t) (x0 / e->x_sampling);
-            if (s->to)
-                unpack_row(&p, at, e->pixel_type, s->as_float,
-                           (uint8_t *) s->to +
-                               index * (s->as_float || !half ? 4 : 2), n);
-            at += n * (half ? 2 : 4);
+            const size_t from = at, size = half ? 2 : 4;
+            at += n * size;
+            if (!s->to)
+                continue;
+            void *const to =
+                (uint8_t *) s->to + index * (s->as_float ? 4 : size);
+            if (odd && half && s->as_float)
+                gp_split_half_to_float(bytes + from / 2, odd + from / 2, to, n);
+            else if (odd)
+                gp_interleave(bytes + from / 2, odd + from / 2, to,
+                              n * size / 2);
+            else if (half && s->as_float)
+                gp_half_to_float((const uint16_t *) (const void *) (bytes +
+                                                                    from),
+                                 to, n);
+            else
+                memcpy(to, bytes + from, n * size);
+            const bool number = e->pixel_type == EXR_PIXEL_UINT && s->as_float;
+            for (size_t k = 0; number && k < n; k++) {
+                float *const v = (float *) to + k;
+                uint32_t u;
+                memcpy(&u, v, sizeof u);
+                *v = (float) u;
+            }
         }
     }
     return EXR_ERR_SUCCESS;
@@ -348,15 +317,6 @@ static exr_result_t run_chunk(struct worker *w, int index)
     return r ? r : exr_decoding_run(exr, cs->part, &w->pipe);
 }
 
-static void close_worker(struct worker *w)
-{
-    if (w->ready)
-        (void) exr_decoding_destroy(w->chunks->input->exr, &w->pipe);
-    if (w->inflate)
-        libdeflate_free_decompressor(w->inflate);
-    gp_free(w->split);
-}
-
 static gp_status open_worker(const struct gp_log *log,
                              const struct gp_exr_chunks *cs,
                              const struct gp_exr_sink *sink, struct worker *w)
@@ -393,65 +353,21 @@ static gp_status open_worker(const struct gp_log *log,
         return GP_OK;
     w->pipe.decompress_fn = decompress;
     w->inflate = libdeflate_alloc_decompressor();
-    void *split;
-    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &split);
-    w->split = split;
+    gp_status st = gp_alloc(log, "chunk", cs->largest, 1, &w->split);
     return st || w->inflate ? st : gp_no_memory(log, cs->path);
 }
 
 /* -- DWAA and DWAB, by OpenImageIO ---------------------------------------- */
 
-static gp_status sort_channels(const struct gp_log *log,
-    const struct gp_exr_chunks *cs, const struct gp_image *image,
-    const struct gp_exr_sink *sink)
-{
-    const size_t w = (size_t) cs->w, step = (size_t) image->channels;
-    void *block;
-    gp_status st = gp_alloc(log, "row", w, sizeof(float), &block);
-    if (st)
-        return st;
-    float *const row = block;
-    for (int i = 0; i < cs->channel->num_channels; i++) {
-        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
-        const struct gp_exr_sink *s = &sink[i];
-        const bool half = e->pixel_type == EXR_PIXEL_HALF;
-        int from = 0;
-        while (from < image->channels &&
-               strcmp(image->channel_name[from], e->name.str) != 0)
-            from++;
-        if (!s->to)
-            continue;
-        if (from == image->channels)
-            GP_TRY(gp_fail(log, GP_ERR_DATA,
-                   "%s: OpenImageIO did not find channel %s; write "
-                   "the file with zip compression", cs->path, e->name.str));
-        for (size_t y = 0, at = 0; y < (size_t) cs->h; y++, at += w) {
-            const float *p = image->pixels + at * step + (size_t) from;
-            for (size_t x = 0; x < w; x++) {
-                uint32_t u;
-                row[x] = p[x * step];
-                if (e->pixel_type == EXR_PIXEL_UINT && s->as_float) {
-                    memcpy(&u, &row[x], sizeof u);
-                    row[x] = (float) u;
-                }
-            }
-            if (half && !s->as_float)
-                (void) gp_float_to_half(row, (uint16_t *) s->to + at, w);
-            else
-                memcpy((float *) s->to + at, row, w * sizeof *row);
-        }
-    }
-out:
-    gp_free(block);
-    return st;
-}
-
 static gp_status decode_by_oiio(const struct gp_log *log,
     const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
     const struct gp_stream *s = &cs->input->stream;
+    const int channels = cs->channel->num_channels;
+    const size_t w = (size_t) cs->w, h = (size_t) cs->h;
     struct gp_image image = {0};
-    for (int i = 0; i < cs->channel->num_channels; i++) {
+    float *row = NULL;
+    for (int i = 0; i < channels; i++) {
         const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
         if (e->x_sampling != 1 || e->y_sampling != 1)
             return gp_fail(log, GP_ERR_DATA,
@@ -463,15 +379,45 @@ static gp_status decode_by_oiio(const struct gp_log *log,
                                 (long long) cs->w * cs->h, &image);
     if (st)
         return st;
-    const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
-    if (w != cs->w || h != cs->h)
-        st = gp_fail(log, GP_ERR_DATA,
-            "%s: OpenImageIO found %d x %d pixels (%d x %d in the "
-            "header); render the file again", cs->path, w, h, cs->w, cs->h);
-    else
-        st = gp_image_load(log, &image);
-    if (!st)
-        st = sort_channels(log, cs, &image, sink);
+    const int wide = gp_rect_w(image.data), high = gp_rect_h(image.data);
+    if (wide != cs->w || high != cs->h)
+        GP_TRY(gp_fail(log, GP_ERR_DATA,
+               "%s: OpenImageIO found %d x %d pixels (%d x %d in the header); "
+               "render the file again", cs->path, wide, high, cs->w, cs->h));
+    GP_TRY(gp_image_load(log, &image));
+
+    // its channels may be in another order
+    const size_t step = (size_t) image.channels;
+    GP_TRY(gp_alloc(log, "row", w, sizeof *row, &row));
+    for (int i = 0; i < channels; i++) {
+        const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];
+        const bool number = e->pixel_type == EXR_PIXEL_UINT && sink[i].as_float;
+        void *const to = sink[i].to;
+        int from = 0;
+        while (from < image.channels &&
+               strcmp(image.channel_name[from], e->name.str) != 0)
+            from++;
+        if (!to)
+            continue;
+        if (from == image.channels)
+            GP_TRY(gp_fail(log, GP_ERR_DATA,
+                   "%s: OpenImageIO did not find channel %s; write the file "
+                   "with zip compression", cs->path, e->name.str));
+        for (size_t y = 0, at = 0; y < h; y++, at += w) {
+            const float *p = image.pixels + at * step + (size_t) from;
+            for (size_t x = 0; x < w; x++) {
+                uint32_t u;
+                memcpy(&u, &p[x * step], sizeof u);
+                row[x] = number ? (float) u : p[x * step];
+            }
+            if (e->pixel_type == EXR_PIXEL_HALF && !sink[i].as_float)
+                (void) gp_float_to_half(row, (uint16_t *) to + at, w);
+            else
+                memcpy((float *) to + at, row, w * sizeof *row);
+        }
+    }
+out:
+    gp_free(row);
     gp_image_close(&image);
     return st;
 }
@@ -531,21 +477,25 @@ gp_status gp_exr_decode(const struct gp_log *log,
     const struct gp_exr_chunks *cs, const struct gp_exr_sink *sink)
 {
     const int team = gp_threads() < cs->chunks ? gp_threads() : cs->chunks;
+    struct worker *worker;
     int failed;
-    void *list;
     gp_status st = gp_alloc_zero(log, "decoders", (size_t) team,
-                                 sizeof(struct worker), &list);
+                                 sizeof *worker, &worker);
     if (st)
         return st;
-    struct worker *const worker = list;
     for (int i = 0; i < team; i++)
         GP_TRY(open_worker(log, cs, sink, &worker[i]));
     st = gp_parallel(cs->chunks, decode_body, worker, &failed);
     if (st)
         st = explain(log, worker, failed, st);
 out:
-    for (int i = 0; i < team; i++)
-        close_worker(&worker[i]);
-    gp_free(list);
+    for (int i = 0; i < team; i++) {
+        if (worker[i].ready)
+            (void) exr_decoding_destroy(cs->input->exr, &worker[i].pipe);
+        if (worker[i].inflate)
+            libdeflate_free_decompressor(worker[i].inflate);
+        gp_free(worker[i].split);
+    }
+    gp_free(worker);
     return st;
 }

@@ -132,7 +132,8 @@ GP_MUST_CHECK gp_status gp_exr_carried_read(const struct gp_log *log,
     const char *path, const struct gp_input *in, struct gp_exr_carried *out);
 void gp_exr_carried_free(struct gp_exr_carried *carried);
 
-/* The attribute of that name and type, or NULL. */
+/* The attribute of that name and type, or NULL; a `part` that is NULL has
+ * none. */
 const struct gp_exr_attr *
 gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
                  const char *type);
@@ -231,10 +232,6 @@ GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
  * at once on the way to the planes. */
 
 struct libdeflate_compressor;
-
-/* A compressor of the level that gp_exr_zip() is meant for; one a thread.
- * NULL when memory is full; free with libdeflate_free_compressor(). */
-struct libdeflate_compressor *gp_exr_zip_compressor(void);
 
 /* Splits `n` bytes (even) into those at even and at odd places, and turns
  * each into its difference to the one before, plus 128. `in` and `out` do not

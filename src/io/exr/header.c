@@ -74,24 +74,6 @@ static uint64_t count_channels(const struct value *v, uint64_t most,
     return n;
 }
 
-static bool is_chlist(const struct value *v)
-{
-    bool complete;
-    (void) count_channels(v, UINT64_MAX, &complete);
-    return complete;
-}
-
-static bool is_floatvector(const struct value *v)
-{
-    return v->size % 4 == 0;
-}
-
-/* The size of what is packed after it, then that. */
-static bool is_idmanifest(const struct value *v)
-{
-    return v->size >= 8;
-}
-
 /* Film codes within the ranges of SMPTE 254. */
 static bool is_keycode(const struct value *v)
 {
@@ -163,21 +145,28 @@ static bool value_is(const struct value *v, const char *type)
         bool (*is)(const struct value *v); // where it is not one size
     } types[] = {
         {"box2f", 16, NULL},         {"box2i", 16, NULL},
-        {"chlist", 0, is_chlist},    {"chromaticities", 32, NULL},
-        {"compression", 1, NULL},    {"deepImageState", 1, NULL},
-        {"double", 8, NULL},         {"envmap", 1, NULL},
-        {"float", 4, NULL},          {"floatvector", 0, is_floatvector},
-        {"idmanifest", 0, is_idmanifest}, {"int", 4, NULL},
-        {"keycode", 0, is_keycode},  {"lineOrder", 1, NULL},
-        {"m33d", 72, NULL},          {"m33f", 36, NULL},
-        {"m44d", 128, NULL},         {"m44f", 64, NULL},
-        {"preview", 0, is_preview},  {"rational", 8, NULL},
-        {"stringvector", 0, is_stringvector}, {"tiledesc", 9, NULL},
-        {"timecode", 8, NULL},       {"v2d", 16, NULL},
-        {"v2f", 8, NULL},            {"v2i", 8, NULL},
-        {"v3d", 24, NULL},           {"v3f", 12, NULL},
-        {"v3i", 12, NULL},
+        {"chromaticities", 32, NULL}, {"compression", 1, NULL},
+        {"deepImageState", 1, NULL}, {"double", 8, NULL},
+        {"envmap", 1, NULL},         {"float", 4, NULL},
+        {"int", 4, NULL},            {"keycode", 0, is_keycode},
+        {"lineOrder", 1, NULL},      {"m33d", 72, NULL},
+        {"m33f", 36, NULL},          {"m44d", 128, NULL},
+        {"m44f", 64, NULL},          {"preview", 0, is_preview},
+        {"rational", 8, NULL},       {"stringvector", 0, is_stringvector},
+        {"tiledesc", 9, NULL},       {"timecode", 8, NULL},
+        {"v2d", 16, NULL},           {"v2f", 8, NULL},
+        {"v2i", 8, NULL},            {"v3d", 24, NULL},
+        {"v3f", 12, NULL},           {"v3i", 12, NULL},
     };
+    bool complete;
+    if (strcmp(type, "chlist") == 0) {
+        (void) count_channels(v, UINT64_MAX, &complete);
+        return complete;
+    }
+    if (strcmp(type, "floatvector") == 0)
+        return v->size % 4 == 0;
+    if (strcmp(type, "idmanifest") == 0) // unpacked size, then what is packed
+        return v->size >= 8;
     for (size_t i = 0; i < sizeof types / sizeof *types; i++) {
         if (strcmp(type, types[i].name) == 0)
             return types[i].is ? types[i].is(v) : v->size == types[i].size;
@@ -189,33 +178,6 @@ bool gp_exr_value_is(const struct gp_stream *s, const char *type)
 {
     struct window w = {.stream = s};
     return value_is(&(struct value) {&w, 0, s->size}, type);
-}
-
-/* The type that the attribute of that name must have, or NULL when it may have
- * any. `multi`: in a file of several parts. */
-static const char *type_of(const char *name, bool multi)
-{
-    static const struct {
-        const char *name, *type;
-        bool multi; // only there
-    } known[] = {
-        {"channels", "chlist", false},
-        {"compression", "compression", false},
-        {"dataWindow", "box2i", false},
-        {"displayWindow", "box2i", false},
-        {"lineOrder", "lineOrder", false},
-        {"pixelAspectRatio", "float", false},
-        {"screenWindowCenter", "v2f", false},
-        {"screenWindowWidth", "float", false},
-        {"type", "string", false},
-        {"name", "string", true},
-        {"chunkCount", "int", true},
-    };
-    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
-        if (strcmp(name, known[i].name) == 0 && (multi || !known[i].multi))
-            return known[i].type;
-    }
-    return NULL;
 }
 
 /* -- the walk ------------------------------------------------------------- */
@@ -243,32 +205,6 @@ static bool read_name(struct window *w, uint64_t *at, char to[NAME])
     memcpy(to, from, (size_t) (null - from) + 1);
     *at += (uint64_t) (null - from) + 1;
     return true;
-}
-
-enum found { ATTRIBUTE, END_OF_PART, DAMAGED };
-
-/* Reads name, type and size of the attribute at `at`. */
-static enum found read_attribute(struct walk *walk, uint64_t at)
-{
-    struct gp_exr_place *const to = &walk->at;
-    size_t left;
-    const uint8_t *b = window_at(&walk->w, at, 1, &left);
-    if (!b)
-        return DAMAGED;
-    if (*b == 0)
-        return END_OF_PART;
-    to->name = at;
-    if (!read_name(&walk->w, &at, walk->name))
-        return DAMAGED;
-    to->type = at;
-    if (!read_name(&walk->w, &at, walk->type))
-        return DAMAGED;
-    b = window_at(&walk->w, at, 4, &left);
-    if (left < 4)
-        return DAMAGED;
-    to->size = gp_le32(b);
-    to->value = at + 4;
-    return ATTRIBUTE;
 }
 
 /* Fails when a list of n is too long after lists of one kind whose squares
@@ -299,8 +235,25 @@ static gp_status grow_list(const struct walk *walk, void **list, int n,
 static gp_status add_attribute(struct walk *walk,
                                struct gp_exr_index_part *part)
 {
+    static const struct {
+        const char *name, *type; // that it must have
+        bool multi;              // only in files of several parts
+    } known[] = {
+        {"channels", "chlist", false},
+        {"compression", "compression", false},
+        {"dataWindow", "box2i", false},
+        {"displayWindow", "box2i", false},
+        {"lineOrder", "lineOrder", false},
+        {"pixelAspectRatio", "float", false},
+        {"screenWindowCenter", "v2f", false},
+        {"screenWindowWidth", "float", false},
+        {"type", "string", false},
+        {"name", "string", true},
+        {"chunkCount", "int", true},
+    };
     struct gp_exr_index *const index = walk->index;
     const struct value v = {&walk->w, walk->at.value, walk->at.size};
+    const char *must = NULL; // any type
     void *list = index->attr;
     gp_status st;
     GP_TRY(check_length(walk, walk->attributes, "attributes",
@@ -311,7 +264,11 @@ static gp_status add_attribute(struct walk *walk,
         GP_TRY(check_length(walk, walk->channels, "channels", n));
         walk->channels += n * n;
     }
-    const char *const must = type_of(walk->name, index->multi);
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++) {
+        if (strcmp(walk->name, known[i].name) == 0 &&
+            (index->multi || !known[i].multi))
+            must = known[i].type;
+    }
     const bool fits = (!must || strcmp(must, walk->type) == 0) &&
                       value_is(&v, walk->type);
     if (!fits && !walk->w.error) {
@@ -336,27 +293,41 @@ static gp_status walk_part(struct walk *walk, uint64_t at, uint64_t *end)
 {
     struct gp_exr_index *const index = walk->index;
     struct gp_exr_index_part part = {.from = at, .attr = index->attrs};
-    enum found found;
+    struct window *const w = &walk->w;
+    struct gp_exr_place *const to = &walk->at;
+    const uint8_t *b;
+    size_t left;
+    gp_status st;
     *end = 0;
-    while ((found = read_attribute(walk, at)) == ATTRIBUTE) {
-        const uint64_t size = walk->w.stream->size;
-        gp_status st = add_attribute(walk, &part);
+    while ((b = window_at(w, at, 1, &left)) && *b != 0) {
+        to->name = to->type = at;
+        if (!read_name(w, &to->type, walk->name))
+            return GP_OK;
+        to->value = to->type;
+        if (!read_name(w, &to->value, walk->type))
+            return GP_OK;
+        b = window_at(w, to->value, 4, &left);
+        if (left < 4)
+            return GP_OK;
+        to->size = gp_le32(b);
+        to->value += 4;
+        st = add_attribute(walk, &part);
         if (st)
             return st;
         if (!index->type && index->flat && strcmp(walk->name, "type") == 0)
             index->type = at;
-        at = walk->at.value + walk->at.size;
-        if (walk->at.size > INT_MAX || at > size)
+        at = to->value + to->size;
+        if (to->size > INT_MAX || at > w->stream->size)
             return GP_OK;
     }
-    if (found == DAMAGED)
+    if (!b)
         return GP_OK;
     *end = part.to = at + 1;
     walk->attributes += (uint64_t) part.attrs * (uint64_t) part.attrs;
     if (index->multi && part.attrs == 0) // the null that ends all parts
         return GP_OK;
     void *list = index->part;
-    gp_status st = check_length(walk, 0, "parts", (uint64_t) index->parts + 1);
+    st = check_length(walk, 0, "parts", (uint64_t) index->parts + 1);
     if (!st)
         st = grow_list(walk, &list, index->parts, sizeof part);
     index->part = list;

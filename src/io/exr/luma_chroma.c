@@ -59,16 +59,6 @@ GP_CLONES static void fill_columns(const float *some, int n, float *row)
     }
 }
 
-/* Outside the row its first and its last sample are repeated. */
-static void pad(const float *from, int n, float *some)
-{
-    for (int i = 0; i < TAPS / 2; i++) {
-        some[-1 - i] = from[0];
-        some[n + i] = from[n - 1];
-    }
-    memcpy(some, from, (size_t) n * sizeof *some);
-}
-
 static void chroma_row(void *ctx, int i, int thread)
 {
     const struct rows *r = ctx;
@@ -79,7 +69,12 @@ static void chroma_row(void *ctx, int i, int thread)
     for (int c = 0; c < 2; c++) {
         const float *from = (c ? in->by : in->ry) + row * (size_t) n;
         float *to = r->chroma[c] + row * w;
-        pad(from, n, some);
+        // outside the row its first and its last sample are repeated
+        for (int k = 0; k < TAPS / 2; k++) {
+            some[-1 - k] = from[0];
+            some[n + k] = from[n - 1];
+        }
+        memcpy(some, from, (size_t) n * sizeof *some);
         fill_columns(some, n, to);
         keep_half(in, to);
     }
@@ -169,28 +164,13 @@ static void colours_of_row(const struct rows *rows, int y,
     find_saturation(row, in->w);
 }
 
-/* Moves a colour towards its largest component, then back to its luminance. */
-static void desaturate(const struct gp_yc *in, float f, float rgb[3])
-{
-    const float *const w = in->weight;
-    float high = larger(rgb[0], larger(rgb[1], rgb[2]));
-    float before = rgb[0] * w[0] + rgb[1] * w[1] + rgb[2] * w[2];
-    for (int c = 0; c < 3; c++) {
-        float v = larger(high - (high - rgb[c]) * f, 0.0f);
-        rgb[c] = in->half ? gp_half_nearest(v) : v;
-    }
-    float after = rgb[0] * w[0] + rgb[1] * w[1] + rgb[2] * w[2];
-    for (int c = 0; c < 3 && after > 0.0f; c++) {
-        float v = rgb[c] * (before / after);
-        rgb[c] = in->half ? gp_half_nearest(v) : v;
-    }
-}
-
 /* fixSaturation() of the row between two others. The mean is of the four
  * diagonal neighbours; beside the image its edge column counts. */
 static void fix_row(const struct rows *rows, const struct colours row[3], int y)
 {
-    const int w = rows->in->w;
+    const struct gp_yc *const in = rows->in;
+    const int w = in->w;
+    const float *const wt = in->weight;
     const float *above = row[0].saturation, *below = row[2].saturation;
     for (int x = 0; x < w; x++) {
         int left = x > 0 ? x - 1 : 0, right = x < w - 1 ? x + 1 : x;
@@ -200,8 +180,20 @@ static void fix_row(const struct rows *rows, const struct colours row[3], int y)
         float most = smaller(1.0f, 1.0f - (1.0f - mean) * 0.25f);
         size_t at = (size_t) y * (size_t) w + (size_t) x;
         float rgb[3] = {row[1].c[0][x], row[1].c[1][x], row[1].c[2][x]};
-        if (s > mean && s > most)
-            desaturate(rows->in, most / s, rgb);
+        if (s > mean && s > most) {
+            // towards the largest component, then back to its luminance
+            float high = larger(rgb[0], larger(rgb[1], rgb[2]));
+            float before = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
+            for (int c = 0; c < 3; c++) {
+                float v = larger(high - (high - rgb[c]) * (most / s), 0.0f);
+                rgb[c] = in->half ? gp_half_nearest(v) : v;
+            }
+            float after = rgb[0] * wt[0] + rgb[1] * wt[1] + rgb[2] * wt[2];
+            for (int c = 0; c < 3 && after > 0.0f; c++) {
+                float v = rgb[c] * (before / after);
+                rgb[c] = in->half ? gp_half_nearest(v) : v;
+            }
+        }
         for (int c = 0; c < 3; c++)
             rows->out->c[c][at] = rgb[c];
     }
@@ -251,18 +243,15 @@ gp_status gp_yc_to_rgb(const struct gp_log *log, const struct gp_yc *in,
     gp_status st;
     size_t w = (size_t) in->w, chroma_rows = (size_t) (in->h / in->ys);
     struct rows rows = {.in = in, .out = out};
-    void *p = NULL;
     if (in->xs == 1) {
         gp_parallel_do(in->h, full_row, &rows);
         return GP_OK;
     }
-    for (int c = 0; c < 2; c++) {
-        GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float), &p));
-        rows.chroma[c] = p;
-    }
+    for (int c = 0; c < 2; c++)
+        GP_TRY(gp_alloc(log, "chroma", chroma_rows * w, sizeof(float),
+                        &rows.chroma[c]));
     GP_TRY(gp_alloc(log, "chroma", (size_t) gp_threads() * SCRATCH_ROWS * w,
-                    sizeof(float), &p));
-    rows.scratch = p;
+                    sizeof(float), &rows.scratch));
     gp_parallel_do((int) chroma_rows, chroma_row, &rows);
     gp_parallel_do((in->h + BAND - 1) / BAND, band, &rows);
 out:

@@ -96,14 +96,6 @@ static void keep_reason(exr_const_context_t ctxt, exr_result_t code,
         snprintf(in->reason, sizeof in->reason, "%s", message);
 }
 
-static gp_status damaged_header(const struct gp_log *log, const char *path,
-                                const char *why)
-{
-    return gp_fail(log, GP_ERR_DATA,
-                   "%s: the EXR header is damaged or cut off (%s); copy or "
-                   "render the file again", path, why);
-}
-
 /* Parses the header with the library, and finds the offset tables. */
 static gp_status parse_header(const struct gp_log *log, const char *path,
                               struct gp_input *in)
@@ -124,12 +116,15 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
         r = exr_get_count(in->exr, &in->parts);
     if (gp_exr_fault())
         return gp_exr_fault_print(log, path, gp_exr_fault());
+    const char *why = NULL;
     if (r || in->parts < 1)
-        return damaged_header(log, path,
-                              in->reason[0] ? in->reason
-                                            : exr_get_default_error_message(r));
-    if (!index->tables || index->parts != in->parts)
-        return damaged_header(log, path, "its parts do not end");
+        why = in->reason[0] ? in->reason : exr_get_default_error_message(r);
+    else if (!index->tables || index->parts != in->parts)
+        why = "its parts do not end";
+    if (why)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: the EXR header is damaged or cut off (%s); copy or "
+                       "render the file again", path, why);
     uint64_t at = index->tables;
     for (int i = 0; i < in->parts; i++) {
         struct gp_exr_index_part *const part = &index->part[i];
@@ -270,35 +265,6 @@ void gp_input_free(void *input)
 
 /* -- what is carried to the output ---------------------------------------- */
 
-/* Points `carried` into its bytes as the index says. False when they are not
- * those that were indexed: names and types must end where they did. */
-static bool point_into(const struct gp_exr_index *index,
-                       struct gp_exr_carried *carried)
-{
-    const uint8_t *const b = carried->bytes;
-    for (int i = 0; i < index->attrs; i++) {
-        const struct gp_exr_place *p = &index->attr[i];
-        carried->attr[i] = (struct gp_exr_attr) {
-            (const char *) b + p->name, (const char *) b + p->type,
-            b + p->value, p->size,
-        };
-        if (b[p->type - 1] || b[p->value - 5] ||
-            memcmp(b + p->value - 4, &p->size, 4) != 0)
-            return false;
-    }
-    for (int i = 0; i < index->parts; i++) {
-        const struct gp_exr_index_part *p = &index->part[i];
-        carried->part[i] = (struct gp_exr_carried_part) {
-            b + p->from, (size_t) (p->to - p->from), carried->attr + p->attr,
-            p->attrs,
-        };
-        if (b[p->to - 1])
-            return false;
-    }
-    memcpy(&carried->version, b + 4, 4);
-    return true;
-}
-
 gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
     const struct gp_input *in, struct gp_exr_carried *out)
 {
@@ -310,15 +276,36 @@ gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
                     &out->attr));
     GP_TRY(gp_alloc(log, path, (size_t) index->parts, sizeof *out->part,
                     &out->part));
+    const uint8_t *const b = out->bytes;
     gp_exr_fault_clear();
-    const int64_t got = gp_exr_read_bytes(&in->stream, out->bytes,
-                                          index->tables, 0);
+    bool same = gp_exr_read_bytes(&in->stream, out->bytes, index->tables, 0) ==
+                (int64_t) index->tables;
     if (gp_exr_fault())
         GP_TRY(gp_exr_fault_print(log, path, gp_exr_fault()));
-    if (got != (int64_t) index->tables || !point_into(index, out))
+
+    // names, types and parts must end where they did when they were indexed
+    for (int i = 0; same && i < index->attrs; i++) {
+        const struct gp_exr_place *p = &index->attr[i];
+        out->attr[i] = (struct gp_exr_attr) {
+            (const char *) b + p->name, (const char *) b + p->type,
+            b + p->value, p->size,
+        };
+        same = !b[p->type - 1] && !b[p->value - 5] &&
+               memcmp(b + p->value - 4, &p->size, 4) == 0;
+    }
+    for (int i = 0; same && i < index->parts; i++) {
+        const struct gp_exr_index_part *p = &index->part[i];
+        out->part[i] = (struct gp_exr_carried_part) {
+            b + p->from, (size_t) (p->to - p->from), out->attr + p->attr,
+            p->attrs,
+        };
+        same = !b[p->to - 1];
+    }
+    if (!same)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: the EXR header cannot be read again (cut off or "
                        "damaged); copy or render the file again", path));
+    memcpy(&out->version, b + 4, 4);
     return GP_OK;
 out:
     gp_exr_carried_free(out);
@@ -337,7 +324,7 @@ const struct gp_exr_attr *
 gp_exr_attr_find(const struct gp_exr_carried_part *part, const char *name,
                  const char *type)
 {
-    for (int i = 0; i < part->attrs; i++) {
+    for (int i = 0; part && i < part->attrs; i++) {
         const struct gp_exr_attr *a = &part->attr[i];
         if (strcmp(a->name, name) == 0 && strcmp(a->type, type) == 0)
             return a;

@@ -83,31 +83,6 @@ void gp_exr_header_free(struct gp_exr_header *h)
 
 /* -- attributes of a new part --------------------------------------------- */
 
-static void put_channels(struct gp_exr_header *h,
-                         const struct gp_exr_image *img)
-{
-    struct gp_exr_header list = {0};
-    // OpenImageIO has no way to give the DWA compressor the flag, and a
-    // reader must not believe what the chunks are not made for
-    const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
-                     img->compression == GP_COMPRESSION_DWAB;
-    for (int i = 0; i < img->sources; i++) {
-        const struct gp_exr_source *s = &img->source[i];
-        const int32_t type = (int32_t) s->type; // GP_UINT.. number as EXR does
-        const uint8_t linear[4] = {s->linear && !dwa};
-        const int32_t step[2] = {s->xs, s->ys};
-        put_name(&list, s->name);
-        gp_exr_header_raw(&list, &type, 4);
-        gp_exr_header_raw(&list, linear, 4);
-        gp_exr_header_raw(&list, step, 8);
-    }
-    gp_exr_header_raw(&list, "", 1);
-    h->flags |= list.flags;
-    h->full |= list.full;
-    gp_exr_header_put(h, "channels", "chlist", list.bytes, list.size);
-    gp_exr_header_free(&list);
-}
-
 static void put_window(struct gp_exr_header *h, const char *name,
                        struct gp_rect r)
 {
@@ -120,8 +95,7 @@ static void put_or(struct gp_exr_header *h,
                    const struct gp_exr_carried_part *own, const char *name,
                    const char *type, const void *data, size_t size)
 {
-    const struct gp_exr_attr *a =
-        own ? gp_exr_attr_find(own, name, type) : NULL;
+    const struct gp_exr_attr *a = gp_exr_attr_find(own, name, type);
     if (a && a->size == size)
         data = a->data;
     gp_exr_header_put(h, name, type, data, size);
@@ -179,9 +153,10 @@ static void put_carried(struct gp_exr_header *h,
     }
 }
 
-/* Attributes that OpenImageIO makes of another format's header say how that
- * file was stored; only those about the picture are carried. */
-static bool about_storage(const char *name)
+/* The attributes that OpenImageIO makes of another format's header. Some say
+ * how that file was stored; only those about the picture are carried. */
+static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
+                        enum gp_exr_kept kept)
 {
     static const char *const exact[] = {
         "compression", "Compression", "CompressionQuality", "Orientation",
@@ -192,21 +167,13 @@ static bool about_storage(const char *name)
         "oiio:", "tiff:", "jpeg:", "png:", "dpx:", "bmp:", "pnm:", "hdr:",
         "targa:", "gif:", "webp:", "sgi:", "openexr:", "ICCProfile:", NULL,
     };
-    for (int i = 0; start[i]; i++) {
-        if (strncmp(name, start[i], strlen(start[i])) == 0)
-            return true;
-    }
-    return is_listed(name, exact);
-}
-
-static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
-                        enum gp_exr_kept kept)
-{
     for (int i = 0; i < f->attributes; i++) {
         const struct gp_attribute *a = &f->attribute[i];
         const size_t n = strlen(a->name);
-        if (n == 0 || n > 255 || about_storage(a->name) ||
-            !is_kept(a->name, kept))
+        bool stored = is_listed(a->name, exact);
+        for (int k = 0; !stored && start[k]; k++)
+            stored = strncmp(a->name, start[k], strlen(start[k])) == 0;
+        if (n == 0 || n > 255 || stored || !is_kept(a->name, kept))
             continue;
         if (a->kind == GP_ATTRIBUTE_TEXT && a->text)
             gp_exr_header_put(h, a->name, "string", a->text, strlen(a->text));
@@ -224,11 +191,31 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;
     const uint8_t compression = (uint8_t) img->compression;
+    struct gp_exr_header list = {.flags = h->flags}; // of the channels
+    // OpenImageIO has no way to give the DWA compressor the flag, and a
+    // reader must not believe what the chunks are not made for
+    const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
+                     img->compression == GP_COMPRESSION_DWAB;
+    for (int i = 0; i < img->sources; i++) {
+        const struct gp_exr_source *s = &img->source[i];
+        const int32_t type = (int32_t) s->type; // GP_UINT.. number as EXR does
+        const uint8_t linear[4] = {s->linear && !dwa};
+        const int32_t step[2] = {s->xs, s->ys};
+        put_name(&list, s->name);
+        gp_exr_header_raw(&list, &type, 4);
+        gp_exr_header_raw(&list, linear, 4);
+        gp_exr_header_raw(&list, step, 8);
+    }
+    gp_exr_header_raw(&list, "", 1);
+    h->flags = list.flags;
+    h->full |= list.full;
+    gp_exr_header_put(h, "channels", "chlist", list.bytes, list.size);
+    gp_exr_header_free(&list);
+
     // whatever the input said; lineOrder is that of the chunks as they are
     // written. Tiled inputs are written as scanlines, and mip-mapped ones
     // without their smaller levels, which would have to be made anew from the
     // picture with glare.
-    put_channels(h, img);
     gp_exr_header_put(h, "compression", "compression", &compression, 1);
     put_window(h, "dataWindow", img->data);
     put_window(h, "displayWindow", f->display);
@@ -251,9 +238,8 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     put_carried(h, own, kept, false);
     if (!own)
         put_foreign(h, f, kept);
-    const bool carried = own && gp_exr_attr_find(own, "chromaticities",
-                                                "chromaticities");
-    if (in_own_light(kept) && !carried &&
+    if (in_own_light(kept) &&
+        !gp_exr_attr_find(own, "chromaticities", "chromaticities") &&
         memcmp(f->chromaticities, gp_rec709_chromaticities,
                sizeof f->chromaticities) != 0)
         gp_exr_header_put(h, "chromaticities", "chromaticities",
@@ -351,16 +337,17 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
     gp_status st;
     struct gp_exr_table *t = &out->table[part];
     const int n = t->chunks;
-    void *block = NULL, *offsets = NULL, *places = NULL;
+    void *block = NULL;
+    uint64_t *offset = NULL;
+    struct place *place = NULL;
     GP_TRY(gp_alloc(out->log, path, BLOCK_BYTES, 1, &block));
-    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof(uint64_t), &offsets));
-    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof(struct place), &places));
-    struct place *const place = places;
+    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *offset, &offset));
+    GP_TRY(gp_alloc(out->log, path, (size_t) n, sizeof *place, &place));
     gp_exr_fault_clear();
-    if (!gp_exr_offsets_read(in, part, 0, n, offsets))
+    if (!gp_exr_offsets_read(in, part, 0, n, offset))
         st = GP_ERR_DATA;
     for (int i = 0; !st && i < n; i++)
-        place[i] = (struct place) {((uint64_t *) offsets)[i], i};
+        place[i] = (struct place) {offset[i], i};
     if (!st)
         qsort(place, (size_t) n, sizeof *place, by_offset);
     for (int i = 0; !st && i < n; i++) {
@@ -385,8 +372,8 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
             "%s: part %d is cut off or damaged; copy or render the "
             "file again, or give --hdr a file without it", path, part);
 out:
-    gp_free(places);
-    gp_free(offsets);
+    gp_free(place);
+    gp_free(offset);
     gp_free(block);
     return st;
 }

@@ -80,7 +80,8 @@ static gp_status check_sampling(const struct reading *r)
     return GP_OK;
 }
 
-/* The list of channels, with samples of those that are not colour. */
+/* The list of channels, and where their samples go: of colour to the planes,
+ * of luminance and chroma to planes of their own. */
 static gp_status make_channels(struct reading *r)
 {
     const struct gp_exr_chunks *cs = &r->chunks;
@@ -114,55 +115,24 @@ static gp_status make_channels(struct reading *r)
             f->colour_type = GP_FLOAT;
         r->sink[i].to = c->data;
     }
+    GP_TRY(gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb));
+    for (int k = 0; k < 3; k++) {
+        const int index = r->choice->colour.index[k];
+        if (index < 0)
+            continue;
+        const struct gp_channel *c = &f->channel[index];
+        if (f->model == GP_COLOUR_YC)
+            GP_TRY(gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
+                            sizeof(float), &r->yc[k]));
+        r->sink[index] = (struct gp_exr_sink) {
+            f->model == GP_COLOUR_YC ? r->yc[k] : f->rgb.c[k], true,
+        };
+    }
 out:
     return st;
 }
 
-/* Colour goes to the planes; luminance and chroma to planes of their own. */
-static gp_status make_planes(struct reading *r)
-{
-    struct gp_frame *f = r->f;
-    gp_status st = gp_planes_make(r->log, "frame", gp_frame_pixels(f), &f->rgb);
-    for (int k = 0; !st && k < 3; k++) {
-        const int index = r->choice->colour.index[k];
-        float *to = f->rgb.c[k];
-        if (index >= 0 && f->model == GP_COLOUR_YC) {
-            const struct gp_channel *c = &f->channel[index];
-            st = gp_alloc(r->log, "chroma", (size_t) c->w * (size_t) c->h,
-                          sizeof(float), &r->yc[k]);
-            to = r->yc[k];
-        }
-        if (index >= 0)
-            r->sink[index] = (struct gp_exr_sink) {to, true};
-    }
-    return st;
-}
-
 /* -- colour --------------------------------------------------------------- */
-
-/* RGB from luminance and chroma. A chroma channel that is missing is 0. */
-static gp_status finish_yc(struct reading *r)
-{
-    struct gp_frame *f = r->f;
-    const int *const index = r->choice->colour.index;
-    const struct gp_channel *chroma =
-        &f->channel[index[0] >= 0 ? index[0] : index[2]];
-    for (int k = 0; k < 3; k += 2) {
-        if (r->yc[k])
-            continue;
-        gp_status st = gp_alloc_zero(r->log, "chroma",
-            (size_t) chroma->w * (size_t) chroma->h, sizeof(float), &r->yc[k]);
-        if (st)
-            return st;
-    }
-    struct gp_yc yc = {
-        .w = r->chunks.w, .h = r->chunks.h, .xs = chroma->xs,
-        .ys = chroma->ys, .y = r->yc[1], .ry = r->yc[0], .by = r->yc[2],
-        .half = f->colour_type == GP_HALF,
-    };
-    gp_yc_weights(f->chromaticities, yc.weight);
-    return gp_yc_to_rgb(r->log, &yc, &f->rgb);
-}
 
 /* Plane k of a colour that has no channel for it: grey's first, or black. */
 static void fill_missing_plane(struct gp_frame *f, int k)
@@ -180,6 +150,7 @@ static gp_status read_choice(const struct gp_log *log,
     const struct gp_exr_choice *choice, struct gp_frame *out)
 {
     gp_status st;
+    const int *const index = choice->colour.index;
     struct gp_frame f = {.model = choice->colour.model};
     struct reading r = {
         .log = log, .path = path, .f = &f, .choice = choice,
@@ -192,12 +163,26 @@ static gp_status read_choice(const struct gp_log *log,
            (int64_t) f.display.y1 - f.display.y0, p->max_pixels));
     GP_TRY(check_sampling(&r));
     GP_TRY(make_channels(&r));
-    GP_TRY(make_planes(&r));
     GP_TRY(gp_exr_decode(log, &r.chunks, r.sink));
-    if (f.model == GP_COLOUR_YC)
-        GP_TRY(finish_yc(&r));
+    if (f.model == GP_COLOUR_YC) { // a chroma channel that is missing is 0
+        const struct gp_channel *c = &f.channel[index[0] >= 0 ? index[0]
+                                                              : index[2]];
+        for (int k = 0; k < 3; k += 2) {
+            if (!r.yc[k])
+                GP_TRY(gp_alloc_zero(log, "chroma",
+                                     (size_t) c->w * (size_t) c->h,
+                                     sizeof(float), &r.yc[k]));
+        }
+        struct gp_yc yc = {
+            .w = r.chunks.w, .h = r.chunks.h, .xs = c->xs, .ys = c->ys,
+            .y = r.yc[1], .ry = r.yc[0], .by = r.yc[2],
+            .half = f.colour_type == GP_HALF,
+        };
+        gp_yc_weights(f.chromaticities, yc.weight);
+        GP_TRY(gp_yc_to_rgb(log, &yc, &f.rgb));
+    }
     for (int k = 0; f.model != GP_COLOUR_YC && k < 3; k++) {
-        if (choice->colour.index[k] < 0)
+        if (index[k] < 0)
             fill_missing_plane(&f, k);
     }
     f.path = gp_strdup(path);
@@ -234,25 +219,6 @@ out:
 }
 
 /* -- other layers of a file that is open ---------------------------------- */
-
-/* Chooses in the view that is asked for; else in that of f's part first, since
- * a layer of the other eye is the last that is meant. */
-static gp_status choose_layer(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f, const char *layer,
-    struct gp_exr_choice *out)
-{
-    const struct gp_input *in = gp_input_of(f);
-    struct gp_read_params q = {
-        .max_pixels = p->max_pixels, .layer = layer, .view = p->view,
-    };
-    if (!p->view) {
-        q.view = gp_exr_part_view(in, f->part);
-        if (q.view && !gp_exr_choose(NULL, &q, f->path, in, f->part, out))
-            return GP_OK;
-        q.view = NULL;
-    }
-    return gp_exr_choose(log, &q, f->path, in, f->part, out);
-}
 
 /* True when f holds the samples of every channel of the colour. */
 static bool holds_choice(const struct gp_frame *f,
@@ -315,6 +281,7 @@ gp_status gp_read_layer(const struct gp_log *log,
     struct gp_frame *out)
 {
     struct gp_input *const in = f->input;
+    struct gp_read_params q = {.max_pixels = p->max_pixels, .layer = layer};
     struct gp_exr_choice choice;
     struct gp_frame frame = {0};
     exr_attr_box2i_t d;
@@ -323,7 +290,14 @@ gp_status gp_read_layer(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: layers beside the frame are read from EXR alone; "
                        "convert it, with e.g. oiiotool", f->path);
-    GP_TRY(choose_layer(log, p, f, layer, &choice));
+    // in the view that is asked for; else in that of f's part first, since a
+    // layer of the other eye is the last that is meant
+    q.view = p->view ? p->view : gp_exr_part_view(in, f->part);
+    if (p->view || !q.view ||
+        gp_exr_choose(NULL, &q, f->path, in, f->part, &choice)) {
+        q.view = p->view;
+        GP_TRY(gp_exr_choose(log, &q, f->path, in, f->part, &choice));
+    }
     if (exr_get_data_window(in->exr, choice.part, &d) ||
         d.min.x != f->data.x0 || d.min.y != f->data.y0 ||
         d.max.x != f->data.x1 - 1 || d.max.y != f->data.y1 - 1)

@@ -16,12 +16,9 @@ static int by_name(const void *a, const void *b)
 static gp_status make_room(const struct gp_log *log, int most,
                            struct gp_exr_sources *out)
 {
-    void *mem;
     *out = (struct gp_exr_sources) {0};
-    gp_status st = gp_alloc(log, "channels", (size_t) most,
-                            sizeof *out->source, &mem);
-    out->source = mem;
-    return st;
+    return gp_alloc(log, "channels", (size_t) most, sizeof *out->source,
+                    &out->source);
 }
 
 void gp_exr_sources_free(struct gp_exr_sources *s)
@@ -74,12 +71,10 @@ static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
     // each is looked up once
     const char **colour;
     int colours = 0;
-    void *block;
     gp_status st = gp_alloc(g->log, "colours", 3 * (size_t) g->n,
-                            sizeof(char *), &block);
+                            sizeof *colour, &colour);
     if (st)
         return st;
-    colour = block;
     for (int i = 0; i < g->n; i++) {
         const struct gp_frame *f = g->set[i].f;
         for (int k = 0, had = 0; k < f->channels && had < 3; k++) {
@@ -109,7 +104,7 @@ static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
         };
     }
 out:
-    gp_free(block);
+    gp_free(colour);
     return st;
 }
 
@@ -139,47 +134,6 @@ static char *name_beside(const char *like, bool layered, int c)
     return name;
 }
 
-/* Colour c of a frame under a name that the part does not have. */
-static gp_status add_new_colour(const struct group *g,
-    const struct gp_hdr_colour *from, const struct gp_channel *like, int c,
-    struct gp_exr_sources *out)
-{
-    const struct gp_frame *f = from->f;
-    // names beside a grey channel that is called after what it shows, and has
-    // no layer, may need one. Y is luminance and no layer's name.
-    const bool may = f->model == GP_COLOUR_GREY &&
-                     gp_layer_length(like->name) == 0 &&
-                     strcmp(like->name, "Y") != 0;
-    bool layered = false;
-    for (int k = 0; may && k < 3; k++) {
-        char *beside = name_beside(like->name, false, k);
-        if (!beside)
-            return gp_no_memory_bare(g->log, "channels");
-        layered |= is_taken(g, f, beside);
-        free(beside);
-    }
-    char *const name = name_beside(like->name, layered, c);
-    if (!name)
-        return gp_no_memory_bare(g->log, "channels");
-    out->new_name[out->new_names++] = name;
-    if (is_taken(g, f, name))
-        return gp_fail(g->log, GP_ERR_DATA,
-                       "%s: the glare has a colour that needs a channel %s, "
-                       "and the file has another one of that name; rename it",
-                       f->path, name);
-    add_plane(out, g->p, name, f, from->planes->c[c], like->linear);
-    return GP_OK;
-}
-
-static bool all_zero(const float *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++) {
-        if (v[i] != 0.0f)
-            return false;
-    }
-    return true;
-}
-
 /* The colour of one frame. */
 static gp_status add_frame(const struct group *g,
     const struct gp_hdr_colour *from, struct gp_exr_sources *out)
@@ -206,13 +160,37 @@ static gp_status add_frame(const struct group *g,
     }
     if (!like)
         return gp_fail(g->log, GP_ERR_BUG, "%s: no colour channel", f->path);
+
+    // colours under names that the part does not have. Names beside a grey
+    // channel that is called after what it shows, and has no layer, may need
+    // one. Y is luminance and no layer's name.
+    const bool may = f->model == GP_COLOUR_GREY &&
+                     gp_layer_length(like->name) == 0 &&
+                     strcmp(like->name, "Y") != 0;
     for (int c = 0; c < 3; c++) {
-        if (there[c] || (own_names && (f->model != GP_COLOUR_RGB ||
-                                       all_zero(plane[c], n))))
+        bool wanted = !own_names;
+        for (size_t i = 0; f->model == GP_COLOUR_RGB && !wanted && i < n; i++)
+            wanted = plane[c][i] != 0.0f;
+        if (there[c] || !wanted)
             continue;
-        gp_status st = add_new_colour(g, from, like, c, out);
-        if (st)
-            return st;
+        bool layered = false;
+        for (int k = 0; may && k < 3; k++) {
+            char *beside = name_beside(like->name, false, k);
+            if (!beside)
+                return gp_no_memory_bare(g->log, "channels");
+            layered |= is_taken(g, f, beside);
+            free(beside);
+        }
+        char *const name = name_beside(like->name, layered, c);
+        if (!name)
+            return gp_no_memory_bare(g->log, "channels");
+        out->new_name[out->new_names++] = name;
+        if (is_taken(g, f, name))
+            return gp_fail(g->log, GP_ERR_DATA,
+                           "%s: the glare has a colour that needs a channel "
+                           "%s, and the file has another one of that name; "
+                           "rename it", f->path, name);
+        add_plane(out, g->p, name, f, plane[c], like->linear);
     }
     return GP_OK;
 }
@@ -222,7 +200,6 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
     struct gp_exr_sources *out)
 {
     gp_status st;
-    void *names = NULL;
     struct group g = {log, p, set, n, set[0].f};
     for (int i = 1; i < n; i++) {
         if (set[i].f->channels > g.complete->channels)
@@ -230,8 +207,7 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
     }
     GP_TRY(make_room(log, g.complete->channels + 3 * n, out));
     GP_TRY(gp_alloc_zero(log, "channels", 3 * (size_t) n,
-                         sizeof *out->new_name, &names));
-    out->new_name = names;
+                         sizeof *out->new_name, &out->new_name));
     GP_TRY(add_carried(&g, out));
     for (int i = 0; i < n; i++)
         GP_TRY(add_frame(&g, &set[i], out));

@@ -30,17 +30,6 @@ bool gp_exr_loses(enum gp_compression compression, enum gp_pixel_type type,
     }
 }
 
-/* The quality that the input was written with, or OpenEXR's default. */
-static float dwa_quality(const struct gp_exr_carried_part *own)
-{
-    float quality = 45.0f;
-    const struct gp_exr_attr *a =
-        own ? gp_exr_attr_find(own, "dwaCompressionLevel", "float") : NULL;
-    if (a && a->size == sizeof quality)
-        memcpy(&quality, a->data, sizeof quality);
-    return quality >= 0.0f && quality <= 1e6f ? quality : 45.0f;
-}
-
 /* -- a file on its way ---------------------------------------------------- */
 
 /* A part that gets a new header and new chunks. */
@@ -63,47 +52,21 @@ struct writing {
     struct new_part **at;  // for each part of the file; NULL: carried
     int *chunks;           // of each part of the file
     int file_parts;
+    bool all; // the input's other parts, and its part's name, go along
     struct gp_exr_header header;
     struct gp_exr_out out;
     struct gp_file *file;
 };
 
-/* True when the input's other parts, and its part's name, go along. */
-static bool keeps_parts(const struct writing *w)
-{
-    return w->kept == GP_EXR_KEEP_ALL || w->kept == GP_EXR_KEEP_CONVERTED;
-}
-
-/* --compression, or the input's own when that is AUTO and loses nothing, or
- * zip. */
-static enum gp_compression compression_of(const struct writing *w,
-                                          const struct new_part *part)
-{
-    enum gp_compression c = w->p->compression;
-    if (c == GP_COMPRESSION_AUTO) {
-        const struct gp_exr_attr *a =
-            part->own ? gp_exr_attr_find(part->own, "compression",
-                                         "compression") : NULL;
-        c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
-                ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
-    }
-    // OpenImageIO writes a single channel as zip where DWA is asked for: the
-    // header has to say so too
-    if (c < GP_COMPRESSION_DWAA || part->sources.sources != 1)
-        return c;
-    gp_say(w->log, GP_LEVEL_WARN,
-           "%s: one channel alone (%s) cannot be DWA; it is written as zip",
-           w->path, part->sources.source[0].name);
-    return GP_COMPRESSION_ZIP;
-}
-
-/* Finds the parts of the file, and how many chunks each has. */
+/* Finds the parts of the file, their compression, and how many chunks each
+ * has. */
 static gp_status plan_parts(struct writing *w, const struct gp_input *in)
 {
     const char *const from = w->part[0].f->path;
-    const bool all = in && keeps_parts(w);
     gp_status st;
-    w->file_parts = all ? in->parts : 1;
+    w->all = in && (w->kept == GP_EXR_KEEP_ALL ||
+                    w->kept == GP_EXR_KEEP_CONVERTED);
+    w->file_parts = w->all ? in->parts : 1;
     if (in)
         GP_TRY(gp_exr_carried_read(w->log, from, in, &w->carried));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
@@ -112,16 +75,30 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
                          sizeof *w->chunks, &w->chunks));
     for (int i = 0; i < w->parts; i++) {
         struct new_part *const part = &w->part[i];
-        const int number = all ? part->f->part : 0;
+        const int number = w->all ? part->f->part : 0;
+        enum gp_compression c = w->p->compression;
         if (number < 0 || number >= w->file_parts || w->at[number])
             GP_TRY(gp_fail(w->log, GP_ERR_BUG,
                    "%s: part %d is not one of its own", part->f->path, number));
         w->at[number] = part;
         part->own = in ? &w->carried.part[part->f->part] : NULL;
+        if (c == GP_COMPRESSION_AUTO) { // the input's, when that loses nothing
+            const struct gp_exr_attr *const a =
+                gp_exr_attr_find(part->own, "compression", "compression");
+            c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
+                    ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
+        }
+        // OpenImageIO writes a single channel as zip where DWA is asked for:
+        // the header has to say so too
+        if (c >= GP_COMPRESSION_DWAA && part->sources.sources == 1) {
+            gp_say(w->log, GP_LEVEL_WARN,
+                   "%s: one channel alone (%s) cannot be DWA; it is written as "
+                   "zip", w->path, part->sources.source[0].name);
+            c = GP_COMPRESSION_ZIP;
+        }
         part->img = (struct gp_exr_image) {
             .data = part->f->data, .source = part->sources.source,
-            .sources = part->sources.sources,
-            .compression = compression_of(w, part),
+            .sources = part->sources.sources, .compression = c,
         };
         w->chunks[number] = gp_exr_chunk_count(&part->img);
     }
@@ -140,15 +117,22 @@ out:
     return st;
 }
 
-static gp_status make_header(struct writing *w, const struct gp_input *in)
+/* Writes the file under its final name or not at all, and frees what `w` has
+ * but its parts. */
+static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 {
+    gp_status st;
+    const struct gp_input *in = gp_input_of(w->part[0].f);
     struct gp_exr_header *const h = &w->header;
+    struct gp_write_stats added = {0};
+    GP_TRY(plan_parts(w, in));
     const bool multi = w->file_parts > 1;
     uint32_t flags = multi ? GP_EXR_MULTIPART : 0;
     if (multi)
         flags |= w->carried.version & GP_EXR_LONG_NAMES;
     for (int i = 0; multi && i < w->file_parts; i++)
         flags |= !w->at[i] && gp_exr_is_deep(in, i) ? GP_EXR_DEEP : 0;
+
     gp_exr_header_start(h, flags);
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
@@ -158,8 +142,7 @@ static gp_status make_header(struct writing *w, const struct gp_input *in)
             continue;
         }
         const struct gp_exr_attr *name =
-            part->own && keeps_parts(w)
-                ? gp_exr_attr_find(part->own, "name", "string") : NULL;
+            w->all ? gp_exr_attr_find(part->own, "name", "string") : NULL;
         char text[256] = "";
         if (name) // the attribute has no null byte
             memcpy(text, name->data,
@@ -170,28 +153,26 @@ static gp_status make_header(struct writing *w, const struct gp_input *in)
     }
     if (multi)
         gp_exr_header_raw(h, "", 1);
-    return gp_exr_header_done(w->log, w->path, h);
-}
+    GP_TRY(gp_exr_header_done(w->log, w->path, h));
 
-/* Writes the file under its final name or not at all, and frees what `w` has
- * but its parts. */
-static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
-{
-    gp_status st;
-    const struct gp_input *in = gp_input_of(w->part[0].f);
-    struct gp_write_stats added = {0};
-    GP_TRY(plan_parts(w, in));
-    GP_TRY(make_header(w, in));
     GP_TRY(gp_file_open(w->log, w->path, w->p->create_dir, &w->file));
-    GP_TRY(gp_exr_out_begin(w->log, w->file, w->header.bytes, w->header.size,
-                            w->chunks, w->file_parts, &w->out));
+    GP_TRY(gp_exr_out_begin(w->log, w->file, h->bytes, h->size, w->chunks,
+                            w->file_parts, &w->out));
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
-        if (part)
-            GP_TRY(gp_exr_encode(&w->out, i, &part->img,
-                                 dwa_quality(part->own), &added));
-        else
+        if (!part) {
             GP_TRY(gp_exr_out_copy(&w->out, i, w->part[0].f->path, in));
+            continue;
+        }
+        // DWA's quality is the input's, or OpenEXR's default
+        float quality = 45.0f;
+        const struct gp_exr_attr *a =
+            gp_exr_attr_find(part->own, "dwaCompressionLevel", "float");
+        if (a && a->size == sizeof quality)
+            memcpy(&quality, a->data, sizeof quality);
+        if (!(quality >= 0.0f && quality <= 1e6f))
+            quality = 45.0f;
+        GP_TRY(gp_exr_encode(&w->out, i, &part->img, quality, &added));
     }
     GP_TRY(gp_exr_out_end(&w->out));
     GP_TRY(gp_file_commit(&w->file));
@@ -199,7 +180,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
 out:
     gp_file_discard(&w->file);
     gp_exr_out_free(&w->out);
-    gp_exr_header_free(&w->header);
+    gp_exr_header_free(h);
     gp_exr_carried_free(&w->carried);
     gp_free(w->at);
     gp_free(w->chunks);
@@ -254,29 +235,6 @@ static int group_frames(const struct gp_hdr_colour *set, int n, int i,
     return complete ? found : -1;
 }
 
-/* Ids with one bit less are other ids. A compression that would do that was
- * asked for: AUTO loses nothing. */
-static gp_status check_ids(const struct writing *w)
-{
-    const struct gp_input *in = gp_input_of(w->part[0].f);
-    struct gp_crypto crypto;
-    gp_exr_crypto(in, &crypto);
-    for (int i = 0; i < w->parts; i++) {
-        const struct new_part *part = &w->part[i];
-        for (int k = 0; k < part->sources.sources; k++) {
-            const struct gp_exr_source *s = &part->sources.source[k];
-            if (s->data && gp_exr_loses(w->p->compression, s->type, s->name) &&
-                gp_exr_crypto_channel(&crypto, in, part->f->part, s->name) ==
-                    GP_CRYPTO_IDS)
-                return gp_fail(w->log, GP_ERR_USAGE,
-                    "%s: this compression would change the "
-                    "Cryptomatte ids of %s (channel %s); use "
-                    "--compression zip", w->path, part->f->path, s->name);
-        }
-    }
-    return GP_OK;
-}
-
 gp_status gp_exr_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)
@@ -285,6 +243,8 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         .log = log, .p = p, .path = path,
         .kept = p->converted ? GP_EXR_KEEP_CONVERTED : GP_EXR_KEEP_ALL,
     };
+    const struct gp_input *const in = gp_input_of(set[0].f);
+    struct gp_crypto crypto;
     struct gp_hdr_colour *group = NULL;
     gp_status st;
     GP_TRY(gp_alloc_zero(log, "parts", (size_t) n, sizeof *w.part, &w.part));
@@ -300,7 +260,22 @@ gp_status gp_exr_write_hdr(const struct gp_log *log,
         to->f = set[i].f;
         GP_TRY(gp_exr_sources_hdr(log, p, group, found, &to->sources));
     }
-    GP_TRY(check_ids(&w));
+    // ids with one bit less are other ids. A compression that would do that was
+    // asked for: AUTO loses nothing
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < w.parts; i++) {
+        const struct new_part *const part = &w.part[i];
+        for (int k = 0; k < part->sources.sources; k++) {
+            const struct gp_exr_source *s = &part->sources.source[k];
+            if (s->data && gp_exr_loses(p->compression, s->type, s->name) &&
+                gp_exr_crypto_channel(&crypto, in, part->f->part, s->name) ==
+                    GP_CRYPTO_IDS)
+                GP_TRY(gp_fail(log, GP_ERR_USAGE,
+                       "%s: this compression would change the Cryptomatte ids "
+                       "of %s (channel %s); use --compression zip", path,
+                       part->f->path, s->name));
+        }
+    }
     GP_TRY(write_file(&w, stats));
 out:
     for (int i = 0; i < w.parts; i++)
