@@ -69,11 +69,12 @@ static gp_status read_planes(void *user, const struct gp_log *log,
     gp_status st = p->depth_file
                        ? read_beside(files, log, p->depth_file, s->depth, true,
                                      depth)
-                       : gp_read_depth(log, &s->read, f, s->depth, depth);
+                       : gp_read_plane(log, &s->read, f, s->depth, true,
+                                       depth);
     if (!st && p->mask_file)
         st = read_beside(files, log, p->mask_file, p->mask, false, mask);
     else if (!st && p->mask)
-        st = gp_read_coverage(log, &s->read, f, p->mask, mask);
+        st = gp_read_plane(log, &s->read, f, p->mask, false, mask);
     return st;
 }
 

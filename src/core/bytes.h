@@ -1,8 +1,10 @@
-/* Whole numbers in a file's bytes, of either order, at any alignment. */
+/* Whole numbers in a file's bytes, of either order, at any alignment, and
+ * floats as their bits. */
 #ifndef GP_CORE_BYTES_H
 #define GP_CORE_BYTES_H
 
 #include <stdint.h>
+#include <string.h>
 
 /* Little-endian: EXR. */
 static inline uint32_t gp_le32(const uint8_t *p)
@@ -16,6 +18,20 @@ static inline uint32_t gp_be32(const uint8_t *p)
 {
     return (uint32_t) p[0] << 24 | (uint32_t) p[1] << 16 |
            (uint32_t) p[2] << 8 | (uint32_t) p[3];
+}
+
+static inline uint32_t gp_bits_of(float v)
+{
+    uint32_t bits;
+    memcpy(&bits, &v, sizeof bits);
+    return bits;
+}
+
+static inline float gp_float_with_bits(uint32_t bits)
+{
+    float v;
+    memcpy(&v, &bits, sizeof v);
+    return v;
 }
 
 #endif

@@ -122,22 +122,6 @@ static int find_three(const char *const *name, int n, const char *layer,
     return found;
 }
 
-/* The last part of a layer's name of `len` bytes, which ends with a dot. */
-static bool is_picture(const char *layer, size_t len)
-{
-    static const char *const picture[] = {"combined", "beauty", "rgba"};
-    const size_t end = len - 1;
-    size_t start = end;
-    while (start > 0 && layer[start - 1] != '.')
-        start--;
-    for (size_t i = 0; i < sizeof picture / sizeof *picture; i++) {
-        if (strlen(picture[i]) == end - start &&
-            strncasecmp(layer + start, picture[i], end - start) == 0)
-            return true;
-    }
-    return false;
-}
-
 /* True when the names that are not empty ascend, as an EXR's own do. */
 static bool ascend(const char *const *name, int n)
 {
@@ -179,6 +163,7 @@ static bool find_all(const char *const *name, int n, int i, size_t len,
 
 static bool find_layer(const char *const *name, int n, int index[3])
 {
+    static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
     const bool ascending = ascend(name, n);
     const char *last = ""; // with the layer that was looked at last
     size_t last_len = 0;
@@ -192,7 +177,15 @@ static bool find_layer(const char *const *name, int n, int index[3])
             continue;
         last = name[i];
         last_len = len;
-        bool picture = is_picture(name[i], len);
+        size_t start = len - 1; // of the last part of the layer's name
+        while (start > 0 && last[start - 1] != '.')
+            start--;
+        bool picture = false;
+        for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
+            const size_t bytes = strlen(pictures[k]);
+            picture |= bytes == len - start &&
+                       strncasecmp(last + start, pictures[k], bytes) == 0;
+        }
         int at[3];
         if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
             continue;

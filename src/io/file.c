@@ -234,17 +234,6 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
     return GP_OK;
 }
 
-static gp_status open_straight(struct gp_file *f)
-{
-    if (f->is_stdout) {
-        f->fd = STDOUT_FILENO;
-        return GP_OK;
-    }
-    f->fd = open(f->path, O_WRONLY | O_CLOEXEC);
-    f->own_fd = true;
-    return f->fd < 0 ? cannot_write(f->log, f->path, errno) : GP_OK;
-}
-
 gp_status gp_file_open(const struct gp_log *log, const char *path,
                        bool create_dir, struct gp_file **out)
 {
@@ -259,8 +248,16 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     f->room = BUFFER_BYTES;
     if (!f->path || !f->buffer)
         GP_TRY(gp_no_memory(log, path));
-    GP_TRY(gp_file_is_straight(path) ? open_straight(f)
-                                     : open_temp(f, create_dir));
+    if (f->is_stdout) {
+        f->fd = STDOUT_FILENO;
+    } else if (gp_file_is_straight(path)) {
+        f->fd = open(f->path, O_WRONLY | O_CLOEXEC);
+        f->own_fd = true;
+        if (f->fd < 0)
+            GP_TRY(cannot_write(log, f->path, errno));
+    } else {
+        GP_TRY(open_temp(f, create_dir));
+    }
     *out = f;
     f = NULL;
 out:
@@ -377,21 +374,15 @@ const char *gp_file_path(const struct gp_file *f)
 
 // -- ending -------------------------------------------------------------------
 
-static gp_status close_fd(struct gp_file *f)
-{
-    int fd = f->fd;
-    f->fd = -1;
-    if (fd >= 0 && f->own_fd && close(fd) && !f->st)
-        return write_failed(f, errno);
-    return f->st;
-}
-
 gp_status gp_file_commit(struct gp_file **file)
 {
     struct gp_file *f = *file;
     gp_status st = f->st ? f->st : flush(f);
+    const int fd = f->fd;
     if (!st)
-        st = close_fd(f); // network file systems tell of a full disk here
+        f->fd = -1;
+    if (!st && f->own_fd && close(fd)) // here network file systems report
+        st = write_failed(f, errno);   // a full disk
     if (!st && f->temp.name && gp_temp_end(&f->temp, f->target))
         st = write_failed(f, errno);
     gp_file_discard(file);

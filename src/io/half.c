@@ -3,29 +3,15 @@
  * (F16C). Both give the same bits. */
 #include "io/half.h"
 
+#include "core/bytes.h"
 #include "core/cpu.h"
 
 #include <stdbool.h>
-#include <string.h>
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define HAVE_F16C 1
 #include <immintrin.h>
 #endif
-
-static inline uint32_t bits_of(float f)
-{
-    uint32_t u;
-    memcpy(&u, &f, sizeof u);
-    return u;
-}
-
-static inline float float_of(uint32_t u)
-{
-    float f;
-    memcpy(&f, &u, sizeof f);
-    return f;
-}
 
 enum {
     FLOAT_INF = 0x7f800000,
@@ -44,22 +30,22 @@ static inline float to_float(uint16_t half)
     uint32_t normal = body + ((127u - 15u) << 23);
     uint32_t special = body | FLOAT_INF;
     special |= body & 0x007fe000 ? FLOAT_QUIET : 0;
-    uint32_t tiny = bits_of(float_of(body + (113u << 23)) -
-                            float_of(113u << 23));
+    uint32_t tiny = gp_bits_of(gp_float_with_bits(body + (113u << 23)) -
+                               gp_float_with_bits(113u << 23));
     uint32_t u = exponent == 0 ? tiny
                  : exponent == 0x0f800000 ? special : normal;
-    return float_of(u | (uint32_t) (half & 0x8000) << 16);
+    return gp_float_with_bits(u | (uint32_t) (half & 0x8000) << 16);
 }
 
 /* Nearest even; overflow gives Inf. Denormals: adding 0.5 to a value below
  * 2^-14 leaves its nearest multiple of 2^-24 in the low bits. */
 static inline uint16_t to_half(float f)
 {
-    uint32_t u = bits_of(f);
+    uint32_t u = gp_bits_of(f);
     uint32_t body = u & 0x7fffffff;
     uint32_t odd = body >> 13 & 1;
     uint32_t normal = (body - ((127u - 15u) << 23) + 0xfff + odd) >> 13;
-    uint32_t tiny = bits_of(float_of(body) + 0.5f) - bits_of(0.5f);
+    uint32_t tiny = gp_bits_of(gp_float_with_bits(body) + 0.5f) - gp_bits_of(0.5f);
     uint32_t nan = HALF_INF | 0x200 | (body >> 13 & 0x3ff);
     uint32_t h = body < 113u << 23 ? tiny : normal;
     h = body >= FLOAT_65520 ? HALF_INF : h;
@@ -69,32 +55,9 @@ static inline uint16_t to_half(float f)
 
 static inline float clamp_to_half(float f)
 {
-    uint32_t u = bits_of(f), body = u & 0x7fffffff;
+    uint32_t u = gp_bits_of(f), body = u & 0x7fffffff;
     bool over = body >= FLOAT_65520 && body < FLOAT_INF;
-    return over ? float_of((u & 0x80000000) | FLOAT_65504) : f;
-}
-
-static void half_to_float_plain(const uint16_t *in, float *out, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        out[i] = to_float(in[i]);
-}
-
-static size_t float_to_half_plain(const float *in, uint16_t *out, size_t n)
-{
-    size_t clamped = 0;
-    for (size_t i = 0; i < n; i++) {
-        float f = clamp_to_half(in[i]);
-        clamped += bits_of(f) != bits_of(in[i]);
-        out[i] = to_half(f);
-    }
-    return clamped;
-}
-
-static void round_plain(float *v, size_t n)
-{
-    for (size_t i = 0; i < n; i++)
-        v[i] = gp_half_nearest(v[i]);
+    return over ? gp_float_with_bits((u & 0x80000000) | FLOAT_65504) : f;
 }
 
 #ifdef HAVE_F16C
@@ -110,31 +73,28 @@ GP_X86_AVX2 static size_t half_to_float_wide(const uint16_t *in, float *out,
     return i;
 }
 
-/* As clamp_to_half, for eight; adds to *clamped. */
-GP_X86_AVX2 static inline __m256 clamp8(__m256 f, size_t *clamped)
-{
-    const __m256i sign = _mm256_set1_epi32((int) 0x80000000);
-    __m256i u = _mm256_castps_si256(f);
-    __m256i body = _mm256_andnot_si256(sign, u);
-    __m256i over = _mm256_and_si256(
-        _mm256_cmpgt_epi32(body, _mm256_set1_epi32(FLOAT_65520 - 1)),
-        _mm256_cmpgt_epi32(_mm256_set1_epi32(FLOAT_INF), body));
-    int mask = _mm256_movemask_ps(_mm256_castsi256_ps(over));
-    if (mask == 0)
-        return f;
-    *clamped += (size_t) __builtin_popcount((unsigned) mask);
-    __m256i most = _mm256_or_si256(_mm256_and_si256(u, sign),
-                                   _mm256_set1_epi32(FLOAT_65504));
-    return _mm256_castsi256_ps(_mm256_blendv_epi8(u, most, over));
-}
-
+/* Adds to *clamped. */
 GP_X86_AVX2 static size_t float_to_half_wide(const float *in, uint16_t *out,
                                              size_t n, size_t *clamped)
 {
+    const __m256i sign = _mm256_set1_epi32((int) 0x80000000);
     size_t i = 0;
     for (; i + 8 <= n; i += 8) {
-        __m256 f = clamp8(_mm256_loadu_ps(in + i), clamped);
-        __m128i h = _mm256_cvtps_ph(f, _MM_FROUND_TO_NEAREST_INT);
+        __m256 f = _mm256_loadu_ps(in + i);
+        const __m256i u = _mm256_castps_si256(f);
+        const __m256i body = _mm256_andnot_si256(sign, u);
+        // clamp_to_half() for eight
+        const __m256i over = _mm256_and_si256(
+            _mm256_cmpgt_epi32(body, _mm256_set1_epi32(FLOAT_65520 - 1)),
+            _mm256_cmpgt_epi32(_mm256_set1_epi32(FLOAT_INF), body));
+        const int mask = _mm256_movemask_ps(_mm256_castsi256_ps(over));
+        if (mask != 0) {
+            const __m256i most = _mm256_or_si256(
+                _mm256_and_si256(u, sign), _mm256_set1_epi32(FLOAT_65504));
+            f = _mm256_castsi256_ps(_mm256_blendv_epi8(u, most, over));
+            *clamped += (size_t) __builtin_popcount((unsigned) mask);
+        }
+        const __m128i h = _mm256_cvtps_ph(f, _MM_FROUND_TO_NEAREST_INT);
         _mm_storeu_si128((__m128i *) (out + i), h);
     }
     return i;
@@ -160,7 +120,8 @@ void gp_half_to_float(const uint16_t *in, float *out, size_t n)
     if (gp_cpu_has_avx2())
         done = half_to_float_wide(in, out, n);
 #endif
-    half_to_float_plain(in + done, out + done, n - done);
+    for (size_t i = done; i < n; i++)
+        out[i] = to_float(in[i]);
 }
 
 size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
@@ -170,7 +131,12 @@ size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
     if (gp_cpu_has_avx2())
         done = float_to_half_wide(in, out, n, &clamped);
 #endif
-    return clamped + float_to_half_plain(in + done, out + done, n - done);
+    for (size_t i = done; i < n; i++) {
+        const float f = clamp_to_half(in[i]);
+        clamped += gp_bits_of(f) != gp_bits_of(in[i]);
+        out[i] = to_half(f);
+    }
+    return clamped;
 }
 
 float gp_half_nearest(float v)
@@ -185,5 +151,6 @@ void gp_half_round(float *v, size_t n)
     if (gp_cpu_has_avx2())
         done = round_wide(v, n);
 #endif
-    round_plain(v + done, n - done);
+    for (size_t i = done; i < n; i++)
+        v[i] = gp_half_nearest(v[i]);
 }

@@ -82,17 +82,6 @@ struct split {
     float *row;          // w floats a thread
 };
 
-static void linear_row(const struct split *s, float *row, int w)
-{
-    for (int x = 0; s->table && x < w; x++) {
-        float code = row[x] * 65535.0f, whole = nearbyintf(code);
-        bool tabled = whole >= 0.0f && whole < (float) CODES &&
-                      fabsf(code - whole) < 0.02f;
-        row[x] = tabled ? s->table[(int) whole]
-                        : decode(s->curve, s->gamma, row[x]);
-    }
-}
-
 static void split_row(void *ctx, int y, int thread)
 {
     const struct split *s = ctx;
@@ -107,7 +96,13 @@ static void split_row(void *ctx, int y, int thread)
         for (int x = 0; x < w; x++)
             row[x] = from[(size_t) x * (size_t) n];
         if (c->colour >= 0) {
-            linear_row(s, row, w);
+            for (int x = 0; s->table && x < w; x++) {
+                const float code = row[x] * 65535.0f, whole = nearbyintf(code);
+                const bool tabled = whole >= 0.0f && whole < (float) CODES &&
+                                    fabsf(code - whole) < 0.02f;
+                row[x] = tabled ? s->table[(int) whole]
+                                : decode(s->curve, s->gamma, row[x]);
+            }
             memcpy(s->f->rgb.c[c->colour] + at, row, (size_t) w * sizeof *row);
         } else if (c->type == GP_HALF) {
             (void) gp_float_to_half(row, (uint16_t *) c->data + at, (size_t) w);
@@ -183,12 +178,22 @@ void gp_image_close(struct gp_image *image)
 
 /* -- the frame ------------------------------------------------------------ */
 
-/* The colour of a layer by its name. */
-static gp_status choose_layer(const struct gp_log *log, const char *layer,
+/* The colour of the layer. Without one names decide; where none means colour,
+ * the first three channels are RGB, or the first one is grey. */
+static gp_status choose_colour(const struct gp_log *log, const char *layer,
     const struct gp_image *image, struct gp_colour_choice *out)
 {
     const char *const *name = image->channel_name;
     char list[GP_CHANNEL_LIST] = "";
+    if (!layer) {
+        if (!gp_find_colour(name, image->channels, true, out) ||
+            out->model == GP_COLOUR_YC)
+            *out = image->channels >= 3
+                       ? (struct gp_colour_choice) {GP_COLOUR_RGB, {0, 1, 2}}
+                       : (struct gp_colour_choice) {GP_COLOUR_GREY,
+                                                    {0, -1, -1}};
+        return GP_OK;
+    }
     for (int lone = 0; lone < 2; lone++) {
         if (gp_find_layer_colour(name, image->channels, layer, lone, out) &&
             out->model != GP_COLOUR_YC)
@@ -203,75 +208,14 @@ static gp_status choose_layer(const struct gp_log *log, const char *layer,
                    "layers", image->path, layer, list);
 }
 
-/* Names decide; without a name that means colour, the first three channels
- * are RGB, or the first one is grey. */
-static struct gp_colour_choice choose(const struct gp_image *image)
-{
-    struct gp_colour_choice c;
-    if (gp_find_colour(image->channel_name, image->channels, true, &c) &&
-        c.model != GP_COLOUR_YC)
-        return c;
-    if (image->channels >= 3)
-        return (struct gp_colour_choice) {GP_COLOUR_RGB, {0, 1, 2}};
-    return (struct gp_colour_choice) {GP_COLOUR_GREY, {0, -1, -1}};
-}
-
-static gp_status make_channels(const struct gp_log *log,
-    const struct gp_image *image, const struct gp_colour_choice *colour,
-    struct gp_frame *f)
-{
-    void *list;
-    gp_status st = gp_alloc_zero(log, "channels", (size_t) image->channels,
-                                 sizeof *f->channel, &list);
-    f->channel = list;
-    for (int i = 0; !st && i < image->channels; i++) {
-        struct gp_channel *c = &f->channel[i];
-        *c = (struct gp_channel) {
-            .type = f->colour_type, .xs = 1, .ys = 1,
-            .w = gp_frame_w(f), .h = gp_frame_h(f), .colour = -1,
-            .name = gp_strdup(image->channel_name[i]),
-        };
-        f->channels = i + 1;
-        for (int k = 0; k < 3; k++) {
-            if (colour->index[k] == i)
-                c->colour = k;
-        }
-        if (!c->name)
-            return gp_no_memory(log, f->path);
-        if (c->colour < 0)
-            st = gp_alloc(log, c->name, gp_frame_pixels(f),
-                          gp_type_size(c->type), &c->data);
-    }
-    return st;
-}
-
-static gp_status keep_attributes(const struct gp_log *log,
-    const struct gp_image *image, struct gp_frame *f)
-{
-    void *list;
-    gp_status st = gp_alloc_zero(log, "attributes", (size_t) image->attributes,
-                                 sizeof *f->attribute, &list);
-    f->attribute = list;
-    for (int i = 0; !st && i < image->attributes; i++) {
-        const struct gp_attribute *from = &image->attribute[i];
-        struct gp_attribute *to = &f->attribute[f->attributes++];
-        *to = *from;
-        to->name = gp_strdup(from->name);
-        to->text = from->text ? gp_strdup(from->text) : NULL;
-        if (!to->name || (from->text && !to->text))
-            st = gp_no_memory_bare(log, "attributes");
-    }
-    return st;
-}
-
 gp_status gp_image_frame(const struct gp_log *log, const char *layer,
                          struct gp_image *image, struct gp_frame *out)
 {
     gp_status st;
     struct gp_frame f = {0};
-    struct gp_colour_choice colour = choose(image);
-    if (layer)
-        GP_TRY(choose_layer(log, layer, image, &colour));
+    struct gp_colour_choice colour;
+    void *list;
+    GP_TRY(choose_colour(log, layer, image, &colour));
     f = (struct gp_frame) {
         .path = gp_strdup(image->path), .data = image->data,
         .display = gp_rect_empty(image->display) ? image->data
@@ -288,8 +232,38 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
                                                    : gp_rec709_chromaticities,
            sizeof f.chromaticities);
     gp_luminance_weights(f.chromaticities, f.luminance);
-    GP_TRY(make_channels(log, image, &colour, &f));
-    GP_TRY(keep_attributes(log, image, &f));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) image->channels,
+                         sizeof *f.channel, &list));
+    f.channel = list;
+    for (int i = 0; i < image->channels; i++) {
+        struct gp_channel *const c = &f.channel[f.channels++];
+        *c = (struct gp_channel) {
+            .type = f.colour_type, .xs = 1, .ys = 1,
+            .w = gp_frame_w(&f), .h = gp_frame_h(&f), .colour = -1,
+            .name = gp_strdup(image->channel_name[i]),
+        };
+        for (int k = 0; k < 3; k++) {
+            if (colour.index[k] == i)
+                c->colour = k;
+        }
+        if (!c->name)
+            GP_TRY(gp_no_memory(log, f.path));
+        if (c->colour < 0)
+            GP_TRY(gp_alloc(log, c->name, gp_frame_pixels(&f),
+                            gp_type_size(c->type), &c->data));
+    }
+    GP_TRY(gp_alloc_zero(log, "attributes", (size_t) image->attributes,
+                         sizeof *f.attribute, &list));
+    f.attribute = list;
+    for (int i = 0; i < image->attributes; i++) {
+        const struct gp_attribute *const from = &image->attribute[i];
+        struct gp_attribute *const to = &f.attribute[f.attributes++];
+        *to = *from;
+        to->name = gp_strdup(from->name);
+        to->text = from->text ? gp_strdup(from->text) : NULL;
+        if (!to->name || (from->text && !to->text))
+            GP_TRY(gp_no_memory_bare(log, "attributes"));
+    }
     GP_TRY(gp_planes_make(log, "frame", gp_frame_pixels(&f), &f.rgb));
     GP_TRY(split_planes(log, image, &f));
     const size_t bytes = gp_frame_pixels(&f) * sizeof(float);

@@ -1,5 +1,6 @@
 #include "io/picture.h"
 
+#include "core/bytes.h"
 #include "core/colour.h"
 #include "core/cpu.h"
 #include "core/memory.h"
@@ -40,16 +41,7 @@ static int plain_code(float linear, int max)
 
 static inline int32_t bits_of(float v)
 {
-    int32_t i;
-    memcpy(&i, &v, sizeof i);
-    return i;
-}
-
-static inline float float_of(int32_t i)
-{
-    float v;
-    memcpy(&v, &i, sizeof v);
-    return v;
+    return (int32_t) gp_bits_of(v);
 }
 
 gp_status gp_quantizer_make(const struct gp_log *log, int bits,
@@ -111,7 +103,7 @@ static inline float clamp_by_bits(float v)
     i = i > INF ? 0 : i; // NaN
     i = i < 0 ? 0 : i;   // negative values, and NaN with its sign set
     i = i > ONE ? ONE : i;
-    return float_of(i);
+    return gp_float_with_bits((uint32_t) i);
 }
 
 /* 1.055 x^(1/2.4) - 0.055 within 4e-7, without a call: x^(1/2.4) is
@@ -121,7 +113,7 @@ static INLINE float curve(float x)
 {
     const int32_t half_root = 0x3f3504f3; // bits of sqrt(1/2)
     const int32_t e = (bits_of(x) - half_root) >> 23;
-    const float m = float_of(bits_of(x) - (int32_t) ((uint32_t) e << 23));
+    const float m = gp_float_with_bits(gp_bits_of(x) - ((uint32_t) e << 23));
     const float s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
     const float log2m =
         s * (2.8853901f +
@@ -132,7 +124,7 @@ static INLINE float curve(float x)
     const float p =
         1.0f + f * (1.0f + f * (0.5f + f * (1.0f / 6 + f * (1.0f / 24 +
                f * (1.0f / 120 + f * (1.0f / 720))))));
-    return 1.055f * (p * float_of((whole + 127) << 23)) - 0.055f;
+    return 1.055f * (p * gp_float_with_bits((uint32_t) (whole + 127) << 23)) - 0.055f;
 }
 
 /* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. One loop a
@@ -332,8 +324,7 @@ out:
     return st;
 }
 
-/* The place of the data window's row in the picture's row y: samples [at,
- * at + n) of the planes go to [x, x + n). */
+/* Samples [at, at + n) of the planes go to [x, x + n) of a picture's row. */
 struct span {
     size_t at, x, n;
 };
@@ -353,7 +344,7 @@ static struct span span_of(const struct gp_picture *pic, int y)
     };
 }
 
-/* `n` samples of `size` bytes stand from x on; the rest becomes 0. */
+/* Clears what is around the span of a row of samples of `size` bytes. */
 static void clear_around(void *row, size_t size, struct span s, size_t width)
 {
     uint8_t *bytes = row;
@@ -366,38 +357,32 @@ static float clamp01(float v)
     return v > 0.0f ? (v < 1.0f ? v : 1.0f) : 0.0f;
 }
 
-/* Alpha codes, and colours divided by what these codes mean; see the header. */
-static void divide_by_alpha(const struct gp_picture *pic, struct span s,
-                       struct gp_picture_row *row)
-{
-    const float max = (float) gp_quantizer_max(pic->quantizer);
-    float *const *v = row->linear;
-    for (size_t i = 0; i < s.n; i++) {
-        float most = clamp01(pic->alpha[s.at + i]);
-        for (int c = 0; c < 3; c++) {
-            v[c][i] = clamp01(pic->planes->c[c][s.at + i]);
-            most = v[c][i] > most ? v[c][i] : most;
-        }
-        v[3][i] = most;
-    }
-    gp_quantize_linear(pic->quantizer, v[3], row->code[3] + s.x, s.n);
-    for (size_t i = 0; i < s.n; i++) {
-        const float code = (float) row->code[3][s.x + i];
-        const float scale = code > 0.0f ? max / code : 0.0f;
-        for (int c = 0; c < 3; c++)
-            v[c][i] *= scale;
-    }
-}
-
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row)
 {
     const struct gp_quantizer *const q = pic->quantizer;
     const struct span s = span_of(pic, y);
-    if (pic->alpha)
-        divide_by_alpha(pic, s, row);
+    float *const *v = row->linear;
+    if (pic->alpha) {
+        for (size_t i = 0; i < s.n; i++) {
+            float most = clamp01(pic->alpha[s.at + i]);
+            for (int c = 0; c < 3; c++) {
+                v[c][i] = clamp01(pic->planes->c[c][s.at + i]);
+                most = v[c][i] > most ? v[c][i] : most;
+            }
+            v[3][i] = most;
+        }
+        gp_quantize_linear(q, v[3], row->code[3] + s.x, s.n);
+        // colours are divided by the alpha that its code means
+        for (size_t i = 0; i < s.n; i++) {
+            const float code = (float) row->code[3][s.x + i];
+            const float scale = code > 0.0f ? (float) q->max / code : 0.0f;
+            for (int c = 0; c < 3; c++)
+                v[c][i] *= scale;
+        }
+    }
     for (int c = 0; c < 3; c++) {
-        const float *const from = pic->alpha ? row->linear[c]
+        const float *const from = pic->alpha ? v[c]
                                              : pic->planes->c[c] + s.at;
         uint16_t *const to = row->code[c] + s.x;
         if (pic->encoded && pic->dither)

@@ -107,14 +107,20 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
 
 /* -- by name -------------------------------------------------------------- */
 
-/* The first channel of that name in any part. */
+/* The first channel of that name in any part; with `in_part` the name is
+ * PART.CHANNEL, of which both may hold dots. */
 static bool find_exact(const struct gp_plane_list *list, const char *name,
-                       struct gp_plane_place *out)
+                       bool in_part, struct gp_plane_place *out)
 {
     for (int p = 0; p < list->parts; p++) {
         const struct gp_plane_part *part = &list->part[p];
+        const size_t n = in_part && part->name ? strlen(part->name) : 0;
+        if (in_part && (n == 0 || strncmp(name, part->name, n) != 0 ||
+                        name[n] != '.'))
+            continue;
+        const char *const channel = name + (in_part ? n + 1 : 0);
         for (int i = 0; i < part->channels; i++) {
-            if (strcmp(part->channel[i].name, name) == 0) {
+            if (strcmp(part->channel[i].name, channel) == 0) {
                 *out = (struct gp_plane_place) {part, i};
                 return true;
             }
@@ -134,26 +140,7 @@ static bool find_in_view(const struct gp_plane_list *list, const char *name,
         return false;
     const int n = snprintf(full, sizeof full, "%.*s%s.%s", layer, name,
                            list->view, name + layer);
-    return n < (int) sizeof full && find_exact(list, full, out);
-}
-
-/* PART.CHANNEL; both may hold dots. */
-static bool find_in_part(const struct gp_plane_list *list, const char *name,
-                         struct gp_plane_place *out)
-{
-    for (int p = 0; p < list->parts; p++) {
-        const struct gp_plane_part *part = &list->part[p];
-        const size_t n = part->name ? strlen(part->name) : 0;
-        if (n == 0 || strncmp(name, part->name, n) != 0 || name[n] != '.')
-            continue;
-        for (int i = 0; i < part->channels; i++) {
-            if (strcmp(part->channel[i].name, name + n + 1) == 0) {
-                *out = (struct gp_plane_place) {part, i};
-                return true;
-            }
-        }
-    }
-    return false;
+    return n < (int) sizeof full && find_exact(list, full, false, out);
 }
 
 static void list_names(const struct gp_plane_list *list,
@@ -184,45 +171,33 @@ static gp_status depth_of_names(const struct gp_log *log,
     return gp_find_depth(log, &names, NULL, out);
 }
 
-static gp_status depth_of_view(const struct gp_log *log,
-                               const struct gp_plane_list *list,
-                               const struct gp_plane_part *part, int *out)
-{
-    struct gp_exr_names bare;
-    void *block = NULL;
-    gp_status st = gp_exr_names_in(log, list->input, part->part, list->view,
-                                   &bare);
-    if (!st)
-        st = gp_alloc_zero(log, "channels", (size_t) bare.n,
-                           sizeof(struct gp_channel), &block);
-    struct gp_channel *const channel = block;
-    for (int i = 0; i < bare.n && !st; i++)
-        channel[i].name = (char *) (uintptr_t) bare.name[i];
-    if (!st)
-        st = depth_of_names(log, list, channel, bare.n, out);
-    gp_free(channel);
-    gp_exr_names_free(&bare);
-    return st;
-}
-
 static gp_status search_depth(const struct gp_log *log,
     const struct gp_plane_list *list, struct gp_plane_place *out)
 {
     const struct gp_plane_part *const first = list->part;
+    gp_status st = GP_OK;
     int i = -1;
-    if (list->view) {
-        gp_status st = depth_of_view(log, list, first, &i);
-        *out = (struct gp_plane_place) {i < 0 ? NULL : first, i};
-        if (st || i >= 0)
-            return st;
+    if (list->view) { // by the names that its channels have without the view
+        struct gp_exr_names bare;
+        void *block = NULL;
+        st = gp_exr_names_in(log, list->input, first->part, list->view, &bare);
+        if (!st)
+            st = gp_alloc_zero(log, "channels", (size_t) bare.n,
+                               sizeof(struct gp_channel), &block);
+        struct gp_channel *const channel = block;
+        for (int k = 0; k < bare.n && !st; k++)
+            channel[k].name = (char *) (uintptr_t) bare.name[k];
+        if (!st)
+            st = depth_of_names(log, list, channel, bare.n, &i);
+        gp_free(block);
+        gp_exr_names_free(&bare);
+        if (i >= 0)
+            *out = (struct gp_plane_place) {first, i};
     }
-    for (int p = 0; p < list->parts; p++) {
+    for (int p = 0; p < list->parts && !st && i < 0; p++) {
         const struct gp_plane_part *const part = &list->part[p];
-        gp_status st = depth_of_names(log, list, part->channel,
-                                      part->channels, &i);
-        if (st)
-            return st;
-        if (i < 0)
+        st = depth_of_names(log, list, part->channel, part->channels, &i);
+        if (st || i < 0)
             continue;
         if (list->view && part == first)
             gp_say(log, GP_LEVEL_WARN,
@@ -230,9 +205,8 @@ static gp_status search_depth(const struct gp_log *log,
                    "has none; choose with --depth or --depth-file",
                    list->path, part->channel[i].name, list->view);
         *out = (struct gp_plane_place) {part, i};
-        break;
     }
-    return GP_OK;
+    return st;
 }
 
 /* The only channel of the file; beside others, alpha is no depth. */
@@ -254,27 +228,6 @@ static void search_lone(const struct gp_plane_list *list, bool depth,
     *out = lone;
 }
 
-/* Warns of what a search found that its user might not expect. */
-static void warn_unexpected(const struct gp_log *log,
-    const struct gp_plane_list *list, struct gp_plane_place *at, bool own_file)
-{
-    const char *const view = list->part[0].view;
-    if (!at->part || own_file)
-        return;
-    if (at->part->deep) {
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: depth is only in part %d, which is deep and is not read; "
-               "flatten it, with e.g. oiiotool --flatten", list->path,
-               at->part->part);
-        *at = (struct gp_plane_place) {0};
-    } else if (other_view(at->part->view, view)) {
-        gp_say(log, GP_LEVEL_WARN,
-               "%s: depth of view %s is taken for colour of view %s, which "
-               "has none; choose with --depth or --depth-file", list->path,
-               at->part->view, view);
-    }
-}
-
 gp_status gp_plane_pick(const struct gp_log *log,
                         const struct gp_plane_list *list, const char *name,
                         bool depth, bool own_file, struct gp_plane_place *out)
@@ -284,8 +237,9 @@ gp_status gp_plane_pick(const struct gp_log *log,
     char names[GP_CHANNEL_LIST];
     list_names(list, names);
     if (name) {
-        if (find_in_view(list, name, out) || find_exact(list, name, out) ||
-            find_in_part(list, name, out))
+        if (find_in_view(list, name, out) ||
+            find_exact(list, name, false, out) ||
+            find_exact(list, name, true, out))
             return GP_OK;
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: has no channel %s (it has %s); give one of those",
@@ -294,7 +248,7 @@ gp_status gp_plane_pick(const struct gp_log *log,
     if (depth)
         GP_TRY(search_depth(log, list, &at));
     else if (!find_in_view(list, "A", &at))
-        find_exact(list, "A", &at);
+        find_exact(list, "A", false, &at);
     if (!at.part && own_file)
         search_lone(list, depth, &at);
     if (!at.part && own_file)
@@ -304,7 +258,20 @@ gp_status gp_plane_pick(const struct gp_log *log,
                              : "%s: has no alpha, and not one channel only "
                                "(it has %s); name one with --mask",
                        list->path, names);
-    warn_unexpected(log, list, &at, own_file);
+    // what was found beside a frame may not be what its user expects
+    const char *const view = list->part[0].view;
+    if (at.part && !own_file && at.part->deep) {
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: depth is only in part %d, which is deep and is not read; "
+               "flatten it, with e.g. oiiotool --flatten", list->path,
+               at.part->part);
+        at = (struct gp_plane_place) {0};
+    } else if (at.part && !own_file && other_view(at.part->view, view)) {
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: depth of view %s is taken for colour of view %s, which "
+               "has none; choose with --depth or --depth-file", list->path,
+               at.part->view, view);
+    }
     *out = at;
 out:
     return st;
@@ -417,7 +384,7 @@ out:
     return st;
 }
 
-static gp_status read_beside(const struct gp_log *log,
+gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out)
 {
@@ -444,13 +411,6 @@ static gp_status read_beside(const struct gp_log *log,
     return st;
 }
 
-gp_status gp_read_depth(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
-    struct gp_plane *out)
-{
-    return read_beside(log, p, f, name, true, out);
-}
-
 gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
     const char *name, char **channel, enum gp_pixel_type *type)
 {
@@ -470,104 +430,59 @@ gp_status gp_name_depth(const struct gp_log *log, const struct gp_frame *f,
     return st;
 }
 
-gp_status gp_read_coverage(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
-    struct gp_plane *out)
-{
-    return read_beside(log, p, f, name, false, out);
-}
-
 /* -- from a file of its own ----------------------------------------------- */
-
-/* What is asked of a file. */
-struct wanted {
-    const struct gp_log *log;
-    const struct gp_read_params *p;
-    const char *path, *name;
-    bool depth;
-};
-
-/* Takes the stream over. */
-static gp_status from_exr(const struct wanted *w, struct gp_stream *stream,
-                          struct gp_plane *out)
-{
-    gp_status st;
-    struct gp_input *o = NULL;
-    struct gp_plane_list list = {0};
-    struct gp_plane_place at;
-    GP_TRY(gp_exr_open(w->log, w->path, stream, &o));
-    GP_TRY(gp_plane_list_exr(w->log, w->path, o, false, w->depth, &list));
-    GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
-    GP_TRY(make_name(w->log, &list, &at, out));
-    GP_TRY(from_part(w->log, w->p, w->path, o, &at, out));
-out:
-    gp_plane_list_free(&list);
-    gp_input_free(o);
-    return st;
-}
-
-/* One channel of a picture, a block of rows at a time. */
-static gp_status read_channel(const struct gp_log *log, struct gp_image *image,
-                              int channel, float *to)
-{
-    const int w = gp_rect_w(image->data), h = gp_rect_h(image->data);
-    const size_t step = (size_t) image->channels;
-    void *block;
-    gp_status st = gp_alloc(log, "rows", (size_t) image->block * (size_t) w,
-                            step * sizeof *to, &block);
-    for (int y = 0; !st && y < h; y += image->block) {
-        const int rows = h - y < image->block ? h - y : image->block;
-        const float *const from = (const float *) block + channel;
-        st = image->rows(log, image, y, block);
-        for (size_t i = 0; !st && i < (size_t) rows * (size_t) w; i++)
-            *to++ = from[i * step];
-    }
-    gp_free(block);
-    return st;
-}
-
-static gp_status from_other(const struct wanted *w,
-    const struct gp_stream *stream, struct gp_plane *out)
-{
-    gp_status st;
-    struct gp_image image = {0};
-    struct gp_plane_list list = {0};
-    struct gp_plane_place at;
-    GP_TRY(gp_read_image(w->log, w->p, w->path, stream, 0, &image));
-    GP_TRY(gp_plane_list_one(w->log, w->path, false, image.channels, &list));
-    for (int i = 0; i < image.channels; i++)
-        list.channel[i].name = (char *) (uintptr_t) image.channel_name[i];
-    GP_TRY(gp_plane_pick(w->log, &list, w->name, w->depth, true, &at));
-    GP_TRY(make_name(w->log, &list, &at, out));
-    GP_TRY(make_samples(w->log, image.data, out));
-    GP_TRY(read_channel(w->log, &image, at.channel, out->v));
-out:
-    gp_plane_list_free(&list);
-    gp_image_close(&image);
-    return st;
-}
 
 gp_status gp_read_plane_file(const struct gp_log *log,
                              const struct gp_read_params *p, const char *path,
                              const char *name, bool depth, struct gp_plane *out)
 {
-    const struct wanted w = {log, p, path, name, depth};
+    gp_status st;
     struct gp_stream stream;
+    struct gp_input *in = NULL;
+    struct gp_image image = {0};
+    struct gp_plane_list list = {0};
+    struct gp_plane_place at;
     struct gp_plane plane = {0};
+    void *block = NULL;
     bool exr;
-    gp_status st = gp_read_open(log, p, path, &stream, &exr);
-    if (st)
-        return st;
+    GP_TRY(gp_read_open(log, p, path, &stream, &exr));
     if (exr) {
-        st = from_exr(&w, &stream, &plane);
+        GP_TRY(gp_exr_open(log, path, &stream, &in));
+        GP_TRY(gp_plane_list_exr(log, path, in, false, depth, &list));
     } else {
-        st = from_other(&w, &stream, &plane);
-        gp_stream_close(&stream);
+        GP_TRY(gp_read_image(log, p, path, &stream, 0, &image));
+        GP_TRY(gp_plane_list_one(log, path, false, image.channels, &list));
+        for (int i = 0; i < image.channels; i++)
+            list.channel[i].name = (char *) (uintptr_t) image.channel_name[i];
     }
-    if (st)
-        gp_plane_free(&plane);
-    else
-        *out = plane;
+    GP_TRY(gp_plane_pick(log, &list, name, depth, true, &at));
+    GP_TRY(make_name(log, &list, &at, &plane));
+    if (exr) {
+        GP_TRY(from_part(log, p, path, in, &at, &plane));
+    } else { // a block of rows at a time
+        const int w = gp_rect_w(image.data), h = gp_rect_h(image.data);
+        const size_t step = (size_t) image.channels;
+        GP_TRY(make_samples(log, image.data, &plane));
+        GP_TRY(gp_alloc(log, "rows", (size_t) image.block * (size_t) w,
+                        step * sizeof(float), &block));
+        const float *const from = (const float *) block + at.channel;
+        float *to = plane.v;
+        for (int y = 0; y < h; y += image.block) {
+            const int rows = h - y < image.block ? h - y : image.block;
+            GP_TRY(image.rows(log, &image, y, block));
+            for (size_t i = 0; i < (size_t) rows * (size_t) w; i++)
+                *to++ = from[i * step];
+        }
+    }
+    *out = plane;
+    plane = (struct gp_plane) {0};
+out:
+    gp_plane_free(&plane);
+    gp_free(block);
+    gp_plane_list_free(&list);
+    gp_image_close(&image);
+    gp_input_free(in);
+    gp_stream_close(&stream);
     return st;
 }
 

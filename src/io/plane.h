@@ -8,20 +8,20 @@
 
 #include <stdbool.h>
 
-/* Finds the depth of a frame that gp_read_frame() read, and reads it: first
- * among the channels of its colour part, as gp_find_depth(); then, where that
- * has none, in the file's other parts by the same ranks within each, where
- * the first part that has one is taken. Parts of the colour's view (of stereo)
- * or of none come before those of other views, which are taken with a
- * warning; then those with "depth" in their name; then file order. Searching
- * passes over deep parts, with a warning when only they have depth.
+/* Reads a plane beside a frame that gp_read_frame() read.
  *
- * A name that is given may also be PART.CHANNEL, the part by its name
- * attribute; a channel of just that name in any part comes before that.
- *
- *   name  NULL to search
- *   out   written on GP_OK; empty (v NULL) when searching finds none; its
- *         window is that of the part, its name in the form that `name` takes
+ *   name   a channel of just that name in any part, the colour's first, or
+ *          PART.CHANNEL, the part by its name attribute; NULL searches
+ *   depth  search for depth: first among the channels of the colour's part,
+ *          as gp_find_depth(); then, where that has none, in the file's other
+ *          parts by the same ranks within each; the first part that has one
+ *          is taken. Parts of the colour's view (of stereo) or of none come
+ *          before those of other views, which are taken with a warning; then
+ *          those with "depth" in their name; then file order. Passes over
+ *          deep parts, with a warning when only they have depth. False: for
+ *          A, the coverage
+ *   out    written on GP_OK; empty (v NULL) when searching finds none; its
+ *          window is that of the part, its name in the form that `name` takes
  *
  * Samples are those of the file: also of a colour channel of an EXR, whatever
  * was done to the frame's planes. Subsampled ones are repeated.
@@ -29,9 +29,9 @@
  * Errors: GP_ERR_USAGE the name is nowhere (the line lists the channels of
  * all parts); GP_ERR_DATA two candidates of equal rank in one part, a part
  * that cannot be decoded. Frames of other formats than EXR have one part. */
-GP_MUST_CHECK gp_status gp_read_depth(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
-    struct gp_plane *out);
+    bool depth, struct gp_plane *out);
 
 /* Finds that depth and does not read it: for what is only said of it.
  *
@@ -44,13 +44,7 @@ GP_MUST_CHECK gp_status gp_name_depth(const struct gp_log *log,
     const struct gp_frame *f, const char *name, char **channel,
     enum gp_pixel_type *type);
 
-/* The channel `name` (never NULL) of a frame, wherever it is, as above: for
- * coverage. */
-GP_MUST_CHECK gp_status gp_read_coverage(const struct gp_log *log,
-    const struct gp_read_params *p, const struct gp_frame *f, const char *name,
-    struct gp_plane *out);
-
-/* The same from a file of its own, which need not hold colour: EXR, or any
+/* Reads a plane from a file of its own, which need not hold colour: EXR, or any
  * format of the bridge (a grey TIFF of depth, a PNG matte as stored, without
  * a colour curve; integers 0 to 1). `depth` says which of the two is looked
  * for; name NULL: depth as above, coverage A, else the only channel there is

@@ -134,23 +134,6 @@ static gp_status check_size(const struct png_input *in, long long max_pixels)
     return GP_OK;
 }
 
-/* The curve, by OpenImageIO's rules and names. */
-static void describe_curve(struct png_input *in)
-{
-    int intent;
-    double gamma = 0.0;
-    snprintf(in->space, sizeof in->space, "sRGB");
-    in->gamma = 1.0f;
-    if (png_get_sRGB(in->png, in->info, &intent) ||
-        !png_get_gAMA(in->png, in->info, &gamma) || !(gamma > 0.0))
-        return;
-    in->gamma = roundf(100.0f * (float) (1.0 / gamma)) / 100.0f;
-    if (in->gamma == 1.0f)
-        snprintf(in->space, sizeof in->space, "linear");
-    else
-        snprintf(in->space, sizeof in->space, "Gamma%.2g", (double) in->gamma);
-}
-
 /* A later attribute of the same name, in any case, replaces an earlier one. */
 static void add_text(struct gp_attribute *list, int *n, char *name, char *text)
 {
@@ -218,7 +201,19 @@ static gp_status read_header(struct png_input *in, long long max_pixels)
     in->channels = png_get_channels(png, in->info);
     in->bytes = png_get_bit_depth(png, in->info) / 8;
     in->stride = png_get_rowbytes(png, in->info);
-    describe_curve(in);
+    // the curve, by OpenImageIO's rules and names
+    double gamma = 0.0;
+    int intent;
+    snprintf(in->space, sizeof in->space, "sRGB");
+    in->gamma = 1.0f;
+    if (!png_get_sRGB(png, in->info, &intent) &&
+        png_get_gAMA(png, in->info, &gamma) && gamma > 0.0) {
+        in->gamma = roundf(100.0f * (float) (1.0 / gamma)) / 100.0f;
+        snprintf(in->space, sizeof in->space, "Gamma%.2g",
+                 (double) in->gamma);
+        if (in->gamma == 1.0f)
+            snprintf(in->space, sizeof in->space, "linear");
+    }
     const int block = BLOCK_SAMPLES / (in->width * in->channels) + 1;
     const int held = in->interlaced || block > in->height ? in->height : block;
     st = gp_alloc(in->log, "PNG rows", (size_t) held, in->stride, &rows);
@@ -408,34 +403,6 @@ static void filter_row(void *ctx, int y, struct gp_picture_row *row)
     }
 }
 
-/* The picture as one zlib stream; *data is for free(). */
-static gp_status compress_picture(const struct gp_log *log,
-    const struct gp_picture *pic, void **data, size_t *size)
-{
-    gp_status st;
-    struct filtering f = {.pic = pic};
-    struct libdeflate_compressor *c = libdeflate_alloc_compressor(LEVEL);
-    void *raw = NULL, *out = NULL;
-    f.stride = 1 + (size_t) pic->width * (size_t) pic->channels *
-                   (size_t) (pic->bits / 8);
-    const size_t n = f.stride * (size_t) pic->height;
-    if (!c)
-        GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
-    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
-    f.to = raw;
-    GP_TRY(gp_picture_each_row(log, pic, filter_row, &f));
-    const size_t room = libdeflate_zlib_compress_bound(c, n);
-    GP_TRY(gp_alloc(log, "PNG data", room, 1, &out));
-    *size = libdeflate_zlib_compress(c, raw, n, out, room);
-    *data = out;
-    out = NULL;
-out:
-    libdeflate_free_compressor(c);
-    gp_free(raw);
-    gp_free(out);
-    return st;
-}
-
 /* State of libpng's callbacks. */
 struct target {
     const struct gp_log *log;
@@ -466,34 +433,6 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-static bool is_srgb(const struct gp_frame *f, enum gp_picture_kind kind)
-{
-    return kind == GP_PICTURE_SHOWN ||
-           (kind == GP_PICTURE_SCENE &&
-            memcmp(f->chromaticities, gp_rec709_chromaticities,
-                   sizeof f->chromaticities) == 0);
-}
-
-static void set_colour(png_structp png, png_infop info,
-                       const struct gp_frame *f, enum gp_picture_kind kind)
-{
-    const float *c = f->chromaticities;
-    if (kind == GP_PICTURE_ENCODED)
-        return;
-    if (is_srgb(f, kind)) {
-        png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
-        return;
-    }
-    png_set_gAMA_fixed(png, info, 45455); // 1 / 2.2, as beside sRGB
-    for (int i = 0; i < 8; i += 2) { // PNG has no imaginary primaries
-        if (!(c[i] >= 0 && c[i + 1] >= 0 && c[i] + c[i + 1] <= 1))
-            return;
-    }
-    png_set_cHRM(png, info, (double) c[6], (double) c[7], (double) c[0],
-                 (double) c[1], (double) c[2], (double) c[3], (double) c[4],
-                 (double) c[5]);
-}
-
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
@@ -504,6 +443,14 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     static const png_byte cicp[4] = {1, 13, 0, 1};
     const double unit = 10000.0; // pixels of no unit; only their ratio counts
     const double aspect = (double) f->pixel_aspect;
+    const float *const c = f->chromaticities;
+    const bool scene = kind == GP_PICTURE_SCENE;
+    const bool srgb = kind == GP_PICTURE_SHOWN ||
+                      (scene && memcmp(c, gp_rec709_chromaticities,
+                                       sizeof f->chromaticities) == 0);
+    bool real = true; // PNG has no imaginary primaries
+    for (int i = 0; i < 8; i += 2)
+        real = real && c[i] >= 0 && c[i + 1] >= 0 && c[i] + c[i + 1] <= 1;
     png_infop info = NULL;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t,
                                               on_write_error, on_warning);
@@ -523,12 +470,19 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
                                     : PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_BASE,
                  PNG_FILTER_TYPE_BASE);
-    set_colour(png, info, f, kind);
+    if (srgb)
+        png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
+    else if (scene)
+        png_set_gAMA_fixed(png, info, 45455); // 1 / 2.2, as beside sRGB
+    if (scene && !srgb && real)
+        png_set_cHRM(png, info, (double) c[6], (double) c[7], (double) c[0],
+                     (double) c[1], (double) c[2], (double) c[3],
+                     (double) c[4], (double) c[5]);
     if (aspect != 1.0 && aspect > 1e-4 && aspect < 1e4)
         png_set_pHYs(png, info, (png_uint_32) (unit / aspect + 0.5),
                      (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
     png_write_info(png, info);
-    if (is_srgb(f, kind))
+    if (srgb)
         png_write_chunk(png, (png_const_bytep) "cICP", cicp, sizeof cicp);
     for (size_t at = 0; at < size; at += IDAT_BYTES)
         png_write_chunk(png, (png_const_bytep) "IDAT",
@@ -541,22 +495,38 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
 
 gp_status gp_png_write(const struct gp_log *log,
                        const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f, const struct gp_planes *planes,
+                       const struct gp_frame *frame,
+                       const struct gp_planes *planes,
                        enum gp_picture_kind kind, struct gp_write_stats *stats)
 {
     gp_status st;
-    struct gp_picture pic;
-    void *data = NULL;
-    size_t size = 0;
+    struct gp_picture pic = {0};
+    struct libdeflate_compressor *c = libdeflate_alloc_compressor(LEVEL);
+    struct filtering f = {.pic = &pic};
     struct target t = {.log = log};
+    void *raw = NULL, *data = NULL;
     (void) stats;
-    GP_TRY(gp_picture_make(log, p, path, f, planes, kind, true, &pic));
-    GP_TRY(compress_picture(log, &pic, &data, &size));
+    GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, true, &pic));
+    if (!c)
+        GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
+    f.stride = 1 + (size_t) pic.width * (size_t) pic.channels *
+                   (size_t) (pic.bits / 8);
+    const size_t n = f.stride * (size_t) pic.height;
+    GP_TRY(gp_alloc(log, "PNG pixels", n, 1, &raw));
+    f.to = raw;
+    GP_TRY(gp_picture_each_row(log, &pic, filter_row, &f));
+    // one zlib stream of all rows
+    const size_t room = libdeflate_zlib_compress_bound(c, n);
+    GP_TRY(gp_alloc(log, "PNG data", room, 1, &data));
+    const size_t size = libdeflate_zlib_compress(c, raw, n, data, room);
+    GP_FREE(raw);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
-    GP_TRY(write_chunks(&t, &pic, f, kind, data, size));
+    GP_TRY(write_chunks(&t, &pic, frame, kind, data, size));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);
+    libdeflate_free_compressor(c);
+    gp_free(raw);
     gp_free(data);
     gp_picture_free(&pic);
     return st;

@@ -1,10 +1,166 @@
-#include "io/io_priv.h"
-
+/* Formats of plain samples: raw frames, and the portable float map.
+ *
+ * PFM, by P. Debevec: "PF" for three floats a pixel or "Pf" for one, width,
+ * height, and a scale, which is negative where the floats are little-endian;
+ * one white space; rows from the bottom. As netpbm's readers do, comments may
+ * be in the header, and samples are multiplied by the scale. */
+#include "core/bytes.h"
 #include "core/memory.h"
 #include "io/file.h"
+#include "io/io_priv.h"
 #include "io/picture.h"
 
+#include <limits.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+enum {
+    HEADER_BYTES = 4096,      // at most
+    BLOCK_SAMPLES = 1 << 20,  // near which many are read at a time
+};
+
+struct header {
+    int width, height, channels;
+    float scale;
+    uint64_t bytes;           // before the first row
+};
+
+/* False for what is no header. */
+static bool parse_header(const uint8_t *data, size_t size, struct header *h)
+{
+    size_t at = 2;
+    char word[3][32] = {{0}}, *end[3];
+    for (int i = 0; i < 3; i++) { // after white space and comments
+        bool comment = false;
+        for (; at < size; at++) {
+            comment = comment ? data[at] != '\n' : data[at] == '#';
+            if (!comment && !(data[at] == ' ' ||
+                              (data[at] >= '\t' && data[at] <= '\r')))
+                break;
+        }
+        for (size_t n = 0; at < size && data[at] > ' '; at++) {
+            if (n + 1 < sizeof word[i])
+                word[i][n++] = (char) data[at];
+        }
+        if (!word[i][0])
+            return false;
+    }
+    const long width = strtol(word[0], &end[0], 10);
+    const long height = strtol(word[1], &end[1], 10);
+    *h = (struct header) {
+        .channels = data[1] == 'F' ? 3 : 1, .bytes = at + 1,
+        .scale = strtof(word[2], &end[2]),
+    };
+    if (at >= size || *end[0] || *end[1] || *end[2] || width < 1 ||
+        height < 1 || width > INT_MAX || height > INT_MAX ||
+        !isfinite(h->scale) || h->scale == 0.0f)
+        return false;
+    h->width = (int) width;
+    h->height = (int) height;
+    return true;
+}
+
+/* Checks that all rows are in `size` bytes. */
+static bool holds_rows(const struct header *h, uint64_t size)
+{
+    const uint64_t row = (uint64_t) h->width * (uint64_t) h->channels * 4;
+    return h->bytes <= size && (size - h->bytes) / row >= (uint64_t) h->height;
+}
+
+gp_status gp_pfm_length(const uint8_t *data, uint64_t size, uint64_t *length)
+{
+    struct header h;
+    const size_t n = size < HEADER_BYTES ? (size_t) size : HEADER_BYTES;
+    if (parse_header(data, n, &h) && holds_rows(&h, size))
+        *length = h.bytes + (uint64_t) h.width * (uint64_t) h.height *
+                                (uint64_t) h.channels * 4;
+    return GP_OK;
+}
+
+// -- reading PFM --------------------------------------------------------------
+
+struct pfm_input {
+    const struct gp_stream *stream;
+    struct header header;
+};
+
+static void close_input(struct gp_image *image)
+{
+    gp_free(image->own);
+}
+
+static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
+                           int y, float *to)
+{
+    const struct pfm_input *const in = image->own;
+    const struct header *const h = &in->header;
+    const size_t n = (size_t) h->width * (size_t) h->channels;
+    const bool little = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__;
+    const bool swap = (h->scale < 0.0f) != little;
+    const float scale = fabsf(h->scale);
+    for (int end = y + image->block; y < end && y < h->height; y++, to += n) {
+        const uint64_t row = (uint64_t) (h->height - 1 - y);
+        const int64_t got = gp_stream_read(in->stream, to, 4 * n,
+                                           h->bytes + row * 4 * n);
+        if (got < 0)
+            return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the "
+                           "file", image->path);
+        if ((uint64_t) got < 4 * n)
+            return gp_fail(log, GP_ERR_DATA, "%s: cut off (row %d); copy or "
+                           "render the file again", image->path, y);
+        for (size_t i = 0; i < n && swap; i++) {
+            const uint32_t turned = __builtin_bswap32(gp_bits_of(to[i]));
+            memcpy(&to[i], &turned, sizeof turned); // a NaN too
+        }
+        for (size_t i = 0; i < n && scale != 1.0f; i++)
+            to[i] *= scale;
+    }
+    return GP_OK;
+}
+
+gp_status gp_pfm_open(const struct gp_log *log, const char *path,
+                      const struct gp_stream *stream, int part,
+                      long long max_pixels, struct gp_image *out)
+{
+    static const char *const grey[] = {"Y"}, *const rgb[] = {"R", "G", "B"};
+    uint8_t first[HEADER_BYTES] = {0};
+    struct header h;
+    void *own;
+    if (part > 0)
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: has no part %d: a PFM is one picture; give part 0",
+                       path, part);
+    const int64_t n = gp_stream_read(stream, first, sizeof first, 0);
+    if (n < 0)
+        return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
+                       path);
+    if (!parse_header(first, (size_t) n, &h))
+        return gp_fail(log, GP_ERR_DATA, "%s: its header is damaged; a PFM "
+                       "begins with PF or Pf, width, height and scale", path);
+    gp_status st = gp_window_check(log, path, "data", h.width, h.height,
+                                   max_pixels);
+    if (!st && !holds_rows(&h, stream->size))
+        st = gp_fail(log, GP_ERR_DATA, "%s: cut off (%llu bytes cannot hold "
+                     "%d x %d pixels); copy or render the file again", path,
+                     (unsigned long long) stream->size, h.width, h.height);
+    if (!st)
+        st = gp_alloc(log, path, 1, sizeof(struct pfm_input), &own);
+    if (st)
+        return st;
+    *(struct pfm_input *) own = (struct pfm_input) {stream, h};
+    const struct gp_rect window = {0, 0, h.width, h.height};
+    *out = (struct gp_image) {
+        .path = path, .data = window, .display = window, .pixel_aspect = 1.0f,
+        .channels = h.channels, .channel_name = h.channels == 3 ? rgb : grey,
+        .colour_space = "", .rows = read_rows, .close = close_input,
+        .block = BLOCK_SAMPLES / h.width / h.channels + 1, .own = own,
+    };
+    return GP_OK;
+}
+
+// -- writing ------------------------------------------------------------------
 
 /* Bytes of one sample. */
 static size_t sample_bytes(enum gp_raw_format raw)
@@ -15,76 +171,72 @@ static size_t sample_bytes(enum gp_raw_format raw)
 struct gathering {
     const struct gp_picture *pic;
     enum gp_raw_format raw;
+    bool from_bottom;
     uint8_t *to;
 };
 
-static void store_float(float v, uint8_t *to)
-{
-    uint32_t bits;
-    memcpy(&bits, &v, sizeof bits);
-    for (int i = 0; i < 4; i++)
-        to[i] = (uint8_t) (bits >> 8 * i);
-}
-
-static void store_code(uint16_t code, enum gp_raw_format raw, uint8_t *to)
-{
-    const int high = raw == GP_RAW_RGB48BE ? 0 : 1;
-    if (raw == GP_RAW_RGB24) {
-        to[0] = (uint8_t) code;
-        return;
-    }
-    to[high] = (uint8_t) (code >> 8);
-    to[1 - high] = (uint8_t) code;
-}
-
 static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
-    const struct gathering *g = ctx;
+    const struct gathering *const g = ctx;
     const size_t w = (size_t) g->pic->width, bytes = sample_bytes(g->raw);
-    uint8_t *to = g->to + (size_t) y * w * 3 * bytes;
-    const bool floats = g->raw == GP_RAW_RGBF32LE;
-    if (floats)
+    const int line = g->from_bottom ? g->pic->height - 1 - y : y;
+    const int high = g->raw == GP_RAW_RGB48BE ? 0 : 1;
+    uint8_t *to = g->to + (size_t) line * w * 3 * bytes;
+    if (g->raw == GP_RAW_RGBF32LE)
         gp_picture_floats(g->pic, y, row);
     else
         gp_picture_codes(g->pic, y, row);
     for (size_t x = 0; x < w; x++) {
         for (size_t c = 0; c < 3; c++, to += bytes) {
-            if (floats)
-                store_float(row->linear[c][x], to);
-            else
-                store_code(row->code[c][x], g->raw, to);
+            if (g->raw == GP_RAW_RGBF32LE) {
+                const uint32_t bits = gp_bits_of(row->linear[c][x]);
+                for (int i = 0; i < 4; i++)
+                    to[i] = (uint8_t) (bits >> 8 * i);
+            } else if (g->raw == GP_RAW_RGB24) {
+                to[0] = (uint8_t) row->code[c][x];
+            } else {
+                to[high] = (uint8_t) (row->code[c][x] >> 8);
+                to[1 - high] = (uint8_t) row->code[c][x];
+            }
         }
     }
 }
 
-gp_status gp_raw_write(const struct gp_log *log,
-                       const struct gp_write_params *p, const char *path,
-                       const struct gp_frame *f, const struct gp_planes *planes,
-                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+/* Writes samples of p->raw over black: a raw frame, whose size `frames` checks,
+ * or with NULL a PFM. */
+static gp_status write_samples(const struct gp_log *log,
+    struct gp_write_params p, const char *path, const struct gp_frame *f,
+    const struct gp_planes *planes, enum gp_picture_kind kind,
+    struct gp_raw_size *frames)
 {
     gp_status st;
-    struct gp_write_params own = *p;
     struct gp_picture pic;
     struct gp_file *file = NULL;
     void *bytes = NULL;
-    own.depth_bits = p->raw == GP_RAW_RGB24 ? 8 : 16;
-    own.alpha = GP_ALPHA_BLACK;
-    GP_TRY(gp_picture_make(log, &own, path, f, planes, kind,
-                           p->raw != GP_RAW_RGBF32LE, &pic));
-    const size_t size = (size_t) pic.width * (size_t) pic.height * 3 *
-                        sample_bytes(p->raw);
-    const struct gp_raw_size before = stats->raw;
-    if (before.w && (before.w != pic.width || before.h != pic.height))
+    char head[64];
+    p.depth_bits = p.raw == GP_RAW_RGB24 ? 8 : 16;
+    p.alpha = GP_ALPHA_BLACK;
+    GP_TRY(gp_picture_make(log, &p, path, f, planes, kind,
+                           p.raw != GP_RAW_RGBF32LE, &pic));
+    if (frames && frames->w &&
+        (frames->w != pic.width || frames->h != pic.height))
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: another size than the raw frames before it (found "
                        "%d x %d after %d x %d); make it in a run of its own",
                        f->path ? f->path : path, pic.width, pic.height,
-                       before.w, before.h));
-    stats->raw = (struct gp_raw_size) {pic.width, pic.height};
-    GP_TRY(gp_alloc(log, "raw frame", size, 1, &bytes));
-    struct gathering g = {.pic = &pic, .raw = p->raw, .to = bytes};
+                       frames->w, frames->h));
+    if (frames)
+        *frames = (struct gp_raw_size) {pic.width, pic.height};
+    const size_t size = (size_t) pic.width * (size_t) pic.height * 3 *
+                        sample_bytes(p.raw);
+    GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
+    struct gathering g = {&pic, p.raw, !frames, bytes};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
-    GP_TRY(gp_file_open(log, path, p->create_dir, &file));
+    GP_TRY(gp_file_open(log, path, p.create_dir, &file));
+    const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",
+                                    pic.width, pic.height);
+    if (!frames)
+        GP_TRY(gp_file_write(file, head, (size_t) head_bytes));
     GP_TRY(gp_file_write(file, bytes, size));
     GP_TRY(gp_file_commit(&file));
 out:
@@ -92,4 +244,23 @@ out:
     gp_free(bytes);
     gp_picture_free(&pic);
     return st;
+}
+
+gp_status gp_pfm_write(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_frame *f, const struct gp_planes *planes,
+                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+{
+    struct gp_write_params own = *p;
+    (void) stats;
+    own.raw = GP_RAW_RGBF32LE;
+    return write_samples(log, own, path, f, planes, kind, NULL);
+}
+
+gp_status gp_raw_write(const struct gp_log *log,
+                       const struct gp_write_params *p, const char *path,
+                       const struct gp_frame *f, const struct gp_planes *planes,
+                       enum gp_picture_kind kind, struct gp_write_stats *stats)
+{
+    return write_samples(log, *p, path, f, planes, kind, &stats->raw);
 }

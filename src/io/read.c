@@ -65,21 +65,15 @@ static const struct {
     {"a git-lfs pointer", "version https://", 16, 0},
 };
 
-/* PBM, PGM, PPM and PFM: "P", a letter, white space or a comment. */
-static const char *netpbm(const uint8_t *b, size_t n)
-{
-    if (n < 3 || b[0] != 'P' || !b[2] || !strchr(" \t\n\v\f\r#", b[2]))
-        return NULL;
-    if (b[1] == 'F' || b[1] == 'f')
-        return "PFM";
-    return b[1] >= '1' && b[1] <= '6' ? "PNM" : NULL;
-}
-
 const char *gp_format_name(const uint8_t *b, size_t n)
 {
-    const char *const pnm = netpbm(b, n);
-    if (pnm)
-        return pnm;
+    // PBM, PGM, PPM and PFM: "P", a letter, white space or a comment
+    if (n >= 3 && b[0] == 'P' && b[2] && strchr(" \t\n\v\f\r#", b[2])) {
+        if (b[1] == 'F' || b[1] == 'f')
+            return "PFM";
+        if (b[1] >= '1' && b[1] <= '6')
+            return "PNM";
+    }
     for (size_t i = 0; i < sizeof magics / sizeof *magics; i++) {
         if (n >= magics[i].at + magics[i].n &&
             memcmp(b + magics[i].at, magics[i].bytes, magics[i].n) == 0)
@@ -228,22 +222,26 @@ gp_status gp_read_image(const struct gp_log *log,
     return refuse(log, path, first, n, no_format, convert_it);
 }
 
-static gp_status read_other(const struct gp_log *log,
-    const struct gp_read_params *p, const char *path,
-    const struct gp_stream *stream, struct gp_frame *out)
+gp_status gp_read_stream(const struct gp_log *log,
+                         const struct gp_read_params *p, const char *path,
+                         struct gp_stream *stream, struct gp_frame *out)
 {
     gp_status st;
     struct gp_image image = {0};
+    bool exr;
     int part = 0;
+    GP_TRY(check_start(log, path, stream, &exr));
+    if (exr)
+        return gp_read_exr(log, p, path, stream, out);
     if (p->view)
-        return gp_fail(log, GP_ERR_USAGE,
+        GP_TRY(gp_fail(log, GP_ERR_USAGE,
                        "%s: has no view %.200s: only EXR has views; give the "
-                       "file of that view", path, p->view);
+                       "file of that view", path, p->view));
     for (const char *c = p->part; c && (*c || c == p->part); c++) {
         if (*c < '0' || *c > '9' || part > 99999)
-            return gp_fail(log, GP_ERR_USAGE,
+            GP_TRY(gp_fail(log, GP_ERR_USAGE,
                 "%s: has no part %.200s: parts of formats other "
-                "than EXR have only numbers; give one from 0", path, p->part);
+                "than EXR have only numbers; give one from 0", path, p->part));
         part = 10 * part + (*c - '0');
     }
     GP_TRY(gp_read_image(log, p, path, stream, part, &image));
@@ -253,20 +251,6 @@ static gp_status read_other(const struct gp_log *log,
     GP_TRY(gp_image_frame(log, p->layer, &image, out));
 out:
     gp_image_close(&image);
-    return st;
-}
-
-gp_status gp_read_stream(const struct gp_log *log,
-                         const struct gp_read_params *p, const char *path,
-                         struct gp_stream *stream, struct gp_frame *out)
-{
-    bool exr;
-    gp_status st = check_start(log, path, stream, &exr);
-    if (st)
-        return st;
-    if (exr)
-        return gp_read_exr(log, p, path, stream, out);
-    st = read_other(log, p, path, stream, out);
     gp_stream_close(stream);
     return st;
 }
@@ -281,22 +265,6 @@ gp_status gp_read_frame(const struct gp_log *log,
 }
 
 // -- several images in one stream ---------------------------------------------
-
-static gp_status add_member(const struct gp_log *log, struct gp_members *m,
-                            uint64_t at, uint64_t size)
-{
-    void *list = m->member;
-    if ((m->n & (m->n - 1)) == 0) { // doubles at powers of two
-        const size_t room = m->n ? 2 * (size_t) m->n : 1;
-        gp_status st = gp_resize(log, "frame list", room * sizeof *m->member,
-                                 &list);
-        if (st)
-            return st;
-    }
-    m->member = list;
-    m->member[m->n++] = (struct gp_member) {at, size};
-    return GP_OK;
-}
 
 /* An image whose end cannot be told reaches to the end of the stream. */
 static gp_status find_members(const struct gp_log *log, const char *path,
@@ -319,9 +287,16 @@ static gp_status find_members(const struct gp_log *log, const char *path,
                            (unsigned long long) at);
         if (size == 0 || size > left)
             size = left;
-        gp_status st = add_member(log, m, at, size);
-        if (st)
-            return st;
+        if ((m->n & (m->n - 1)) == 0) { // doubles at powers of two
+            const size_t room = m->n ? 2 * (size_t) m->n : 1;
+            void *list = m->member;
+            gp_status st = gp_resize(log, "frame list",
+                                     room * sizeof *m->member, &list);
+            if (st)
+                return st;
+            m->member = list;
+        }
+        m->member[m->n++] = (struct gp_member) {at, size};
         for (at += size; at < end && m->stream.data[at] == 0; at++)
             ; // padding
     }
@@ -331,17 +306,17 @@ static gp_status find_members(const struct gp_log *log, const char *path,
 gp_status gp_members_read(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_members *out)
 {
+    gp_status st;
     struct gp_members m = {.stream = GP_STREAM_EMPTY};
     bool exr;
-    gp_status st = gp_read_open(log, p, path, &m.stream, &exr);
-    if (!st && !m.stream.data)
-        st = gp_fail(log, GP_ERR_BUG, "%s: is no pipe", path);
-    if (!st)
-        st = find_members(log, path, &m);
-    if (st)
-        gp_members_free(&m);
-    else
-        *out = m;
+    GP_TRY(gp_read_open(log, p, path, &m.stream, &exr));
+    if (!m.stream.data)
+        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: is no pipe", path));
+    GP_TRY(find_members(log, path, &m));
+    *out = m;
+    return GP_OK;
+out:
+    gp_members_free(&m);
     return st;
 }
 

@@ -205,25 +205,18 @@ static void sort_by_number(struct place *place, struct place *spare, int n)
     }
 }
 
-/* True when all numbers go one way, as those of a single range do. */
-static bool goes_one_way(const struct gp_frames *f)
-{
-    const bool down = f->n > 1 && f->number[1] < f->number[0];
-    for (int i = 1; i < f->n; i++) {
-        if (down ? f->number[i] >= f->number[i - 1]
-                 : f->number[i] <= f->number[i - 1])
-            return false;
-    }
-    return true;
-}
-
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
     void *block;
-    if (goes_one_way(f)) // sorting a million frames takes a while
-        return GP_OK;
     const int n = f->n;
+    const bool down = n > 1 && f->number[1] < f->number[0];
+    int ordered = 1;
+    while (ordered < n && (down ? f->number[ordered] < f->number[ordered - 1]
+                                : f->number[ordered] > f->number[ordered - 1]))
+        ordered++;
+    if (ordered >= n) // a single range; sorting a million takes a while
+        return GP_OK;
     gp_status st = gp_alloc(log, "frame list", 2 * (size_t) n,
                             sizeof(struct place), &block);
     if (st)
@@ -323,23 +316,6 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more)
 
 // -- what is on disk ---------------------------------------------------------
 
-/* The number of `name` when it is a frame of the pattern whose component
- * starts at `start`; -1 else. */
-static int frame_of(const struct gp_pattern *p, size_t start, const char *name)
-{
-    const size_t head = p->at - start;
-    if (strncmp(name, p->path + start, head) != 0)
-        return -1;
-    const char *const digits = name + head;
-    int n = 0, number = 0;
-    for (; n < GP_FRAME_DIGITS && is_digit(digits[n]); n++)
-        number = 10 * number + (digits[n] - '0');
-    if (n == 0 || strcmp(digits + n, p->path + p->at + p->len) != 0)
-        return -1;
-    // only the padding that would be written is a match
-    return snprintf(NULL, 0, "%0*d", p->digits, number) == n ? number : -1;
-}
-
 gp_status gp_frames_on_disk(const struct gp_log *log,
     const struct gp_pattern *p, const char *view, struct gp_frames *out)
 {
@@ -357,9 +333,17 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: cannot list the folder (%s); check the path",
                        path, strerror(reason)));
+    const size_t head = filled.at - start;
     for (const struct dirent *e; (e = readdir(folder));) {
-        const int number = frame_of(&filled, start, e->d_name);
-        if (number < 0)
+        int n = 0, number = 0;
+        if (strncmp(e->d_name, path + start, head) != 0)
+            continue;
+        const char *const digits = e->d_name + head;
+        for (; n < GP_FRAME_DIGITS && is_digit(digits[n]); n++)
+            number = 10 * number + (digits[n] - '0');
+        // only the padding that would be written is a match
+        if (n == 0 || strcmp(digits + n, path + filled.at + filled.len) != 0 ||
+            snprintf(NULL, 0, "%0*d", filled.digits, number) != n)
             continue;
         if (f.n == GP_FRAME_LIST_MAX)
             GP_TRY(gp_fail(log, GP_ERR_USAGE,

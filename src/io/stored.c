@@ -58,80 +58,60 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 
 /* -- EXR ------------------------------------------------------------------- */
 
-/* A subsampled channel at full resolution in place of its samples. */
-static gp_status widen(const struct gp_log *log, struct gp_rect window,
-    const exr_attr_chlist_entry_t *e, struct gp_stored_channel *c)
-{
-    struct gp_channel small = {
-        .type = c->is_uint ? GP_UINT : GP_FLOAT, .xs = e->x_sampling,
-        .ys = e->y_sampling, .w = gp_rect_w(window) / e->x_sampling,
-        .h = gp_rect_h(window) / e->y_sampling, .colour = -1, .data = c->v,
-    };
-    const struct gp_frame one = {
-        .data = window, .channel = &small, .channels = 1,
-    };
-    void *wide;
-    gp_status st = gp_alloc_zero(log, c->name, gp_frame_pixels(&one),
-                                 sizeof(float), &wide);
-    if (st)
-        return st;
-    gp_channel_floats(&one, 0, wide);
-    gp_free(c->v);
-    c->v = wide;
-    c->is_uint = false;
-    return GP_OK;
-}
-
-static gp_status read_channels(const struct gp_log *log,
-    const struct gp_exr_chunks *l, struct gp_stored_image *out)
-{
-    const int n = l->channel->num_channels;
-    const exr_attr_chlist_entry_t *const entry = l->channel->entries;
-    gp_status st;
-    void *block = NULL;
-    GP_TRY(make_list(log, n, out));
-    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n,
-                         sizeof(struct gp_exr_sink), &block));
-    struct gp_exr_sink *const sink = block;
-    for (int i = 0; i < n; i++) {
-        struct gp_stored_channel *const c = &out->channel[i];
-        c->is_uint = entry[i].pixel_type == EXR_PIXEL_UINT;
-        GP_TRY(make_channel(log, entry[i].name.str,
-                            (size_t) l->w * (size_t) l->h, c));
-        sink[i] = (struct gp_exr_sink) {c->v, !c->is_uint};
-    }
-    GP_TRY(gp_exr_decode(log, l, sink));
-    for (int i = 0; i < n; i++) {
-        if (entry[i].x_sampling != 1 || entry[i].y_sampling != 1)
-            GP_TRY(widen(log, out->data, &entry[i], &out->channel[i]));
-    }
-out:
-    gp_free(block);
-    return st;
-}
-
 static gp_status read_exr(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *file, int part,
     struct gp_stored_image *out)
 {
-    struct gp_exr_chunks l;
+    gp_status st;
+    struct gp_exr_chunks l = {0};
+    struct gp_frame f;
+    void *sinks = NULL, *wide;
     out->deep = gp_exr_is_deep(file->input, part);
     if (out->deep)
         return GP_OK;
-    gp_status st = gp_exr_chunks_find(log, file->path, file->input, part,
-                                      p->max_pixels, &l);
-    if (!st) {
-        struct gp_frame f;
-        gp_exr_frame_header(&l, &f);
-        out->data = f.data;
-        out->display = f.display;
-        memcpy(out->chromaticities, f.chromaticities,
-               sizeof out->chromaticities);
-        memcpy(out->luminance, f.luminance, sizeof out->luminance);
-        st = read_channels(log, &l, out);
+    GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part,
+                              p->max_pixels, &l));
+    gp_exr_frame_header(&l, &f);
+    out->data = f.data;
+    out->display = f.display;
+    memcpy(out->chromaticities, f.chromaticities, sizeof out->chromaticities);
+    memcpy(out->luminance, f.luminance, sizeof out->luminance);
+    const int n = l.channel->num_channels;
+    const exr_attr_chlist_entry_t *const entry = l.channel->entries;
+    GP_TRY(make_list(log, n, out));
+    GP_TRY(gp_alloc_zero(log, "channels", (size_t) n,
+                         sizeof(struct gp_exr_sink), &sinks));
+    for (int i = 0; i < n; i++) {
+        struct gp_stored_channel *const c = &out->channel[i];
+        c->is_uint = entry[i].pixel_type == EXR_PIXEL_UINT;
+        GP_TRY(make_channel(log, entry[i].name.str,
+                            (size_t) l.w * (size_t) l.h, c));
+        ((struct gp_exr_sink *) sinks)[i] =
+            (struct gp_exr_sink) {c->v, !c->is_uint};
     }
-    if (!st)
-        st = find_light(log, file->parts == 1, out);
+    GP_TRY(gp_exr_decode(log, &l, sinks));
+    for (int i = 0; i < n; i++) { // subsampled ones at full resolution
+        struct gp_stored_channel *const c = &out->channel[i];
+        const int xs = entry[i].x_sampling, ys = entry[i].y_sampling;
+        if (xs == 1 && ys == 1)
+            continue;
+        struct gp_channel small = {
+            .type = c->is_uint ? GP_UINT : GP_FLOAT, .xs = xs, .ys = ys,
+            .w = l.w / xs, .h = l.h / ys, .colour = -1, .data = c->v,
+        };
+        const struct gp_frame one = {
+            .data = out->data, .channel = &small, .channels = 1,
+        };
+        GP_TRY(gp_alloc_zero(log, c->name, gp_frame_pixels(&one),
+                             sizeof(float), &wide));
+        gp_channel_floats(&one, 0, wide);
+        gp_free(c->v);
+        c->v = wide;
+        c->is_uint = false;
+    }
+    GP_TRY(find_light(log, file->parts == 1, out));
+out:
+    gp_free(sinks);
     gp_exr_chunks_free(&l);
     return st;
 }

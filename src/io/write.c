@@ -109,7 +109,6 @@ gp_status gp_write_picture(const struct gp_log *log,
                                                stats);
 }
 
-
 gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats)

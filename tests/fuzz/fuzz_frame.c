@@ -35,9 +35,9 @@ static void look(const struct gp_read_params *p, const struct gp_frame *f)
 {
     struct gp_plane plane = {0};
     double m[16];
-    if (!fuzz_said(gp_read_depth(&fuzz_log, p, f, NULL, &plane)))
+    if (!fuzz_said(gp_read_plane(&fuzz_log, p, f, NULL, true, &plane)))
         touch_plane(&plane);
-    if (!fuzz_said(gp_read_coverage(&fuzz_log, p, f, "A", &plane)))
+    if (!fuzz_said(gp_read_plane(&fuzz_log, p, f, "A", false, &plane)))
         touch_plane(&plane);
     gp_frame_matrix(f, "worldToCamera", m);
     gp_frame_matrix(f, "worldToNDC", m);

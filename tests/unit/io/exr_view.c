@@ -219,9 +219,8 @@ static void planes_of_a_view(void **state)
         write_parts(row[i].part, row[i].parts);
         assert_ok(gp_read_frame(&said_log, &of_right, path, &frame));
         said[0] = '\0';
-        assert_int_equal((row[i].depth ? gp_read_depth : gp_read_coverage)(
-                             &notes, &of_right, &frame, row[i].name, &p),
-                         row[i].st);
+        assert_int_equal(gp_read_plane(&notes, &of_right, &frame, row[i].name,
+                                       row[i].depth, &p), row[i].st);
         assert_int_equal(said[0] != '\0', row[i].said != NULL);
         if (row[i].said && !strstr(said, row[i].said))
             fail_msg("row %zu: %s", i, said);

@@ -134,8 +134,8 @@ static gp_status read_plane(const char *name)
 static gp_status read_coverage(const char *name)
 {
     struct gp_plane p = {0};
-    return end_plane(gp_read_coverage(&said_log, &limits, &from_parts, name,
-                                      &p), &p);
+    return end_plane(gp_read_plane(&said_log, &limits, &from_parts, name,
+                                   false, &p), &p);
 }
 
 /* Two files in one pipe. */

@@ -5,6 +5,12 @@
 #include "oiio_here.h"
 #include "plane_fixture.h"
 
+static gp_status beside(const struct gp_frame *f, const char *name, bool depth,
+                        struct gp_plane *p)
+{
+    return gp_read_plane(&said_log, &limits, f, name, depth, p);
+}
+
 static void open_fixture(const struct fixture *f, struct gp_frame *frame)
 {
     fixture_write_file(in_folder("f.exr"), f);
@@ -79,7 +85,7 @@ static void depth_of_any_part(void **state)
         memcpy(f.part, row[i].part, sizeof f.part);
         open_fixture(&f, &frame);
         said[0] = '\0';
-        assert_ok(gp_read_depth(&notes, &limits, &frame, NULL, &p));
+        assert_ok(gp_read_plane(&notes, &limits, &frame, NULL, true, &p));
         assert_int_equal(said[0] != '\0', row[i].said != NULL);
         if (row[i].said)
             assert_non_null(strstr(said, row[i].said));
@@ -93,8 +99,7 @@ static void depth_of_any_part(void **state)
             const char *const name[] = {p.name, row[i].channel};
             for (int k = 0; k < 2; k++) {
                 struct gp_plane again;
-                assert_ok(
-                    gp_read_depth(&said_log, &limits, &frame, name[k], &again));
+                assert_ok(beside(&frame, name[k], true, &again));
                 assert_plane(&again, &f.part[row[i].from], row[i].channel);
                 gp_plane_free(&again);
             }
@@ -122,8 +127,7 @@ static void channels_by_name(void **state)
     open_fixture(&named, &frame);
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_plane p;
-        assert_ok(
-            gp_read_coverage(&said_log, &limits, &frame, row[i].name, &p));
+        assert_ok(beside(&frame, row[i].name, false, &p));
         assert_string_equal(p.name, row[i].called);
         assert_plane(&p, &named.part[row[i].part], row[i].channel);
         gp_plane_free(&p);
@@ -148,16 +152,14 @@ static void names_that_are_not_there(void **state)
     struct gp_plane p = {0};
     open_fixture(&named, &frame);
     for (size_t i = 0; i < COUNT(name); i++) {
-        assert_int_equal(gp_read_depth(&said_log, &limits, &frame, name[i], &p),
-                         GP_ERR_USAGE);
+        assert_int_equal(beside(&frame, name[i], true, &p), GP_ERR_USAGE);
         assert_non_null(strstr(said_line, list));
         assert_int_equal(read_plane(name[i], false, &p), GP_ERR_USAGE);
         assert_non_null(strstr(said_line, "; "));
         assert_null(p.v);
     }
     // two of one rank, which search must not choose between
-    assert_int_equal(gp_read_depth(&said_log, &limits, &frame, NULL, &p),
-                     GP_ERR_DATA);
+    assert_int_equal(beside(&frame, NULL, true, &p), GP_ERR_DATA);
     assert_non_null(strstr(said_line, "a.Z and b.Z"));
     assert_null(p.v);
     gp_frame_free(&frame);
@@ -174,17 +176,17 @@ static void samples_are_those_of_the_file(void **state)
     struct gp_plane p;
     open_fixture(&yc, &frame);
     assert_int_equal(frame.model, GP_COLOUR_YC);
-    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "Y", &p));
+    assert_ok(beside(&frame, "Y", false, &p));
     assert_plane(&p, &yc.part[0], "Y");
     gp_plane_free(&p);
-    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "BY", &p));
+    assert_ok(beside(&frame, "BY", false, &p));
     assert_plane(&p, &yc.part[0], "BY");
     gp_plane_free(&p);
     gp_frame_free(&frame);
     // a plane that another stage has changed
     open_fixture(&rgb, &frame);
     memset(frame.rgb.c[0], 0, gp_frame_pixels(&frame) * sizeof(float));
-    assert_ok(gp_read_coverage(&said_log, &limits, &frame, "R", &p));
+    assert_ok(beside(&frame, "R", false, &p));
     assert_plane(&p, &rgb.part[0], "R");
     gp_plane_free(&p);
     gp_frame_free(&frame);
@@ -206,15 +208,14 @@ static void frames_without_a_file(void **state)
                          .rgb = {{red, NULL, NULL}}};
     struct gp_plane p;
     double m[16] = {42.0};
-    assert_ok(gp_read_depth(&said_log, &limits, &f, NULL, &p));
+    assert_ok(beside(&f, NULL, true, &p));
     assert_true(isnan(p.v[0]) && isinf(p.v[1]));
     assert_memory_equal(&p.window, &f.data, sizeof f.data);
     gp_plane_free(&p);
-    assert_ok(gp_read_coverage(&said_log, &limits, &f, "R", &p));
+    assert_ok(beside(&f, "R", false, &p));
     assert_memory_equal(p.v, red, sizeof red);
     gp_plane_free(&p);
-    assert_int_equal(gp_read_coverage(&said_log, &limits, &f, "A", &p),
-                     GP_ERR_USAGE);
+    assert_int_equal(beside(&f, "A", false, &p), GP_ERR_USAGE);
     assert_non_null(strstr(said_line, "(it has R, Z)"));
     assert_false(gp_frame_matrix(&f, "worldToCamera", m));
     assert_true(m[0] == 42.0);
@@ -308,7 +309,7 @@ static void depth_of_real_files(void **state)
             continue;
         some = true;
         assert_ok(read_file(path, &frame));
-        assert_ok(gp_read_depth(&said_log, &limits, &frame, NULL, &p));
+        assert_ok(beside(&frame, NULL, true, &p));
         if (row[i].name) {
             const int w = gp_rect_w(p.window), h = gp_rect_h(p.window);
             assert_string_equal(p.name, row[i].name);
