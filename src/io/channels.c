@@ -122,20 +122,6 @@ static int find_three(const char *const *name, int n, const char *layer,
     return found;
 }
 
-/* True when the names that are not empty ascend, as an EXR's own do. */
-static bool ascend(const char *const *name, int n)
-{
-    const char *last = "";
-    for (int i = 0; i < n; i++) {
-        if (!name[i][0])
-            continue;
-        if (strcmp(last, name[i]) > 0)
-            return false;
-        last = name[i];
-    }
-    return true;
-}
-
 /* All three of a layer, whose first channel is name[i]. Those of a list that
  * ascends stand together: a file may have thousands of layers. */
 static bool find_all(const char *const *name, int n, int i, size_t len,
@@ -159,42 +145,6 @@ static bool find_all(const char *const *name, int n, int i, size_t len,
     const bool by_letter = letter[0] >= 0 && letter[1] >= 0 && letter[2] >= 0;
     memcpy(index, by_letter ? letter : word, sizeof letter);
     return index[0] >= 0 && index[1] >= 0 && index[2] >= 0;
-}
-
-static bool find_layer(const char *const *name, int n, int index[3])
-{
-    static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
-    const bool ascending = ascend(name, n);
-    const char *last = ""; // with the layer that was looked at last
-    size_t last_len = 0;
-    bool found = false;
-    for (int i = 0; i < n; i++) {
-        const char *dot = strrchr(name[i], '.');
-        if (!dot || named_like_ids(name[i]))
-            continue;
-        size_t len = (size_t) (dot - name[i]) + 1;
-        if (len == last_len && strncmp(name[i], last, len) == 0)
-            continue;
-        last = name[i];
-        last_len = len;
-        size_t start = len - 1; // of the last part of the layer's name
-        while (start > 0 && last[start - 1] != '.')
-            start--;
-        bool picture = false;
-        for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
-            const size_t bytes = strlen(pictures[k]);
-            picture |= bytes == len - start &&
-                       strncasecmp(last + start, pictures[k], bytes) == 0;
-        }
-        int at[3];
-        if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
-            continue;
-        memcpy(index, at, sizeof at);
-        found = true;
-        if (picture)
-            break;
-    }
-    return found;
 }
 
 static bool choose_grey(int channel, struct gp_colour_choice *out)
@@ -226,25 +176,64 @@ static bool find_set(const char *const *name, int n, const char *layer,
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out)
 {
-    struct gp_colour_choice rgb = {.model = GP_COLOUR_RGB};
+    static const char *const pictures[] = {"combined.", "beauty.", "rgba."};
+    const char *last = "";
+    size_t last_len = 0;
+    bool ascending = true, found = false;
     if (find_set(name, n, "", 0, out))
         return true;
-    if (find_layer(name, n, rgb.index)) {
-        *out = rgb;
-        return true;
+    for (int i = 0; i < n; i++) { // an EXR's names ascend
+        if (name[i][0]) {
+            ascending = ascending && strcmp(last, name[i]) <= 0;
+            last = name[i];
+        }
     }
-    int found = -1;
+
+    // the first layer that has all three, or the first such picture
+    last = "";
+    for (int i = 0; i < n; i++) {
+        const char *dot = strrchr(name[i], '.');
+        if (!dot || named_like_ids(name[i]))
+            continue;
+        const size_t len = (size_t) (dot - name[i]) + 1;
+        if (len == last_len && strncmp(name[i], last, len) == 0)
+            continue;
+        last = name[i];
+        last_len = len;
+        size_t start = len - 1; // of the last part of the layer's name
+        while (start > 0 && last[start - 1] != '.')
+            start--;
+        bool picture = false;
+        for (size_t k = 0; k < sizeof pictures / sizeof *pictures; k++) {
+            const size_t bytes = strlen(pictures[k]);
+            picture |= bytes == len - start &&
+                       strncasecmp(last + start, pictures[k], bytes) == 0;
+        }
+        int at[3];
+        if ((found && !picture) || !find_all(name, n, i, len, ascending, at))
+            continue;
+        *out = (struct gp_colour_choice) {GP_COLOUR_RGB,
+                                          {at[0], at[1], at[2]}};
+        found = true;
+        if (picture)
+            break;
+    }
+    if (found)
+        return true;
+
+    // the only channel
+    int only = -1;
     for (int i = 0; i < n && lone; i++) {
-        const char *const last = name[i] + gp_layer_length(name[i]);
-        const bool alpha = strcmp(last, "A") == 0 ||
-                           strcasecmp(last, "alpha") == 0;
+        const char *const own = name[i] + gp_layer_length(name[i]);
+        const bool alpha = strcmp(own, "A") == 0 ||
+                           strcasecmp(own, "alpha") == 0;
         if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]))
             continue;
-        if (found >= 0)
+        if (only >= 0)
             return false;
-        found = i;
+        only = i;
     }
-    return choose_grey(found, out);
+    return choose_grey(only, out);
 }
 
 bool gp_find_layer_colour(const char *const *name, int n, const char *layer,

@@ -45,7 +45,8 @@ static inline uint16_t to_half(float f)
     uint32_t body = u & 0x7fffffff;
     uint32_t odd = body >> 13 & 1;
     uint32_t normal = (body - ((127u - 15u) << 23) + 0xfff + odd) >> 13;
-    uint32_t tiny = gp_bits_of(gp_float_with_bits(body) + 0.5f) - gp_bits_of(0.5f);
+    uint32_t tiny = gp_bits_of(gp_float_with_bits(body) + 0.5f) -
+                    gp_bits_of(0.5f);
     uint32_t nan = HALF_INF | 0x200 | (body >> 13 & 0x3ff);
     uint32_t h = body < 113u << 23 ? tiny : normal;
     h = body >= FLOAT_65520 ? HALF_INF : h;

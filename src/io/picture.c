@@ -124,7 +124,8 @@ static INLINE float curve(float x)
     const float p =
         1.0f + f * (1.0f + f * (0.5f + f * (1.0f / 6 + f * (1.0f / 24 +
                f * (1.0f / 120 + f * (1.0f / 720))))));
-    return 1.055f * (p * gp_float_with_bits((uint32_t) (whole + 127) << 23)) - 0.055f;
+    const float scale = gp_float_with_bits((uint32_t) (whole + 127) << 23);
+    return 1.055f * (p * scale) - 0.055f;
 }
 
 /* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. One loop a

@@ -21,7 +21,7 @@ static int ascending(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Where the last component of a path starts. */
+/* The start of a path's last component. */
 static size_t name_at(const char *path)
 {
     const char *slash = strrchr(path, '/');
@@ -181,30 +181,6 @@ struct place {
     int number, at;
 };
 
-/* Sorts by number, byte by byte from the lowest; equal ones stay in order.
- * (Comparing took a second for the longest lists.) `spare` has as much room. */
-static void sort_by_number(struct place *place, struct place *spare, int n)
-{
-    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
-        int start[257] = {0};
-        struct place *const from = shift / 8 % 2 ? spare : place;
-        struct place *const to = shift / 8 % 2 ? place : spare;
-        for (int pass = 0; pass < 2; pass++) {
-            for (int i = 0; i < n; i++) {
-                // the sign's bit turned: negative numbers come first
-                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
-                const uint32_t byte = key >> shift & 0xff;
-                if (pass)
-                    to[start[byte]++] = from[i];
-                else
-                    start[byte + 1]++;
-            }
-            for (int k = 0; !pass && k < 256; k++)
-                start[k + 1] += start[k];
-        }
-    }
-}
-
 /* Keeps the first of equal numbers, in the order they came. */
 static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
 {
@@ -224,7 +200,27 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
     struct place *const place = block;
     for (int i = 0; i < n; i++)
         place[i] = (struct place) {f->number[i], i};
-    sort_by_number(place, place + n, n);
+
+    // sort by number, byte by byte from the lowest; equal ones stay in order
+    // (comparing took a second for the longest lists)
+    for (int shift = 0; shift < 32; shift += 8) { // an even number of times
+        int start[257] = {0};
+        struct place *const from = place + (shift / 8 % 2 ? n : 0);
+        struct place *const to = place + (shift / 8 % 2 ? 0 : n);
+        for (int pass = 0; pass < 2; pass++) {
+            for (int i = 0; i < n; i++) {
+                // the sign's bit turned: negative numbers come first
+                const uint32_t key = (uint32_t) from[i].number ^ 0x80000000u;
+                const uint32_t byte = key >> shift & 0xff;
+                if (pass)
+                    to[start[byte]++] = from[i];
+                else
+                    start[byte + 1]++;
+            }
+            for (int k = 0; !pass && k < 256; k++)
+                start[k + 1] += start[k];
+        }
+    }
     bool *const again = (bool *) (place + n); // of the frame at that place
     for (int i = 0; i < n; i++)
         again[place[i].at] = i > 0 && place[i].number == place[i - 1].number;

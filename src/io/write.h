@@ -64,13 +64,13 @@ struct gp_raw_size {
     int w, h;
 };
 
-/* What writing makes known. */
+/* Results of writing. */
 struct gp_write_stats {
     long long clamped; // values that did not fit the file's type, added up
     struct gp_raw_size raw; // of all raw frames so far; keep between frames
 };
 
-/* What the planes of a picture are. */
+/* Kinds of values in the planes of a picture. */
 enum gp_picture_kind {
     GP_PICTURE_SCENE,    // scene-linear, in the frame's own primaries
     GP_PICTURE_SHOWN,    // display-linear BT.709; the file says so
