@@ -62,13 +62,13 @@ static gp_status find_folder(struct gp_clobber *c)
     const char *const path = c->folder.path;
     const size_t room = strlen(path) + 3;
     struct stat info;
-    void *block;
+    char *way;
     c->folder.tail = HASH_START;
     if (stat(path, &info) != 0) {
-        gp_status st = gp_alloc_zero(c->log, "file names", 2, room, &block);
+        gp_status st = gp_alloc_zero(c->log, "file names", 2, room, &way);
         if (st)
             return st;
-        char *const way = block, *const rest = way + room;
+        char *const rest = way + room;
         size_t at = 1, left = 0, n; // bytes of these
         way[0] = path[0] == '/' ? '/' : '.';
         for (const char *p = path; *p; p += n, p += *p == '/') {
@@ -93,7 +93,7 @@ static gp_status find_folder(struct gp_clobber *c)
         c->folder.tail = hash_on(HASH_START, rest, left);
         if (stat(way, &info) != 0) // taken away meanwhile
             info.st_dev = info.st_ino = 0;
-        gp_free(block);
+        gp_free(way);
     }
     c->folder.device = info.st_dev;
     c->folder.node = info.st_ino;

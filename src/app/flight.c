@@ -84,52 +84,47 @@ static bool is_over(const struct sky *s)
 
 // -- threads -----------------------------------------------------------------
 
-/* Runs one step; the lock is held before and after. */
-static void run_step(struct sky *s, int unit, enum gp_phase phase)
+/* Runs steps until all units are ended. */
+static void fly(struct sky *s, bool first_thread)
 {
     static const enum state next[] = {
         [GP_PHASE_READ] = HAS_READ, [GP_PHASE_COMPUTE] = COMPUTED,
         [GP_PHASE_WRITE] = DONE,
     };
-    const int at = unit % s->p->slots;
-    s->slot[at].state = BUSY;
-    pthread_mutex_unlock(&s->lock);
-    const gp_status st = s->work->step(s->work->user, at, unit, phase);
-    const bool go = !st || s->work->goes_on(s->work->user, at, st);
-    pthread_mutex_lock(&s->lock);
-    s->slot[at] = (struct slot) {st ? DONE : next[phase], st};
-    if (!go && unit < s->limit)
-        s->limit = unit;
-    // end what is done, in order
-    while (!is_over(s) && s->head < s->next_read &&
-           slot_of(s, s->head)->state == DONE) {
-        struct slot *const done = slot_of(s, s->head);
-        s->result = s->work->end(s->work->user, s->head % s->p->slots, s->head,
-                                 done->st);
-        *done = (struct slot) {FREE, GP_OK};
-        if (s->result) // the units after it are not ended
-            break;
-        s->head++;
-        atomic_store(&s->f->head, s->head);
-    }
-    pthread_cond_broadcast(&s->changed);
-}
-
-static void fly(struct sky *s, bool first_thread)
-{
     int unit;
     enum gp_phase phase;
     pthread_mutex_lock(&s->lock);
     while (!is_over(s)) {
-        if (pick_step(s, first_thread, &unit, &phase)) {
-            run_step(s, unit, phase);
+        if (!pick_step(s, first_thread, &unit, &phase)) {
+            gp_parallel_leave(); // another may work while this one waits
+            pthread_cond_wait(&s->changed, &s->lock);
+            pthread_mutex_unlock(&s->lock);
+            gp_parallel_enter();
+            pthread_mutex_lock(&s->lock);
             continue;
         }
-        gp_parallel_leave(); // another thread may work while this one waits
-        pthread_cond_wait(&s->changed, &s->lock);
+        const int at = unit % s->p->slots;
+        s->slot[at].state = BUSY;
         pthread_mutex_unlock(&s->lock);
-        gp_parallel_enter();
+        const gp_status st = s->work->step(s->work->user, at, unit, phase);
+        const bool go = !st || s->work->goes_on(s->work->user, at, st);
         pthread_mutex_lock(&s->lock);
+        s->slot[at] = (struct slot) {st ? DONE : next[phase], st};
+        if (!go && unit < s->limit)
+            s->limit = unit;
+        // end what is done, in order
+        while (!is_over(s) && s->head < s->next_read &&
+               slot_of(s, s->head)->state == DONE) {
+            struct slot *const done = slot_of(s, s->head);
+            s->result = s->work->end(s->work->user, s->head % s->p->slots,
+                                     s->head, done->st);
+            *done = (struct slot) {FREE, GP_OK};
+            if (s->result) // the units after it are not ended
+                break;
+            s->head++;
+            atomic_store(&s->f->head, s->head);
+        }
+        pthread_cond_broadcast(&s->changed);
     }
     pthread_mutex_unlock(&s->lock);
 }

@@ -13,8 +13,8 @@
 #include <stdatomic.h>
 #include <stdbool.h>
 
-/* Where a step of a unit runs: COMPUTE on one thread, unit after unit; the
- * others on any thread, units in any order. */
+/* Steps of a unit: COMPUTE runs on one thread, unit after unit; the others on
+ * any thread, units in any order. */
 enum gp_phase { GP_PHASE_READ, GP_PHASE_COMPUTE, GP_PHASE_WRITE };
 
 enum { GP_FLIGHT_MOST = 64 }; // units in flight

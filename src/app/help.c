@@ -316,30 +316,6 @@ const char *gp_help_topic_at(int i, char word[GP_TOPIC_BYTES])
     return NULL;
 }
 
-static void print_topics(FILE *f)
-{
-    enum gp_command command;
-    const char *word;
-    fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
-               "TOPIC is a command:\n");
-    for (int i = 1; (word = gp_command_at(i, &command)); i++) {
-        if (command != GP_COMMAND_HELP)
-            fprintf(f, "  %s\n", word);
-    }
-    fprintf(f, "\noptions for a task:\n");
-    for (int g = 0; g < GP_GROUPS; g++)
-        fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
-                gp_option_groups[g].title);
-    fprintf(f, "\na section of the manual, shown by man:\n");
-    for (int i = 0; i < SECTIONS; i++) {
-        if (!is_group(&sections[i]))
-            fprintf(f, "  %-14.*s%s\n", (int) strcspn(sections[i].words, " "),
-                    sections[i].words, sections[i].title);
-    }
-    fprintf(f, "\nor an option or one of its values:\n"
-               "  glarepp help --kernel\n  glarepp help splat\n");
-}
-
 static gp_status unknown_topic(const struct gp_log *log, const char *topic)
 {
     const char *const bare = topic + strspn(topic, "-");
@@ -436,8 +412,25 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
     enum gp_command command;
     const char *word;
     bool found = false;
-    if (!topic) {
-        print_topics(f);
+    if (!topic) { // lists them
+        fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
+                   "TOPIC is a command:\n");
+        for (int i = 1; (word = gp_command_at(i, &command)); i++) {
+            if (command != GP_COMMAND_HELP)
+                fprintf(f, "  %s\n", word);
+        }
+        fprintf(f, "\noptions for a task:\n");
+        for (int g = 0; g < GP_GROUPS; g++)
+            fprintf(f, "  %-14s%s\n", gp_option_groups[g].word,
+                    gp_option_groups[g].title);
+        fprintf(f, "\na section of the manual, shown by man:\n");
+        for (const struct section *s = sections; s < sections + SECTIONS; s++) {
+            if (!is_group(s))
+                fprintf(f, "  %-14.*s%s\n", (int) strcspn(s->words, " "),
+                        s->words, s->title);
+        }
+        fprintf(f, "\nor an option or one of its values:\n"
+                   "  glarepp help --kernel\n  glarepp help splat\n");
         return GP_OK;
     }
     const char *const bare = topic + strspn(topic, "-");

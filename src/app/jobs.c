@@ -75,70 +75,17 @@ static gp_status list_frames(const struct gp_log *log,
     return all->n ? GP_OK : gp_frames_on_disk(log, p, view->name[0], all);
 }
 
-/* Appends the frames of one input. */
-static gp_status add_input(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_pattern *p, struct gp_jobs *j)
-{
-    struct gp_frames f = {0};
-    gp_status st = GP_OK;
-    if (is_dash(p->path)) { // one frame until stdin is read
-        if (s->frames)
-            st = gp_frames_parse(log, s->frames, &f);
-        if (!st)
-            st = add_frame(log, j, p, has_place(j) || s->frames,
-                           f.n ? f.number[0] : 1);
-    } else if (p->len) {
-        st = list_frames(log, s, p, &j->view, &f);
-        for (int i = 0; i < f.n && !st; i++)
-            st = add_frame(log, j, p, true, f.number[i]);
-    } else if (s->frames) {
-        return gp_fail(log, GP_ERR_USAGE,
-                       "%s: --frames needs a pattern (found a plain name); "
-                       "write shot.####.exr, or leave --frames out", p->path);
-    } else {
-        int frame = 0;
-        const bool numbered = has_place(j) && gp_frame_number(p->path, &frame);
-        st = add_frame(log, j, p, numbered, frame);
-    }
-    gp_frames_free(&f);
-    return st;
-}
-
-/* Settles which views there are, and whether they are files or parts. */
-static gp_status find_views(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_pattern *in, struct gp_jobs *j)
-{
-    const bool in_names = in[0].views > 0;
-    gp_status st = GP_OK;
-    for (int i = 1; i < s->inputs.n; i++) {
-        if ((in[i].views > 0) != in_names)
-            return gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
-                "%s); make the two in separate runs", in[in_names ? i : 0].path,
-                in[in_names ? 0 : i].path);
-    }
-    if (s->views || in_names)
-        st = gp_views_parse(log, s->views ? s->views : "left,right", &j->view);
-    for (int i = 0; i < s->inputs.n && !st; i++)
-        st = gp_views_check(log, &in[i], &j->view);
-    j->views = in_names ? 1 : gp_jobs_of_frame(j);
-    j->views_inside = !in_names && j->view.n > 0;
-    for (int i = 0; i < j->targets; i++)
-        j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
-                             j->views > 1 && !j->target[i].name.views;
-    return st;
-}
-
 /* Makes the jobs of all inputs. *patterns: some input has a place for a frame
  * number; a file that has the pattern's very name has none. */
 static gp_status add_inputs(const struct gp_log *log,
     const struct gp_settings *s, struct gp_jobs *j, bool *patterns)
 {
     gp_status st;
-    void *block;
-    GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->inputs.n,
-                         sizeof(struct gp_pattern), &block));
-    struct gp_pattern *const in = block;
-    for (int i = 0; i < s->inputs.n && !st; i++) {
+    struct gp_pattern *in;
+    struct gp_frames f = {0};
+    GP_TRY(gp_alloc_zero(log, "input list", (size_t) s->inputs.n, sizeof *in,
+                         &in));
+    for (int i = 0; i < s->inputs.n; i++) {
         const char *const path = s->inputs.at[i];
         in[i] = (struct gp_pattern) {.path = path};
         if (!is_dash(path))
@@ -152,14 +99,53 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (is_dash(s->kernel.source))
             st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot both "
                          "come from stdin; give one of them as a file");
+        GP_TRY(st);
         *patterns = *patterns || in[i].len;
     }
-    if (!st)
-        st = find_views(log, s, in, j);
-    for (int i = 0; i < s->inputs.n && !st; i++)
-        st = add_input(log, s, &in[i], j);
-    gp_free(block);
+    // settle which views there are, and whether they are files or parts
+    const bool in_names = in[0].views > 0;
+    for (int i = 1; i < s->inputs.n; i++) {
+        if ((in[i].views > 0) != in_names)
+            GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
+                "%s); make the two in separate runs", in[in_names ? i : 0].path,
+                in[in_names ? 0 : i].path));
+    }
+    if (s->views || in_names)
+        GP_TRY(gp_views_parse(log, s->views ? s->views : "left,right",
+                              &j->view));
+    for (int i = 0; i < s->inputs.n; i++)
+        GP_TRY(gp_views_check(log, &in[i], &j->view));
+    j->views = in_names ? 1 : gp_jobs_of_frame(j);
+    j->views_inside = !in_names && j->view.n > 0;
+    for (int i = 0; i < j->targets; i++)
+        j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
+                             j->views > 1 && !j->target[i].name.views;
+    // list the frames of each
+    for (const struct gp_pattern *p = in; p < in + s->inputs.n; p++) {
+        int frame = 0;
+        if (is_dash(p->path)) { // one frame until stdin is read
+            if (s->frames)
+                GP_TRY(gp_frames_parse(log, s->frames, &f));
+            GP_TRY(add_frame(log, j, p, has_place(j) || s->frames,
+                             f.n ? f.number[0] : 1));
+        } else if (p->len) {
+            GP_TRY(list_frames(log, s, p, &j->view, &f));
+            for (int i = 0; i < f.n; i++)
+                GP_TRY(add_frame(log, j, p, true, f.number[i]));
+        } else if (s->frames) {
+            GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: --frames needs a pattern "
+                           "(found a plain name); write shot.####.exr, or "
+                           "leave --frames out", p->path));
+        } else {
+            const bool numbered =
+                has_place(j) && gp_frame_number(p->path, &frame);
+            GP_TRY(add_frame(log, j, p, numbered, frame));
+        }
+        gp_frames_free(&f);
+    }
 out:
+    gp_frames_free(&f);
+    gp_free(in);
     return st;
 }
 
@@ -228,32 +214,6 @@ static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
     return gp_pattern_find(log, path, &t->name);
 }
 
-static gp_status add_targets(const struct gp_log *log,
-                             const struct gp_settings *s, struct gp_jobs *j)
-{
-    static const enum gp_target_kind debug[GP_DEBUG_KINDS] = {
-        [GP_DEBUG_SENSORS] = GP_TARGET_SENSORS,
-        [GP_DEBUG_POLYGONS] = GP_TARGET_POLYGONS,
-        [GP_DEBUG_SUNMAP] = GP_TARGET_SUNMAP,
-        [GP_DEBUG_INTENSITY] = GP_TARGET_INTENSITY,
-    };
-    gp_status st;
-    void *block;
-    GP_TRY(gp_alloc_zero(log, "output list",
-                         (size_t) s->outputs.n + 2 + GP_DEBUG_KINDS,
-                         sizeof *j->target, &block));
-    j->target = block;
-    // --hdr first: it may copy from an input that a later output replaces
-    GP_TRY(add_target(log, j, GP_TARGET_HDR, s->hdr));
-    GP_TRY(add_target(log, j, GP_TARGET_LAYER, s->layer));
-    for (int i = 0; i < s->outputs.n; i++)
-        GP_TRY(add_target(log, j, GP_TARGET_PICTURE, s->outputs.at[i]));
-    for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        GP_TRY(add_target(log, j, debug[i], s->debug[i]));
-out:
-    return st;
-}
-
 // -- checks ------------------------------------------------------------------
 
 /* Several frames and patterns belong together, and several views and %V.
@@ -303,12 +263,11 @@ static int by_frame(const void *a, const void *b)
 static gp_status check_numbers(const struct gp_log *log,
                                const struct gp_jobs *j)
 {
-    void *block;
-    gp_status st = gp_alloc(log, "frame list", (size_t) j->n,
-                            sizeof(struct gp_job *), &block);
+    const struct gp_job **order;
+    gp_status st = gp_alloc(log, "frame list", (size_t) j->n, sizeof *order,
+                            &order);
     if (st)
         return st;
-    const struct gp_job **order = block;
     for (int i = 0; i < j->n; i++)
         order[i] = &j->job[i];
     qsort(order, (size_t) j->n, sizeof *order, by_frame);
@@ -319,36 +278,7 @@ static gp_status check_numbers(const struct gp_log *log,
                          "it in %s); make the two in separate runs",
                          order[i]->input, order[i]->frame, order[i - 1]->input);
     }
-    gp_free(block);
-    return st;
-}
-
-/* Checks all that the outputs must meet before stdin is read. */
-static gp_status check_targets(const struct gp_log *log,
-    const struct gp_settings *s, const struct gp_jobs *j, bool patterns)
-{
-    gp_status st;
-    GP_TRY(check_patterns(log, j, patterns));
-    if (has_place(j))
-        GP_TRY(check_numbers(log, j));
-    for (int i = 0; i < j->targets; i++) {
-        const struct gp_output *const t = &j->target[i];
-        if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
-            return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
-                           "it on, or give a file");
-        for (int k = 0; k < gp_jobs_of_frame(j); k++) { // the first frame's
-            char *const name = gp_job_name(&j->job[k], t);
-            st = !name ? gp_no_memory(log, t->name.path)
-                 : t->kind == GP_TARGET_HDR
-                     ? gp_write_hdr_check(log, &s->write, name)
-                     : gp_write_check(log, &s->write, name);
-            free(name);
-            if (st)
-                return st;
-        }
-    }
-    GP_TRY(gp_jobs_check_names(log, s, j, NULL));
-out:
+    gp_free(order);
     return st;
 }
 
@@ -470,12 +400,46 @@ out:
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
+    static const enum gp_target_kind debug[GP_DEBUG_KINDS] = {
+        [GP_DEBUG_SENSORS] = GP_TARGET_SENSORS,
+        [GP_DEBUG_POLYGONS] = GP_TARGET_POLYGONS,
+        [GP_DEBUG_SUNMAP] = GP_TARGET_SUNMAP,
+        [GP_DEBUG_INTENSITY] = GP_TARGET_INTENSITY,
+    };
     gp_status st;
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
-    GP_TRY(add_targets(log, s, &j));
+    GP_TRY(gp_alloc_zero(log, "output list",
+                         (size_t) s->outputs.n + 2 + GP_DEBUG_KINDS,
+                         sizeof *j.target, &j.target));
+    // --hdr first: it may copy from an input that a later output replaces
+    GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->hdr));
+    GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->layer));
+    for (int i = 0; i < s->outputs.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_PICTURE, s->outputs.at[i]));
+    for (int i = 0; i < GP_DEBUG_KINDS; i++)
+        GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
     GP_TRY(add_inputs(log, s, &j, &patterns));
-    GP_TRY(check_targets(log, s, &j, patterns));
+    // all that the outputs must meet, before stdin is read
+    GP_TRY(check_patterns(log, &j, patterns));
+    if (has_place(&j))
+        GP_TRY(check_numbers(log, &j));
+    for (int i = 0; i < j.targets; i++) {
+        const struct gp_output *const t = &j.target[i];
+        if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
+            GP_TRY(gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
+                           "it on, or give a file"));
+        for (int k = 0; k < gp_jobs_of_frame(&j); k++) { // the first frame's
+            char *const name = gp_job_name(&j.job[k], t);
+            st = !name ? gp_no_memory(log, t->name.path)
+                 : t->kind == GP_TARGET_HDR
+                     ? gp_write_hdr_check(log, &s->write, name)
+                     : gp_write_check(log, &s->write, name);
+            free(name);
+            GP_TRY(st);
+        }
+    }
+    GP_TRY(gp_jobs_check_names(log, s, &j, NULL));
     GP_TRY(check_missing(log, s, &j));
     if (is_dash(j.job[0].input)) {
         GP_TRY(read_stdin(log, s, &j));

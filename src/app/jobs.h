@@ -1,5 +1,5 @@
-/* Which frames a run makes, and under which names. Settled before the first
- * frame is read, so that a wrong name costs no work. */
+/* The frames that a run makes, and their names. Settled before the first frame
+ * is read, so that a wrong name costs no work. */
 #ifndef GP_APP_JOBS_H
 #define GP_APP_JOBS_H
 

@@ -155,7 +155,9 @@ struct gp_nearest {
  * than `most` edits, or than half its bytes, are no match. */
 struct gp_nearest gp_nearest_to(const char *word, size_t length, int most);
 
-/* Tries one name, borrowed. */
+/* Tries one name, borrowed. An edit inserts, deletes or replaces a byte, or
+ * swaps two neighbours (the optimal string alignment distance); words and names
+ * over 31 bytes are no match. */
 void gp_nearest_try(struct gp_nearest *search, const char *name);
 
 /* Prints `glarepp help TOPIC` to `f`; a NULL topic lists the topics. A

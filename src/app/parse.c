@@ -31,16 +31,23 @@ void gp_settings_free(struct gp_settings *s)
 
 // -- slips of the finger -----------------------------------------------------
 
-/* Edits that turn the `n` bytes of `word` into `name`: insert, delete or
- * replace a byte, or swap two neighbours (the optimal string alignment
- * distance); 99 when one of them is longer than 31 bytes. */
-static int count_edits(const char *word, size_t n, const char *name)
+struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
+{
+    // a word of which half is wrong says nothing
+    const int half = length < 64 ? (int) length / 2 : 0;
+    return (struct gp_nearest) {
+        .word = word, .length = length, .most = gp_min(most, half),
+    };
+}
+
+void gp_nearest_try(struct gp_nearest *search, const char *name)
 {
     enum { LONGEST = 31 };
-    const size_t m = strlen(name);
-    int rows[3][LONGEST + 1]; // of the table, in turn
+    const char *const word = search->word;
+    const size_t n = search->length, m = strlen(name);
+    int rows[3][LONGEST + 1]; // of the table of edits, in turn
     if (n > LONGEST || m > LONGEST)
-        return 99;
+        return;
     for (size_t j = 0; j <= m; j++)
         rows[0][j] = (int) j;
     for (size_t i = 1; i <= n; i++) {
@@ -56,21 +63,7 @@ static int count_edits(const char *word, size_t n, const char *name)
                 row[j] = gp_min(row[j], rows[(i - 2) % 3][j - 2] + 1);
         }
     }
-    return rows[n % 3][m];
-}
-
-struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
-{
-    // a word of which half is wrong says nothing
-    const int half = length < 64 ? (int) length / 2 : 0;
-    return (struct gp_nearest) {
-        .word = word, .length = length, .most = gp_min(most, half),
-    };
-}
-
-void gp_nearest_try(struct gp_nearest *search, const char *name)
-{
-    const int edits = count_edits(search->word, search->length, name);
+    const int edits = rows[n % 3][m];
     if (search->name ? edits < search->most : edits <= search->most) {
         search->most = edits;
         search->name = name;
@@ -84,7 +77,6 @@ struct use {
     const struct gp_log *log;
     const struct gp_option *option;
     const char *value;  // NULL for options that take none
-    struct gp_settings *s;
 };
 
 static gp_status out_of_range(const struct use *u)
@@ -221,36 +213,6 @@ static gp_status set_text(const struct use *u, void *field)
     return GP_OK;
 }
 
-static gp_status set_option(const struct use *u)
-{
-    const struct gp_option *const o = u->option;
-    void *const field = (char *) u->s + o->at;
-    const size_t row = (size_t) (o - gp_options);
-    u->s->given[row / 64] |= UINT64_C(1) << row % 64;
-    switch (o->kind) {
-    case GP_KIND_FLAG:
-        *(bool *) field = true;
-        return GP_OK;
-    case GP_KIND_SET:
-        memcpy(field, &o->set, sizeof o->set);
-        return GP_OK;
-    case GP_KIND_FLOAT:
-    case GP_KIND_INT:
-    case GP_KIND_COUNT:
-        return set_number(u, field);
-    case GP_KIND_PAIR:
-    case GP_KIND_NUMBERS:
-        return set_list(u, field);
-    case GP_KIND_CHOICE:
-    case GP_KIND_NAMED:
-        return set_choice(u, field);
-    case GP_KIND_TEXT:
-    case GP_KIND_TEXTS:
-        return set_text(u, field);
-    }
-    return GP_ERR_BUG;
-}
-
 // -- commands ----------------------------------------------------------------
 
 static const struct {
@@ -280,51 +242,7 @@ const char *gp_command_at(int i, enum gp_command *command)
     return commands[i].word;
 }
 
-/* Reads the command, in out->command, and moves *i after its word.
- * Errors: GP_ERR_USAGE a first word that is nearly a command's and names no
- * file. */
-static gp_status read_command(const struct gp_log *log, int argc,
-    char *const argv[], int *i, struct gp_settings *out)
-{
-    if (argc < 2)
-        return GP_OK;
-    const char *const word = argv[1];
-    struct gp_nearest near = gp_nearest_to(word, strlen(word), 2);
-    for (int c = 1; c < COMMANDS; c++) {
-        if (strcmp(word, commands[c].word) == 0) {
-            out->command = commands[c].command;
-            ++*i;
-            return GP_OK;
-        }
-        gp_nearest_try(&near, commands[c].word);
-    }
-    if (!near.name || word[strspn(word, "abcdefghijklmnopqrstuvwxyz")] ||
-        access(word, F_OK) == 0)
-        return GP_OK;
-    return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did you "
-                   "mean glarepp %s?", word, near.name);
-}
-
 // -- words -------------------------------------------------------------------
-
-static gp_status unknown_option(const struct gp_log *log,
-                                enum gp_command command, const char *word)
-{
-    const char *name = word + strspn(word, "-");
-    size_t length = strcspn(name, "=");
-    struct gp_nearest near = gp_nearest_to(name, length, 3);
-    for (const struct gp_option *o = gp_options; o->name; o++) {
-        if (!o->hidden && (o->commands & command))
-            gp_nearest_try(&near, o->name);
-    }
-    int shown = (int) (name - word + (ptrdiff_t) length);
-    if (near.name)
-        return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; did "
-                       "you mean --%s?", shown, word, near.name);
-    return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
-                   "%s%s--help lists them", shown, word, word_of(command),
-                   command == GP_COMMAND_MAIN ? "" : " ");
-}
 
 /* Finds the option that `word` names. *value is what follows it in the word
  * ("--gain=2", "-g2"), or NULL. */
@@ -347,10 +265,25 @@ static gp_status read_option(const struct gp_log *log, int argc,
                              char *const argv[], int *i, struct gp_settings *s)
 {
     const char *const word = argv[*i], *of_next;
-    struct use u = {.log = log, .s = s};
+    struct use u = {.log = log};
     u.option = split_word(word, &u.value);
-    if (!u.option)
-        return unknown_option(log, s->command, word);
+    if (!u.option) {
+        const char *const bare = word + strspn(word, "-");
+        const size_t length = strcspn(bare, "=");
+        const int shown = (int) (bare - word + (ptrdiff_t) length);
+        struct gp_nearest near = gp_nearest_to(bare, length, 3);
+        for (const struct gp_option *o = gp_options; o->name; o++) {
+            if (!o->hidden && (o->commands & s->command))
+                gp_nearest_try(&near, o->name);
+        }
+        if (near.name)
+            return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; did "
+                           "you mean --%s?", shown, word, near.name);
+        return gp_fail(log, GP_ERR_USAGE, "%.*s: unknown option; glarepp "
+                       "%s%s--help lists them", shown, word,
+                       word_of(s->command),
+                       s->command == GP_COMMAND_MAIN ? "" : " ");
+    }
     const char *const name = u.option->name, *const arg = u.option->arg;
     if (!(u.option->commands & s->command) && s->command == GP_COMMAND_MAIN)
         return gp_fail(log, GP_ERR_USAGE, "--%s: not for pictures; write "
@@ -373,7 +306,31 @@ static gp_status read_option(const struct gp_log *log, int argc,
                            "option %s); give %s", word, next, arg);
         u.value = next;
     }
-    return set_option(&u);
+    void *const field = (char *) s + u.option->at;
+    const size_t row = (size_t) (u.option - gp_options);
+    s->given[row / 64] |= UINT64_C(1) << row % 64;
+    switch (u.option->kind) {
+    case GP_KIND_FLAG:
+        *(bool *) field = true;
+        return GP_OK;
+    case GP_KIND_SET:
+        memcpy(field, &u.option->set, sizeof u.option->set);
+        return GP_OK;
+    case GP_KIND_FLOAT:
+    case GP_KIND_INT:
+    case GP_KIND_COUNT:
+        return set_number(&u, field);
+    case GP_KIND_PAIR:
+    case GP_KIND_NUMBERS:
+        return set_list(&u, field);
+    case GP_KIND_CHOICE:
+    case GP_KIND_NAMED:
+        return set_choice(&u, field);
+    case GP_KIND_TEXT:
+    case GP_KIND_TEXTS:
+        return set_text(&u, field);
+    }
+    return GP_ERR_BUG;
 }
 
 gp_status gp_options_parse(const struct gp_log *log, int argc,
@@ -383,15 +340,28 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     bool options = true; // until "--"
     int i = 1;
     *out = gp_defaults;
-    for (int k = 0; k < LISTS && !st; k++) {
-        void *block;
-        st = gp_alloc(log, "command line", (size_t) argc + 1, sizeof(char *),
-                      &block);
-        if (!st)
-            list_of(out, k)->at = block;
+    for (int k = 0; k < LISTS; k++) {
+        struct gp_texts *const list = list_of(out, k);
+        st = gp_alloc(log, "command line", (size_t) argc + 1,
+                      sizeof *list->at, &list->at);
+        if (st)
+            return st;
     }
-    if (!st)
-        st = read_command(log, argc, argv, &i, out);
+    // a command, or a word that is nearly one and names no file
+    const char *const first = argc > 1 ? argv[1] : "";
+    struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
+    for (int c = 1; c < COMMANDS && i == 1; c++) {
+        if (strcmp(first, commands[c].word) == 0) {
+            out->command = commands[c].command;
+            i++;
+        }
+        gp_nearest_try(&near, commands[c].word);
+    }
+    if (i == 1 && near.name &&
+        !first[strspn(first, "abcdefghijklmnopqrstuvwxyz")] &&
+        access(first, F_OK) != 0)
+        return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did "
+                       "you mean glarepp %s?", first, near.name);
     for (; i < argc && !st; i++) {
         const char *const word = argv[i], *value;
         const struct gp_option *const o =

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
-/* Which stages run, and what nobody needs after each. */
+/* Stages that run, and what nobody needs after each. */
 struct schedule {
     bool on[GP_STAGES];
     unsigned dead[GP_STAGES];
@@ -74,11 +74,6 @@ static gp_status make_schedule(const struct gp_log *log,
 
 // -- steps of a unit ---------------------------------------------------------
 
-static const struct gp_job *job_of(const struct pipeline *p, int unit, int view)
-{
-    return &p->jobs->job[unit * p->jobs->views + view];
-}
-
 static void add_time(struct gp_frame_state *fs, int time, double ms)
 {
     if (time < 0)
@@ -87,60 +82,47 @@ static void add_time(struct gp_frame_state *fs, int time, double ms)
     fs->facts.total_ms += ms;
 }
 
-static gp_status run_stages(struct pipeline *p, struct gp_frame_state *fs,
-                            enum gp_phase phase)
-{
-    const int views = p->jobs->views;
-    for (int i = 0; i < GP_STAGES; i++) {
-        const struct gp_stage *const stage = &gp_stages[i];
-        if (!p->schedule.on[i] || stage->phase != phase)
-            continue;
-        // frames that are skipped count as if they had not been asked for
-        const int kept = atomic_load(&p->kept);
-        gp_progress_update(p->progress,
-                           gp_flight_head(&p->flight) * views - kept,
-                           p->jobs->n - kept, fs->job->input, stage->name);
-        const double start = gp_now_ms();
-        const gp_status st = stage->run(&p->run, fs);
-        if (st)
-            return st;
-        add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms);
-        if (fs->engine_ms > 0.0)
-            add_time(fs, GP_TIME_GLARE, fs->engine_ms);
-        fs->engine_ms = 0.0;
-        gp_frame_state_release(fs, p->schedule.dead[i]);
-    }
-    return GP_OK;
-}
-
-static gp_status begin_unit(struct pipeline *p, struct unit *u, int unit)
-{
-    const int views = p->jobs->views;
-    gp_frame_log_open(&u->log, p->log, &p->flight, unit,
-                      job_of(p, unit, 0)->input);
-    u->kept = true; // all that it would write exists
-    for (int v = 0; v < views && u->kept; v++)
-        u->kept = gp_job_made(&p->asked->write, p->jobs, job_of(p, unit, v));
-    if (u->kept)
-        atomic_fetch_add(&p->kept, views);
-    for (u->begun = 0; u->begun < views && !u->kept; u->begun++) {
-        gp_status st = gp_frame_state_begin(&u->log.log, p->jobs,
-            unit * views + u->begun, &u->view[u->begun]);
-        if (st)
-            return st;
-    }
-    return GP_OK;
-}
-
 static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
-    gp_status st = phase == GP_PHASE_READ ? begin_unit(p, u, unit) : GP_OK;
+    const int views = p->jobs->views, first = unit * views;
+    const struct gp_job *const job = &p->jobs->job[first];
+    gp_status st = GP_OK;
+    if (phase == GP_PHASE_READ) {
+        gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
+        u->kept = true; // all that it would write exists
+        for (int v = 0; v < views && u->kept; v++)
+            u->kept = gp_job_made(&p->asked->write, p->jobs, &job[v]);
+        if (u->kept)
+            atomic_fetch_add(&p->kept, views);
+        for (u->begun = 0; u->begun < views && !u->kept && !st; u->begun++)
+            st = gp_frame_state_begin(&u->log.log, p->jobs, first + u->begun,
+                                      &u->view[u->begun]);
+    }
     for (int v = 0; v < u->begun && !st; v++) {
-        st = run_stages(p, &u->view[v], phase);
+        struct gp_frame_state *const fs = &u->view[v];
+        for (int i = 0; i < GP_STAGES; i++) {
+            const struct gp_stage *const stage = &gp_stages[i];
+            if (!p->schedule.on[i] || stage->phase != phase)
+                continue;
+            // frames that are skipped count as if they had not been asked for
+            const int kept = atomic_load(&p->kept);
+            gp_progress_update(p->progress,
+                               gp_flight_head(&p->flight) * views - kept,
+                               p->jobs->n - kept, fs->job->input, stage->name);
+            const double start = gp_now_ms();
+            st = stage->run(&p->run, fs);
+            if (st)
+                break;
+            add_time(fs, stage->time, gp_now_ms() - start - fs->engine_ms);
+            if (fs->engine_ms > 0.0)
+                add_time(fs, GP_TIME_GLARE, fs->engine_ms);
+            fs->engine_ms = 0.0;
+            gp_frame_state_release(fs, p->schedule.dead[i]);
+        }
         if (phase == GP_PHASE_READ) {
-            const size_t n = gp_frame_pixels(&u->view[v].frame);
+            const size_t n = gp_frame_pixels(&fs->frame);
             size_t largest = atomic_load(&p->largest);
             while (n > largest && !atomic_compare_exchange_weak(
                                       &p->largest, &largest, n))
@@ -225,50 +207,7 @@ static bool has_room(void *user, int in_flight)
            (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
 }
 
-static gp_status make_slots(struct pipeline *p)
-{
-    const int units = p->jobs->n / p->jobs->views;
-    const int most = p->asked->frame_jobs ? p->asked->frame_jobs
-                     : gp_threads() > 1   ? FLIGHT : 1;
-    p->slots = most < units ? most : units > 0 ? units : 1;
-    gp_status st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->slots,
-                                 sizeof *p->unit, &p->unit);
-    for (int i = 0; i < p->slots && !st; i++) {
-        st = gp_alloc_zero(p->log, "frames in flight", (size_t) p->jobs->views,
-                           sizeof *p->unit[i].view, &p->unit[i].view);
-    }
-    return st;
-}
-
 // -- all frames --------------------------------------------------------------
-
-/* Pictures of --flare and tables of --ocio are not written over either. */
-static gp_status check_named(const struct gp_log *log, const struct gp_run *r)
-{
-    const struct gp_flare *const flare = &r->suns.flare;
-    const struct gp_ocio_names *const names =
-        r->ocio ? gp_ocio_names(r->ocio) : NULL;
-    const int tables = names ? names->files : 0;
-    const size_t most = (size_t) flare->n + (size_t) tables;
-    struct gp_texts also = {0};
-    void *block;
-    if (most == 0)
-        return GP_OK;
-    gp_status st = gp_alloc(log, "file names", most, sizeof *also.at, &block);
-    if (st)
-        return st;
-    also.at = block;
-    for (int i = 0; i < flare->n; i++) {
-        if (flare->element[i].path)
-            also.at[also.n++] = flare->element[i].path;
-    }
-    for (int i = 0; i < tables; i++)
-        also.at[also.n++] = names->file[i];
-    if (also.n)
-        st = gp_jobs_check_names(log, r->s, r->jobs, &also);
-    gp_free(block);
-    return st;
-}
 
 /* Makes what is made once; everything that can fail without a frame fails
  * here. */
@@ -276,7 +215,9 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     struct gp_sun_files files = {.s = r->s};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    const struct gp_flare *const flare = &r->suns.flare;
     struct gp_frame image = {0}; // the kernel's
+    struct gp_texts also = {0};
     gp_status st;
     // frames of one stream follow each other in it
     for (int i = 0; i < r->jobs->targets; i++)
@@ -293,11 +234,25 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
-    GP_TRY(check_named(log, r));
+    // pictures of --flare and tables of --ocio are not written over either
+    const struct gp_ocio_names *const names =
+        r->ocio ? gp_ocio_names(r->ocio) : NULL;
+    const int tables = names ? names->files : 0;
+    GP_TRY(gp_alloc(log, "file names", (size_t) flare->n + (size_t) tables,
+                    sizeof *also.at, &also.at));
+    for (int i = 0; i < flare->n; i++) {
+        if (flare->element[i].path)
+            also.at[also.n++] = flare->element[i].path;
+    }
+    for (int i = 0; i < tables; i++)
+        also.at[also.n++] = names->file[i];
+    if (also.n)
+        GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, &also));
     if (r->s->report)
         GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,
                               &r->report));
 out:
+    gp_free(also.at);
     gp_frame_free(&image);
     return st;
 }
@@ -306,9 +261,13 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     const struct gp_jobs *jobs, struct gp_progress *progress)
 {
     gp_status st;
+    const int units = jobs->n / jobs->views;
+    const int most = s->frame_jobs ? s->frame_jobs
+                     : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
         .run = {.s = &p.s, .jobs = jobs},
+        .slots = most < units ? most : units > 0 ? units : 1,
     };
     const struct gp_flight_work work = {
         .user = &p, .step = run_step, .goes_on = can_skip,
@@ -318,10 +277,13 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     GP_TRY(make_schedule(log, &p.run, &p.schedule));
     GP_TRY(begin_run(log, &p.run));
     GP_TRY(gp_failures_make(log, jobs, &p.failures));
-    GP_TRY(make_slots(&p));
+    GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) p.slots,
+                         sizeof *p.unit, &p.unit));
+    for (int i = 0; i < p.slots; i++)
+        GP_TRY(gp_alloc_zero(log, "frames in flight", (size_t) jobs->views,
+                             sizeof *p.unit[i].view, &p.unit[i].view));
     const struct gp_flight_params params = {
-        .units = jobs->n / jobs->views, .slots = p.slots,
-        .ordered = p.run.ordered,
+        .units = units, .slots = p.slots, .ordered = p.run.ordered,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     GP_TRY(gp_failures_report(log, &p.failures));

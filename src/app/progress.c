@@ -225,12 +225,9 @@ void gp_frame_log_close(struct gp_frame_log *l)
 gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
                            struct gp_failures *out)
 {
-    void *block;
-    gp_status st = gp_alloc_zero(log, "frame list", (size_t) jobs->n,
-                                 sizeof *out->failed, &block);
-    if (!st)
-        *out = (struct gp_failures) {.jobs = jobs, .failed = block};
-    return st;
+    *out = (struct gp_failures) {.jobs = jobs};
+    return gp_alloc_zero(log, "frame list", (size_t) jobs->n,
+                         sizeof *out->failed, &out->failed);
 }
 
 void gp_failures_free(struct gp_failures *f)
@@ -290,25 +287,29 @@ static int print_run(const struct gp_failures *f, int *at, char *text,
     return n;
 }
 
-/* Lists the failed frames in the order of the jobs: numbers that --frames
- * takes back (2-4,9,20-40x10) when all have one, else the names of the inputs
- * with ", " between. What does not fit is counted: "and 17 more". Returns true
- * when the text is a whole list of numbers. */
-static bool list_failed(const struct gp_failures *f, char *text, size_t size)
+gp_status gp_failures_report(const struct gp_log *log,
+                             const struct gp_failures *f)
 {
     enum { MORE = 32 }; // bytes of ", and N more"
+    char list[GP_FAILURES_BYTES] = "";
     const struct gp_jobs *const jobs = f->jobs;
+    const int views = gp_jobs_of_frame(jobs), frames = jobs->n / views;
     bool numbers = true;
     size_t used = 0;
     int left = 0;
+    if (f->kept)
+        gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
+               "outputs exist); remove the files to make them again", f->kept,
+               jobs->n, views > 1 ? "view" : "frame", jobs->n == 1 ? "" : "s");
+    if (!f->bad)
+        return GP_OK;
+    // in the order of the jobs: numbers when all have one, else names; jobs
+    // that one item is for: a frame's, or in a list of names an input's
     for (int i = 0; i < jobs->n; i++)
         numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
-    // jobs that one item is for: a frame's, or in a list of names an input's
-    const int step = numbers           ? gp_jobs_of_frame(jobs)
-                     : jobs->views > 1 ? jobs->views : 1;
+    const int step = numbers ? views : jobs->views > 1 ? jobs->views : 1;
     for (int i = 0; (i = next_failed(f, i, step)) < jobs->n; i += step)
         left++;
-    text[0] = '\0';
     for (int i = next_failed(f, 0, step); i < jobs->n;) {
         const char *const between = !used ? "" : numbers ? "," : ", ";
         char number[64];
@@ -320,31 +321,16 @@ static bool list_failed(const struct gp_failures *f, char *text, size_t size)
             word = jobs->job[i].input;
             i = next_failed(f, i + step, step);
         }
-        if (used + strlen(between) + strlen(word) + MORE >= size) {
-            snprintf(text + used, size - used, "%s%d more",
+        if (used + strlen(between) + strlen(word) + MORE >= sizeof list) {
+            snprintf(list + used, sizeof list - used, "%s%d more",
                      used ? " and " : "", left);
-            return false;
+            numbers = false; // is no whole list
+            break;
         }
-        used += (size_t) snprintf(text + used, size - used, "%s%s", between,
-                                  word);
+        used += (size_t) snprintf(list + used, sizeof list - used, "%s%s",
+                                  between, word);
         left -= n;
     }
-    return numbers;
-}
-
-gp_status gp_failures_report(const struct gp_log *log,
-                             const struct gp_failures *f)
-{
-    char list[GP_FAILURES_BYTES];
-    const int views = gp_jobs_of_frame(f->jobs), frames = f->jobs->n / views;
-    if (f->kept)
-        gp_say(log, GP_LEVEL_WARN, "--no-clobber: skipped %d of %d %s%s (all "
-               "outputs exist); remove the files to make them again", f->kept,
-               f->jobs->n, views > 1 ? "view" : "frame",
-               f->jobs->n == 1 ? "" : "s");
-    if (!f->bad)
-        return GP_OK;
-    const bool numbers = list_failed(f, list, sizeof list);
     return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
                    "failed (%s); mend what the lines above say and make "
                    "them again%s%s", f->bad, frames, frames == 1 ? "" : "s",

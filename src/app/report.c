@@ -67,7 +67,7 @@ static void put_rgb(json_t *o, const char *key, const double v[3])
     json_object_set_new(o, key, list);
 }
 
-/* Which frame it is. */
+/* Names the frame. */
 static void put_frame(json_t *o, const struct gp_facts *f)
 {
     if (f->numbered)

@@ -18,14 +18,12 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_jobs *jobs, int index, struct gp_frame_state *out)
 {
     const struct gp_job *const job = &jobs->job[index];
-    void *names;
     *out = (struct gp_frame_state) {
         .log = log, .job = job, .view = index % jobs->views,
         .targets = jobs->targets,
     };
     gp_status st = gp_alloc_zero(log, "output list", (size_t) jobs->targets + 1,
-                                 sizeof *out->names, &names);
-    out->names = names;
+                                 sizeof *out->names, &out->names);
     out->facts = (struct gp_facts) {
         .numbered = job->numbered, .frame = job->frame, .view = job->view,
         .input = job->input, .outputs = out->names,
@@ -95,7 +93,6 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_texts *const groups = &r->s->light_groups;
     const char *const asked = r->s->depth;
     struct gp_read_params p = r->s->read;
-    void *block;
     gp_status st;
     if (r->jobs->views_inside)
         p.view = fs->job->view;
@@ -105,8 +102,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                 : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
     if (groups->n) {
         GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
-                             sizeof *fs->group, &block));
-        fs->group = block;
+                             sizeof *fs->group, &fs->group));
         fs->facts.light_group = groups->at;
         fs->facts.light_groups = groups->n;
     }
@@ -155,7 +151,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
 {
     struct gp_sources *const src = &fs->sources;
     struct gp_sources none = {0}, all = {0};
-    void *block;
+    struct gp_source *list;
     size_t n = 0;
     memset(src->faint, 0, sizeof src->faint);
     for (int i = 0; i < fs->groups; i++) {
@@ -171,10 +167,9 @@ static gp_status sense_light_groups(const struct gp_run *r,
         n += own->n;
     }
     gp_status st = gp_alloc(fs->log, "light of the groups", n,
-                            sizeof(struct gp_source), &block);
+                            sizeof *list, &list);
     if (st)
         return st;
-    struct gp_source *const list = block;
     n = 0;
     for (int g = 0; g < fs->groups; g++) {
         const struct gp_sources *const s = &fs->group[g].sources;
@@ -259,11 +254,11 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
 
 static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
 {
-    void *exact;
+    double *exact;
     if (all_light(fs)->n == 0)
         return GP_OK;
     gp_status st = gp_alloc(fs->log, "exact layer",
-        3 * gp_frame_pixels(&fs->frame), sizeof(double), &exact);
+        3 * gp_frame_pixels(&fs->frame), sizeof *exact, &exact);
     if (st)
         return st;
     st = gp_glare_reference(fs->log, all_light(fs), &r->kernel, exact);
@@ -307,11 +302,11 @@ static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
 {
     (void) r;
     int h = gp_frame_h(&fs->frame);
-    void *sums;
+    double *sums;
     fs->facts.has_flux_out = true;
     if (!fs->frame.layer.c[0])
         return GP_OK;
-    gp_status st = gp_alloc(fs->log, "flux", (size_t) h, sizeof(double), &sums);
+    gp_status st = gp_alloc(fs->log, "flux", (size_t) h, sizeof *sums, &sums);
     if (st)
         return st;
     for (int c = 0; c < 3; c++) {
@@ -319,7 +314,7 @@ static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
                              sums};
         gp_parallel_do(h, sum_row, &s);
         for (int y = 0; y < h; y++)
-            fs->facts.flux_out[c] += s.sum[y];
+            fs->facts.flux_out[c] += sums[y];
     }
     gp_free(sums);
     return GP_OK;
@@ -360,12 +355,11 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
     const struct gp_suns *const suns = &r->suns;
     const struct gp_occluders *const o = &suns->occluders;
     struct gp_facts *const facts = &fs->facts;
-    void *list;
     gp_status st = gp_alloc(fs->log, "lights", (size_t) suns->n,
-                            sizeof *fs->light, &list);
+                            sizeof *fs->light, &fs->light);
     if (st)
         return st;
-    facts->light = fs->light = list;
+    facts->light = fs->light;
     facts->lights = suns->n;
     if (suns->n)
         memcpy(fs->light, suns->light, (size_t) suns->n * sizeof *fs->light);
@@ -424,33 +418,30 @@ static gp_status write_hdr(const struct gp_run *r,
     gp_status st;
     int n = 0;
     const size_t most = (size_t) views * (1 + (size_t) r->s->light_groups.n);
-    void *block, *made = NULL;
-    GP_TRY(gp_alloc_zero(fs->log, "colours", most,
-                         sizeof(struct gp_hdr_colour), &block));
-    struct gp_hdr_colour *const set = block;
+    struct gp_hdr_colour *set;
+    struct gp_planes *converted = NULL;
+    GP_TRY(gp_alloc_zero(fs->log, "colours", most, sizeof *set, &set));
     for (int i = 0; i < views; i++)
         set[n++].f = &fs[i].frame;
     for (int i = 0; i < views; i++) {
         for (int g = 0; g < fs[i].groups; g++)
             set[n++].f = &fs[i].group[g].frame;
     }
-    st = gp_alloc_zero(fs->log, "colours", most, sizeof(struct gp_planes),
-                       &made);
-    struct gp_planes *const converted = made;
-    for (int i = 0; i < n && !st; i++) {
+    GP_TRY(gp_alloc_zero(fs->log, "colours", most, sizeof *converted,
+                         &converted));
+    for (int i = 0; i < n; i++) {
         set[i].planes = &set[i].f->lit;
         if (!r->s->ocio.output)
             continue;
-        st = gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]);
+        GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]));
         set[i].planes = &converted[i];
     }
-    if (!st)
-        st = gp_write_hdr(fs->log, &r->s->write, name, set, n, stats);
-    for (int i = 0; i < n && made; i++)
-        gp_planes_free(&converted[i]);
-    gp_free(made);
-    gp_free(block);
+    st = gp_write_hdr(fs->log, &r->s->write, name, set, n, stats);
 out:
+    for (int i = 0; i < n && converted; i++)
+        gp_planes_free(&converted[i]);
+    gp_free(converted);
+    gp_free(set);
     return st;
 }
 

@@ -58,9 +58,9 @@ static char *reported(const struct gp_facts *facts, int n)
 static const char *const keys[] = {
     "frame", "input", "outputs", "width", "height", "engine", "engine_why",
     "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
-    "form", "fft_size", "flux_in",
-    "flux_out", "bound", "measured", "nonfinite", "clamped", "clamped_out",
-    "depth", "times_ms", "peak_rss_mib", "threads", "gl", "version",
+    "form", "fft_size", "flux_in", "flux_out", "bound", "measured",
+    "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "peak_rss_mib",
+    "threads", "gl", "version",
 };
 
 static void all_fields_in_order(void **state)
@@ -96,8 +96,8 @@ static void what_was_not_needed_is_left_out(void **state)
         facts.ms[i] = i == GP_TIME_READ ? 1.0 : -1.0;
     static const char *const gone[] = {
         "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
-        "form", "fft_size", "flux_out",
-        "bound", "measured", "clamped_out", "depth", "gl",
+        "form", "fft_size", "flux_out", "bound", "measured", "clamped_out",
+        "depth", "gl",
     };
     char *text = reported(&facts, 1);
     json_t *o = json_loads(text, 0, NULL);
