@@ -78,36 +78,6 @@ static gp_status check_finite(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
-/* A projection keeps its meaning when all of it is scaled: here so that the
- * view axis has length 1, and w is a distance. */
-static gp_status scale_to_axis(const struct gp_log *log, const char *path,
-                               const double m[16], double out[16])
-{
-    const double a[3] = {m[3], m[7], m[11]};
-    const double most = largest(a, 3);
-    double size = 0.0; // in two steps: squares of 1e300 would overflow
-    for (int i = 0; i < 3; i++)
-        size += most > 0.0 ? a[i] / most * (a[i] / most) : 0.0;
-    size = sqrt(size);
-    for (int i = 0; i < 16; i++)
-        out[i] = size > 0.0 ? m[i] / most / size : INFINITY;
-    // (written so that a NaN fails too)
-    bool axis = largest(out, 16) <= 1e30;
-    for (int c = 0; axis && c < 2; c++)
-        axis = 1e-9 * length(column(out, c)) < 1.0;
-    if (!axis)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToNDC has no view axis (column 3 is %g, %g, "
-                       "%g); only perspective cameras can place a light, give "
-                       "its pixel", path, m[3], m[7], m[11]);
-    if (!spans(column(out, 0), column(out, 1), column(out, 3)))
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToNDC is singular (its x, y and w do not "
-                       "tell directions apart); write the file anew or give "
-                       "--camera", path);
-    return GP_OK;
-}
-
 gp_status gp_camera_make(const struct gp_log *log, const char *path,
                          const double *to_camera, const double to_ndc[16],
                          enum gp_ndc ndc, struct gp_camera *out)
@@ -115,12 +85,36 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     gp_status st;
     struct gp_camera c = {.has_camera = to_camera != NULL};
     GP_TRY(check_finite(log, path, "worldToNDC", to_ndc));
-    GP_TRY(scale_to_axis(log, path, to_ndc, c.to_ndc));
+
+    // a projection keeps its meaning when all of it is scaled: here so that
+    // the view axis has length 1, and w is a distance
+    const double a[3] = {to_ndc[3], to_ndc[7], to_ndc[11]};
+    const double longest = largest(a, 3);
+    double size = 0.0; // in two steps: squares of 1e300 would overflow
+    for (int i = 0; i < 3; i++)
+        size += longest > 0.0 ? a[i] / longest * (a[i] / longest) : 0.0;
+    size = sqrt(size);
+    for (int i = 0; i < 16; i++)
+        c.to_ndc[i] = size > 0.0 ? to_ndc[i] / longest / size : INFINITY;
+    const struct v3 x_column = column(c.to_ndc, 0);
+    const struct v3 y_column = column(c.to_ndc, 1);
+    const struct v3 axis = column(c.to_ndc, 3); // so w on it is 1
+    // (written so that a NaN fails too)
+    if (!(largest(c.to_ndc, 16) <= 1e30 && 1e-9 * length(x_column) < 1.0 &&
+          1e-9 * length(y_column) < 1.0))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC has no view axis (column 3 is %g, %g, "
+                       "%g); only perspective cameras can place a light, give "
+                       "its pixel", path, a[0], a[1], a[2]);
+    if (!spans(x_column, y_column, axis))
+        return gp_fail(log, GP_ERR_DATA,
+                       "%s: worldToNDC is singular (its x, y and w do not "
+                       "tell directions apart); write the file anew or give "
+                       "--camera", path);
+
     if (ndc == GP_NDC_AUTO) { // by where the view axis falls
         static const double reach = 0.2;
-        const struct v3 axis = column(c.to_ndc, 3); // of length 1, so w is 1
-        const double x = dot(axis, column(c.to_ndc, 0));
-        const double y = dot(axis, column(c.to_ndc, 1));
+        const double x = dot(axis, x_column), y = dot(axis, y_column);
         const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
         const double clip = fmax(fabs(x), fabs(y));
         if (!(fmin(spec, clip) <= reach))

@@ -110,33 +110,6 @@ static bool clip(const struct circle *c, double g, double u, double depth,
     return *s < *t;
 }
 
-/* The pieces of the rectangle's edges, which run through the corners (x0, y0),
- * (x1, y0), (x1, y1), (x0, y1). */
-static void clip_edges(const struct circle *c, double x0, double y0,
-                       double x1, double y1, struct piece edge[4])
-{
-    const double w = x1 - x0, h = y1 - y0;
-    const double left = x0 - c->x.whole - c->x.rest;
-    const double top = y0 - c->y.whole - c->y.rest;
-    double s, t;
-    edge[0].some = clip(c, power(c, x0, y0), left,
-                        depth_of_line(c, c->y, y0), w, &s, &t);
-    edge[0].a = (struct point) {s, 0.0};
-    edge[0].b = (struct point) {t, 0.0};
-    edge[1].some = clip(c, power(c, x1, y0), top,
-                        depth_of_line(c, c->x, x1), h, &s, &t);
-    edge[1].a = (struct point) {w, s};
-    edge[1].b = (struct point) {w, t};
-    edge[2].some = clip(c, power(c, x1, y1), -(left + w),
-                        depth_of_line(c, c->y, y1), w, &s, &t);
-    edge[2].a = (struct point) {w - s, h};
-    edge[2].b = (struct point) {w - t, h};
-    edge[3].some = clip(c, power(c, x0, y1), -(top + h),
-                        depth_of_line(c, c->x, x0), h, &s, &t);
-    edge[3].a = (struct point) {0.0, h - s};
-    edge[3].b = (struct point) {0.0, h - t};
-}
-
 /* t - sin(t): a series (the first nine terms reach 1e-17) where the difference
  * would cancel. */
 static double minus_sine(double t)
@@ -162,8 +135,30 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
         !(cy + r > y0 && cy - r < y1))
         return 0.0;
     const struct circle c = {split(cx), split(cy), split(r), r};
+
+    // the pieces of the edges, which run through the corners (x0, y0),
+    // (x1, y0), (x1, y1), (x0, y1)
     struct piece edge[4];
-    clip_edges(&c, x0, y0, x1, y1, edge);
+    const double w = x1 - x0, h = y1 - y0;
+    const double left = x0 - c.x.whole - c.x.rest;
+    const double top = y0 - c.y.whole - c.y.rest;
+    double s, t;
+    edge[0].some = clip(&c, power(&c, x0, y0), left,
+                        depth_of_line(&c, c.y, y0), w, &s, &t);
+    edge[0].a = (struct point) {s, 0.0};
+    edge[0].b = (struct point) {t, 0.0};
+    edge[1].some = clip(&c, power(&c, x1, y0), top,
+                        depth_of_line(&c, c.x, x1), h, &s, &t);
+    edge[1].a = (struct point) {w, s};
+    edge[1].b = (struct point) {w, t};
+    edge[2].some = clip(&c, power(&c, x1, y1), -(left + w),
+                        depth_of_line(&c, c.y, y1), w, &s, &t);
+    edge[2].a = (struct point) {w - s, h};
+    edge[2].b = (struct point) {w - t, h};
+    edge[3].some = clip(&c, power(&c, x0, y1), -(top + h),
+                        depth_of_line(&c, c.x, x0), h, &s, &t);
+    edge[3].a = (struct point) {0.0, h - s};
+    edge[3].b = (struct point) {0.0, h - t};
     int n = 0;
     for (int i = 0; i < 4; i++) {
         if (edge[i].some)
@@ -174,6 +169,7 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
         return within ? M_PI * r * r : 0.0;
     const struct point centre = {(c.x.whole - x0) + c.x.rest,
                                  (c.y.whole - y0) + c.y.rest};
+
     // polygon and segments of the pieces
     double twice = 0.0, segments = 0.0;
     const struct point first = edge[0].a; // a small disc may be far from 0, 0
@@ -191,8 +187,7 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
         segments += minus_sine(turn < least ? turn + 2.0 * M_PI : turn);
     }
     const double area = 0.5 * (twice + r * r * segments);
-    const double most = (x1 - x0) * (y1 - y0);
-    return area > 0.0 ? fmin(area, most) : 0.0;
+    return area > 0.0 ? fmin(area, w * h) : 0.0;
 }
 
 /* A disc of no area has no share. */
@@ -313,7 +308,7 @@ static struct sums sum_rect(const struct gp_occluders *o,
 
 // -- the frame ---------------------------------------------------------------
 
-/* Where a plane has samples within the frame; empty for NULL. */
+/* The part of the frame in which a plane has samples; empty for NULL. */
 static struct gp_rect known(const struct gp_plane *p, struct gp_rect frame)
 {
     if (!p || !p->v)
@@ -327,48 +322,24 @@ static double area_in(const struct gp_light *l, double r, struct gp_rect rect)
     return gp_disc_rect_area(l->x, l->y, r, rect.x0, rect.y0, rect.x1, rect.y1);
 }
 
-/* Sums over the frame. Only pixels in a plane's window are visited: a
- * display window may be larger than any plane by any factor. */
-static struct sums sum_frame(const struct gp_occluders *o,
-                             const struct gp_light *l, double r)
+void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
+                  struct gp_light *light, int n)
 {
+    // only pixels in a plane's window are visited: a display window may be
+    // larger than any plane by any factor
     const struct gp_rect depth = known(o->depth, o->frame);
     const struct gp_rect mask = known(o->mask, o->frame);
     const struct gp_rect both = gp_rect_meet(mask, depth);
+    const bool apart = gp_rect_empty(both);
+    const int parts = apart ? 2 : 5;
     // the mask's, less what the depth has: some may be empty
-    const struct gp_rect cut[4] = {
-        {mask.x0, mask.y0, mask.x1, both.y0},
+    const struct gp_rect part[5] = {
+        depth,
+        apart ? mask : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0},
         {mask.x0, both.y0, both.x0, both.y1},
         {both.x1, both.y0, mask.x1, both.y1},
         {mask.x0, both.y1, mask.x1, mask.y1},
     };
-    const bool apart = gp_rect_empty(both);
-    const int parts = apart ? 2 : 5;
-    struct gp_rect part[5] = {depth, mask};
-    if (!apart)
-        memcpy(part + 1, cut, sizeof cut);
-    struct sums all = {0};
-    double known_area = 0.0;
-    for (int i = 0; i < parts; i++) {
-        const struct sums s = sum_rect(o, l, r, part[i]);
-        all.area += s.area;
-        all.shown += s.shown;
-        known_area += area_in(l, r, part[i]);
-    }
-    // two closed forms of one area differ only by rounding: no light shines
-    // through that
-    const double frame = area_in(l, r, o->frame);
-    const double clear = frame - known_area;
-    if (clear > 1e-12 * frame) {
-        all.area += clear;
-        all.shown += clear;
-    }
-    return all;
-}
-
-void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
-                  struct gp_light *light, int n)
-{
     for (int i = 0; i < n; i++) {
         struct gp_light *const l = &light[i];
         l->visibility = 0.0;
@@ -376,8 +347,23 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
             continue;
         const double r = fmin(fmax(l->radius, least_radius), most_radius);
         const double disc = M_PI * r * r;
-        struct sums s = sum_frame(o, l, r);
-        const double beyond = disc - area_in(l, r, o->frame);
+        const double frame = area_in(l, r, o->frame);
+        struct sums s = {0};
+        double known_area = 0.0;
+        for (int k = 0; k < parts; k++) {
+            const struct sums of = sum_rect(o, l, r, part[k]);
+            s.area += of.area;
+            s.shown += of.shown;
+            known_area += area_in(l, r, part[k]);
+        }
+        // two closed forms of one area differ only by rounding: no light
+        // shines through that
+        const double clear = frame - known_area;
+        if (clear > 1e-12 * frame) {
+            s.area += clear;
+            s.shown += clear;
+        }
+        const double beyond = disc - frame;
         if (outside != GP_OUTSIDE_IGNORE && beyond > 1e-12 * disc) {
             s.area += beyond;
             s.shown += outside == GP_OUTSIDE_VISIBLE ? beyond : 0.0;

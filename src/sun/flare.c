@@ -268,48 +268,6 @@ static double light_of(const struct pair *p, int c)
     return (double) p->e->colour[c] * (double) p->light->flux[c];
 }
 
-/* Sizes and amounts of all channels. */
-static void measure_shape(const struct pair *p, struct gp_flare_quad *q)
-{
-    double area[3] = {0};
-    for (int c = 0; c < 3; c++) {
-        const double scale = (double) p->e->scale[c];
-        const struct shape s = shape_of(p->e, 0.5 * p->diameter * scale);
-        q->radius[c] = (float) s.radius;
-        q->inner[c] = (float) s.inner;
-        area[c] = s.area;
-        if (c > 0 && q->radius[c] == q->radius[c - 1])
-            area[c] = area[c - 1];
-        else if (is_summed(p, scale))
-            area[c] = sum_of(q, p->whole, c);
-        q->amount[c] = area[c] > 0.0 ? (float) (light_of(p, c) / area[c])
-                                     : 0.0f;
-    }
-}
-
-/* Amounts of the channels in [first, end), which have one scale. */
-static void measure_image(const struct pair *p, struct gp_flare_quad *q,
-                          int first, int end)
-{
-    const struct gp_flare_level *const l = p->level;
-    const double scale = (double) p->e->scale[first];
-    const double of_level = ldexp(texel_size(p->e, p->diameter * scale),
-                                  l->level); // pixels of its texel
-    q->radius[0] = (float) (1.0 / of_level);
-    q->inner[0] = (float) l->image.cx;
-    q->inner[1] = (float) l->image.cy;
-    for (int c = first; c < end; c++) {
-        const double even = ldexp(l->sum[c], -2 * l->level) * of_level *
-                            of_level;
-        const double sum = is_summed(p, scale) ? sum_of(q, p->whole, c) : even;
-        const double fit = sum > 0.5 * even && sum < 2.0 * even ? even / sum
-                                                                : 1.0;
-        if (l->luminance > 0.0 && even > 0.0)
-            q->amount[c] = (float) (light_of(p, c) * fit * l->sum[c] /
-                                    (l->luminance * even));
-    }
-}
-
 /* Adds a quad for channels [first, end), unless it is dark. */
 static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
     int element, int light, struct gp_rect display, int first, int end)
@@ -324,12 +282,39 @@ static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
     };
     place_of(p->e, p->light, display, &q.x, &q.y);
     place_quad(&q, gp_rect_meet(p->whole, p->frame));
-    if (q.plain)
+    if (q.plain) {
         memcpy(q.amount, p->light->flux, sizeof q.amount);
-    else if (q.image)
-        measure_image(p, &q, first, end);
-    else
-        measure_shape(p, &q);
+    } else if (q.image) { // its channels have one scale
+        const struct gp_flare_level *const l = p->level;
+        const double scale = (double) p->e->scale[first];
+        const double of_level = ldexp(texel_size(p->e, p->diameter * scale),
+                                      l->level); // pixels of its texel
+        q.radius[0] = (float) (1.0 / of_level);
+        q.inner[0] = (float) l->image.cx;
+        q.inner[1] = (float) l->image.cy;
+        for (int c = first; c < end; c++) {
+            const double even = ldexp(l->sum[c], -2 * l->level) * of_level *
+                                of_level;
+            const double sum = is_summed(p, scale) ? sum_of(&q, p->whole, c)
+                                                   : even;
+            const double fit = sum > 0.5 * even && sum < 2.0 * even
+                                   ? even / sum : 1.0;
+            if (l->luminance > 0.0 && even > 0.0)
+                q.amount[c] = (float) (light_of(p, c) * fit * l->sum[c] /
+                                       (l->luminance * even));
+        }
+    } else {
+        double area = 0.0; // of a channel; equal ones have the last one's
+        for (int c = 0; c < 3; c++) {
+            const double scale = (double) p->e->scale[c];
+            const struct shape s = shape_of(p->e, 0.5 * p->diameter * scale);
+            q.radius[c] = (float) s.radius;
+            q.inner[c] = (float) s.inner;
+            if (c == 0 || q.radius[c] != q.radius[c - 1])
+                area = is_summed(p, scale) ? sum_of(&q, p->whole, c) : s.area;
+            q.amount[c] = area > 0.0 ? (float) (light_of(p, c) / area) : 0.0f;
+        }
+    }
     if (q.amount[0] != 0.0f || q.amount[1] != 0.0f || q.amount[2] != 0.0f)
         quads->at[quads->n++] = q;
 }
@@ -348,41 +333,6 @@ static int quads_of(const struct gp_flare_element *e, const struct gp_light *l,
     return e->shape == GP_FLARE_IMAGE && !e->plain && dispersed ? 3 : 1;
 }
 
-/* Edges of all polygons, and images at the sizes that they are drawn in. */
-static gp_status prepare_elements(
-    const struct gp_log *log, const struct gp_flare *f, struct gp_rect display,
-    struct gp_flare_quads *quads)
-{
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare polygons", (size_t) f->n,
-                         GP_FLARE_EDGE * sizeof(float), &quads->edge));
-    GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
-                         sizeof *quads->level, &quads->level));
-    quads->elements = f->n;
-    for (int k = 0; k < f->n; k++) {
-        const struct gp_flare_element *const e = &f->element[k];
-        float *const edge = quads->edge + GP_FLARE_EDGE * k;
-        for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
-            const double a = e->rotation * pi / 180.0 +
-                             (i + 0.5) * 2.0 * pi / e->sides;
-            const double x = cos(a), y = -sin(a); // counter-clockwise, y down
-            edge[3 * i] = (float) x;
-            edge[3 * i + 1] = (float) y;
-            edge[3 * i + 2] = (float) (1.0 / fmax(fabs(x), fabs(y)));
-        }
-        if (e->shape != GP_FLARE_IMAGE || e->image.w < 1 || e->image.h < 1)
-            continue;
-        if (e->plain)
-            quads->level[k].image = e->image;
-        else
-            GP_TRY(make_level(log, &e->image,
-                              fmax(diameter_of(e, display) * least_scale(e),
-                                   1.0), &quads->level[k]));
-    }
-out:
-    return st;
-}
-
 gp_status gp_flare_quads_make(const struct gp_log *log,
     const struct gp_flare *f, const struct gp_light *light, int n, bool clear,
     struct gp_rect frame, struct gp_rect display, struct gp_flare_quads *out)
@@ -399,7 +349,32 @@ gp_status gp_flare_quads_make(const struct gp_log *log,
         return GP_OK;
     GP_TRY(gp_alloc(log, "flare of the lights", most, sizeof *out->at,
                     &out->at));
-    GP_TRY(prepare_elements(log, f, display, out));
+    GP_TRY(gp_alloc_zero(log, "flare polygons", (size_t) f->n,
+                         GP_FLARE_EDGE * sizeof(float), &out->edge));
+    GP_TRY(gp_alloc_zero(log, "flare images", (size_t) f->n,
+                         sizeof *out->level, &out->level));
+    out->elements = f->n;
+    // edges of all polygons, and images at the sizes that they are drawn in
+    for (int k = 0; k < f->n; k++) {
+        const struct gp_flare_element *const e = &f->element[k];
+        float *const edge = out->edge + GP_FLARE_EDGE * k;
+        for (int i = 0; e->shape == GP_FLARE_POLYGON && i < e->sides; i++) {
+            const double a = e->rotation * pi / 180.0 +
+                             (i + 0.5) * 2.0 * pi / e->sides;
+            const double x = cos(a), y = -sin(a); // counter-clockwise, y down
+            edge[3 * i] = (float) x;
+            edge[3 * i + 1] = (float) y;
+            edge[3 * i + 2] = (float) (1.0 / fmax(fabs(x), fabs(y)));
+        }
+        if (e->shape != GP_FLARE_IMAGE || e->image.w < 1 || e->image.h < 1)
+            continue;
+        if (e->plain)
+            out->level[k].image = e->image;
+        else
+            GP_TRY(make_level(log, &e->image,
+                              fmax(diameter_of(e, display) * least_scale(e),
+                                   1.0), &out->level[k]));
+    }
     for (int l = 0; l < n; l++) {
         for (int k = 0; k < f->n; k++) {
             const struct gp_flare_element *const e = &f->element[k];
@@ -509,38 +484,12 @@ static gp_status read_floats(const struct gp_json_place *p, json_t *o,
     return st;
 }
 
-/* The path of an image: beside the JSON file, unless it is absolute. */
-static gp_status read_image_path(const struct gp_json_place *p, json_t *o,
-                                 char **out)
-{
-    const char *name = NULL;
-    bool found = false;
-    gp_status st = gp_json_text(p, o, "image", &name, &found);
-    if (!st && (!found || !*name))
-        st = gp_fail(p->log, GP_ERR_DATA,
-                     "%s: %s %d: no image; add \"image\": its file",
-                     p->path, p->what, p->index);
-    if (st)
-        return st;
-    const char *const slash = strrchr(p->path, '/');
-    const size_t folder = name[0] != '/' && slash
-                              ? (size_t) (slash - p->path) + 1 : 0;
-    const size_t bytes = folder + strlen(name) + 1;
-    char *path;
-    st = gp_alloc(p->log, "a flare image's path", bytes, 1, &path);
-    if (st)
-        return st;
-    memcpy(path, p->path, folder);
-    memcpy(path + folder, name, bytes - folder);
-    *out = path;
-    return GP_OK;
-}
-
 static gp_status read_element(const struct gp_json_place *p, json_t *o,
                               struct gp_flare_element *e)
 {
     static const char *const shapes[] = {"disc", "ring", "polygon", "streak",
                                          "image", NULL};
+    const char *name = NULL;
     int shape = 0;
     bool found = false;
     gp_status st;
@@ -566,8 +515,21 @@ static gp_status read_element(const struct gp_json_place *p, json_t *o,
     GP_TRY(gp_json_int(p, o, "sides", 3, 64, &e->sides, NULL));
     GP_TRY(read_floats(p, o, "color", true, 0.0, 1e6, e->colour));
     GP_TRY(read_floats(p, o, "scale", false, 0.01, 100.0, e->scale));
-    if (e->shape == GP_FLARE_IMAGE)
-        GP_TRY(read_image_path(p, o, &e->path));
+    if (e->shape != GP_FLARE_IMAGE)
+        return GP_OK;
+    // the path of an image: beside the JSON file, unless it is absolute
+    GP_TRY(gp_json_text(p, o, "image", &name, &found));
+    if (!found || !*name)
+        GP_TRY(gp_fail(p->log, GP_ERR_DATA,
+                       "%s: %s %d: no image; add \"image\": its file",
+                       p->path, p->what, p->index));
+    const char *const slash = strrchr(p->path, '/');
+    const size_t folder = name[0] != '/' && slash
+                              ? (size_t) (slash - p->path) + 1 : 0;
+    const size_t bytes = folder + strlen(name) + 1;
+    GP_TRY(gp_alloc(p->log, "a flare image's path", bytes, 1, &e->path));
+    memcpy(e->path, p->path, folder);
+    memcpy(e->path + folder, name, bytes - folder);
 out:
     return st;
 }

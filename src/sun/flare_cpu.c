@@ -73,6 +73,15 @@ struct run {
     float *out;
 };
 
+static struct run cut(const struct run *r, int first, int end)
+{
+    struct run part = *r;
+    part.from += first;
+    part.n = end - first;
+    part.out += first;
+    return part;
+}
+
 GP_CLONES static void add_flat(const struct run *r)
 {
     for (int i = 0; i < r->n; i++)
@@ -113,16 +122,14 @@ static void add_polygon(const struct run *r, const struct gp_flare_quad *q,
                         float apothem)
 {
     for (int at = 0; at < r->n; at += RUN) {
-        struct run part = *r;
+        const struct run part = cut(r, at, r->n - at < RUN ? r->n : at + RUN);
         float cover[RUN];
-        part.from += at;
-        part.n = r->n - at < RUN ? r->n - at : RUN;
         for (int i = 0; i < part.n; i++)
             cover[i] = 1.0f;
         for (int s = 0; s < q->sides; s++)
             meet_side(&part, q->edge + 3 * s, apothem, cover);
         for (int i = 0; i < part.n; i++)
-            r->out[at + i] += r->amount * gp_maxf(cover[i], 0.0f);
+            part.out[i] += part.amount * gp_maxf(cover[i], 0.0f);
     }
 }
 
@@ -209,11 +216,9 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *q,
     const int end = m->w - 1 - tx < r->n ? m->w - 1 - tx : r->n;
     for (int i = 0; i < r->n; i++) {
         if (inside && i >= first && i < end) {
-            struct run part = *r;
+            const struct run part = cut(r, i, end);
             const float *const at = m->rgb.c[c] + (size_t) ty * (size_t) m->w +
                 (size_t) (tx + i);
-            part.n = end - i;
-            part.out += i;
             add_taps(&part, at, at + m->w, s, t);
             i = end - 1;
             continue;
@@ -226,42 +231,6 @@ static void add_plain(const struct run *r, const struct gp_flare_quad *q,
     }
 }
 
-static struct run cut(const struct run *r, int first, int end)
-{
-    struct run part = *r;
-    part.from += first;
-    part.n = end - first;
-    part.out += first;
-    return part;
-}
-
-/* Ramps, flat light (or the hole of a ring) between them, ramps: only pixels
- * within a pixel of an edge need a ramp. */
-static void add_closed(const struct run *r, const struct gp_flare_quad *q,
-                       int c)
-{
-    const float flat = q->shape == GP_FLARE_DISC ? q->radius[c] : q->inner[c];
-    const float radius = flat - 1.0f;
-    // the part whose pixels lie all within the radius
-    const double d = (double) radius * (double) radius -
-                     (double) r->y * (double) r->y;
-    const double half = radius > 0.0f && d > 0.0 ? sqrt(d) : -1.0;
-    const double x = (double) r->x + r->from; // of the run's first pixel
-    const double lo = ceil(-half - x), hi = floor(half - x) + 1.0;
-    const int first = lo < 0.0 ? 0 : lo > r->n ? r->n : (int) lo;
-    const int end = hi > r->n ? r->n : hi < first ? first : (int) hi;
-    const struct run flat_run = cut(r, first, end);
-    const struct run ramps[2] = {cut(r, 0, first), cut(r, end, r->n)};
-    for (int i = 0; i < 2; i++) {
-        if (q->shape == GP_FLARE_POLYGON)
-            add_polygon(&ramps[i], q, q->inner[c]);
-        else
-            add_round(&ramps[i], q->radius[c], q->inner[c]);
-    }
-    if (q->shape != GP_FLARE_RING)
-        add_flat(&flat_run);
-}
-
 void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
                       int x1, float amount, float *out)
 {
@@ -270,12 +239,38 @@ void gp_flare_add_row(const struct gp_flare_quad *q, int c, int y, int x0,
         .from = x0 - q->rect.x0, .n = x1 - x0, .x = q->base[0],
         .y = q->base[1] + (float) row, .amount = amount, .out = out,
     };
-    if (q->shape == GP_FLARE_STREAK)
-        add_streak(&r, q->turn, q->radius[c], q->inner[c]);
-    else if (q->plain)
+    if (q->plain) {
         add_plain(&r, q, c, row);
-    else if (q->shape == GP_FLARE_IMAGE)
+        return;
+    }
+    if (q->shape == GP_FLARE_IMAGE) {
         add_image(&r, q, c);
-    else
-        add_closed(&r, q, c);
+        return;
+    }
+    if (q->shape == GP_FLARE_STREAK) {
+        add_streak(&r, q->turn, q->radius[c], q->inner[c]);
+        return;
+    }
+    // ramps, flat light (or the hole of a ring) between them, ramps: only
+    // pixels within a pixel of an edge need a ramp
+    const float flat = q->shape == GP_FLARE_DISC ? q->radius[c] : q->inner[c];
+    const float radius = flat - 1.0f;
+    // the part whose pixels lie all within the radius
+    const double d = (double) radius * (double) radius -
+                     (double) r.y * (double) r.y;
+    const double half = radius > 0.0f && d > 0.0 ? sqrt(d) : -1.0;
+    const double x = (double) r.x + r.from; // of the run's first pixel
+    const double lo = ceil(-half - x), hi = floor(half - x) + 1.0;
+    const int first = lo < 0.0 ? 0 : lo > r.n ? r.n : (int) lo;
+    const int end = hi > r.n ? r.n : hi < first ? first : (int) hi;
+    const struct run flat_run = cut(&r, first, end);
+    const struct run ramps[2] = {cut(&r, 0, first), cut(&r, end, r.n)};
+    for (int i = 0; i < 2; i++) {
+        if (q->shape == GP_FLARE_POLYGON)
+            add_polygon(&ramps[i], q, q->inner[c]);
+        else
+            add_round(&ramps[i], q->radius[c], q->inner[c]);
+    }
+    if (q->shape != GP_FLARE_RING)
+        add_flat(&flat_run);
 }

@@ -51,29 +51,46 @@ static struct gp_rect rect_within(struct gp_rect r, struct gp_rect tile)
                              r.y1 - tile.y0};
 }
 
+/* Makes `t` where it is not as large, and zeroed texels for all of it; what is
+ * in them goes to the context by write_texels(). */
+static gp_status make_texels(
+    const struct gp_log *log, const struct gp_gl *gl, const char *what, int w,
+    int h, struct gp_texture *t, float **rgba)
+{
+    gp_status st = GP_OK;
+    if (t->w < w || t->h < h) {
+        gp_texture_free(gl, t);
+        st = gp_texture_make(log, gl, what, GP_TEXEL_FLOAT, w, h, t);
+    }
+    return st ? st : gp_alloc_zero(log, what, (size_t) t->w * (size_t) t->h,
+                                   4 * sizeof(float), rgba);
+}
+
+static void write_texels(const struct gp_gl *gl, const struct gp_texture *t,
+                         float *rgba)
+{
+    gp_texture_write(gl, t, (struct gp_rect) {0, 0, t->w, t->h}, rgba);
+    gp_free(rgba);
+}
+
 static gp_status make_image(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_flare_image *m, struct gp_texture *out)
 {
-    const int w = m->w + 2, h = m->h + 2;
     float *rgba;
-    gp_status st =
-        gp_texture_make(log, gl, "a flare image", GP_TEXEL_FLOAT, w, h, out);
-    if (!st)
-        st = gp_alloc_zero(log, "a flare image", (size_t) w * (size_t) h,
-                           4 * sizeof(float), &rgba);
+    const gp_status st = make_texels(log, gl, "a flare image", m->w + 2,
+                                     m->h + 2, out, &rgba);
     if (st)
         return st;
     for (int y = 0; y < m->h; y++) {
         for (int x = 0; x < m->w; x++) {
             const size_t from = (size_t) y * (size_t) m->w + (size_t) x;
-            float *const to = rgba + 4 * ((size_t) (y + 1) * (size_t) w +
+            float *const to = rgba + 4 * ((size_t) (y + 1) * (size_t) out->w +
                                           (size_t) (x + 1));
             for (int c = 0; c < 3; c++)
                 to[c] = m->rgb.c[c][from];
         }
     }
-    gp_texture_write(gl, out, (struct gp_rect) {0, 0, w, h}, rgba);
-    gp_free(rgba);
+    write_texels(gl, out, rgba);
     return GP_OK;
 }
 
@@ -145,61 +162,25 @@ static int key_of(const struct gp_flare_quad *q)
     return q->image ? FIRST_IMAGE + q->element : (int) program_of(q);
 }
 
-/* One batch a key; start[k] becomes the first of key k in the texture. */
-static gp_status make_batches(const struct gp_log *log, struct gp_flare_gl *s,
-                              int *start, int *quad)
-{
-    const int keys = FIRST_IMAGE + s->quads.elements;
-    void *block;
-    gp_status st = gp_alloc_zero(log, "flare draws", (size_t) keys,
-                                 sizeof *s->batch, &block);
-    if (st)
-        return st;
-    gp_free(s->batch);
-    s->batch = block;
-    s->batches = 0;
-    for (int i = 0; i < s->quads.n; i++) {
-        const int key = key_of(&s->quads.at[i]);
-        start[key + 1]++;
-        quad[key] = i;
-    }
-    for (int k = 0; k < keys; k++) {
-        const int n = start[k + 1];
-        start[k + 1] += start[k];
-        if (n > 0)
-            s->batch[s->batches++] = (struct batch) {
-                .program = program_of(&s->quads.at[quad[k]]),
-                .first = start[k], .n = n, .quad = quad[k],
-            };
-    }
-    return GP_OK;
-}
-
 /* Writes all quads as texels, those of key k from start[k] on. */
 static gp_status write_quads(const struct gp_log *log, const struct gp_gl *gl,
                              struct gp_flare_gl *s, int *start)
 {
     const int most = gp_gl_info(gl)->max_size, n = s->quads.n;
     const int rows = n < most ? n : most;
-    void *block;
-    gp_status st = GP_OK;
-    if (s->texels.w / TEXELS * s->texels.h < n) {
-        gp_texture_free(gl, &s->texels);
-        st = gp_texture_make(log, gl, "flare elements", GP_TEXEL_FLOAT,
-                             (n + rows - 1) / rows * TEXELS, rows, &s->texels);
-    }
-    const int w = s->texels.w, h = s->texels.h;
-    if (!st)
-        st = gp_alloc_zero(log, "flare elements", (size_t) w * (size_t) h,
-                           4 * sizeof(float), &block);
+    float *rgba;
+    const gp_status st = make_texels(log, gl, "flare elements",
+                                     (n + rows - 1) / rows * TEXELS, rows,
+                                     &s->texels, &rgba);
     if (st)
         return st;
+    const int w = s->texels.w, h = s->texels.h;
     for (int i = 0; i < n; i++) {
         const struct gp_flare_quad *const q = &s->quads.at[i];
         const struct gp_rect r = rect_within(q->rect, s->reach);
         const int at = start[key_of(q)]++;
-        float *const t = (float *) block +
-            4 * ((size_t) (at % h) * (size_t) w + (size_t) (at / h * TEXELS));
+        float *const t = rgba + 4 * ((size_t) (at % h) * (size_t) w +
+                                     (size_t) (at / h * TEXELS));
         const float rect[4] = {(float) r.x0, (float) r.y0, (float) r.x1,
                                (float) r.y1};
         memcpy(t, rect, sizeof rect);
@@ -216,8 +197,7 @@ static gp_status write_quads(const struct gp_log *log, const struct gp_gl *gl,
             t[12 + k] = q->fraction[k];
         }
     }
-    gp_texture_write(gl, &s->texels, (struct gp_rect) {0, 0, w, h}, block);
-    gp_free(block);
+    write_texels(gl, &s->texels, rgba);
     return GP_OK;
 }
 
@@ -226,24 +206,14 @@ static gp_status write_edges(const struct gp_log *log, const struct gp_gl *gl,
                              struct gp_flare_gl *s)
 {
     const int rows = s->quads.elements;
-    void *block;
-    gp_status st = GP_OK;
-    if (s->edges.h < rows) {
-        gp_texture_free(gl, &s->edges);
-        st = gp_texture_make(log, gl, "flare polygons", GP_TEXEL_FLOAT,
-                             GP_FLARE_SIDES, rows, &s->edges);
-    }
-    if (!st)
-        st = gp_alloc_zero(log, "flare polygons", (size_t) rows,
-                           4 * GP_FLARE_SIDES * sizeof(float), &block);
+    float *rgba;
+    const gp_status st = make_texels(log, gl, "flare polygons", GP_FLARE_SIDES,
+                                     rows, &s->edges, &rgba);
     if (st)
         return st;
     for (int i = 0; i < rows * GP_FLARE_SIDES; i++)
-        memcpy((float *) block + 4 * i, s->quads.edge + 3 * i,
-               3 * sizeof(float));
-    gp_texture_write(gl, &s->edges,
-                     (struct gp_rect) {0, 0, GP_FLARE_SIDES, rows}, block);
-    gp_free(block);
+        memcpy(rgba + 4 * i, s->quads.edge + 3 * i, 3 * sizeof(float));
+    write_texels(gl, &s->edges, rgba);
     return GP_OK;
 }
 
@@ -257,11 +227,33 @@ static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
         "#define ROUND\n", "#define POLYGON\n", "#define STREAK\n",
         "#define IMAGE\n", "#define PLAIN\n",
     };
-    const size_t keys = (size_t) (FIRST_IMAGE + s->quads.elements) + 1;
-    int *start = NULL;
+    const int keys = FIRST_IMAGE + s->quads.elements;
+    struct batch *batch;
+    int *start = NULL; // of each key, the first in the texture
     gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * keys, sizeof(int), &start));
-    GP_TRY(make_batches(log, s, start, start + keys));
+    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * (size_t) keys + 1, sizeof(int),
+                         &start));
+    GP_TRY(gp_alloc_zero(log, "flare draws", (size_t) keys, sizeof *batch,
+                         &batch));
+    gp_free(s->batch);
+    s->batch = batch;
+    s->batches = 0;
+    // one batch a key
+    int *const quad = start + keys + 1;
+    for (int i = 0; i < s->quads.n; i++) {
+        const int key = key_of(&s->quads.at[i]);
+        start[key + 1]++;
+        quad[key] = i;
+    }
+    for (int k = 0; k < keys; k++) {
+        const int n = start[k + 1];
+        start[k + 1] += start[k];
+        if (n > 0)
+            batch[s->batches++] = (struct batch) {
+                .program = program_of(&s->quads.at[quad[k]]),
+                .first = start[k], .n = n, .quad = quad[k],
+            };
+    }
     GP_TRY(fit_images(log, gl, s));
     GP_TRY(write_quads(log, gl, s, start));
     for (int i = 0; i < s->batches; i++) {

@@ -56,39 +56,13 @@ static void split_float(double v, float out[2])
     out[1] = (float) (v - (double) out[0]);
 }
 
-static gp_status write_lights(const struct gp_log *log, const struct gp_gl *gl,
-                              struct gp_sun_map *s, int n)
-{
-    float row[GP_LIGHTS_MAX][4 * LIGHT_TEXELS];
-    gp_status st = GP_OK;
-    if (s->lights.h < n) {
-        gp_texture_free(gl, &s->lights);
-        st = gp_texture_make(log, gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS, n,
-                             &s->lights);
-    }
-    for (int i = 0; i < n; i++) {
-        const struct gp_map_light *const l = &s->light[i];
-        split_float(l->x, row[i]);
-        split_float(l->y, row[i] + 2);
-        split_float(l->radius, row[i] + 4);
-        row[i][6] = (float) l->k;
-        row[i][7] = l->limit;
-        row[i][8] = (float) (l->slot_x - l->box.x0);
-        row[i][9] = (float) (l->slot_y - l->box.y0);
-        row[i][10] = row[i][11] = 0.0f;
-    }
-    if (!st)
-        gp_texture_write(gl, &s->lights,
-                         (struct gp_rect) {0, 0, LIGHT_TEXELS, n}, row[0]);
-    return st;
-}
-
 gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state)
 {
     const int limit = gp_gl_info(gl)->max_size;
     struct gp_map_pixels pixels;
+    float row[GP_LIGHTS_MAX][4 * LIGHT_TEXELS];
     gp_status st = GP_OK;
     if (n < 1 || n > GP_LIGHTS_MAX)
         return gp_fail_bare(log, GP_ERR_BUG,
@@ -116,7 +90,25 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     GP_TRY(gp_map_pack(log, o, s->light, n,
                        limit < GP_SUN_BAND ? limit : GP_SUN_BAND, &pixels));
     GP_TRY(gp_map_write_pixels(log, gl, o, &pixels, s, n));
-    GP_TRY(write_lights(log, gl, s, n));
+    // the lights, a row each
+    if (s->lights.h < n) {
+        gp_texture_free(gl, &s->lights);
+        GP_TRY(gp_texture_make(log, gl, "lights", GP_TEXEL_FLOAT, LIGHT_TEXELS,
+                               n, &s->lights));
+    }
+    for (int i = 0; i < n; i++) {
+        const struct gp_map_light *const l = &s->light[i];
+        split_float(l->x, row[i]);
+        split_float(l->y, row[i] + 2);
+        split_float(l->radius, row[i] + 4);
+        row[i][6] = (float) l->k;
+        row[i][7] = l->limit;
+        row[i][8] = (float) (l->slot_x - l->box.x0);
+        row[i][9] = (float) (l->slot_y - l->box.y0);
+        row[i][10] = row[i][11] = 0.0f;
+    }
+    gp_texture_write(gl, &s->lights, (struct gp_rect) {0, 0, LIGHT_TEXELS, n},
+                     row[0]);
     if (s->intensity.colour.w != n) {
         gp_target_free(gl, &s->intensity);
         GP_TRY(gp_target_make(log, gl, "intensity map", GP_TEXEL_FLOAT, 1, n, 1,
@@ -136,58 +128,9 @@ static int power_of_two(int v)
     return p;
 }
 
-static gp_status fit_atlas(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_map_params *p, int n, struct gp_sun_map *s)
-{
-    enum { MOST = 1 << 24 }; // texels, 256 MiB
-    const int columns = (int) ceil(sqrt((double) n)); // about square
-    const int rows = (n + columns - 1) / columns;
-    int w = power_of_two(columns * p->side), h = power_of_two(rows * p->side);
-    const int limit = gp_gl_info(gl)->max_size;
-    if (w > limit || h > limit || (long long) w * h > MOST)
-        return gp_fail_bare(log, GP_ERR_GL,
-            "sun map: %d maps of %dx%d texels do not go into "
-            "one texture (%d texels wide and high, and %d in "
-            "all, is the limit); use a smaller --sun-map or "
-            "--sun-method exact", n, p->side, p->side, limit, MOST);
-    s->map = p->side;
-    s->columns = columns;
-    if (s->atlas.colour.w >= w && s->atlas.colour.h >= h)
-        return GP_OK;
-    gp_target_free(gl, &s->atlas);
-    return gp_target_make(log, gl, "sun maps", GP_TEXEL_LINEAR, 1, w, h,
-                          &s->atlas);
-}
-
 static int rows_of(const struct gp_sun_map *s, int n)
 {
     return (n + s->columns - 1) / s->columns;
-}
-
-static gp_status draw_maps(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p, int n,
-    struct gp_sun_map *s)
-{
-    const struct gp_texture *const to = &s->atlas.colour;
-    float outside[2];
-    gp_map_outside(p->outside, outside);
-    const struct gp_uniform uniform[] = {
-        {.name = "pixels", .texture = &s->pixels},
-        {.name = "lights", .texture = &s->lights},
-        {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
-        {.name = "size", .v = {to->w, to->h}},
-        {.name = "map", .v = {s->map, s->columns}},
-        {.name = "form", .v = {s->map, p->pattern == GP_PATTERN_DISC}},
-        {.name = "outside", .floats = 2, .f = {outside[0], outside[1]}},
-        {0},
-    };
-    const struct gp_draw draw = {
-        .program = &s->program[GP_SUN_TEXELS], .target = &s->atlas,
-        .cut = {0, 0, s->columns * s->map, rows_of(s, n) * s->map},
-        .uniform = uniform, .vertices = 6, .instances = n, .replace = true,
-    };
-    gp_status st = gp_map_use(log, gl, s, GP_SUN_TEXELS);
-    return st ? st : gp_draw_run(log, gl, &draw);
 }
 
 static gp_status draw_points(const struct gp_log *log, const struct gp_gl *gl,
@@ -227,15 +170,55 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state)
 {
+    enum { MOST = 1 << 24 }; // texels of the atlas, 256 MiB
     const bool byte = p->sum == GP_SUM_BYTE;
+    const int limit = gp_gl_info(gl)->max_size;
+    float outside[2];
     gp_status st;
     GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
     struct gp_sun_map *const s = *state;
-    GP_TRY(fit_atlas(log, gl, p, n, s));
-    GP_TRY(draw_maps(log, gl, o, p, n, s));
+
+    // an atlas that is large enough, with about as many columns as rows
+    s->columns = (int) ceil(sqrt((double) n));
+    const int h = rows_of(s, n);
+    const int atlas_w = power_of_two(s->columns * p->side);
+    const int atlas_h = power_of_two(h * p->side);
+    if (atlas_w > limit || atlas_h > limit ||
+        (long long) atlas_w * atlas_h > MOST)
+        return gp_fail_bare(log, GP_ERR_GL,
+            "sun map: %d maps of %dx%d texels do not go into "
+            "one texture (%d texels wide and high, and %d in "
+            "all, is the limit); use a smaller --sun-map or "
+            "--sun-method exact", n, p->side, p->side, limit, MOST);
+    s->map = p->side;
+    const struct gp_texture *const to = &s->atlas.colour;
+    if (to->w < atlas_w || to->h < atlas_h) {
+        gp_target_free(gl, &s->atlas);
+        GP_TRY(gp_target_make(log, gl, "sun maps", GP_TEXEL_LINEAR, 1, atlas_w,
+                              atlas_h, &s->atlas));
+    }
+    gp_map_outside(p->outside, outside);
+    const struct gp_uniform of_maps[] = {
+        {.name = "pixels", .texture = &s->pixels},
+        {.name = "lights", .texture = &s->lights},
+        {.name = "frame", .v = {gp_rect_w(o->frame), gp_rect_h(o->frame)}},
+        {.name = "size", .v = {to->w, to->h}},
+        {.name = "map", .v = {s->map, s->columns}},
+        {.name = "form", .v = {s->map, p->pattern == GP_PATTERN_DISC}},
+        {.name = "outside", .floats = 2, .f = {outside[0], outside[1]}},
+        {0},
+    };
+    const struct gp_draw maps = {
+        .program = &s->program[GP_SUN_TEXELS], .target = &s->atlas,
+        .cut = {0, 0, s->columns * s->map, h * s->map},
+        .uniform = of_maps, .vertices = 6, .instances = n, .replace = true,
+    };
+    GP_TRY(gp_map_use(log, gl, s, GP_SUN_TEXELS));
+    GP_TRY(gp_draw_run(log, gl, &maps));
+
     // a pixel for each light, in rows as the maps of the atlas
     struct gp_target *const sums = byte ? &s->byte_sums : &s->sums;
-    const int w = s->columns, h = rows_of(s, n);
+    const int w = s->columns;
     if (sums->colour.w != w || sums->colour.h != h) {
         gp_target_free(gl, sums);
         GP_TRY(byte ? gp_target_make(log, gl, "8-bit sums", GP_TEXEL_BYTE, 1, w,

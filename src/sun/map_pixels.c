@@ -72,31 +72,6 @@ static int texels(int n)
     return n / 2 + n % 2;
 }
 
-/* Boxes side by side until a row is `wide` texels; returns the height, or the
- * first one over `most`. */
-static int pack_rows(struct gp_map_light *light, int n, int wide, int most,
-                     int *used)
-{
-    int x = 0, y = 0, high = 0;
-    *used = 1;
-    for (int i = 0; i < n && y + high <= most; i++) {
-        if (gp_rect_empty(light[i].box))
-            continue;
-        const int w = texels(gp_rect_w(light[i].box));
-        const int h = gp_rect_h(light[i].box);
-        if (x + w > wide) {
-            y += high;
-            x = high = 0;
-        }
-        light[i].slot_x = 2 * x;
-        light[i].slot_y = y;
-        x += w;
-        high = h > high ? h : high;
-        *used = x > *used ? x : *used;
-    }
-    return y + high > 1 ? y + high : 1;
-}
-
 gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
     struct gp_map_light *light, int n, int most, struct gp_map_pixels *out)
 {
@@ -104,7 +79,7 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
     const int w = gp_rect_w(o->frame), h = gp_rect_h(o->frame);
     const int frame_w = w ? texels(w) : 1, frame_h = h ? h : 1;
     double area = 0.0;
-    int used, wide = 1; // texels: rows of boxes about as wide as high
+    int wide = 1; // texels: rows of boxes about as wide as high
     for (int i = 0; i < n; i++) {
         if (gp_rect_empty(light[i].box))
             continue;
@@ -113,8 +88,25 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
         wide = box > wide ? box : wide;
     }
     const int even = (int) fmin(ceil(sqrt(area)), most);
-    const int high = pack_rows(light, n, even > wide ? even : wide, most,
-                               &used);
+    wide = even > wide ? even : wide;
+    // boxes side by side until a row is `wide`; ends after `most` rows
+    int x = 0, y = 0, row = 0, used = 1;
+    for (int i = 0; i < n && y + row <= most; i++) {
+        if (gp_rect_empty(light[i].box))
+            continue;
+        const int box_w = texels(gp_rect_w(light[i].box));
+        const int box_h = gp_rect_h(light[i].box);
+        if (x + box_w > wide) {
+            y += row;
+            x = row = 0;
+        }
+        light[i].slot_x = 2 * x;
+        light[i].slot_y = y;
+        x += box_w;
+        row = box_h > row ? box_h : row;
+        used = x > used ? x : used;
+    }
+    const int high = y + row > 1 ? y + row : 1;
     const bool fits = used <= most && high <= most;
     const bool frame_fits = frame_w <= most && frame_h <= most;
     if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || (!fits && !frame_fits))
@@ -159,27 +151,6 @@ static const float *row_of(const struct gp_plane *p, int y, int *x0, int *x1)
            (size_t) ((long long) *x0 - p->window.x0);
 }
 
-/* gp_depth_place() of n samples to every other float of `out`. Types of depth
- * that are places already stay exact. */
-static void write_places(const struct gp_occluders *o, const float *v, int n,
-                         float *out)
-{
-    const bool turned = o->facts.reversed;
-    const struct gp_depth_range s = gp_depth_range_of(o->type, turned);
-    const float sign = turned ? -1.0f : 1.0f;
-    if (o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY) {
-        for (int i = 0; i < n; i++)
-            out[2 * i] = gp_is_surface(s, v[i]) ? sign * v[i] : GP_SUN_EMPTY;
-        return;
-    }
-    for (int i = 0; i < n; i++) {
-        if (!gp_is_surface(s, v[i]))
-            continue;
-        const double place = gp_depth_place(o, v[i]);
-        out[2 * i] = place < 3e38 ? (float) place : 3e38f;
-    }
-}
-
 /* The place for the rows of a box: `to` is the band's row 0. */
 struct box_rows {
     const struct gp_occluders *o;
@@ -202,8 +173,19 @@ static void write_row(void *ctx, int i, int thread)
         out[2 * k + 1] = 0.0f;
     }
     const float *row = row_of(o->depth, y, &from, &to);
-    if (row)
-        write_places(o, row, to - from, out + 2 * (from - x0));
+    const bool reversed = o->facts.reversed;
+    const struct gp_depth_range s = gp_depth_range_of(o->type, reversed);
+    // types of depth that are places already stay exact
+    const bool exact = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
+    const float sign = reversed ? -1.0f : 1.0f;
+    float *const place = row ? out + 2 * (from - x0) : out;
+    const int n = row ? to - from : 0;
+    for (int i = 0; exact && i < n; i++)
+        place[2 * i] = gp_is_surface(s, row[i]) ? sign * row[i] : GP_SUN_EMPTY;
+    for (int i = 0; !exact && i < n; i++) {
+        if (gp_is_surface(s, row[i]))
+            place[2 * i] = (float) fmin(gp_depth_place(o, row[i]), 3e38);
+    }
     if (!o->mask || !o->mask->v) {
         for (int k = 0; k < x1 - x0; k++)
             out[2 * k + 1] = out[2 * k] < GP_SUN_EMPTY ? 1.0f : 0.0f;

@@ -75,20 +75,19 @@ static double count_region(const struct gp_map_light *l,
     return weight > 0.0 ? shown / weight : 0.0;
 }
 
-/* Draws the region under light i, waits for it, and counts. */
-static gp_status measure_region(
-    const struct gp_log *log, const struct gp_gl *gl,
+gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_occluders *o, const struct gp_map_params *p,
-    struct gp_sun_map *s, int i, double *visibility)
+    struct gp_light *light, int n, struct gp_sun_map **state)
 {
-    const struct gp_map_light *const l = &s->light[i];
-    const int w = gp_rect_w(l->box), h = gp_rect_h(l->box);
-    float *rgba = NULL;
-    gp_status st = GP_OK;
-    *visibility = 0.0;
-    if (!l->k)
-        return GP_OK;
-    if (w && h) {
+    float intensity[4 * GP_LIGHTS_MAX] = {0}, *rgba = NULL;
+    gp_status st;
+    GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
+    struct gp_sun_map *const s = *state;
+    GP_TRY(gp_map_use(log, gl, s, GP_SUN_PIXELS));
+    for (int i = 0; i < n; i++) {
+        const struct gp_map_light *const l = &s->light[i];
+        const int w = gp_rect_w(l->box), h = gp_rect_h(l->box);
+        const bool drawn = l->k && w && h;
         const struct gp_uniform uniform[] = {
             {.name = "pixels", .texture = &s->pixels},
             {.name = "lights", .texture = &s->lights},
@@ -102,33 +101,20 @@ static gp_status measure_region(
             .cut = {0, 0, w, h}, .view = {0, 0, w, h}, .uniform = uniform,
             .vertices = 6, .instances = 1, .replace = true,
         };
-        if (s->region.colour.w < w || s->region.colour.h < h) {
+        if (drawn && (s->region.colour.w < w || s->region.colour.h < h)) {
             gp_target_free(gl, &s->region);
             GP_TRY(gp_target_make(log, gl, "region under a light",
                                   GP_TEXEL_FLOAT, 1, w, h, &s->region));
         }
-        GP_TRY(gp_draw_run(log, gl, &draw));
-        GP_TRY(gp_alloc(log, "region under a light", (size_t) w * (size_t) h,
-                        4 * sizeof(float), &rgba));
-        gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h}, rgba);
-    }
-    *visibility = count_region(l, o, p, rgba);
-out:
-    gp_free(rgba);
-    return st;
-}
-
-gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
-    const struct gp_occluders *o, const struct gp_map_params *p,
-    struct gp_light *light, int n, struct gp_sun_map **state)
-{
-    float intensity[4 * GP_LIGHTS_MAX] = {0};
-    gp_status st;
-    GP_TRY(gp_map_begin(log, gl, o, p, light, n, state));
-    struct gp_sun_map *const s = *state;
-    GP_TRY(gp_map_use(log, gl, s, GP_SUN_PIXELS));
-    for (int i = 0; i < n; i++) {
-        GP_TRY(measure_region(log, gl, o, p, s, i, &light[i].visibility));
+        if (drawn) { // and waited for
+            GP_TRY(gp_draw_run(log, gl, &draw));
+            GP_TRY(gp_alloc(log, "region under a light",
+                            (size_t) w * (size_t) h, 4 * sizeof(float), &rgba));
+            gp_target_read(gl, &s->region, 0, (struct gp_rect) {0, 0, w, h},
+                           rgba);
+        }
+        light[i].visibility = l->k ? count_region(l, o, p, rgba) : 0.0;
+        GP_FREE(rgba);
         intensity[4 * i] = (float) light[i].visibility;
         intensity[4 * i + 1] = 1.0f;
     }
@@ -138,6 +124,7 @@ gp_status gp_sun_readback(const struct gp_log *log, const struct gp_gl *gl,
     s->n = n;
     s->map = 0;
 out:
+    gp_free(rgba);
     return st;
 }
 

@@ -124,8 +124,8 @@ struct rule {
 static struct rule rule_for(const struct gp_occluders *o,
                             const struct gp_light *l)
 {
-    const bool turned = o->facts.reversed;
-    const struct gp_depth_range s = gp_depth_range_of(o->type, turned);
+    const bool reversed = o->facts.reversed;
+    const struct gp_depth_range s = gp_depth_range_of(o->type, reversed);
     // steps from the nearest surface; `hit` of them hide
     const int64_t nearest = gp_float_order(s.near_high ? s.hi : s.lo);
     const int64_t toward = s.near_high ? -1 : 1;
@@ -135,7 +135,7 @@ static struct rule rule_for(const struct gp_occluders *o,
     while (hit < clear) {
         const int64_t mid = hit + (clear - hit) / 2;
         const float v = gp_float_of((int32_t) (nearest + toward * mid));
-        if (hides(l, place_of(o->type, turned, v)))
+        if (hides(l, place_of(o->type, reversed, v)))
             hit = mid + 1;
         else
             clear = mid;
@@ -238,13 +238,18 @@ double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
 /* Parts are the same for any number of threads. */
 enum { PARTS = 64 };
 
+enum kind {
+    ZERO, NOT_A_NUMBER, INFINITE, HUGE_ONE, HALF_MAX, NEGATIVE, ONE,
+    FORE, BACK, // surfaces as they are, and reversed
+    OVER,       // 1 and more, +Inf too
+    TINY,       // over 0, and too little for a surface
+    KINDS,
+};
+
 /* Counts of a share of the rows. */
 struct counts {
-    long long zero, nan, inf, huge, half_max, negative, one;
-    long long fore, back; // surfaces as they are, and turned
-    long long over;       // 1 and more, +Inf too
-    long long tiny;       // over 0, and too little for a surface
-    int32_t lo, hi;       // of the huge, in gp_float_order()
+    long long of[KINDS];
+    int32_t lo, hi; // of the huge, in gp_float_order()
 };
 
 struct counting {
@@ -309,18 +314,11 @@ GP_CLONES static void count_row(const struct counting *s, const float *v, int n,
         fore += (k >= f.lo) & (k <= f.hi) & (k != f.hole);
         back += (k >= b.lo) & (k <= b.hi) & (k != b.hole);
     }
-    t->zero += zero;
-    t->nan += nan;
-    t->inf += inf;
-    t->huge += beyond - nan - inf;
-    t->half_max += halves;
-    t->negative += negative;
-    t->one += one;
-    t->over += over;
-    t->tiny += tiny;
-    t->fore += fore;
-    t->back += back;
-    if (beyond > nan + inf)
+    const int row[KINDS] = {zero, nan, inf, beyond - nan - inf, halves,
+                            negative, one, fore, back, over, tiny};
+    for (int i = 0; i < KINDS; i++)
+        t->of[i] += row[i];
+    if (row[HUGE_ONE] > 0)
         span_huge(v, n, t);
 }
 
@@ -335,47 +333,10 @@ static void count_part(void *ctx, int i, int thread)
         count_row(s, s->plane->v + (size_t) y * (size_t) w, w, &s->part[i]);
 }
 
-/* Lists the kinds of empty samples that occur. */
-static void name_empty(enum gp_depth_type type, const struct counts *t,
-                       struct gp_depth_facts *f)
-{
-    const double lo = (double) gp_float_of(t->lo);
-    const double hi = (double) gp_float_of(t->hi);
-    char huge[32]; // one, or from the least to the most
-    if (t->lo == t->hi)
-        snprintf(huge, sizeof huge, "%g", lo);
-    else
-        snprintf(huge, sizeof huge, "%g to %g", lo, hi);
-    const bool axis = type == GP_DEPTH_Z || type == GP_DEPTH_RAY;
-    const bool share = type == GP_DEPTH_NORMALIZED;
-    const bool first = !share || f->reversed; // 0 and less is empty
-    const struct {
-        bool is;
-        const char *text;
-    } kind[] = {
-        {first && t->zero > 0, "0"},
-        {t->tiny > 0, "under 1e-09"},
-        {first && t->negative > 0 && !(axis && f->reversed), "negative"},
-        {share && t->one > 0, "1"},
-        {share && t->over > t->one, "over 1"},
-        {axis && t->half_max > 0, f->reversed ? "-65504" : "65504"},
-        {axis && t->huge > 0, huge},
-        {axis && t->inf > 0, "inf"},
-        {t->nan > 0, "nan"},
-    };
-    size_t used = 0;
-    snprintf(f->empty, sizeof f->empty, "none");
-    for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
-        if (kind[i].is && used < sizeof f->empty)
-            used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
-                                      "%s%s", used ? ", " : "", kind[i].text);
-    }
-}
-
 void gp_occluders_count(struct gp_occluders *o)
 {
     o->facts = (struct gp_depth_facts) {.empty = "none"};
-    if (!o->depth || !o->depth->v || gp_rect_empty(o->depth->window))
+    if (!has(o->depth) || gp_rect_empty(o->depth->window))
         return;
     struct counting s = {.plane = o->depth,
                        .fore = gp_depth_range_of(o->type, false),
@@ -384,32 +345,54 @@ void gp_occluders_count(struct gp_occluders *o)
     struct counts t = {.lo = INT32_MAX, .hi = INT32_MIN};
     for (int i = 0; i < PARTS; i++) {
         const struct counts *const p = &s.part[i];
-        t.zero += p->zero;
-        t.nan += p->nan;
-        t.inf += p->inf;
-        t.huge += p->huge;
-        t.half_max += p->half_max;
-        t.negative += p->negative;
-        t.one += p->one;
-        t.over += p->over;
-        t.tiny += p->tiny;
-        t.fore += p->fore;
-        t.back += p->back;
+        for (int k = 0; k < KINDS; k++)
+            t.of[k] += p->of[k];
         t.lo = p->lo < t.lo ? p->lo : t.lo;
         t.hi = p->hi > t.hi ? p->hi : t.hi;
     }
     struct gp_depth_facts *const f = &o->facts;
-    if (o->type == GP_DEPTH_NORMALIZED)
-        f->reversed = t.over == 0 && t.zero > 0;
-    else if (o->type != GP_DEPTH_INVERSE)
-        f->reversed = t.fore == 0 && t.back > 0;
-    f->zero = t.zero;
-    f->nan = t.nan;
-    f->inf = t.inf;
-    f->huge = t.huge;
-    f->half_max = t.half_max;
-    f->negative = t.negative;
-    f->one = t.one;
-    f->surface = f->reversed ? t.back : t.fore;
-    name_empty(o->type, &t, f);
+    const bool share = o->type == GP_DEPTH_NORMALIZED;
+    const bool axis = o->type == GP_DEPTH_Z || o->type == GP_DEPTH_RAY;
+    if (share)
+        f->reversed = t.of[OVER] == 0 && t.of[ZERO] > 0;
+    else if (axis)
+        f->reversed = t.of[FORE] == 0 && t.of[BACK] > 0;
+    f->zero = t.of[ZERO];
+    f->nan = t.of[NOT_A_NUMBER];
+    f->inf = t.of[INFINITE];
+    f->huge = t.of[HUGE_ONE];
+    f->half_max = t.of[HALF_MAX];
+    f->negative = t.of[NEGATIVE];
+    f->one = t.of[ONE];
+    f->surface = f->reversed ? t.of[BACK] : t.of[FORE];
+
+    // the kinds of empty samples that occur
+    const double lo = (double) gp_float_of(t.lo);
+    const double hi = (double) gp_float_of(t.hi);
+    char huge[32]; // one, or from the least to the most
+    if (t.lo == t.hi)
+        snprintf(huge, sizeof huge, "%g", lo);
+    else
+        snprintf(huge, sizeof huge, "%g to %g", lo, hi);
+    const bool first = !share || f->reversed; // 0 and less is empty
+    const struct {
+        bool is;
+        const char *text;
+    } kind[] = {
+        {first && f->zero > 0, "0"},
+        {t.of[TINY] > 0, "under 1e-09"},
+        {first && f->negative > 0 && !(axis && f->reversed), "negative"},
+        {share && f->one > 0, "1"},
+        {share && t.of[OVER] > f->one, "over 1"},
+        {axis && f->half_max > 0, f->reversed ? "-65504" : "65504"},
+        {axis && f->huge > 0, huge},
+        {axis && f->inf > 0, "inf"},
+        {f->nan > 0, "nan"},
+    };
+    size_t used = 0;
+    for (size_t i = 0; i < sizeof kind / sizeof *kind; i++) {
+        if (kind[i].is && used < sizeof f->empty)
+            used += (size_t) snprintf(f->empty + used, sizeof f->empty - used,
+                                      "%s%s", used ? ", " : "", kind[i].text);
+    }
 }

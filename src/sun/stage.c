@@ -31,41 +31,11 @@ static struct gp_light_spec sun_spec(const struct gp_sun_params *p)
     return spec;
 }
 
-/* The pictures of flare elements, which become light: no NaN, nothing under
- * 0. */
-static gp_status read_pictures(const struct gp_log *log,
-    const struct gp_sun_reader *reader, struct gp_flare *f)
-{
-    for (int k = 0; k < f->n; k++) {
-        struct gp_flare_element *const e = &f->element[k];
-        struct gp_frame image = {0};
-        if (!e->path)
-            continue;
-        gp_status st = reader->picture(reader->user, log, e->path, &image);
-        if (st)
-            return st;
-        const int w = gp_frame_w(&image), h = gp_frame_h(&image);
-        const size_t n = gp_frame_pixels(&image);
-        for (int c = 0; c < 3; c++) {
-            for (size_t i = 0; i < n; i++) {
-                const float v = image.rgb.c[c][i];
-                image.rgb.c[c][i] = v > 0.0f && v <= 1e30f ? v : 0.0f;
-            }
-        }
-        e->image = (struct gp_flare_image) {
-            .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
-            .serial = gp_serial_next(),
-        };
-        image.rgb = (struct gp_planes) {0};
-        gp_frame_free(&image);
-    }
-    return GP_OK;
-}
-
 gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     enum gp_gl_api api, const struct gp_sun_reader *reader, struct gp_suns *out)
 {
     struct gp_light_spec *lamps = NULL;
+    struct gp_frame image = {0};
     int n = 0;
     gp_status st = GP_OK;
     out->p = p;
@@ -84,9 +54,27 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
     out->specs = sun + n;
     if (p->camera)
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
-    if (p->flare) {
+    if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-        GP_TRY(read_pictures(log, reader, &out->flare));
+    // pictures of flare elements become light: no NaN, nothing under 0
+    for (int k = 0; k < out->flare.n; k++) {
+        struct gp_flare_element *const e = &out->flare.element[k];
+        if (!e->path)
+            continue;
+        GP_TRY(reader->picture(reader->user, log, e->path, &image));
+        const int w = gp_frame_w(&image), h = gp_frame_h(&image);
+        const size_t pixels = gp_frame_pixels(&image);
+        for (int c = 0; c < 3; c++) {
+            float *const v = image.rgb.c[c];
+            for (size_t i = 0; i < pixels; i++)
+                v[i] = v[i] > 0.0f && v[i] <= 1e30f ? v[i] : 0.0f;
+        }
+        e->image = (struct gp_flare_image) {
+            .w = w, .h = h, .cx = 0.5 * w, .cy = 0.5 * h, .rgb = image.rgb,
+            .serial = gp_serial_next(),
+        };
+        image.rgb = (struct gp_planes) {0};
+        gp_frame_free(&image);
     }
 out:
     gp_free(lamps);
@@ -95,57 +83,41 @@ out:
 
 // -- places of the lights ----------------------------------------------------
 
-/* The camera of --camera for this frame, with the sun that it gives, or that of
- * the frame's own attributes where a light needs one.
- *   entry  NULL without --camera
- *   found  whether *camera was written */
-static gp_status find_camera(
-    const struct gp_log *log, const struct gp_suns *suns,
-    const struct gp_sun_about *about, const struct gp_frame *f,
-    const struct gp_camera_frame **entry, struct gp_camera *camera, bool *found)
-{
-    const char *const path = suns->p->camera;
-    *entry = NULL;
-    *found = false;
-    if (!path) {
-        bool needed = false;
-        for (int i = 0; i < suns->specs; i++)
-            needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
-        *found = needed && about->has_ndc;
-        const enum gp_ndc ndc = suns->p->ndc == GP_NDC_AUTO ? about->ndc
-                                                             : suns->p->ndc;
-        return *found ? gp_camera_make(log, f->path,
-                                       about->has_camera ? about->to_camera
-                                                         : NULL,
-                                       about->to_ndc, ndc, camera)
-                      : GP_OK;
-    }
-    *entry = gp_camera_frame_find(&suns->cameras,
-                                  about->numbered ? about->number : -1);
-    if (!*entry && about->numbered)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: no camera for frame %d of %s; add it, or leave "
-                       "--camera out", path, about->number, about->name);
-    if (!*entry)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: %s has no frame number to look for; number it, or "
-                       "keep one camera", path, about->name);
-    *camera = (*entry)->camera;
-    *found = true;
-    return GP_OK;
-}
-
 static gp_status place_lights(const struct gp_log *log,
                               const struct gp_sun_about *about,
                               const struct gp_frame *f, struct gp_suns *suns)
 {
     static const struct gp_sun_params usual = GP_SUN_DEFAULTS;
     const struct gp_sun_params *const p = suns->p;
-    const struct gp_camera_frame *entry;
+    const struct gp_camera_frame *entry = NULL;
     struct gp_camera camera;
-    bool found;
-    gp_status st;
-    GP_TRY(find_camera(log, suns, about, f, &entry, &camera, &found));
+    bool found = p->camera != NULL, needed = false;
+    gp_status st = GP_OK;
+    // the camera of --camera for this frame, with the sun that it gives, or
+    // that of the frame's own attributes where a light needs one
+    for (int i = 0; i < suns->specs; i++)
+        needed = needed || suns->spec[i].place != GP_PLACE_PIXEL;
+    if (p->camera) {
+        entry = gp_camera_frame_find(&suns->cameras,
+                                     about->numbered ? about->number : -1);
+        if (!entry && about->numbered)
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: no camera for frame %d of %s; add it, or leave "
+                           "--camera out", p->camera, about->number,
+                           about->name);
+        if (!entry)
+            return gp_fail(log, GP_ERR_DATA,
+                           "%s: %s has no frame number to look for; number it, "
+                           "or keep one camera", p->camera, about->name);
+        camera = entry->camera;
+    } else if (needed && about->has_ndc) {
+        found = true;
+        GP_TRY(gp_camera_make(log, f->path,
+                              about->has_camera ? about->to_camera : NULL,
+                              about->to_ndc,
+                              p->ndc == GP_NDC_AUTO ? about->ndc : p->ndc,
+                              &camera));
+    }
     // the sun of --camera, where the command line names none
     const bool sun = entry && !p->at.n && !p->dir.n &&
                      (entry->has_sun || !p->lights);
@@ -283,55 +255,41 @@ double gp_suns_mean(const struct gp_suns *suns)
     return weight > 0.0 ? sum / weight : suns->n ? plain / suns->n : 0.0;
 }
 
-/* Without GL: what the maps would be, or are known to be. */
-static gp_status paint_maps(const struct gp_log *log,
-    const struct gp_suns *suns, bool intensity, int *w, int *h, float **out)
-{
-    const int side = suns->p->map.side;
-    void *block = NULL, *v;
-    gp_status st = GP_OK;
-    *w = intensity ? suns->n : suns->n * side;
-    *h = intensity ? 1 : side;
-    GP_TRY(gp_alloc(log, "map", (size_t) side * (size_t) side,
-                    2 * sizeof(float), &block));
-    GP_TRY(gp_alloc(log, "picture", (size_t) *w * (size_t) *h, sizeof(float),
-                    &v));
-    *out = v;
-    for (int i = 0; i < suns->n; i++) {
-        const float *const map = block;
-        if (intensity) {
-            (*out)[i] = (float) suns->light[i].visibility;
-            continue;
-        }
-        gp_sun_map_reference(&suns->occluders, &suns->p->map, &suns->light[i],
-                             block);
-        for (int k = 0; k < side * side; k++)
-            (*out)[(size_t) (k / side) * (size_t) *w +
-                   (size_t) (i * side + k % side)] =
-                map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1] : 0.0f;
-    }
-out:
-    gp_free(block);
-    return st;
-}
-
 gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
                           bool intensity, int *w, int *h, struct gp_planes *out)
 {
+    const int side = suns->p->map.side, texels = side * side;
     gp_status st;
-    float *grey = NULL;
+    float *grey = NULL, *map = NULL;
     if (suns->p->method == GP_SUN_MASK) {
         GP_TRY(gp_gl_use(log, suns->gl));
         GP_TRY(gp_sun_map_picture(log, suns->gl, suns->map, intensity, w, h,
                                   &grey));
-    } else {
-        GP_TRY(paint_maps(log, suns, intensity, w, h, &grey));
+    } else { // what the maps would be, or are known to be
+        *w = intensity ? suns->n : suns->n * side;
+        *h = intensity ? 1 : side;
+        GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));
+        GP_TRY(gp_alloc(log, "picture", (size_t) *w * (size_t) *h, sizeof *grey,
+                        &grey));
+    }
+    for (int i = 0; map && i < suns->n; i++) {
+        if (intensity) {
+            grey[i] = (float) suns->light[i].visibility;
+            continue;
+        }
+        gp_sun_map_reference(&suns->occluders, &suns->p->map, &suns->light[i],
+                             map);
+        for (int k = 0; k < texels; k++)
+            grey[(size_t) (k / side) * (size_t) *w +
+                 (size_t) (i * side + k % side)] =
+                map[2 * k + 1] > 0.0f ? map[2 * k] / map[2 * k + 1] : 0.0f;
     }
     const size_t n = (size_t) *w * (size_t) *h;
     GP_TRY(gp_planes_make(log, "picture", n, out));
     for (int c = 0; c < 3; c++)
         memcpy(out->c[c], grey, n * sizeof *grey);
 out:
+    gp_free(map);
     gp_free(grey);
     return st;
 }

@@ -253,39 +253,6 @@ static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
                                          &f->layer);
 }
 
-/* The glare of the sprites' lights, those of one radius at a time. */
-static gp_status draw_sprites(const struct gp_log *log, struct gp_suns *suns,
-    const struct gp_kernel *kernel, struct gp_frame *f)
-{
-    const size_t n = (size_t) suns->n;
-    struct gp_light *some = NULL; // those of other radii without flux
-    bool *done = NULL;
-    gp_status st;
-    GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
-    GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
-    for (int first = 0; first < suns->n; first++) {
-        const double radius = suns->light[first].radius;
-        struct gp_sun_sprite *sprite;
-        if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
-            continue;
-        for (int i = 0; i < suns->n; i++) {
-            some[i] = suns->light[i];
-            if (!done[i] && some[i].radius == radius &&
-                is_sprite(suns, &some[i], f->data))
-                done[i] = true;
-            else
-                memset(some[i].flux, 0, sizeof some[i].flux);
-        }
-        GP_TRY(find_sprite(log, kernel, radius, suns, &sprite));
-        const struct gp_flare one = {.element = &sprite->element, .n = 1};
-        GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
-    }
-out:
-    gp_free(some);
-    gp_free(done);
-    return st;
-}
-
 /* Sprite and flare together, where all lights that have flux are sprites of
  * one radius, as a lone sun is: one draw and one way back. */
 static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
@@ -325,22 +292,44 @@ gp_status gp_suns_draw(const struct gp_log *log, struct gp_suns *suns,
                        const struct gp_kernel *kernel, struct gp_frame *f)
 {
     gp_status st = GP_OK;
-    if (!suns->n)
+    struct gp_light *some = NULL; // those of other radii without flux
+    bool *done = NULL, drawn = !gp_suns_add_light(suns);
+    const size_t n = (size_t) suns->n;
+    if (!n)
         return GP_OK;
     if (on_gl(suns))
         GP_TRY(gp_gl_use(log, suns->gl));
-    if (gp_suns_add_light(suns)) {
-        bool drawn = false;
-        if (suns->flare.n)
-            GP_TRY(draw_together(log, suns, kernel, f, &drawn));
-        if (!drawn)
-            GP_TRY(draw_sprites(log, suns, kernel, f));
-        if (!drawn && suns->flare.n)
-            GP_TRY(draw_flare(log, suns, &suns->flare, suns->light, f,
-                              &suns->drawn));
+    if (!drawn && suns->flare.n)
+        GP_TRY(draw_together(log, suns, kernel, f, &drawn));
+    // the glare of the sprites' lights, those of one radius at a time
+    if (!drawn) {
+        GP_TRY(gp_alloc(log, "lights", n, sizeof *some, &some));
+        GP_TRY(gp_alloc_zero(log, "lights", n, sizeof *done, &done));
     }
+    for (int first = 0; !drawn && first < suns->n; first++) {
+        const double radius = suns->light[first].radius;
+        struct gp_sun_sprite *sprite;
+        if (done[first] || !is_sprite(suns, &suns->light[first], f->data))
+            continue;
+        for (int i = 0; i < suns->n; i++) {
+            some[i] = suns->light[i];
+            if (!done[i] && some[i].radius == radius &&
+                is_sprite(suns, &some[i], f->data))
+                done[i] = true;
+            else
+                memset(some[i].flux, 0, sizeof some[i].flux);
+        }
+        GP_TRY(find_sprite(log, kernel, radius, suns, &sprite));
+        const struct gp_flare one = {.element = &sprite->element, .n = 1};
+        GP_TRY(draw_flare(log, suns, &one, some, f, &sprite->drawn));
+    }
+    if (!drawn && suns->flare.n)
+        GP_TRY(draw_flare(log, suns, &suns->flare, suns->light, f,
+                          &suns->drawn));
     if (on_gl(suns))
         GP_TRY(gp_sun_map_read(log, suns->gl, suns->map, suns->light, suns->n));
 out:
+    gp_free(some);
+    gp_free(done);
     return st;
 }
