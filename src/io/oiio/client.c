@@ -364,23 +364,7 @@ static gp_status make_descriptor(const struct gp_log *log, const char *path,
     return gp_shared_failed(log, path, s->size);
 }
 
-/* Checks that the header can be true. One that cannot is not the file's
- * doing. */
-static bool spec_holds(const struct gp_oiio_spec *s, long long max_pixels)
-{
-    const int32_t edge[] = {s->x, s->y, s->w, s->h, s->full_x, s->full_y,
-                            s->full_w, s->full_h};
-    for (size_t i = 0; i < sizeof edge / sizeof *edge; i++) {
-        if (edge[i] <= -MOST_EDGE || edge[i] >= MOST_EDGE)
-            return false;
-    }
-    return s->w > 0 && s->h > 0 && (long long) s->w * s->h <= max_pixels &&
-           s->channels > 0 && s->channels <= MOST_CHANNELS && s->block > 0 &&
-           s->block <= s->h && s->attributes >= 0 &&
-           s->attributes <= MOST_TEXT;
-}
-
-/* The string at *at, which moves behind it; NULL: it does not end. */
+/* The string at *at, which moves after it; NULL: it does not end. */
 static const char *next_text(const char **at, const char *end)
 {
     const char *const text = *at;
@@ -408,7 +392,8 @@ static bool next_attribute(const char **at, const char *end,
 }
 
 /* The image that a reply describes; in->text is taken apart where it is.
- * GP_ERR_DATA without a line: it cannot be true. */
+ * GP_ERR_DATA without a line: it cannot be true, which is not the file's
+ * doing. */
 static gp_status make_image(const struct gp_log *log,
     const struct gp_oiio_reply *reply, long long max_pixels, struct input *in,
     struct gp_image *image)
@@ -416,7 +401,15 @@ static gp_status make_image(const struct gp_log *log,
     gp_status st;
     const struct gp_oiio_spec *const s = &reply->spec;
     const char *at = in->text, *const end = at + reply->bytes;
-    if (!spec_holds(s, max_pixels))
+    const int32_t edge[] = {s->x, s->y, s->w, s->h, s->full_x, s->full_y,
+                            s->full_w, s->full_h};
+    for (size_t i = 0; i < sizeof edge / sizeof *edge; i++) {
+        if (edge[i] <= -MOST_EDGE || edge[i] >= MOST_EDGE)
+            return GP_ERR_DATA;
+    }
+    if (s->w <= 0 || s->h <= 0 || (long long) s->w * s->h > max_pixels ||
+        s->channels <= 0 || s->channels > MOST_CHANNELS || s->block <= 0 ||
+        s->block > s->h || s->attributes < 0 || s->attributes > MOST_TEXT)
         return GP_ERR_DATA;
     GP_TRY(gp_alloc(log, "channel names", (size_t) s->channels,
                     sizeof(char *), &in->names));

@@ -254,26 +254,21 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
     }
 }
 
-// Plugins catch what is thrown and keep only its words.
-bool is_memory(const std::string &text)
+// The first line, as libraries repeat themselves for each row. Plugins catch
+// what is thrown and keep only its words. Memory is full where glarepp's own
+// limits are; else the file wanted more than it explains.
+void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 {
     static const char *const memory[] = {
         "bad_alloc", "bad alloc", "ut of memory", "nsufficient memory",
     };
-    for (const char *word : memory) {
-        if (text.find(word) != std::string::npos)
-            return true;
-    }
-    return false;
-}
-
-// The first line, as libraries repeat themselves for each row. Memory is full
-// where glarepp's own limits are; else the file wanted more than it explains.
-void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
-{
     const bool limited = inherited_data != RLIM_INFINITY ||
                          inherited_space != RLIM_INFINITY;
-    reply.end = is_memory(why) && limited ? GP_OIIO_MEMORY : GP_OIIO_REFUSED;
+    reply.end = GP_OIIO_REFUSED;
+    for (const char *word : memory) {
+        if (limited && why.find(word) != std::string::npos)
+            reply.end = GP_OIIO_MEMORY;
+    }
     text = why.substr(0, std::min<std::size_t>(why.find('\n'), 200));
     for (char &c : text) {
         if (c == '\r' || c == '\0')

@@ -237,22 +237,8 @@ void add_text(std::string &to, const std::string &s)
     to.push_back('\0');
 }
 
-bool add_attribute(std::string &to, const OIIO::ParamValue &p)
-{
-    const bool text = p.type() == TypeDesc::STRING;
-    const bool whole = p.type() == TypeDesc::INT;
-    if (!text && !whole && p.type() != TypeDesc::FLOAT)
-        return false; // no other type goes into every format
-    to.push_back(text ? 's' : whole ? 'i' : 'f');
-    add_text(to, p.name().string());
-    if (text)
-        add_text(to, p.get_string());
-    else
-        to.append(static_cast<const char *>(p.data()), 4);
-    return true;
-}
-
-void describe(ImageSpec &spec, gp_oiio_spec &out, std::string &text)
+void describe(ImageSpec &spec, int block, gp_oiio_spec &out,
+              std::string &text)
 {
     text.clear();
     if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels))
@@ -260,23 +246,28 @@ void describe(ImageSpec &spec, gp_oiio_spec &out, std::string &text)
     for (const std::string &name : spec.channelnames)
         add_text(text, name);
     add_text(text, spec.get_string_attribute("oiio:ColorSpace"));
-    for (const OIIO::ParamValue &p : spec.extra_attribs)
-        out.attributes += add_attribute(text, p);
-    out.x = spec.x;
-    out.y = spec.y;
-    out.w = spec.width;
-    out.h = spec.height;
-    out.full_x = spec.full_x;
-    out.full_y = spec.full_y;
-    out.full_w = spec.full_width;
-    out.full_h = spec.full_height;
-    out.channels = spec.nchannels;
-    out.half = spec.format == TypeDesc::HALF;
-    out.bits = spec.format.is_floating_point()
-                   ? 0 : static_cast<int>(8 * spec.format.size());
+    int attributes = 0;
+    for (const OIIO::ParamValue &p : spec.extra_attribs) {
+        const bool string = p.type() == TypeDesc::STRING;
+        const bool whole = p.type() == TypeDesc::INT;
+        if (!string && !whole && p.type() != TypeDesc::FLOAT)
+            continue; // no other type goes into every format
+        attributes++;
+        text.push_back(string ? 's' : whole ? 'i' : 'f');
+        add_text(text, p.name().string());
+        if (string)
+            add_text(text, p.get_string());
+        else
+            text.append(static_cast<const char *>(p.data()), 4);
+    }
     const OIIO::ParamValue *c = spec.find_attribute(
         "chromaticities", TypeDesc(TypeDesc::FLOAT, 8));
-    out.has_chromaticities = c != nullptr;
+    const int bits = spec.format.is_floating_point()
+                         ? 0 : static_cast<int>(8 * spec.format.size());
+    out = {spec.x, spec.y, spec.width, spec.height, spec.full_x, spec.full_y,
+           spec.full_width, spec.full_height, spec.nchannels,
+           spec.format == TypeDesc::HALF, bits, block, attributes, 0,
+           c != nullptr, {}};
     if (c)
         std::memcpy(out.chromaticities, c->data(), sizeof out.chromaticities);
 }
@@ -298,8 +289,7 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     f->part = ask.part;
     check_size(f->spec, ask);
     f->block = block_rows(f->spec, ask.format);
-    describe(f->spec, spec, text);
-    spec.block = f->block;
+    describe(f->spec, f->block, spec, text);
     limit_memory(4 * ask.size + 16 * f->spec.image_pixels() *
                                     static_cast<unsigned>(f->spec.nchannels));
     file = std::move(f);

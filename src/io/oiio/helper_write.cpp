@@ -26,14 +26,6 @@ TypeDesc type_of(const std::string &type)
                               : TypeDesc::FLOAT;
 }
 
-// enum gp_pixel_type
-TypeDesc type_of_channel(char type)
-{
-    return type == 0   ? TypeDesc::UINT32
-           : type == 1 ? TypeDesc::HALF
-                       : TypeDesc::FLOAT;
-}
-
 ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
 {
     const gp_oiio_spec &s = ask.spec;
@@ -53,7 +45,9 @@ ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
     const std::string space = at;
     at += space.size() + 1;
     for (int c = 0; c < s.channels && s.typed; c++)
-        spec.channelformats.push_back(type_of_channel(at[c]));
+        spec.channelformats.push_back(at[c] == 0   ? TypeDesc::UINT32
+                                      : at[c] == 1 ? TypeDesc::HALF
+                                                   : TypeDesc::FLOAT);
     if (s.channels == 4 && !s.typed) {
         spec.alpha_channel = 3;
         if (type == "uint8" || type == "uint16")

@@ -50,11 +50,6 @@ static bool is_tiff(const struct format *t)
     return t->floats && t->bits > 0;
 }
 
-static bool is_radiance(const struct format *t)
-{
-    return t->floats && t->bits == 0;
-}
-
 /* OpenImageIO's names of the compressions that TIFF has as well; NULL for
  * those that it has not. */
 static const char *tiff_compression(enum gp_compression c)
@@ -164,70 +159,53 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
     return st;
 }
 
-static gp_status write_by_helper(const struct gp_log *log,
-    const struct gp_write_params *p, struct gp_file *file,
-    const struct format *t, const struct gp_picture *pic,
-    const struct gp_shared *pixels, bool integer, enum gp_picture_kind kind)
-{
-    static const char *const names[] = {"R", "G", "B", "A"};
-    const bool scene = kind == GP_PICTURE_SCENE;
-    struct gp_stream s;
-    const struct gp_image image = {
-        .path = gp_file_path(file), .data = {0, 0, pic->width, pic->height},
-        .display = {0, 0, pic->width, pic->height},
-        .channels = pic->channels, .channel_name = names,
-        .chromaticities = scene ? pic->f->chromaticities : NULL,
-        .colour_space = kind == GP_PICTURE_ENCODED ? ""
-                        : integer                  ? "sRGB" : "Linear",
-    };
-    const char *type = p->type == GP_OUT_HALF ? "half" : "float";
-    if (integer)
-        type = p->depth_bits == 16 ? "uint16" : "uint8";
-    gp_status st = gp_oiio_write(log, &image, NULL, pixels, t->ending, type,
-                                 is_tiff(t) ? tiff_compression(p->compression)
-                                            : "", &s);
-    if (!st)
-        st = copy_stream(log, file, &s);
-    gp_stream_close(&s);
-    return st;
-}
-
-/* Integers where the format has nothing else, or nothing says otherwise. */
-static bool is_integer(const struct format *t, const struct gp_write_params *p,
-                       enum gp_picture_kind kind)
-{
-    if (!is_tiff(t))
-        return !t->floats;
-    return p->type == GP_OUT_AUTO && kind != GP_PICTURE_SCENE;
-}
-
 gp_status gp_other_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,
     enum gp_picture_kind kind)
 {
+    static const char *const names[] = {"R", "G", "B", "A"};
     gp_status st;
     const struct format *const t = find_format(ending);
     struct gp_write_params own = *p;
     struct gp_picture pic = {0};
     struct gp_file *file = NULL;
     struct gp_shared pixels = {0};
+    struct gp_stream s = GP_STREAM_EMPTY;
     GP_TRY(gp_other_check(log, p, path, ending));
     if (!t->alpha)
         own.alpha = GP_ALPHA_BLACK;
-    const bool integer = is_integer(t, p, kind);
+    // integers where the format has nothing else, or nothing says otherwise
+    const bool scene = kind == GP_PICTURE_SCENE;
+    const bool integer = is_tiff(t) ? p->type == GP_OUT_AUTO && !scene
+                                    : !t->floats;
     GP_TRY(gp_picture_make(log, &own, path, f, planes, kind, integer, &pic));
     const size_t n = (size_t) pic.width * (size_t) pic.height *
                      (size_t) pic.channels;
     GP_TRY(gp_shared_make(log, path, n * sizeof(float), &pixels));
     struct gathering g = {.pic = &pic, .integer = integer,
-                          .radiance = is_radiance(t),
+                          .radiance = t->floats && t->bits == 0,
                           .to = pixels.at};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p->create_dir, &file));
-    GP_TRY(write_by_helper(log, &own, file, t, &pic, &pixels, integer, kind));
+    const struct gp_image image = {
+        .path = gp_file_path(file), .data = {0, 0, pic.width, pic.height},
+        .display = {0, 0, pic.width, pic.height},
+        .channels = pic.channels, .channel_name = names,
+        .chromaticities = scene ? pic.f->chromaticities : NULL,
+        .colour_space = kind == GP_PICTURE_ENCODED ? ""
+                        : integer                  ? "sRGB" : "Linear",
+    };
+    const char *type = own.type == GP_OUT_HALF ? "half" : "float";
+    if (integer)
+        type = own.depth_bits == 16 ? "uint16" : "uint8";
+    GP_TRY(gp_oiio_write(log, &image, NULL, &pixels, t->ending, type,
+                         is_tiff(t) ? tiff_compression(own.compression) : "",
+                         &s));
+    GP_TRY(copy_stream(log, file, &s));
     GP_TRY(gp_file_commit(&file));
 out:
+    gp_stream_close(&s);
     gp_file_discard(&file);
     gp_shared_free(&pixels);
     gp_picture_free(&pic);
