@@ -69,29 +69,6 @@ void gp_taps_free(struct gp_taps *t)
     *t = (struct gp_taps) {0};
 }
 
-/* Lists the sources whose kernel reaches columns [x0, x0 + STRIP). */
-static void list_strip(const struct direct *d, int x0,
-                       struct strip_source *list, uint32_t *row)
-{
-    const struct gp_sources *const s = d->src;
-    const struct gp_taps *const t = d->taps;
-    // reached columns of a source at x: [x - cx, x - cx + w)
-    const int from = x0 + t->cx - t->w + 1, to = x0 + STRIP + t->cx;
-    uint32_t n = 0;
-    for (int y = 0; y < s->h; y++) {
-        row[y] = n;
-        uint32_t i = gp_first_from(s->x, s->row[y], s->row[y + 1], from);
-        for (; i < s->row[y + 1] && s->x[i] < to; i++) {
-            list[n++] = (struct strip_source) {
-                .base = ((ptrdiff_t) t->cy - y) * (ptrdiff_t) t->pitch +
-                        (x0 - s->x[i] + t->cx + GP_TAPS_PAD),
-                .rgb = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
-            };
-        }
-    }
-    row[s->h] = n;
-}
-
 /* sum[c][0..STRIP) = sum over the n sources of rgb[c] * taps. */
 GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
     const float *k0, const float *k1, const float *k2, ptrdiff_t row_at,
@@ -125,12 +102,28 @@ GP_FUSED static void sum_strip(const struct strip_source *s, uint32_t n,
 static void run_strip(void *ctx, int strip, int thread)
 {
     const struct direct *const d = ctx;
+    const struct gp_sources *const s = d->src;
     const struct gp_taps *const t = d->taps;
-    const int w = d->src->w, h = d->src->h, x0 = strip * STRIP;
+    const int w = s->w, h = s->h, x0 = strip * STRIP;
     const int cols = w - x0 < STRIP ? w - x0 : STRIP;
     struct strip_source *const list = d->list[thread];
     uint32_t *const row = d->row[thread];
-    list_strip(d, x0, list, row);
+    // the sources that reach columns [x0, x0 + STRIP): one at x reaches
+    // [x - cx, x - cx + w)
+    const int left = x0 + t->cx - t->w + 1, right = x0 + STRIP + t->cx;
+    uint32_t n = 0;
+    for (int y = 0; y < h; y++) {
+        row[y] = n;
+        uint32_t i = gp_first_from(s->x, s->row[y], s->row[y + 1], left);
+        for (; i < s->row[y + 1] && s->x[i] < right; i++) {
+            list[n++] = (struct strip_source) {
+                .base = ((ptrdiff_t) t->cy - y) * (ptrdiff_t) t->pitch +
+                        (x0 - s->x[i] + t->cx + GP_TAPS_PAD),
+                .rgb = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]},
+            };
+        }
+    }
+    row[h] = n;
     for (int y = 0; y < h; y++) {
         // source rows whose kernel reaches y: y - sy + cy in [0, t->h)
         int from = y + t->cy - t->h + 1, to = y + t->cy + 1;
@@ -152,33 +145,6 @@ static void run_strip(void *ctx, int strip, int thread)
                 out[x] = d->add ? out[x] + sum[c][x] : sum[c][x];
         }
     }
-}
-
-static gp_status sum_sources(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_taps *taps, bool add,
-    struct gp_planes *layer)
-{
-    gp_status st;
-    const int threads = gp_threads();
-    struct direct d = {.src = src, .taps = taps, .layer = layer, .add = add};
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list,
-                         &d.list));
-    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row,
-                         &d.row));
-    for (int i = 0; i < threads; i++) {
-        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &d.list[i]));
-        GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
-                        &d.row[i]));
-    }
-    gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
-out:
-    for (int i = 0; i < threads && d.list && d.row; i++) {
-        gp_free(d.list[i]);
-        gp_free(d.row[i]);
-    }
-    gp_free(d.list);
-    gp_free(d.row);
-    return st;
 }
 
 double gp_direct_quads(const struct gp_sources *src)
@@ -204,14 +170,33 @@ static bool fits_quads(const struct gp_taps *t, int h)
 gp_status gp_direct_sum(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_taps *taps, bool add, struct gp_planes *layer)
 {
-    if (!fits_quads(taps, src->h) || gp_direct_quads(src) <= 0.0)
-        return sum_sources(log, src, taps, add, layer);
-    struct gp_quads q;
-    gp_status st = gp_quads_make(log, src, &q);
-    if (st)
-        return st;
-    st = gp_quads_sum(log, &q, taps, src->w, src->h, add, layer);
-    gp_quads_free(&q);
+    gp_status st;
+    const int threads = gp_threads();
+    struct direct d = {.src = src, .taps = taps, .layer = layer, .add = add};
+    struct gp_quads quads = {0};
+    if (fits_quads(taps, src->h) && gp_direct_quads(src) > 0.0) {
+        GP_TRY(gp_quads_make(log, src, &quads));
+        GP_TRY(gp_quads_sum(log, &quads, taps, src->w, src->h, add, layer));
+        goto out;
+    }
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.list,
+                         &d.list));
+    GP_TRY(gp_alloc_zero(log, "direct", (size_t) threads, sizeof *d.row,
+                         &d.row));
+    for (int i = 0; i < threads; i++) {
+        GP_TRY(gp_alloc(log, "direct", src->n, sizeof **d.list, &d.list[i]));
+        GP_TRY(gp_alloc(log, "direct", (size_t) src->h + 1, sizeof **d.row,
+                        &d.row[i]));
+    }
+    gp_parallel_do((src->w + STRIP - 1) / STRIP, run_strip, &d);
+out:
+    for (int i = 0; i < threads && d.list && d.row; i++) {
+        gp_free(d.list[i]);
+        gp_free(d.row[i]);
+    }
+    gp_free(d.list);
+    gp_free(d.row);
+    gp_quads_free(&quads);
     return st;
 }
 
@@ -256,13 +241,6 @@ static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
     return s && s->kernel && s->kernel == k->serial;
 }
 
-/* The work of run_strip(), in rows of strips of sources whose taps another has
- * just used and of those whose have to be fetched; how often it lists one;
- * and the tiles of quads that kernels would cover, were each source one. */
-struct strip_work {
-    double near, far, listed, tiles;
-};
-
 /* A cost at `size` from its values at first, 16 * first and 256 * first. */
 static double cost_at(const double value[3], double size, double first)
 {
@@ -275,18 +253,27 @@ static double cost_at(const double value[3], double size, double first)
     return value[i] + (at - i) * (value[i + 1] - value[i]);
 }
 
-/* From every k-th source: with many of them direct loses anyway. */
-static struct strip_work count_work(const struct gp_sources *s,
-                                    const struct gp_kernel *k)
+static struct gp_prediction predict(const struct gp_glare_job *job,
+                                    const void *state)
 {
+    static const double near_row[3] = GP_COST_DIRECT_NEAR_ROW;
+    static const double far_row[3] = GP_COST_DIRECT_FAR_ROW;
+    static const double empty_row[3] = GP_COST_DIRECT_STRIP_ROW;
     static const size_t WANTED = 2048;
     enum {
         NEAR = 8,    // pixels: half a cache line
         TILE_W = 16, // pixels; as high as a quad
     };
+    const struct gp_kernel *const k = job->kernel;
+    const struct gp_sources *const s = job->src;
+    // from every step-th source: with many of them direct loses anyway
     const uint32_t step = (uint32_t) (s->n / WANTED) + 1;
-    struct strip_work work = {0};
     uint32_t i = step / 2, taken = 0;
+    // the work of run_strip(), in rows of strips of sources whose taps another
+    // has just used and of those whose have to be fetched; how often it lists
+    // one; and the tiles of quads that kernels would cover, were each source
+    // one
+    double near = 0.0, far = 0.0, listed = 0.0, tiles = 0.0;
     for (int y = 0; y < s->h; y++) {
         const int rows = overlap(y, k->cy, k->h, s->h);
         for (; i < s->row[y + 1]; i += step, taken++) {
@@ -295,35 +282,20 @@ static struct strip_work count_work(const struct gp_sources *s,
             if (cols == 0)
                 continue;
             // a source just before it, or just above it, used its taps
-            bool near = i > s->row[y] && s->x[i - 1] >= x - NEAR;
-            if (!near && y > 0) {
+            bool used = i > s->row[y] && s->x[i - 1] >= x - NEAR;
+            if (!used && y > 0) {
                 const uint32_t above =
                     gp_first_from(s->x, s->row[y - 1], s->row[y], x - NEAR);
-                near = above < s->row[y] && s->x[above] <= x + NEAR;
+                used = above < s->row[y] && s->x[above] <= x + NEAR;
             }
             const int strips = (from + cols - 1) / STRIP - from / STRIP + 1;
-            work.listed += strips;
-            *(near ? &work.near : &work.far) += (double) strips * rows;
-            work.tiles += (cols + TILE_W - 1.0) / TILE_W *
-                          (rows + GP_QUAD - 1.0) / GP_QUAD;
+            listed += strips;
+            *(used ? &near : &far) += (double) strips * rows;
+            tiles += (cols + TILE_W - 1.0) / TILE_W *
+                     (rows + GP_QUAD - 1.0) / GP_QUAD;
         }
     }
     const double share = taken ? (double) s->n / taken : 0.0;
-    work.near *= share;
-    work.far *= share;
-    work.listed *= share;
-    work.tiles *= share;
-    return work;
-}
-
-static struct gp_prediction predict(const struct gp_glare_job *job,
-                                    const void *state)
-{
-    static const double near[3] = GP_COST_DIRECT_NEAR_ROW;
-    static const double far[3] = GP_COST_DIRECT_FAR_ROW;
-    static const double empty[3] = GP_COST_DIRECT_STRIP_ROW;
-    const struct gp_kernel *const k = job->kernel;
-    const struct gp_sources *const s = job->src;
     const double samples = 3.0 * (k->w + 2.0 * GP_TAPS_PAD) * k->h;
     const double bytes = samples * sizeof(float);
     const double layer = 3.0 * sizeof(float) * s->w * s->h;
@@ -332,15 +304,15 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
         .pitch = (size_t) k->w + 2 * GP_TAPS_PAD, .h = k->h,
     };
     const double quads = fits_quads(&taps, s->h) ? gp_direct_quads(s) : 0.0;
-    const struct strip_work work = count_work(s, k);
     double later = GP_COST_DIRECT_RUN +
-                   cost_at(empty, layer, 0x1p19) * strips * s->h;
+                   cost_at(empty_row, layer, 0x1p19) * strips * s->h;
     if (quads > 0.0)
-        later += GP_COST_DIRECT_QUAD_TILE * work.tiles * quads / (double) s->n;
+        later += GP_COST_DIRECT_QUAD_TILE * (tiles * share) * quads /
+                 (double) s->n;
     else
-        later += GP_COST_DIRECT_LIST * work.listed +
-                 cost_at(near, bytes, 48 * 1024.0) * work.near +
-                 cost_at(far, bytes, 48 * 1024.0) * work.far;
+        later += GP_COST_DIRECT_LIST * (listed * share) +
+                 cost_at(near_row, bytes, 48 * 1024.0) * (near * share) +
+                 cost_at(far_row, bytes, 48 * 1024.0) * (far * share);
     double ms = later;
     if (!is_laid_out(state, k))
         ms += GP_COST_DIRECT_LAYOUT * samples + GP_COST_FRESH_BYTE * bytes;
@@ -357,11 +329,10 @@ static void close_state(void **state)
 
 static gp_status run(const struct gp_glare_job *job, void **state)
 {
-    gp_status st = GP_OK;
     struct state *s = *state;
     if (!is_laid_out(s, job->kernel)) {
         close_state(state);
-        st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
+        gp_status st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
         if (st)
             return st;
         s = *state;

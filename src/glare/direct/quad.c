@@ -149,7 +149,6 @@ struct quad_list {
     uint32_t *quad;
     uint32_t *row; // where the quads of a row start: first to last row
     int first;     // index of row[0] in gp_quads.row
-    int rows;
     uint32_t *from; // of each row: the first that may reach a later strip
 };
 
@@ -179,33 +178,6 @@ GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
         at[i] = base - x[i];
         quad[i] = first + i;
     }
-}
-
-/* Lists the quads that reach pixels [x0, x0 + STRIP) of the band. */
-static void list_strip(const struct summing *s, int x0, struct quad_list *l)
-{
-    const struct gp_quads *const in = s->in;
-    const struct gp_taps *const t = s->taps;
-    const int from = x0 + t->cx - t->w + 1, to = x0 + STRIP + t->cx;
-    uint32_t n = 0;
-    for (int r = 0; r < l->rows; r++) {
-        const int i = l->first + r, y = i + 1 - GP_QUAD;
-        const uint32_t end = in->row[i + 1];
-        l->row[r] = n;
-        uint32_t a = l->from[r];
-        while (a < end && in->x[a] < from)
-            a++;
-        l->from[r] = a;
-        uint32_t b = a;
-        while (b < end && in->x[b] < to)
-            b++;
-        if (b > a)
-            list_row(in->x + a, a, b - a,
-                     (t->cy - y) * (int) t->pitch + x0 + t->cx + GP_TAPS_PAD,
-                     l->at + n, l->quad + n);
-        n += b - a;
-    }
-    l->row[l->rows] = n;
 }
 
 /* A part of the list, as the sums read it. */
@@ -290,22 +262,42 @@ static void sum_tile(const struct summing *s, const struct quad_list *l, int x0,
 static void run_task(void *ctx, int i, int thread)
 {
     const struct summing *const s = ctx;
+    const struct gp_quads *const in = s->in;
+    const struct gp_taps *const t = s->taps;
     struct quad_list *const l = &s->list[thread];
     const int x0 = i % s->panels * PANEL, y0 = i / s->panels * BAND;
     const int x1 = x0 + PANEL < s->w ? x0 + PANEL : s->w;
     const int y1 = y0 + BAND < s->h ? y0 + BAND : s->h;
-    int from, to, unused;
-    rows_of(s, y0, &from, &unused);
-    rows_of(s, y1 - 1, &unused, &to);
-    l->first = from;
-    l->rows = to - from;
+    int first, end, unused;
+    rows_of(s, y0, &first, &unused);
+    rows_of(s, y1 - 1, &unused, &end);
+    l->first = first;
     // reached pixels of a source at x: [x - cx, x - cx + w)
-    const int left = x0 + s->taps->cx - s->taps->w + 1;
-    for (int r = from; r < to; r++)
-        l->from[r - from] =
-            gp_first_from(s->in->x, s->in->row[r], s->in->row[r + 1], left);
+    const int reach = t->cx - t->w + 1;
+    for (int r = first; r < end; r++)
+        l->from[r - first] =
+            gp_first_from(in->x, in->row[r], in->row[r + 1], x0 + reach);
     for (int x = x0; x < x1; x += STRIP) {
-        list_strip(s, x, l);
+        // the quads that reach pixels [x, x + STRIP) of the band
+        uint32_t n = 0;
+        for (int r = first; r < end; r++) {
+            const int y = r + 1 - GP_QUAD;
+            const uint32_t past = in->row[r + 1];
+            l->row[r - first] = n;
+            uint32_t a = l->from[r - first];
+            while (a < past && in->x[a] < x + reach)
+                a++;
+            l->from[r - first] = a;
+            uint32_t b = a;
+            while (b < past && in->x[b] < x + STRIP + t->cx)
+                b++;
+            if (b > a)
+                list_row(in->x + a, a, b - a,
+                         (t->cy - y) * (int) t->pitch + x + t->cx + GP_TAPS_PAD,
+                         l->at + n, l->quad + n);
+            n += b - a;
+        }
+        l->row[end - first] = n;
         for (int y = y0; y < y1; y += GP_QUAD)
             sum_tile(s, l, x, y);
     }
