@@ -63,21 +63,29 @@ static void close_state(void **state)
     GP_FREE(*state);
 }
 
+/* Index of the plans of length n; s->plans when there are none. */
+static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how)
+{
+    int i = 0;
+    while (i < s->plans && (s->plan[i].n != n || s->plan[i].how != how))
+        i++;
+    return i;
+}
+
 /* The plans of length n, from the state or made; they stay when one more
  * length is asked for, but may move. */
 static gp_status find_plan(const struct gp_glare_job *job, struct fft_state *s,
                            int n, const struct gp_fft_plan_pair **out)
 {
     const int room = (int) (sizeof s->plan / sizeof *s->plan);
-    for (int i = 0; i < s->plans; i++) {
+    const int i = plan_at(s, n, job->params->fft_plan);
+    if (i < s->plans) {
         const struct gp_fft_plan_pair found = s->plan[i];
-        if (found.n == n && found.how == job->params->fft_plan) {
-            memmove(s->plan + i, s->plan + i + 1,
-                    sizeof found * (size_t) (s->plans - 1 - i));
-            s->plan[s->plans - 1] = found;
-            *out = &s->plan[s->plans - 1];
-            return GP_OK;
-        }
+        memmove(s->plan + i, s->plan + i + 1,
+                sizeof found * (size_t) (s->plans - 1 - i));
+        s->plan[s->plans - 1] = found;
+        *out = &s->plan[s->plans - 1];
+        return GP_OK;
     }
     if (s->plans == room) { // the one that was not used for longest
         gp_fft_plan_free(&s->plan[0]);
@@ -135,7 +143,7 @@ static gp_status make_spectrum(const struct gp_glare_job *job,
     const int n = gp_rect_h(p->taps), channels = k->grey ? 1 : 3;
     const struct kernel_rows from = {.kernel = k, .p = p, .core = core};
     struct gp_fft_matrix rows = {0}, spectrum = {0};
-    void *v = NULL;
+    int *places = NULL;
     struct gp_fft_job one = *fft;
     // two factors 1/2 were left out on the way in: the kernel's rows, the
     // sources' rows
@@ -145,8 +153,8 @@ static gp_status make_spectrum(const struct gp_glare_job *job,
     gp_fft_matrix_free(&s->spectrum);
     GP_TRY(gp_fft_matrix_make(job->log, 1, p->nx, n, &rows));
     GP_TRY(gp_fft_matrix_make(job->log, channels, p->nx, p->ny, &spectrum));
-    GP_TRY(gp_alloc(job->log, "transform", (size_t) n, sizeof(int), &v));
-    int *const places = v;
+    GP_TRY(gp_alloc(job->log, "transform", (size_t) n, sizeof *places,
+                    &places));
     for (int j = 0; j < n; j++)
         places[j] = wrap(p->taps.y0 + j, p->ny);
     for (one.channel = 0; one.channel < channels; one.channel++) {
@@ -161,7 +169,7 @@ static gp_status make_spectrum(const struct gp_glare_job *job,
     s->core = core;
 out:
     gp_fft_matrix_free(&spectrum);
-    gp_free(v);
+    gp_free(places);
     gp_fft_matrix_free(&rows);
     return st;
 }
@@ -221,19 +229,14 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
     struct gp_fft_job fft = {.log = job->log, .channels = 1};
     struct light_rows light = {.src = src, .p = p, .layer = job->layer};
     const int count = gp_rect_h(p->out);
-    const struct gp_fft_plan_pair *x, *y;
-    void *v[2] = {NULL, NULL};
-    GP_TRY(find_plan(job, s, p->ny, &y));
-    const struct gp_fft_plan_pair kept = *y; // the list may move
-    GP_TRY(find_plan(job, s, p->nx, &x));
-    fft.x = x;
+    GP_TRY(find_plan(job, s, p->ny, &fft.y));
+    const struct gp_fft_plan_pair kept = *fft.y; // the list may move
+    GP_TRY(find_plan(job, s, p->nx, &fft.x));
     fft.y = &kept;
     GP_TRY(make_spectrum(job, s, &fft, p, core));
     const size_t lit = (size_t) gp_rect_h(p->in);
-    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &v[0]));
-    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &v[1]));
-    light.y = v[0];
-    light.place = v[1];
+    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &light.y));
+    GP_TRY(gp_alloc(job->log, "transform", lit, sizeof(int), &light.place));
     for (int row = p->in.y0; row < p->in.y1; row++) {
         if (src->row[row + 1] > src->row[row]) {
             light.y[light.n] = row;
@@ -258,37 +261,8 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
     }
 out:
-    gp_free(v[0]);
-    gp_free(v[1]);
-    return st;
-}
-
-/* Draws what goes direct: the core for all that was transformed, and hot
- * sources whole. */
-static gp_status add_direct(const struct gp_glare_job *job, struct fft_state *s,
-    const struct gp_fft_split *split, const struct gp_sources *hot,
-    const struct gp_sources *rest)
-{
-    gp_status st = GP_OK;
-    if (!is_known(s->taps_kernel, job->kernel)) {
-        gp_taps_free(&s->core_taps);
-        gp_taps_free(&s->all_taps);
-        s->taps_kernel = job->kernel->serial;
-    }
-    if (split->core >= 0 && rest->n) {
-        if (!s->core_taps.k[0] || s->core_taps_radius != split->core) {
-            gp_taps_free(&s->core_taps);
-            st = gp_taps_make(job->log, job->kernel, split->core,
-                              &s->core_taps);
-            s->core_taps_radius = split->core;
-        }
-        if (!st)
-            st = gp_direct_sum(job->log, rest, &s->core_taps, true, job->layer);
-    }
-    if (!st && hot->n && !s->all_taps.k[0])
-        st = gp_taps_make(job->log, job->kernel, -1, &s->all_taps);
-    if (!st && hot->n)
-        st = gp_direct_sum(job->log, hot, &s->all_taps, true, job->layer);
+    gp_free(light.y);
+    gp_free(light.place);
     return st;
 }
 
@@ -366,6 +340,7 @@ static gp_status run(const struct gp_glare_job *job, void **state)
 {
     struct gp_sources hot = {0}, rest = {0};
     const struct gp_sources *src = job->src;
+    const struct gp_kernel *const k = job->kernel;
     struct gp_fft_split split;
     struct gp_fft_placing p;
     gp_status st = place_and_split(job, state, &p, &split);
@@ -378,14 +353,32 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     if (split.hot_count) {
         GP_TRY(gp_sources_split(job->log, src, split.hot, &hot, &rest));
         src = &rest;
-        p = src->n ? gp_fft_place(src, job->kernel)
-                   : (struct gp_fft_placing) {0};
+        p = src->n ? gp_fft_place(src, k) : (struct gp_fft_placing) {0};
     }
     if (p.nx)
         GP_TRY(transform(job, s, src, &p, split.core));
     else
         clear_rows(job, 0, job->src->h);
-    GP_TRY(add_direct(job, s, &split, &hot, src));
+    // what goes direct: the core for all that was transformed, and hot sources
+    // whole
+    if (!is_known(s->taps_kernel, k)) {
+        gp_taps_free(&s->core_taps);
+        gp_taps_free(&s->all_taps);
+        s->taps_kernel = k->serial;
+    }
+    if (split.core >= 0 && src->n) {
+        if (!s->core_taps.k[0] || s->core_taps_radius != split.core) {
+            gp_taps_free(&s->core_taps);
+            GP_TRY(gp_taps_make(job->log, k, split.core, &s->core_taps));
+            s->core_taps_radius = split.core;
+        }
+        GP_TRY(gp_direct_sum(job->log, src, &s->core_taps, true, job->layer));
+    }
+    if (hot.n) {
+        if (!s->all_taps.k[0])
+            GP_TRY(gp_taps_make(job->log, k, -1, &s->all_taps));
+        GP_TRY(gp_direct_sum(job->log, &hot, &s->all_taps, true, job->layer));
+    }
     job->stats->fft_w = p.nx;
     job->stats->fft_h = p.ny;
     job->stats->fft_core = split.core;
@@ -398,62 +391,6 @@ out:
 
 // -- what a frame will take --------------------------------------------------
 
-static bool has_plan(const struct fft_state *s, int n, enum gp_fft_plan how)
-{
-    for (int i = 0; i < s->plans; i++) {
-        if (s->plan[i].n == n && s->plan[i].how == how)
-            return true;
-    }
-    return false;
-}
-
-/* Predicts what a run with this placing makes before it starts. */
-static double setup_ms(const struct gp_glare_job *job,
-    const struct fft_state *s, const struct gp_fft_placing *p, int core)
-{
-    const struct gp_glare_params *const params = job->params;
-    // a file that keeps measured plans is taken to have these
-    const double plan = params->fft_plan == GP_FFT_PLAN_MEASURE &&
-                                !params->wisdom
-                            ? GP_COST_FFT_PLAN_MEASURE
-                            : GP_COST_FFT_PLAN_ESTIMATE;
-    const double rows = fmax(gp_rect_h(p->in), gp_rect_h(p->out));
-    double ms = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
-    if (!has_plan(s, p->nx, params->fft_plan))
-        ms += plan;
-    if (p->ny != p->nx && !has_plan(s, p->ny, params->fft_plan))
-        ms += plan;
-    if (!has_spectrum(s, job->kernel, p, core))
-        ms += gp_fft_spectrum_ms(job->kernel->grey ? 1 : 3, p,
-                                 params->fft_plan);
-    if (!s->work.z[0])
-        ms += GP_COST_FRESH_BYTE * 4.0 * p->nx * rows;
-    return ms;
-}
-
-/* Predicts what goes direct. Finding the tails' norms takes as long as a
- * small frame: not before it is known that without a core it is too wrong. */
-static void predict_split(const struct gp_glare_job *job,
-    const struct fft_state *s, const struct gp_fft_placing *p,
-    struct gp_fft_split *split)
-{
-    const struct gp_kernel *const k = job->kernel;
-    const double points = (double) p->nx * p->ny;
-    const double ms = gp_fft_passes_ms(job->src, p, GP_FFT_PLAN_MEASURE);
-    const double gain = (double) job->params->gain;
-    const bool known = is_known(s->norms_kernel, k);
-    double tail[GP_FFT_CORES] = {
-        fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
-    };
-    if (known)
-        memcpy(tail, s->tail, sizeof tail);
-    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
-    if (known || (split->core < 0 && split->hot_count == 0))
-        return;
-    gp_fft_tail_norms(k, tail);
-    gp_fft_split_choose(job->src, k, tail, points, ms, gain, split);
-}
-
 static struct gp_prediction predict(const struct gp_glare_job *job,
                                     const void *state)
 {
@@ -461,7 +398,8 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
     const struct fft_state *const s = state ? state : &empty;
     const struct gp_sources *const src = job->src;
     const struct gp_kernel *const k = job->kernel;
-    const enum gp_fft_plan how = job->params->fft_plan;
+    const struct gp_glare_params *const params = job->params;
+    const enum gp_fft_plan how = params->fft_plan;
     const double sources = 3.0 * GP_COST_FFT_SOURCE * (double) src->n;
     struct gp_fft_placing p = gp_fft_place(src, k);
     struct gp_fft_split split;
@@ -474,9 +412,24 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
         ms.more = true;
         return ms;
     }
-    predict_split(job, s, &p, &split);
+    // what goes direct; finding the tails' norms takes as long as a small
+    // frame: not before it is known that without a core it is too wrong
+    const double points = (double) p.nx * p.ny;
+    const double measured = gp_fft_passes_ms(src, &p, GP_FFT_PLAN_MEASURE);
+    const double gain = (double) params->gain;
+    const bool known = is_known(s->norms_kernel, k);
+    double tail[GP_FFT_CORES] = {
+        fmax(k->norm2[0], fmax(k->norm2[1], k->norm2[2])),
+    };
+    if (known)
+        memcpy(tail, s->tail, sizeof tail);
+    gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
+    if (!known && (split.core >= 0 || split.hot_count > 0)) {
+        gp_fft_tail_norms(k, tail);
+        gp_fft_split_choose(src, k, tail, points, measured, gain, &split);
+    }
     ms.ms = ms.later_ms = GP_COST_FFT_RUN + split.ms;
-    if (!is_known(s->norms_kernel, k))
+    if (!known)
         ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
     if (split.hot_count == src->n)
         return ms;
@@ -484,8 +437,23 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
     if (split.hot_count && is_known(s->kernel, k) && s->core == split.core)
         p = s->placing;
     const double again = sources + gp_fft_passes_ms(src, &p, how);
+    // what a run with this placing makes before it starts; a file that keeps
+    // measured plans is taken to have these
+    const double plan = how == GP_FFT_PLAN_MEASURE && !params->wisdom
+                            ? GP_COST_FFT_PLAN_MEASURE
+                            : GP_COST_FFT_PLAN_ESTIMATE;
+    double setup = s->plans ? 0.0 : GP_COST_FFT_LIBRARY;
+    if (plan_at(s, p.nx, how) == s->plans)
+        setup += plan;
+    if (p.ny != p.nx && plan_at(s, p.ny, how) == s->plans)
+        setup += plan;
+    if (!has_spectrum(s, k, &p, split.core))
+        setup += gp_fft_spectrum_ms(k->grey ? 1 : 3, &p, how);
+    if (!s->work.z[0])
+        setup += GP_COST_FRESH_BYTE * 4.0 * p.nx *
+                 fmax(gp_rect_h(p.in), gp_rect_h(p.out));
     ms.later_ms += again;
-    ms.ms += again + setup_ms(job, s, &p, split.core);
+    ms.ms += again + setup;
     return ms;
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/cpu.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <string.h>
@@ -176,15 +177,13 @@ static gp_status run_pass(struct pass *s, size_t scratch, gp_task task)
     gp_status st = gp_fftwf_open(s->job->log, &s->lib);
     if (st)
         return st;
-    void *v;
     s->scratch = (scratch + 15) / 16 * 16;
     st = gp_alloc(s->job->log, "transform", s->scratch * (size_t) gp_threads(),
-                  sizeof(float), &v);
+                  sizeof(float), &s->buffer);
     if (st)
         return st;
-    s->buffer = v;
     gp_parallel_do(s->tasks * s->job->channels, task, s);
-    gp_free(v);
+    gp_free(s->buffer);
     return GP_OK;
 }
 
@@ -194,30 +193,49 @@ static size_t row_floats(int n)
     return (2 * (size_t) n + 8 + 15) / 16 * 16;
 }
 
+/* One task: its channel, its first row or column, and its thread's scratch, a
+ * line of `pitch` floats and one or more after it. */
+struct part {
+    int c, first;
+    size_t pitch;
+    float *line, *next;
+};
+
+/* Part i of lines of n numbers, `step` rows or columns a task. */
+static struct part part_of(const struct pass *s, int i, int thread, int step,
+                           int n)
+{
+    struct part p = {
+        .c = s->job->channel + i / s->tasks, .first = i % s->tasks * step,
+        .pitch = row_floats(n),
+        .line = s->buffer + s->scratch * (size_t) thread,
+    };
+    p.next = p.line + p.pitch;
+    return p;
+}
+
 static void rows_in(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = s->job->channel + i / s->tasks;
-    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
-    const size_t pitch = row_floats(nx);
-    float *const z = s->buffer + s->scratch * (size_t) thread;
-    float *const spectrum = z + pitch;
+    const int nx = s->job->x->n;
+    const struct part t = part_of(s, i, thread, ROWS, nx);
     for (int p = 0; p < PAIRS; p++) {
-        float *const out = spectrum + (size_t) p * pitch;
-        const int j = j0 + 2 * p;
+        float *const out = t.next + (size_t) p * t.pitch;
+        const int j = t.first + 2 * p;
         if (j >= s->rows) {
-            memset(out, 0, pitch * sizeof(float));
+            memset(out, 0, t.pitch * sizeof(float));
             continue;
         }
-        memset(z, 0, pitch * sizeof(float));
-        s->load(s->ctx, c, j, z);
+        memset(t.line, 0, t.pitch * sizeof(float));
+        s->load(s->ctx, t.c, j, t.line);
         if (j + 1 < s->rows)
-            s->load(s->ctx, c, j + 1, z + 1);
-        s->lib->execute_dft(s->job->x->forward, (void *) z, (void *) out);
+            s->load(s->ctx, t.c, j + 1, t.line + 1);
+        s->lib->execute_dft(s->job->x->forward, (void *) t.line, (void *) out);
         out[2 * nx] = out[0];
         out[2 * nx + 1] = out[1];
     }
-    unpack(spectrum, pitch, nx, s->m->z[c] + 2 * (size_t) j0, s->m->pitch);
+    unpack(t.next, t.pitch, nx, s->m->z[t.c] + 2 * (size_t) t.first,
+           s->m->pitch);
 }
 
 gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
@@ -252,16 +270,16 @@ static void column_forward(const struct pass *s, const float *column,
 static void columns_forward(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = s->job->channel + i / s->tasks;
-    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
-    float *const spread = s->buffer + s->scratch * (size_t) thread;
-    float *const whole = spread + row_floats(ny);
-    for (int k = k0; k < k0 + COLUMNS && k <= s->job->x->n / 2; k++) {
-        column_forward(s, s->m->z[c] + 2 * (size_t) k * s->m->pitch, spread,
-                       whole);
-        float *const out = s->kernel->z[c] + 2 * (size_t) k * s->kernel->pitch;
+    const int ny = s->job->y->n;
+    const struct part t = part_of(s, i, thread, COLUMNS, ny);
+    const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
+    for (int k = t.first; k < end; k++) {
+        column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
+                       t.next);
+        float *const out =
+            s->kernel->z[t.c] + 2 * (size_t) k * s->kernel->pitch;
         for (int y = 0; y < 2 * ny; y++)
-            out[y] = whole[y] * s->scale;
+            out[y] = t.next[y] * s->scale;
     }
 }
 
@@ -280,21 +298,20 @@ gp_status gp_fft_columns(const struct gp_fft_job *job,
 static void columns_multiply(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = s->job->channel + i / s->tasks;
-    const int k0 = i % s->tasks * COLUMNS, ny = s->job->y->n;
-    const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : c];
-    float *const spread = s->buffer + s->scratch * (size_t) thread;
-    float *const whole = spread + row_floats(ny);
-    const int upper = s->first + s->count < ny ? s->count : ny - s->first;
-    for (int k = k0; k < k0 + COLUMNS && k <= s->job->x->n / 2; k++) {
-        float *const column = s->m->z[c] + 2 * (size_t) k * s->m->pitch;
-        column_forward(s, column, spread, whole);
-        multiply(whole, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
-        s->lib->execute_dft(s->job->y->backward, (void *) whole,
-                            (void *) spread);
-        memcpy(column, spread + 2 * (size_t) s->first,
+    const int ny = s->job->y->n;
+    const struct part t = part_of(s, i, thread, COLUMNS, ny);
+    const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
+    const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : t.c];
+    const int upper = gp_min(s->count, ny - s->first);
+    for (int k = t.first; k < end; k++) {
+        float *const column = s->m->z[t.c] + 2 * (size_t) k * s->m->pitch;
+        column_forward(s, column, t.line, t.next);
+        multiply(t.next, kernel + 2 * (size_t) k * s->kernel->pitch, ny);
+        s->lib->execute_dft(s->job->y->backward, (void *) t.next,
+                            (void *) t.line);
+        memcpy(column, t.line + 2 * (size_t) s->first,
                2 * sizeof(float) * (size_t) upper);
-        memcpy(column + 2 * (size_t) upper, spread,
+        memcpy(column + 2 * (size_t) upper, t.line,
                2 * sizeof(float) * (size_t) (s->count - upper));
         // the last eight rows go back together; those past the end are dark
         const int tail = (s->count + ROWS - 1) / ROWS * ROWS - s->count;
@@ -318,18 +335,16 @@ gp_status gp_fft_multiply(const struct gp_fft_job *job, struct gp_fft_matrix *m,
 static void rows_out(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
-    const int c = s->job->channel + i / s->tasks;
-    const int j0 = i % s->tasks * ROWS, nx = s->job->x->n;
-    const size_t pitch = row_floats(nx);
-    float *const z = s->buffer + s->scratch * (size_t) thread;
-    float *const spectrum = z + pitch;
-    pack(s->m->z[c] + 2 * (size_t) j0, s->m->pitch, nx, spectrum, pitch);
-    for (int p = 0; p < PAIRS && j0 + 2 * p < s->rows; p++) {
-        s->lib->execute_dft(s->job->x->backward,
-            (void *) (spectrum + (size_t) p * pitch), (void *) z);
-        s->store(s->ctx, c, j0 + 2 * p, z);
-        if (j0 + 2 * p + 1 < s->rows)
-            s->store(s->ctx, c, j0 + 2 * p + 1, z + 1);
+    const int nx = s->job->x->n;
+    const struct part t = part_of(s, i, thread, ROWS, nx);
+    float *in = t.next;
+    pack(s->m->z[t.c] + 2 * (size_t) t.first, s->m->pitch, nx, in, t.pitch);
+    for (int j = t.first; j < t.first + ROWS && j < s->rows; j += 2) {
+        s->lib->execute_dft(s->job->x->backward, (void *) in, (void *) t.line);
+        s->store(s->ctx, t.c, j, t.line);
+        if (j + 1 < s->rows)
+            s->store(s->ctx, t.c, j + 1, t.line + 1);
+        in += t.pitch;
     }
 }
 

@@ -173,22 +173,6 @@ static double bin_energy(const struct gp_sources *s, int bin)
     return s->count[bin] ? 0.75 * s->count[bin] * end * end : 0.0;
 }
 
-/* Milliseconds of the core for n sources in `quads` quads, or one by one when
- * there are none: a side and a tile or strip less one, on average, are touched
- * in each row. Measured at 2.5 GHz with AVX2: 8.6 and 23.3 ms for w2's 28504
- * quads and radii 16 and 32, 2 ms of each being the pass over the layer. */
-static double core_ms(double n, double quads, int r)
-{
-    static const int TALL = 4, WIDE = 16; // pixels of a tile
-    if (r < 0)
-        return 0.0;
-    const double side = 2.0 * r + 1.0;
-    if (quads > 0.0)
-        return GP_COST_DIRECT_QUAD_TILE * quads * side / TALL *
-               (side + WIDE - 1.0) / WIDE;
-    return 1.25 * n * side * (side + GP_TAPS_PAD - 1.0) * GP_COST_DIRECT_TAP;
-}
-
 enum { BINS = GP_SOURCE_BINS - 1 }; // the last one would hold NaN
 
 /* State that all splits of one frame share. A split sends no source, or all
@@ -209,6 +193,7 @@ struct search {
 static struct gp_fft_split find_split(const struct search *s, double budget,
                                 double most, int least_rounding)
 {
+    static const int TALL = 4, WIDE = 16; // pixels of a tile
     struct gp_fft_split best = {
         .core = -1, .rounding = INFINITY, .ms = INFINITY,
     };
@@ -223,7 +208,19 @@ static struct gp_fft_split find_split(const struct search *s, double budget,
         for (int i = 0; i < GP_FFT_CORES; i++) {
             const int r = gp_fft_core_radius[i];
             const double n = (double) s->src->n, rest = n - hot;
-            const double core = core_ms(rest, s->quads * rest / n, r);
+            const double quads = s->quads * rest / n, side = 2.0 * r + 1.0;
+            // the core for the rest in quads, or one by one when there are
+            // none: a side and a tile or strip less one, on average, are
+            // touched in each row. Measured at 2.5 GHz with AVX2: 8.6 and 23.3
+            // ms for w2's 28504 quads and radii 16 and 32, 2 ms of each being
+            // the pass over the layer.
+            const double core =
+                r < 0         ? 0.0
+                : quads > 0.0 ? GP_COST_DIRECT_QUAD_TILE * quads * side / TALL *
+                                    (side + WIDE - 1.0) / WIDE
+                              : 1.25 * rest * side *
+                                    (side + GP_TAPS_PAD - 1.0) *
+                                    GP_COST_DIRECT_TAP;
             const double ms = hot * s->hot_ms + core +
                               s->pass_ms * ((hot > 0.0) + (r >= 0));
             const struct gp_fft_split split = {
