@@ -93,8 +93,9 @@ gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
     struct gp_rect crop, bool tail, int side, struct gp_blur *out)
 {
     gp_status st;
-    void *buffer = NULL;
     struct gp_blur o = {.grey = kernel->grey};
+    struct blurring b = {.kernel = kernel, .tail = tail, .side = side,
+                         .out = &o};
     crop = gp_rect_meet(crop, (struct gp_rect) {0, 0, kernel->w, kernel->h});
     if (!gp_rect_empty(crop)) {
         o.w = gp_rect_w(crop) + side - 1;
@@ -105,15 +106,12 @@ gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
     const size_t n = (size_t) o.w * (size_t) o.h;
     GP_TRY(gp_planes_make(log, "blurred kernel", n, &o.k));
     if (o.w) {
-        struct blurring b = {
-            .kernel = kernel, .crop = crop, .tail = tail, .side = side,
-            .odd = side >> __builtin_ctz((unsigned) side), .out = &o,
-            .strips = (o.w + STRIP - 1) / STRIP,
-            .scratch = (size_t) (STRIP + side - 1) + (size_t) o.h * STRIP,
-        };
+        b.crop = crop;
+        b.odd = side >> __builtin_ctz((unsigned) side);
+        b.strips = (o.w + STRIP - 1) / STRIP;
+        b.scratch = (size_t) (STRIP + side - 1) + (size_t) o.h * STRIP;
         GP_TRY(gp_alloc(log, "blurred kernel", (size_t) gp_threads(),
-                        b.scratch * sizeof *b.buffer, &buffer));
-        b.buffer = buffer;
+                        b.scratch * sizeof *b.buffer, &b.buffer));
         const int channels = o.grey ? 1 : 3;
         gp_parallel_do(channels * b.strips, blur_strip, &b);
         for (int c = channels; c < 3; c++)
@@ -122,7 +120,7 @@ gp_status gp_blur_make(const struct gp_log *log, const struct gp_kernel *kernel,
     *out = o;
     o = (struct gp_blur) {0};
 out:
-    gp_free(buffer);
+    gp_free(b.buffer);
     gp_blur_free(&o);
     return st;
 }
@@ -177,30 +175,6 @@ GP_CLONES static void add_outward(const float *from, int way, int n,
     }
 }
 
-/* Adds channel c to its rings: peaks, and sums of magnitudes in `sum`. */
-static void add_channel(const struct gp_kernel *k, int c, bool tail,
-                        const struct rings *r, double *sum)
-{
-    for (int y = 0; y < k->h; y++) {
-        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
-        const int dy = abs(y - k->cy);
-        const bool core = tail && dy <= GP_CORE_RADIUS; // not drawn from here
-        const int flat = core ? GP_CORE_RADIUS : dy;
-        const int x0 = gp_clamp(k->cx - flat, 0, k->w);
-        const int x1 = gp_clamp(k->cx + flat + 1, 0, k->w);
-        if (!core && x0 < x1)
-            add_flat(row, x0, x1, sum + dy - r->first, r->peak + dy - r->first);
-        if (x0 > 0) { // starts on the ring of its rightmost sample
-            const int at = k->cx - (x0 - 1) - r->first;
-            add_outward(row + x0 - 1, -1, x0, sum + at, r->peak + at);
-        }
-        if (x1 < k->w) {
-            const int at = x1 - k->cx - r->first;
-            add_outward(row + x1, 1, k->w - x1, sum + at, r->peak + at);
-        }
-    }
-}
-
 /* Distance of the nearest and the farthest of samples [0, size) from `at`. */
 static int nearest(int at, int size)
 {
@@ -216,23 +190,40 @@ static gp_status make_rings(const struct gp_log *log, const struct gp_kernel *k,
     bool tail, struct rings *r)
 {
     gp_status st;
-    void *sum = NULL;
+    double *sum = NULL; // of magnitudes, by ring
     r->first = gp_max(nearest(k->cx, k->w), nearest(k->cy, k->h));
     r->n = gp_max(farthest(k->cx, k->w), farthest(k->cy, k->h)) - r->first + 1;
     const size_t n = (size_t) r->n;
     GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->peak, &r->peak));
     GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->left, &r->left));
-    GP_TRY(gp_alloc(log, "shrinking", n, sizeof(double), &sum));
-    double *const ring = sum;
+    GP_TRY(gp_alloc(log, "shrinking", n, sizeof *sum, &sum));
     for (int c = 0; c < (k->grey ? 1 : 3); c++) {
-        memset(ring, 0, n * sizeof *ring);
-        add_channel(k, c, tail, r, ring);
+        memset(sum, 0, n * sizeof *sum);
+        for (int y = 0; y < k->h; y++) {
+            const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+            const int dy = abs(y - k->cy);
+            const bool core = tail && dy <= GP_CORE_RADIUS; // drawn elsewhere
+            const int flat = core ? GP_CORE_RADIUS : dy;
+            const int x0 = gp_clamp(k->cx - flat, 0, k->w);
+            const int x1 = gp_clamp(k->cx + flat + 1, 0, k->w);
+            if (!core && x0 < x1)
+                add_flat(row, x0, x1, sum + dy - r->first,
+                         r->peak + dy - r->first);
+            if (x0 > 0) { // starts on the ring of its rightmost sample
+                const int at = k->cx - (x0 - 1) - r->first;
+                add_outward(row + x0 - 1, -1, x0, sum + at, r->peak + at);
+            }
+            if (x1 < k->w) {
+                const int at = x1 - k->cx - r->first;
+                add_outward(row + x1, 1, k->w - x1, sum + at, r->peak + at);
+            }
+        }
         if (!(k->norm1[c] > 0.0))
             continue;
         double beyond = 0.0;
         for (int i = r->n - 1; i >= 0; i--) {
             r->left[i] = fmax(r->left[i], beyond / k->norm1[c]);
-            beyond += ring[i];
+            beyond += sum[i];
         }
         r->whole = fmax(r->whole, beyond / k->norm1[c]);
     }
@@ -275,26 +266,6 @@ static double share_left_out(const struct rings *r, const struct lights *l,
     return sum / l->all;
 }
 
-/* The largest float for which at most `share` is left out: floats over 0 are
- * in the order of their bits. */
-static float find_least(const struct rings *r, const struct lights *l,
-                        double share)
-{
-    uint32_t low = 0, high = 0x7f800000; // 0 leaves nothing out; Inf
-    while (high - low > 1) {
-        const uint32_t mid = low + (high - low) / 2;
-        float v;
-        memcpy(&v, &mid, sizeof v);
-        if (share_left_out(r, l, (double) v) <= share)
-            low = mid;
-        else
-            high = mid;
-    }
-    float least;
-    memcpy(&least, &low, sizeof least);
-    return least;
-}
-
 gp_status gp_shrink_make(const struct gp_log *log,
     const struct gp_kernel *kernel, const struct gp_splat_params *p,
     const struct gp_polygons *polygons, struct gp_shrink *out)
@@ -317,7 +288,18 @@ gp_status gp_shrink_make(const struct gp_log *log,
         s.reach[b] = INT_MAX / 2;
     if (p->shrink > 0.0f && l.all > 0.0) {
         GP_TRY(make_rings(log, kernel, tail, &r));
-        s.least = find_least(&r, &l, (double) p->shrink);
+        // the largest float for which at most the share is left out: floats
+        // over 0 are in the order of their bits
+        uint32_t low = 0, high = 0x7f800000; // 0 leaves nothing out; Inf
+        while (high - low > 1) {
+            const uint32_t mid = low + (high - low) / 2;
+            memcpy(&s.least, &mid, sizeof s.least);
+            if (share_left_out(&r, &l, (double) s.least) <= (double) p->shrink)
+                low = mid;
+            else
+                high = mid;
+        }
+        memcpy(&s.least, &low, sizeof s.least);
         s.left_out = share_left_out(&r, &l, (double) s.least);
         for (int b = 0; b < GP_SOURCE_BINS; b++) {
             const int n = rings_kept(&r, b, (double) s.least);
@@ -355,39 +337,6 @@ static void reached(float at, int reach, int base, int n, int size, int *from,
     *to = (int) fmin(fmin(high, size), (double) n - base);
 }
 
-/* Adds row y of the polygon's blurred kernel, mixed from four samples. */
-static void draw_polygon(const struct drawing *d, const struct gp_polygon *p,
-                         int y)
-{
-    const struct gp_blur *const b = &d->blur[p->blur];
-    const int reach = d->shrink->reach[gp_source_bin(p->light)];
-    const size_t w = (size_t) d->src->w, plane = w * (size_t) d->src->h;
-    const double u = (double) b->cx - (double) p->x;
-    const double v = (double) b->cy - (double) p->y;
-    const int left = (int) floor(u), above = (int) floor(v);
-    int x0, x1, y0, y1;
-    reached(p->x, reach, left, b->w, d->src->w, &x0, &x1);
-    reached(p->y, reach, above, b->h, d->src->h, &y0, &y1);
-    if (y < y0 || y >= y1)
-        return;
-    for (int c = 0; c < 3; c++) {
-        double *const out = d->layer + (size_t) c * plane + (size_t) y * w;
-        for (int i = 0; i < 4; i++) {
-            const int down = i / 2, right = i % 2, ky = y + above + down;
-            const double share = (down ? v - above : 1.0 - (v - above)) *
-                                 (right ? u - left : 1.0 - (u - left));
-            const int first = gp_max(x0, -left - right);
-            const int end = gp_min(x1, b->w - left - right);
-            if (ky < 0 || ky >= b->h || share == 0.0)
-                continue;
-            const float *const row = b->k.c[c] + (size_t) ky * (size_t) b->w;
-            for (int x = first; x < end; x++)
-                out[x] += (double) p->rgb[c] * share *
-                          (double) row[x + left + right];
-        }
-    }
-}
-
 /* Adds the kernel's core of the sources of row `sy` to row y. */
 static void draw_cores(const struct drawing *d, int sy, int y)
 {
@@ -417,8 +366,33 @@ static void draw_row(void *ctx, int y, int thread)
     (void) thread;
     for (size_t c = 0; c < 3; c++)
         memset(d->layer + c * plane + (size_t) y * w, 0, w * sizeof(double));
-    for (size_t i = 0; i < d->polygons->n; i++)
-        draw_polygon(d, &d->polygons->at[i], y);
+    for (size_t j = 0; j < d->polygons->n; j++) {
+        // row y of the polygon's blurred kernel, mixed from four samples
+        const struct gp_polygon *const p = &d->polygons->at[j];
+        const struct gp_blur *const b = &d->blur[p->blur];
+        const int reach = d->shrink->reach[gp_source_bin(p->light)];
+        const double u = (double) b->cx - (double) p->x;
+        const double v = (double) b->cy - (double) p->y;
+        const int left = (int) floor(u), above = (int) floor(v);
+        int x0, x1, y0, y1;
+        reached(p->x, reach, left, b->w, d->src->w, &x0, &x1);
+        reached(p->y, reach, above, b->h, d->src->h, &y0, &y1);
+        for (int i = 0; i < 12 && y >= y0 && y < y1; i++) {
+            const int c = i / 4, down = i / 2 % 2, right = i % 2;
+            const int ky = y + above + down;
+            const double share = (down ? v - above : 1.0 - (v - above)) *
+                                 (right ? u - left : 1.0 - (u - left));
+            const int first = gp_max(x0, -left - right);
+            const int end = gp_min(x1, b->w - left - right);
+            if (ky < 0 || ky >= b->h || share == 0.0)
+                continue;
+            const float *const row = b->k.c[c] + (size_t) ky * (size_t) b->w;
+            double *const out = d->layer + (size_t) c * plane + (size_t) y * w;
+            for (int x = first; x < end; x++)
+                out[x] += (double) p->rgb[c] * share *
+                          (double) row[x + left + right];
+        }
+    }
     for (int sy = y - GP_CORE_RADIUS; d->core && sy <= y + GP_CORE_RADIUS; sy++)
         draw_cores(d, sy, y);
 }
@@ -451,81 +425,65 @@ gp_status gp_group_reference(const struct gp_log *log,
 
 /* -- the picture of polygons ----------------------------------------------- */
 
-/* Lines are counted by their ends, +1 where one starts and -1 after its last
- * pixel, so that a frame full of polygons costs no more than its pixels. */
-struct lines {
-    int w, h;
-    int32_t *across;  // (w + 1) * h: ends of horizontal lines
-    int32_t *down;    // w * (h + 1): ends of vertical lines
-};
-
-/* Adds the rim of the pixels that the polygon lights, from the first to the
- * last; they may leave the frame, and may be none. */
-static void add_rim(struct lines *l, const struct gp_kernel *k,
-                    const struct gp_shrink *shrink, const struct gp_polygon *p)
-{
-    const double reach = shrink->reach[gp_source_bin(p->light)];
-    const double wider = (gp_blur_box[p->blur] - 1) / 2.0;
-    const double x = (double) p->x, y = (double) p->y;
-    const int xs[2] = {
-        (int) ceil(x - fmin(reach, k->cx + wider)),
-        (int) floor(x + fmin(reach, k->w - 1 - k->cx + wider)),
-    };
-    const int ys[2] = {
-        (int) ceil(y - fmin(reach, k->cy + wider)),
-        (int) floor(y + fmin(reach, k->h - 1 - k->cy + wider)),
-    };
-    const int x0 = gp_max(xs[0], 0), x1 = gp_min(xs[1], l->w - 1);
-    const int y0 = gp_max(ys[0], 0), y1 = gp_min(ys[1], l->h - 1);
-    const size_t w = (size_t) l->w;
-    if (xs[0] > xs[1] || ys[0] > ys[1])
-        return;
-    for (int i = 0; i < 2; i++) {
-        if (ys[i] >= 0 && ys[i] < l->h && x0 <= x1) {
-            int32_t *const row = l->across + (size_t) ys[i] * (w + 1);
-            row[x0]++;
-            row[x1 + 1]--;
-        }
-        if (xs[i] >= 0 && xs[i] < l->w && y0 <= y1) {
-            int32_t *const column = l->down + xs[i];
-            column[(size_t) y0 * w]++;
-            column[((size_t) y1 + 1) * w]--;
-        }
-    }
-}
-
 gp_status gp_polygons_outline(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     const struct gp_splat_params *p, struct gp_planes *picture)
 {
-    static const float green[3] = {0.0f, 1.0f, 0.0f};
     gp_status st;
+    const struct gp_kernel *const k = kernel;
     struct gp_polygons polygons = {0};
     struct gp_shrink shrink;
-    struct lines l = {src->w, src->h, NULL, NULL};
     const size_t w = (size_t) src->w, h = (size_t) src->h;
-    void *across = NULL, *down = NULL;
-
+    // lines are counted by their ends, +1 where one starts and -1 after its
+    // last pixel, so that a frame full of polygons costs no more than its
+    // pixels: (w + 1) * h of horizontal lines, w * (h + 1) of vertical ones
+    int32_t *across = NULL, *down = NULL;
     GP_TRY(gp_polygons_make(log, src, p, &polygons));
     GP_TRY(gp_shrink_make(log, kernel, p, &polygons, &shrink));
-    GP_TRY(gp_alloc_zero(log, "outlines", (w + 1) * h, sizeof *l.across,
+    GP_TRY(gp_alloc_zero(log, "outlines", (w + 1) * h, sizeof *across,
                          &across));
-    GP_TRY(gp_alloc_zero(log, "outlines", w * (h + 1), sizeof *l.down, &down));
-    l.across = across;
-    l.down = down;
-    for (size_t i = 0; i < polygons.n; i++)
-        add_rim(&l, kernel, &shrink, &polygons.at[i]);
+    GP_TRY(gp_alloc_zero(log, "outlines", w * (h + 1), sizeof *down, &down));
+    for (size_t n = 0; n < polygons.n; n++) {
+        // the first and the last of the pixels that the polygon lights; they
+        // may leave the frame, and may be none
+        const struct gp_polygon *const q = &polygons.at[n];
+        const double reach = shrink.reach[gp_source_bin(q->light)];
+        const double wider = (gp_blur_box[q->blur] - 1) / 2.0;
+        const double x = (double) q->x, y = (double) q->y;
+        const int xs[2] = {
+            (int) ceil(x - fmin(reach, k->cx + wider)),
+            (int) floor(x + fmin(reach, k->w - 1 - k->cx + wider)),
+        };
+        const int ys[2] = {
+            (int) ceil(y - fmin(reach, k->cy + wider)),
+            (int) floor(y + fmin(reach, k->h - 1 - k->cy + wider)),
+        };
+        const int x0 = gp_max(xs[0], 0), x1 = gp_min(xs[1], src->w - 1);
+        const int y0 = gp_max(ys[0], 0), y1 = gp_min(ys[1], src->h - 1);
+        const bool none = xs[0] > xs[1] || ys[0] > ys[1];
+        for (int i = 0; i < 2 && !none; i++) {
+            if (ys[i] >= 0 && ys[i] < src->h && x0 <= x1) {
+                int32_t *const row = across + (size_t) ys[i] * (w + 1);
+                row[x0]++;
+                row[x1 + 1]--;
+            }
+            if (xs[i] >= 0 && xs[i] < src->w && y0 <= y1) {
+                down[(size_t) y0 * w + (size_t) xs[i]]++;
+                down[((size_t) y1 + 1) * w + (size_t) xs[i]]--;
+            }
+        }
+    }
     for (size_t y = 0; y < h; y++) {
         int32_t ends = 0;
         for (size_t x = 0; x < w; x++) {
-            ends += l.across[y * (w + 1) + x];
+            ends += across[y * (w + 1) + x];
             // (the row above holds the lines that come from there)
             if (y > 0)
-                l.down[y * w + x] += l.down[(y - 1) * w + x];
-            if (ends == 0 && l.down[y * w + x] == 0)
+                down[y * w + x] += down[(y - 1) * w + x];
+            if (ends == 0 && down[y * w + x] == 0)
                 continue;
             for (int c = 0; c < 3; c++)
-                picture->c[c][y * w + x] = green[c];
+                picture->c[c][y * w + x] = c == 1 ? 1.0f : 0.0f; // green
         }
     }
 out:

@@ -54,16 +54,30 @@ static int reach_of(const struct gp_splat_plan *p, float light)
 
 /* -- one draw -------------------------------------------------------------- */
 
-static void fill_uniforms(const struct drawing *k, const struct grid *g,
-                          int which, int first, int end, struct gp_rect view,
-                          struct gp_uniform out[UNIFORMS])
+/* Draws cells [first, end) with one kernel. */
+static gp_status draw_with(const struct drawing *k, const struct grid *g,
+    const struct gp_target *to, int which, int first, int end)
 {
     struct gp_splat *const s = k->s;
     const struct gp_splat_kernel *const o = &s->kernel[which];
-    const struct gp_unturned *const u = k->job->kernel->unturned;
+    const enum gp_splat_program program =
+        which == GP_SPLAT_TURNED ? GP_SPLAT_TURNED_QUAD
+        : k->points              ? GP_SPLAT_POINT
+        : g->places              ? GP_SPLAT_SMOOTH_QUAD
+                                 : GP_SPLAT_EXACT_QUAD;
+    gp_status st = gp_splat_need_kernel(k->job->log, s, k->job->kernel, which);
+    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): always has its s
+    if (st || !o->w)
+        return st;
+    st = gp_splat_use(k->job->log, s, program);
+    if (st)
+        return st;
     const bool shrinks = k->plan->params.shrink > 0.0f &&
                          which != GP_SPLAT_CORE;
-    const struct gp_uniform shared[] = {
+    const struct gp_rect view = {-k->margin, -k->margin,
+                                 to->colour.w + k->margin,
+                                 to->colour.h + k->margin};
+    struct gp_uniform uniform[UNIFORMS] = {
         {.name = "sensors", .texture = g->sensors},
         {.name = "reaches", .block = &s->reaches},
         {.name = "kernel", .texture = &o->texture},
@@ -77,52 +91,30 @@ static void fill_uniforms(const struct drawing *k, const struct grid *g,
         {.name = "view", .v = {view.x0, view.y0}},
         {.name = "viewed", .v = {gp_rect_w(view), gp_rect_h(view)}},
     };
-    memcpy(out, shared, sizeof shared);
-    out += sizeof shared / sizeof *shared;
-    if (which != GP_SPLAT_TURNED) {
-        const struct gp_uniform own[] = {
-            {.name = "places", .texture = g->places ? g->places : g->sensors},
-            {.name = "grid", .v = {g->cells.side, g->places ? which : -1}},
-            {.name = "rest", .floats = 2, .f = {o->rest[0], o->rest[1]}},
-        };
-        memcpy(out, own, sizeof own);
-        return;
+    struct gp_uniform *own = uniform;
+    while (own->name)
+        own++;
+    if (which == GP_SPLAT_TURNED) {
+        // cosine and sine in two parts: the first, in 1/1024, times a whole
+        // number of pixels is exact in float
+        const struct gp_unturned *const u = k->job->kernel->unturned;
+        const double cos = round(u->cos * 1024.0) / 1024.0;
+        const double sin = round(u->sin * 1024.0) / 1024.0;
+        *own++ = (struct gp_uniform) {
+            .name = "turn", .floats = 2, .f = {(float) u->cos, (float) u->sin}};
+        *own++ = (struct gp_uniform) {
+            .name = "most", .floats = 2, .f = {(float) cos, (float) sin}};
+        *own = (struct gp_uniform) {
+            .name = "least", .floats = 2, .f = {(float) (u->cos - cos),
+                                                (float) (u->sin - sin)}};
+    } else {
+        *own++ = (struct gp_uniform) {
+            .name = "places", .texture = g->places ? g->places : g->sensors};
+        *own++ = (struct gp_uniform) {
+            .name = "grid", .v = {g->cells.side, g->places ? which : -1}};
+        *own = (struct gp_uniform) {
+            .name = "rest", .floats = 2, .f = {o->rest[0], o->rest[1]}};
     }
-    // cosine and sine in two parts: the first, in 1/1024, times a whole number
-    // of pixels is exact in float
-    const double cos = round(u->cos * 1024.0) / 1024.0;
-    const double sin = round(u->sin * 1024.0) / 1024.0;
-    const struct gp_uniform own[] = {
-        {.name = "turn", .floats = 2, .f = {(float) u->cos, (float) u->sin}},
-        {.name = "most", .floats = 2, .f = {(float) cos, (float) sin}},
-        {.name = "least", .floats = 2, .f = {(float) (u->cos - cos),
-                                             (float) (u->sin - sin)}},
-    };
-    memcpy(out, own, sizeof own);
-}
-
-/* Draws cells [first, end) with one kernel. */
-static gp_status draw_with(const struct drawing *k, const struct grid *g,
-    const struct gp_target *to, int which, int first, int end)
-{
-    struct gp_splat *const s = k->s;
-    const enum gp_splat_program program =
-        which == GP_SPLAT_TURNED ? GP_SPLAT_TURNED_QUAD
-        : k->points              ? GP_SPLAT_POINT
-        : g->places              ? GP_SPLAT_SMOOTH_QUAD
-                                 : GP_SPLAT_EXACT_QUAD;
-    gp_status st = gp_splat_need_kernel(k->job->log, s, k->job->kernel, which);
-    // NOLINTNEXTLINE(clang-analyzer-core.NullDereference): always has its s
-    if (st || !s->kernel[which].w)
-        return st;
-    st = gp_splat_use(k->job->log, s, program);
-    if (st)
-        return st;
-    const struct gp_rect view = {-k->margin, -k->margin,
-                                 to->colour.w + k->margin,
-                                 to->colour.h + k->margin};
-    struct gp_uniform uniform[UNIFORMS] = {0};
-    fill_uniforms(k, g, which, first, end, view, uniform);
     const struct gp_draw draw = {
         .program = &s->program[program], .target = to,
         .cut = {0, 0, gp_rect_w(k->field), gp_rect_h(k->field)}, .view = view,
@@ -211,99 +203,75 @@ static gp_status draw_grid(struct drawing *k, const struct grid *g)
 
 /* -- patches of sensors ---------------------------------------------------- */
 
-/* Draws the groups and clusters of the pixels of `rect`, which the coarse
- * cells cover, made on the way. */
-static gp_status draw_groups(struct drawing *k, struct gp_rect rect,
-                             const struct gp_cells *coarse)
-{
-    struct gp_splat *const s = k->s;
-    const struct gp_log *const log = k->job->log;
-    const struct gp_splat_params *const p = &k->plan->params;
-    const struct gp_polygons *const all = &k->plan->polygons;
-    struct grid clusters = {
-        .cells = *coarse, .blurs = k->cluster_blurs, .at = all->at,
-        .n = all->clusters,
-    };
-    struct grid groups = {
-        .cells = {p->group, coarse->x, coarse->y,
-                  coarse->w * (k->span / p->group),
-                  coarse->h * (k->span / p->group)},
-        .blurs = k->group_blurs, .at = all->at + all->clusters,
-        .n = all->groups,
-    };
-    const bool clustered = p->cluster && all->clusters;
-    gp_status st = GP_OK;
-    if (clustered)
-        st = gp_splat_group(log, s, rect, &clusters.cells, k->cluster_blurs,
-                            p->cluster_fill, NULL, 0, &s->clusters);
-    clusters.sensors = &s->clusters.colour;
-    clusters.places = &s->clusters.more[0];
-    if (!st && clustered)
-        st = draw_grid(k, &clusters);
-    if (!st)
-        st = gp_splat_group(log, s, rect, &groups.cells, k->group_blurs, 0.0f,
-            clustered ? &s->clusters : NULL, p->cluster, &s->groups);
-    groups.sensors = &s->groups.colour;
-    groups.places = p->group > 1 ? &s->groups.more[0] : NULL;
-    return st ? st : draw_grid(k, &groups);
-}
-
+/* Draws the light of the pixels that the coarse cells cover: each for itself,
+ * or its core for itself, and groups and clusters, which are made on the
+ * way. */
 static gp_status draw_patch(struct drawing *k, const struct gp_cells *coarse)
 {
+    gp_status st;
+    struct gp_splat *const s = k->s;
+    const struct gp_log *const log = k->job->log;
     const struct gp_sources *const src = k->job->src;
+    const struct gp_splat_params *const p = &k->plan->params;
+    const struct gp_polygons *const all = &k->plan->polygons;
     const struct gp_rect rect = gp_rect_meet(
         gp_cells_rect(coarse), (struct gp_rect) {0, 0, src->w, src->h});
     const struct grid pixels = {
         .cells = {1, rect.x0, rect.y0, gp_rect_w(rect), gp_rect_h(rect)},
-        .sensors = &k->s->sources, .at = k->plan->polygons.at,
-        .n = k->plan->polygons.n,
+        .sensors = &s->sources, .at = all->at, .n = all->n,
     };
-    gp_status st = gp_splat_upload(k->job->log, k->s, src, rect);
-    if (!st && k->plan->single)
+    GP_TRY(gp_splat_upload(log, s, src, rect));
+    if (k->plan->single)
         return draw_grid(k, &pixels);
-    if (!st && k->plan->core)
-        st = draw_with(k, &pixels, &k->s->total, GP_SPLAT_CORE, 0,
-                       pixels.cells.w * pixels.cells.h);
-    return st || !k->plan->tail ? st : draw_groups(k, rect, coarse);
+    if (k->plan->core)
+        GP_TRY(draw_with(k, &pixels, &s->total, GP_SPLAT_CORE, 0,
+                         pixels.cells.w * pixels.cells.h));
+    if (!k->plan->tail)
+        return GP_OK;
+    // clusters first: their cells hold no groups
+    const bool clustered = p->cluster && all->clusters;
+    const struct grid clusters = {
+        .cells = *coarse, .blurs = k->cluster_blurs, .at = all->at,
+        .n = all->clusters, .sensors = &s->clusters.colour,
+        .places = &s->clusters.more[0],
+    };
+    if (clustered) {
+        GP_TRY(gp_splat_group(log, s, rect, coarse, k->cluster_blurs,
+                              p->cluster_fill, NULL, 0, &s->clusters));
+        GP_TRY(draw_grid(k, &clusters));
+    }
+    const struct grid groups = {
+        .cells = {p->group, coarse->x, coarse->y,
+                  coarse->w * (k->span / p->group),
+                  coarse->h * (k->span / p->group)},
+        .blurs = k->group_blurs, .at = all->at + all->clusters,
+        .n = all->groups, .sensors = &s->groups.colour,
+        .places = p->group > 1 ? &s->groups.more[0] : NULL,
+    };
+    GP_TRY(gp_splat_group(log, s, rect, &groups.cells, k->group_blurs, 0.0f,
+                          clustered ? &s->clusters : NULL, p->cluster,
+                          &s->groups));
+    st = draw_grid(k, &groups);
+out:
+    return st;
 }
 
 /* -- fields of the frame --------------------------------------------------- */
 
-static void read_field(const struct drawing *k)
-{
-    const struct gp_splat *const s = k->s;
-    const int w = gp_rect_w(k->field), h = gp_rect_h(k->field);
-    if (w < 1)
-        return;
-    const int rows = GP_SPLAT_BAND_TEXELS / w;
-    for (int y0 = 0; y0 < h; y0 += rows) {
-        const struct gp_rect band = {0, y0, w, gp_min(y0 + rows, h)};
-        gp_target_read(s->gl, &s->total, 0, band, s->band);
-        for (int y = band.y0; y < band.y1; y++) {
-            const size_t to = (size_t) (k->field.y0 + y) *
-                                  (size_t) k->job->src->w +
-                              (size_t) k->field.x0;
-            const float *const from = s->band +
-                                      4 * (size_t) (y - y0) * (size_t) w;
-            for (int c = 0; c < 3; c++) {
-                for (int x = 0; x < w; x++)
-                    k->job->layer->c[c][to + (size_t) x] = from[4 * x + c];
-            }
-        }
-    }
-}
-
+/* Draws the sensors that reach the field, and reads it back. */
 static gp_status draw_field(struct drawing *k)
 {
+    struct gp_splat *const s = k->s;
     const struct gp_rect f = k->field, m = k->meets;
+    const int w = gp_rect_w(f), h = gp_rect_h(f);
     const struct gp_rect whole = {0, 0, k->field_side, k->field_side};
     // the pixels whose polygons meet the field
     const struct gp_rect near = gp_rect_meet(
         (struct gp_rect) {f.x0 - m.x1 - 1, f.y0 - m.y1 - 1, f.x1 - m.x0 + 1,
                           f.y1 - m.y0 + 1}, k->job->src->box);
-    gp_target_clear(k->s->gl, &k->s->total, whole);
+    gp_target_clear(s->gl, &s->total, whole);
     if (k->plan->polygons.n > k->plan->chunk)
-        gp_target_clear(k->s->gl, &k->s->chunk, whole);
+        gp_target_clear(s->gl, &s->chunk, whole);
     gp_status st = GP_OK;
     if (!gp_rect_empty(near)) {
         const struct gp_cells all = gp_cells_over(k->job->src, near, k->span);
@@ -323,8 +291,22 @@ static gp_status draw_field(struct drawing *k)
     k->held = 0;
     if (st)
         return st;
-    read_field(k);
-    return gp_gl_check(k->job->log, k->s->gl, "drawing glare polygons");
+    const int rows = GP_SPLAT_BAND_TEXELS / w;
+    for (int y0 = 0; y0 < h; y0 += rows) {
+        const struct gp_rect band = {0, y0, w, gp_min(y0 + rows, h)};
+        gp_target_read(s->gl, &s->total, 0, band, s->band);
+        for (int y = y0; y < band.y1; y++) {
+            const size_t to =
+                (size_t) (f.y0 + y) * (size_t) k->job->src->w + (size_t) f.x0;
+            const float *const from =
+                s->band + 4 * (size_t) (y - y0) * (size_t) w;
+            for (int c = 0; c < 3; c++) {
+                for (int x = 0; x < w; x++)
+                    k->job->layer->c[c][to + (size_t) x] = from[4 * x + c];
+            }
+        }
+    }
+    return gp_gl_check(k->job->log, s->gl, "drawing glare polygons");
 }
 
 static int parts_of(int size, int side)
@@ -369,40 +351,6 @@ static unsigned blurs_of(const struct gp_polygon *at, size_t n)
     return used;
 }
 
-/* Pixels of the largest sprite: the kernel's longer side, blurred and off
- * whole pixels, or what is left of it by shrinking. */
-static int largest_sprite(const struct gp_splat_plan *p)
-{
-    const int longer = gp_max(gp_rect_w(p->crop), gp_rect_h(p->crop));
-    int largest = p->core ? 2 * GP_CORE_RADIUS + 1 : 1;
-    for (size_t i = 0; p->tail && i < p->polygons.n; i++) {
-        const struct gp_polygon *const q = &p->polygons.at[i];
-        const int whole = longer + gp_blur_box[q->blur] - 1 + !p->single;
-        largest = gp_max(largest, gp_min(whole, 2 * reach_of(p, q->light) + 1));
-    }
-    return largest;
-}
-
-/* Finds how far the view reaches beyond a field, so that no polygon that meets
- * it is clipped. Quads on whole pixels are cut by the vertex shader; turned
- * ones, whose kernel would need too large a view, are not turned there. */
-static void place_view(struct drawing *k)
-{
-    const int most = gp_gl_info(k->s->gl)->max_size;
-    const struct gp_unturned *const u = k->job->kernel->unturned;
-    if (k->plan->turned && !k->points) { // to the farthest corner of a quad
-        const double x = fmax(u->cx, u->w - u->cx);
-        const double y = fmax(u->cy, u->h - u->cy);
-        const int radius = (int) fmin(hypot(x + 2.0, y + 2.0), FAR) + 1;
-        k->turned = radius <= TURNED_MAX &&
-                    most - 2 * radius >= k->patch_side / 2;
-        k->margin = k->turned ? radius : 0;
-    } else if (k->points) {
-        k->margin = k->sprite;
-    }
-    k->field_side = gp_min(k->patch_side, most - 2 * k->margin);
-}
-
 gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
                         bool points)
 {
@@ -413,7 +361,6 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     const int more = p->single ? 0 : span / 2 + 1; // half a box, and bilinear
     struct drawing k = {
         .job = job, .s = s, .plan = p, .points = points, .span = span,
-        .sprite = points ? largest_sprite(p) : 0,
         .patch_side = gp_min(gl->max_size, FIELD_MAX),
         .meets = {p->crop.x0 - job->kernel->cx - more,
                   p->crop.y0 - job->kernel->cy - more,
@@ -422,7 +369,31 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
         .group_blurs = blurs_of(q->at + q->clusters, q->groups),
         .cluster_blurs = blurs_of(q->at, q->clusters),
     };
-    place_view(&k);
+    // the largest sprite: the kernel's longer side, blurred and off whole
+    // pixels, or what is left of it by shrinking
+    const int longer = gp_max(gp_rect_w(p->crop), gp_rect_h(p->crop));
+    if (points)
+        k.sprite = p->core ? 2 * GP_CORE_RADIUS + 1 : 1;
+    for (size_t i = 0; points && p->tail && i < q->n; i++) {
+        const int whole =
+            longer + gp_blur_box[q->at[i].blur] - 1 + !p->single;
+        const int kept = 2 * reach_of(p, q->at[i].light) + 1;
+        k.sprite = gp_max(k.sprite, gp_min(whole, kept));
+    }
+    // how far the view reaches beyond a field, so that no polygon that meets
+    // it is clipped. Quads on whole pixels are cut by the vertex shader; turned
+    // ones, whose kernel would need too large a view, are not turned there
+    k.margin = k.sprite;
+    if (p->turned && !points) { // to the farthest corner of a quad
+        const struct gp_unturned *const u = job->kernel->unturned;
+        const double x = fmax(u->cx, u->w - u->cx);
+        const double y = fmax(u->cy, u->h - u->cy);
+        const int radius = (int) fmin(hypot(x + 2.0, y + 2.0), FAR) + 1;
+        k.turned = radius <= TURNED_MAX &&
+                   gl->max_size - 2 * radius >= k.patch_side / 2;
+        k.margin = k.turned ? radius : 0;
+    }
+    k.field_side = gp_min(k.patch_side, gl->max_size - 2 * k.margin);
     if ((float) k.sprite > gl->max_point)
         return gp_fail_bare(job->log, GP_ERR_GL,
                             "%s: point sprites of %d pixels are needed (%.0f "

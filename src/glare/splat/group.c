@@ -67,26 +67,6 @@ static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
     cell->square += square + light * dy * dy;
 }
 
-/* The box that spreads the polygon's light most nearly by `variance`. */
-static uint8_t choose_blur(double variance, const struct gp_polygon *p)
-{
-    int best = 0;
-    double least = INFINITY;
-    for (int b = 0; b < GP_BLURS && gp_blur_box[b] <= p->side; b++) {
-        const int side = gp_blur_box[b];
-        const double shift = (side - 1) / 2.0;
-        const double u = (double) p->x - shift, v = (double) p->y - shift;
-        const double fx = u - floor(u), fy = v - floor(v);
-        const double spread = (side * side - 1) / 12.0 +
-                              (fx * (1.0 - fx) + fy * (1.0 - fy)) / 2.0;
-        if (fabs(spread - variance) < least) {
-            least = fabs(spread - variance);
-            best = b;
-        }
-    }
-    return (uint8_t) best;
-}
-
 /* The cell whose corner is pixel (x0, y0) as a polygon. */
 static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
                                     int side, enum gp_group_method method)
@@ -104,8 +84,21 @@ static struct gp_polygon close_cell(const struct cell_sum *cell, int x0, int y0,
     };
     for (int c = 0; c < 3; c++)
         p.rgb[c] = (float) fmin(cell->rgb[c], (double) FLT_MAX);
-    if (method != GP_GROUP_CENTROID)
-        p.blur = choose_blur(variance, &p);
+    // the box that spreads the light most nearly by the variance
+    const int most = method == GP_GROUP_CENTROID ? 0 : side;
+    double least = INFINITY;
+    for (uint8_t b = 0; b < GP_BLURS && gp_blur_box[b] <= most; b++) {
+        const int box = gp_blur_box[b];
+        const double u = (double) p.x - (box - 1) / 2.0;
+        const double v = (double) p.y - (box - 1) / 2.0;
+        const double fx = u - floor(u), fy = v - floor(v);
+        const double spread = (box * box - 1) / 12.0 +
+                              (fx * (1.0 - fx) + fy * (1.0 - fy)) / 2.0;
+        if (fabs(spread - variance) < least) {
+            least = fabs(spread - variance);
+            p.blur = b;
+        }
+    }
     return p;
 }
 
@@ -196,25 +189,6 @@ static size_t add_to_groups(const struct grouping *g, int y0, int y1,
     return n;
 }
 
-/* Single sensors of a row that no cluster holds: no sum is needed. */
-static size_t add_singles(const struct grouping *g, int y,
-    const struct cell_sum *cluster, struct gp_polygon *out)
-{
-    size_t n = 0;
-    for (uint32_t i = g->src->row[y]; i < g->src->row[y + 1]; i++) {
-        const int x = g->src->x[i];
-        if (is_clustered(g, cluster, x))
-            continue;
-        if (out) {
-            struct cell_sum cell = {0};
-            add_sources(g->src, i, i + 1, -x, 0, &cell);
-            out[n] = close_cell(&cell, x, y, 1, GP_GROUP_CENTROID);
-        }
-        n++;
-    }
-    return n;
-}
-
 /* Counts the band's polygons, or makes them when there is a place to put
  * them. */
 static void group_band(void *ctx, int i, int thread)
@@ -229,18 +203,29 @@ static void group_band(void *ctx, int i, int thread)
     b->clusters = find_clusters(g, y0, y1, cluster);
     b->groups = 0;
     for (int top = start; top < y1; top += side) {
-        struct gp_polygon *const out =
+        struct gp_polygon *out =
             g->out ? g->out + b->first_group + b->groups : NULL;
         if (top + side <= y0)
             continue;
-        if (side == 1) {
-            b->groups += add_singles(g, top, cluster, out);
+        if (side > 1) {
+            b->groups += add_to_groups(g, gp_max(top, y0),
+                                       gp_min(top + side, y1), cluster, cell);
+            if (out)
+                close_row(g, cell, g->columns, top, side, out);
             continue;
         }
-        b->groups += add_to_groups(g, gp_max(top, y0), gp_min(top + side, y1),
-                                   cluster, cell);
-        if (out)
-            close_row(g, cell, g->columns, top, side, out);
+        // single sensors that no cluster holds: no sum is needed
+        for (uint32_t k = g->src->row[top]; k < g->src->row[top + 1]; k++) {
+            const int x = g->src->x[k];
+            if (is_clustered(g, cluster, x))
+                continue;
+            if (out) {
+                struct cell_sum own = {0};
+                add_sources(g->src, k, k + 1, -x, 0, &own);
+                *out++ = close_cell(&own, x, top, 1, GP_GROUP_CENTROID);
+            }
+            b->groups++;
+        }
     }
     if (!g->out || !b->clusters)
         return;
@@ -272,7 +257,6 @@ gp_status gp_polygons_make(const struct gp_log *log,
     struct gp_polygons *out)
 {
     gp_status st;
-    void *band = NULL, *scratch = NULL, *at = NULL;
     struct gp_polygons o = {0};
     // cells count from pixel (0, 0); the larger cell holds whole smaller ones
     const int step = gp_max(p->group, p->cluster);
@@ -286,12 +270,11 @@ gp_status gp_polygons_make(const struct gp_log *log,
     g.columns = p->group > 1 ? cells_over(g.left, src->w, p->group) : 0;
     g.wide = p->cluster ? cells_over(g.left, src->w, p->cluster) : 0;
     const int bands = cells_over(g.above, src->h, step);
-    GP_TRY(gp_alloc_zero(log, "groups", (size_t) bands, sizeof *g.band, &band));
+    GP_TRY(gp_alloc_zero(log, "groups", (size_t) bands, sizeof *g.band,
+                         &g.band));
     GP_TRY(gp_alloc(log, "groups",
                     (size_t) gp_threads() * (size_t) (g.columns + g.wide),
-                    sizeof *g.scratch, &scratch));
-    g.band = band;
-    g.scratch = scratch;
+                    sizeof *g.scratch, &g.scratch));
     gp_parallel_do(bands, group_band, &g);
     for (int i = 0; i < bands; i++) { // every band gets its place
         g.band[i].first_cluster = o.clusters;
@@ -302,14 +285,14 @@ gp_status gp_polygons_make(const struct gp_log *log,
         o.groups += g.band[i].groups;
     }
     o.n = o.clusters + o.groups;
-    GP_TRY(gp_alloc(log, "polygons", o.n, sizeof *o.at, &at));
-    g.out = o.at = at;
+    GP_TRY(gp_alloc(log, "polygons", o.n, sizeof *o.at, &o.at));
+    g.out = o.at;
     if (o.n)
         gp_parallel_do(bands, group_band, &g);
     *out = o;
 out:
-    gp_free(band);
-    gp_free(scratch);
+    gp_free(g.band);
+    gp_free(g.scratch);
     return st;
 }
 

@@ -147,29 +147,6 @@ struct gp_rect gp_cells_rect(const struct gp_cells *c)
                              c->y + c->h * c->side};
 }
 
-/* Writes the sources of `rect` as texels: rgb, and luminance. */
-static void fill_light(const struct gp_sources *src, struct gp_rect rect,
-                       float *band)
-{
-    const size_t w = (size_t) gp_rect_w(rect);
-    memset(band, 0, w * (size_t) gp_rect_h(rect) * 4 * sizeof(float));
-    for (int y = rect.y0; y < rect.y1; y++) {
-        float *const row = band + 4 * (size_t) (y - rect.y0) * w;
-        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            if (src->x[i] < rect.x0 || src->x[i] >= rect.x1)
-                continue;
-            float *const texel = row + 4 * (src->x[i] - rect.x0);
-            double light = 0.0;
-            for (int c = 0; c < 3; c++) {
-                texel[c] = src->rgb[c][i];
-                light += (double) src->luminance[c] * (double) texel[c];
-            }
-            // weights of unreal primaries may be negative
-            texel[3] = light > 0.0 ? (float) light : 0.0f;
-        }
-    }
-}
-
 gp_status gp_splat_upload(const struct gp_log *log, struct gp_splat *s,
                           const struct gp_sources *src, struct gp_rect rect)
 {
@@ -187,9 +164,24 @@ gp_status gp_splat_upload(const struct gp_log *log, struct gp_splat *s,
     const int rows = GP_SPLAT_BAND_TEXELS / w;
     for (int y0 = 0; !st && y0 < h; y0 += rows) {
         const struct gp_rect band = {0, y0, w, gp_min(h - y0, rows) + y0};
-        const struct gp_rect from = {rect.x0, rect.y0 + band.y0, rect.x1,
-                                     rect.y0 + band.y1};
-        fill_light(src, from, s->band);
+        memset(s->band, 0,
+               (size_t) w * (size_t) gp_rect_h(band) * 4 * sizeof(float));
+        for (int y = y0; y < band.y1; y++) {
+            float *const row = s->band + 4 * (size_t) (y - y0) * (size_t) w;
+            const uint32_t end = src->row[rect.y0 + y + 1];
+            for (uint32_t i = src->row[rect.y0 + y]; i < end; i++) {
+                if (src->x[i] < rect.x0 || src->x[i] >= rect.x1)
+                    continue;
+                float *const texel = row + 4 * (src->x[i] - rect.x0);
+                double light = 0.0;
+                for (int c = 0; c < 3; c++) {
+                    texel[c] = src->rgb[c][i];
+                    light += (double) src->luminance[c] * (double) texel[c];
+                }
+                // weights of unreal primaries may be negative
+                texel[3] = light > 0.0 ? (float) light : 0.0f;
+            }
+        }
         gp_texture_write(s->gl, t, band, s->band);
     }
     return st;

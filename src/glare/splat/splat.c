@@ -264,17 +264,15 @@ gp_status gp_splat_make(const struct gp_log *log, void **state)
 {
     if (*state)
         return GP_OK;
-    void *block, *band;
     gp_status st = gp_alloc_zero(log, "splat", 1, sizeof(struct gp_splat),
-                                 &block);
+                                 state);
     if (st)
         return st;
-    struct gp_splat *s = *state = block;
-    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float), &band);
+    struct gp_splat *const s = *state;
+    st = gp_alloc(log, "splat", GP_SPLAT_BAND_TEXELS, 4 * sizeof(float),
+                  &s->band);
     if (st)
         close_splat(state);
-    else
-        s->band = band;
     return st;
 }
 
@@ -366,30 +364,6 @@ static void clear_layer(const struct gp_glare_job *job)
                (size_t) job->src->w * (size_t) job->src->h * sizeof(float));
 }
 
-/* Draws by tiles. The core of each single source goes by direct: a software
- * context has no faster place, and blending squares of 17 pixels is what it
- * does worst. */
-static gp_status draw_tiles(const struct gp_glare_job *job, struct gp_splat *s)
-{
-    const struct gp_splat_plan *const p = &s->plan;
-    struct gp_taps taps = {0};
-    double most;
-    gp_status st = GP_OK;
-    if (p->tail)
-        st = gp_tiles_draw(job->log, s->gl, job->kernel, p->crop, p->core,
-                           &p->polygons, &p->shrink, job->src->w, job->src->h,
-                           job->layer, &s->tiles, &most);
-    else
-        clear_layer(job);
-    if (st || !p->core)
-        return st;
-    st = gp_taps_make(job->log, job->kernel, GP_CORE_RADIUS, &taps);
-    if (!st)
-        st = gp_direct_sum(job->log, job->src, &taps, true, job->layer);
-    gp_taps_free(&taps);
-    return st;
-}
-
 static gp_status run_splat(const struct gp_glare_job *job, void **state)
 {
     static const char *const forms[] = {
@@ -402,6 +376,8 @@ static gp_status run_splat(const struct gp_glare_job *job, void **state)
         return GP_OK;
     }
     gp_status st;
+    struct gp_taps taps = {0};
+    double most;
     GP_TRY(gp_splat_make(job->log, state));
     struct gp_splat *const s = *state;
     const struct gp_splat_plan *const p = &s->plan;
@@ -411,10 +387,21 @@ static gp_status run_splat(const struct gp_glare_job *job, void **state)
     if (form == GP_PRIMITIVE_AUTO)
         form = gp_gl_info(s->gl)->software ? GP_PRIMITIVE_TILE
                                            : GP_PRIMITIVE_QUAD;
-    if (form == GP_PRIMITIVE_TILE)
-        GP_TRY(draw_tiles(job, s));
-    else
+    if (form != GP_PRIMITIVE_TILE)
         GP_TRY(gp_splat_draw(job, s, form == GP_PRIMITIVE_POINT));
+    else if (p->tail)
+        GP_TRY(gp_tiles_draw(job->log, s->gl, job->kernel, p->crop, p->core,
+                             &p->polygons, &p->shrink, job->src->w,
+                             job->src->h, job->layer, &s->tiles, &most));
+    else
+        clear_layer(job);
+    if (form == GP_PRIMITIVE_TILE && p->core) {
+        // the core of each single source goes by direct: a software context
+        // has no faster place, and blending squares of 17 pixels is what it
+        // does worst
+        GP_TRY(gp_taps_make(job->log, job->kernel, GP_CORE_RADIUS, &taps));
+        GP_TRY(gp_direct_sum(job->log, job->src, &taps, true, job->layer));
+    }
     struct gp_glare_stats *const stats = job->stats;
     if (p->tail) {
         stats->groups = p->polygons.groups;
@@ -427,6 +414,7 @@ static gp_status run_splat(const struct gp_glare_job *job, void **state)
     stats->bound = p->bound;
     stats->gl = gp_gl_info(s->gl)->name;
 out:
+    gp_taps_free(&taps);
     return st;
 }
 

@@ -158,35 +158,6 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
 
 /* -- batches --------------------------------------------------------------- */
 
-/* Counts the entries of each tile, for as many pieces as fit; returns the
- * piece after the last of them. */
-static size_t count_entries(const struct gp_tile_pieces *p, size_t first,
-    size_t end, struct gp_tile_batch *batch, int tiles, int in_tile[])
-{
-    int entries = 0, room = (GP_TILE_TEXELS - tiles) / ENTRY;
-    memset(in_tile, 0, (size_t) tiles * sizeof in_tile[0]);
-    batch->lit = (struct gp_rect) {batch->across, tiles, 0, 0};
-    size_t i = first;
-    for (; i < end; i++) {
-        const struct gp_rect t = tiles_of(p->at[i].box, batch->field,
-                                          batch->side);
-        const int n = count_tiles(t);
-        if (entries + n > room)
-            break;
-        entries += n;
-        for (int y = t.y0; y < t.y1; y++) {
-            for (int x = t.x0; x < t.x1; x++)
-                in_tile[y * batch->across + x]++;
-        }
-        if (n > 0)
-            batch->lit = (struct gp_rect) {
-                gp_min(t.x0, batch->lit.x0), gp_min(t.y0, batch->lit.y0),
-                gp_max(t.x1, batch->lit.x1), gp_max(t.y1, batch->lit.y1),
-            };
-    }
-    return i;
-}
-
 /* Packs the part of [first, end) that the tile at `at` has, for tile.frag. */
 static int pack_span(int first, int end, int at, int side)
 {
@@ -194,44 +165,36 @@ static int pack_span(int first, int end, int at, int side)
     return gp_max(first - at, 0) + 64 * gp_min(end - 1 - at, last);
 }
 
-/* Writes the polygon's entry for each tile that it reaches. */
-static void write_entries(const struct gp_polygon *g,
-                          const struct gp_tile_pieces *p, struct gp_rect box,
-                          const struct gp_tile_batch *batch, int in_tile[])
-{
-    struct gp_rect t = tiles_of(box, batch->field, batch->side);
-    double x = p->cx[g->blur] - (double) g->x;
-    double y = p->cy[g->blur] - (double) g->y;
-    double left = floor(x), top = floor(y);
-    for (int row = t.y0; row < t.y1; row++) {
-        int py = batch->field.y0 + (row << batch->side);
-        int rows = pack_span(box.y0, box.y1, py, batch->side);
-        for (int column = t.x0; column < t.x1; column++) {
-            int px = batch->field.x0 + (column << batch->side);
-            int *to = &in_tile[row * batch->across + column];
-            float *e = batch->texel + 4 * (size_t) *to;
-            *to += ENTRY;
-            memcpy(e, g->rgb, sizeof g->rgb);
-            e[3] = (float) (x - left);
-            e[4] = (float) (y - top);
-            e[5] = (float) (left + px);
-            e[6] = (float) (top + py);
-            e[7] = (float) (pack_span(box.x0, box.x1, px, batch->side) +
-                            4096 * rows);
-        }
-    }
-}
-
 void gp_tile_batch_enter(const struct gp_polygons *polygons,
                          const struct gp_tile_pieces *p, int kind,
                          size_t *next, struct gp_tile_batch *batch)
 {
-    int in_tile[TILES_MAX], last = (1 << batch->side) - 1;
-    batch->across = (gp_rect_w(batch->field) + last) >> batch->side;
-    const int tiles = batch->across *
-                      ((gp_rect_h(batch->field) + last) >> batch->side);
-    const size_t end = count_entries(p, *next, p->first[kind + 1], batch,
-                                     tiles, in_tile);
+    int in_tile[TILES_MAX];
+    const struct gp_rect field = batch->field;
+    const int side = batch->side, last = (1 << side) - 1;
+    const int across = (gp_rect_w(field) + last) >> side;
+    const int tiles = across * ((gp_rect_h(field) + last) >> side);
+    // the entries of each tile, for as many pieces as fit
+    int entries = 0, room = (GP_TILE_TEXELS - tiles) / ENTRY;
+    memset(in_tile, 0, (size_t) tiles * sizeof in_tile[0]);
+    struct gp_rect lit = {across, tiles, 0, 0};
+    size_t end = *next;
+    for (; end < p->first[kind + 1]; end++) {
+        const struct gp_rect t = tiles_of(p->at[end].box, field, side);
+        const int n = count_tiles(t);
+        if (entries + n > room)
+            break;
+        entries += n;
+        for (int y = t.y0; y < t.y1; y++) {
+            for (int x = t.x0; x < t.x1; x++)
+                in_tile[y * across + x]++;
+        }
+        if (n > 0)
+            lit = (struct gp_rect) {gp_min(t.x0, lit.x0), gp_min(t.y0, lit.y0),
+                                    gp_max(t.x1, lit.x1), gp_max(t.y1, lit.y1)};
+    }
+    batch->across = across;
+    batch->lit = lit;
     batch->texels = tiles;
     batch->most = 0;
     for (int t = 0; t < tiles; t++) { // each tile's range comes first
@@ -244,10 +207,31 @@ void gp_tile_batch_enter(const struct gp_polygons *polygons,
         texel[1] = (float) batch->texels;
         texel[2] = texel[3] = 0.0f;
     }
-    for (size_t i = *next; i < end; i++)
-        write_entries(&polygons->at[p->at[i].polygon], p, p->at[i].box, batch,
-                      in_tile);
-    *next = end;
+    for (; *next < end; ++*next) { // then the polygon's entry in each
+        const struct gp_rect box = p->at[*next].box;
+        const struct gp_rect t = tiles_of(box, field, side);
+        const struct gp_polygon *const g =
+            &polygons->at[p->at[*next].polygon];
+        const double x = p->cx[g->blur] - (double) g->x, left = floor(x);
+        const double y = p->cy[g->blur] - (double) g->y, top = floor(y);
+        for (int row = t.y0; row < t.y1; row++) {
+            const int py = field.y0 + (row << side);
+            const int rows = pack_span(box.y0, box.y1, py, side);
+            for (int column = t.x0; column < t.x1; column++) {
+                const int px = field.x0 + (column << side);
+                int *const to = &in_tile[row * across + column];
+                float *const e = batch->texel + 4 * (size_t) *to;
+                *to += ENTRY;
+                memcpy(e, g->rgb, sizeof g->rgb);
+                e[3] = (float) (x - left);
+                e[4] = (float) (y - top);
+                e[5] = (float) (left + px);
+                e[6] = (float) (top + py);
+                e[7] = (float) (pack_span(box.x0, box.x1, px, side) +
+                                4096 * rows);
+            }
+        }
+    }
 }
 
 int gp_tile_inner(size_t most)
@@ -337,49 +321,16 @@ out:
     return st;
 }
 
-/* Uploads a blurred kernel: four samples a texel when it is grey, the last
- * one's rest being dark; else a sample of each plane. */
-static gp_status pack_kernel(const struct gathering *k,
-                             const struct gp_blur *blur, struct packed *p)
+/* Uploads the blurred kernel, four samples a texel when it is grey, the last
+ * one's rest being dark, else a sample of each plane; others go when they are
+ * too many. */
+static gp_status pack_kernel(const struct gathering *k, int b)
 {
-    const int w = blur->grey ? (blur->w - 1) / FRAGMENT_W + 1 : blur->w;
-    const int rows = BAND_TEXELS / w + 1;
-    const size_t pitch = 4 * (size_t) w, samples = (size_t) blur->w;
-    gp_status st = gp_texture_make(k->log, k->gl, "kernel", GP_TEXEL_FLOAT, w,
-                                   blur->h, &p->texture);
-    void *block = NULL;
-    if (!st)
-        st = gp_alloc_zero(k->log, "kernel rows", pitch * (size_t) rows,
-                           sizeof(float), &block);
-    if (st)
-        return st;
-    float *const band = block;
-    for (int y0 = 0; y0 < blur->h; y0 += rows) {
-        const int y1 = blur->h - y0 < rows ? blur->h : y0 + rows;
-        for (int y = y0; y < y1; y++) {
-            float *const texel = band + (size_t) (y - y0) * pitch;
-            const size_t first = (size_t) y * samples;
-            if (blur->grey)
-                memcpy(texel, blur->k.c[0] + first, samples * sizeof(float));
-            for (size_t x = 0; !blur->grey && x < samples; x++) {
-                for (size_t c = 0; c < 3; c++)
-                    texel[4 * x + c] = blur->k.c[c][first + x];
-            }
-        }
-        gp_texture_write(k->gl, &p->texture, (struct gp_rect) {0, y0, w, y1},
-                         band);
-    }
-    gp_free(band);
-    p->grey = blur->grey;
-    return gp_gl_check(k->log, k->gl, "packing the kernel");
-}
-
-/* Makes the packed kernel of a blur; others go when they are too many. */
-static gp_status fit_kernel(const struct gathering *k, int b)
-{
-    struct gp_tiles *t = k->t;
+    struct gp_tiles *const t = k->t;
+    struct packed *const p = &t->packed[b];
     struct gp_blur blur;
-    if (t->packed[b].texture.id)
+    float *band = NULL;
+    if (p->texture.id)
         return GP_OK;
     gp_status st = gp_blur_make(k->log, k->kernel, t->crop, t->tail,
                                 gp_blur_box[b], &blur);
@@ -390,39 +341,40 @@ static gp_status fit_kernel(const struct gathering *k, int b)
     if (t->bytes + bytes > KEEP_BYTES)
         forget_kernels(k->gl, t);
     t->bytes += bytes;
-    st = pack_kernel(k, &blur, &t->packed[b]);
+    const int w = blur.grey ? (blur.w - 1) / FRAGMENT_W + 1 : blur.w;
+    const int rows = BAND_TEXELS / w + 1;
+    const size_t pitch = 4 * (size_t) w, samples = (size_t) blur.w;
+    GP_TRY(gp_texture_make(k->log, k->gl, "kernel", GP_TEXEL_FLOAT, w, blur.h,
+                           &p->texture));
+    GP_TRY(gp_alloc_zero(k->log, "kernel rows", pitch * (size_t) rows,
+                         sizeof *band, &band));
+    for (int y0 = 0; y0 < blur.h; y0 += rows) {
+        const int y1 = blur.h - y0 < rows ? blur.h : y0 + rows;
+        for (int y = y0; y < y1; y++) {
+            float *const texel = band + (size_t) (y - y0) * pitch;
+            const size_t first = (size_t) y * samples;
+            if (blur.grey)
+                memcpy(texel, blur.k.c[0] + first, samples * sizeof(float));
+            for (size_t x = 0; !blur.grey && x < samples; x++) {
+                for (size_t c = 0; c < 3; c++)
+                    texel[4 * x + c] = blur.k.c[c][first + x];
+            }
+        }
+        gp_texture_write(k->gl, &p->texture, (struct gp_rect) {0, y0, w, y1},
+                         band);
+    }
+    p->grey = blur.grey;
+    st = gp_gl_check(k->log, k->gl, "packing the kernel");
+out:
     if (st)
         forget_kernels(k->gl, t);
+    gp_free(band);
     gp_blur_free(&blur);
     return st;
 }
 
 /* -- drawing --------------------------------------------------------------- */
 
-static gp_status draw_batch(const struct gathering *k,
-    const struct gp_program *p, const struct packed *kernel,
-    const struct gp_tile_batch *batch)
-{
-    // log2 of a tile's fragments
-    const int columns = batch->side - 2, rows = batch->side - 1;
-    const struct gp_uniform uniform[] = {
-        {.name = "list", .texels = &k->t->entries},
-        {.name = "tile", .v = {columns, rows}},
-        {.name = "sums", .v = {batch->across,
-                               2 * gp_tile_inner((size_t) batch->most)}},
-        {.name = "kernel", .image = &kernel->texture},
-        {0},
-    };
-    const struct gp_draw draw = {
-        .program = p, .target = &k->t->target,
-        .cut = {batch->lit.x0 << columns, batch->lit.y0 << rows,
-                batch->lit.x1 << columns, batch->lit.y1 << rows},
-        .uniform = uniform, .vertices = 3, .instances = 1,
-    };
-    gp_texel_buffer_write(k->gl, &k->t->entries, 0, batch->texels,
-                          batch->texel);
-    return gp_draw_run(k->log, k->gl, &draw);
-}
 
 /* Draws the pieces of one kind that reach the field; *draws and *sums count
  * what a pixel may see of it. */
@@ -433,27 +385,44 @@ static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
         "", "#define COLOUR\n", "#define WHOLE\n",
         "#define WHOLE\n#define COLOUR\n",
     };
-    struct packed *const packed = &k->t->packed[kind > 0 ? kind - 1 : 0];
-    struct gp_tile_batch batch = {.field = k->field, .texel = k->t->texel};
     gp_status st = GP_OK;
+    struct gp_tiles *const t = k->t;
+    const int blur = kind > 0 ? kind - 1 : 0;
+    struct gp_tile_batch batch = {.field = k->field, .texel = t->texel};
     batch.side = gp_tile_side(&k->pieces, kind, k->field);
+    // log2 of a tile's fragments
+    const int columns = batch.side - 2, rows = batch.side - 1;
     for (size_t next = k->pieces.first[kind];
-         !st && next < k->pieces.first[kind + 1];) {
+         next < k->pieces.first[kind + 1];) {
         gp_tile_batch_enter(k->polygons, &k->pieces, kind, &next, &batch);
         if (batch.most == 0)
             break;
-        st = fit_kernel(k, (int) (packed - k->t->packed));
-        const int variant = 2 * (kind == 0) + !packed->grey;
-        struct gp_program *const p = &k->t->program[variant];
-        if (!st && !p->id)
-            st = gp_program_make(k->log, k->gl, defines[variant], "add.vert",
-                                 "tile.frag", p);
-        if (!st)
-            st = draw_batch(k, p, packed, &batch);
-        const double inner = gp_tile_inner((size_t) batch.most);
-        *sums = fmax(*sums, inner + ceil(batch.most / inner));
+        GP_TRY(pack_kernel(k, blur));
+        const int variant = 2 * (kind == 0) + !t->packed[blur].grey;
+        struct gp_program *const p = &t->program[variant];
+        if (!p->id)
+            GP_TRY(gp_program_make(k->log, k->gl, defines[variant], "add.vert",
+                                   "tile.frag", p));
+        const int inner = gp_tile_inner((size_t) batch.most);
+        const struct gp_uniform uniform[] = {
+            {.name = "list", .texels = &t->entries},
+            {.name = "tile", .v = {columns, rows}},
+            {.name = "sums", .v = {batch.across, 2 * inner}},
+            {.name = "kernel", .image = &t->packed[blur].texture},
+            {0},
+        };
+        const struct gp_draw draw = {
+            .program = p, .target = &t->target,
+            .cut = {batch.lit.x0 << columns, batch.lit.y0 << rows,
+                    batch.lit.x1 << columns, batch.lit.y1 << rows},
+            .uniform = uniform, .vertices = 3, .instances = 1,
+        };
+        gp_texel_buffer_write(k->gl, &t->entries, 0, batch.texels, batch.texel);
+        GP_TRY(gp_draw_run(k->log, k->gl, &draw));
+        *sums = fmax(*sums, inner + ceil(batch.most / (double) inner));
         ++*draws;
     }
+out:
     return st;
 }
 
@@ -466,35 +435,14 @@ static void clear_layer(const struct gathering *k, struct gp_rect r)
     }
 }
 
-/* Copies the target to the layer: an attachment holds every other row of a
- * plane. */
-static void read_field(const struct gathering *k)
-{
-    const int w = (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W;
-    for (int i = 0; i < ATTACHMENTS; i++) {
-        const int lower = i % FRAGMENT_H;
-        const int h = (gp_rect_h(k->field) + FRAGMENT_H - 1 - lower) /
-                      FRAGMENT_H;
-        if (h < 1)
-            continue;
-        gp_target_read(k->gl, &k->t->target, i,
-                       (struct gp_rect) {0, 0, w, h}, k->t->texel);
-        for (int y = 0; y < h; y++)
-            memcpy(k->layer->c[i / FRAGMENT_H] +
-                       (size_t) (k->field.y0 + FRAGMENT_H * y + lower) *
-                           (size_t) k->w + k->field.x0,
-                   k->t->texel + 4 * (size_t) y * (size_t) w,
-                   (size_t) gp_rect_w(k->field) * sizeof(float));
-    }
-}
-
 static gp_status draw_field(struct gathering *k)
 {
     int draws = 0;
     double sums = 0.0;
-    gp_status st = gp_splat_fit_target(k->log, k->gl, "layer", ATTACHMENTS,
-        (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W,
-        (gp_rect_h(k->field) + FRAGMENT_H - 1) / FRAGMENT_H, &k->t->target);
+    const int w = (gp_rect_w(k->field) + FRAGMENT_W - 1) / FRAGMENT_W;
+    const int h = (gp_rect_h(k->field) + FRAGMENT_H - 1) / FRAGMENT_H;
+    gp_status st = gp_splat_fit_target(k->log, k->gl, "layer", ATTACHMENTS, w,
+                                       h, &k->t->target);
     if (st)
         return st;
     gp_target_clear(k->gl, &k->t->target,
@@ -507,7 +455,22 @@ static gp_status draw_field(struct gathering *k)
         clear_layer(k, k->field);
         return GP_OK;
     }
-    read_field(k);
+    for (int i = 0; i < ATTACHMENTS; i++) {
+        // an attachment holds every other row of a plane
+        const int lower = i % FRAGMENT_H;
+        const int rows = (gp_rect_h(k->field) + FRAGMENT_H - 1 - lower) /
+                         FRAGMENT_H;
+        if (rows < 1)
+            continue;
+        gp_target_read(k->gl, &k->t->target, i,
+                       (struct gp_rect) {0, 0, w, rows}, k->t->texel);
+        for (int y = 0; y < rows; y++)
+            memcpy(k->layer->c[i / FRAGMENT_H] +
+                       (size_t) (k->field.y0 + FRAGMENT_H * y + lower) *
+                           (size_t) k->w + k->field.x0,
+                   k->t->texel + 4 * (size_t) y * (size_t) w,
+                   (size_t) gp_rect_w(k->field) * sizeof(float));
+    }
     k->roundings = fmax(k->roundings, MIXING + sums + draws);
     return gp_gl_check(k->log, k->gl, "gathering glare polygons");
 }
