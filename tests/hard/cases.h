@@ -1,7 +1,6 @@
 /* The hard cases, one table: every engine, tone curve, sun method and output
- * format runs through all of them against a plain form in double (hardcases.h),
- * the engines once more in the unit tests. A field that a row does not give has
- * its usual value. */
+ * format runs through all of them against a plain form in double (hardcases.h).
+ * A field that a row does not give has its usual value. */
 #ifndef GP_TESTS_HARD_CASES_TABLE_H
 #define GP_TESTS_HARD_CASES_TABLE_H
 

@@ -7,6 +7,7 @@
 #include "glare/engine.h"
 #include "glare/sensors.h"
 #include "hash.h"
+#include "said.h"
 #include "unit.h"
 
 #include <float.h>
@@ -17,6 +18,7 @@ enum light {
     DARK,     // background alone
     ALL,      // every pixel bright
     FEW,      // one pixel in 83, up to 65504
+    MANY,     // three in ten, up to 65504, some without a channel
     CORNERS,  // four sources
     MIDDLE,   // FEW, but none near the border
     HOT,      // one pixel of 1e9 in a frame of 1e-3
@@ -28,6 +30,9 @@ enum light {
     BLOCK,    // 33 x 33 bright pixels in the middle, no other
     CANCEL,   // every other pixel as negative as its neighbour is bright
     FLAT,     // 2 everywhere
+    EQUAL,    // 1.1 everywhere: all roundings go one way
+    BLACK,    // 0 everywhere
+    FAINT,    // three in ten near the smallest that counts, else 0
     OVER,     // around and far over what a half can hold
     ENDS,     // around the ends of half's range and those of its denormals
 };
@@ -36,6 +41,7 @@ enum shape {
     PEAK,   // bright centre, long tail
     TINTED, // PEAK, another one a channel
     BOX,
+    HOLES,  // every third sample, another one a channel
     RING,   // dark within 4/5 of its radius
     LOBES,  // negative ones
     BORDER, // PEAK with zeros around it, more on the left and the top
@@ -43,6 +49,7 @@ enum shape {
 };
 
 static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
+static const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
 
 struct scene {
     struct gp_frame f;
@@ -56,6 +63,14 @@ static inline float scene_random(uint32_t *seed)
 {
     *seed = *seed * 1664525u + 1013904223u;
     return (float) (*seed >> 8) * 0x1p-24f;
+}
+
+/* In [0, 1), the same for the same i; the mixing of MurmurHash3. */
+static inline float scene_noise(int i)
+{
+    uint32_t h = 0x85ebca6bu * (uint32_t) (i + 1);
+    h = 0xc2b2ae35u * (h ^ h >> 13);
+    return (float) ((h ^ h >> 16) >> 8) * 0x1p-24f;
 }
 
 static inline void *scene_alloc(size_t count, size_t size)
@@ -95,6 +110,8 @@ static inline int scene_is_lit(enum light light, int x, int y, int w, int h)
     if (light == MIDDLE)
         return i % 83 == 13 && x >= w / 3 && x < w - w / 3 && y >= h / 3 &&
                y < h - h / 3;
+    if (light == MANY)
+        return scene_noise(i) < 0.3f;
     return i % 83 == 13 || i == w * h / 2;
 }
 
@@ -118,6 +135,16 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
         return i % 2 ? 3.0f : -3.0f;
     case FLAT:
         return 2.0f;
+    case EQUAL:
+        return 1.1f;
+    case BLACK:
+        return 0.0f;
+    case FAINT:
+        return scene_noise(i) < 0.3f ? 1e-35f * (1.0f + u) : 0.0f;
+    case MANY:
+        if (!scene_is_lit(light, x, y, w, h))
+            return dim;
+        return i % 11 == c ? 0.0f : 20.0f + (i % 5 ? u : 65484.0f * u);
     case OVER:
         return u < 0.5f ? 60000.0f + 20000.0f * u : 1e6f * u;
     case ENDS:
@@ -169,12 +196,12 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
                                int h)
 {
     const double dx = x - w / 2, dy = y - h / 2, r2 = dx * dx + dy * dy;
-    const double peak = pow(r2 + 1.5, -1.25);
+    const double peak = shape == BOX ? 1.0 : pow(r2 + 1.5, -1.25);
     switch (shape) {
     case TINTED:
         return peak * (1.0 + 0.2 * c) + 0.01 * c / (1.0 + r2);
-    case BOX:
-        return 1.0;
+    case HOLES:
+        return (x + y * w + c) % 3 ? 0.0 : peak;
     case RING:
         return r2 >= 0.16 * fmin(w * w, h * h) ? 1.0 : 0.0;
     case LOBES:
@@ -212,6 +239,14 @@ static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
         abort();
     gp_planes_free(&image.rgb);
     return k;
+}
+
+/* Sample at an offset from the centre, 0 outside. */
+static inline float scene_at(const struct gp_kernel *k, int c, int dx, int dy)
+{
+    const int x = k->cx + dx, y = k->cy + dy;
+    return x >= 0 && x < k->w && y >= 0 && y < k->h
+               ? k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x] : 0.0f;
 }
 
 /* Takes k; the same with samples times `gain`, turned by `rotate` degrees. */
@@ -318,20 +353,20 @@ static inline double scene_own_error(const struct scene *s)
 
 /* -- engines ----------------------------------------------------------------*/
 
-static char scene_line[1024];    // the last message
-static float scene_gain = 1.0f;  // of the layer in the composite
+static float scene_gain = 1.0f; // of the layer in the composite
 
-static inline void scene_keep(void *user, enum gp_level level, const char *line)
+/* Makes s->f.layer where there is none, and fills it with NaN: every sample
+ * must be written. */
+static inline void scene_clear_layer(struct scene *s)
 {
-    (void) user;
-    (void) level;
-    snprintf(scene_line, sizeof scene_line, "%s", line);
+    const size_t n = gp_frame_pixels(&s->f);
+    if (!s->f.layer.c[0] && gp_planes_make(NULL, "layer", n, &s->f.layer))
+        abort();
+    for (int c = 0; c < 3; c++)
+        memset(s->f.layer.c[c], 0xff, n * sizeof(float));
 }
 
-static const struct gp_log scene_log = {scene_keep, NULL, GP_LEVEL_INFO};
-
-/* Runs the named engine into s->f.layer, every sample of which must be
- * written: it is NaN before. */
+/* Runs the named engine into s->f.layer. */
 static inline gp_status scene_run(const char *engine, struct scene *s,
     struct gp_glare *g, struct gp_glare_stats *stats)
 {
@@ -339,12 +374,8 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
     p.engine = engine;
     p.gain = scene_gain;
     p.splat = (struct gp_splat_params) GP_SPLAT_EXACT; // as other engines
-    if (!s->f.layer.c[0] &&
-        gp_planes_make(NULL, "layer", gp_frame_pixels(&s->f), &s->f.layer))
-        abort();
-    for (int c = 0; c < 3; c++)
-        memset(s->f.layer.c[c], 0xff, gp_frame_pixels(&s->f) * sizeof(float));
-    return gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f, stats);
+    scene_clear_layer(s);
+    return gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, stats);
 }
 
 /* FNV-1a of the layer's bytes. */

@@ -5,7 +5,6 @@
 #include "glare/glare_priv.h"
 #include "glare/kernel.h"
 #include "glare_scene.h"
-#include "said.h"
 
 #include <float.h>
 

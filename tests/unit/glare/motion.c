@@ -73,7 +73,7 @@ static bool draw_engine(const struct technique *t, struct scene *s,
     p.engine = t->engine;
     p.splat = t->splat;
     const gp_status st =
-        gp_glare_run(&scene_log, &p, g, &s->src, &s->k, &s->f, &stats);
+        gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, &stats);
     if (st == GP_ERR_GL)
         return false;
     assert_int_equal(st, GP_OK);

@@ -2,14 +2,117 @@
  * that they agree, and times them.
  *
  *   build/tests/glare pairs                 proves all
- *   build/tests/glare pairs --time [NAME]   times those whose name begins so */
+ *   build/tests/glare pairs --time [NAME]   times those whose name begins so;
+ *                                           GLAREPP_TIME proves and times
+ *   GLAREPP_SEED=N   another seed; failures print the one they had
+ *
+ * Times are printed, never asserted. */
 #include "unit.h"
+#include "core/clock.h"
 #include "glare/direct/direct.h"
 #include "glare/glare_priv.h"
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
-#include "pair.h"
-#include "said.h"
+
+/* -- the harness: a reference and a fast form of the same thing run on the same
+ * generated frames ---------------------------------------------------------- */
+
+#define PAIR_KINDS(X)                                                         \
+    X(PAIR_UNIFORM, "uniform in [0, 2)")                                      \
+    X(PAIR_NEAR_ZERO, "near 0")                                               \
+    X(PAIR_DENORMAL, "denormals")                                             \
+    X(PAIR_NEAR_MAX, "near the maximum")                                      \
+    X(PAIR_HOT, "one hot pixel")                                              \
+    X(PAIR_SPRINKLED, "NaN, Inf and negative values sprinkled")
+#define PAIR_ENUM(name, text) name,
+#define PAIR_TEXT(name, text) text,
+enum pair_kind { PAIR_KINDS(PAIR_ENUM) PAIR_KIND_COUNT };
+static const char *const pair_text[] = {PAIR_KINDS(PAIR_TEXT)};
+
+struct pair {
+    const char *name;
+    float max;    // what "near the maximum" and the hot pixel are near to
+    double bar;   // of |fast - reference|_2 / |reference|_2; 0: equal samples
+    double lost;  // differences up to this are none: underflow
+    int w, h;     // of the frame that is timed
+    bool gl;      // needs a context
+    const void *how; // settings, for open()
+
+    /* What both forms need beside the frame, which it takes. */
+    void *(*open)(const struct pair *pair, struct gp_frame f);
+    void (*reference)(void *ctx, double *out); // 3 * w * h samples
+    void (*fast)(void *ctx, float *out);
+    void (*close)(void *ctx);
+};
+
+static struct gp_frame pair_frame(int w, int h, enum pair_kind kind, float max,
+                                  uint32_t seed)
+{
+    static const float bad[] = {
+        NAN, INFINITY, -INFINITY, -1.0f, FLT_MAX, -FLT_MAX, -0.0f, 1e-42f,
+    };
+    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, seed);
+    for (int i = 0; i < 3 * w * h; i++) {
+        const int at = i % (w * h);
+        const float u = scene_random(&seed);
+        float v = 2.0f * u;
+        if (kind == PAIR_NEAR_ZERO)
+            v = FLT_MIN * (1.0f + 1e6f * u);
+        else if (kind == PAIR_DENORMAL)
+            v = FLT_MIN * u;
+        else if (kind == PAIR_NEAR_MAX)
+            v = max * (1.0f - 0.01f * u);
+        else if (kind == PAIR_HOT)
+            v = at == w * h / 2 ? max : 1e-3f * (1.0f + u);
+        else if (kind == PAIR_SPRINKLED && at % 13 == 5)
+            v = bad[at / 13 % 8];
+        f.rgb.c[i / (w * h)][at] = v;
+    }
+    return f;
+}
+
+/* Proves one pair on one frame; or, when `timed`, prints how long the forms
+ * take at best. */
+static void pair_run(const struct pair *p, int w, int h, enum pair_kind kind,
+                     uint32_t seed, bool timed)
+{
+    const size_t n = 3 * (size_t) w * (size_t) h;
+    double *const want = scene_alloc(n, sizeof *want);
+    float *const got = scene_alloc(n, sizeof *got);
+    double slow = INFINITY, fast = INFINITY, wrong = 0.0, all = 0.0;
+    memset(got, 0xff, n * sizeof *got); // every sample must be written
+    void *const ctx = p->open(p, pair_frame(w, h, kind, p->max, seed));
+    for (int i = 0; i < (timed ? 5 : 1); i++) {
+        const double start = gp_now_ms();
+        p->reference(ctx, want);
+        const double between = gp_now_ms();
+        p->fast(ctx, got);
+        slow = fmin(slow, between - start);
+        fast = fmin(fast, gp_now_ms() - between);
+    }
+    p->close(ctx);
+    for (size_t i = 0; i < n; i++) {
+        const double d = fabs((double) got[i] - want[i]);
+        wrong += d <= p->lost ? 0.0 : d * d;
+        all += want[i] * want[i];
+    }
+    const double error = wrong == 0.0 ? 0.0 : sqrt(wrong / all);
+    if (timed)
+        printf("%s: %dx%d, %s, seed %u: reference %.3f ms, fast %.3f ms, "
+               "%.1f times\n", p->name, w, h, pair_text[kind], seed, slow, fast,
+               slow / fast);
+    if (!timed && !(error <= p->bar))
+        fail_msg("%s: %dx%d, %s, GLAREPP_SEED=%u: %g over %g", p->name, w, h,
+                 pair_text[kind], seed, error, p->bar);
+    free(want);
+    free(got);
+}
+
+static uint32_t pair_seed(void)
+{
+    const char *const s = getenv("GLAREPP_SEED");
+    return s ? (uint32_t) strtoul(s, NULL, 10) : 20071u;
+}
 
 /* -- sensors, by the contract's words ---------------------------------------
  */
@@ -20,15 +123,13 @@ struct sensing {
     float *plain; // the frame as it was
 };
 
-static void *open_sensing(const struct pair *pair, struct pair_input *in)
+static void *open_sensing(const struct pair *pair, struct gp_frame f)
 {
     struct sensing *const p = scene_alloc(1, sizeof *p);
-    p->params = pair->how;
-    p->f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
-    const size_t n = gp_frame_pixels(&p->f);
-    p->plain = scene_alloc(3 * n, sizeof(float));
-    for (int c = 0; c < 3; c++)
-        memcpy(p->plain + (size_t) c * n, in->rgb[c], n * sizeof(float));
+    const size_t n = gp_frame_pixels(&f);
+    *p = (struct sensing) {pair->how, f, scene_alloc(3 * n, sizeof(float))};
+    for (size_t i = 0; i < 3 * n; i++)
+        p->plain[i] = f.rgb.c[i / n][i % n];
     return p;
 }
 
@@ -93,13 +194,9 @@ struct spreading {
 
 /* The frame's light, all of it, and a kernel that is not grey. */
 static struct spreading *open_spreading(const struct pair *pair,
-    struct pair_input *in, int w, int h, int cx, int cy)
+    struct gp_frame f, int w, int h, int cx, int cy)
 {
-    static const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
     struct spreading *const p = scene_alloc(1, sizeof *p);
-    struct gp_frame f = scene_frame(in->w, in->h, 0, 0, DARK, 1u);
-    for (int c = 0; c < 3; c++)
-        memcpy(f.rgb.c[c], in->rgb[c], gp_frame_pixels(&f) * sizeof(float));
     p->pair = pair;
     p->s = scene_sense(f, scene_kernel(w, h, cx, cy, TINTED), &open_all);
     return p;
@@ -115,12 +212,10 @@ static void close_spreading(void *ctx)
     free(p);
 }
 
-static void *open_direct(const struct pair *pair, struct pair_input *in)
+static void *open_direct(const struct pair *pair, struct gp_frame f)
 {
-    struct spreading *const p = open_spreading(pair, in, 33, 21, 20, 9);
-    if (gp_taps_make(NULL, &p->s.k, -1, &p->taps) ||
-        gp_planes_make(NULL, "layer", gp_frame_pixels(&p->s.f), &p->s.f.layer))
-        abort();
+    struct spreading *const p = open_spreading(pair, f, 33, 21, 20, 9);
+    assert_ok(gp_taps_make(NULL, &p->s.k, -1, &p->taps));
     return p;
 }
 
@@ -140,52 +235,45 @@ static void copy_layer(const struct gp_frame *f, float *out)
 static void spread_directly(void *ctx, float *out)
 {
     struct spreading *const p = ctx;
-    const size_t n = gp_frame_pixels(&p->s.f);
-    for (int c = 0; c < 3; c++)
-        memset(p->s.f.layer.c[c], 0xff, n * sizeof(float));
-    if (gp_direct_sum(NULL, &p->s.src, &p->taps, false, &p->s.f.layer))
-        abort();
+    scene_clear_layer(&p->s);
+    assert_ok(gp_direct_sum(NULL, &p->s.src, &p->taps, false, &p->s.f.layer));
     copy_layer(&p->s.f, out);
 }
 
-static void *open_fft(const struct pair *pair, struct pair_input *in)
+static void *open_fft(const struct pair *pair, struct gp_frame f)
 {
-    const int side = in->w * in->h > 100000 ? 129 : 25;
-    return open_spreading(pair, in, side, side - 2, MID, 0);
+    const int side = gp_frame_pixels(&f) > 100000 ? 129 : 25;
+    return open_spreading(pair, f, side, side - 2, MID, 0);
 }
 
 static void spread_in_double(void *ctx, double *out)
 {
     const struct spreading *const p = ctx;
-    if (gp_glare_reference(NULL, &p->s.src, &p->s.k, out))
-        abort();
+    assert_ok(gp_glare_reference(NULL, &p->s.src, &p->s.k, out));
 }
 
 static void spread_by_fft(void *ctx, float *out)
 {
     struct spreading *const p = ctx;
     struct gp_glare_stats stats;
-    if (scene_run("fft", &p->s, &p->g, &stats))
-        abort();
+    assert_ok(scene_run("fft", &p->s, &p->g, &stats));
     copy_layer(&p->s.f, out);
 }
 
-static void *open_groups(const struct pair *pair, struct pair_input *in)
+static void *open_groups(const struct pair *pair, struct gp_frame f)
 {
     const struct gp_splat_params *const how = pair->how;
-    struct spreading *const p = open_spreading(pair, in, 23, 18, 11, 9);
-    if (gp_polygons_make(NULL, &p->s.src, how, &p->polygons) ||
-        gp_shrink_make(NULL, &p->s.k, how, &p->polygons, &p->shrink))
-        abort();
+    struct spreading *const p = open_spreading(pair, f, 23, 18, 11, 9);
+    assert_ok(gp_polygons_make(NULL, &p->s.src, how, &p->polygons));
+    assert_ok(gp_shrink_make(NULL, &p->s.k, how, &p->polygons, &p->shrink));
     return p;
 }
 
 static void draw_plainly(void *ctx, double *out)
 {
     struct spreading *const p = ctx;
-    if (gp_group_reference(NULL, &p->s.src, &p->s.k, p->pair->how,
-                           &p->polygons, &p->shrink, out))
-        abort();
+    assert_ok(gp_group_reference(NULL, &p->s.src, &p->s.k, p->pair->how,
+                                 &p->polygons, &p->shrink, out));
 }
 
 static void *splat_state; // one context for all; closed at the end
@@ -196,11 +284,8 @@ static void draw_by_splat(void *ctx, float *out)
     struct spreading *const p = ctx;
     struct gp_glare_stats stats = {0};
     struct gp_glare_params params = GP_GLARE_DEFAULTS;
-    const size_t n = gp_frame_pixels(&p->s.f);
     params.splat = *(const struct gp_splat_params *) p->pair->how;
-    gp_planes_free(&p->s.f.layer);
-    if (gp_planes_make(NULL, "layer", n, &p->s.f.layer))
-        abort();
+    scene_clear_layer(&p->s);
     const struct gp_glare_job job = {
         .log = &said_log, .params = &params, .src = &p->s.src,
         .kernel = &p->s.k, .layer = &p->s.f.layer, .stats = &stats,
@@ -219,21 +304,16 @@ struct rotating {
 };
 
 /* The frame is the kernel, without what no kernel has. */
-static void *open_rotating(const struct pair *pair, struct pair_input *in)
+static void *open_rotating(const struct pair *pair, struct gp_frame f)
 {
     struct rotating *const p = scene_alloc(1, sizeof *p);
-    const size_t n = (size_t) in->w * (size_t) in->h;
-    p->u = (struct gp_unturned) {
-        .w = in->w, .h = in->h, .cx = in->w / 2, .cy = in->h / 3,
+    const int w = gp_frame_w(&f), h = gp_frame_h(&f);
+    *p = (struct rotating) {
+        {.w = w, .h = h, .cx = w / 2, .cy = h / 3, .k = f.rgb}, w, h,
     };
-    p->w = in->w;
-    p->h = in->h;
-    if (gp_planes_make(NULL, "kernel", n, &p->u.k))
-        abort();
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < n; i++)
-            p->u.k.c[c][i] = fabsf(in->rgb[c][i]) < 1e30f ? in->rgb[c][i]
-                                                          : 0.0f;
+    for (int i = 0; i < 3 * w * h; i++) {
+        float *const v = &f.rgb.c[i / (w * h)][i % (w * h)];
+        *v = fabsf(*v) < 1e30f ? *v : 0.0f;
     }
     gp_rotate_angle(*(const float *) pair->how, &p->u);
     return p;
@@ -317,11 +397,21 @@ static const struct pair pairs[] = {
     ROTATED("kernel rotated back", 2),
 };
 
+/* All kinds at odd and at whole sizes. */
 static void fast_forms_equal_the_plain_ones(void **state)
 {
-    for (size_t i = 0; i < COUNT(pairs); i++) {
-        if (!pairs[i].gl || !no_context)
-            pair_run(&pairs[i]);
+    static const int sizes[][2] = {
+        {1, 1}, {1, 37}, {41, 1}, {2, 3}, {31, 17}, {32, 16}, {33, 65},
+        {97, 53},
+    };
+    for (size_t i = 0; i < COUNT(pairs) * COUNT(sizes); i++) {
+        const struct pair *const p = &pairs[i / COUNT(sizes)];
+        const size_t at = i % COUNT(sizes);
+        for (int kind = 0; kind < PAIR_KIND_COUNT; kind++) {
+            if (!p->gl || !no_context)
+                pair_run(p, sizes[at][0], sizes[at][1], (enum pair_kind) kind,
+                         pair_seed() + (uint32_t) at, false);
+        }
     }
 }
 
@@ -330,19 +420,17 @@ static void sensors_of_any_length(void **state)
 {
     static const float odd[] = {0.0f, -0.0f, 1.0f, -3.0f, 2.0f, 65504.0f};
     for (int n = 1; n <= 600; n += n < 40 ? 1 : 36) {
-        struct pair_input in = pair_make(n, 1, PAIR_UNIFORM, 0.0f, 3u);
-        float *const got = calloc(3 * (size_t) n, sizeof *got);
-        double *const want = calloc(3 * (size_t) n, sizeof *want);
+        struct gp_frame f = pair_frame(n, 1, PAIR_UNIFORM, 0.0f, 3u);
+        float *const got = scene_alloc(3 * (size_t) n, sizeof *got);
+        double *const want = scene_alloc(3 * (size_t) n, sizeof *want);
         for (int i = 0; i < 3 * n; i += 11)
-            in.rgb[i % 3][i / 3] = odd[i / 11 % 6];
-        void *const both = pairs[0].open(&pairs[0], &in);
+            f.rgb.c[i % 3][i / 3] = odd[i / 11 % 6];
+        void *const both = pairs[0].open(&pairs[0], f);
         pairs[0].reference(both, want);
         pairs[0].fast(both, got);
         pairs[0].close(both);
         for (int i = 0; i < 3 * n; i++)
             assert_true((double) got[i] == want[i]);
-        for (int c = 0; c < 3; c++)
-            free(in.rgb[c]);
         free(got);
         free(want);
     }
@@ -354,13 +442,20 @@ SUITE(pairs)
         cmocka_unit_test(fast_forms_equal_the_plain_ones),
         cmocka_unit_test(sensors_of_any_length),
     };
+    const bool only_time = argc > 1 && strcmp(argv[1], "--time") == 0;
+    const char *const name = argc > 2 ? argv[2] : "";
     no_context = gp_splat_make(NULL, &splat_state) ||
                  gp_splat_open(&said_log, splat_state, GP_GL_AUTO);
     if (no_context)
         printf("no context: %s\n", said_line);
-    int failed = 0;
-    if (!pair_time_table(pairs, COUNT(pairs), no_context, argc, argv))
-        failed = cmocka_run_group_tests(tests, NULL, NULL);
+    for (size_t i = 0; i < COUNT(pairs); i++) {
+        const struct pair *const p = &pairs[i];
+        if ((only_time || getenv("GLAREPP_TIME")) && !(p->gl && no_context) &&
+            strncmp(p->name, name, strlen(name)) == 0)
+            pair_run(p, p->w, p->h, PAIR_UNIFORM, pair_seed(), true);
+    }
+    const int failed =
+        only_time ? 0 : cmocka_run_group_tests(tests, NULL, NULL);
     gp_engine_splat.close(&splat_state);
     return failed;
 }

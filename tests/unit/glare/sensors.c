@@ -4,7 +4,6 @@
 #include "glare/glare_priv.h"
 #include "glare/sources.h"
 #include "hard_cases.h"
-#include "said.h"
 
 /* -- cleaning ---------------------------------------------------------------*/
 
@@ -195,6 +194,8 @@ static void lists_are_whole(void **state)
     for (int i = 0; i < HARD_CASES; i++) {
         struct scene s = hard_sense(&hard_cases[i]);
         assert_list(&s.src, hard_cases[i].name);
+        if (hard_cases[i].sources)
+            assert_int_equal(s.src.n, hard_cases[i].sources);
         scene_free(&s);
     }
 }

@@ -1,127 +1,10 @@
-/* Made-up light and kernels, the splat engine on them, and the plain sum in
- * double that it is tested against. */
+/* The splat engine on made-up scenes, against the plain sum in double. */
 #ifndef GP_TESTS_SPLAT_SCENE_H
 #define GP_TESTS_SPLAT_SCENE_H
 
 #include "glare/glare_priv.h"
 #include "glare/splat/splat_priv.h"
-#include "said.h"
-
-static uint32_t seed;
-
-static inline float uniform(void)
-{
-    seed = seed * 1664525u + 1013904223u;
-    return (float) (seed >> 8) * 0x1p-24f;
-}
-
-/* -- light ----------------------------------------------------------------- */
-
-/* FAINT light is near the smallest that counts. */
-enum light { EVERY, NONE, CORNERS, FEW, MANY, HOT, EQUAL, FAINT };
-
-static inline bool is_lit(enum light light, int i, int w, int h)
-{
-    int x = i % w, y = i / w;
-    switch (light) {
-    case EVERY:
-    case EQUAL:
-        return true;
-    case NONE:
-        return false;
-    case CORNERS:
-        return (x == 0 || x == w - 1) && (y == 0 || y == h - 1);
-    case FEW:
-    case HOT:
-        return i % 97 == 13 || i == w * h / 2;
-    case MANY:
-    case FAINT:
-        break;
-    }
-    return uniform() < 0.3f;
-}
-
-static inline float lit_value(enum light light, int i, int w, int h)
-{
-    if (light == EQUAL)
-        return 1.1f;
-    if (light == FAINT)
-        return 1e-35f * (1.0f + uniform());
-    if (light == HOT)
-        return i == w * h / 2 ? 1e9f : 1e-3f * uniform();
-    return i % 5 == 0 ? 65504.0f * uniform() : 1.0f + uniform();
-}
-
-static inline struct gp_sources make_sources(int w, int h, enum light light)
-{
-    const struct gp_sources like = {
-        .w = w, .h = h, .luminance = {0.2126f, 0.7152f, 0.0722f},
-    };
-    struct gp_sources s;
-    if (gp_sources_make(NULL, &like, (size_t) w * (size_t) h, &s))
-        abort();
-    for (int i = 0; i < w * h; i++) {
-        float rgb[3];
-        if (!is_lit(light, i, w, h))
-            continue;
-        for (int c = 0; c < 3; c++)
-            rgb[c] = i % 11 == c ? 0.0f : lit_value(light, i, w, h);
-        gp_sources_add(&s, i % w, i / w, rgb);
-    }
-    gp_sources_finish(&s);
-    return s;
-}
-
-/* -- kernels --------------------------------------------------------------- */
-
-enum shape { PEAK, BOX, LOBES, HOLES };
-
-static inline void find_norms(struct gp_kernel *k)
-{
-    for (int c = 0; c < 3; c++) {
-        double sum = 0.0, norm1 = 0.0, squares = 0.0;
-        for (int i = 0; i < k->w * k->h; i++) {
-            const double v = (double) k->k.c[c][i];
-            sum += v;
-            norm1 += fabs(v);
-            k->negative |= v < 0.0;
-            squares += v * v;
-        }
-        k->sum[c] = sum;
-        k->norm1[c] = norm1;
-        k->norm2[c] = sqrt(squares);
-    }
-}
-
-static inline void fill_kernel(struct gp_kernel *k, enum shape shape)
-{
-    for (int i = 0; i < k->w * k->h; i++) {
-        double dx = i % k->w - k->w / 2, dy = i / k->w - k->h / 2;
-        for (int c = 0; c < 3; c++) {
-            double v = 1.0 / (1.0 + 0.1 * (c + 1) * (dx * dx + dy * dy));
-            if (shape == BOX)
-                v = 0.1;
-            else if (shape == LOBES)
-                v = cos(0.7 * dx) * cos(0.4 * dy) * v;
-            else if (shape == HOLES)
-                v = (i + c) % 3 ? 0.0 : (double) uniform();
-            k->k.c[c][i] = (float) v;
-        }
-    }
-    find_norms(k);
-}
-
-static inline struct gp_kernel make_kernel(int w, int h, int cx, int cy,
-                                           enum shape shape)
-{
-    struct gp_kernel k = {.w = w, .h = h, .cx = cx, .cy = cy};
-    if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &k.k))
-        abort();
-    fill_kernel(&k, shape);
-    return k;
-}
-
-/* -- the engine ------------------------------------------------------------ */
+#include "glare_scene.h"
 
 enum { PRIMITIVES = 3 };
 static const enum gp_primitive primitives[PRIMITIVES] = {
@@ -130,20 +13,35 @@ static const enum gp_primitive primitives[PRIMITIVES] = {
 static struct gp_glare_stats stats; // of the last run
 static struct gp_splat_params how = GP_SPLAT_EXACT; // of the next
 
-static inline gp_status splat(enum gp_gl_api gl, const struct gp_sources *src,
-    const struct gp_kernel *k, struct gp_planes *layer, void **state)
+/* Its centre may be where no kernel that is read has one. */
+static inline struct gp_kernel splat_kernel(int w, int h, int cx, int cy,
+                                            enum shape shape)
+{
+    struct gp_kernel k = scene_kernel(w, h, MID, 0, shape);
+    k.cx = cx;
+    k.cy = cy;
+    return k;
+}
+
+/* Takes the kernel. Light that is hot or faint is not measured by what is
+ * usual. */
+static inline struct scene splat_scene(int w, int h, enum light light,
+                                       struct gp_kernel k)
+{
+    return scene_sense(scene_frame(w, h, 0, 0, light, 20071u), k,
+                       light == HOT || light == FAINT ? &open_all : &usual);
+}
+
+static inline gp_status splat(enum gp_gl_api gl, struct scene *s, void **state)
 {
     const struct gp_glare_params params = {.engine = "splat", .gain = 1.0f,
                                            .gl = gl, .splat = how};
-    const struct gp_glare_job job = {.log = &said_log, .params = &params,
-                                     .src = src, .kernel = k, .layer = layer,
-                                     .stats = &stats};
-    size_t samples = (size_t) src->w * (size_t) src->h;
+    const struct gp_glare_job job = {
+        .log = &said_log, .params = &params, .src = &s->src, .kernel = &s->k,
+        .layer = &s->f.layer, .stats = &stats,
+    };
     stats = (struct gp_glare_stats) {0};
-    if (gp_planes_make(NULL, "layer", samples, layer))
-        abort();
-    for (int c = 0; c < 3; c++) // every sample must be written
-        memset(layer->c[c], 0xff, samples * sizeof(float));
+    scene_clear_layer(s);
     return gp_engine_splat.run(&job, state);
 }
 
@@ -162,20 +60,22 @@ static inline void *open_or_skip(enum gp_gl_api gl)
     return state;
 }
 
-/* rel_l2 of a layer against the sum in double; 0 when both are all 0. */
-static inline double rel_l2(const struct gp_sources *src,
-    const struct gp_kernel *k, const struct gp_planes *layer)
+/* The same with a driver that draws no side over this many pixels. */
+static inline void *open_small_or_skip(const char *side)
 {
-    const size_t n = (size_t) src->w * (size_t) src->h;
-    double wrong = 0.0, all = 0.0, *const sum = calloc(3 * n, sizeof *sum);
-    gp_glare_reference_direct(src, k, sum);
-    for (size_t i = 0; i < 3 * n; i++) {
-        const double d = (double) layer->c[i / n][i % n] - sum[i];
-        wrong += d * d;
-        all += sum[i] * sum[i];
-    }
-    free(sum);
-    return wrong == 0.0 ? 0.0 : sqrt(wrong / all);
+    setenv("GLAREPP_GL_MAX_SIZE", side, 1);
+    void *const state = open_or_skip(GP_GL_AUTO);
+    unsetenv("GLAREPP_GL_MAX_SIZE");
+    return state;
+}
+
+/* rel_l2 of the layer against the sum in double. */
+static inline double splat_error(struct scene *s)
+{
+    free(s->exact);
+    s->exact = scene_alloc(3 * gp_frame_pixels(&s->f), sizeof *s->exact);
+    gp_glare_reference_direct(&s->src, &s->k, s->exact);
+    return scene_rel_l2(s);
 }
 
 #endif

@@ -14,7 +14,6 @@
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 #include "fail.h"
-#include "said.h"
 
 enum { W = 61, H = 43, SIZE = 25 };
 

@@ -1,6 +1,6 @@
 /* glare at its edges: FFTW that is missing or makes no plan, drivers with low
- * limits, kernels that reach nothing, choices whose
- * questions fail, jobs that take too long, and CPUs without AVX2. */
+ * limits, kernels that reach nothing, jobs that take too long, and CPUs without
+ * AVX2. */
 #include "unit.h"
 #include "core/memory.h"
 #include "glare/fft/fft.h"
@@ -9,7 +9,6 @@
 #include "gl/gl_priv.h"
 #include "glare_scene.h"
 #include "fail.h"
-#include "said.h"
 
 #include <dlfcn.h>
 #include <unistd.h>
@@ -86,14 +85,14 @@ static void fftw_makes_no_plan(void **state)
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
             plans = 0;
-            scene_line[0] = '\0';
+            said_nothing();
             const gp_status st =
-                of_reference ? gp_glare_reference(&scene_log, &s.src, &s.k,
+                of_reference ? gp_glare_reference(&said_log, &s.src, &s.k,
                                                   layer)
                              : scene_run("fft", &s, &g, &stats);
             assert_int_equal(st, plans >= refused ? GP_ERR_BUG : GP_OK);
             assert_true((st != GP_OK) ==
-                        (strstr(scene_line, "makes no plan") != NULL));
+                        (strstr(said_line, "makes no plan") != NULL));
             assert_true(refused > 1 || st != GP_OK);
             gp_glare_close(&g);
         }
@@ -151,7 +150,7 @@ static void kernels_that_reach_nothing(void **state)
         gp_engines[i]->close(&kept);
     }
     assert_int_equal(scene_run("none", &s, &g, &stats), GP_ERR_USAGE);
-    assert_non_null(strstr(scene_line, "no engine has this name"));
+    assert_non_null(strstr(said_line, "no engine has this name"));
     gp_glare_close(&g);
     scene_free(&s);
 }
@@ -182,19 +181,9 @@ static void cpus_agree(void **state)
     }
 }
 
-static char warning[1024];
-
-static void keep_warning(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    if (level == GP_LEVEL_WARN)
-        snprintf(warning, sizeof warning, "%s", line);
-}
-
 /* Said before the first source is drawn; memory ends the run there. */
 static void patience_is_asked_for(void **state)
 {
-    static const struct gp_log log = {keep_warning, NULL, GP_LEVEL_WARN};
     struct scene s = make_scene(ALL, 1200, 1000, 1001, MID);
     struct gp_glare_params p = GP_GLARE_DEFAULTS;
     struct gp_glare_stats stats;
@@ -205,12 +194,12 @@ static void patience_is_asked_for(void **state)
     for (int named = 0; named < 2; named++) {
         s.f.path = named ? name : NULL;
         fail_at(FAIL_ALLOC, 1);
-        assert_int_equal(gp_glare_run(&log, &p, &g, &s.src, &s.k, &s.f,
+        assert_int_equal(gp_glare_run(&said_log, &p, &g, &s.src, &s.k, &s.f,
                                       &stats), GP_ERR_BUG);
         fail_end();
-        assert_non_null(strstr(warning, "direct will take about"));
-        assert_non_null(strstr(warning, "--engine fft"));
-        assert_true(strncmp(warning, named ? "lamp.exr: " : "frame: ",
+        assert_non_null(strstr(said_warning, "direct will take about"));
+        assert_non_null(strstr(said_warning, "--engine fft"));
+        assert_true(strncmp(said_warning, named ? "lamp.exr: " : "frame: ",
                             named ? 10 : 7) == 0);
     }
     s.f.path = NULL;
@@ -264,59 +253,7 @@ static void limits_are_named(void **state)
     scene_free(&s);
 }
 
-// -- choices -----------------------------------------------------------------
-
-struct question {
-    const double *bound;
-    int asked, failing;
-};
-
-static gp_status ask(void *ctx, int i, double *bound)
-{
-    struct question *const q = ctx;
-    *bound = q->bound[i];
-    return ++q->asked == q->failing ? GP_ERR_DATA : GP_OK;
-}
-
-static gp_status choose(const double *ms, struct question *q, int last,
-                        struct gp_choice *out)
-{
-    struct gp_candidate c[4];
-    struct gp_plan_past past = {.last = last, .rival = 1, .lost = 5.0};
-    for (int i = 0; i < 4; i++)
-        c[i] = (struct gp_candidate) {
-            .exact = i == 3, .ms = ms[i], .later_ms = 0.7 * ms[i],
-            .bound = NAN,
-        };
-    q->asked = 0;
-    return gp_plan_choose(c, 4, 1e-3, &past, ask, q, out);
-}
-
-/* A bound that cannot be had ends the choice, whichever it is. */
-static void questions_may_fail(void **state)
-{
-    static const double bounds[][4] = {
-        {1e-4, 1e-4, 1e-4, 1e-6}, {1.0, 9e-4, 2e-4, 1e-6},
-        {9e-4, 9e-4, 9e-4, 9e-4}, {1.0, 1.0, 1.0, 1e-6}, {1.0, 1.0, 1.0, 1.0},
-    };
-    static const double times[][4] = {
-        {1, 2, 3, 4}, {4, 3, 2, 1}, {10, 9.5, 9, 10}, {1, 1, 1, 100},
-    };
-    int failures = 0;
-    for (int k = 0; k < 5 * 4 * 5; k++) {
-        struct question q = {.bound = bounds[k / 20]};
-        struct gp_choice choice;
-        const double *const ms = times[k / 5 % 4];
-        assert_ok(choose(ms, &q, k % 5, &choice));
-        const int asked = q.asked;
-        assert_true(asked > 0 && choice.taken >= 0 && choice.taken < 4);
-        for (q.failing = 1; q.failing <= asked; q.failing++, failures++)
-            assert_int_equal(choose(ms, &q, k % 5, &choice), GP_ERR_DATA);
-    }
-    assert_true(failures > 100);
-}
-
 SUITE_OF(starved_limits, NULL, NULL,
     fftw_is_missing, fftw_makes_no_plan, wisdom_is_not_kept,
     kernels_that_reach_nothing, cpus_agree, patience_is_asked_for,
-    limits_are_named, questions_may_fail)
+    limits_are_named)
