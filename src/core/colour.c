@@ -8,28 +8,10 @@ const float gp_rec709_chromaticities[8] = {
 };
 const float gp_rec709_luminance[3] = {0.2126f, 0.7152f, 0.0722f};
 
-/* Solves m * x = b for a 3x3 matrix by Cramer's rule; 0 when singular. */
-static int solve3(const double m[9], const double b[3], double x[3])
-{
-    double c0 = m[4] * m[8] - m[5] * m[7];
-    double c1 = m[5] * m[6] - m[3] * m[8];
-    double c2 = m[3] * m[7] - m[4] * m[6];
-    double det = m[0] * c0 + m[1] * c1 + m[2] * c2;
-    if (!(fabs(det) > 1e-12))
-        return 0;
-    x[0] = (b[0] * c0 + m[1] * (m[5] * b[2] - b[1] * m[8]) +
-            m[2] * (b[1] * m[7] - m[4] * b[2])) / det;
-    x[1] = (m[0] * (b[1] * m[8] - m[5] * b[2]) + b[0] * c1 +
-            m[2] * (m[3] * b[2] - b[1] * m[6])) / det;
-    x[2] = (m[0] * (m[4] * b[2] - b[1] * m[7]) +
-            m[1] * (b[1] * m[6] - m[3] * b[2]) + b[0] * c2) / det;
-    return 1;
-}
-
 int gp_rgb_to_xyz(const float ch[8], double m[9])
 {
     // columns are the primaries' xyz; their scale S makes white's Y = 1
-    double p[9], white[3], s[3];
+    double p[9], b[3], s[3];
     for (int i = 0; i < 8; i++) {
         if (!isfinite(ch[i]))
             return 0;
@@ -41,11 +23,22 @@ int gp_rgb_to_xyz(const float ch[8], double m[9])
     }
     if (!(fabs((double) ch[7]) > 1e-6))
         return 0;
-    white[0] = (double) ch[6] / (double) ch[7];
-    white[1] = 1.0;
-    white[2] = (1.0 - (double) ch[6] - (double) ch[7]) / (double) ch[7];
-    if (!solve3(p, white, s))
+    b[0] = (double) ch[6] / (double) ch[7];
+    b[1] = 1.0;
+    b[2] = (1.0 - (double) ch[6] - (double) ch[7]) / (double) ch[7];
+    // p * s = b by Cramer's rule
+    const double c0 = p[4] * p[8] - p[5] * p[7];
+    const double c1 = p[5] * p[6] - p[3] * p[8];
+    const double c2 = p[3] * p[7] - p[4] * p[6];
+    const double det = p[0] * c0 + p[1] * c1 + p[2] * c2;
+    if (!(fabs(det) > 1e-12))
         return 0;
+    s[0] = (b[0] * c0 + p[1] * (p[5] * b[2] - b[1] * p[8]) +
+            p[2] * (b[1] * p[7] - p[4] * b[2])) / det;
+    s[1] = (p[0] * (b[1] * p[8] - p[5] * b[2]) + b[0] * c1 +
+            p[2] * (p[3] * b[2] - b[1] * p[6])) / det;
+    s[2] = (p[0] * (p[4] * b[2] - b[1] * p[7]) +
+            p[1] * (b[1] * p[6] - p[3] * b[2]) + b[0] * c2) / det;
     for (int i = 0; i < 9; i++)
         m[i] = p[i] * s[i % 3];
     return 1;

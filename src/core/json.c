@@ -173,74 +173,15 @@ static gp_status fail_at(const struct gp_json_place *p, const char *fmt, ...)
 
 // -- reading -----------------------------------------------------------------
 
-/* Reads to the end of a file or pipe, or one byte over `most`, which tells that
- * it is too large. *text is owned by the caller: gp_free(). */
-static gp_status read_all(const struct gp_log *log, const char *path, int fd,
-                          size_t most, char **text, size_t *bytes)
-{
-    size_t room = 0;
-    *bytes = 0;
-    while (*bytes <= most) {
-        if (*bytes == room) {
-            void *block = *text;
-            room = room ? 2 * room : 16 << 10; // most files
-            room = room < most + 1 ? room : most + 1;
-            const gp_status st = gp_resize(log, path, room, &block);
-            if (st)
-                return st;
-            *text = block;
-        }
-        const ssize_t n = read(fd, *text + *bytes, room - *bytes);
-        if (n < 0 && errno == EINTR)
-            continue;
-        if (n < 0)
-            return gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); "
-                           "check the file", path, strerror(errno));
-        if (n == 0)
-            break;
-        *bytes += (size_t) n;
-    }
-    return GP_OK;
-}
-
-static gp_status parse(const struct gp_log *log, const char *path,
-                       const char *text, size_t bytes, json_t **out)
-{
-    static const char mark[] = "\xef\xbb\xbf"; // some editors' byte order mark
-    size_t first = 0;
-    json_error_t e;
-    if (bytes >= 3 && memcmp(text, mark, 3) == 0) {
-        text += 3;
-        bytes -= 3;
-    }
-    while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
-        first++;
-    if (first == bytes)
-        return gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
-                       "write an array or an object", path);
-    full = false;
-    json_t *const root = json_loadb(
-        text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
-    if (full) {
-        json_decref(root);
-        full = false;
-        return gp_no_memory(log, path);
-    }
-    if (!root)
-        return gp_fail(log, GP_ERR_DATA,
-                       "%s: not JSON at line %d, column %d (%s); correct it "
-                       "there", path, e.line, e.column, show(e.text).text);
-    *out = root;
-    return GP_OK;
-}
-
 gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
                        json_t **out)
 {
+    static const char mark[] = "\xef\xbb\xbf"; // some editors' byte order mark
     gp_status st;
-    char *text = NULL;
-    size_t bytes;
+    void *block = NULL;
+    size_t bytes = 0, room = 0, first = 0;
     struct stat about;
+    json_error_t e;
     int fd = open(path, O_RDONLY | O_CLOEXEC);
     if (fd < 0)
         return gp_fail(log, GP_ERR_IO, "%s: cannot open (%s); check the name",
@@ -248,13 +189,48 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
     if (fstat(fd, &about) == 0 && S_ISDIR(about.st_mode))
         GP_TRY(gp_fail(log, GP_ERR_IO,
                        "%s: cannot read (it is a folder); name a file", path));
-    GP_TRY(read_all(log, path, fd, most, &text, &bytes));
+    // to the end of a file or pipe, or one byte over `most`: it is too large
+    for (ssize_t n = 1; n != 0 && bytes <= most;) {
+        if (bytes == room) {
+            room = room ? 2 * room : 16 << 10; // most files
+            room = room < most + 1 ? room : most + 1;
+            GP_TRY(gp_resize(log, path, room, &block));
+        }
+        n = read(fd, (char *) block + bytes, room - bytes);
+        if (n < 0 && errno != EINTR)
+            GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot read (%s); check the "
+                           "file", path, strerror(errno)));
+        bytes += n > 0 ? (size_t) n : 0;
+    }
     if (bytes > most)
-        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu "
-                       "KiB); split it", path, most >> 10));
-    GP_TRY(parse(log, path, text, bytes, out));
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: too large (over %zu KiB); split "
+                       "it", path, most >> 10));
+
+    const char *text = block;
+    if (bytes >= 3 && memcmp(text, mark, 3) == 0) {
+        text += 3;
+        bytes -= 3;
+    }
+    while (first < bytes && text[first] && strchr(" \t\r\n", text[first]))
+        first++;
+    if (first == bytes)
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: not JSON (the file is empty); "
+                       "write an array or an object", path));
+    full = false;
+    json_t *const root = json_loadb(
+        text, bytes, JSON_REJECT_DUPLICATES | JSON_DECODE_INT_AS_REAL, &e);
+    if (full) {
+        json_decref(root);
+        full = false;
+        GP_TRY(gp_no_memory(log, path));
+    }
+    if (!root)
+        GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: not JSON at line %d, column %d "
+                       "(%s); correct it there", path, e.line, e.column,
+                       show(e.text).text));
+    *out = root;
 out:
-    gp_free(text);
+    gp_free(block);
     close(fd);
     return st;
 }

@@ -154,28 +154,6 @@ static void after_fork(void)
     pool.open = NULL;
 }
 
-/* Starts what is missing of a team; fewer are no error. Locked.
- * Signals are for the first thread, which knows what it is at. */
-static void start_workers(int team)
-{
-    static bool registered;
-    sigset_t all, before;
-    if (pool.workers >= team - 1)
-        return;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before);
-    if (!registered)
-        registered = pthread_atfork(NULL, NULL, after_fork) == 0;
-    while (pool.workers < team - 1) {
-        pthread_t id;
-        if (pthread_create(&id, NULL, worker, NULL) != 0)
-            break;
-        pthread_detach(id);
-        pool.workers++;
-    }
-    pthread_sigmask(SIG_SETMASK, &before, NULL);
-}
-
 gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
 {
     const int team = gp_threads() < n ? gp_threads() : n;
@@ -193,7 +171,23 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
     atomic_init(&l.next, 0);
     atomic_init(&l.first, INT_MAX);
     pthread_mutex_lock(&pool.lock);
-    start_workers(team);
+    if (pool.workers < team - 1) {
+        // what is missing of the team; fewer are no error. Signals are for the
+        // first thread, which knows what it is at
+        static bool registered;
+        sigset_t all, before;
+        sigfillset(&all);
+        pthread_sigmask(SIG_SETMASK, &all, &before);
+        if (!registered)
+            registered = pthread_atfork(NULL, NULL, after_fork) == 0;
+        pthread_t id;
+        while (pool.workers < team - 1 &&
+               pthread_create(&id, NULL, worker, NULL) == 0) {
+            pthread_detach(id);
+            pool.workers++;
+        }
+        pthread_sigmask(SIG_SETMASK, &before, NULL);
+    }
     struct loop **at = &pool.open; // after the others
     while (*at)
         at = &(*at)->younger;

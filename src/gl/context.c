@@ -1,6 +1,7 @@
 #include "gl/gl_priv.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <dlfcn.h>
@@ -75,21 +76,8 @@ bool gp_gl_reach(const struct gp_gl *gl)
 
 /* -- opening --------------------------------------------------------------- */
 
-/* 10 * major + minor of "4.5 (Core Profile) Mesa 22.3.6"; 0 when unreadable. */
-static int version_of(const char *text)
-{
-    char *dot, *end;
-    if (!text)
-        return 0;
-    const long major = strtol(text, &dot, 10);
-    if (major < 1 || major > 99 || *dot != '.')
-        return 0;
-    const long minor = strtol(dot + 1, &end, 10);
-    return end == dot + 1 || minor < 0 || minor > 9
-               ? 0
-               : (int) (major * 10 + minor);
-}
-
+/* Refuses a GL under 4.5, and one whose version cannot be read; sets the name
+ * in messages. */
 static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
 {
     PFNGLGETSTRINGPROC get =
@@ -100,7 +88,12 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
                        "take --engine fft", gl->system->name);
     const char *version = (const char *) get(GL_VERSION);
     const char *renderer = (const char *) get(GL_RENDERER);
-    if (version_of(version) < GL_NEED)
+    // "4.5 (Core Profile) Mesa 22.3.6"
+    char *dot = NULL, *end = NULL;
+    const long major = version ? strtol(version, &dot, 10) : 0;
+    const long minor = dot && *dot == '.' ? strtol(dot + 1, &end, 10) : -1;
+    if (major < 1 || major > 99 || minor < 0 || minor > 9 || end == dot + 1 ||
+        major * 10 + minor < GL_NEED)
         return gp_fail(log, GP_ERR_GL,
                        "%s: OpenGL 4.5 is needed (%s found); install a newer "
                        "Mesa or driver, or take --engine fft",
@@ -111,40 +104,6 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     gl->info.software = strstr(name, "llvmpipe") || strstr(name, "softpipe") ||
                         strstr(name, "swrast") || strstr(name, "SwiftShader");
     return GP_OK;
-}
-
-static gp_status load_functions(const struct gp_log *log, struct gp_gl *gl)
-{
-#define LOAD(type, function)                                                  \
-    gl->f.function = (type) gl->system->proc(gl->window, "gl" #function);     \
-    if (!gl->f.function)                                                      \
-        return gp_fail(log, GP_ERR_GL,                                        \
-                       "%s: gl" #function " is missing; install a newer "     \
-                       "Mesa or driver, or take --engine fft", gl->info.name);
-    GP_GL_FUNCTIONS(LOAD)
-#undef LOAD
-    return GP_OK;
-}
-
-static void find_limits(const struct gp_gl_functions *f,
-                        struct gp_gl_info *info)
-{
-    GLint texture = 0, viewport[2] = {0};
-    f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
-    f->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    info->max_size = texture < viewport[0] ? texture : viewport[0];
-    if (viewport[1] < info->max_size)
-        info->max_size = viewport[1];
-    const char *lower = getenv("GLAREPP_GL_MAX_SIZE");
-    long asked = lower ? strtol(lower, NULL, 10) : 0;
-    if (asked > 0 && asked < info->max_size)
-        info->max_size = (int) asked;
-
-    GLfloat point[2] = {0};
-    f->GetFloatv(GL_POINT_SIZE_RANGE, point);
-    info->max_point = point[1];
-    f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &info->max_block);
-    f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &info->max_texel_buffer);
 }
 
 static bool threads_are_ours; // LP_NUM_THREADS is not the user's
@@ -161,11 +120,10 @@ void gp_gl_prepare(void)
 static gp_status open_system(const struct gp_log *log,
     const struct gp_gl_system *system, struct gp_gl **out)
 {
-    void *block;
-    gp_status st = gp_alloc_zero(log, "GL context", 1, sizeof **out, &block);
+    struct gp_gl *gl;
+    gp_status st = gp_alloc_zero(log, "GL context", 1, sizeof *gl, &gl);
     if (st)
         return st;
-    struct gp_gl *gl = block;
     void *library;
     char threads[16];
     gl->system = system;
@@ -178,18 +136,39 @@ static gp_status open_system(const struct gp_log *log,
     GP_TRY(system->open(log, library, &gl->window));
     GP_TRY(gp_gl_use(log, gl));
     GP_TRY(check_version(log, gl));
-    GP_TRY(load_functions(log, gl));
-    find_limits(&gl->f, &gl->info);
+#define LOAD(type, function)                                                  \
+    gl->f.function = (type) system->proc(gl->window, "gl" #function);         \
+    if (!gl->f.function)                                                      \
+        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
+                       "%s: gl" #function " is missing; install a newer "     \
+                       "Mesa or driver, or take --engine fft", gl->info.name));
+    GP_GL_FUNCTIONS(LOAD)
+#undef LOAD
+
+    const struct gp_gl_functions *const f = &gl->f;
+    GLint texture = 0, viewport[2] = {0};
+    f->GetIntegerv(GL_MAX_TEXTURE_SIZE, &texture);
+    f->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    const char *lower = getenv("GLAREPP_GL_MAX_SIZE");
+    const long asked = lower ? strtol(lower, NULL, 10) : 0;
+    const int least = gp_min(texture, gp_min(viewport[0], viewport[1]));
+    gl->info.max_size = asked > 0 && asked < least ? (int) asked : least;
+    GLfloat point[2] = {0};
+    f->GetFloatv(GL_POINT_SIZE_RANGE, point);
+    gl->info.max_point = point[1];
+    f->GetIntegerv(GL_MAX_UNIFORM_BLOCK_SIZE, &gl->info.max_block);
+    f->GetIntegerv(GL_MAX_TEXTURE_BUFFER_SIZE, &gl->info.max_texel_buffer);
+
     // state for the context's whole life: what this program draws has neither
     // depth nor dither, and its rows are packed
-    gl->f.CreateVertexArrays(1, &gl->vertex_array);
-    gl->f.BindVertexArray(gl->vertex_array);
-    gl->f.Disable(GL_DITHER);
-    gl->f.Disable(GL_DEPTH_TEST);
-    gl->f.Disable(GL_CULL_FACE);
-    gl->f.BlendFunc(GL_ONE, GL_ONE);
-    gl->f.PixelStorei(GL_PACK_ALIGNMENT, 4);
-    gl->f.PixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    f->CreateVertexArrays(1, &gl->vertex_array);
+    f->BindVertexArray(gl->vertex_array);
+    f->Disable(GL_DITHER);
+    f->Disable(GL_DEPTH_TEST);
+    f->Disable(GL_CULL_FACE);
+    f->BlendFunc(GL_ONE, GL_ONE);
+    f->PixelStorei(GL_PACK_ALIGNMENT, 4);
+    f->PixelStorei(GL_UNPACK_ALIGNMENT, 4);
     GP_TRY(gp_gl_check(log, gl, "setting up the context"));
     *out = gl;
     return GP_OK;

@@ -50,32 +50,10 @@ static bool has(const char *list, const char *name)
     return false;
 }
 
-static gp_status load_functions(const struct gp_log *log, void *library,
-                                struct egl_functions *f)
-{
-    f->proc = (PFNEGLGETPROCADDRESSPROC) dlsym(library, "eglGetProcAddress");
-#define LOAD(type, field, name)                                               \
-    f->field = (type) dlsym(library, name);                                   \
-    if (!f->field || !f->proc)                                                \
-        return gp_fail(log, GP_ERR_GL,                                        \
-                       "EGL: " name " is missing; install the Debian "        \
-                       "packages libegl1 and libegl-mesa0, or take --gl "     \
-                       "osmesa");
-    EGL_FUNCTIONS(LOAD)
-#undef LOAD
-    f->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) f->proc(
-        "eglGetPlatformDisplayEXT");
-    f->query_devices = (PFNEGLQUERYDEVICESEXTPROC) f->proc(
-        "eglQueryDevicesEXT");
-    f->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) f->proc(
-        "eglQueryDeviceStringEXT");
-    return GP_OK;
-}
-
-/* -- context on a display -------------------------------------------------- */
-
-static EGLContext make_context(const struct egl_functions *f,
-                               EGLDisplay display)
+/* Takes the display when a context can be made on it. Displays are never
+ * terminated: that would take them from every context of the process, and
+ * unload a driver that does not survive it. */
+static bool try_display(struct egl *e, EGLDisplay display)
 {
     static const EGLint wanted[] = {EGL_SURFACE_TYPE, 0, EGL_RENDERABLE_TYPE,
                                     EGL_OPENGL_BIT, EGL_NONE};
@@ -84,51 +62,20 @@ static EGLContext make_context(const struct egl_functions *f,
         EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
         EGL_NONE};
     static const EGLint any[] = {EGL_NONE};
-    const char *extensions = f->query_string(display, EGL_EXTENSIONS);
+    const struct egl_functions *const f = &e->f;
     EGLConfig config;
     EGLint configs = 0;
-    if (!has(extensions, "EGL_KHR_surfaceless_context") ||
+    if (display == EGL_NO_DISPLAY || !f->initialize(display, NULL, NULL) ||
+        !has(f->query_string(display, EGL_EXTENSIONS),
+             "EGL_KHR_surfaceless_context") ||
         !f->bind_api(EGL_OPENGL_API) ||
         !f->choose_config(display, wanted, &config, 1, &configs) || configs < 1)
-        return EGL_NO_CONTEXT;
-    EGLContext c = f->create_context(display, config, EGL_NO_CONTEXT, core);
-    return c ? c : f->create_context(display, config, EGL_NO_CONTEXT, any);
-}
-
-/* Takes the display when a context can be made on it. Displays are never
- * terminated: that would take them from every context of the process, and
- * unload a driver that does not survive it. */
-static bool try_display(struct egl *e, EGLDisplay display)
-{
-    if (display == EGL_NO_DISPLAY || !e->f.initialize(display, NULL, NULL))
         return false;
     e->display = display;
-    e->context = make_context(&e->f, display);
+    e->context = f->create_context(display, config, EGL_NO_CONTEXT, core);
+    if (!e->context)
+        e->context = f->create_context(display, config, EGL_NO_CONTEXT, any);
     return e->context != EGL_NO_CONTEXT;
-}
-
-/* -- which display --------------------------------------------------------- */
-
-/* Takes the first device with a context that is neither Mesa's rasterizer nor
- * one that does not say. */
-static bool try_devices(struct egl *e, const char *extensions)
-{
-    EGLDeviceEXT device[MAX_DEVICES];
-    EGLint devices = 0;
-    bool can = has(extensions, "EGL_EXT_platform_device") &&
-               (has(extensions, "EGL_EXT_device_base") ||
-                has(extensions, "EGL_EXT_device_enumeration"));
-    if (!can || !e->f.query_devices || !e->f.device_string ||
-        !e->f.query_devices(MAX_DEVICES, device, &devices))
-        return false;
-    for (EGLint i = 0; i < devices; i++) {
-        const char *text = e->f.device_string(device[i], EGL_EXTENSIONS);
-        if (text && !has(text, "EGL_MESA_device_software") &&
-            try_display(e, e->f.get_display(EGL_PLATFORM_DEVICE_EXT,
-                                            device[i], NULL)))
-            return true;
-    }
-    return false;
 }
 
 static gp_status find_display(const struct gp_log *log, struct egl *e)
@@ -139,8 +86,23 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
                        "EGL: no platform extensions (EGL 1.5 or "
                        "EGL_EXT_platform_base is needed); install the Debian "
                        "package libegl-mesa0, or take --gl osmesa");
-    if (try_devices(e, extensions))
-        return GP_OK;
+    // the first device with a context that is neither Mesa's rasterizer nor
+    // one that does not say
+    EGLDeviceEXT device[MAX_DEVICES];
+    EGLint devices = 0;
+    if (!has(extensions, "EGL_EXT_platform_device") ||
+        !(has(extensions, "EGL_EXT_device_base") ||
+          has(extensions, "EGL_EXT_device_enumeration")) ||
+        !e->f.query_devices || !e->f.device_string ||
+        !e->f.query_devices(MAX_DEVICES, device, &devices))
+        devices = 0;
+    for (EGLint i = 0; i < devices; i++) {
+        const char *text = e->f.device_string(device[i], EGL_EXTENSIONS);
+        if (text && !has(text, "EGL_MESA_device_software") &&
+            try_display(e, e->f.get_display(EGL_PLATFORM_DEVICE_EXT,
+                                            device[i], NULL)))
+            return GP_OK;
+    }
     if (has(extensions, "EGL_MESA_platform_surfaceless") &&
         try_display(e, e->f.get_display(EGL_PLATFORM_SURFACELESS_MESA,
                                         EGL_DEFAULT_DISPLAY, NULL)))
@@ -150,8 +112,6 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
                    "gives a context; install the Debian packages libegl-mesa0 "
                    "and libgl1-mesa-dri, or take --gl osmesa");
 }
-
-/* -- the system ------------------------------------------------------------ */
 
 static void close_egl(void *window)
 {
@@ -164,13 +124,27 @@ static void close_egl(void *window)
 static gp_status open_egl(const struct gp_log *log, void *library,
                           void **window)
 {
-    void *block;
-    gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof(struct egl),
-                                 &block);
+    struct egl *e;
+    gp_status st = gp_alloc_zero(log, "EGL context", 1, sizeof *e, &e);
     if (st)
         return st;
-    struct egl *e = block;
-    GP_TRY(load_functions(log, library, &e->f));
+    struct egl_functions *const f = &e->f;
+    f->proc = (PFNEGLGETPROCADDRESSPROC) dlsym(library, "eglGetProcAddress");
+#define LOAD(type, field, name)                                               \
+    f->field = (type) dlsym(library, name);                                   \
+    if (!f->field || !f->proc)                                                \
+        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
+                       "EGL: " name " is missing; install the Debian "        \
+                       "packages libegl1 and libegl-mesa0, or take --gl "     \
+                       "osmesa"));
+    EGL_FUNCTIONS(LOAD)
+#undef LOAD
+    f->get_display = (PFNEGLGETPLATFORMDISPLAYEXTPROC) f->proc(
+        "eglGetPlatformDisplayEXT");
+    f->query_devices = (PFNEGLQUERYDEVICESEXTPROC) f->proc(
+        "eglQueryDevicesEXT");
+    f->device_string = (PFNEGLQUERYDEVICESTRINGEXTPROC) f->proc(
+        "eglQueryDeviceStringEXT");
     GP_TRY(find_display(log, e));
     *window = e;
     return GP_OK;

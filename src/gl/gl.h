@@ -141,43 +141,30 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
 
 /* -- buffers that shaders read by index ------------------------------------ */
 
-/* A uniform block: faster than a texture. Shaders declare it std140; arrays of
- * vec4 lie there as in C. */
-struct gp_uniform_block {
-    unsigned id; // 0: empty
-    size_t bytes;
+/* Entries of four floats.
+ *   BLOCK   a uniform block: faster than a texture. Shaders declare it std140;
+ *           arrays of vec4 lie there as in C
+ *   TEXELS  a buffer texture: RGBA32F texels in one row, more than a texture
+ *           or a uniform block holds, read by imageLoad */
+enum gp_buffer_kind { GP_BUFFER_BLOCK, GP_BUFFER_TEXELS };
+
+struct gp_buffer {
+    unsigned id;      // 0: empty
+    unsigned texture; // of TEXELS
 };
 
-/* Makes a block, not cleared; free with gp_uniform_block_free().
- * Errors: GP_ERR_GL 0 bytes or over max_block, out of memory. */
-GP_MUST_CHECK gp_status gp_uniform_block_make(const struct gp_log *log,
-    const struct gp_gl *gl, const char *what, size_t bytes,
-    struct gp_uniform_block *out);
+/* Makes a buffer of n entries, not cleared; free with gp_buffer_free().
+ * Errors: GP_ERR_GL n under 1 or over max_block / 16 or max_texel_buffer, out
+ * of memory. */
+GP_MUST_CHECK gp_status gp_buffer_make(const struct gp_log *log,
+    const struct gp_gl *gl, const char *what, enum gp_buffer_kind kind, int n,
+    struct gp_buffer *out);
 
-/* Writes the first `bytes`, no more than the block has; draws that were asked
- * for before see what was there then. */
-void gp_uniform_block_write(const struct gp_gl *gl,
-    const struct gp_uniform_block *b, const void *data, size_t bytes);
-void gp_uniform_block_free(const struct gp_gl *gl, struct gp_uniform_block *b);
-
-/* A buffer texture: RGBA32F texels in one row, more than a texture or a
- * uniform block holds, read by imageLoad. */
-struct gp_texel_buffer {
-    unsigned id, buffer; // 0: empty
-    int n;
-};
-
-/* Makes n texels, not cleared; free with gp_texel_buffer_free().
- * Errors: GP_ERR_GL n under 1 or over max_texel_buffer, out of memory. */
-GP_MUST_CHECK gp_status gp_texel_buffer_make(const struct gp_log *log,
-    const struct gp_gl *gl, const char *what, int n,
-    struct gp_texel_buffer *out);
-
-/* Writes texels [first, first + n), which the buffer has, from 4 * n floats;
+/* Writes entries [first, first + n), which the buffer has, from 4 * n floats;
  * draws that were asked for before see what was there then. */
-void gp_texel_buffer_write(const struct gp_gl *gl,
-    const struct gp_texel_buffer *b, int first, int n, const float *rgba);
-void gp_texel_buffer_free(const struct gp_gl *gl, struct gp_texel_buffer *b);
+void gp_buffer_write(const struct gp_gl *gl, const struct gp_buffer *b,
+                     int first, int n, const float *entry);
+void gp_buffer_free(const struct gp_gl *gl, struct gp_buffer *b);
 
 /* -- programs and draws ---------------------------------------------------- */
 
@@ -209,8 +196,7 @@ struct gp_uniform {
     int floats;
     float f[4];
     const struct gp_texture *texture, *image;
-    const struct gp_texel_buffer *texels;
-    const struct gp_uniform_block *block;
+    const struct gp_buffer *texels, *block;
 };
 
 /* Triangles (or points) without vertex buffers: shaders make all from

@@ -28,24 +28,6 @@ struct osmesa {
     unsigned char pixel[4]; // the window that OSMesa wants; never drawn to
 };
 
-static gp_status load_functions(const struct gp_log *log, void *library,
-                                struct osmesa *o)
-{
-#define LOAD(field, symbol)                                                   \
-    *(void **) &o->field = dlsym(library, symbol);                            \
-    if (!o->field)                                                            \
-        return gp_fail(log, GP_ERR_GL,                                        \
-                       "OSMesa: " symbol " is missing; OSMesa 11.2 or newer " \
-                       "is needed (Debian package libosmesa6), or take --gl " \
-                       "egl")
-    LOAD(create, "OSMesaCreateContextAttribs");
-    LOAD(make_current, "OSMesaMakeCurrent");
-    LOAD(destroy, "OSMesaDestroyContext");
-    LOAD(proc, "OSMesaGetProcAddress");
-#undef LOAD
-    return GP_OK;
-}
-
 static void close_osmesa(void *window)
 {
     struct osmesa *o = window;
@@ -62,23 +44,30 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
                                OSMESA_CONTEXT_MAJOR_VERSION, 4,
                                OSMESA_CONTEXT_MINOR_VERSION, 5, 0};
     static const int any[] = {OSMESA_FORMAT, OSMESA_RGBA, 0};
-    void *block;
-    gp_status st = gp_alloc_zero(log, "OSMesa context", 1,
-                                 sizeof(struct osmesa), &block);
+    struct osmesa *o;
+    gp_status st = gp_alloc_zero(log, "OSMesa context", 1, sizeof *o, &o);
     if (st)
         return st;
-    struct osmesa *o = block;
-    GP_TRY(load_functions(log, library, o));
+#define LOAD(field, symbol)                                                   \
+    *(void **) &o->field = dlsym(library, symbol);                            \
+    if (!o->field)                                                            \
+        GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
+                       "OSMesa: " symbol " is missing; OSMesa 11.2 or newer " \
+                       "is needed (Debian package libosmesa6), or take --gl " \
+                       "egl"))
+    LOAD(create, "OSMesaCreateContextAttribs");
+    LOAD(make_current, "OSMesaMakeCurrent");
+    LOAD(destroy, "OSMesaDestroyContext");
+    LOAD(proc, "OSMesaGetProcAddress");
+#undef LOAD
     o->context = o->create(core, NULL);
     if (!o->context)
         o->context = o->create(any, NULL);
-    if (!o->context) {
-        st = gp_fail(log, GP_ERR_GL,
-                     "OSMesa: no context can be made (4.5 core, nor any "
-                     "other); install the Debian package libosmesa6, or take "
-                     "--gl egl");
-        goto out;
-    }
+    if (!o->context)
+        GP_TRY(gp_fail(log, GP_ERR_GL,
+                       "OSMesa: no context can be made (4.5 core, nor any "
+                       "other); install the Debian package libosmesa6, or "
+                       "take --gl egl"));
     *window = o;
     return GP_OK;
 out:

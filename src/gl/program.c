@@ -58,11 +58,10 @@ gp_status gp_program_from_text(const struct gp_log *log, const struct gp_gl *gl,
     if (!linked) {
         char text[LOG_BYTES] = "";
         gl->f.GetProgramInfoLog(p.id, sizeof text, NULL, text);
-        st = gp_fail(log, GP_ERR_GL,
-                     "%s: program %s does not link (%s); report it with this "
-                     "line, or take --engine fft", gl->info.name, vert->name,
-                     text);
-        goto out;
+        GP_TRY(gp_fail(log, GP_ERR_GL,
+                       "%s: program %s does not link (%s); report it with "
+                       "this line, or take --engine fft", gl->info.name,
+                       vert->name, text));
     }
     GP_TRY(gp_gl_check(log, gl, vert->name));
     *out = p;
@@ -95,51 +94,6 @@ void gp_program_free(const struct gp_gl *gl, struct gp_program *p)
 
 /* -- drawing --------------------------------------------------------------- */
 
-/* Units for the next sampler, image and block of a draw. */
-struct units {
-    GLuint texture, image, block;
-};
-
-static gp_status no_uniform(const struct gp_log *log, const char *name)
-{
-    return gp_fail(log, GP_ERR_BUG,
-        "uniform %s: the program has none of that name; report it", name);
-}
-
-static gp_status set_uniform(const struct gp_log *log, const struct gp_gl *gl,
-    GLuint program, const struct gp_uniform *u, struct units *next)
-{
-    if (u->block) {
-        const GLuint at = gl->f.GetUniformBlockIndex(program, u->name);
-        if (at == GL_INVALID_INDEX)
-            return no_uniform(log, u->name);
-        gl->f.UniformBlockBinding(program, at, next->block);
-        gl->f.BindBufferBase(GL_UNIFORM_BUFFER, next->block++, u->block->id);
-        return GP_OK;
-    }
-    const GLint at = gl->f.GetUniformLocation(program, u->name);
-    if (at < 0)
-        return no_uniform(log, u->name);
-    if (u->texture) {
-        gl->f.BindTextureUnit(next->texture, u->texture->id);
-        gl->f.Uniform1i(at, (GLint) next->texture++);
-    } else if (u->image || u->texels) {
-        gl->f.BindImageTexture(next->image,
-                               u->image ? u->image->id : u->texels->id, 0,
-                               GL_FALSE, 0, GL_READ_ONLY, GL_RGBA32F);
-        gl->f.Uniform1i(at, (GLint) next->image++);
-    } else if (u->floats == 1) {
-        gl->f.Uniform1fv(at, 1, u->f);
-    } else if (u->floats == 2) {
-        gl->f.Uniform2fv(at, 1, u->f);
-    } else if (u->floats) {
-        gl->f.Uniform4fv(at, 1, u->f);
-    } else {
-        gl->f.Uniform2iv(at, 1, u->v);
-    }
-    return GP_OK;
-}
-
 gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
                       const struct gp_draw *draw)
 {
@@ -148,15 +102,41 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_rect cut = gp_rect_meet(draw->cut, target);
     const struct gp_rect view = gp_rect_empty(draw->view) ? target
                                                           : draw->view;
-    struct units next = {0};
-    gp_status st = GP_OK;
+    const GLuint program = draw->program->id;
+    GLuint texture = 0, image = 0, block = 0; // the next unit of each
     if (gp_rect_empty(cut))
         return GP_OK;
-    gl->f.UseProgram(draw->program->id);
-    for (const struct gp_uniform *u = draw->uniform; !st && u->name; u++)
-        st = set_uniform(log, gl, draw->program->id, u, &next);
-    if (st)
-        return st;
+    gl->f.UseProgram(program);
+    for (const struct gp_uniform *u = draw->uniform; u->name; u++) {
+        // a block's index, and what is no place of either: all bits set
+        const GLuint place =
+            u->block ? gl->f.GetUniformBlockIndex(program, u->name)
+                     : (GLuint) gl->f.GetUniformLocation(program, u->name);
+        const GLint at = (GLint) place;
+        if (place == GL_INVALID_INDEX)
+            return gp_fail(log, GP_ERR_BUG, "uniform %s: the program has none "
+                           "of that name; report it", u->name);
+        if (u->block) {
+            gl->f.UniformBlockBinding(program, place, block);
+            gl->f.BindBufferBase(GL_UNIFORM_BUFFER, block++, u->block->id);
+        } else if (u->texture) {
+            gl->f.BindTextureUnit(texture, u->texture->id);
+            gl->f.Uniform1i(at, (GLint) texture++);
+        } else if (u->image || u->texels) {
+            const GLuint id = u->image ? u->image->id : u->texels->texture;
+            gl->f.BindImageTexture(image, id, 0, GL_FALSE, 0, GL_READ_ONLY,
+                                   GL_RGBA32F);
+            gl->f.Uniform1i(at, (GLint) image++);
+        } else if (u->floats == 1) {
+            gl->f.Uniform1fv(at, 1, u->f);
+        } else if (u->floats == 2) {
+            gl->f.Uniform2fv(at, 1, u->f);
+        } else if (u->floats) {
+            gl->f.Uniform4fv(at, 1, u->f);
+        } else {
+            gl->f.Uniform2iv(at, 1, u->v);
+        }
+    }
     gl->f.BindFramebuffer(GL_FRAMEBUFFER, draw->target->framebuffer);
     gl->f.Viewport(view.x0, view.y0, gp_rect_w(view), gp_rect_h(view));
     gl->f.Enable(GL_SCISSOR_TEST);
@@ -168,7 +148,7 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
     gl->f.Disable(GL_SCISSOR_TEST);
     // llvmpipe (Mesa 22.3) does not know that a draw still reads an image or a
     // texel buffer: a later write to it, or its end, would be seen too early
-    if (gl->info.software && next.image > 0)
+    if (gl->info.software && image > 0)
         gl->f.Finish();
     return GP_OK;
 }

@@ -116,78 +116,49 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t)
 
 /* -- buffers that shaders read by index ------------------------------------ */
 
-gp_status gp_uniform_block_make(const struct gp_log *log,
-                                const struct gp_gl *gl, const char *what,
-                                size_t bytes, struct gp_uniform_block *out)
+enum { ENTRY_BYTES = 4 * sizeof(float) };
+
+gp_status gp_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
+                         const char *what, enum gp_buffer_kind kind, int n,
+                         struct gp_buffer *out)
 {
-    if (bytes < 1 || bytes > (size_t) gl->info.max_block)
+    const bool block = kind == GP_BUFFER_BLOCK;
+    const int limit = block ? gl->info.max_block / ENTRY_BYTES
+                            : gl->info.max_texel_buffer;
+    if (n < 1 || n > limit)
         return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %zu bytes do not go into one uniform "
-                            "block (1 to %d is the limit); use --engine fft "
-                            "or direct", gl->info.name, what, bytes,
-                            gl->info.max_block);
-    struct gp_uniform_block b = {.bytes = bytes};
+                            "%s: %s: %d entries do not go into one %s (1 to "
+                            "%d is the limit); use --engine fft or direct",
+                            gl->info.name, what, n,
+                            block ? "uniform block" : "buffer texture", limit);
+    struct gp_buffer b = {0};
     gl->f.CreateBuffers(1, &b.id);
-    gl->f.NamedBufferStorage(b.id, (GLsizeiptr) bytes, NULL,
+    gl->f.NamedBufferStorage(b.id, (GLsizeiptr) n * ENTRY_BYTES, NULL,
                              GL_DYNAMIC_STORAGE_BIT);
+    if (!block) {
+        gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &b.texture);
+        gl->f.TextureBuffer(b.texture, GL_RGBA32F, b.id);
+    }
     gp_status st = gp_gl_check(log, gl, what);
     if (st)
-        gp_uniform_block_free(gl, &b);
+        gp_buffer_free(gl, &b);
     else
         *out = b;
     return st;
 }
 
-void gp_uniform_block_write(const struct gp_gl *gl,
-    const struct gp_uniform_block *b, const void *data, size_t bytes)
+void gp_buffer_write(const struct gp_gl *gl, const struct gp_buffer *b,
+                     int first, int n, const float *entry)
 {
-    gl->f.NamedBufferSubData(b->id, 0, (GLsizeiptr) bytes, data);
+    gl->f.NamedBufferSubData(b->id, (GLintptr) first * ENTRY_BYTES,
+                             (GLsizeiptr) n * ENTRY_BYTES, entry);
 }
 
-void gp_uniform_block_free(const struct gp_gl *gl, struct gp_uniform_block *b)
+void gp_buffer_free(const struct gp_gl *gl, struct gp_buffer *b)
 {
-    if (b->id && gp_gl_reach(gl))
+    if (b->id && gp_gl_reach(gl)) {
+        gl->f.DeleteTextures(1, &b->texture); // GL ignores name 0
         gl->f.DeleteBuffers(1, &b->id);
-    *b = (struct gp_uniform_block) {0};
-}
-
-enum { TEXEL_BYTES = 4 * sizeof(float) };
-
-gp_status gp_texel_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
-    const char *what, int n, struct gp_texel_buffer *out)
-{
-    if (n < 1 || n > gl->info.max_texel_buffer)
-        return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %d texels do not go into one buffer "
-                            "texture (1 to %d is the limit); use --engine fft "
-                            "or direct", gl->info.name, what, n,
-                            gl->info.max_texel_buffer);
-    struct gp_texel_buffer b = {.n = n};
-    gl->f.CreateBuffers(1, &b.buffer);
-    gl->f.NamedBufferStorage(b.buffer, (GLsizeiptr) n * TEXEL_BYTES, NULL,
-                             GL_DYNAMIC_STORAGE_BIT);
-    gl->f.CreateTextures(GL_TEXTURE_BUFFER, 1, &b.id);
-    gl->f.TextureBuffer(b.id, GL_RGBA32F, b.buffer);
-    gp_status st = gp_gl_check(log, gl, what);
-    if (st)
-        gp_texel_buffer_free(gl, &b);
-    else
-        *out = b;
-    return st;
-}
-
-void gp_texel_buffer_write(const struct gp_gl *gl,
-    const struct gp_texel_buffer *b, int first, int n, const float *rgba)
-{
-    gl->f.NamedBufferSubData(b->buffer, (GLintptr) first * TEXEL_BYTES,
-                             (GLsizeiptr) n * TEXEL_BYTES, rgba);
-}
-
-void gp_texel_buffer_free(const struct gp_gl *gl, struct gp_texel_buffer *b)
-{
-    if (b->id && gp_gl_reach(gl))
-        gl->f.DeleteTextures(1, &b->id);
-    if (b->buffer && gp_gl_reach(gl))
-        gl->f.DeleteBuffers(1, &b->buffer);
-    *b = (struct gp_texel_buffer) {0};
+    }
+    *b = (struct gp_buffer) {0};
 }

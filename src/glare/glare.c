@@ -5,30 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Warns when the engine that was asked for takes long and another does not: a
- * job on a farm should not find out after an hour. */
-static void warn_of_patience(const struct gp_glare_job *job,
-    const struct gp_glare *g, int named, const char *path)
-{
-    static const double LONG_MS = 20e3;
-    const double ms = gp_engines[named]->predict(job, g->state[named]).ms;
-    if (ms <= LONG_MS)
-        return;
-    struct gp_candidate c[GP_CANDIDATES];
-    const int n = gp_plan_candidates(job, g, c);
-    int best = 0;
-    for (int i = 1; i < n; i++) {
-        if (c[i].exact && c[i].ms < c[best].ms)
-            best = i;
-    }
-    if (c[best].engine != named)
-        gp_say(job->log, GP_LEVEL_WARN,
-               "%s: %s will take about %.0f s for %zu sources; --engine %s "
-               "takes %.3g s, fewer sources come with a higher --threshold",
-               path, gp_engines[named]->name, ms * 1e-3, job->src->n,
-               gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
-}
-
 static void clear_plane(void *ctx, int c, int thread)
 {
     const struct gp_frame *const f = ctx;
@@ -41,6 +17,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     struct gp_frame *f, struct gp_glare_stats *stats)
 {
+    static const double LONG_MS = 20e3;
     gp_status st = GP_OK;
     const char *const path = f->path ? f->path : "frame";
     int named = 0;
@@ -70,14 +47,27 @@ gp_status gp_glare_run(const struct gp_log *log,
     st = gp_floor_find(&job, &g->floor, &job.floor);
     if (st)
         return st;
-    if (named >= 0) {
-        snprintf(stats->why, sizeof stats->why, "asked for");
-        warn_of_patience(&job, g, named, path);
-    } else {
+    if (named < 0) {
         st = gp_plan(&job, g, path, &taken);
         if (st)
             return st;
         stats->bound = taken.bound;
+    } else {
+        snprintf(stats->why, sizeof stats->why, "asked for");
+        // a job on a farm should not find out after an hour that another
+        // engine takes less
+        const double ms = gp_engines[named]->predict(&job, g->state[named]).ms;
+        struct gp_candidate c[GP_CANDIDATES];
+        const int n = ms > LONG_MS ? gp_plan_candidates(&job, g, c) : 0;
+        int best = 0;
+        for (int i = 1; i < n; i++)
+            best = c[i].exact && c[i].ms < c[best].ms ? i : best;
+        if (n && c[best].engine != named)
+            gp_say(log, GP_LEVEL_WARN,
+                   "%s: %s will take about %.0f s for %zu sources; --engine %s "
+                   "takes %.3g s, fewer sources come with a higher --threshold",
+                   path, gp_engines[named]->name, ms * 1e-3, src->n,
+                   gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
     }
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;

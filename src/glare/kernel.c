@@ -88,12 +88,11 @@ static void sum_raw_row(void *ctx, int y, int thread)
 static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
                          struct row_sums *all, struct gp_rect *box)
 {
-    void *rows;
+    struct raw_sums s = {raw, NULL};
     gp_status st =
-        gp_alloc(log, raw->name, (size_t) raw->h, sizeof *all, &rows);
+        gp_alloc(log, raw->name, (size_t) raw->h, sizeof *s.row, &s.row);
     if (st)
         return st;
-    struct raw_sums s = {raw, rows};
     gp_parallel_do(raw->h, sum_raw_row, &s);
     *all = (struct row_sums) {0};
     *box = (struct gp_rect) {raw->w, raw->h, 0, 0};
@@ -118,7 +117,7 @@ static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
             box->y1 = y + 1;
         }
     }
-    gp_free(rows);
+    gp_free(s.row);
     return st;
 }
 
@@ -201,69 +200,48 @@ static void cut_row(void *ctx, int y, int thread)
     m->row[y] = n;
 }
 
-/* Cuts and scales the raw kernel to *k, whose planes are made. */
-static gp_status cut(const struct gp_log *log, const struct raw_kernel *raw,
-                     struct gp_rect box, double factor, struct gp_kernel *k)
-{
-    void *rows;
-    gp_status st = gp_alloc(log, raw->name, (size_t) k->h,
-                            sizeof(struct row_norms), &rows);
-    if (st)
-        return st;
-    struct cutting m = {raw, box, factor, k, rows};
-    gp_parallel_do(k->h, cut_row, &m);
-    struct row_norms all = {0};
-    for (int y = 0; y < k->h; y++) {
-        for (int c = 0; c < 3; c++) {
-            all.sum[c] += m.row[y].sum[c];
-            all.square[c] += m.row[y].square[c];
-            all.magnitude[c] += m.row[y].magnitude[c];
-            all.faint[c] += m.row[y].faint[c];
-        }
-        k->negative |= m.row[y].negative;
-    }
-    for (int c = 0; c < 3; c++) {
-        k->sum[c] = all.sum[c];
-        k->norm2[c] = sqrt(all.square[c]);
-        k->norm1[c] = all.magnitude[c];
-        k->faint[c] = all.faint[c];
-    }
-    gp_free(rows);
-    return GP_OK;
-}
-
 /* Takes raw->in when it is owned, also on failure. */
 static gp_status make_kernel(const struct gp_log *log,
     enum gp_normalize normalize, struct raw_kernel *raw, struct gp_kernel *out)
 {
     gp_status st;
     struct gp_kernel k = {0};
+    struct cutting m = {.raw = raw, .k = &k};
     struct row_sums all;
-    struct gp_rect box;
-    double factor;
 
-    GP_TRY(sum_raw(log, raw, &all, &box));
-    GP_TRY(find_factor(log, raw, normalize, &all, &factor));
-    k.w = gp_rect_w(box);
-    k.h = gp_rect_h(box);
-    k.cx = raw->cx - box.x0;
-    k.cy = raw->cy - box.y0;
+    GP_TRY(sum_raw(log, raw, &all, &m.box));
+    GP_TRY(find_factor(log, raw, normalize, &all, &m.factor));
+    k.w = gp_rect_w(m.box);
+    k.h = gp_rect_h(m.box);
+    k.cx = raw->cx - m.box.x0;
+    k.cy = raw->cy - m.box.y0;
     k.grey = !all.coloured;
     k.serial = gp_serial_next();
-    const bool take = raw->owned && k.w == raw->w && k.h == raw->h;
-    if (take)
+    GP_TRY(gp_alloc(log, raw->name, (size_t) k.h, sizeof *m.row, &m.row));
+    if (raw->owned && k.w == raw->w && k.h == raw->h) {
         k.k = raw->in;
-    else
+        raw->owned = false; // they are the kernel's
+    } else {
         GP_TRY(gp_planes_make(log, raw->name, (size_t) k.w * (size_t) k.h,
                               &k.k));
-    st = cut(log, raw, box, factor, &k);
-    if (take)
-        raw->owned = false; // they are the kernel's
-    if (st)
-        goto out;
+    }
+    gp_parallel_do(k.h, cut_row, &m);
+    double square[3] = {0};
+    for (int y = 0; y < k.h; y++) {
+        for (int c = 0; c < 3; c++) {
+            k.sum[c] += m.row[y].sum[c];
+            square[c] += m.row[y].square[c];
+            k.norm1[c] += m.row[y].magnitude[c];
+            k.faint[c] += m.row[y].faint[c];
+        }
+        k.negative |= m.row[y].negative;
+    }
+    for (int c = 0; c < 3; c++)
+        k.norm2[c] = sqrt(square[c]);
     *out = k;
     k = (struct gp_kernel) {0};
 out:
+    gp_free(m.row);
     gp_kernel_free(&k);
     if (raw->owned)
         gp_planes_free(&raw->in);
@@ -271,32 +249,6 @@ out:
 }
 
 // -- rotated ------------------------------------------------------------------
-
-/* Makes u scaled so that its rotated form, *t, is normalised; both stay
- * samples of the same float values. */
-static gp_status normalise_rotated(const struct gp_log *log, bool grey,
-                                   struct raw_kernel *t, struct gp_unturned *u)
-{
-    struct row_sums all;
-    struct gp_rect box;
-    double factor;
-    struct gp_rotated rotated;
-    gp_status st = sum_raw(log, t, &all, &box);
-    if (!st)
-        st = find_factor(log, t, GP_NORMALIZE_LUMINANCE, &all, &factor);
-    if (st)
-        return st;
-    const size_t n = (size_t) u->w * (size_t) u->h;
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < n; i++)
-            u->k.c[c][i] = (float) ((double) u->k.c[c][i] * factor);
-    }
-    gp_planes_free(&t->in);
-    st = gp_rotate(log, t->name, u, grey, &rotated);
-    if (!st)
-        t->in = rotated.k;
-    return st;
-}
 
 /* Makes the kernel, rotated when p->rotate says so. Takes raw->in when it is
  * owned, also on failure. */
@@ -309,8 +261,7 @@ static gp_status make_rotated(const struct gp_log *log,
     struct gp_rotated rotated = {0};
     struct raw_kernel t = {.name = raw->name, .owned = true,
                            .luminance = raw->luminance};
-    struct gp_unturned u;
-    void *block = NULL;
+    struct gp_unturned u, *kept = NULL;
     const bool right = gp_rotate_angle(p->rotate, &u);
     if (right && u.cos == 1.0)
         return make_kernel(log, p->normalize, raw, out);
@@ -323,19 +274,34 @@ static gp_status make_rotated(const struct gp_log *log,
         st = make_kernel(log, p->normalize, &t, out);
         goto out;
     }
-    GP_TRY(gp_alloc(log, raw->name, 1, sizeof u, &block));
-    if (p->normalize == GP_NORMALIZE_LUMINANCE)
-        GP_TRY(normalise_rotated(log, flat.grey, &t, &u));
+    GP_TRY(gp_alloc(log, raw->name, 1, sizeof u, &kept));
+    if (p->normalize == GP_NORMALIZE_LUMINANCE) {
+        // u is scaled so that its rotated form is normalised: both stay samples
+        // of the same float values
+        struct row_sums all;
+        struct gp_rect box;
+        double factor;
+        GP_TRY(sum_raw(log, &t, &all, &box));
+        GP_TRY(find_factor(log, &t, GP_NORMALIZE_LUMINANCE, &all, &factor));
+        const size_t n = (size_t) u.w * (size_t) u.h;
+        for (int c = 0; c < 3; c++) {
+            for (size_t i = 0; i < n; i++)
+                u.k.c[c][i] = (float) ((double) u.k.c[c][i] * factor);
+        }
+        gp_planes_free(&t.in);
+        GP_TRY(gp_rotate(log, t.name, &u, flat.grey, &rotated));
+        t.in = rotated.k;
+    }
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, &t, out));
-    out->unturned = block;
-    *out->unturned = u;
-    block = NULL;
+    *kept = u;
+    out->unturned = kept;
+    kept = NULL;
     flat.k = (struct gp_planes) {0}; // they are the kernel's
 out:
     if (t.owned)
         gp_planes_free(&t.in);
     gp_kernel_free(&flat);
-    gp_free(block);
+    gp_free(kept);
     return st;
 }
 

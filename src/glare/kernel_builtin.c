@@ -195,26 +195,6 @@ static void unfold_row(void *ctx, int y, int thread)
         memcpy(m->k->c[c] + at, out, (size_t) m->size * sizeof *out);
 }
 
-static gp_status make_eye(const struct gp_log *log, int size,
-                          struct gp_planes *k)
-{
-    gp_status st;
-    struct eye m = {.size = size, .reach = size / 2, .k = k};
-    const size_t w = (size_t) m.reach + 1;
-    void *quadrant = NULL;
-
-    *k = (struct gp_planes) {0};
-    GP_TRY(gp_alloc(log, "eye kernel", w * w, sizeof(float), &quadrant));
-    GP_TRY(gp_planes_make(log, "eye kernel", (size_t) size * (size_t) size, k));
-    m.quadrant = quadrant;
-    make_eye_tables(&m.tables);
-    gp_parallel_do((int) w, make_octant_row, &m);
-    gp_parallel_do(size, unfold_row, &m);
-out:
-    GP_FREE(quadrant);
-    return st;
-}
-
 // -- lenses -------------------------------------------------------------------
 
 /* Each is a formula of dx, dy, pixels from the centre's pixel, and of R = size
@@ -315,12 +295,10 @@ static void sample_row(void *ctx, int y, int thread)
 
 const struct gp_builtin_kernel gp_builtin_kernels[] = {
     {"eye", "the human eye in daylight (Spencer et al. 1995)", NULL},
-    {"streak", "the blue horizontal streak of an anamorphic lens",
-     streak},
+    {"streak", "the blue horizontal streak of an anamorphic lens", streak},
     {"star", "six rays of a stop with six blades, redder outside", star},
     {"cross", "four rays of a cross screen filter", cross},
-    {"circle", "an even disc with a soft rim: a point out of focus",
-     circle},
+    {"circle", "an even disc with a soft rim: a point out of focus", circle},
     {"ring", "a halo, red outside and blue inside", ring},
     {0},
 };
@@ -330,14 +308,9 @@ const struct gp_builtin_kernel gp_builtin_kernels[] = {
 /* A builtin kernel has to end somewhere, and where it ends at once a square
  * shows around every lamp at night: from half the radius on it fades to 0 at
  * the edge, by a smoothstep of the distance from the centre. */
-struct fading {
-    int size;
-    struct gp_planes *k;
-};
-
 static void fade_row(void *ctx, int y, int thread)
 {
-    const struct fading *const f = ctx;
+    const struct sampling *const f = ctx;
     const double reach = f->size / 2.0, start = reach / 2.0;
     const double dy = y - f->size / 2;
     (void) thread;
@@ -381,20 +354,27 @@ gp_status gp_builtin_make(const struct gp_log *log, const char *name, int size,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: a builtin kernel cannot be %d pixels wide; use an "
                        "odd number from 1 to %d", name, size, MOST);
-    if (!b->formula) {
-        gp_status st = make_eye(log, size, out);
-        if (st)
-            return st;
-    } else {
-        struct sampling s = {b->formula, size, out};
-        gp_status st = gp_planes_make(log, "builtin kernel",
-                                      (size_t) size * (size_t) size, out);
-        if (st)
-            return st;
+    struct sampling s = {b->formula, size, out};
+    gp_status st = gp_planes_make(log, "builtin kernel",
+                                  (size_t) size * (size_t) size, out);
+    if (st)
+        return st;
+    if (b->formula) {
         gp_parallel_do(size, sample_row, &s);
+    } else {
+        struct eye m = {.size = size, .reach = size / 2, .k = out};
+        const size_t w = (size_t) m.reach + 1;
+        st = gp_alloc(log, "eye kernel", w * w, sizeof(float), &m.quadrant);
+        if (st) {
+            gp_planes_free(out);
+            return st;
+        }
+        make_eye_tables(&m.tables);
+        gp_parallel_do((int) w, make_octant_row, &m);
+        gp_parallel_do(size, unfold_row, &m);
+        gp_free(m.quadrant);
     }
-    struct fading f = {size, out};
     if (size >= LEAST_FADED)
-        gp_parallel_do(size, fade_row, &f);
+        gp_parallel_do(size, fade_row, &s);
     return GP_OK;
 }

@@ -68,49 +68,37 @@ static gp_status may_follow(struct asking *a, int last, int i, bool *may)
     return st;
 }
 
-/* The candidate with the least later_ms, under `last`'s ms, that may follow
- * it; -1 when there is none. */
-static gp_status find_rival(struct asking *a, int last, int *rival)
-{
-    bool refused[GP_CANDIDATES] = {false};
-    for (;;) {
-        *rival = -1;
-        for (int k = 0; k < a->count; k++) {
-            const int i = a->order[k];
-            if (i != last && !refused[i] &&
-                a->c[i].later_ms <
-                    (*rival < 0 ? a->c[last].ms : a->c[*rival].later_ms))
-                *rival = i;
-        }
-        if (*rival < 0)
-            return GP_OK;
-        bool may;
-        gp_status st = may_follow(a, last, *rival, &may);
-        if (st || may)
-            return st;
-        refused[*rival] = true;
-    }
-}
-
 /* `last` keeps the tolerance and `fastest` does too: which of them, or the
  * rival that staying has lost enough to. */
 static gp_status stay_or_go(struct asking *a, int last, int fastest,
                             struct gp_plan_past *past, int *taken)
 {
+    bool may = false, refused[GP_CANDIDATES] = {false};
     *taken = last;
     if (a->c[fastest].ms < GAIN * a->c[last].ms) {
-        bool may;
         gp_status st = may_follow(a, last, fastest, &may);
         if (st || may) {
             *taken = fastest;
             return st;
         }
     }
-    int rival;
-    gp_status st = find_rival(a, last, &rival);
-    if (st || rival < 0) {
-        past->rival = 0;
-        return st;
+    // the rival: least later_ms, under `last`'s ms, of those that may follow it
+    int rival = last;
+    while (!may) {
+        rival = -1;
+        for (int k = 0; k < a->count; k++) {
+            const int i = a->order[k];
+            if (i != last && !refused[i] &&
+                a->c[i].later_ms <
+                    (rival < 0 ? a->c[last].ms : a->c[rival].later_ms))
+                rival = i;
+        }
+        gp_status st = rival < 0 ? GP_OK : may_follow(a, last, rival, &may);
+        if (st || rival < 0) {
+            past->rival = 0;
+            return st;
+        }
+        refused[rival] = true;
     }
     const struct gp_candidate *const old = &a->c[last], *const c = &a->c[rival];
     if (past->rival != rival + 1)
@@ -178,8 +166,7 @@ predict(const struct gp_glare_job *job, const struct gp_glare *g, int engine,
 {
     struct gp_glare_params params = *job->params;
     struct gp_glare_job asked = *job;
-    if (splat)
-        params.splat = *splat;
+    params.splat = *splat;
     asked.params = &params;
     asked.enough = enough;
     return gp_engines[engine]->predict(&asked, g->state[engine]);
@@ -190,59 +177,50 @@ static bool is_splat(int engine)
     return gp_engines[engine] == &gp_engine_splat;
 }
 
-/* The splat as it was asked for, and its settings from the coarsest to the
- * exact one. Finer groups are more polygons: where the coarsest setting takes
- * longer than another engine, so do the rest, which are not counted out then.
- * A context is never opened in hope of frames to come: what it takes counts in
- * full until it is open. */
-static int add_splats(const struct gp_glare_job *job, const struct gp_glare *g,
-                      int engine, double least, struct gp_candidate *c)
+int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
+                       struct gp_candidate c[GP_CANDIDATES])
 {
     static const struct { int group, cluster; bool shrink; } setting[] = {
         {8, 16, true}, {8, 16, false}, {4, 8, true}, {4, 8, false},
         {2, 4, true},  {2, 4, false},  {1, 0, true}, {1, 0, false},
     };
     enum { SETTINGS = sizeof setting / sizeof *setting };
-    const struct gp_glare_params *const p = job->params;
-    for (int n = 0; n <= SETTINGS; n++) {
-        struct gp_splat_params s = p->splat;
-        struct gp_prediction ms = {.ms = INFINITY};
-        if (n > 0) {
-            s.group = setting[n - 1].group;
-            s.cluster = setting[n - 1].cluster;
-            s.shrink = setting[n - 1].shrink ? p->tolerance / 2.0f : 0.0f;
-        }
-        const bool counted = n < 2 || c[1].ms < least;
-        if (counted)
-            ms = predict(job, g, engine, &s, ENOUGH * least);
-        c[n] = (struct gp_candidate) {
-            .engine = engine, .splat = s, .bound = NAN,
-            .exact = counted && s.group == 1 && s.cluster == 0 &&
-                     !(s.shrink > 0.0f),
-            .ms = ms.ms, .later_ms = ms.ms, .more = ms.more,
-        };
-    }
-    return SETTINGS + 1;
-}
-
-int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
-                       struct gp_candidate c[GP_CANDIDATES])
-{
+    const struct gp_glare_params *const asked = job->params;
     int n = 0;
     double least = INFINITY;
-    for (int i = 0; gp_engines[i]; i++) {
+    for (int i = 0; gp_engines[i] && !is_splat(i); i++) {
         const double enough = n ? ENOUGH * least : 0.0;
-        if (is_splat(i)) {
-            n += add_splats(job, g, i, least, c + n);
-            continue;
-        }
-        const struct gp_prediction p = predict(job, g, i, NULL, enough);
-        c[n] = (struct gp_candidate) {
-            .engine = i, .splat = job->params->splat, .exact = true,
+        const struct gp_prediction p =
+            predict(job, g, i, &asked->splat, enough);
+        c[n++] = (struct gp_candidate) {
+            .engine = i, .splat = asked->splat, .exact = true,
             .bound = NAN, .ms = p.ms, .later_ms = p.later_ms, .more = p.more,
         };
-        least = fmin(least, c[n].ms);
-        n++;
+        least = fmin(least, p.ms);
+    }
+    // the splat, last of the engines, as it was asked for, and its settings
+    // from the coarsest to the exact one. Finer groups are more polygons: where
+    // the coarsest setting takes longer than another engine, so do the rest,
+    // which are not counted out then. A context is never opened in hope of
+    // frames to come: what it takes counts in full until it is open
+    const int splat = n;
+    for (int i = 0; i <= SETTINGS; i++) {
+        struct gp_splat_params s = asked->splat;
+        struct gp_prediction p = {.ms = INFINITY};
+        if (i > 0) {
+            s.group = setting[i - 1].group;
+            s.cluster = setting[i - 1].cluster;
+            s.shrink = setting[i - 1].shrink ? asked->tolerance / 2.0f : 0.0f;
+        }
+        const bool counted = i < 2 || c[splat + 1].ms < least;
+        if (counted)
+            p = predict(job, g, splat, &s, ENOUGH * least);
+        c[n++] = (struct gp_candidate) {
+            .engine = splat, .splat = s, .bound = NAN,
+            .exact = counted && s.group == 1 && s.cluster == 0 &&
+                     !(s.shrink > 0.0f),
+            .ms = p.ms, .later_ms = p.ms, .more = p.more,
+        };
     }
     return n;
 }
@@ -276,38 +254,6 @@ static void add_name(struct words *w, const struct gp_candidate *c)
             s->cluster, s->shrink > 0.0f ? " shrunk" : "");
     else
         add_words(w, "%s", gp_engines[c->engine]->name);
-}
-
-/* Every candidate whose bound was asked, the exact engines, and the splat of
- * fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03". */
-static void explain(const struct gp_candidate *c, int n,
-    const struct gp_choice *choice, double tolerance, struct words w)
-{
-    const struct gp_candidate *const t = &c[choice->taken];
-    int splat = -1;
-    for (int i = 0; i < n; i++) {
-        if (is_splat(c[i].engine) && c[i].ms < INFINITY &&
-            (splat < 0 || c[i].ms < c[splat].ms))
-            splat = i;
-    }
-    add_name(&w, t);
-    add_words(&w, " %.3g ms of bound %.2g", t->ms, t->bound);
-    if (!choice->within)
-        add_words(&w, ", the least there is, not %.2g", tolerance);
-    if (choice->kept)
-        add_words(&w, ", as before");
-    const char *between = "; ";
-    for (int i = 0; i < n; i++) {
-        if (i == choice->taken || !(c[i].ms < INFINITY) ||
-            (is_splat(c[i].engine) && isnan(c[i].bound) && i != splat))
-            continue;
-        add_words(&w, "%s", between);
-        add_name(&w, &c[i]);
-        add_words(&w, c[i].more ? " over %.3g" : " %.3g", c[i].ms);
-        if (!isnan(c[i].bound) && !(c[i].bound <= tolerance))
-            add_words(&w, " of bound %.2g", c[i].bound);
-        between = ", ";
-    }
 }
 
 // -- what is lost below the range of float ------------------------------------
@@ -415,9 +361,36 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
                                   &choice);
     if (st)
         return st;
-    const struct words w = {job->stats->why, sizeof job->stats->why};
-    explain(p.c, n, &choice, tolerance, w);
     *out = p.c[choice.taken];
+
+    // every candidate whose bound was asked, the exact engines, and the splat
+    // of fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"
+    struct words w = {job->stats->why, sizeof job->stats->why};
+    int splat = -1;
+    for (int i = 0; i < n; i++) {
+        if (is_splat(p.c[i].engine) && p.c[i].ms < INFINITY &&
+            (splat < 0 || p.c[i].ms < p.c[splat].ms))
+            splat = i;
+    }
+    add_name(&w, out);
+    add_words(&w, " %.3g ms of bound %.2g", out->ms, out->bound);
+    if (!choice.within)
+        add_words(&w, ", the least there is, not %.2g", tolerance);
+    if (choice.kept)
+        add_words(&w, ", as before");
+    const char *between = "; ";
+    for (int i = 0; i < n; i++) {
+        const struct gp_candidate *const c = &p.c[i];
+        if (i == choice.taken || !(c->ms < INFINITY) ||
+            (is_splat(c->engine) && isnan(c->bound) && i != splat))
+            continue;
+        add_words(&w, "%s", between);
+        add_name(&w, c);
+        add_words(&w, c->more ? " over %.3g" : " %.3g", c->ms);
+        if (!isnan(c->bound) && !(c->bound <= tolerance))
+            add_words(&w, " of bound %.2g", c->bound);
+        between = ", ";
+    }
     if (!choice.within && !g->past.warned) {
         g->past.warned = true;
         gp_say(job->log, GP_LEVEL_WARN,

@@ -54,58 +54,49 @@ void gp_glare_reference_direct(const struct gp_sources *src,
 
 /* -- dense frames: complex two-dimensional transforms, in double ----------- */
 
-struct grid {
-    int nx, ny;
-    double *a, *b; // nx * ny complex each
-};
-
-/* Rows, then columns, in place; z is scratch for two lines. */
-static void transform(const struct gp_fftwd *lib, const struct grid *g,
-                      fftw_plan row, fftw_plan column, double *a, double *z)
+/* Transforms nx x ny complex numbers, rows, then columns, in place; z is
+ * scratch for two lines. */
+static void transform(const struct gp_fftwd *lib, size_t nx, size_t ny,
+                      const fftw_plan plan[2], double *a, double *z)
 {
-    for (int y = 0; y < g->ny; y++) {
-        double *const line = a + 2 * (size_t) y * (size_t) g->nx;
-        memcpy(z, line, 2 * sizeof(double) * (size_t) g->nx);
-        lib->execute_dft(row, (void *) z, (void *) (z + 2 * (size_t) g->nx));
-        memcpy(line, z + 2 * (size_t) g->nx,
-               2 * sizeof(double) * (size_t) g->nx);
+    for (size_t y = 0; y < ny; y++) {
+        double *const line = a + 2 * y * nx;
+        memcpy(z, line, 2 * sizeof(double) * nx);
+        lib->execute_dft(plan[0], (void *) z, (void *) (z + 2 * nx));
+        memcpy(line, z + 2 * nx, 2 * sizeof(double) * nx);
     }
-    for (int x = 0; x < g->nx; x++) {
-        double *const line = a + 2 * (size_t) x;
-        for (int y = 0; y < g->ny; y++)
-            memcpy(z + 2 * (size_t) y, line + 2 * (size_t) y * (size_t) g->nx,
-                2 * sizeof(double));
-        lib->execute_dft(column, (void *) z, (void *) (z + 2 * (size_t) g->ny));
-        for (int y = 0; y < g->ny; y++)
-            memcpy(line + 2 * (size_t) y * (size_t) g->nx,
-                   z + 2 * (size_t) (g->ny + y), 2 * sizeof(double));
+    for (size_t x = 0; x < nx; x++) {
+        double *const line = a + 2 * x;
+        for (size_t y = 0; y < ny; y++)
+            memcpy(z + 2 * y, line + 2 * y * nx, 2 * sizeof(double));
+        lib->execute_dft(plan[1], (void *) z, (void *) (z + 2 * ny));
+        for (size_t y = 0; y < ny; y++)
+            memcpy(line + 2 * y * nx, z + 2 * (ny + y), 2 * sizeof(double));
     }
 }
 
-static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
-                        const struct gp_kernel *k, double *layer)
+gp_status gp_glare_reference(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
+    if (3.0 * gp_direct_work(src, k->w, k->h, k->cx, k->cy) <= MOST_TAPS) {
+        gp_glare_reference_direct(src, k, layer);
+        return GP_OK;
+    }
     gp_status st;
     const struct gp_fftwd *lib;
-    struct grid g = {
-        gp_fft_length(src->w + k->w - 1), gp_fft_length(src->h + k->h - 1),
-        NULL, NULL,
-    };
-    const size_t n = (size_t) g.nx * (size_t) g.ny;
-    const int longest = g.nx > g.ny ? g.nx : g.ny;
-    const double scale = 1.0 / ((double) g.nx * g.ny);
-    void *a = NULL, *b = NULL, *z = NULL;
+    const size_t nx = (size_t) gp_fft_length(src->w + k->w - 1);
+    const size_t ny = (size_t) gp_fft_length(src->h + k->h - 1), n = nx * ny;
+    const double scale = 1.0 / (double) n;
+    double *a = NULL, *b = NULL, *z = NULL; // complex
     fftw_plan plan[4] = {0}; // rows and columns, there and back
     GP_TRY(gp_fftwd_open(log, &lib));
     GP_TRY(gp_alloc(log, "reference", n, 16, &a));
     GP_TRY(gp_alloc(log, "reference", n, 16, &b));
-    GP_TRY(gp_alloc_zero(log, "reference", (size_t) longest, 32, &z));
-    g.a = a;
-    g.b = b;
+    GP_TRY(gp_alloc_zero(log, "reference", nx > ny ? nx : ny, 32, &z));
     for (int i = 0; i < 4; i++) {
-        const int length = i % 2 ? g.ny : g.nx;
-        plan[i] = lib->plan_dft_1d(length, z,
-                                   (void *) ((double *) z + 2 * length),
+        const int length = (int) (i % 2 ? ny : nx);
+        plan[i] = lib->plan_dft_1d(length, (void *) z,
+                                   (void *) (z + 2 * length),
                                    i < 2 ? FFTW_FORWARD : FFTW_BACKWARD,
                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
         if (!plan[i])
@@ -114,35 +105,34 @@ static gp_status by_fft(const struct gp_log *log, const struct gp_sources *src,
                                 "verify a smaller frame", length));
     }
     for (int c = 0; c < 3; c++) {
-        memset(g.a, 0, 2 * sizeof(double) * n);
-        memset(g.b, 0, 2 * sizeof(double) * n);
+        memset(a, 0, 2 * sizeof(double) * n);
+        memset(b, 0, 2 * sizeof(double) * n);
         for (int y = 0; y < src->h; y++) {
             for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++)
-                g.a[2 * ((size_t) y * (size_t) g.nx + (size_t) src->x[i])] =
+                a[2 * ((size_t) y * nx + (size_t) src->x[i])] =
                     (double) src->rgb[c][i];
         }
         for (int y = 0; y < k->h; y++) {
             for (int x = 0; x < k->w; x++)
-                g.b[2 * ((size_t) y * (size_t) g.nx + (size_t) x)] =
+                b[2 * ((size_t) y * nx + (size_t) x)] =
                     (double) k->k.c[c][(size_t) y * (size_t) k->w +
                                        (size_t) x];
         }
-        transform(lib, &g, plan[0], plan[1], g.a, z);
-        transform(lib, &g, plan[0], plan[1], g.b, z);
+        transform(lib, nx, ny, plan, a, z);
+        transform(lib, nx, ny, plan, b, z);
         for (size_t i = 0; i < n; i++) {
-            const double re = g.a[2 * i], im = g.a[2 * i + 1];
-            g.a[2 * i] = scale * (re * g.b[2 * i] - im * g.b[2 * i + 1]);
-            g.a[2 * i + 1] = scale * (re * g.b[2 * i + 1] + im * g.b[2 * i]);
+            const double re = a[2 * i], im = a[2 * i + 1];
+            a[2 * i] = scale * (re * b[2 * i] - im * b[2 * i + 1]);
+            a[2 * i + 1] = scale * (re * b[2 * i + 1] + im * b[2 * i]);
         }
-        transform(lib, &g, plan[2], plan[3], g.a, z);
+        transform(lib, nx, ny, plan + 2, a, z);
         // the full convolution's sample (x + cx, y + cy) is the layer's (x, y)
         double *out = layer + (size_t) c * (size_t) src->w * (size_t) src->h;
         for (int gy = k->cy; gy < src->h + k->cy; gy++) {
             for (int gx = k->cx; gx < src->w + k->cx; gx++) {
                 const bool inside = gx >= 0 && gx < src->w + k->w - 1 &&
                                     gy >= 0 && gy < src->h + k->h - 1;
-                *out++ = inside ? g.a[2 * ((size_t) gy * (size_t) g.nx +
-                                           (size_t) gx)] : 0.0;
+                *out++ = inside ? a[2 * ((size_t) gy * nx + (size_t) gx)] : 0.0;
             }
         }
     }
@@ -155,17 +145,6 @@ out:
     gp_free(b);
     gp_free(z);
     return st;
-}
-
-gp_status gp_glare_reference(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *kernel, double *layer)
-{
-    const double work = 3.0 * gp_direct_work(src, kernel->w, kernel->h,
-                                             kernel->cx, kernel->cy);
-    if (work > MOST_TAPS)
-        return by_fft(log, src, kernel, layer);
-    gp_glare_reference_direct(src, kernel, layer);
-    return GP_OK;
 }
 
 // -- errors against the truth ------------------------------------------------

@@ -1,5 +1,6 @@
 #include "core/cpu.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 
@@ -124,16 +125,16 @@ GP_CLONES static void count_row(const float *restrict r,
 static void clean_block(void *ctx, int i, int thread)
 {
     struct sense *const s = ctx;
-    const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
+    const int end = gp_min((i + 1) * BLOCK, s->h);
     for (int y = i * BLOCK; y < end; y++) {
         const size_t at = (size_t) y * (size_t) s->w;
         float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
         float *const b = s->rgb[2] + at;
+        const float max = s->p->max_value;
         int bad, over, bright, none;
-        count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
-                  s->rule.open, &bad, &over, &bright);
+        count_row(r, g, b, s->w, max, s->rule.weight, s->rule.open, &bad,
+                  &over, &bright);
         if (bad || over) {
-            const float max = s->p->max_value;
             for (int k = 0; k < 3; k++) {
                 float *const v = s->rgb[k] + at;
                 for (int x = 0; x < s->w; x++) {
@@ -141,8 +142,8 @@ static void clean_block(void *ctx, int i, int thread)
                     v[x] = f > max ? max : f < -FLT_MAX ? 0.0f : f;
                 }
             }
-            count_row(r, g, b, s->w, s->p->max_value, s->rule.weight,
-                      s->rule.open, &none, &none, &bright);
+            count_row(r, g, b, s->w, max, s->rule.weight, s->rule.open, &none,
+                      &none, &bright);
         }
         // the grid's pixels of the row, which is in the cache by now: every
         // k-th pixel of the frame, about GRID in all
@@ -269,53 +270,46 @@ GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
     sum->brightest = brightest;
 }
 
-/* Writes the sources of one row; its place in the list is known by now. */
-static void list_row(const struct sense *s, int y, struct block_sum *sum,
-                     uint32_t count[TABLES][GP_SOURCE_BINS])
-{
-    const struct gp_sources *const o = s->out;
-    uint32_t at = o->row[y];
-    struct bright_piece c;
-    float largest[PIECE + LANES]; // channel of each
-    for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += PIECE) {
-        const size_t first = (size_t) y * (size_t) s->w + (size_t) x0;
-        const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
-                                     s->rgb[2] + first};
-        const int rest = s->w - x0;
-        const int n = find_bright(&s->rule, rgb, x0,
-            rest < PIECE ? rest : PIECE, &c);
-        if (!n)
-            continue;
-        for (int i = 0; s->p->knee > 0.0f && i < n; i++) {
-            const float pass = gp_bright_pass(
-                s->p, lit_luminance(s->rule.weight, c.rgb[0][i], c.rgb[1][i],
-                                    c.rgb[2][i]));
-            for (int k = 0; k < 3; k++)
-                c.rgb[k][i] *= pass;
-        }
-        sum_row(&c, n, largest, sum);
-        for (int i = 0; i < n; i++)
-            count[i % TABLES][gp_source_bin(largest[i])]++;
-        memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
-        for (int k = 0; k < 3; k++)
-            memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
-        at += (uint32_t) n;
-    }
-}
-
-static void list_block(void *ctx, int i, int thread)
+/* Writes the sources of a block's rows; their places in the list are known by
+ * now. */
+static void list_block(void *ctx, int block, int thread)
 {
     struct sense *const s = ctx;
-    (void) thread;
-    struct block_sum *const sum = &s->block[i];
+    const struct gp_sources *const o = s->out;
+    struct block_sum *const sum = &s->block[block];
     uint32_t count[TABLES][GP_SOURCE_BINS];
-    const int end = (i + 1) * BLOCK < s->h ? (i + 1) * BLOCK : s->h;
-    if (s->out->row[end] == s->out->row[i * BLOCK])
+    struct bright_piece c;
+    float largest[PIECE + LANES]; // channel of each
+    const int y0 = block * BLOCK, end = gp_min(y0 + BLOCK, s->h);
+    (void) thread;
+    if (o->row[end] == o->row[y0])
         return;
     memset(count, 0, sizeof count);
-    for (int y = i * BLOCK; y < end; y++) {
-        if (s->out->row[y + 1] > s->out->row[y])
-            list_row(s, y, sum, count);
+    for (int y = y0; y < end; y++) {
+        uint32_t at = o->row[y];
+        for (int x0 = 0; x0 < s->w && at < o->row[y + 1]; x0 += PIECE) {
+            const size_t first = (size_t) y * (size_t) s->w + (size_t) x0;
+            const float *const rgb[3] = {s->rgb[0] + first, s->rgb[1] + first,
+                                         s->rgb[2] + first};
+            const int n = find_bright(&s->rule, rgb, x0,
+                                      gp_min(s->w - x0, PIECE), &c);
+            if (!n)
+                continue;
+            for (int i = 0; s->p->knee > 0.0f && i < n; i++) {
+                const float pass = gp_bright_pass(
+                    s->p, lit_luminance(s->rule.weight, c.rgb[0][i],
+                                        c.rgb[1][i], c.rgb[2][i]));
+                for (int k = 0; k < 3; k++)
+                    c.rgb[k][i] *= pass;
+            }
+            sum_row(&c, n, largest, sum);
+            for (int i = 0; i < n; i++)
+                count[i % TABLES][gp_source_bin(largest[i])]++;
+            memcpy(o->x + at, c.x, (size_t) n * sizeof *o->x);
+            for (int k = 0; k < 3; k++)
+                memcpy(o->rgb[k] + at, c.rgb[k], (size_t) n * sizeof *c.rgb[k]);
+            at += (uint32_t) n;
+        }
     }
     for (int t = 0; t < TABLES; t++) {
         for (int k = 0; k < GP_SOURCE_BINS; k++)
@@ -348,25 +342,6 @@ static double darkest(const struct sense *s, int threads)
 static double total(wide v)
 {
     return (v[0] + v[1]) + (v[2] + v[3]);
-}
-
-static void add_up(const struct sense *s, int blocks)
-{
-    struct gp_sources *const o = s->out;
-    for (int i = 0; i < blocks; i++) {
-        const struct block_sum *const b = &s->block[i];
-        o->nonfinite += b->nonfinite;
-        o->clamped += b->clamped;
-        for (int k = 0; k < 3; k++) {
-            o->flux[k] += total(b->flux[k]);
-            o->energy[k] += total(b->energy[k]);
-        }
-        for (int k = 0; k < WIDE; k++)
-            o->brightest = b->brightest[k] > o->brightest ? b->brightest[k]
-                                                          : o->brightest;
-        for (int k = 0; k < GP_SOURCE_BINS; k++)
-            o->count[k] += b->count[k];
-    }
 }
 
 /* Makes the list anew without light under FLT_MIN, which is rare. */
@@ -428,7 +403,19 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         o.row[y + 1] = o.row[y] + s.bright[y];
     if (n)
         gp_parallel_do(blocks, list_block, &s);
-    add_up(&s, blocks);
+    for (int i = 0; i < blocks; i++) {
+        const struct block_sum *const b = &s.block[i];
+        o.nonfinite += b->nonfinite;
+        o.clamped += b->clamped;
+        for (int k = 0; k < 3; k++) {
+            o.flux[k] += total(b->flux[k]);
+            o.energy[k] += total(b->energy[k]);
+        }
+        for (int k = 0; k < WIDE; k++)
+            o.brightest = gp_maxf(b->brightest[k], o.brightest);
+        for (int k = 0; k < GP_SOURCE_BINS; k++)
+            o.count[k] += b->count[k];
+    }
     o.darkest = darkest(&s, threads);
     gp_sources_finish(&o);
     for (int b = 0; b < gp_source_bin(GP_FAINT); b++)

@@ -1,6 +1,7 @@
 #include "glare/sources.h"
 
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -14,14 +15,9 @@ float gp_source_bin_start(int bin)
     return v;
 }
 
-static float larger(float a, float b)
-{
-    return a > b ? a : b;
-}
-
 static float largest_channel(const float rgb[3])
 {
-    return larger(rgb[0], larger(rgb[1], rgb[2]));
+    return gp_maxf(rgb[0], gp_maxf(rgb[1], rgb[2]));
 }
 
 // -- a list: make, add, finish, free ------------------------------------------
@@ -41,9 +37,8 @@ gp_status gp_sources_make(const struct gp_log *log,
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row,
                          &s.row));
     GP_TRY(gp_alloc(log, "sources", room, sizeof *s.x, &s.x));
-    for (int k = 0; k < 3; k++) {
+    for (int k = 0; k < 3; k++)
         GP_TRY(gp_alloc(log, "sources", room, sizeof *s.rgb[k], &s.rgb[k]));
-    }
     *out = s;
     s = (struct gp_sources) {0};
 out:
@@ -67,7 +62,7 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3])
         s->flux[k] += (double) v[k];
         s->energy[k] += (double) v[k] * (double) v[k];
     }
-    s->brightest = larger(s->brightest, most);
+    s->brightest = gp_maxf(s->brightest, most);
     s->count[gp_source_bin(most)]++;
     s->row[y + 1] = (uint32_t) ++s->n;
 }
@@ -117,26 +112,6 @@ static int by_place(const void *a, const void *b)
     return 0;
 }
 
-/* Sorts, and puts those of one pixel together; returns how many are left. */
-static size_t sort_and_merge(struct gp_source *s, size_t n)
-{
-    size_t kept = 0;
-    if (n)
-        qsort(s, n, sizeof *s, by_place);
-    for (size_t i = 0; i < n; i++) {
-        struct gp_source *const last = kept ? &s[kept - 1] : NULL;
-        if (!(largest_channel(s[i].rgb) > 0.0f))
-            continue;
-        if (last && last->x == s[i].x && last->y == s[i].y) {
-            for (int k = 0; k < 3; k++)
-                last->rgb[k] += s[i].rgb[k];
-        } else {
-            s[kept++] = s[i];
-        }
-    }
-    return kept;
-}
-
 gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out)
@@ -149,7 +124,22 @@ gp_status gp_sources_join(const struct gp_log *log,
                                 "report this", more[i].x, more[i].y,
                                 src->w, src->h);
     }
-    n = sort_and_merge(more, n);
+    // in row order, those of one pixel together
+    size_t kept = 0;
+    if (n)
+        qsort(more, n, sizeof *more, by_place);
+    for (size_t i = 0; i < n; i++) {
+        struct gp_source *const last = kept ? &more[kept - 1] : NULL;
+        if (!(largest_channel(more[i].rgb) > 0.0f))
+            continue;
+        if (last && last->x == more[i].x && last->y == more[i].y) {
+            for (int k = 0; k < 3; k++)
+                last->rgb[k] += more[i].rgb[k];
+        } else {
+            more[kept++] = more[i];
+        }
+    }
+    n = kept;
     struct gp_sources all;
     gp_status st = gp_sources_make(log, src, src->n + n, &all);
     if (st)
@@ -184,8 +174,8 @@ gp_status gp_sources_split(const struct gp_log *log,
     struct gp_sources part[2] = {{0}};
     size_t n = 0; // of the hot ones
     for (size_t i = 0; i < src->n; i++)
-        n += larger(src->rgb[0][i],
-                    larger(src->rgb[1][i], src->rgb[2][i])) >= hot;
+        n += gp_maxf(src->rgb[0][i],
+                     gp_maxf(src->rgb[1][i], src->rgb[2][i])) >= hot;
     GP_TRY(gp_sources_make(log, src, src->n - n, &part[0]));
     GP_TRY(gp_sources_make(log, src, n, &part[1]));
     for (int y = 0; y < src->h; y++) {

@@ -103,13 +103,12 @@ static double rect_sum(const struct gp_kernel *k, const double *integral,
 static gp_status make_integral(const struct gp_log *log,
     const struct gp_kernel *k, int c, bool square, double **out)
 {
-    void *v;
     const size_t pitch = (size_t) k->w + 1;
     gp_status st = gp_alloc_zero(log, "bound", pitch * ((size_t) k->h + 1),
-                                 sizeof **out, &v);
+                                 sizeof **out, out);
     if (st)
         return st;
-    double *const sum = v;
+    double *const sum = *out;
     for (int y = 0; y < k->h; y++) {
         const float *const in = k->k.c[c] + (size_t) y * (size_t) k->w;
         double *const to = sum + ((size_t) y + 1) * pitch;
@@ -120,7 +119,6 @@ static gp_status make_integral(const struct gp_log *log,
             to[x + 1] = to[(size_t) x + 1 - pitch] + row;
         }
     }
-    *out = sum;
     return GP_OK;
 }
 
@@ -149,30 +147,6 @@ static gp_status make_means(const struct gp_log *log, const struct gp_kernel *k,
                              (1.0 - 1e-6));
     }
     return GP_OK;
-}
-
-static gp_status make_least(const struct gp_log *log, const struct gp_kernel *k,
-    struct state *s)
-{
-    gp_status st = GP_OK;
-    double *sum = NULL;
-    const int farthest = gp_max(gp_max(k->cx, k->w - k->cx),
-                             gp_max(k->cy, k->h - k->cy));
-    s->far_reach = gp_clamp(farthest / FAR + 1, FAR_FROM, 64);
-    s->channels = k->grey ? 1 : 3;
-    for (int c = 0; c < s->channels; c++) {
-        GP_TRY(make_integral(log, k, c, true, &s->square[c]));
-        GP_TRY(make_integral(log, k, c, false, &sum));
-        GP_TRY(make_means(log, k, sum, NEAR, NEAR_REACH, &s->near[c]));
-        GP_TRY(make_means(log, k, sum, FAR, s->far_reach, &s->far[c]));
-        GP_FREE(sum);
-    }
-    s->has_least = true;
-out:
-    if (st) // half of them would be made once more by the next call
-        drop_least(s);
-    gp_free(sum);
-    return st;
 }
 
 /* -- the least of the layer: each source by itself ------------------------- */
@@ -327,16 +301,28 @@ static gp_status find_layer_least(const struct gp_log *log,
     struct state *s, double *least)
 {
     gp_status st = GP_OK;
-    void *v = NULL;
-    double sum[3] = {0}, cells[3] = {0};
+    struct diagonal d = {src, kernel, s, NULL};
+    double *integral = NULL, sum[3] = {0}, cells[3] = {0};
     *least = 0.0;
     if (kernel->negative || !src->n)
         return GP_OK;
-    if (!s->has_least)
-        GP_TRY(make_least(log, kernel, s));
-    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, 3 * sizeof(double),
-                         &v));
-    struct diagonal d = {src, kernel, s, v};
+    if (!s->has_least) {
+        const int farthest = gp_max(gp_max(kernel->cx, kernel->w - kernel->cx),
+                                    gp_max(kernel->cy, kernel->h - kernel->cy));
+        s->far_reach = gp_clamp(farthest / FAR + 1, FAR_FROM, 64);
+        s->channels = kernel->grey ? 1 : 3;
+        for (int c = 0; c < s->channels; c++) {
+            GP_TRY(make_integral(log, kernel, c, true, &s->square[c]));
+            GP_TRY(make_integral(log, kernel, c, false, &integral));
+            GP_TRY(make_means(log, kernel, integral, NEAR, NEAR_REACH,
+                              &s->near[c]));
+            GP_TRY(make_means(log, kernel, integral, FAR, s->far_reach,
+                              &s->far[c]));
+            GP_FREE(integral);
+        }
+        s->has_least = true;
+    }
+    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *d.row, &d.row));
     gp_parallel_do(src->h, diagonal_row, &d);
     for (int y = 0; y < src->h; y++) {
         for (int c = 0; c < 3; c++)
@@ -348,7 +334,10 @@ static gp_status find_layer_least(const struct gp_log *log,
         all += fmax(sum[c], cells[c]);
     *least = sqrt(all) * (1.0 - 1e-4); // float sums of thousands of terms
 out:
-    gp_free(v);
+    if (!s->has_least) // half of them would be made once more by the next call
+        drop_least(s);
+    gp_free(integral);
+    gp_free(d.row);
     return st;
 }
 
@@ -362,74 +351,6 @@ gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
 
 /* -- what the polygons are wrong by ---------------------------------------- */
 
-struct polygon_error {
-    const struct gp_log *log;
-    const struct gp_sources *src;
-    const struct gp_kernel *kernel;
-    const struct gp_polygons *polygons;
-    const struct gp_shrink *shrink;
-    struct state *state;
-    struct drawn *drawn;
-    bool tail;
-    int border;
-};
-
-/* wrong[c] += what grouping and clustering cost. */
-static gp_status add_grouping(const struct polygon_error *w, double wrong[3])
-{
-    struct drawn *const d = w->drawn;
-    struct gp_residue r = {0};
-    double norm[3];
-    gp_status st;
-    GP_TRY(gp_residue_make(w->log, w->src, w->polygons, w->border, &r));
-    if (!r.rows)
-        goto out;
-    if (!d->has_power)
-        GP_TRY(gp_power_make(w->log, w->kernel, w->tail, w->src->w, w->src->h,
-                             w->border, &d->power));
-    d->has_power = true;
-    GP_TRY(gp_power_bound(w->log, &d->power, &r, norm));
-    for (int c = 0; c < 3; c++)
-        wrong[c] += norm[c];
-out:
-    gp_residue_free(&r);
-    return st;
-}
-
-static gp_status need_rings(const struct polygon_error *w)
-{
-    struct drawn *const d = w->drawn;
-    if (d->has_rings)
-        return GP_OK;
-    const gp_status st =
-        gp_bound_rings_make(w->log, w->kernel, w->tail, w->src->w + w->border,
-                            w->src->h + w->border, &d->rings);
-    d->has_rings = !st;
-    return st;
-}
-
-/* The light e that shrinking leaves out: Young's inequality where lights are
- * side by side, |e|^2 <= max e * sum e where they are far apart. */
-static gp_status add_shrinking(const struct polygon_error *w, double wrong[3])
-{
-    struct drawn *const d = w->drawn;
-    double most[3], sum[3], norm[3];
-    gp_status st;
-    GP_TRY(need_rings(w));
-    if (!d->has_most) // blurs carry light half a box and a pixel away
-        GP_TRY(gp_bound_table_make(w->log, &w->state->cells, w->kernel, w->tail,
-                            w->border / 2 + 1, &d->most));
-    d->has_most = true;
-    GP_TRY(gp_bound_cells_left(w->log, &w->state->cells, w->polygons, w->shrink,
-                         &d->most, most));
-    GP_TRY(gp_bound_rings_left(w->log, &d->rings, w->polygons, w->shrink, sum,
-                               norm));
-    for (int c = 0; c < 3; c++)
-        wrong[c] += fmin(norm[c], sqrt(most[c] * sum[c]));
-out:
-    return st;
-}
-
 gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_kernel *kernel, const struct gp_splat_params *p,
     const struct gp_polygons *polygons, const struct gp_shrink *shrink,
@@ -437,7 +358,8 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
 {
     gp_status st;
     struct state *s;
-    double wrong[3] = {0}, least;
+    struct gp_residue residue = {0};
+    double wrong[3] = {0}, most[3], sum[3], norm[3], least;
     *out = INFINITY;
     if (kernel->negative)
         return GP_OK;
@@ -452,27 +374,51 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     for (size_t i = 0; i < polygons->n; i++)
         side = gp_max(side, polygons->at[i].side);
     const bool tail = p->method == GP_GROUP_CORE, wide = side > BORDER;
-    const struct polygon_error w = {
-        .log = log, .src = src, .kernel = kernel, .polygons = polygons,
-        .shrink = shrink, .state = s, .drawn = &s->drawn[tail][wide],
-        .tail = tail, .border = wide ? WIDE_BORDER : BORDER,
-    };
+    const int border = wide ? WIDE_BORDER : BORDER;
+    struct drawn *const d = &s->drawn[tail][wide];
     GP_TRY(find_layer_least(log, src, kernel, s, &least));
-    if (side > 1) {
-        GP_TRY(add_grouping(&w, wrong));
-        // float coordinates of the frame are 2^(exponent - 24) pixels apart,
-        // and a sample may be taken so far from its place
-        int exponent;
-        double norm[3];
-        GP_TRY(need_rings(&w));
-        frexp((double) gp_max(src->w, src->h), &exponent);
-        gp_bound_rings_sampled(&w.drawn->rings, polygons,
-                               ldexp(1.0, exponent - 24), norm);
+    if ((side > 1 || shrink->left_out > 0.0) && !d->has_rings) {
+        GP_TRY(gp_bound_rings_make(log, kernel, tail, src->w + border,
+                                   src->h + border, &d->rings));
+        d->has_rings = true;
+    }
+
+    // grouping and clustering
+    if (side > 1)
+        GP_TRY(gp_residue_make(log, src, polygons, border, &residue));
+    if (residue.rows) {
+        if (!d->has_power)
+            GP_TRY(gp_power_make(log, kernel, tail, src->w, src->h, border,
+                                 &d->power));
+        d->has_power = true;
+        GP_TRY(gp_power_bound(log, &d->power, &residue, norm));
         for (int c = 0; c < 3; c++)
             wrong[c] += norm[c];
     }
-    if (shrink->left_out > 0.0)
-        GP_TRY(add_shrinking(&w, wrong));
+    // float coordinates of the frame are 2^(exponent - 24) pixels apart, and a
+    // sample may be taken so far from its place
+    if (side > 1) {
+        int exponent;
+        frexp((double) gp_max(src->w, src->h), &exponent);
+        gp_bound_rings_sampled(&d->rings, polygons, ldexp(1.0, exponent - 24),
+                               norm);
+        for (int c = 0; c < 3; c++)
+            wrong[c] += norm[c];
+    }
+    // the light e that shrinking leaves out: Young's inequality where lights
+    // are side by side, |e|^2 <= max e * sum e where they are far apart
+    if (shrink->left_out > 0.0) {
+        if (!d->has_most) // blurs carry light half a box and a pixel away
+            GP_TRY(gp_bound_table_make(log, &s->cells, kernel, tail,
+                                       border / 2 + 1, &d->most));
+        d->has_most = true;
+        GP_TRY(gp_bound_cells_left(log, &s->cells, polygons, shrink, &d->most,
+                                   most));
+        GP_TRY(gp_bound_rings_left(log, &d->rings, polygons, shrink, sum,
+                                   norm));
+        for (int c = 0; c < 3; c++)
+            wrong[c] += fmin(norm[c], sqrt(most[c] * sum[c]));
+    }
     const double all = sqrt(wrong[0] * wrong[0] + wrong[1] * wrong[1] +
                             wrong[2] * wrong[2]);
     // each rounding is relative to what is drawn: the layer and its error
@@ -482,5 +428,6 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     else if (least > 0.0)
         *out = all / least * (1.0 + share) + share;
 out:
+    gp_residue_free(&residue);
     return st;
 }

@@ -65,34 +65,6 @@ static void find_offsets(const struct window *w, int cells, int *first, int *n)
     *n = high - low;
 }
 
-/* The largest of the windows of a plane, first along rows, then down. */
-static void find_largest(const float *plane, const struct window *x,
-    const struct window *y, const struct gp_bound_table *t, float *rows,
-    double *out)
-{
-    int from, to;
-    const size_t w = (size_t) t->w;
-    for (int i = 0; i < y->n; i++) {
-        const float *const row = plane + (size_t) i * (size_t) x->n;
-        for (int j = 0; j < t->w; j++) {
-            float v = 0.0f;
-            find_window(x, t->x0 + j, &from, &to);
-            for (int k = from; k < to; k++)
-                v = row[k] > v ? row[k] : v;
-            rows[(size_t) i * w + (size_t) j] = v;
-        }
-    }
-    for (int j = 0; j < t->h; j++) {
-        find_window(y, t->y0 + j, &from, &to);
-        for (size_t i = 0; i < w; i++) {
-            float v = 0.0f;
-            for (int k = from; k < to; k++)
-                v = fmaxf(v, rows[(size_t) k * w + i]);
-            out[(size_t) j * w + i] = (double) v;
-        }
-    }
-}
-
 gp_status gp_bound_table_make(const struct gp_log *log,
     const struct gp_bound_cells *cells, const struct gp_kernel *kernel,
     bool tail, int carry, struct gp_bound_table *out)
@@ -103,18 +75,38 @@ gp_status gp_bound_table_make(const struct gp_log *log,
                                               cells->h + carry);
     struct gp_blur b = {0};
     struct gp_bound_table t = {.channels = kernel->grey ? 1 : 3};
-    void *rows = NULL;
+    float *rows = NULL;
+    int from, to;
     GP_TRY(gp_blur_make(log, kernel, crop, tail, 1, &b));
     const struct window x = {kernel->cx - crop.x0, cells->side, far, b.w};
     const struct window y = {kernel->cy - crop.y0, cells->side, far, b.h};
     find_offsets(&x, cells->columns, &t.x0, &t.w);
     find_offsets(&y, cells->rows, &t.y0, &t.h);
-    GP_TRY(gp_alloc(log, "bound", (size_t) t.w * (size_t) b.h, sizeof(float),
-                    &rows));
+    const size_t w = (size_t) t.w;
+    GP_TRY(gp_alloc(log, "bound", w * (size_t) b.h, sizeof *rows, &rows));
     for (int c = 0; c < t.channels; c++) {
-        GP_TRY(gp_alloc(log, "bound", (size_t) t.w * (size_t) t.h,
-                        sizeof(double), &t.at[c]));
-        find_largest(b.k.c[c], &x, &y, &t, rows, t.at[c]);
+        GP_TRY(gp_alloc(log, "bound", w * (size_t) t.h, sizeof(double),
+                        &t.at[c]));
+        // the largest of each window, first along rows, then down
+        for (int i = 0; i < b.h; i++) {
+            const float *const row = b.k.c[c] + (size_t) i * (size_t) b.w;
+            for (int j = 0; j < t.w; j++) {
+                float v = 0.0f;
+                find_window(&x, t.x0 + j, &from, &to);
+                for (int k = from; k < to; k++)
+                    v = row[k] > v ? row[k] : v;
+                rows[(size_t) i * w + (size_t) j] = v;
+            }
+        }
+        for (int j = 0; j < t.h; j++) {
+            find_window(&y, t.y0 + j, &from, &to);
+            for (size_t i = 0; i < w; i++) {
+                float v = 0.0f;
+                for (int k = from; k < to; k++)
+                    v = fmaxf(v, rows[(size_t) k * w + i]);
+                t.at[c][(size_t) j * w + i] = (double) v;
+            }
+        }
     }
     *out = t;
     t = (struct gp_bound_table) {0};
@@ -176,32 +168,6 @@ static void spread_row(void *ctx, int y, int thread)
     }
 }
 
-/* Fills the planes: each polygon is in that of its first ring and, as it
- * leaves these out too, in all farther ones. It leaves nothing out between
- * cells less than reach / side rings apart: (ring + 1) * side is farther than
- * any two of their points. */
-static void fill_light(const struct gp_polygons *polygons,
-    const struct gp_shrink *shrink, int rings, const struct light *l)
-{
-    const struct gp_bound_cells *const cells = l->cells;
-    for (size_t i = 0; i < polygons->n; i++) {
-        const struct gp_polygon *const p = &polygons->at[i];
-        const int ring = shrink->reach[gp_source_bin(p->light)] / cells->side;
-        const double x = floor((double) p->x / cells->side);
-        const double y = floor((double) p->y / cells->side);
-        const size_t column = (size_t) fmin(fmax(x, 0.0), cells->columns - 1.0);
-        const size_t row = (size_t) fmin(fmax(y, 0.0), cells->rows - 1.0);
-        const size_t at = (size_t) ring * l->plane +
-                          row * (size_t) cells->columns + column;
-        for (int c = 0; c < 3 && ring < rings; c++)
-            l->at[c][at] += (double) p->rgb[c];
-    }
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = l->plane; i < l->plane * (size_t) rings; i++)
-            l->at[c][i] += l->at[c][i - l->plane];
-    }
-}
-
 /* The farthest from 0 of the n numbers from `first` on. */
 static int farthest(int first, int n)
 {
@@ -220,16 +186,34 @@ gp_status gp_bound_cells_left(const struct gp_log *log,
         .cells = cells, .table = most,
         .plane = (size_t) cells->columns * (size_t) cells->rows,
     };
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 3; c++)
         GP_TRY(gp_alloc_zero(log, "bound", l.plane * (size_t) rings,
                              sizeof(double), &l.at[c]));
-    }
     GP_TRY(gp_alloc(log, "bound",
                     (size_t) gp_threads() * (size_t) cells->columns,
                     sizeof *l.line, &l.line));
     GP_TRY(gp_alloc(log, "bound", (size_t) cells->rows, sizeof *l.most,
                     &l.most));
-    fill_light(polygons, shrink, rings, &l);
+    // each polygon is in the plane of its first ring and, as it leaves these
+    // out too, in all farther ones. It leaves nothing out between cells less
+    // than reach / side rings apart: (ring + 1) * side is farther than any two
+    // of their points
+    for (size_t i = 0; i < polygons->n; i++) {
+        const struct gp_polygon *const p = &polygons->at[i];
+        const int ring = shrink->reach[gp_source_bin(p->light)] / cells->side;
+        const double x = floor((double) p->x / cells->side);
+        const double y = floor((double) p->y / cells->side);
+        const size_t column = (size_t) fmin(fmax(x, 0.0), cells->columns - 1.0);
+        const size_t row = (size_t) fmin(fmax(y, 0.0), cells->rows - 1.0);
+        const size_t at = (size_t) ring * l.plane +
+                          row * (size_t) cells->columns + column;
+        for (int c = 0; c < 3 && ring < rings; c++)
+            l.at[c][at] += (double) p->rgb[c];
+    }
+    for (int c = 0; c < 3; c++) {
+        for (size_t i = l.plane; i < l.plane * (size_t) rings; i++)
+            l.at[c][i] += l.at[c][i - l.plane];
+    }
     gp_parallel_do(cells->rows, spread_row, &l);
     for (int c = 0; c < 3; c++) {
         out[c] = 0.0;
@@ -252,14 +236,13 @@ gp_status gp_bound_rings_make(const struct gp_log *log,
                               int h, struct gp_bound_rings *out)
 {
     gp_status st = GP_OK;
-    void *v;
     struct gp_bound_rings r = {0};
     const struct gp_rect part = gp_bound_crop(k, w, h);
     r.n = gp_rect_empty(part) ? 0 : gp_max(w, h) + 1;
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc_zero(log, "bound", (size_t) r.n + 1, sizeof(double),
-                             &v));
-        double *const beyond = r.beyond[c] = v;
+                             &r.beyond[c]));
+        double *const beyond = r.beyond[c];
         if (c > 0 && k->grey) {
             memcpy(beyond, r.beyond[0], ((size_t) r.n + 1) * sizeof(double));
             r.slope[c] = r.slope[0];
@@ -306,56 +289,44 @@ static double spread_square(const struct gp_polygon *p, float at)
     return ((1.0 - f) * (1.0 - f) + f * f + (m - 1)) / ((double) m * m);
 }
 
-/* The light of one size of polygons by the first ring that they leave out. */
-struct left {
-    double *square; // of their light's norm: n
-    double *sum;    // of their light: n
-};
-
-/* Adds up one size of polygons; `l` is cleared. */
-static void add_size(const struct gp_bound_rings *r, int c,
-                     const struct left *l, double *sum, double *norm)
-{
-    double square = 0.0;
-    for (int i = 0; i < r->n; i++) {
-        square += l->square[i]; // all that leave ring i out
-        *sum += l->sum[i] * r->beyond[c][i];
-        *norm += (r->beyond[c][i] - r->beyond[c][i + 1]) * SHARED *
-                 sqrt(square);
-    }
-    memset(l->square, 0, (size_t) r->n * sizeof(double));
-    memset(l->sum, 0, (size_t) r->n * sizeof(double));
-}
-
 gp_status gp_bound_rings_left(const struct gp_log *log,
     const struct gp_bound_rings *r, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, double sum[3], double norm[3])
 {
-    void *v;
-    gp_status st = gp_alloc_zero(log, "bound", 2 * (size_t) r->n,
-                                 sizeof(double), &v);
+    const size_t n = (size_t) r->n;
+    double *left; // by the first ring that polygons leave out: n of their
+                  // light, n of the squares of its norm
+    gp_status st = gp_alloc(log, "bound", 2 * n, sizeof *left, &left);
     if (st)
         return st;
-    const struct left l = {v, (double *) v + r->n};
     for (int c = 0; c < 3; c++) {
         sum[c] = norm[c] = 0.0;
-        for (size_t i = 0; i < polygons->n; i++) {
-            const struct gp_polygon *const p = &polygons->at[i];
-            const int reach = shrink->reach[gp_source_bin(p->light)];
-            // half a box and a pixel between pixels carry light that far
-            const int ring = gp_max(reach - gp_blur_box[p->blur] / 2, 0);
-            const double light = (double) p->rgb[c];
-            if (i == polygons->clusters)
-                add_size(r, c, &l, &sum[c], &norm[c]);
-            if (ring >= r->n)
-                continue;
-            l.sum[ring] += light;
-            l.square[ring] += light * light * spread_square(p, p->x) *
-                              spread_square(p, p->y);
+        for (int size = 0; size < 2; size++) { // clusters, groups
+            memset(left, 0, 2 * n * sizeof *left);
+            const size_t end = size ? polygons->n : polygons->clusters;
+            for (size_t i = size ? polygons->clusters : 0; i < end; i++) {
+                const struct gp_polygon *const p = &polygons->at[i];
+                const int reach = shrink->reach[gp_source_bin(p->light)];
+                // half a box and a pixel between pixels carry light that far
+                const int ring = gp_max(reach - gp_blur_box[p->blur] / 2, 0);
+                const double light = (double) p->rgb[c];
+                if (ring >= r->n)
+                    continue;
+                left[ring] += light;
+                left[n + (size_t) ring] += light * light *
+                                           spread_square(p, p->x) *
+                                           spread_square(p, p->y);
+            }
+            double square = 0.0;
+            for (size_t i = 0; i < n; i++) {
+                square += left[n + i]; // all that leave ring i out
+                sum[c] += left[i] * r->beyond[c][i];
+                norm[c] += (r->beyond[c][i] - r->beyond[c][i + 1]) * SHARED *
+                           sqrt(square);
+            }
         }
-        add_size(r, c, &l, &sum[c], &norm[c]);
     }
-    gp_free(v);
+    gp_free(left);
     return GP_OK;
 }
 

@@ -59,38 +59,14 @@ static void load_kernel(const void *ctx, int c, int j, float *z)
             gp_bound_sample(p->k, p->tail, c, x, p->crop.y0 + j);
 }
 
-/* Turns the spectrum of one channel into magnitudes, largest and mean ones.
- * The kernel's place on the torus does not change |K|. */
-static void find_magnitudes(const struct gp_fft_matrix *m, int c,
-                            struct gp_power *p)
-{
-    const double extra = rounding(p) * p->norm1[c];
-    double all = 0.0;
-    for (int k = 0; k <= p->nx / 2; k++) {
-        const float *const z = m->z[c] + 2 * (size_t) k * m->pitch;
-        float *const to = p->power[c] + (size_t) k * (size_t) p->ny;
-        float most = 0.0f;
-        double sum = 0.0;
-        for (int y = 0; y < p->ny; y++) {
-            const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
-            const double v = sqrt(re * re + im * im) + extra;
-            to[y] = (float) (v * (1.0 + 0x1p-20)); // never rounded down
-            sum += v * v;
-            most = fmaxf(most, to[y]);
-        }
-        p->most[c][k] = most;
-        all += sum * (k == 0 || k == p->nx / 2 ? 1.0 : 2.0);
-    }
-    p->mean2[c] = all / ((double) p->nx * p->ny);
-}
-
+/* Makes all but norm1, on a torus of p->nx * p->ny. */
 static gp_status transform(const struct gp_log *log, const struct part *part,
                            struct gp_power *p)
 {
     gp_status st;
     const int rows = gp_rect_h(part->crop);
     struct gp_fft_matrix in = {0}, out = {0};
-    void *v = NULL;
+    int *place = NULL;
     const struct gp_fft_job job = {log, &p->x, &p->y, 0, p->channels};
     const size_t points = (size_t) (p->nx / 2 + 1) * (size_t) p->ny;
     GP_TRY(gp_fft_plan_make(log, p->nx, GP_FFT_PLAN_ESTIMATE, NULL, &p->x));
@@ -100,21 +76,38 @@ static gp_status transform(const struct gp_log *log, const struct part *part,
         GP_TRY(gp_alloc(log, "bound", (size_t) p->nx / 2 + 1, sizeof(float),
                         &p->most[c]));
     }
-    GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof(int), &v));
-    int *const place = v;
+    GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof *place, &place));
     for (int y = 0; y < rows; y++)
         place[y] = y;
-    st = gp_fft_matrix_make(log, p->channels, p->nx, rows, &in);
-    if (!st)
-        st = gp_fft_matrix_make(log, p->channels, p->nx, p->ny, &out);
-    if (!st)
-        st = gp_fft_rows_in(&job, rows, load_kernel, part, &in);
-    if (!st) // the matrix holds twice the spectrum
-        st = gp_fft_columns(&job, &in, rows, place, 0.5f, &out);
-    for (int c = 0; !st && c < p->channels; c++)
-        find_magnitudes(&out, c, p);
-    gp_free(place);
+    GP_TRY(gp_fft_matrix_make(log, p->channels, p->nx, rows, &in));
+    GP_TRY(gp_fft_matrix_make(log, p->channels, p->nx, p->ny, &out));
+    GP_TRY(gp_fft_rows_in(&job, rows, load_kernel, part, &in));
+    // the matrix holds twice the spectrum
+    GP_TRY(gp_fft_columns(&job, &in, rows, place, 0.5f, &out));
+    // magnitudes, largest and mean ones. The kernel's place on the torus does
+    // not change |K|
+    for (int c = 0; c < p->channels; c++) {
+        const double extra = rounding(p) * p->norm1[c];
+        double all = 0.0;
+        for (int k = 0; k <= p->nx / 2; k++) {
+            const float *const z = out.z[c] + 2 * (size_t) k * out.pitch;
+            float *const to = p->power[c] + (size_t) k * (size_t) p->ny;
+            float most = 0.0f;
+            double sum = 0.0;
+            for (int y = 0; y < p->ny; y++) {
+                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+                const double v = sqrt(re * re + im * im) + extra;
+                to[y] = (float) (v * (1.0 + 0x1p-20)); // never rounded down
+                sum += v * v;
+                most = fmaxf(most, to[y]);
+            }
+            p->most[c][k] = most;
+            all += sum * (k == 0 || k == p->nx / 2 ? 1.0 : 2.0);
+        }
+        p->mean2[c] = all / ((double) p->nx * p->ny);
+    }
 out:
+    gp_free(place);
     gp_fft_matrix_free(&in);
     gp_fft_matrix_free(&out);
     return st;
@@ -186,7 +179,7 @@ struct filling {
 /* Pixels of a polygon's light on one axis: box + 1 from `first`, the
  * ones between the ends all with weight 1 / box. */
 struct footprint {
-    int first, n;
+    int first;
     double head, body, tail; // weights
 };
 
@@ -195,48 +188,17 @@ static struct footprint make_footprint(float at, int box)
     const double start = (double) at - (box - 1) / 2.0;
     const double part = start - floor(start), body = 1.0 / box;
     return (struct footprint) {
-        .first = (int) floor(start), .n = box + 1,
+        .first = (int) floor(start),
         .head = (1.0 - part) * body, .body = body, .tail = part * body,
     };
 }
 
-/* Takes a polygon's light from rows [y0, y1). */
-static void subtract_polygon(const struct filling *f,
-                             const struct gp_polygon *p, int y0, int y1)
-{
-    const int box = gp_blur_box[p->blur], pad = f->out->pad;
-    // the usual case first: the band is far away
-    if ((double) p->y + pad + box / 2 + 2 < y0 ||
-        (double) p->y + pad - box / 2 - 2 > y1)
-        return;
-    const struct footprint v = make_footprint(p->y, box);
-    const struct footprint u = make_footprint(p->x, box);
-    for (int j = 0; j < v.n; j++) {
-        const int y = v.first + pad + j;
-        const double down = j == 0         ? v.head
-                            : j < v.n - 1 ? v.body
-                                          : v.tail;
-        if (y < y0 || y >= y1 || down == 0.0)
-            continue;
-        for (int c = 0; c < 3; c++) {
-            float *const to = f->out->d.c[c] +
-                              (size_t) y * (size_t) f->width + pad + u.first;
-            const double light = (double) p->rgb[c] * down;
-            const float body = (float) (light * u.body);
-            to[0] -= (float) (light * u.head);
-            for (int i = 1; i < box; i++)
-                to[i] -= body;
-            to[box] -= (float) (light * u.tail);
-        }
-    }
-}
-
 /* Makes rows of the planes: sources, less the polygons that reach them. */
-static void fill_band(void *ctx, int i, int thread)
+static void fill_band(void *ctx, int band, int thread)
 {
     const struct filling *const f = ctx;
     const struct gp_sources *const src = f->src;
-    const int y0 = i * BAND, y1 = gp_min(y0 + BAND, f->height);
+    const int y0 = band * BAND, y1 = gp_min(y0 + BAND, f->height);
     const int pad = f->out->pad;
     const size_t width = (size_t) f->width;
     (void) thread;
@@ -250,14 +212,38 @@ static void fill_band(void *ctx, int i, int thread)
                 to[src->x[k]] = src->rgb[c][k];
         }
     }
-    for (size_t k = 0; k < f->polygons->n; k++)
-        subtract_polygon(f, &f->polygons->at[k], y0, y1);
+    for (size_t k = 0; k < f->polygons->n; k++) {
+        const struct gp_polygon *const p = &f->polygons->at[k];
+        const int box = gp_blur_box[p->blur];
+        // the usual case first: the band is far away
+        if ((double) p->y + pad + box / 2 + 2 < y0 ||
+            (double) p->y + pad - box / 2 - 2 > y1)
+            continue;
+        const struct footprint v = make_footprint(p->y, box);
+        const struct footprint u = make_footprint(p->x, box);
+        for (int j = 0; j <= box; j++) {
+            const int y = v.first + pad + j;
+            const double down = j == 0 ? v.head : j < box ? v.body : v.tail;
+            if (y < y0 || y >= y1 || down == 0.0)
+                continue;
+            for (int c = 0; c < 3; c++) {
+                float *const to =
+                    f->out->d.c[c] + (size_t) y * width + pad + u.first;
+                const double light = (double) p->rgb[c] * down;
+                const float body = (float) (light * u.body);
+                to[0] -= (float) (light * u.head);
+                for (int i = 1; i < box; i++)
+                    to[i] -= body;
+                to[box] -= (float) (light * u.tail);
+            }
+        }
+    }
     for (int y = y0; y < y1; y++) {
         f->lit[y] = false;
         for (int c = 0; c < 3; c++) {
             const double sum = sum_squares(
                 f->out->d.c[c] + (size_t) y * width, f->width);
-            f->square[i][c] += sum;
+            f->square[band][c] += sum;
             f->lit[y] |= sum > 0.0;
         }
     }
@@ -386,47 +372,31 @@ static void add_columns(void *ctx, int i, int thread)
     a->sum[i] = sum;
 }
 
-/* sum |K|^2 |2 D|^2 for each channel. */
-static gp_status add_up(const struct gp_log *log, const struct gp_power *p,
-                        const struct gp_residue *r, double out[3])
+gp_status gp_power_bound(const struct gp_log *log, const struct gp_power *p,
+                         const struct gp_residue *r, double out[3])
 {
-    gp_status st;
-    void *sum = NULL, *buffer = NULL;
+    gp_status st = GP_OK;
+    double sum[3] = {0}; // |K|^2 |2 D|^2
     struct gp_fft_matrix m = {0};
     const struct gp_fft_job job = {log, &p->x, &p->y, 0, 3};
     struct adding a = {
         .p = p, .r = r, .m = &m, .tasks = (p->nx / 2 + COLUMNS) / COLUMNS,
     };
-    GP_TRY(gp_fftwf_open(log, &a.lib));
-    GP_TRY(gp_fft_matrix_make(log, 3, p->nx, r->rows, &m));
-    GP_TRY(gp_alloc(log, "bound", (size_t) a.tasks * 3, sizeof *a.sum, &sum));
-    // (lengths are multiples of 8: columns stay aligned)
-    GP_TRY(gp_alloc(log, "bound", 4 * (size_t) p->ny * (size_t) gp_threads(),
-                    sizeof *a.buffer, &buffer));
-    a.sum = sum;
-    a.buffer = buffer;
-    GP_TRY(gp_fft_rows_in(&job, r->rows, load_residue, r, &m));
-    gp_parallel_do(3 * a.tasks, add_columns, &a);
-    for (int c = 0; c < 3; c++) {
-        out[c] = 0.0;
-        for (int i = 0; i < a.tasks; i++)
-            out[c] += a.sum[c * a.tasks + i];
+    if (r->rows && p->nx) {
+        GP_TRY(gp_fftwf_open(log, &a.lib));
+        GP_TRY(gp_fft_matrix_make(log, 3, p->nx, r->rows, &m));
+        GP_TRY(gp_alloc(log, "bound", (size_t) a.tasks * 3, sizeof *a.sum,
+                        &a.sum));
+        // (lengths are multiples of 8: columns stay aligned)
+        GP_TRY(gp_alloc(log, "bound",
+                        4 * (size_t) p->ny * (size_t) gp_threads(),
+                        sizeof *a.buffer, &a.buffer));
+        GP_TRY(gp_fft_rows_in(&job, r->rows, load_residue, r, &m));
+        gp_parallel_do(3 * a.tasks, add_columns, &a);
+        for (int i = 0; i < 3 * a.tasks; i++)
+            sum[i / a.tasks] += a.sum[i];
     }
-out:
-    gp_fft_matrix_free(&m);
-    gp_free(sum);
-    gp_free(buffer);
-    return st;
-}
-
-gp_status gp_power_bound(const struct gp_log *log, const struct gp_power *p,
-                         const struct gp_residue *r, double out[3])
-{
-    gp_status st = GP_OK;
-    double sum[3] = {0};
-    if (r->rows && p->nx)
-        st = add_up(log, p, r, sum);
-    for (int c = 0; !st && c < 3; c++) {
+    for (int c = 0; c < 3; c++) {
         const double norm1 = p->norm1[p->channels == 1 ? 0 : c];
         // Young's inequality where there is no transform
         out[c] = p->nx ? sqrt(sum[c] / (4.0 * p->nx * p->ny)) +
@@ -434,5 +404,9 @@ gp_status gp_power_bound(const struct gp_log *log, const struct gp_power *p,
                        : norm1 * r->norm2[c];
         out[c] += norm1 * r->rounding[c];
     }
+out:
+    gp_fft_matrix_free(&m);
+    gp_free(a.sum);
+    gp_free(a.buffer);
     return st;
 }

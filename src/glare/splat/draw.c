@@ -409,13 +409,13 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)
-        st = gp_uniform_block_make(job->log, s->gl, "reaches", sizeof reach,
-                                   &s->reaches);
+        st = gp_buffer_make(job->log, s->gl, "reaches", GP_BUFFER_BLOCK,
+                            GP_SOURCE_BINS / 4, &s->reaches);
     if (st)
         return st;
     for (int i = 0; i < GP_SOURCE_BINS; i++)
         reach[i] = (float) reach_of(p, gp_source_bin_start(i));
-    gp_uniform_block_write(s->gl, &s->reaches, reach, sizeof reach);
+    gp_buffer_write(s->gl, &s->reaches, 0, GP_SOURCE_BINS / 4, reach);
     gp_splat_set_kernel(s, job->kernel, p->crop, p->core, points);
     return draw_fields(&k);
 }

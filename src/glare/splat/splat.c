@@ -241,7 +241,7 @@ static void close_context(struct gp_splat *s)
         for (size_t i = 0; i < sizeof targets / sizeof *targets; i++)
             gp_target_free(s->gl, targets[i]);
         gp_texture_free(s->gl, &s->sources);
-        gp_uniform_block_free(s->gl, &s->reaches);
+        gp_buffer_free(s->gl, &s->reaches);
         gp_splat_drop_kernels(s);
         gp_tiles_free(s->gl, &s->tiles);
     }

@@ -82,7 +82,7 @@ struct gp_splat {
     struct gp_target total, chunk;  // of one size; chunk only for many polygons
     struct gp_target groups, clusters;
     struct gp_texture sources;
-    struct gp_uniform_block reaches; // of polygons, by gp_source_bin()
+    struct gp_buffer reaches; // of polygons, by gp_source_bin()
     struct gp_tiles *tiles;
     float *band; // GP_SPLAT_BAND_TEXELS texels on their way in or out
 

@@ -250,7 +250,7 @@ struct packed {
 struct gp_tiles {
     struct gp_program program[VARIANTS];
     struct gp_target target;
-    struct gp_texel_buffer entries;
+    struct gp_buffer entries;
     float *texel; // GP_TILE_TEXELS, the entries' and pixels on their way out
 
     // what `packed` was made from
@@ -290,7 +290,7 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
     for (int i = 0; i < VARIANTS; i++)
         gp_program_free(gl, &t->program[i]);
     gp_target_free(gl, &t->target);
-    gp_texel_buffer_free(gl, &t->entries);
+    gp_buffer_free(gl, &t->entries);
     gp_free(t->texel);
     GP_FREE(*state);
 }
@@ -305,8 +305,8 @@ static gp_status open_state(const struct gp_log *log, struct gp_gl *gl,
         GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, state));
         GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
                         4 * sizeof(float), &(*state)->texel));
-        GP_TRY(gp_texel_buffer_make(log, gl, "lists of tiles", GP_TILE_TEXELS,
-                                    &(*state)->entries));
+        GP_TRY(gp_buffer_make(log, gl, "lists of tiles", GP_BUFFER_TEXELS,
+                              GP_TILE_TEXELS, &(*state)->entries));
     }
     struct gp_tiles *t = *state;
     if (t->serial == 0 || t->serial != kernel->serial || t->tail != tail ||
@@ -417,7 +417,7 @@ static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
                     batch.lit.x1 << columns, batch.lit.y1 << rows},
             .uniform = uniform, .vertices = 3, .instances = 1,
         };
-        gp_texel_buffer_write(k->gl, &t->entries, 0, batch.texels, batch.texel);
+        gp_buffer_write(k->gl, &t->entries, 0, batch.texels, batch.texel);
         GP_TRY(gp_draw_run(k->log, k->gl, &draw));
         *sums = fmax(*sums, inner + ceil(batch.most / (double) inner));
         ++*draws;

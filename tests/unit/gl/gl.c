@@ -255,24 +255,31 @@ static void errors_are_named_and_cleared(void **state)
 static void blocks_and_lists_have_limits(void **state)
 {
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_uniform_block b = {0};
-    struct gp_texel_buffer l = {0};
-    assert_true(gp_gl_info(gl)->max_block >= 16384);
-    assert_true(gp_gl_info(gl)->max_texel_buffer >= 65536);
-    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a", 0, &b),
-                     GP_ERR_GL);
-    assert_int_equal(gp_uniform_block_make(&log_kept, gl, "a",
-        (size_t) gp_gl_info(gl)->max_block + 1, &b), GP_ERR_GL);
-    assert_said("one uniform block");
-    assert_int_equal(gp_texel_buffer_make(&log_kept, gl, "a", 0, &l),
-                     GP_ERR_GL);
-    assert_said("one buffer texture");
-    assert_int_equal(b.id, 0);
-    assert_int_equal(l.id, 0);
-    assert_ok(gp_uniform_block_make(&log_kept, gl, "a", 16384, &b));
-    assert_ok(gp_texel_buffer_make(&log_kept, gl, "a", 65536, &l));
-    gp_uniform_block_free(gl, &b);
-    gp_texel_buffer_free(gl, &l);
+    const struct {
+        enum gp_buffer_kind kind;
+        int limit, least; // entries
+        const char *said;
+    } rows[] = {
+        {GP_BUFFER_BLOCK, gp_gl_info(gl)->max_block / 16, 1024,
+         "one uniform block"},
+        {GP_BUFFER_TEXELS, gp_gl_info(gl)->max_texel_buffer, 65536,
+         "one buffer texture"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const int refused[] = {0, -1, rows[i].limit + 1};
+        struct gp_buffer b = {0};
+        assert_true(rows[i].limit >= rows[i].least);
+        for (size_t k = 0; k < COUNT(refused); k++) {
+            assert_int_equal(gp_buffer_make(&log_kept, gl, "a", rows[i].kind,
+                                            refused[k], &b), GP_ERR_GL);
+            assert_said(rows[i].said);
+            assert_int_equal(b.id, 0);
+        }
+        assert_ok(gp_buffer_make(&log_kept, gl, "a", rows[i].kind,
+                                 rows[i].least, &b));
+        gp_buffer_free(gl, &b);
+        gp_buffer_free(gl, &b);
+    }
     gp_gl_close(&gl);
 }
 
@@ -424,8 +431,7 @@ static void uniforms_arrive(void **state)
     static const float entries[12] = {[7] = 12.0f, [8] = 11.0f};
     const struct gp_rect square = {0, 0, 2, 2};
     struct gp_texture sharp = {0}, smooth = {0};
-    struct gp_texel_buffer list = {0};
-    struct gp_uniform_block block = {0};
+    struct gp_buffer list = {0}, block = {0};
     struct gp_target t = {0};
     float got[12];
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
@@ -435,15 +441,15 @@ static void uniforms_arrive(void **state)
         gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
     assert_ok(
         gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
-    assert_ok(gp_texel_buffer_make(&log_kept, gl, "c", 3, &list));
-    assert_ok(gp_uniform_block_make(&log_kept, gl, "d", 32, &block));
+    assert_ok(gp_buffer_make(&log_kept, gl, "c", GP_BUFFER_TEXELS, 3, &list));
+    assert_ok(gp_buffer_make(&log_kept, gl, "d", GP_BUFFER_BLOCK, 2, &block));
     assert_ok(gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t));
     gp_texture_write(gl, &sharp, square, texels);
     float rows[16] = {0};
     rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
     gp_texture_write(gl, &smooth, square, rows);
-    gp_texel_buffer_write(gl, &list, 1, 2, entries + 4);
-    gp_uniform_block_write(gl, &block, entries, 32);
+    gp_buffer_write(gl, &list, 1, 2, entries + 4);
+    gp_buffer_write(gl, &block, 0, 2, entries);
     const struct gp_uniform u[] = {
         {.name = "one", .floats = 1, .f = {0.5f}},
         {.name = "two", .floats = 2, .f = {0.25f, 0.75f}},
@@ -468,10 +474,8 @@ static void uniforms_arrive(void **state)
     assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_texture_free(gl, &sharp);
     gp_texture_free(gl, &smooth);
-    gp_texel_buffer_free(gl, &list);
-    gp_texel_buffer_free(gl, &list);
-    gp_uniform_block_free(gl, &block);
-    gp_uniform_block_free(gl, &block);
+    gp_buffer_free(gl, &list);
+    gp_buffer_free(gl, &block);
     gp_target_free(gl, &t);
     gp_program_free(gl, &p);
     gp_gl_close(&gl);
@@ -574,7 +578,7 @@ static void lists_wait_for_draws(void **state)
         "    for (int i = 0; i < 64; i++) c += imageLoad(list, i); }\n";
     static float px[4 * SIDE * SIDE];
     float entries[4 * 64];
-    struct gp_texel_buffer list = {0};
+    struct gp_buffer list = {0};
     struct gp_target t = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
@@ -585,15 +589,16 @@ static void lists_wait_for_draws(void **state)
     for (int d = 0; d < DRAWS; d++) {
         const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
         if (d % 2 == 0) {
-            gp_texel_buffer_free(gl, &list);
-            assert_ok(gp_texel_buffer_make(&log_kept, gl, "l", 64, &list));
+            gp_buffer_free(gl, &list);
+            assert_ok(gp_buffer_make(&log_kept, gl, "l", GP_BUFFER_TEXELS, 64,
+                                     &list));
         }
         for (int i = 0; i < 4 * 64; i++)
             entries[i] = (float) (1 << d);
-        gp_texel_buffer_write(gl, &list, 0, 64, entries);
+        gp_buffer_write(gl, &list, 0, 64, entries);
         draw_once(gl, &p, &t, u, false);
     }
-    gp_texel_buffer_free(gl, &list);
+    gp_buffer_free(gl, &list);
     gp_target_read(gl, &t, 0, all, px);
     for (int i = 0; i < 4 * SIDE * SIDE; i++)
         assert_true(px[i] == 64.0f * (float) ((1 << DRAWS) - 1));

@@ -189,8 +189,7 @@ static void objects_are_refused(void **state)
     for (int broken = 1; broken >= 0; broken--) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
-        struct gp_texel_buffer l = {0};
-        struct gp_uniform_block b = {0};
+        struct gp_buffer l = {0}, b = {0};
         struct gp_program p = {0};
         const gp_status want = broken ? GP_ERR_GL : GP_OK;
 #define MAKES(call)                                                           \
@@ -201,18 +200,18 @@ static void objects_are_refused(void **state)
             assert_said(#call, "GL_OUT_OF_MEMORY")
         MAKES(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
         MAKES(gp_target_make(&said_log, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
-        MAKES(gp_texel_buffer_make(&said_log, gl, "c", 2, &l));
-        MAKES(gp_uniform_block_make(&said_log, gl, "d", 16, &b));
+        MAKES(gp_buffer_make(&said_log, gl, "c", GP_BUFFER_TEXELS, 2, &l));
+        MAKES(gp_buffer_make(&said_log, gl, "d", GP_BUFFER_BLOCK, 1, &b));
         MAKES(gp_program_make(&said_log, gl, "", "add.vert", "add.frag", &p));
 #undef MAKES
-        assert_true((t.id && g.framebuffer && l.id && l.buffer && b.id &&
+        assert_true((t.id && g.framebuffer && l.id && l.texture && b.id &&
                      p.id) == !broken);
         assert_true((t.id || g.framebuffer || g.colour.id || l.id ||
-                     l.buffer || b.id || p.id) == !broken);
+                     l.texture || b.id || p.id) == !broken);
         gp_texture_free(gl, &t);
         gp_target_free(gl, &g);
-        gp_texel_buffer_free(gl, &l);
-        gp_uniform_block_free(gl, &b);
+        gp_buffer_free(gl, &l);
+        gp_buffer_free(gl, &b);
         gp_program_free(gl, &p);
     }
     gp_gl_close(&gl);
