@@ -67,29 +67,6 @@ static gp_status run_once(struct trial *t, struct gp_frame *f, struct run *r)
     return st;
 }
 
-static gp_status run_whole(struct trial *t)
-{
-    struct gp_bench_row *const row = t->row;
-    struct run r;
-    gp_status st = run_once(t, t->b->f, &r);
-    double total = row->ms_first = t->ms[0] = r.ms;
-    int n = 0;
-    while (!st && n < t->b->job->params->runs && total < ROW_MS) {
-        st = run_once(t, t->b->f, &r);
-        total += t->ms[n++] = r.ms;
-    }
-    if (st)
-        return st;
-    row->runs = n > 0 ? n : 1; // the first took so long that it is the only one
-    row->ms = gp_bench_median(t->ms, row->runs);
-    row->ms_min = t->ms[0];
-    row->ms_max = t->ms[row->runs - 1];
-    row->polygons = (double) row->stats.polygons;
-    row->polygon_pixels = row->stats.polygon_pixels;
-    row->bound = row->stats.bound;
-    return GP_OK;
-}
-
 // -- extrapolation -----------------------------------------------------------
 
 enum { BLOCK = 32 }; // no group or cluster of bench's is cut by one
@@ -165,6 +142,7 @@ out:
 static gp_status time_row(struct trial *t)
 {
     const struct bench *const b = t->b;
+    struct gp_bench_row *const row = t->row;
     struct gp_glare_stats stats = {0};
     const struct gp_glare_job job = {
         .log = &t->log, .params = &t->params, .src = &b->src,
@@ -176,15 +154,32 @@ static gp_status time_row(struct trial *t)
     gp_status st = GP_OK;
     if (expected > LONG_MS)
         st = run_part(t, expected > 10.0 * PART_MS ? 100 : 10);
-    if (!st && (!t->row->extrapolated || t->row->ms <= LONG_MS)) {
-        t->row->extrapolated = false; // it takes less than was expected
-        return run_whole(t);
+    if (st || (row->extrapolated && row->ms > LONG_MS)) {
+        // the whole frame's bound, where the engine has one without a run
+        row->bound = NAN;
+        if (!st && t->engine && t->engine->bound)
+            st = t->engine->bound(&job, &t->glare.state[t->state], &row->bound);
+        return st;
     }
-    // the whole frame's bound, where the engine has one without a run
-    t->row->bound = NAN;
-    if (!st && t->engine && t->engine->bound)
-        st = t->engine->bound(&job, &t->glare.state[t->state], &t->row->bound);
-    return st;
+    row->extrapolated = false; // it takes less than was expected
+    struct run r;
+    st = run_once(t, b->f, &r);
+    double total = row->ms_first = t->ms[0] = r.ms;
+    int n = 0;
+    while (!st && n < b->job->params->runs && total < ROW_MS) {
+        st = run_once(t, b->f, &r);
+        total += t->ms[n++] = r.ms;
+    }
+    if (st)
+        return st;
+    row->runs = n > 0 ? n : 1; // the first took so long that it is the only one
+    row->ms = gp_bench_median(t->ms, row->runs);
+    row->ms_min = t->ms[0];
+    row->ms_max = t->ms[row->runs - 1];
+    row->polygons = (double) row->stats.polygons;
+    row->polygon_pixels = row->stats.polygon_pixels;
+    row->bound = row->stats.bound;
+    return GP_OK;
 }
 
 /* Composes and tone maps what f->layer holds. */
@@ -243,25 +238,6 @@ static gp_status run_technique(const struct bench *b, double *ms,
     return GP_OK;
 }
 
-/* The exact layer, and its composite as it is shown. */
-static gp_status make_truth(struct bench *b)
-{
-    const size_t n = gp_frame_pixels(b->f);
-    gp_status st;
-    GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact, &b->exact));
-    GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
-    GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
-    if (strcmp(b->job->tone->curve, "none") == 0)
-        return GP_OK; // light itself: no picture that FLIP could judge
-    for (size_t i = 0; i < 3 * n; i++)
-        b->f->layer.c[i / n][i % n] = (float) b->exact[i];
-    GP_TRY(show_layer(b));
-    b->shown = b->f->shown;
-    b->f->shown = (struct gp_planes) {0};
-out:
-    return st;
-}
-
 /* Measures all techniques on a frame into t->frame, in the order of
  * gp_bench_techniques. A run that would take over 6 s is made with a part of
  * the sources (a tenth, or a hundredth where that takes too long as well) and
@@ -269,6 +245,7 @@ out:
 static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
 {
     gp_status st;
+    const size_t n = gp_frame_pixels(b->f);
     double *ms = NULL;
     GP_TRY(gp_alloc(b->log, "times", (size_t) b->job->params->runs, sizeof *ms,
                     &ms));
@@ -276,8 +253,20 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
     out->width = gp_frame_w(b->f);
     out->height = gp_frame_h(b->f);
     out->sources = (long long) b->src.n;
-    if (b->src.n > 0)
-        GP_TRY(make_truth(b));
+    if (b->src.n > 0) {
+        GP_TRY(gp_alloc(b->log, "exact layer", 3 * n, sizeof *b->exact,
+                        &b->exact));
+        GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
+        GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
+    }
+    // its composite as it is shown; light itself is no picture that FLIP judges
+    if (b->src.n > 0 && strcmp(b->job->tone->curve, "none") != 0) {
+        for (size_t i = 0; i < 3 * n; i++)
+            b->f->layer.c[i / n][i % n] = (float) b->exact[i];
+        GP_TRY(show_layer(b));
+        b->shown = b->f->shown;
+        b->f->shown = (struct gp_planes) {0};
+    }
     for (out->rows = 0; gp_bench_techniques[out->rows].name; out->rows++) {
         const struct gp_bench_technique *const technique =
             &gp_bench_techniques[out->rows];
@@ -305,65 +294,48 @@ out:
     return st;
 }
 
-/* Minutes of measuring should not end at a name that cannot be written. */
-static gp_status check_files(const struct gp_log *log,
-                             const struct gp_bench_params *p)
-{
-    const char *const file[] = {p->csv, p->json, p->plot};
-    gp_status st = GP_OK;
-    for (int i = 0; i < 3 && !st; i++) {
-        if (file[i] && !gp_bench_on_stdout(file[i]))
-            st = gp_file_check(log, file[i], false);
-    }
-    if (st || !p->plot)
-        return st;
-    const size_t n = strlen(p->plot);
-    if (!gp_bench_on_stdout(p->plot) &&
-        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
-        return gp_fail(log, GP_ERR_USAGE,
-            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
-    return gp_bench_plot_check(log);
-}
-
-/* Makes the kernel that was asked for; the paper's own where none was. */
-static gp_status make_kernel(const struct gp_log *log,
-    const struct gp_bench_job *job, struct gp_kernel *kernel, const char **name)
-{
-    const char *const source = job->kernel->source;
-    const bool own = job->params->paper && job->default_kernel;
-    const struct gp_read_params limits = gp_read_limits(job->read);
-    struct gp_frame image = {0};
-    *name = own ? "streaks" : source;
-    if (!own && strncmp(source, "builtin:", 8) == 0)
-        return gp_kernel_builtin(log, job->kernel, kernel);
-    gp_status st = own ? gp_paper_kernel(log, GP_PAPER_KERNEL, &image)
-                       : gp_read_frame(log, &limits, source, &image);
-    if (!st)
-        st = gp_kernel_from_frame(log, job->kernel, &image, kernel);
-    gp_frame_free(&image);
-    return st;
-}
-
 gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
 {
     gp_status st;
-    const bool paper = job->params->paper;
+    const struct gp_bench_params *const p = job->params;
+    const bool paper = p->paper, own = paper && job->default_kernel;
+    const char *const source = own ? "streaks" : job->kernel->source;
+    const char *const files[] = {p->csv, p->json, p->plot};
+    const struct gp_read_params limits = gp_read_limits(job->read);
     struct gp_kernel kernel = {0};
     struct gp_frame f = {0};
     struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
-    struct gp_bench_table table = {.runs = job->params->runs};
-    const char *name;
-    GP_TRY(check_files(log, job->params));
+    struct gp_bench_table table = {.runs = p->runs};
+    // minutes of measuring should not end at a name that cannot be written
+    for (int i = 0; i < 3; i++) {
+        if (files[i] && !gp_bench_on_stdout(files[i]))
+            GP_TRY(gp_file_check(log, files[i], false));
+    }
+    const size_t n = p->plot ? strlen(p->plot) : 0;
+    if (p->plot && !gp_bench_on_stdout(p->plot) &&
+        (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
+        return gp_fail(log, GP_ERR_USAGE,
+            "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
+    if (p->plot)
+        GP_TRY(gp_bench_plot_check(log));
     if (gp_suns_wanted(job->sun))
         return gp_bench_sun(log, job);
-    GP_TRY(make_kernel(log, job, &kernel, &name));
+    // the kernel that was asked for; the paper's own where none was
+    if (!own && strncmp(source, "builtin:", 8) == 0) {
+        GP_TRY(gp_kernel_builtin(log, job->kernel, &kernel));
+    } else {
+        GP_TRY(own ? gp_paper_kernel(log, GP_PAPER_KERNEL, &f)
+                   : gp_read_frame(log, &limits, source, &f));
+        GP_TRY(gp_kernel_from_frame(log, job->kernel, &f, &kernel));
+        gp_frame_free(&f);
+    }
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
                                       GP_PAPER_H, &f)
                      : gp_read_frame(log, job->read, job->input, &f));
         out->input = gp_strdup(f.path);
-        out->kernel = gp_strdup(name);
+        out->kernel = gp_strdup(source);
         out->kernel_w = kernel.w;
         out->kernel_h = kernel.h;
         out->paper = paper ? &gp_paper_rates[i] : NULL;
@@ -372,7 +344,7 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
         GP_TRY(measure_frame(&b, out));
         gp_frame_free(&f);
     }
-    GP_TRY(gp_bench_write(log, job->params, &table));
+    GP_TRY(gp_bench_write(log, p, &table));
 out:
     gp_bench_table_free(&table);
     gp_frame_free(&f);

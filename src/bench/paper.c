@@ -2,6 +2,7 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -136,21 +137,6 @@ static void paint_points(const struct canvas *v)
     }
 }
 
-/* A lamp: a disc whose border fades within a pixel. */
-static void paint_lamp(const struct canvas *v, double x, double y,
-                       double radius, const struct tint *t, double luminance)
-{
-    const int reach = (int) radius + 2;
-    for (int j = (int) y - reach; j <= (int) y + reach; j++) {
-        for (int i = (int) x - reach; i <= (int) x + reach; i++) {
-            const double dx = i - x, dy = j - y;
-            const double in = radius + 0.5 - sqrt(dx * dx + dy * dy);
-            if (i >= 0 && j >= 0 && i < v->w && j < v->h && in > 0.0)
-                add_light(v, i, j, t, luminance * (in < 1.0 ? in : 1.0));
-        }
-    }
-}
-
 /* Lit rooms seen through windows: brighter towards a room's lamp, darker where
  * a curtain is on one side, whose folds are 3 pixels wide; and street lamps. */
 static void paint_windows(const struct canvas *v)
@@ -187,8 +173,19 @@ static void paint_windows(const struct canvas *v)
         const struct tint t = random_tint(&d, least);
         const double x = between(&d, 4.0, v->w - 5);
         const double y = between(&d, 0.8 * v->h, v->h - 5);
-        paint_lamp(v, x, y, between(&d, 0.7, 2.0), &t,
-                   octaves(&d, 100.0, 5000.0));
+        const double luminance = octaves(&d, 100.0, 5000.0);
+        const double radius = between(&d, 0.7, 2.0); // fades within a pixel
+        const int reach = (int) radius + 2;
+        const struct gp_rect r = {(int) x - reach, (int) y - reach,
+                                  (int) x + reach, (int) y + reach};
+        for (int j = gp_max(r.y0, 0); j <= gp_min(r.y1, v->h - 1); j++) {
+            for (int k = gp_max(r.x0, 0); k <= gp_min(r.x1, v->w - 1); k++) {
+                const double dx = k - x, dy = j - y;
+                const double in = radius + 0.5 - sqrt(dx * dx + dy * dy);
+                if (in > 0.0)
+                    add_light(v, k, j, &t, luminance * (in < 1.0 ? in : 1.0));
+            }
+        }
     }
 }
 

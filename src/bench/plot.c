@@ -35,47 +35,11 @@ struct point {
 };
 
 struct panel {
-    const struct gp_bench_frame *f;
-    double low[2], high[2];  // ranges: ms, rel_l2
     struct point at[GP_BENCH_ROWS];
     int n;
 };
 
-// -- places ------------------------------------------------------------------
-
-static double along(const struct panel *p, int axis, double v)
-{
-    return log(v / p->low[axis]) / log(p->high[axis] / p->low[axis]);
-}
-
-static void place_points(const struct gp_bench_frame *f, struct panel *p)
-{
-    *p = (struct panel) {.f = f, .low = {INFINITY, INFINITY}};
-    for (int i = 0; i < f->rows; i++) {
-        const struct gp_bench_row *r = &f->row[i];
-        const double e = r->error.rel_l2;
-        if (!r->measured || !isfinite(e) || !(r->ms > 0.0))
-            continue;
-        struct point *const at = &p->at[p->n++];
-        *at = (struct point) {.row = r, .ms = r->ms, .error = fmax(e, LEAST)};
-        const double v[2] = {at->ms, at->error};
-        for (int axis = 0; axis < 2; axis++) {
-            p->low[axis] = fmin(p->low[axis], v[axis]);
-            p->high[axis] = fmax(p->high[axis], v[axis]);
-        }
-    }
-    for (int axis = 0; axis < 2; axis++) {
-        if (p->n == 0)
-            p->low[axis] = p->high[axis] = 1.0;
-        p->low[axis] /= 2.0;
-        p->high[axis] *= axis ? 4.0 : 3.0;
-    }
-    for (int i = 0; i < p->n; i++) {
-        p->at[i].x = LEFT + (WIDTH - LEFT - RIGHT) * along(p, 0, p->at[i].ms);
-        p->at[i].y = BOTTOM +
-                     (HEIGHT - BOTTOM - TOP) * along(p, 1, p->at[i].error);
-    }
-}
+// -- panels ------------------------------------------------------------------
 
 static bool meet(const struct box *a, const struct box *b)
 {
@@ -111,30 +75,36 @@ static void place_label(struct panel *p, int i)
     }
 }
 
-static void write_labels(struct panel *p, double height, double bottom,
-                         FILE *to)
+/* Writes the plot of a frame, whose panel begins at `bottom` of `height`. */
+static void write_panel(const struct gp_bench_frame *f, double height,
+                        double bottom, FILE *to)
 {
-    fprintf(to, "unset label\nunset arrow\n");
-    for (int i = 0; i < p->n; i++) {
-        place_label(p, i);
-        const struct point *at = &p->at[i];
-        const bool right = at->label.x0 > at->x; // its near end is sure
-        const double x = right ? at->label.x0 : at->label.x1;
-        const double y = (at->label.y0 + at->label.y1) / 2.0;
-        fprintf(to, "set label '%s' at screen %.5f,%.5f %s font ',11'%s\n",
-                at->row->name, x / WIDTH, (bottom + y) / height,
-                right ? "left" : "right",
-                at->row->pareto ? "" : " textcolor rgb '#666666'");
-        if (fabs(y - at->y) > LINE)
-            fprintf(to, "set arrow from screen %.5f,%.5f to screen %.5f,%.5f "
-                "nohead lc rgb '#bbbbbb'\n", at->x / WIDTH,
-                (bottom + at->y) / height, x / WIDTH, (bottom + y) / height);
+    struct panel panel = {.n = 0}, *const p = &panel;
+    double low[2] = {INFINITY, INFINITY}, high[2] = {0.0, 0.0}; // ms, rel_l2
+    for (int i = 0; i < f->rows; i++) {
+        const struct gp_bench_row *r = &f->row[i];
+        const double v[2] = {r->ms, fmax(r->error.rel_l2, LEAST)};
+        if (!r->measured || !isfinite(r->error.rel_l2) || !(r->ms > 0.0))
+            continue;
+        p->at[p->n++] = (struct point) {.row = r, .ms = v[0], .error = v[1]};
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = fmin(low[axis], v[axis]);
+            high[axis] = fmax(high[axis], v[axis]);
+        }
     }
-}
-
-static void write_panel(struct panel *p, double height, double bottom, FILE *to)
-{
-    const struct gp_bench_frame *f = p->f;
+    for (int axis = 0; axis < 2; axis++) {
+        if (p->n == 0)
+            low[axis] = high[axis] = 1.0;
+        low[axis] /= 2.0;
+        high[axis] *= axis ? 4.0 : 3.0;
+    }
+    for (int i = 0; i < p->n; i++) {
+        struct point *const at = &p->at[i];
+        const double u = log(at->ms / low[0]) / log(high[0] / low[0]);
+        const double v = log(at->error / low[1]) / log(high[1] / low[1]);
+        at->x = LEFT + (WIDTH - LEFT - RIGHT) * u;
+        at->y = BOTTOM + (HEIGHT - BOTTOM - TOP) * v;
+    }
     fprintf(to, "$rows << END\n");
     for (int i = 0; i < p->n; i++)
         fprintf(to, "%.6g %.6g\n", p->at[i].ms, p->at[i].error);
@@ -153,14 +123,28 @@ static void write_panel(struct panel *p, double height, double bottom, FILE *to)
             break;
         fprintf(to, "%.6g %.6g\n", next->ms, next->error);
     }
-    fprintf(to, "END\n");
-    write_labels(p, height, bottom, to);
+    fprintf(to, "END\nunset label\nunset arrow\n");
+    for (int i = 0; i < p->n; i++) {
+        place_label(p, i);
+        const struct point *at = &p->at[i];
+        const bool right = at->label.x0 > at->x; // its near end is sure
+        const double x = right ? at->label.x0 : at->label.x1;
+        const double y = (at->label.y0 + at->label.y1) / 2.0;
+        fprintf(to, "set label '%s' at screen %.5f,%.5f %s font ',11'%s\n",
+                at->row->name, x / WIDTH, (bottom + y) / height,
+                right ? "left" : "right",
+                at->row->pareto ? "" : " textcolor rgb '#666666'");
+        if (fabs(y - at->y) > LINE)
+            fprintf(to, "set arrow from screen %.5f,%.5f to screen %.5f,%.5f "
+                "nohead lc rgb '#bbbbbb'\n", at->x / WIDTH,
+                (bottom + at->y) / height, x / WIDTH, (bottom + y) / height);
+    }
     fprintf(to, "set lmargin at screen %.5f\nset rmargin at screen %.5f\n"
             "set bmargin at screen %.5f\nset tmargin at screen %.5f\n",
             (double) LEFT / WIDTH, 1.0 - (double) RIGHT / WIDTH,
             (bottom + BOTTOM) / height, (bottom + HEIGHT - TOP) / height);
-    fprintf(to, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", p->low[0],
-            p->high[0], p->low[1], p->high[1]);
+    fprintf(to, "set xrange [%.6g:%.6g]\nset yrange [%.6g:%.6g]\n", low[0],
+            high[0], low[1], high[1]);
     fprintf(to, "set title '%s%s%dx%d, %lld sources%s'\n",
             f->paper ? f->paper->name : "", f->paper ? ": " : "", f->width,
             f->height, f->sources, p->n ? "" : ": no row has an error");
@@ -175,19 +159,6 @@ static void write_panel(struct panel *p, double height, double bottom, FILE *to)
 /* The child's standard streams are files in memory: nothing can block, however
  * much is written. */
 enum { STREAMS = 3 };
-
-static bool write_script_to(int fd, const char *script)
-{
-    size_t n = strlen(script);
-    while (n > 0) {
-        const ssize_t written = write(fd, script, n);
-        if (written < 0 && errno != EINTR)
-            return false;
-        script += written > 0 ? written : 0;
-        n -= written > 0 ? (size_t) written : 0;
-    }
-    return lseek(fd, 0, SEEK_SET) == 0;
-}
 
 /* All of a stream, and a 0 after it; NULL when it cannot be read. */
 static char *read_stream(int fd, size_t *size)
@@ -240,8 +211,15 @@ gp_status gp_gnuplot(const struct gp_log *log, const char *script, char **out,
     gp_status st = GP_OK;
     for (int i = 0; i < STREAMS; i++)
         fd[i] = memfd_create(names[i], MFD_CLOEXEC);
-    const bool open = fd[0] >= 0 && fd[1] >= 0 && fd[2] >= 0;
-    int error = open && write_script_to(fd[0], script) ? 0 : errno;
+    int error = fd[0] >= 0 && fd[1] >= 0 && fd[2] >= 0 ? 0 : errno;
+    for (size_t n = strlen(script), at = 0; at < n && !error;) {
+        const ssize_t written = write(fd[0], script + at, n - at);
+        if (written < 0 && errno != EINTR)
+            error = errno;
+        at += written > 0 ? (size_t) written : 0;
+    }
+    if (!error && lseek(fd[0], 0, SEEK_SET) != 0)
+        error = errno;
     if (!error)
         error = run_child(fd, &status);
     if (error) {
@@ -300,11 +278,9 @@ gp_status gp_bench_plot(const struct gp_log *log,
                 "set xlabel 'milliseconds, bright pass to layer'\n"
                 "set ylabel 'rel_l2'\nset format x '%%g'\n"
                 "set format y '%%.0e'\nset multiplot\n", WIDTH, height);
-    for (int i = 0; to && i < t->frames; i++) {
-        struct panel p;
-        place_points(&t->frame[i], &p);
-        write_panel(&p, height, (double) HEIGHT * (t->frames - 1 - i), to);
-    }
+    for (int i = 0; to && i < t->frames; i++)
+        write_panel(&t->frame[i], height,
+                    (double) HEIGHT * (t->frames - 1 - i), to);
     if (to)
         fprintf(to, "unset multiplot\n");
     if (!to || fclose(to) != 0) {

@@ -10,7 +10,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROWS = 36, FLIGHT = 8 }; // frames that a row has under way at once
+enum {
+    MASK = 2, ROWS = 32, // the first row of a mask; all
+    FLIGHT = 8,          // frames that a row has under way at once
+};
 
 struct row {
     struct gp_sun_params p;
@@ -31,76 +34,55 @@ struct bench {
     double *ms;            // runs
     char gl[160];
     struct row row[ROWS];
-    int rows;
 };
 
-static void add_row(struct bench *b, enum gp_sun_method method, int map,
-                    enum gp_sun_pattern pattern, enum gp_sun_sum sum)
+/* Exact and readback, then masks by side, pattern and sum. */
+static void make_rows(struct bench *b)
 {
     static const char *const sums[] = {
         [GP_SUM_FLOAT] = "float", [GP_SUM_BYTE] = "8bit",
         [GP_SUM_BILINEAR] = "bilinear",
     };
-    struct row *const r = &b->row[b->rows++];
-    *r = (struct row) {.p = *b->job->sun};
-    r->p.method = method;
-    r->p.map.side = map;
-    r->p.map.pattern = pattern;
-    r->p.map.sum = sum;
-    if (method == GP_SUN_MASK)
-        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", map, map,
-                 pattern == GP_PATTERN_DISC ? "disc" : "square", sums[sum]);
-    else
-        snprintf(r->name, sizeof r->name, "%s",
-                 method == GP_SUN_EXACT ? "exact" : "readback");
-}
-
-static void add_rows(struct bench *b)
-{
-    static const int map[] = {4, 8, 16, 32, 64};
-    const struct gp_map_params *const p = &b->job->sun->map;
-    add_row(b, GP_SUN_EXACT, p->side, p->pattern, GP_SUM_FLOAT);
-    add_row(b, GP_SUN_READBACK, p->side, p->pattern, GP_SUM_FLOAT);
-    for (int i = 0; i < 5; i++) {
-        for (int k = 0; k < 2; k++) {
-            const enum gp_sun_pattern pattern =
-                k ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
-            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_FLOAT);
-            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BYTE);
-            add_row(b, GP_SUN_MASK, map[i], pattern, GP_SUM_BILINEAR);
+    for (int i = 0; i < ROWS; i++) {
+        struct row *const r = &b->row[i];
+        struct gp_map_params *const m = &r->p.map;
+        r->p = *b->job->sun;
+        r->p.method = i == 0 ? GP_SUN_EXACT : i == 1 ? GP_SUN_READBACK
+                                                     : GP_SUN_MASK;
+        m->sum = i < MASK ? GP_SUM_FLOAT : (enum gp_sun_sum) ((i - MASK) % 3);
+        if (i < MASK) {
+            strcpy(r->name, i ? "readback" : "exact");
+            continue;
         }
+        m->side = 4 << (i - MASK) / 6;
+        m->pattern = (i - MASK) / 3 % 2 ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
+        snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", m->side, m->side,
+                 m->pattern == GP_PATTERN_DISC ? "disc" : "square",
+                 sums[m->sum]);
     }
 }
 
 // -- measuring ---------------------------------------------------------------
 
-/* One run of `frames` frames, the last of which is waited for. */
-static gp_status run_once(struct bench *b, const struct gp_log *log,
-                     const struct row *r, int frames, double *ms)
+/* The median of some runs of `frames` frames, the last of which is waited for:
+ * *ms of a frame. b->ms holds them sorted. */
+static gp_status time_runs(struct bench *b, const struct gp_log *log,
+    const struct row *r, int runs, int frames, double *ms)
 {
-    const double start = gp_now_ms();
     gp_status st = GP_OK;
     b->suns.p = &r->p;
-    for (int i = 0; i < frames && !st; i++)
-        st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
-    if (!st && r->p.method == GP_SUN_MASK)
-        st = gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,
-                             b->suns.n);
-    *ms = (gp_now_ms() - start) / frames;
-    return st;
-}
-
-/* All runs; *ms is their median. */
-static gp_status run_all(struct bench *b, const struct gp_log *log,
-                         const struct row *r, int frames, double *ms)
-{
-    for (int i = 0; i < b->job->params->runs; i++) {
-        gp_status st = run_once(b, log, r, frames, &b->ms[i]);
-        if (st)
-            return st;
+    for (int run = 0; run < runs && !st; run++) {
+        const double start = gp_now_ms();
+        for (int i = 0; i < frames && !st; i++)
+            st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
+        if (!st && r->p.method == GP_SUN_MASK)
+            st = gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,
+                                 b->suns.n);
+        b->ms[run] = (gp_now_ms() - start) / frames;
     }
-    *ms = gp_bench_median(b->ms, b->job->params->runs); // sorts them
-    return GP_OK;
+    if (!st)
+        *ms = gp_bench_median(b->ms, runs);
+    return st;
 }
 
 static void keep_line(void *user, enum gp_level level, const char *line)
@@ -114,11 +96,12 @@ static gp_status measure_row(struct bench *b, struct row *r)
 {
     const struct gp_log log = {keep_line, r, GP_LEVEL_ERROR};
     gp_status st;
-    GP_TRY(run_once(b, &log, r, 1, &r->first));
-    GP_TRY(run_all(b, &log, r, FLIGHT, &r->flight));
-    GP_TRY(run_all(b, &log, r, 1, &r->ms));
+    const int runs = b->job->params->runs;
+    GP_TRY(time_runs(b, &log, r, 1, 1, &r->first));
+    GP_TRY(time_runs(b, &log, r, runs, FLIGHT, &r->flight));
+    GP_TRY(time_runs(b, &log, r, runs, 1, &r->ms));
     r->least = b->ms[0];
-    r->most = b->ms[b->job->params->runs - 1];
+    r->most = b->ms[runs - 1];
     r->visibility = b->suns.n ? b->suns.light[0].visibility : 0.0;
     for (int i = 0; i < b->suns.n; i++) {
         const double v = b->suns.light[i].visibility;
@@ -138,7 +121,7 @@ out:
 
 static const struct row *find_row(const struct bench *b, const char *name)
 {
-    for (int i = 0; i < b->rows; i++) {
+    for (int i = 0; i < ROWS; i++) {
         if (strcmp(b->row[i].name, name) == 0 && !b->row[i].why[0])
             return &b->row[i];
     }
@@ -154,7 +137,7 @@ static void print_table(const struct bench *b)
            b->job->params->runs, gp_threads());
     printf("  %-26s %8s %8s %8s %8s %9s %10s %10s %10s\n", "method", "ms",
         "min", "max", "first", "in flight", "visible", "mean error", "worst");
-    for (int i = 0; i < b->rows; i++) {
+    for (int i = 0; i < ROWS; i++) {
         const struct row *const r = &b->row[i];
         if (r->why[0])
             printf("  %-26s cannot run: %s\n", r->name, r->why);
@@ -184,7 +167,7 @@ static gp_status save_csv(const struct bench *b, const char *path)
         return gp_no_memory(b->log, path);
     fprintf(to, "method,ms,ms_min,ms_max,ms_first,ms_in_flight,visibility,"
             "error_mean,error_worst\r\n");
-    for (int i = 0; i < b->rows; i++) {
+    for (int i = 0; i < ROWS; i++) {
         const struct row *const r = &b->row[i];
         if (r->why[0])
             fprintf(to, "%s,,,,,,,,\r\n", r->name);
@@ -202,7 +185,7 @@ static gp_status save_csv(const struct bench *b, const char *path)
 static gp_status save_json(const struct bench *b, const char *path)
 {
     json_t *const rows = json_array();
-    for (int i = 0; i < b->rows; i++) {
+    for (int i = 0; i < ROWS; i++) {
         const struct row *const r = &b->row[i];
         json_array_append_new(
             rows,
@@ -238,8 +221,8 @@ gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
     if (!b.suns.n)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                "%s: no light in it; add one, or give --sun", job->sun->lights));
-    add_rows(&b);
-    for (int i = 0; i < b.rows; i++)
+    make_rows(&b);
+    for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));
     if (p->csv)
         GP_TRY(save_csv(&b, p->csv));

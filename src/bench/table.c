@@ -113,38 +113,11 @@ static void print_cell(int width, const char *format, double v)
     printf(" %*s", width, text);
 }
 
-static void print_row(const struct gp_bench_frame *f,
-                      const struct gp_bench_row *r)
-{
-    enum { WHY = 88 };
-    if (r->why[0]) { // cut to the table's width; the files have all of it
-        printf("  %-26s cannot run: %.*s%s\n", r->name, WHY, r->why,
-               strlen(r->why) > WHY ? "..." : "");
-        return;
-    }
-    const bool known = r->measured;
-    printf("%c %-26s", r->pareto ? '>' : ' ', r->name);
-    print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
-    putchar(r->extrapolated ? '*' : ' ');
-    print_cell(8, "%.2f", r->extrapolated ? (double) NAN : r->ms_min);
-    print_cell(8, "%.2f", r->extrapolated ? (double) NAN : r->ms_max);
-    print_cell(8, r->ms_first < 1e4 ? "%.1f" : "%.0f", r->ms_first);
-    print_cell(8, "%.4g", 1e3 / r->ms);
-    print_cell(9, "%.2e", known ? r->error.rel_l2 : (double) NAN);
-    print_cell(8, "%.1e", known ? r->error.max_rel : (double) NAN);
-    print_cell(8, "%.1e", r->flip);
-    print_cell(8, "%.1e", r->bound);
-    print_cell(9, "%.0f", r->polygons > 0.0 ? r->polygons : (double) NAN);
-    print_cell(8, "%.4g", r->polygons > 0.0 ? r->polygon_pixels * 1e-6
-                                            : (double) NAN);
-    if (f->paper)
-        print_cell(8, "%.2f", 1e3 / r->ms / f->paper->fps);
-    putchar('\n');
-}
-
 /* The table and its legend. */
 static void print_table(const struct gp_bench_table *t)
 {
+    enum { WHY = 88 }; // of a line; the files have all of it
+    const double none = (double) NAN;
     for (int i = 0; i < t->frames; i++) {
         const struct gp_bench_frame *const f = &t->frame[i];
         const char *gl = NULL; // where it ran
@@ -160,8 +133,31 @@ static void print_table(const struct gp_bench_table *t)
                "technique", "ms", "min", "max", "first", "frames/s", "rel_l2",
                "max_rel", "FLIP", "bound", "polygons", "Mpixels");
         printf(f->paper ? " %8s\n" : "\n", "x paper");
-        for (int k = 0; k < f->rows; k++)
-            print_row(f, &f->row[k]);
+        for (int k = 0; k < f->rows; k++) {
+            const struct gp_bench_row *const r = &f->row[k];
+            const bool drew = r->polygons > 0.0;
+            if (r->why[0]) {
+                printf("  %-26s cannot run: %.*s%s\n", r->name, WHY, r->why,
+                       strlen(r->why) > WHY ? "..." : "");
+                continue;
+            }
+            printf("%c %-26s", r->pareto ? '>' : ' ', r->name);
+            print_cell(9, r->ms < 1e4 ? "%.2f" : "%.0f", r->ms);
+            putchar(r->extrapolated ? '*' : ' ');
+            print_cell(8, "%.2f", r->extrapolated ? none : r->ms_min);
+            print_cell(8, "%.2f", r->extrapolated ? none : r->ms_max);
+            print_cell(8, r->ms_first < 1e4 ? "%.1f" : "%.0f", r->ms_first);
+            print_cell(8, "%.4g", 1e3 / r->ms);
+            print_cell(9, "%.2e", r->measured ? r->error.rel_l2 : none);
+            print_cell(8, "%.1e", r->measured ? r->error.max_rel : none);
+            print_cell(8, "%.1e", r->flip);
+            print_cell(8, "%.1e", r->bound);
+            print_cell(9, "%.0f", drew ? r->polygons : none);
+            print_cell(8, "%.4g", drew ? r->polygon_pixels * 1e-6 : none);
+            if (f->paper)
+                print_cell(8, "%.2f", 1e3 / r->ms / f->paper->fps);
+            putchar('\n');
+        }
         for (int k = 0; k < f->rows; k++) {
             const struct gp_bench_row *const r = &f->row[k];
             if (!r->why[0] && strcmp(r->name, "auto") == 0)
@@ -282,44 +278,48 @@ static gp_status save_csv(const struct gp_log *log,
     return st;
 }
 
-static json_t *make_json_frame(const struct gp_bench_frame *f)
+static gp_status save_json(const struct gp_log *log,
+                           const struct gp_bench_table *t, const char *path)
 {
-    json_t *const o = json_object(), *const rows = json_array();
-    json_object_set_new(o, "input", gp_json_name(f->input));
-    json_object_set_new(o, "width", json_integer(f->width));
-    json_object_set_new(o, "height", json_integer(f->height));
-    json_object_set_new(o, "sources", json_integer(f->sources));
-    json_object_set_new(o, "kernel", gp_json_name(f->kernel));
-    json_object_set_new(o, "kernel_size",
-                        json_pack("[ii]", f->kernel_w, f->kernel_h));
-    if (f->paper)
-        json_object_set_new(
-            o, "paper",
-            json_pack("{ss ss si}", "gpu", "GeForce 7800 GTX", "rate",
-                      f->paper->rate, "frames_per_second", f->paper->fps));
-    for (int i = 0; i < f->rows; i++) {
-        const struct gp_bench_row *const r = &f->row[i];
-        json_t *const row = json_object();
-        struct cell c[CELLS];
-        make_cells(f, r, c);
-        for (int k = 1; k < CELLS; k++) { // the input is said once, above
-            const double v = c[k].number;
-            if (!c[k].text && isnan(v))
-                continue;
-            json_object_set_new(
-                row, c[k].name,
-                c[k].text            ? gp_json_name(c[k].text)
-                : c[k].kind == TRUTH ? json_boolean(v > 0.0)
-                : c[k].kind == WHOLE ? json_integer((json_int_t) llround(v))
-                : isfinite(v)        ? json_real(v)
-                                     : json_null());
+    json_t *const frames = json_array();
+    for (int i = 0; i < t->frames; i++) {
+        const struct gp_bench_frame *const f = &t->frame[i];
+        json_t *const paper = !f->paper ? NULL : json_pack("{ss ss si}",
+            "gpu", "GeForce 7800 GTX", "rate", f->paper->rate,
+            "frames_per_second", f->paper->fps);
+        json_t *const rows = json_array();
+        for (int k = 0; k < f->rows; k++) {
+            const struct gp_bench_row *const r = &f->row[k];
+            json_t *const row = json_object();
+            struct cell c[CELLS];
+            make_cells(f, r, c);
+            for (int n = 1; n < CELLS; n++) { // the input is said once, below
+                const double v = c[n].number;
+                if (!c[n].text && isnan(v))
+                    continue;
+                json_object_set_new(
+                    row, c[n].name,
+                    c[n].text            ? gp_json_name(c[n].text)
+                    : c[n].kind == TRUTH ? json_boolean(v > 0.0)
+                    : c[n].kind == WHOLE ? json_integer((json_int_t) llround(v))
+                    : isfinite(v)        ? json_real(v)
+                                         : json_null());
+            }
+            if (!r->why[0] && strcmp(r->name, "auto") == 0)
+                json_object_set_new(row, "engine_why",
+                                    gp_json_name(r->stats.why));
+            json_array_append_new(rows, row);
         }
-        if (!r->why[0] && strcmp(r->name, "auto") == 0)
-            json_object_set_new(row, "engine_why", gp_json_name(r->stats.why));
-        json_array_append_new(rows, row);
+        json_array_append_new(frames, json_pack(
+            "{so si si sI so s[ii] so* so}", "input", gp_json_name(f->input),
+            "width", f->width, "height", f->height,
+            "sources", (json_int_t) f->sources,
+            "kernel", gp_json_name(f->kernel),
+            "kernel_size", f->kernel_w, f->kernel_h,
+            "paper", paper, "rows", rows));
     }
-    json_object_set_new(o, "rows", rows);
-    return o;
+    return gp_bench_save_json(log, json_pack("{so si si ss}", "frames", frames,
+        "runs", t->runs, "threads", gp_threads(), "version", GP_VERSION), path);
 }
 
 gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
@@ -351,16 +351,8 @@ gp_status gp_bench_write(const struct gp_log *log,
     gp_status st = GP_OK;
     if (p->csv)
         GP_TRY(save_csv(log, t, p->csv));
-    if (p->json) {
-        json_t *const o = json_object(), *const frames = json_array();
-        for (int i = 0; i < t->frames; i++)
-            json_array_append_new(frames, make_json_frame(&t->frame[i]));
-        json_object_set_new(o, "frames", frames);
-        json_object_set_new(o, "runs", json_integer(t->runs));
-        json_object_set_new(o, "threads", json_integer(gp_threads()));
-        json_object_set_new(o, "version", json_string(GP_VERSION));
-        GP_TRY(gp_bench_save_json(log, o, p->json));
-    }
+    if (p->json)
+        GP_TRY(save_json(log, t, p->json));
     if (p->plot)
         GP_TRY(gp_bench_plot(log, t, p->plot));
     if (gp_bench_on_stdout(p->csv) || gp_bench_on_stdout(p->json) ||

@@ -116,73 +116,47 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
            f->warned, percent * (double) f->warned);
 }
 
-/* One line, for a frame of a sequence. */
-static void print_line(const struct row *r)
-{
-    const struct gp_compare_figures *const f = r->figures;
-    printf("%d", r->frame);
-    if (r->parts > 1)
-        printf(", part %d", r->part);
-    printf(": %s", result_word(r->result));
-    if (r->why) {
-        printf("; %s\n", r->why);
-        return;
-    }
-    printf("; max ");
-    print_worst(r);
-    printf("; mean %g, RMS %g, PSNR %g, rel_l2 %g", f->mean, f->rms, f->psnr,
-           f->rel_l2);
-    if (r->flip->known)
-        printf(", FLIP %.6f", r->flip->mean);
-    putchar('\n');
-}
-
 // -- JSON --------------------------------------------------------------------
 
-static void set_real(json_t *o, const char *key, double v)
+static json_t *make_real(double v)
 {
-    json_object_set_new(o, key, isfinite(v) ? json_real(v) : json_null());
+    return isfinite(v) ? json_real(v) : json_null();
 }
 
-static void set_count(json_t *o, const char *key, long long n)
+/* An object of a row; numbers that are not finite are null. */
+static json_t *make_json(const struct row *r, bool numbered)
 {
-    json_object_set_new(o, key, json_integer((json_int_t) n));
-}
-
-static void set_figures(json_t *o, const struct row *r)
-{
+    json_t *const o = json_pack("{so so so* so* ss si so*}",
+        "a", gp_json_name(r->a), "b", gp_json_name(r->b),
+        "frame", numbered ? json_integer(r->frame) : NULL,
+        "part", r->parts > 1 ? json_integer(r->part) : NULL,
+        "result", result_word(r->result), "status", (int) r->result,
+        "why", r->why ? gp_json_name(r->why) : NULL);
+    if (r->why)
+        return o;
     const struct gp_compare_figures *const f = r->figures;
-    set_real(o, "max", f->max);
-    if (f->max > 0.0) {
-        json_t *const worst = json_object();
-        set_count(worst, "x", f->x);
-        set_count(worst, "y", f->y);
-        json_object_set_new(worst, "channel",
-            gp_json_name(gp_compare_name(r->match, f->channel)));
-        set_real(worst, "a", f->worst_a);
-        set_real(worst, "b", f->worst_b);
-        json_object_set_new(o, "worst", worst);
-    }
-    set_real(o, "mean", f->mean);
-    set_real(o, "rms", f->rms);
-    set_real(o, "psnr", f->psnr);
-    set_real(o, "rel_l2", f->rel_l2);
-    if (!isnan(f->max_rel))
-        set_real(o, "max_rel", f->max_rel);
-    if (r->flip->known) {
-        set_real(o, "flip", r->flip->mean);
-        json_object_set_new(o, "flip_kind",
-                            json_string(r->flip->hdr ? "hdr" : "ldr"));
-    }
-    if (r->flip->known && r->flip->hdr) {
-        const struct gp_flip_exposures *const e = &r->flip->exposures;
-        json_object_set_new(o, "flip_exposures",
-            json_pack("[ffi]", (double) e->start, (double) e->stop, e->count));
-    }
-    set_count(o, "nonfinite", f->nonfinite);
-    set_count(o, "failed", f->failed);
-    set_count(o, "warned", f->warned);
-    set_count(o, "pixels", f->pixels);
+    const struct gp_compare_flip *const flip = r->flip;
+    const struct gp_flip_exposures *const e = &flip->exposures;
+    json_t *const worst = !(f->max > 0.0) ? NULL : json_pack(
+        "{si si so so so}", "x", f->x, "y", f->y,
+        "channel", gp_json_name(gp_compare_name(r->match, f->channel)),
+        "a", make_real(f->worst_a), "b", make_real(f->worst_b));
+    json_t *const figures = json_pack(
+        "{so so* so so so so so* so* ss* so* sI sI sI sI}",
+        "max", make_real(f->max), "worst", worst, "mean", make_real(f->mean),
+        "rms", make_real(f->rms), "psnr", make_real(f->psnr),
+        "rel_l2", make_real(f->rel_l2),
+        "max_rel", isnan(f->max_rel) ? NULL : make_real(f->max_rel),
+        "flip", flip->known ? make_real(flip->mean) : NULL,
+        "flip_kind", !flip->known ? NULL : flip->hdr ? "hdr" : "ldr",
+        "flip_exposures", !flip->known || !flip->hdr ? NULL : json_pack("[ffi]",
+            (double) e->start, (double) e->stop, e->count),
+        "nonfinite", (json_int_t) f->nonfinite,
+        "failed", (json_int_t) f->failed, "warned", (json_int_t) f->warned,
+        "pixels", (json_int_t) f->pixels);
+    json_object_update(o, figures);
+    json_decref(figures);
+    return o;
 }
 
 // -- one part of one pair ----------------------------------------------------
@@ -191,38 +165,39 @@ static void set_figures(json_t *o, const struct row *r)
 static void report(struct run *r, enum gp_compare_result result,
                    const char *why)
 {
+    struct row *const row = &r->row;
     const bool numbered = r->names.frames.n > 0;
-    r->row.result = result;
-    r->row.why = why;
+    row->result = result;
+    row->why = why;
     r->count[result]++;
     if (result > r->worst)
         r->worst = result;
-    if (r->json) { // an object on a line; numbers that are not finite are null
-        const struct row *const row = &r->row;
-        json_t *const o = json_object();
-        json_object_set_new(o, "a", gp_json_name(row->a));
-        json_object_set_new(o, "b", gp_json_name(row->b));
-        if (numbered)
-            set_count(o, "frame", row->frame);
-        if (row->parts > 1)
-            set_count(o, "part", row->part);
-        json_object_set_new(o, "result", json_string(result_word(result)));
-        set_count(o, "status", result);
-        if (why)
-            json_object_set_new(o, "why", gp_json_name(why));
-        else
-            set_figures(o, row);
-        char *const text = gp_json_print(o, JSON_COMPACT |
-                                                JSON_REAL_PRECISION(9));
+    if (r->json) { // an object a line
+        char *const text = gp_json_print(make_json(row, numbered),
+                                         JSON_COMPACT | JSON_REAL_PRECISION(9));
         r->full = r->full || !text || fprintf(r->json, "%s\n", text) <= 0;
         free(text);
     }
-    if (!prints(r))
-        return;
-    if (numbered && r->log->level < GP_LEVEL_INFO)
-        print_line(&r->row);
-    else
-        print_block(&r->row, r->job->params);
+    if (prints(r) && !(numbered && r->log->level < GP_LEVEL_INFO)) {
+        print_block(row, r->job->params);
+    } else if (prints(r)) { // one line, for a frame of a sequence
+        const struct gp_compare_figures *const f = row->figures;
+        printf("%d", row->frame);
+        if (row->parts > 1)
+            printf(", part %d", row->part);
+        printf(": %s; ", result_word(result));
+        if (why) {
+            printf("%s\n", why);
+            return;
+        }
+        printf("max ");
+        print_worst(row);
+        printf("; mean %g, RMS %g, PSNR %g, rel_l2 %g", f->mean, f->rms,
+               f->psnr, f->rel_l2);
+        if (row->flip->known)
+            printf(", FLIP %.6f", row->flip->mean);
+        putchar('\n');
+    }
 }
 
 static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
@@ -268,46 +243,44 @@ out:
     return st;
 }
 
-static gp_status compare_part(struct run *r, const struct gp_stored_file f[2],
-                              int part)
-{
-    gp_status st;
-    struct gp_stored_image image[2] = {0};
-    r->row.part = part;
-    for (int i = 0; i < 2; i++)
-        GP_TRY(gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]));
-    if (image[0].deep != image[1].deep)
-        report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
-    else if (image[0].deep)
-        st = gp_fail(r->log, GP_ERR_DATA, "%s: deep data cannot be compared "
-                     "(part %d); flatten both files", r->row.a, part);
-    else
-        st = compare_images(r, &image[0], &image[1]);
-out:
-    gp_stored_image_free(&image[0]);
-    gp_stored_image_free(&image[1]);
-    return st;
-}
-
-// -- pairs -------------------------------------------------------------------
-
-static gp_status compare_files(struct run *r)
+/* Compares the files of a frame, part by part. */
+static gp_status compare_frame(struct run *r, int frame)
 {
     struct gp_stored_file f[2] = {
         {.stream = GP_STREAM_EMPTY}, {.stream = GP_STREAM_EMPTY},
     };
-    const char *const path[2] = {r->row.a, r->row.b};
-    char why[64];
-    gp_status st = GP_OK;
+    char *const path[2] = {
+        gp_pattern_name(&r->names.in[0], frame, NULL),
+        gp_pattern_name(&r->names.in[1], frame, NULL),
+    };
+    gp_status st = path[0] && path[1]
+                       ? GP_OK : gp_no_memory(r->log, r->job->input[0]);
+    r->row = (struct row) {.a = path[0], .b = path[1], .frame = frame,
+                           .parts = 1};
     r->drawn = false;
     for (int i = 0; i < 2 && !st; i++)
         st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
     const int both = st ? 0 : gp_min(f[0].parts, f[1].parts);
     if (!st)
         r->row.parts = gp_max(f[0].parts, f[1].parts);
-    for (int part = 0; part < both && !st; part++)
-        st = compare_part(r, f, part);
+    for (int part = 0; part < both && !st; part++) {
+        struct gp_stored_image image[2] = {0};
+        r->row.part = part;
+        for (int i = 0; i < 2 && !st; i++)
+            st = gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]);
+        if (!st && image[0].deep != image[1].deep)
+            report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
+        else if (!st && image[0].deep)
+            st = gp_fail(r->log, GP_ERR_DATA, "%s: deep data cannot be "
+                         "compared (part %d); flatten both files", path[0],
+                         part);
+        else if (!st)
+            st = compare_images(r, &image[0], &image[1]);
+        gp_stored_image_free(&image[0]);
+        gp_stored_image_free(&image[1]);
+    }
     if (!st && r->row.parts > both) { // as idiff -a
+        char why[64];
         snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
         r->row.part = both;
         report(r, GP_COMPARE_FAILURE, why);
@@ -316,27 +289,17 @@ static gp_status compare_files(struct run *r)
         report(r, GP_COMPARE_FILE, "a file cannot be read or written");
         st = GP_OK;
     }
-    gp_stored_close(&f[0]);
-    gp_stored_close(&f[1]);
-    return st;
-}
-
-static gp_status compare_frame(struct run *r, int frame)
-{
-    char *const a = gp_pattern_name(&r->names.in[0], frame, NULL);
-    char *const b = gp_pattern_name(&r->names.in[1], frame, NULL);
-    r->row = (struct row) {.a = a, .b = b, .frame = frame, .parts = 1};
-    gp_status st = a && b ? compare_files(r)
-                          : gp_no_memory(r->log, r->job->input[0]);
-    free(a);
-    free(b);
+    for (int i = 0; i < 2; i++) {
+        gp_stored_close(&f[i]);
+        free(path[i]);
+    }
     return st;
 }
 
 // -- the whole run -----------------------------------------------------------
 
-/* Finds the patterns and frames of the names. */
-static gp_status find_names(struct run *r)
+/* Finds the patterns and frames of the names, and compares them all. */
+static gp_status compare_all(struct run *r)
 {
     const struct gp_compare_job *const job = r->job;
     const char *const heatmap = job->params->heatmap;
@@ -360,41 +323,34 @@ static gp_status find_names(struct run *r)
             GP_TRY(gp_no_memory(r->log, job->input[i]));
         gp_frames_free(&more);
     }
-    if (!heatmap)
-        goto out;
-    GP_TRY(gp_pattern_find(r->log, heatmap, &n->heatmap));
-    if (sequence && !n->heatmap.len)
+    // before any work: may the outputs be written
+    if (heatmap)
+        GP_TRY(gp_pattern_find(r->log, heatmap, &n->heatmap));
+    if (heatmap && sequence && !n->heatmap.len)
         return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for a sequence; "
                        "write a pattern such as heat.####.png", heatmap);
-    GP_TRY(gp_write_check(r->log, job->write, heatmap));
-out:
-    gp_frames_free(&more);
-    return st;
-}
-
-static gp_status compare_all(struct run *r)
-{
-    const struct gp_compare_job *const job = r->job;
-    const struct gp_frames *const frames = &r->names.frames;
-    gp_status st = find_names(r);
-    if (!st && job->json && !on_stdout(job->json))
-        st = gp_file_check(r->log, job->json, false);
-    if (!st && job->check_names)
-        st = job->check_names(r->log, job->user, &r->names);
-    if (!st && !frames->n)
+    if (heatmap)
+        GP_TRY(gp_write_check(r->log, job->write, heatmap));
+    if (job->json && !on_stdout(job->json))
+        GP_TRY(gp_file_check(r->log, job->json, false));
+    if (job->check_names)
+        GP_TRY(job->check_names(r->log, job->user, n));
+    if (!n->frames.n)
         return compare_frame(r, 0);
-    for (int i = 0; i < frames->n && !st; i++)
-        st = compare_frame(r, frames->number[i]);
-    if (st || !prints(r))
-        return st;
-    printf("%d frames: %s", frames->n, result_word(r->worst));
+    for (int i = 0; i < n->frames.n; i++)
+        GP_TRY(compare_frame(r, n->frames.number[i]));
+    if (!prints(r))
+        goto out;
+    printf("%d frames: %s", n->frames.n, result_word(r->worst));
     for (int i = 0; i <= GP_COMPARE_FILE; i++) {
         if (r->count[i])
             printf(", %d %s", r->count[i],
                    result_word((enum gp_compare_result) i));
     }
     putchar('\n');
-    return GP_OK;
+out:
+    gp_frames_free(&more);
+    return st;
 }
 
 int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job)

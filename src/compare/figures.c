@@ -20,26 +20,11 @@ static const struct gp_stored_channel *find_channel(
     return NULL;
 }
 
-static void add_pair(struct gp_compare_match *m, const char *name)
-{
-    const struct gp_compare_pair p = {find_channel(m->a, name),
-                                      find_channel(m->b, name)};
-    for (int i = 0; i < m->pairs; i++) {
-        if (strcmp(gp_compare_name(m, i), name) == 0)
-            return;
-    }
-    if (!p.a && !p.b)
-        return;
-    m->pair[m->pairs++] = p;
-    m->shared += p.a && p.b;
-}
-
 gp_status gp_compare_match_make(
     const struct gp_log *log, const struct gp_stored_image *a,
     const struct gp_stored_image *b, struct gp_compare_match *m)
 {
     static const char *const first[] = {"R", "G", "B", "A"};
-    void *block;
     *m = (struct gp_compare_match) {
         .a = a, .b = b,
         .window = {gp_min(a->data.x0, b->data.x0),
@@ -49,16 +34,24 @@ gp_status gp_compare_match_make(
     };
     gp_status st = gp_alloc(log, "channels",
                             (size_t) a->channels + (size_t) b->channels + 1,
-                            sizeof *m->pair, &block);
+                            sizeof *m->pair, &m->pair);
     if (st)
         return st;
-    m->pair = block;
-    for (int i = 0; i < 4; i++) // as idiff has them: the first of equals wins
-        add_pair(m, first[i]);
-    for (int i = 0; i < a->channels; i++)
-        add_pair(m, a->channel[i].name);
-    for (int i = 0; i < b->channels; i++)
-        add_pair(m, b->channel[i].name);
+    for (int i = -4; i < a->channels + b->channels; i++) {
+        const char *const name = i < 0 ? first[i + 4]
+                                 : i < a->channels
+                                     ? a->channel[i].name
+                                     : b->channel[i - a->channels].name;
+        const struct gp_compare_pair p = {find_channel(a, name),
+                                          find_channel(b, name)};
+        bool known = !p.a && !p.b; // as idiff has them: the first of equals
+        for (int k = 0; k < m->pairs && !known; k++)
+            known = strcmp(gp_compare_name(m, k), name) == 0;
+        if (known)
+            continue;
+        m->pair[m->pairs++] = p;
+        m->shared += p.a && p.b;
+    }
     return GP_OK;
 }
 
@@ -226,20 +219,35 @@ static bool has_light(const struct gp_compare_match *m)
 
 // -- figures -----------------------------------------------------------------
 
-static void add_up(const struct measure *t, int rows,
-                   struct gp_compare_figures *out)
+gp_status gp_compare_measure(
+    const struct gp_log *log, const struct gp_compare_params *limits,
+    const struct gp_compare_match *m, struct gp_compare_figures *out)
 {
-    const struct gp_compare_match *const m = t->m;
-    const double values = (double) gp_rect_w(m->window) *
-                          (double) gp_rect_h(m->window) * (double) m->pairs;
+    const int rows = gp_rect_h(m->window);
+    const bool lit = has_light(m);
+    struct measure t = {.limits = limits, .m = m};
+    gp_status st = gp_alloc_zero(log, "sums", (size_t) rows, sizeof *t.row,
+                                 &t.row);
+    if (st)
+        return st;
+    gp_parallel_do(rows, sum_row, &t);
+    if (lit) {
+        gp_parallel_do(rows, bright_row, &t);
+        for (int y = 0; y < rows; y++)
+            t.bright = fmax(t.bright, t.row[y].bright);
+        gp_parallel_do(rows, relative_row, &t);
+    }
+    // rows added up, and the first of the largest errors
+    const double values = (double) gp_rect_w(m->window) * (double) rows *
+                          (double) m->pairs;
     double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
     *out = (struct gp_compare_figures) {
         .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
         .x = m->window.x0, .y = m->window.y0,
-        .max_rel = has_light(m) ? 0.0 : (double) NAN,
+        .max_rel = lit ? 0.0 : (double) NAN,
     };
     for (int y = 0; y < rows; y++) {
-        const struct sums *const s = &t->row[y];
+        const struct sums *const s = &t.row[y];
         error += s->error;
         square += s->square;
         reference += s->reference;
@@ -247,7 +255,7 @@ static void add_up(const struct measure *t, int rows,
         out->nonfinite += s->nonfinite;
         out->failed += s->failed;
         out->warned += s->warned;
-        if (has_light(m))
+        if (lit)
             out->max_rel = fmax(out->max_rel, s->relative);
         if (!(s->max > out->max))
             continue;
@@ -258,32 +266,11 @@ static void add_up(const struct measure *t, int rows,
         out->worst_a = s->worst_a;
         out->worst_b = s->worst_b;
     }
+    gp_free(t.row);
     out->mean = error / values;
     out->rms = sqrt(square / values);
     out->psnr = 20.0 * log10(peak / out->rms);
     out->rel_l2 = reference > 0.0 ? sqrt(square / reference) : sqrt(square);
-}
-
-gp_status gp_compare_measure(
-    const struct gp_log *log, const struct gp_compare_params *limits,
-    const struct gp_compare_match *m, struct gp_compare_figures *out)
-{
-    const int rows = gp_rect_h(m->window);
-    struct measure t = {.limits = limits, .m = m};
-    void *block;
-    gp_status st = gp_alloc_zero(log, "sums", (size_t) rows,
-                                 sizeof(struct sums), &block);
-    if (st)
-        return st;
-    t.row = block;
-    gp_parallel_do(rows, sum_row, &t);
-    if (has_light(m)) {
-        gp_parallel_do(rows, bright_row, &t);
-        for (int y = 0; y < rows; y++)
-            t.bright = fmax(t.bright, t.row[y].bright);
-        gp_parallel_do(rows, relative_row, &t);
-    }
-    add_up(&t, rows, out);
     const double hundredth = (double) out->pixels / 100.0;
     out->result =
         (double) out->failed > (double) limits->fail_percent * hundredth ||
@@ -292,7 +279,6 @@ gp_status gp_compare_measure(
         : (double) out->warned > (double) limits->warn_percent * hundredth ||
                 out->max > (double) limits->hard_warn
             ? GP_COMPARE_WARNING : GP_COMPARE_MATCH;
-    gp_free(block);
     return GP_OK;
 }
 
@@ -335,7 +321,6 @@ gp_status gp_compare_flip(
     const double *const e = p->flip_exposures.v;
     struct gp_planes a = {0}, b = {0};
     gp_status st;
-    void *map;
     *out = (struct gp_compare_flip) {
         .hdr = !(m->a->integers && m->b->integers),
     };
@@ -343,8 +328,7 @@ gp_status gp_compare_flip(
         return GP_OK;
     GP_TRY(lay_light(log, m, m->a, out->hdr, &a));
     GP_TRY(lay_light(log, m, m->b, out->hdr, &b));
-    GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof(float), &map));
-    out->map = map;
+    GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof *out->map, &out->map));
     if (out->hdr && p->flip_exposures.n)
         out->exposures = (struct gp_flip_exposures) {(float) e[0],
                                                      (float) e[1], (int) e[2]};

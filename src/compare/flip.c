@@ -50,19 +50,9 @@ static const struct {
     [BLUE_YELLOW_2] = {13.5, 0.025},
 };
 
-/* Scales the taps by 1 / sum; returns the sum. */
+/* Scales positive and negative taps to a sum of 1 each; returns the sum of the
+ * positive ones. */
 static double normalise(const double *tap, int n, float *out)
-{
-    double sum = 0.0;
-    for (int i = 0; i < n; i++)
-        sum += tap[i];
-    for (int i = 0; i < n; i++)
-        out[i] = (float) (tap[i] / sum);
-    return sum;
-}
-
-/* Positive and negative taps to a sum of 1 each. */
-static void normalise_signs(const double *tap, int n, float *out)
 {
     double above = 0.0, below = 0.0;
     for (int i = 0; i < n; i++) {
@@ -70,7 +60,8 @@ static void normalise_signs(const double *tap, int n, float *out)
         below -= tap[i] < 0.0 ? tap[i] : 0.0;
     }
     for (int i = 0; i < n; i++)
-        out[i] = (float) (tap[i] / (tap[i] > 0.0 ? above : below));
+        out[i] = (float) (tap[i] / (tap[i] < 0.0 ? below : above));
+    return above;
 }
 
 /* Makes them for `ppd` pixels a degree, in the range of flip.h. */
@@ -84,7 +75,7 @@ static void make_filters(double ppd, struct filters *f)
     const double sigma = sqrt(widest / (2.0 * PI * PI)) * ppd;
     const int r = (int) ceil(3.0 * sigma);
     const int fr = (int) ceil(3.0 * feature_sigma);
-    double tap[3][2 * RADIUS_MAX + 1] = {{0}}, volume[COLOURS];
+    double tap[FEATURES][2 * RADIUS_MAX + 1] = {{0}}, volume[COLOURS];
     memset(f, 0, sizeof *f);
     f->radius = r;
     f->feature_radius = fr;
@@ -106,9 +97,8 @@ static void make_filters(double ppd, struct filters *f)
         tap[EDGES][i + fr] = -i * g;
         tap[POINTS][i + fr] = ((double) i * i / s2 - 1.0) * g;
     }
-    (void) normalise(tap[BLUR], 2 * fr + 1, f->feature[BLUR].at);
-    normalise_signs(tap[EDGES], 2 * fr + 1, f->feature[EDGES].at);
-    normalise_signs(tap[POINTS], 2 * fr + 1, f->feature[POINTS].at);
+    for (int k = 0; k < FEATURES; k++)
+        (void) normalise(tap[k], 2 * fr + 1, f->feature[k].at);
 }
 
 /* out[i] = sum over t of tap[t] * in[i + t]; n values from n + taps - 1. */
@@ -178,31 +168,6 @@ static void multiply(const float m[9], const float in[3], float out[3])
         out[i] = m[3 * i] * in[0] + m[3 * i + 1] * in[1] + m[3 * i + 2] * in[2];
 }
 
-/* The matrices between linear BT.709 and XYZ over white's. */
-static void make_matrices(struct metric *m)
-{
-    double xyz[9];
-    (void) gp_rgb_to_xyz(gp_rec709_chromaticities, xyz); // cannot fail
-    for (int i = 0; i < 3; i++) {
-        const double white = xyz[3 * i] + xyz[3 * i + 1] + xyz[3 * i + 2];
-        for (int j = 0; j < 3; j++)
-            xyz[3 * i + j] /= white;
-    }
-    // the inverse's columns are the rows' cross products over the determinant
-    double cross[9], det = 0.0;
-    for (int i = 0; i < 9; i++) {
-        const double *const u = xyz + (i / 3 + 1) % 3 * 3;
-        const double *const v = xyz + (i / 3 + 2) % 3 * 3;
-        const int k1 = (i % 3 + 1) % 3, k2 = (i % 3 + 2) % 3;
-        cross[i] = u[k1] * v[k2] - u[k2] * v[k1];
-        det += i < 3 ? xyz[i] * cross[i] : 0.0;
-    }
-    for (int i = 0; i < 9; i++) {
-        m->to_xyz[i] = (float) xyz[i];
-        m->to_rgb[i] = (float) (cross[i % 3 * 3 + i / 3] / det);
-    }
-}
-
 /* CIE 1976, with 6/29 as the border of the linear part. */
 static float lab_curve(float t)
 {
@@ -233,15 +198,17 @@ static float distance(const float a[3], const float b[3])
 
 // -- one picture in a tile ---------------------------------------------------
 
-/* Filters a tile's rows along x. They hold the opponent colours YCxCz without
- * their factors, which the way back would take away again: Y, X - Y, Y - Z
- * over white's; beyond the border the outermost pixels are repeated. */
-static void filter_rows(const struct metric *m, const struct tile *t,
-                        const struct gp_planes *p)
+/* Filters a picture in a tile. The lines along x hold the opponent colours
+ * YCxCz without their factors, which the way back would take away again: Y,
+ * X - Y, Y - Z over white's; beyond the border the outermost pixels are
+ * repeated. */
+static void resolve(const struct metric *m, const struct tile *t, int picture)
 {
-    static const int from[COLOURS] = {0, 1, 2, 2};
-    const struct filters *f = &m->filter;
+    static const int plane[COLOURS] = {0, 1, 2, 2};
+    const struct gp_planes *const p = m->picture[picture];
+    const struct filters *const f = &m->filter;
     const int r = f->radius, inset = r - f->feature_radius;
+    const int taps = 2 * r + 1, feature_taps = 2 * f->feature_radius + 1;
     for (int j = 0; j < t->h + 2 * r; j++) {
         const size_t row = (size_t) gp_clamp(t->y0 - r + j, 0, m->h - 1);
         for (int i = 0; i < t->w + 2 * r; i++) {
@@ -257,65 +224,43 @@ static void filter_rows(const struct metric *m, const struct tile *t,
             t->row[2][i] = xyz[1] - xyz[2];
         }
         for (int c = 0; c < COLOURS; c++)
-            filter_row(t->row[from[c]], f->colour[c].at, 2 * r + 1, t->w,
+            filter_row(t->row[plane[c]], f->colour[c].at, taps, t->w,
                        t->line[c] + j * TILE_W);
         for (int k = 0; k < FEATURES; k++)
-            filter_row(t->row[0] + inset, f->feature[k].at,
-                       2 * f->feature_radius + 1, t->w,
+            filter_row(t->row[0] + inset, f->feature[k].at, feature_taps, t->w,
                        t->line[COLOURS + k] + j * TILE_W);
     }
-}
-
-/* Colours of row j of the tile as the eye resolves them. */
-static void resolve_colour(const struct metric *m, const struct tile *t, int j,
-                           float *const seen[SEEN])
-{
-    const struct filters *f = &m->filter;
     const float weight[COLOURS] = {1.0f, 1.0f, f->share[0], f->share[1]};
-    static const int to[COLOURS] = {0, 1, 2, 2};
-    float sum[3][TILE_W] = {0};
-    for (int c = 0; c < COLOURS; c++)
-        filter_column(t->line[c] + j * TILE_W, TILE_W, f->colour[c].at,
-                      2 * f->radius + 1, weight[c], t->w, sum[to[c]]);
-    for (int i = 0; i < t->w; i++) {
-        const float y = sum[0][i];
-        const float xyz[3] = {y + sum[1][i], y, y - sum[2][i]};
-        float rgb[3], lab[3];
-        multiply(m->to_rgb, xyz, rgb);
-        for (int c = 0; c < 3; c++)
-            rgb[c] = gp_clamp01(rgb[c]);
-        to_hunt_lab(m, rgb, lab);
-        for (int c = 0; c < 3; c++)
-            seen[L + c][j * TILE_W + i] = lab[c];
-    }
-}
-
-/* Magnitudes of a detector along x and along y, row j of the tile. */
-static void detect_feature(const struct metric *m, const struct tile *t, int j,
-                           int feature, float *out)
-{
-    const struct filters *f = &m->filter;
-    const int top = (j + f->radius - f->feature_radius) * TILE_W;
-    const int taps = 2 * f->feature_radius + 1;
-    const float *const blurred = t->line[COLOURS + BLUR];
-    const float *const derived = t->line[COLOURS + feature];
-    float x[TILE_W] = {0}, y[TILE_W] = {0};
-    filter_column(derived + top, TILE_W, f->feature[BLUR].at, taps, 1.0f,
-                  t->w, x);
-    filter_column(blurred + top, TILE_W, f->feature[feature].at, taps, 1.0f,
-                  t->w, y);
-    for (int i = 0; i < t->w; i++)
-        out[j * TILE_W + i] = sqrtf(x[i] * x[i] + y[i] * y[i]);
-}
-
-static void resolve(const struct metric *m, const struct tile *t, int picture)
-{
-    float *const *seen = t->seen[picture];
-    filter_rows(m, t, m->picture[picture]);
     for (int j = 0; j < t->h; j++) {
-        resolve_colour(m, t, j, seen);
-        detect_feature(m, t, j, EDGES, seen[EDGE]);
-        detect_feature(m, t, j, POINTS, seen[POINT]);
+        float *const *const seen = t->seen[picture];
+        const int at = j * TILE_W, top = at + inset * TILE_W;
+        float sum[3][TILE_W] = {0};
+        // colours as the eye resolves them
+        for (int c = 0; c < COLOURS; c++)
+            filter_column(t->line[c] + at, TILE_W, f->colour[c].at, taps,
+                          weight[c], t->w, sum[plane[c]]);
+        for (int i = 0; i < t->w; i++) {
+            const float y = sum[0][i];
+            const float xyz[3] = {y + sum[1][i], y, y - sum[2][i]};
+            float rgb[3], lab[3];
+            multiply(m->to_rgb, xyz, rgb);
+            for (int c = 0; c < 3; c++)
+                rgb[c] = gp_clamp01(rgb[c]);
+            to_hunt_lab(m, rgb, lab);
+            for (int c = 0; c < 3; c++)
+                seen[L + c][at + i] = lab[c];
+        }
+        // magnitudes of each detector along x and along y
+        for (int k = EDGES; k <= POINTS; k++) {
+            float x[TILE_W] = {0}, y[TILE_W] = {0};
+            filter_column(t->line[COLOURS + k] + top, TILE_W,
+                          f->feature[BLUR].at, feature_taps, 1.0f, t->w, x);
+            filter_column(t->line[COLOURS + BLUR] + top, TILE_W,
+                          f->feature[k].at, feature_taps, 1.0f, t->w, y);
+            for (int i = 0; i < t->w; i++)
+                seen[EDGE + k - EDGES][at + i] =
+                    sqrtf(x[i] * x[i] + y[i] * y[i]);
+        }
     }
 }
 
@@ -385,8 +330,19 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     struct metric m = {.w = w, .h = h, .across = (w + TILE_W - 1) / TILE_W,
                        .picture = {a, b}, .map = map};
     const int tiles = m.across * ((h + TILE_H - 1) / TILE_H);
-    void *scratches = NULL, *sums = NULL;
-    make_matrices(&m);
+    // matrices between linear BT.709 and XYZ over that of white
+    double xyz[9], rgb[9];
+    (void) gp_rgb_to_xyz(gp_rec709_chromaticities, xyz); // cannot fail
+    for (int i = 0; i < 3; i++) {
+        const double white = xyz[3 * i] + xyz[3 * i + 1] + xyz[3 * i + 2];
+        for (int j = 0; j < 3; j++)
+            xyz[3 * i + j] /= white;
+    }
+    gp_invert3(xyz, rgb);
+    for (int i = 0; i < 9; i++) {
+        m.to_xyz[i] = (float) xyz[i];
+        m.to_rgb[i] = (float) rgb[i];
+    }
     // no two colours are further apart than green and blue
     static const float green[3] = {0.0f, 1.0f, 0.0f}, blue[3] = {0, 0, 1.0f};
     float lab[2][3];
@@ -398,12 +354,10 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
     m.scratch = 3 * (TILE_W + 2 * r) + LINES * (TILE_H + 2 * r) * TILE_W +
                 2 * SEEN * TILE;
     gp_status st = gp_alloc(log, "flip", (size_t) gp_threads() * m.scratch,
-                            sizeof(float), &scratches);
+                            sizeof *m.scratches, &m.scratches);
     if (!st)
-        st = gp_alloc(log, "flip", (size_t) tiles, sizeof(double), &sums);
+        st = gp_alloc(log, "flip", (size_t) tiles, sizeof *m.sum, &m.sum);
     if (!st) {
-        m.scratches = scratches;
-        m.sum = sums;
         gp_parallel_do(tiles, compare_tile, &m);
         double sum = 0.0;
         for (int i = 0; i < tiles; i++)
@@ -411,8 +365,8 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
         if (mean)
             *mean = sum / ((double) w * (double) h);
     }
-    gp_free(scratches);
-    gp_free(sums);
+    gp_free(m.scratches);
+    gp_free(m.sum);
     return st;
 }
 
@@ -470,14 +424,13 @@ static double median(float *v, size_t n)
 gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
     const struct gp_planes *reference, struct gp_flip_exposures *out)
 {
-    void *block;
+    const float *const k = gp_rec709_luminance;
+    float *y, most = 0.0f;
     if (pixels == 0)
         return gp_fail(log, GP_ERR_USAGE, "flip: no pixels; give pictures");
-    gp_status st = gp_alloc(log, "flip", pixels, sizeof(float), &block);
+    gp_status st = gp_alloc(log, "flip", pixels, sizeof *y, &y);
     if (st)
         return st;
-    const float *const k = gp_rec709_luminance;
-    float *const y = block, most = 0.0f;
     for (size_t i = 0; i < pixels; i++) {
         y[i] = k[0] * bounded(reference->c[0][i]) +
                k[1] * bounded(reference->c[1][i]) +
@@ -508,7 +461,7 @@ gp_status gp_flip_exposures_find(const struct gp_log *log, size_t pixels,
             (int) fmin(fmax(steps, 2.0), GP_FLIP_EXPOSURES_MAX),
         };
     }
-    gp_free(block);
+    gp_free(y);
     return GP_OK;
 }
 
@@ -560,8 +513,8 @@ gp_status gp_flip_hdr(const struct gp_log *log, int w, int h,
     e = e ? e : &found;
     for (int i = 0; i < 2; i++)
         GP_TRY(gp_planes_make(log, "flip", n, &shown[i]));
-    GP_TRY(gp_alloc(log, "flip", n, sizeof(float), (void **) &one));
-    GP_TRY(gp_alloc_zero(log, "flip", n, sizeof(float), (void **) &most));
+    GP_TRY(gp_alloc(log, "flip", n, sizeof *one, &one));
+    GP_TRY(gp_alloc_zero(log, "flip", n, sizeof *most, &most));
     for (int i = 0; i < e->count; i++) {
         const double start = (double) e->start, stop = (double) e->stop;
         const double ev =

@@ -44,6 +44,20 @@ int gp_rgb_to_xyz(const float ch[8], double m[9])
     return 1;
 }
 
+void gp_invert3(const double m[9], double out[9])
+{
+    double cofactor[9];
+    for (int i = 0; i < 9; i++) {
+        const int r1 = (i / 3 + 1) % 3 * 3, r2 = (i / 3 + 2) % 3 * 3;
+        const int c1 = (i + 1) % 3, c2 = (i + 2) % 3;
+        cofactor[i] = m[r1 + c1] * m[r2 + c2] - m[r1 + c2] * m[r2 + c1];
+    }
+    const double det =
+        m[0] * cofactor[0] + m[1] * cofactor[1] + m[2] * cofactor[2];
+    for (int i = 0; i < 9; i++)
+        out[i] = cofactor[i % 3 * 3 + i / 3] / det;
+}
+
 void gp_luminance_weights(const float ch[8], float weight[3])
 {
     double m[9];

@@ -21,6 +21,9 @@ void gp_luminance_weights(const float chromaticities[8], float weight[3]);
  * nothing written) when they are degenerate. */
 int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
 
+/* The inverse of a 3x3 matrix by cofactors; not finite when it is singular. */
+void gp_invert3(const double m[9], double out[9]);
+
 /* The sRGB transfer curve, IEC 61966-2-1:1999: linear to encoded and back,
  * both in [0,1]; values outside are clamped, NaN becomes 0. The plain forms
  * that faster ones are tested against. */

@@ -62,18 +62,7 @@ static bool to_bt709(const float chromaticities[8], double out[9])
     // rows of the RGB to cone matrices; white's responses are their sums
     multiply(bradford, from, cone_from);
     multiply(bradford, to, cone_to);
-    // the inverse by cofactors; of a singular matrix it is not finite
-    double cofactor[9];
-    const double *const m = cone_to;
-    for (int i = 0; i < 9; i++) {
-        const int r1 = (i / 3 + 1) % 3 * 3, r2 = (i / 3 + 2) % 3 * 3;
-        const int c1 = (i + 1) % 3, c2 = (i + 2) % 3;
-        cofactor[i] = m[r1 + c1] * m[r2 + c2] - m[r1 + c2] * m[r2 + c1];
-    }
-    const double det = m[0] * cofactor[0] + m[1] * cofactor[1] +
-                       m[2] * cofactor[2];
-    for (int i = 0; i < 9; i++)
-        back[i] = cofactor[i % 3 * 3 + i / 3] / det;
+    gp_invert3(cone_to, back); // of a singular matrix it is not finite
     for (int i = 0; i < 3; i++) {
         double *f = cone_from + 3 * i;
         const double *t = cone_to + 3 * i;

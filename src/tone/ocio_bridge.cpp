@@ -31,7 +31,7 @@ struct Refusal {
     std::string line;
 };
 
-// What lives as long as the processors.
+// Kept as long as the processors.
 struct Owned {
     OCIO::ConstCPUProcessorRcPtr view, output;
     std::string config, input, display, viewed, look, wanted;
@@ -91,28 +91,6 @@ std::string list_names(const Names &names)
 
 // -- the config --------------------------------------------------------------
 
-// A YAML parser that is handed a device never ends; one of many megabytes is
-// no config, and takes many times its size. (Archives hold LUTs too.)
-void check_file(const std::string &path)
-{
-    const long long most = 16LL << 20;
-    const bool archive = path.size() > 6 &&
-                         path.compare(path.size() - 6, 6, ".ocioz") == 0;
-    struct stat s;
-    if (stat(path.c_str(), &s) != 0)
-        throw Refusal{GP_ERR_IO, path + ": cannot read the OCIO config (" +
-                                     std::strerror(errno) +
-                                     "); check the name"};
-    if (!S_ISREG(s.st_mode))
-        throw Refusal{GP_ERR_IO, path + ": an OCIO config is a file (found "
-                                     "something else); name config.ocio"};
-    if (s.st_size > most && !archive)
-        throw Refusal{GP_ERR_DATA,
-                      path + ": too large for an OCIO config (" +
-                          std::to_string(s.st_size) +
-                          " bytes); check the name"};
-}
-
 // Without the file's name, which the line has already.
 std::string reason(const std::exception &e, const std::string &name)
 {
@@ -131,8 +109,24 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
                       name + ": OpenColorIO " + OCIO::GetVersion() +
                           " has no built-in configs (2.2 was the first); "
                           "give a config file"};
-    if (!builtin)
-        check_file(name);
+    // A YAML parser that is handed a device never ends; one of many megabytes
+    // is no config, and takes many times its size. (Archives hold LUTs too.)
+    const long long most = 16LL << 20;
+    const bool archive = name.size() > 6 &&
+                         name.compare(name.size() - 6, 6, ".ocioz") == 0;
+    struct stat s;
+    if (!builtin && stat(name.c_str(), &s) != 0)
+        throw Refusal{GP_ERR_IO, name + ": cannot read the OCIO config (" +
+                                     std::strerror(errno) +
+                                     "); check the name"};
+    if (!builtin && !S_ISREG(s.st_mode))
+        throw Refusal{GP_ERR_IO, name + ": an OCIO config is a file (found "
+                                     "something else); name config.ocio"};
+    if (!builtin && s.st_size > most && !archive)
+        throw Refusal{GP_ERR_DATA,
+                      name + ": too large for an OCIO config (" +
+                          std::to_string(s.st_size) +
+                          " bytes); check the name"};
     try {
         return OCIO::Config::CreateFromFile(name.c_str());
     } catch (const OCIO::Exception &e) {
@@ -228,28 +222,6 @@ std::string find_view(const Asked &a, const std::string &display)
                 }));
 }
 
-// Looks are separated by , : and |, with + or - before them.
-void check_looks(const Asked &a)
-{
-    const std::string text = a.p->look;
-    std::size_t at = 0;
-    while (at < text.size()) {
-        const std::size_t end =
-            std::min(text.find_first_of(",:|", at), text.size());
-        const std::size_t first = text.find_first_not_of(" +-", at);
-        if (first < end) {
-            std::string name = text.substr(first, end - first);
-            name.erase(name.find_last_not_of(' ') + 1);
-            if (!a.config->getLook(name.c_str()))
-                refuse_name("--look", a, "look", name,
-                            all(a.config->getNumLooks(), [&](int i) {
-                                return a.config->getLookNameByIndex(i);
-                            }));
-        }
-        at = end + 1;
-    }
-}
-
 // -- processors --------------------------------------------------------------
 
 [[noreturn]] void refuse_transform(const Asked &a, const std::string &what,
@@ -275,9 +247,20 @@ void make_view(const Asked &a)
     Owned *const own = a.own;
     own->display = find_display(a);
     own->viewed = find_view(a, own->display);
-    if (a.p->look) {
-        check_looks(a);
-        own->look = a.p->look;
+    own->look = a.p->look ? a.p->look : "";
+    // looks are separated by , : and |, with + or - before them
+    for (std::size_t at = 0, end; at < own->look.size(); at = end + 1) {
+        end = std::min(own->look.find_first_of(",:|", at), own->look.size());
+        const std::size_t first = own->look.find_first_not_of(" +-", at);
+        if (first >= end)
+            continue;
+        std::string name = own->look.substr(first, end - first);
+        name.erase(name.find_last_not_of(' ') + 1);
+        if (!a.config->getLook(name.c_str()))
+            refuse_name("--look", a, "look", name,
+                        all(a.config->getNumLooks(), [&](int i) {
+                            return a.config->getLookNameByIndex(i);
+                        }));
     }
     try {
         const auto view = OCIO::DisplayViewTransform::Create();
