@@ -1,5 +1,5 @@
 /* flare: files are read strictly; totals, places and edges hold. */
-#include "flare_scene.h"
+#include "scene.h"
 #include "core/parallel.h"
 #include "json_file.h"
 
@@ -130,14 +130,12 @@ static void totals_hold(void **state)
         {200.0, 150.0}, {200.5, 150.5}, {200.25, 150.625}, {199.9, 150.4},
     };
     for (size_t i = 0; i < COUNT(laws); i++) {
-        struct gp_flare_element e = whole(laws[i]);
-        const struct gp_flare f = {&e, 1};
+        const struct gp_flare_element e = whole(laws[i]);
         for (size_t k = 0; k < COUNT(places); k++) {
-            struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
-                                            (struct gp_rect) {0, 0, 400, 300});
-            struct gp_light l = light_at(places[k][0], places[k][1]);
+            struct picture p = picture_of(400, 300);
+            struct gp_light l = lamp_at(places[k][0], places[k][1]);
             l.visibility = 0.75;
-            add(&p, &f, &l, 1);
+            add_one(&p, e, l);
             for (int c = 0; c < 3; c++) {
                 const double want = (double) e.colour[c] *
                                     (double) l.flux[c] * 0.75;
@@ -157,11 +155,8 @@ static void places_lie_on_the_axis(void **state)
     for (int k = 0; k <= 4; k++) {
         struct picture p = picture_make((struct gp_rect) {-60, -50, 340, 250},
                                         (struct gp_rect) {-20, -10, 300, 210});
-        struct gp_flare_element e = ELEMENT(.size = 0.1, .at = 0.5 * k);
-        const struct gp_flare f = {&e, 1};
-        const struct gp_light l = light_at(60.3, 40.8);
         double x, y;
-        add(&p, &f, &l, 1);
+        add_one(&p, ELEMENT(.size = 0.1, .at = 0.5 * k), lamp_at(60.3, 40.8));
         centroid(&p, 1, &x, &y);
         assert_true(fabs(x - (60.3 + 0.5 * k * (140.0 - 60.3))) < 0.01);
         assert_true(fabs(y - (40.8 + 0.5 * k * (100.0 - 40.8))) < 0.01);
@@ -172,13 +167,9 @@ static void places_lie_on_the_axis(void **state)
 /* Counter-clockwise as seen: a streak at 30 degrees goes up to the right. */
 static void rotation_is_counter_clockwise(void **state)
 {
-    struct picture p = picture_make((struct gp_rect) {0, 0, 200, 200},
-                                    (struct gp_rect) {0, 0, 200, 200});
-    struct gp_flare_element e = ELEMENT(.shape = GP_FLARE_STREAK, .size = 0.8,
-                                        .rotation = 30.0);
-    const struct gp_flare f = {&e, 1};
-    const struct gp_light l = light_at(100.0, 100.0);
-    add(&p, &f, &l, 1);
+    struct picture p = picture_of(200, 200);
+    add_one(&p, ELEMENT(.shape = GP_FLARE_STREAK, .size = 0.8,
+                        .rotation = 30.0), lamp_at(100.0, 100.0));
     const int x = 100 + (int) (30.0 * cos(0.5235987756));
     const int up = 100 - (int) (30.0 * sin(0.5235987756)) - 1;
     assert_true(p.layer.c[0][up * 200 + x] > 0.0f);
@@ -191,15 +182,12 @@ static void rotation_is_counter_clockwise(void **state)
 static void small_steps_are_small(void **state)
 {
     for (size_t i = 0; i < COUNT(laws); i++) {
-        struct gp_flare_element e = whole(laws[i]);
-        const struct gp_flare f = {&e, 1};
+        const struct gp_flare_element e = whole(laws[i]);
         struct picture was = {0};
         for (int k = 0; k < 9; k++) {
-            struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
-                                            (struct gp_rect) {0, 0, 400, 300});
-            const struct gp_light l = light_at(200.0 + k / 8.0, 150.3);
+            struct picture p = picture_of(400, 300);
             float peak = 0.0f, step = 0.0f;
-            add(&p, &f, &l, 1);
+            add_one(&p, e, lamp_at(200.0 + k / 8.0, 150.3));
             for (size_t at = 0; k > 0 && at < picture_pixels(&p); at++) {
                 const float a = p.layer.c[1][at], b = was.layer.c[1][at];
                 peak = fmaxf(peak, fmaxf(a, b));
@@ -219,13 +207,12 @@ static void small_steps_are_small(void **state)
 static void reach_holds_all(void **state)
 {
     for (size_t i = 0; i < COUNT(laws); i++) {
-        struct gp_flare_element e = whole(laws[i]);
-        const struct gp_flare f = {&e, 1};
+        const struct gp_flare_element e = whole(laws[i]);
         struct picture p = picture_make((struct gp_rect) {-9, 11, 311, 251},
                                         (struct gp_rect) {0, 0, 300, 300});
-        const struct gp_light l = light_at(281.6, 207.1);
+        const struct gp_light l = lamp_at(281.6, 207.1);
         const struct gp_rect r = gp_flare_reach(&e, &l, p.frame, p.display);
-        add(&p, &f, &l, 1);
+        add_one(&p, e, l);
         assert_true(total(&p, 0) > 0.0);
         for (int y = p.frame.y0; y < p.frame.y1; y++) {
             for (int x = p.frame.x0; x < p.frame.x1; x++) {
@@ -255,14 +242,12 @@ static void plain_images_keep_total_and_centroid(void **state)
             .plain = true, .size = 9, .rotation = 33);
         e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2 + 0.5,
                              rows[i].h / 2 + 0.5, true);
-        const struct gp_flare f = {&e, 1};
-        const struct gp_light l = light_at(rows[i].x, rows[i].y);
-        struct picture p = picture_make((struct gp_rect) {0, 0, 200, 180},
-                                        (struct gp_rect) {0, 0, 200, 180});
+        const struct gp_light l = lamp_at(rows[i].x, rows[i].y);
+        struct picture p = picture_of(200, 180);
         struct picture of = {.frame = {0, 0, rows[i].w, rows[i].h},
                              .layer = e.image.rgb};
         double x, y, ix, iy;
-        add(&p, &f, &l, 1);
+        add_one(&p, e, l);
         centroid(&p, 0, &x, &y);
         centroid(&of, 0, &ix, &iy);
         assert_true(fabs(x - rows[i].x - ix + e.image.cx) < 1e-4);
@@ -298,12 +283,10 @@ static void scaled_images_keep_their_totals(void **state)
         memcpy(e.scale, rows[i].scale, sizeof e.scale);
         e.image = image_make(rows[i].w, rows[i].h, rows[i].w / 2.0,
                              rows[i].h / 2.0, rows[i].hot);
-        const struct gp_flare f = {&e, 1};
-        const struct gp_light l = light_at(200.3, 150.8);
-        struct picture p = picture_make((struct gp_rect) {0, 0, 400, 300},
-                                        (struct gp_rect) {0, 0, 400, 300});
+        const struct gp_light l = lamp_at(200.3, 150.8);
+        struct picture p = picture_of(400, 300);
         const double y = 0.2126 + 2.0 * 0.7152 + 3.0 * 0.0722;
-        add(&p, &f, &l, 1);
+        add_one(&p, e, l);
         for (int c = 0; c < 3; c++) {
             const double want = (c + 1) / y * (double) e.colour[c] *
                                 (double) l.flux[c];
@@ -320,7 +303,7 @@ static void unseen_lights_draw_nothing(void **state)
 {
     struct gp_light rows[8];
     for (int i = 0; i < 8; i++)
-        rows[i] = light_at(20.0, 20.0);
+        rows[i] = lamp_at(20.0, 20.0);
     rows[0].visibility = 0.0;
     rows[1].behind = true;
     rows[2].x = (double) NAN;
@@ -330,11 +313,9 @@ static void unseen_lights_draw_nothing(void **state)
     rows[6].visibility = (double) NAN;
     memset(rows[7].flux, 0, sizeof rows[7].flux);
     for (size_t i = 0; i < COUNT(laws); i++) {
-        struct gp_flare_element e = whole(laws[i]);
-        const struct gp_flare f = {&e, 1};
-        struct picture p = picture_make((struct gp_rect) {0, 0, 40, 30},
-                                        (struct gp_rect) {0, 0, 40, 30});
-        add(&p, &f, rows, 8);
+        struct picture p = picture_of(40, 30);
+        for (int k = 0; k < 8; k++)
+            add_one(&p, whole(laws[i]), rows[k]);
         for (int c = 0; c < 3; c++)
             assert_true(total(&p, c) == 0.0);
         picture_free(&p);
@@ -351,14 +332,12 @@ static void odd_frames_hold(void **state)
                                         1000000000};
     for (size_t i = 0; i < COUNT(frames); i++) {
         for (size_t k = 0; k < COUNT(laws); k++) {
-            struct gp_flare_element e = whole(laws[k]);
-            const struct gp_flare f = {&e, 1};
-            const struct gp_light l = light_at(frames[i].x0 + 0.7,
+            const struct gp_light l = lamp_at(frames[i].x0 + 0.7,
                                                frames[i].y0 + 0.2);
             struct picture p = picture_make(frames[i], frames[i]);
-            add(&p, &f, &l, 1);
+            add_one(&p, whole(laws[k]), l);
             p.display = huge;
-            add(&p, &f, &l, 1);
+            add_one(&p, whole(laws[k]), l);
             if (!gp_rect_empty(p.frame))
                 assert_true(isfinite(total(&p, 0)));
             picture_free(&p);
@@ -370,7 +349,7 @@ static void threads_change_nothing(void **state)
 {
     struct gp_flare_element e[COUNT(laws) + 4];
     const struct gp_flare f = all_shapes(e);
-    const struct gp_light l[2] = {light_at(60.3, 41.7), light_at(-20, 180)};
+    const struct gp_light l[2] = {lamp_at(60.3, 41.7), lamp_at(-20, 180)};
     struct picture was = {0};
     for (int threads = 1; threads <= 3; threads++) {
         struct picture p = picture_make((struct gp_rect) {-7, -3, 290, 210},

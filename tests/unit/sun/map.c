@@ -31,43 +31,7 @@ static void cases(struct gp_light l[CASES])
     l[13].depth = NAN;
 }
 
-static void assert_map(const struct machine *m, const struct sun_frame *f,
-                       const struct gp_map_params *p, const float *atlas,
-                       int i, const struct gp_light *l)
-{
-    const int size = p->side, columns = m->map->columns;
-    float *const want = malloc(2 * (size_t) (size * size) * sizeof *want);
-    assert_non_null(want);
-    (void) gp_sun_map_reference(&f->o, p, l, want);
-    for (int t = 0; t < size * size; t++) {
-        const int x = i % columns * size + t % size;
-        const int y = i / columns * size + t / size;
-        const float *const got = atlas + 4 * (y * columns * size + x);
-        if (fabs((double) (got[0] - want[2 * t])) > 1e-6 ||
-            fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
-            fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
-                "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
-                p->pattern, size, p->outside, t, (double) want[2 * t],
-                (double) want[2 * t + 1], (double) got[0], (double) got[1]);
-    }
-    free(want);
-}
-
-static void assert_maps(const struct machine *m, const struct sun_frame *f,
-    const struct gp_map_params *p, const struct gp_light *l, int n)
-{
-    const int w = m->map->columns * p->side;
-    const int h = (n + m->map->columns - 1) / m->map->columns * p->side;
-    float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
-    assert_non_null(atlas);
-    gp_target_read(m->gl, &m->map->atlas, 0, (struct gp_rect){0, 0, w, h},
-                   atlas);
-    for (int i = 0; i < n; i++)
-        assert_map(m, f, p, atlas, i, &l[i]);
-    free(atlas);
-}
-
-/* How far GL's sums may be from those in double. */
+/* GL's sums are near those in double. */
 static void assert_sums(const struct machine *m, const struct sun_frame *f,
     const struct gp_map_params *p, struct gp_light *l, int n)
 {
@@ -81,11 +45,35 @@ static void assert_sums(const struct machine *m, const struct sun_frame *f,
     }
 }
 
+/* Maps of all lights, texel by texel, and both sums. */
 static void try_lights(struct machine *m, const struct sun_frame *f,
                        struct gp_map_params p, struct gp_light *l, int n)
 {
+    const int side = p.side, texels = side * side;
     assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
-    assert_maps(m, f, &p, l, n);
+    const int columns = m->map->columns, w = columns * side;
+    const int h = (n + columns - 1) / columns * side;
+    float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
+    float *const want = malloc(2 * (size_t) texels * sizeof *want);
+    assert_true(atlas && want);
+    gp_target_read(m->gl, &m->map->atlas, 0, (struct gp_rect) {0, 0, w, h},
+                   atlas);
+    for (int k = 0; k < n * texels; k++) {
+        const int i = k / texels, t = k % texels;
+        const int x = i % columns * side + t % side;
+        const float *const got =
+            atlas + 4 * ((i / columns * side + t / side) * w + x);
+        if (t == 0)
+            (void) gp_sun_map_reference(&f->o, &p, &l[i], want);
+        if (fabs((double) (got[0] - want[2 * t])) > 1e-6 ||
+            fabs((double) (got[1] - want[2 * t + 1])) > 1e-6)
+            fail_msg("%s, light %d, pattern %d, map %d, outside %d, texel %d: "
+                "%.9g %.9g is %.9g %.9g", gp_gl_info(m->gl)->name, i,
+                p.pattern, side, p.outside, t, (double) want[2 * t],
+                (double) want[2 * t + 1], (double) got[0], (double) got[1]);
+    }
+    free(want);
+    free(atlas);
     assert_sums(m, f, &p, l, n);
     p.sum = GP_SUM_BILINEAR;
     assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
@@ -122,35 +110,36 @@ static void maps_equal_the_reference(void **state)
     }
 }
 
-/* Depth that is no distance, of every type. */
-static void depth_types(void **state)
+/* Depth of every type, which may be no distance, and frames of one pixel, of
+ * none, of a row, and of a column. */
+static void depths_and_frames(void **state)
 {
-    for (int type = GP_DEPTH_Z; type <= GP_DEPTH_NORMALIZED; type++) {
+    static const struct {
+        struct gp_rect frame;
+        enum gp_depth_type type;
+        int size, side; // of blobs; of the map
+    } rows[] = {
+        {{-40, 25, 120, 125}, GP_DEPTH_Z, 2, 16},
+        {{-40, 25, 120, 125}, GP_DEPTH_RAY, 2, 16},
+        {{-40, 25, 120, 125}, GP_DEPTH_INVERSE, 2, 16},
+        {{-40, 25, 120, 125}, GP_DEPTH_NORMALIZED, 2, 16},
+        {{50, 60, 51, 61}, GP_DEPTH_Z, 1, 8},
+        {{50, 60, 50, 60}, GP_DEPTH_Z, 1, 8},
+        {{-3, 60, 100, 61}, GP_DEPTH_Z, 1, 8},
+        {{50, -900, 51, 900}, GP_DEPTH_Z, 1, 8},
+    };
+    for (size_t k = 0; k < COUNT(rows); k++) {
+        const struct gp_rect r = rows[k].frame;
         struct sun_frame f;
-        make_frame(&f, window, WITH_DEPTH | WITH_MASK, 2);
-        const size_t n = 160 * 100;
-        for (size_t i = 0; i < n; i++)
-            if (type >= GP_DEPTH_INVERSE && f.depth.v[i] < 1e9f)
+        make_frame(&f, r, WITH_DEPTH | WITH_MASK, rows[k].size);
+        for (int i = 0; i < gp_rect_w(r) * gp_rect_h(r); i++)
+            if (rows[k].type >= GP_DEPTH_INVERSE && f.depth.v[i] < 1e9f)
                 f.depth.v[i] = f.depth.v[i] / 25.0f;
-        f.o.type = type;
+        f.o.type = rows[k].type;
         gp_occluders_count(&f.o);
         for (int i = 0; i < machine_count; i++)
-            try_params(machine_at(i), &f, (struct gp_map_params) {.side = 16});
-        free_frame(&f);
-    }
-}
-
-static void frames_of_one_pixel_and_none(void **state)
-{
-    static const struct gp_rect frames[] = {
-        {50, 60, 51, 61}, {50, 60, 50, 60}, {-3, 60, 100, 61},
-        {50, -900, 51, 900},
-    };
-    for (int k = 0; k < 4; k++) {
-        struct sun_frame f;
-        make_frame(&f, frames[k], WITH_DEPTH | WITH_MASK, 1);
-        for (int i = 0; i < machine_count; i++)
-            try_params(machine_at(i), &f, (struct gp_map_params) {.side = 8});
+            try_params(machine_at(i), &f,
+                       (struct gp_map_params) {.side = rows[k].side});
         free_frame(&f);
     }
 }
@@ -287,14 +276,6 @@ static void textures_may_be_small(void **state)
     free_frame(&f);
 }
 
-static bool inside(const struct gp_light *l, enum gp_sun_pattern pattern,
-                   int x, int y)
-{
-    const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y, r = l->radius;
-    return pattern == GP_PATTERN_DISC ? dx * dx + dy * dy <= r * r
-                                      : fabs(dx) <= r && fabs(dy) <= r;
-}
-
 /* Pixel by pixel over a box around the light. */
 static double plain_count(const struct gp_occluders *o,
     const struct gp_map_params *p, const struct gp_light *l)
@@ -306,11 +287,13 @@ static double plain_count(const struct gp_occluders *o,
         for (int x = (int) floor(l->x - r) - 1; x <= l->x + r + 1.0; x++) {
             const bool within = x >= o->frame.x0 && x < o->frame.x1 &&
                                 y >= o->frame.y0 && y < o->frame.y1;
-            const bool nearest = x == (int) floor(l->x) &&
-                                 y == (int) floor(l->y);
-            if (none ? !nearest : !inside(l, p->pattern, x, y))
-                continue;
-            if (!within && p->outside == GP_OUTSIDE_IGNORE)
+            const double dx = x + 0.5 - l->x, dy = y + 0.5 - l->y;
+            const bool inside =
+                none ? x == (int) floor(l->x) && y == (int) floor(l->y)
+                : p->pattern == GP_PATTERN_DISC
+                    ? dx * dx + dy * dy <= r * r
+                    : fabs(dx) <= r && fabs(dy) <= r;
+            if (!inside || (!within && p->outside == GP_OUTSIDE_IGNORE))
                 continue;
             shown += within ? gp_occluders_show(o, l, x, y)
                             : p->outside == GP_OUTSIDE_VISIBLE;
@@ -386,11 +369,7 @@ static void ends_of_the_scale(void **state)
             };
             struct gp_light l = light_at(rows[k % 9].x, 32.0, 5.0);
             l.behind = l.x == 99.0;
-            if (method == 2)
-                assert_ok(gp_sun_readback(&said_log, m->gl, &o, &p, &l, 1,
-                                          &m->map));
-            else
-                measure(m, &o, &p, false, &l, 1);
+            measure(m, &o, &p, method == 2, &l, 1);
             if (!(fabs(l.visibility - rows[k % 9].want) < 1e-6))
                 fail_msg("row %d, method %d: %g is %g", k % 9, method,
                          rows[k % 9].want, l.visibility);
@@ -517,7 +496,7 @@ static void pictures(void **state)
 }
 
 SUITE_OF(map, open_machines, close_machines, maps_equal_the_reference,
-         depth_types, frames_of_one_pixel_and_none, bytes_are_the_papers,
+         depths_and_frames, bytes_are_the_papers,
          bytes_saturate, many_equal_single_ones, points_may_be_small,
          textures_may_be_small, readback_is_a_plain_count, ends_of_the_scale,
          mask_64_is_near_exact, what_is_too_large_is_refused, pictures)
