@@ -6,19 +6,23 @@
 #include "exr_fixture.h"
 #include "reading.h"
 
+static struct gp_stream stream_of(const void *bytes, size_t size)
+{
+    return (struct gp_stream) {.fd = -1, .size = size, .borrowed = true,
+                               .data = (uint8_t *) (uintptr_t) bytes};
+}
+
 static gp_status index_of(uint8_t *bytes, size_t size,
                           struct gp_exr_index *index)
 {
-    const struct gp_stream s = {.fd = -1, .data = bytes, .size = size,
-                                .borrowed = true};
+    const struct gp_stream s = stream_of(bytes, size);
     said_nothing();
     return gp_exr_index_make(&said_log, "a.exr", &s, index);
 }
 
 static bool is(const char *type, const void *bytes, size_t size)
 {
-    const struct gp_stream s = {.fd = -1, .size = size, .borrowed = true,
-                                .data = (uint8_t *) (uintptr_t) bytes};
+    const struct gp_stream s = stream_of(bytes, size);
     return gp_exr_value_is(&s, type);
 }
 
@@ -33,7 +37,6 @@ static const struct {
     {"m44f", 64}, {"rational", 8}, {"tiledesc", 9}, {"timecode", 8},
     {"v2d", 16}, {"v2f", 8}, {"v2i", 8}, {"v3d", 24}, {"v3f", 12}, {"v3i", 12},
 };
-enum { FIXED = COUNT(fixed) };
 
 static void one_size(void **state)
 {
@@ -41,7 +44,7 @@ static void one_size(void **state)
     for (int fill = 0; fill < 256; fill += 85) {
         memset(bytes, fill, sizeof bytes);
         for (size_t n = 0; n <= sizeof bytes; n++) {
-            for (size_t i = 0; i < FIXED; i++)
+            for (size_t i = 0; i < COUNT(fixed); i++)
                 assert_int_equal(is(fixed[i].type, bytes, n),
                                  n == fixed[i].size);
             assert_int_equal(is("floatvector", bytes, n), n % 4 == 0);
@@ -116,11 +119,8 @@ static void lists(void **state)
     assert_false(is("chlist", LIST("R\0" CHANNEL "\0\0")));
     assert_false(is("chlist", LIST("R\0" CHANNEL "G")));
     assert_false(is("chlist", LIST("R\0abc")));
-}
 
-/* More than the walks look at in one go. */
-static void long_lists(void **state)
-{
+    // more than the walks look at in one go
     enum { N = 3000 };
     static uint8_t list[N * 19 + 1], strings[N * 5];
     for (int i = 0; i < N; i++) {
@@ -132,6 +132,11 @@ static void long_lists(void **state)
     assert_true(is("stringvector", strings, sizeof strings));
     assert_false(is("stringvector", strings, sizeof strings - 1));
 }
+
+static const struct fixture two_parts = {
+    .parts = 2, .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
+             {.name = "b", .channel = {HALF_CH("Z")}, .data = W(3)}},
+};
 
 /* Writes `f` with one more attribute at the end of a part's header. */
 static void write_with(const struct fixture *f, int part, const char name[5],
@@ -176,17 +181,11 @@ static void assert_read_or_not(bool good)
 static void files(void **state)
 {
     static const uint8_t bytes[200] = {0};
-    static const struct fixture one = {.part = {{
-        .channel = {RGB(HALVES)}, .data = FIXTURE_WINDOW(0, 0, 3, 2),
-    }}};
-    static const struct fixture two = {.parts = 2, .part = {
-        {.name = "a", .channel = {RGB(HALVES)},
-         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
-        {.name = "b", .channel = {HALF_CH("Z")},
-         .data = FIXTURE_WINDOW(0, 0, 3, 2)},
-    }};
+    static const struct fixture one = {
+        .part = {{.channel = {RGB(HALVES)}, .data = W(3)}},
+    };
     in_folder("shot.exr");
-    for (size_t i = 0; i < FIXED; i++) {
+    for (size_t i = 0; i < COUNT(fixed); i++) {
         const char *const type = fixed[i].type;
         const uint32_t size = (uint32_t) fixed[i].size;
         const uint32_t tried[] = {0, size - 1, size, size + 1, 200};
@@ -194,7 +193,7 @@ static void files(void **state)
             write_with(&one, 0, "shot", type, bytes, tried[k]);
             assert_read_or_not(tried[k] == size);
             for (int part = 0; part < 2; part++) {
-                write_with(&two, part, "shot", type, bytes, tried[k]);
+                write_with(&two_parts, part, "shot", type, bytes, tried[k]);
                 assert_read_or_not(tried[k] == size);
             }
         }
@@ -203,18 +202,13 @@ static void files(void **state)
     assert_read_or_not(false);
     write_with(&one, 0, "\xff\x80 t", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
     assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
-    write_with(&two, 1, "name", "v2f", bytes, 8); // the second of that name
+    write_with(&two_parts, 1, "name", "v2f", bytes, 8); // the second of it
     assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (");
-    write_with(&two, 1, "shot", "stringvector", "\5\0\0\0abc", 7);
+    write_with(&two_parts, 1, "shot", "stringvector", "\5\0\0\0abc", 7);
     assert_read_or_not(false);
-    write_with(&two, 1, "shot", "mine", "\5\0\0\0abc", 7);
+    write_with(&two_parts, 1, "shot", "mine", "\5\0\0\0abc", 7);
     assert_read_or_not(true);
 }
-
-static const struct fixture two_parts = {
-    .parts = 2, .part = {{.name = "a", .channel = {RGB(HALVES)}, .data = W(5)},
-             {.name = "b", .channel = {HALF_CH("Z")}, .data = W(3)}},
-};
 
 /* Every attribute is found, and of a header that is cut anywhere no end. */
 static void cut_headers(void **state)
@@ -270,10 +264,7 @@ static void changed_headers(void **state)
             bytes[p->value - 4]++;
         if (kind == NO_LAST_NULL)
             bytes[index.part[1].to - 1] = 1;
-        in.stream = (struct gp_stream) {
-            .fd = -1, .data = bytes, .borrowed = true,
-            .size = kind == CUT ? index.tables - 1 : size,
-        };
+        in.stream = stream_of(bytes, kind == CUT ? index.tables - 1 : size);
         const gp_status want = kind == NO_CHANGE ? GP_OK : GP_ERR_DATA;
         assert_int_equal(gp_exr_carried_read(&said_log, "a.exr", &in, &carried),
                          want);
@@ -298,8 +289,7 @@ static const uint64_t cut_off = UINT64_MAX; // or no header at all
 static uint64_t end_of(const uint8_t *bytes, size_t size)
 {
     struct gp_input *o;
-    struct gp_stream s = {.fd = -1, .data = (uint8_t *) (uintptr_t) bytes,
-                          .size = size, .borrowed = true};
+    struct gp_stream s = stream_of(bytes, size);
     const gp_status st = gp_exr_open(&said_log, "a.exr", &s, &o);
     if (st) {
         assert_int_equal(st, GP_ERR_DATA);
@@ -382,5 +372,5 @@ static void deep_ends(void **state)
 }
 
 SUITE_OF(exr_bytes, make_folder, remove_folder, one_size, previews, keycodes,
-         lists, long_lists, files, cut_headers, changed_headers, ends,
+         lists, files, cut_headers, changed_headers, ends,
          deep_ends)

@@ -102,7 +102,9 @@ static void subsampled_channels_stay_as_they_are(void **state)
 
 static void header_values(void **state)
 {
+    static const struct gp_rect display = {-100, 50, -93, 59};
     struct gp_frame frame;
+    float want[3];
     struct fixture f = {
         .part = {{.channel = {RGB(HALVES)},
                   .data = FIXTURE_WINDOW(-2, -3, 4, 5)}},
@@ -112,14 +114,10 @@ static void header_values(void **state)
     fixture_write_file(in_folder("header.exr"), &f);
     assert_ok(read_file(path, &frame));
     assert_string_equal(frame.path, path);
-    assert_int_equal(frame.display.x0, -100);
-    assert_int_equal(frame.display.y0, 50);
-    assert_int_equal(frame.display.x1, -93);
-    assert_int_equal(frame.display.y1, 59);
+    assert_memory_equal(&frame.display, &display, sizeof display);
     assert_true(frame.pixel_aspect == 1.5f);
     assert_memory_equal(frame.chromaticities, &fixture_ap0,
                         sizeof frame.chromaticities);
-    float want[3];
     gp_luminance_weights(frame.chromaticities, want);
     assert_memory_equal(frame.luminance, want, sizeof want);
     gp_frame_free(&frame);
@@ -144,18 +142,10 @@ static void which_channels_are_colour(void **state)
          {"red", "GREEN", "Blue"}},
         {{HALF_CH("A"), HALF_CH("Y")}, GP_COLOUR_GREY, {"Y", "Y", "Y"}},
         {{HALF_CH("Z")}, GP_COLOUR_GREY, {"Z", "Z", "Z"}},
-        {{HALF_CH("A"), HALF_CH("mask")}, GP_COLOUR_GREY,
-         {"mask", "mask", "mask"}},
-        {{HALF_CH("A")}, GP_COLOUR_GREY, {"A", "A", "A"}},
-        {{HALF_CH("AO.B"), HALF_CH("AO.G"), HALF_CH("AO.R"),
-          HALF_CH("V.B"), HALF_CH("V.G"), HALF_CH("V.R")},
-         GP_COLOUR_RGB, {"AO.R", "AO.G", "AO.B"}},
         {{HALF_CH("L.AO.B"), HALF_CH("L.AO.G"), HALF_CH("L.AO.R"),
           HALF_CH("L.Combined.B"), HALF_CH("L.Combined.G"),
           HALF_CH("L.Combined.R")}, GP_COLOUR_RGB,
          {"L.Combined.R", "L.Combined.G", "L.Combined.B"}},
-        {{HALF_CH("a.R"), HALF_CH("b.blue"), HALF_CH("b.green"),
-          HALF_CH("b.red")}, GP_COLOUR_RGB, {"b.red", "b.green", "b.blue"}},
     };
     in_folder("colour.exr");
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -181,7 +171,6 @@ static void which_channels_are_colour(void **state)
 static void colour_part_of_many(void **state)
 {
     struct gp_frame frame;
-    int found;
     struct fixture f = {
         .parts = 3, .part = {
             {.name = "depth", .channel = {FLOAT_CH("Z")}, .data = W(9)},
@@ -206,11 +195,6 @@ static void colour_part_of_many(void **state)
             assert_int_equal(cs.chunk[i].idx, i);
         gp_exr_chunks_free(&cs);
     }
-    assert_int_equal(gp_find_depth(&said_log, &frame, "Z", &found),
-                     GP_ERR_USAGE);
-    assert_non_null(strstr(said_line, "A, B, G, R"));
-    assert_ok(gp_find_depth(&said_log, &frame, NULL, &found));
-    assert_int_equal(found, -1);
     gp_frame_free(&frame);
 }
 

@@ -9,7 +9,7 @@
 enum { MANY = 70 };
 
 /* The attributes of the next file. */
-static struct {
+static struct attributes {
     const char *view[MANY];  // of part 0; the first is the default
     int views;
     const char *own;         // "view" of part own_part, NULL: none
@@ -19,7 +19,7 @@ static struct {
     int manifests;
 } say;
 
-static void attributes(exr_context_t exr, int part)
+static void add_attributes(exr_context_t exr, int part)
 {
     if (part == 0 && say.views)
         assert_ok(exr_attr_set_string_vector(exr, 0, "multiView", say.views,
@@ -37,19 +37,13 @@ static void attributes(exr_context_t exr, int part)
     }
 }
 
-static void set_views(const char *const *view)
-{
-    for (say.views = 0; view[say.views]; say.views++)
-        say.view[say.views] = view[say.views];
-}
-
 #define PART(called, ...)                                                     \
     {.name = called, .channel = {__VA_ARGS__}, .data = W(3),                  \
      .compression = EXR_COMPRESSION_ZIP}
 
 static void write_parts(const struct fixture_part *part, int parts)
 {
-    struct fixture f = {.parts = parts, .more = attributes};
+    struct fixture f = {.parts = parts, .more = add_attributes};
     memcpy(f.part, part, (size_t) parts * sizeof *part);
     fixture_write_file(in_folder("v.exr"), &f);
 }
@@ -78,8 +72,7 @@ static void layer_of_a_part(void **state)
         const struct fixture_part part = PART(row[i].name, RGB(HALVES));
         struct gp_frame frame;
         const char *name;
-        memset(&say, 0, sizeof say);
-        say.own = row[i].view;
+        say = (struct attributes) {.own = row[i].view};
         open_parts(&part, 1, &frame);
         const size_t n = gp_exr_part_layer(gp_input_of(&frame), 0, &name);
         assert_int_equal(n, strlen(row[i].layer));
@@ -90,7 +83,6 @@ static void layer_of_a_part(void **state)
 
 static void names_within_a_view(void **state)
 {
-    static const char *const two[] = {"left", "right", NULL};
     static const struct {
         const char *view, *name, *bare;
         bool belongs;
@@ -113,8 +105,7 @@ static void names_within_a_view(void **state)
     char longest[400];
     memset(longest, 'n', sizeof longest);
     strcpy(longest + sizeof longest - 9, ".right.R");
-    memset(&say, 0, sizeof say);
-    set_views(two);
+    say = (struct attributes) {.view = {"left", "right"}, .views = 2};
     open_parts(&part, 1, &frame);
     const struct gp_input *const o = gp_input_of(&frame);
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -131,16 +122,13 @@ static void names_within_a_view(void **state)
 
 static void odd_lists_of_views(void **state)
 {
-    static const char *const same[] = {"l", "l", NULL};
     const struct fixture_part part = PART("p", RGB(HALVES));
     struct gp_frame frame;
-    memset(&say, 0, sizeof say);
-    set_views(same);
+    say = (struct attributes) {.view = {"l", "l"}, .views = 2};
     open_parts(&part, 1, &frame);
     assert_null(gp_exr_view_of(gp_input_of(&frame), 0, "R"));
     gp_frame_free(&frame);
-    memset(&say, 0, sizeof say);
-    say.odd = true;
+    say = (struct attributes) {.odd = true};
     open_parts(&part, 1, &frame);
     struct gp_crypto crypto;
     gp_exr_crypto(gp_input_of(&frame), &crypto);
@@ -151,17 +139,12 @@ static void odd_lists_of_views(void **state)
 
 static void many_manifests(void **state)
 {
-    static char name[MANY][8];
     const struct fixture_part part = PART("p", RGB(HALVES));
     struct gp_frame frame;
     struct gp_crypto crypto;
-    memset(&say, 0, sizeof say);
-    for (say.manifests = 0; say.manifests < MANY; say.manifests++) {
-        // the first names nothing
-        snprintf(name[say.manifests], sizeof name[0], "%.*s",
-                 say.manifests ? 7 : 0, "object");
-        say.manifest[say.manifests] = name[say.manifests];
-    }
+    say = (struct attributes) {.manifests = MANY};
+    for (int i = 0; i < MANY; i++)
+        say.manifest[i] = i ? "object" : ""; // the first names nothing
     open_parts(&part, 1, &frame);
     gp_exr_crypto(gp_input_of(&frame), &crypto);
     assert_int_equal(crypto.n, GP_CRYPTO_LAYERS);
@@ -174,7 +157,6 @@ static void many_manifests(void **state)
 
 static void planes_of_a_view(void **state)
 {
-    static const char *const two[] = {"left", "right", NULL};
     static const struct {
         struct fixture_part part[2];
         int parts;
@@ -211,8 +193,7 @@ static void planes_of_a_view(void **state)
     };
     struct gp_read_params of_right = GP_READ_DEFAULTS;
     of_right.view = "right";
-    memset(&say, 0, sizeof say);
-    set_views(two);
+    say = (struct attributes) {.view = {"left", "right"}, .views = 2};
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame frame;
         struct gp_plane p = {0};

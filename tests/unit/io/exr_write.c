@@ -5,8 +5,6 @@
 #include "io/exr/exr_priv.h"
 #include "io/plane.h"
 
-#include <math.h>
-
 /* Greatest difference of two values that a compression may make. */
 static double tolerance(enum gp_compression c, enum gp_pixel_type type,
                         double v)
@@ -89,7 +87,7 @@ static void every_compression(void **state)
     }
 }
 
-/* What has no DWA of one channel is lossless zip, and a line says so. */
+/* One channel has no DWA: it is lossless zip, and a line says so. */
 static void one_channel(void **state)
 {
     static const struct wf_channel grey[] = {
@@ -220,18 +218,24 @@ static void colour_models(void **state)
     }
 }
 
+/* wf_rgb and one more channel. */
+static void list_with(struct wf_channel list[5], struct wf_channel more)
+{
+    memcpy(list, wf_rgb, sizeof wf_rgb);
+    list[4] = list[3];
+    list[3] = more;
+}
+
 static void subsampled_channels(void **state)
 {
+    struct wf_channel odd[5];
     static const struct wf_channel list[] = {
         {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0},
         {"R", GP_HALF, 0, 0, 0}, {"s", GP_FLOAT, -1, 2, 2},
         {"t", GP_UINT, -1, 1, 4}, {NULL, 0, 0, 0, 0},
     };
-    static const struct wf_channel odd[] = {
-        {"B", GP_HALF, 2, 0, 0}, {"G", GP_HALF, 1, 0, 0},
-        {"R", GP_HALF, 0, 0, 0}, {"s", GP_FLOAT, -1, 3, 3}, {NULL, 0, 0, 0, 0},
-    };
     const struct gp_rect r = {-6, -12, 30, 60};
+    list_with(odd, (struct wf_channel) {"s", GP_FLOAT, -1, 3, 3});
     for (int c = 0; c <= GP_COMPRESSION_B44A; c++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.compression = c;
@@ -284,11 +288,11 @@ static void b44_keeps_what_is_far_below_0_finite(void **state)
     static const float v[7] = {-65504, 65504, -1e9f, -60000, -32752, -32736,
                                1};
     struct gp_frame f = wf_sized(33, 40, wf_rgb);
-    for (size_t i = 0; i < gp_frame_pixels(&f); i++)
-        f.rgb.c[0][i] = v[i * i % 7];
     long long beyond = 0;
-    for (size_t i = 0; i < gp_frame_pixels(&f); i++)
+    for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
+        f.rgb.c[0][i] = v[i * i % 7];
         beyond += f.rgb.c[0][i] < -32752;
+    }
     for (int k = 0; k < 2; k++) {
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.compression = k ? GP_COMPRESSION_B44A : GP_COMPRESSION_B44;
@@ -306,11 +310,6 @@ static void b44_keeps_what_is_far_below_0_finite(void **state)
     gp_frame_free(&f);
 }
 
-static uint32_t id_at(const struct gp_frame *f, size_t i)
-{
-    return ((const uint32_t *) gp_frame_channel(f, "id")->data)[i];
-}
-
 /* DWA leaves whole numbers alone: all 32 bits, and their values as coverage. */
 static void dwa_keeps_ids(void **state)
 {
@@ -326,9 +325,11 @@ static void dwa_keeps_ids(void **state)
     assert_ok(gp_read_plane_file(&wf_log, &limits, wf_path("a.exr"), "Z", true,
                                  &depth));
     const float *const z = gp_frame_channel(&b, "Z")->data;
+    const uint32_t *const was = gp_frame_channel(&f, "id")->data;
+    const uint32_t *const is = gp_frame_channel(&b, "id")->data;
     for (size_t i = 0; i < gp_frame_pixels(&f); i++) {
-        assert_int_equal(id_at(&b, i), id_at(&f, i));
-        assert_true(ids.v[i] == (float) id_at(&f, i));
+        assert_int_equal(is[i], was[i]);
+        assert_true(ids.v[i] == (float) was[i]);
         assert_true(depth.v[i] == z[i]);
     }
     gp_plane_free(&ids);
@@ -384,7 +385,6 @@ static void lossy_ids(void **state)
         {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_PXR24, false},
         {"CryptoObject00.A", GP_FLOAT, GP_COMPRESSION_PXR24, false},
         {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_B44, true},
-        {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_B44A, true},
         {"CryptoObject00.R", GP_HALF, GP_COMPRESSION_B44A, false},
         {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_DWAA, false},
         {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_DWAB, false},
@@ -392,8 +392,6 @@ static void lossy_ids(void **state)
         {"CryptoObject00.A", GP_FLOAT, GP_COMPRESSION_DWAA, true},
         {"View.crypto_asset02.R", GP_FLOAT, GP_COMPRESSION_PXR24, false},
         {"crypto_asset.R", GP_FLOAT, GP_COMPRESSION_PXR24, true},
-        {"diffuse00.R", GP_FLOAT, GP_COMPRESSION_PXR24, true},
-        {"Z", GP_FLOAT, GP_COMPRESSION_PXR24, true},
         {"CryptoObject00.R", GP_FLOAT, GP_COMPRESSION_AUTO, true},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -401,9 +399,8 @@ static void lossy_ids(void **state)
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         if (rows[i].compression > wf_last_compression())
             continue;
-        memcpy(list, wf_rgb, sizeof wf_rgb);
-        list[4] = list[3];
-        list[3] = (struct wf_channel) {rows[i].name, rows[i].type, -1, 0, 0};
+        list_with(list, (struct wf_channel) {rows[i].name, rows[i].type, -1, 0,
+                                             0});
         struct gp_frame f = wf_frame(window, window, list);
         wf_fill_bits(&f, true);
         p.compression = rows[i].compression;
