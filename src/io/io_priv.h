@@ -99,9 +99,6 @@ GP_MUST_CHECK gp_status gp_quantizer_make(const struct gp_log *log, int bits,
                                           struct gp_quantizer **out);
 void gp_quantizer_free(struct gp_quantizer *q);
 
-/* The largest code, 255 or 65535. */
-int gp_quantizer_max(const struct gp_quantizer *q);
-
 /* n samples to the nearest codes: exactly
  * (int) (gp_srgb_encode(linear[i]) * max + 0.5f) for every float; NaN and
  * values below 0 become 0, values over 1 the largest code. */

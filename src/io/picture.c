@@ -92,11 +92,6 @@ void gp_quantizer_free(struct gp_quantizer *q)
     gp_free(q);
 }
 
-int gp_quantizer_max(const struct gp_quantizer *q)
-{
-    return q->max;
-}
-
 static inline float clamp_by_bits(float v)
 {
     int32_t i = bits_of(v);

@@ -1,23 +1,9 @@
 /* io/half: every half, and every place where rounding could go wrong. */
 #include "unit.h"
-#include "core/cpu.h"
+#include "core/bytes.h"
 #include "io/half.h"
 
 enum { HALFS = 65536 };
-
-static uint32_t bits_of(float f)
-{
-    uint32_t u;
-    memcpy(&u, &f, sizeof u);
-    return u;
-}
-
-static float float_of(uint32_t u)
-{
-    float f;
-    memcpy(&f, &u, sizeof f);
-    return f;
-}
 
 /* The definition of binary16, by ldexp; NaN is left to the caller. */
 static double half_value(unsigned h)
@@ -44,12 +30,12 @@ static void all_halfs_to_float(void **state)
     for (unsigned h = 0; h < HALFS; h++) {
         if (half_is_nan(h)) {
             assert_true(isnan(out[h]));
-            assert_int_equal(bits_of(out[h]) >> 31, h >> 15);
-            assert_int_equal(bits_of(out[h]) >> 13 & 0x1ff, h & 0x1ff);
+            assert_int_equal(gp_bits_of(out[h]) >> 31, h >> 15);
+            assert_int_equal(gp_bits_of(out[h]) >> 13 & 0x1ff, h & 0x1ff);
             continue;
         }
         assert_true((double) out[h] == half_value(h));
-        assert_int_equal(bits_of(out[h]) >> 31, h >> 15); // -0
+        assert_int_equal(gp_bits_of(out[h]) >> 31, h >> 15); // -0
     }
 }
 
@@ -121,7 +107,7 @@ static void nan_stays_nan(void **state)
         float in[9], again[9];
         uint16_t out[9];
         for (int k = 0; k < 9; k++)
-            again[k] = in[k] = float_of(in_bits[i]);
+            again[k] = in[k] = gp_float_with_bits(in_bits[i]);
         assert_int_equal(gp_float_to_half(in, out, 9), 0);
         gp_half_round(again, 9);
         for (int k = 0; k < 9; k++) {
@@ -140,7 +126,7 @@ static void round_equals_there_and_back_but_overflows(void **state)
     for (int turn = 0; turn < 20000; turn++) {
         for (int i = 0; i < 19; i++) {
             seed = seed * 1664525u + 1013904223u;
-            v[i] = float_of(seed);
+            v[i] = gp_float_with_bits(seed);
             if (isnan(v[i]) || fabsf(v[i]) >= 65520.0f)
                 v[i] = 1.0f / 3.0f;
         }

@@ -3,6 +3,7 @@
  * gp_srgb_encode(), and the laws of the dither. */
 #include "unit.h"
 #include "write_fixture.h"
+#include "core/bytes.h"
 #include "core/colour.h"
 #include "core/parallel.h"
 #include "io/io_priv.h"
@@ -115,87 +116,72 @@ static int plain(float v, int max)
 
 static float ulps(float v, int n)
 {
-    int32_t i;
-    memcpy(&i, &v, sizeof i);
-    i += n;
-    memcpy(&v, &i, sizeof v);
-    return v;
+    return gp_float_with_bits(gp_bits_of(v) + (uint32_t) n);
 }
 
-static void check_all(const struct gp_quantizer *q, const float *v, size_t n)
+/* Of 8 and of 16 bits. */
+static struct gp_quantizer *quantizer[2];
+static const int largest[2] = {255, 65535};
+
+static void check_all(int wide, const float *v, size_t n)
 {
     uint16_t *code = malloc(n * sizeof *code);
     assert_non_null(code);
-    gp_quantize(q, v, code, n);
+    gp_quantize(quantizer[wide], v, code, n);
     for (size_t i = 0; i < n; i++) {
-        if (code[i] != plain(v[i], gp_quantizer_max(q)))
+        if (code[i] != plain(v[i], largest[wide]))
             fail_msg("%a: code %d, plain %d", (double) v[i], code[i],
-                     plain(v[i], gp_quantizer_max(q)));
+                     plain(v[i], largest[wide]));
     }
     free(code);
 }
 
-/* Three floats on either side of every code's edge. */
-static void every_edge(void **state)
+/* Three floats on either side of every code's edge; then a stride of floats
+ * over all there are, signs, NaN and Inf included. */
+static void codes_of_floats(void **state)
 {
-    const int bits = *(int *) *state;
-    struct gp_quantizer *q;
-    assert_ok(gp_quantizer_make(NULL, bits, &q));
-    const int max = gp_quantizer_max(q);
-    float *v = malloc((size_t) max * 7 * sizeof *v);
-    assert_non_null(v);
-    for (int c = 1; c <= max; c++) {
-        float lo = 0.0f, hi = 1.0f; // plain(lo) < c <= plain(hi)
-        while (ulps(lo, 1) < hi) {
-            int32_t a, b;
-            memcpy(&a, &lo, 4);
-            memcpy(&b, &hi, 4);
-            float mid = ulps(0.0f, a + (b - a) / 2);
-            *(plain(mid, max) >= c ? &hi : &lo) = mid;
-        }
-        for (int k = -3; k <= 3; k++)
-            v[(c - 1) * 7 + k + 3] = ulps(hi, k);
-    }
-    check_all(q, v, (size_t) max * 7);
-    free(v);
-    gp_quantizer_free(q);
-}
-
-/* A stride of floats over all there are, signs, NaN and Inf included. */
-static void stride_of_floats(void **state)
-{
-    const int bits = *(int *) *state;
     enum { N = 1 << 20 };
-    struct gp_quantizer *q;
-    assert_ok(gp_quantizer_make(NULL, bits, &q));
-    float *v = malloc(N * sizeof *v);
+    float *const v = malloc(N * sizeof *v);
     assert_non_null(v);
-    for (uint32_t i = 0; i < N; i++) {
-        uint32_t u = i * 4096u + i % 4095u;
-        memcpy(&v[i], &u, sizeof u);
+    for (int wide = 0; wide < 2; wide++) {
+        const int max = largest[wide];
+        for (int c = 1; c <= max; c++) {
+            float lo = 0.0f, hi = 1.0f; // plain(lo) < c <= plain(hi)
+            while (ulps(lo, 1) < hi) {
+                const uint32_t a = gp_bits_of(lo), b = gp_bits_of(hi);
+                const float mid = gp_float_with_bits(a + (b - a) / 2);
+                *(plain(mid, max) >= c ? &hi : &lo) = mid;
+            }
+            for (int k = -3; k <= 3; k++)
+                v[(c - 1) * 7 + k + 3] = ulps(hi, k);
+        }
+        check_all(wide, v, (size_t) max * 7);
+        for (uint32_t i = 0; i < N; i++)
+            v[i] = gp_float_with_bits(i * 4096u + i % 4095u);
+        check_all(wide, v, N);
     }
-    check_all(q, v, N);
     free(v);
-    gp_quantizer_free(q);
 }
 
-static void specials(void **state)
+/* Codes of 8 bits, with the curve and without. */
+static void codes_of_single_values(void **state)
 {
     static const struct {
         float v;
-        int code;
+        int code, linear;
     } rows[] = {
-        {0.0f, 0}, {-0.0f, 0}, {-1.0f, 0}, {NAN, 0}, {-NAN, 0},
-        {INFINITY, 255}, {-INFINITY, 0}, {1.0f, 255}, {1e30f, 255},
-        {0x1p-149f, 0}, {1.0f - 0x1p-24f, 255}, {0.5f, 188}, {0.2158605f, 128},
+        {0.0f, 0, 0}, {-0.0f, 0, 0}, {-1.0f, 0, 0}, {NAN, 0, 0}, {-NAN, 0, 0},
+        {INFINITY, 255, 255}, {-INFINITY, 0, 0}, {1.0f, 255, 255},
+        {1e30f, 255, 255}, {0x1p-149f, 0, 0}, {1.0f - 0x1p-24f, 255, 255},
+        {0.5f, 188, 128}, {0.2158605f, 128, 55}, {0.1f, 89, 26},
     };
-    struct gp_quantizer *q;
-    assert_ok(gp_quantizer_make(NULL, 8, &q));
     for (size_t i = 0; i < COUNT(rows); i++) {
-        uint16_t code, dithered;
-        gp_quantize(q, &rows[i].v, &code, 1);
+        uint16_t code, linear, dithered;
+        gp_quantize(quantizer[0], &rows[i].v, &code, 1);
+        gp_quantize_linear(quantizer[0], &rows[i].v, &linear, 1);
         assert_int_equal(code, rows[i].code);
-        gp_quantize_dither(q, &rows[i].v, (int) i, 7, &dithered, 1);
+        assert_int_equal(linear, rows[i].linear);
+        gp_quantize_dither(quantizer[0], &rows[i].v, (int) i, 7, &dithered, 1);
         assert_in_range(dithered, code ? code - 1 : 0,
                         code < 255 ? code + 1 : 255);
         if (code == 0 && !(rows[i].v > 0.0f))
@@ -203,40 +189,24 @@ static void specials(void **state)
         if (rows[i].v >= 1.0f)
             assert_int_equal(dithered, 255);
     }
-    gp_quantizer_free(q);
-}
-
-static void linear_codes(void **state)
-{
-    static const float v[] = {0, 1, 0.5f, -1, 2, NAN, INFINITY, 0.1f};
-    static const int want[] = {0, 255, 128, 0, 255, 0, 255, 26};
-    uint16_t code[8];
-    struct gp_quantizer *q;
-    assert_ok(gp_quantizer_make(NULL, 8, &q));
-    gp_quantize_linear(q, v, code, 8);
-    for (int i = 0; i < 8; i++)
-        assert_int_equal(code[i], want[i]);
-    gp_quantizer_free(q);
 }
 
 /* The mean over an area is the value; each code is one of its neighbours;
  * the code depends on the place alone, whatever the row was cut into. */
 static void dither_laws(void **state)
 {
-    const int bits = *(int *) *state;
     enum { W = 256, H = 256 };
-    struct gp_quantizer *q;
-    assert_ok(gp_quantizer_make(NULL, bits, &q));
-    const double max = gp_quantizer_max(q);
     static const float value[] = {0.00002f, 0.0005f, 0.0021f, 0.013f, 0.18f,
                                   0.5f, 0.731f, 0.95f, 0.9999f};
-    for (size_t k = 0; k < COUNT(value); k++) {
+    for (size_t k = 0; k < 2 * COUNT(value); k++) {
         static float row[W];
         static uint16_t code[W], piece[W];
-        const double want = (double) gp_srgb_encode(value[k]) * max;
+        const struct gp_quantizer *const q = quantizer[k % 2];
+        const double want = (double) gp_srgb_encode(value[k / 2]) *
+                            largest[k % 2];
         double sum = 0;
         for (int x = 0; x < W; x++)
-            row[x] = value[k];
+            row[x] = value[k / 2];
         for (int y = 0; y < H; y++) {
             gp_quantize_dither(q, row, 5, y, code, W);
             for (int x = 0; x < W; x++) {
@@ -248,24 +218,22 @@ static void dither_laws(void **state)
             assert_memory_equal(piece, code + 37, (W - 37) * sizeof *code);
         }
         // 65536 places of a good noise: far below one in a hundred
-        assert_true(fabs(sum / (W * H) - want) < (bits == 8 ? 2e-3 : 3e-2));
+        assert_true(fabs(sum / (W * H) - want) < (k % 2 ? 3e-2 : 2e-3));
     }
-    gp_quantizer_free(q);
 }
 
 /* Without a curve: the codes are neighbours of the value, clipped, and their
  * mean over a row is it; no number is 0. */
 static void linear_dither(void **state)
 {
-    for (int bits = 8; bits <= 16; bits += 8) {
-        struct gp_quantizer *q;
+    for (int wide = 0; wide < 2; wide++) {
+        const struct gp_quantizer *const q = quantizer[wide];
         float v[4096];
         uint16_t code[4096];
-        assert_ok(gp_quantizer_make(NULL, bits, &q));
-        const int max = gp_quantizer_max(q);
         for (int level = -1; level <= 5; level++) {
             const float x = (float) level / 4.0f + (level == 2 ? 1e-3f : 0.0f);
-            const double ideal = (double) fminf(fmaxf(x, 0.0f), 1.0f) * max;
+            const double ideal = (double) fminf(fmaxf(x, 0.0f), 1.0f) *
+                                 largest[wide];
             double sum = 0.0;
             for (int i = 0; i < 4096; i++)
                 v[i] = x;
@@ -279,25 +247,22 @@ static void linear_dither(void **state)
         v[0] = NAN;
         gp_quantize_linear_dither(q, v, 0, 0, code, 1);
         assert_int_equal(code[0], 0);
-        gp_quantizer_free(q);
     }
 }
 
-SUITE(picture)
+static int make_both(void **state)
 {
-    static int eight = 8, sixteen = 16;
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(each_row_is_run_once),
-        cmocka_unit_test(windows_that_are_no_picture),
-        cmocka_unit_test(floats_with_alpha),
-        cmocka_unit_test_prestate(every_edge, &eight),
-        cmocka_unit_test_prestate(every_edge, &sixteen),
-        cmocka_unit_test_prestate(stride_of_floats, &eight),
-        cmocka_unit_test_prestate(stride_of_floats, &sixteen),
-        cmocka_unit_test(specials), cmocka_unit_test(linear_codes),
-        cmocka_unit_test(linear_dither),
-        cmocka_unit_test_prestate(dither_laws, &eight),
-        cmocka_unit_test_prestate(dither_laws, &sixteen),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return gp_quantizer_make(NULL, 8, &quantizer[0]) ||
+           gp_quantizer_make(NULL, 16, &quantizer[1]);
 }
+
+static int free_both(void **state)
+{
+    gp_quantizer_free(quantizer[0]);
+    gp_quantizer_free(quantizer[1]);
+    return 0;
+}
+
+SUITE_OF(picture, make_both, free_both, each_row_is_run_once,
+         windows_that_are_no_picture, floats_with_alpha, codes_of_floats,
+         codes_of_single_values, linear_dither, dither_laws)

@@ -3,13 +3,11 @@
 #include "io/sequence.h"
 #include "reading.h"
 
-struct name_row {
+static const struct name_row {
     const char *path;
     int frame;
     const char *name;  // NULL: a usage error
-};
-
-static const struct name_row names[] = {
+} names[] = {
     {"shot.####.exr", 7, "shot.0007.exr"},
     {"shot.####.exr", 12345, "shot.12345.exr"},
     {"shot.####.exr", -5, "shot.-005.exr"},
@@ -46,13 +44,11 @@ static void names_of_frames(void **state)
     }
 }
 
-struct view_row {
+static const struct view_row {
     const char *path, *view;
     int places;
     const char *name;  // of frame 7
-};
-
-static const struct view_row view_names[] = {
+} view_names[] = {
     {"shot.%V.####.exr", "left", 1, "shot.left.0007.exr"},
     {"shot.%v.####.exr", "left", 1, "shot.l.0007.exr"},
     {"%V/shot.####.exr", "right", 1, "right/shot.0007.exr"},
@@ -87,11 +83,9 @@ static void names_of_views(void **state)
     free(name);
 }
 
-struct view_list_row {
+static const struct view_list_row {
     const char *text, *names;  // NULL: a usage error
-};
-
-static const struct view_list_row view_lists[] = {
+} view_lists[] = {
     {"left,right", "left|right"}, {"left", "left"},
     {"right,left,mono", "right|left|mono"}, {" left , right", " left | right"},
     {"left,Left", "left|Left"}, {"a%V,.,-", "a%V|.|-"}, {"", NULL},
@@ -174,18 +168,16 @@ static const char *numbers_of(const struct gp_frames *f)
     return text;
 }
 
-struct list_row {
+static const struct list_row {
     const char *text;
     const char *frames;  // NULL: a usage error
-};
-
-static const struct list_row lists[] = {
+} lists[] = {
     {"7", "7"}, {"1-5", "1 2 3 4 5"}, {"5-1", "5 4 3 2 1"},
     {"1-10x4", "1 5 9"}, {"10-1x3", "10 7 4 1"},
     {"3,4,10-20x5", "3 4 10 15 20"}, {"3-3", "3"}, {"3-4x9", "3"},
     {"0007", "7"}, {"-2-1", "-2 -1 0 1"}, {"-2--4", "-2 -3 -4"},
     {"1-3,2-5,1", "1 2 3 4 5"}, {"5,1,5,1", "5 1"},
-        {"2,-1,2,-3--1,0", "2 -1 -3 -2 0"},
+    {"2,-1,2,-3--1,0", "2 -1 -3 -2 0"},
     {"999999999", "999999999"}, {"", NULL}, {",", NULL}, {"1,", NULL},
     {"1,,2", NULL}, {"1-", NULL}, {"-", NULL}, {"1-5x", NULL}, {"1-5x0", NULL},
     {"1-5x-1", NULL}, {"1-5x2x3", NULL}, {"1 - 5", NULL}, {" 1", NULL},
@@ -259,12 +251,10 @@ static const char *const files[] = {
     "s.left.0006.exr", "s.r.0004.exr", "s.%V.0005.exr",
 };
 
-struct disk_row {
+static const struct disk_row {
     const char *pattern, *frames;  // NULL: GP_ERR_IO
     const char *view;
-};
-
-static const struct disk_row on_disk[] = {
+} on_disk[] = {
     {"s.####.exr", "1 2 10 12345", NULL},
     {"s.####.exr", "1 2 10 12345", "left"}, {"s.%V.####.exr", "4 6", "left"},
     {"s.%v.####.exr", "4", "right"}, {"s.%V.####.exr", NULL, "mono"},
@@ -300,12 +290,10 @@ static void frames_that_exist(void **state)
     gp_frames_free(&f);
 }
 
-struct number_row {
+static const struct number_row {
     const char *path;
     int frame;  // -1: none
-};
-
-static const struct number_row numbers[] = {
+} numbers[] = {
     {"shot.1001.exr", 1001},   {"shot_v2.1001.exr", 1001},
     {"a/7/shot.exr", -1},      {"a/7/shot0012.exr", 12},
     {"shot.1001", 1001},       {"1001.exr", 1001},

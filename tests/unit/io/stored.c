@@ -1,4 +1,4 @@
-/* io/raw_read: every channel as stored, and which of them are light. */
+/* io/stored: every channel as stored, and which of them are light. */
 #include "unit.h"
 #include "io/stored.h"
 #include "bridge_here.h"
@@ -23,13 +23,13 @@ static gp_status read_fixture(const struct fixture *f,
     return st;
 }
 
-static int index_of(const struct gp_stored_image *image, const char *name)
+static const struct gp_stored_channel *channel_of(
+    const struct gp_stored_image *image, const char *name)
 {
-    for (int i = 0; i < image->channels; i++) {
-        if (strcmp(image->channel[i].name, name) == 0)
-            return i;
-    }
-    return -1;
+    const struct gp_stored_channel *c = image->channel;
+    while (strcmp(c->name, name) != 0)
+        c++;
+    return c;
 }
 
 static void light(void **state)
@@ -59,9 +59,7 @@ static void light(void **state)
         assert_ok(read_fixture(&row[i].f, &image));
         for (int c = 0; c < 3; c++) {
             const char *name = row[i].light[c];
-            const float *want =
-                name ? image.channel[index_of(&image, name)].v : NULL;
-            if (image.light[c] != want)
+            if (image.light[c] != (name ? channel_of(&image, name)->v : NULL))
                 fail_msg("row %d, colour %d", (int) i, c);
         }
         gp_stored_image_free(&image);
@@ -78,11 +76,9 @@ static void samples(void **state)
     };
     struct gp_stored_image image;
     assert_ok(read_fixture(&f, &image));
-    const struct gp_stored_channel *id = &image.channel[index_of(&image, "id")];
-    const struct gp_stored_channel *few =
-        &image.channel[index_of(&image, "few")];
-    const struct gp_stored_channel *half =
-        &image.channel[index_of(&image, "half")];
+    const struct gp_stored_channel *const id = channel_of(&image, "id"),
+                                   *const few = channel_of(&image, "few"),
+                                   *const half = channel_of(&image, "half");
     assert_true(id->is_uint);
     assert_false(few->is_uint);
     assert_false(half->is_uint);
