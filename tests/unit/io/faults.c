@@ -158,21 +158,35 @@ static gp_status read_members(const char *name)
     return st;
 }
 
-static gp_status frame_list(const char *text)
-{
-    struct gp_frames list = {0};
-    const gp_status st = gp_frames_parse(&said_log, text, &list);
-    assert_true(!st || !list.number);
-    gp_frames_free(&list);
-    return st;
-}
+/* A reader: what it gives is empty where it fails, and freed. */
+#define READER(called, kind, call, member, end)                               \
+    static gp_status called(const char *argument)                             \
+    {                                                                         \
+        kind got = {0};                                                       \
+        const gp_status st = call;                                            \
+        assert_true(!st || !got member);                                      \
+        end;                                                                  \
+        return st;                                                            \
+    }
+READER(frame_list, struct gp_frames,
+       gp_frames_parse(&said_log, argument, &got), .number,
+       gp_frames_free(&got))
+READER(view_list, struct gp_views, gp_views_parse(&said_log, argument, &got),
+       .name, gp_views_free(&got))
+READER(flare, struct gp_flare,
+       gp_flare_read(&said_log, wf_path(argument), &got), .element,
+       gp_flare_free(&got))
+READER(camera, struct gp_camera_file,
+       gp_camera_read(&said_log, wf_path(argument), &got), .at,
+       gp_camera_file_free(&got))
 
-static gp_status view_list(const char *text)
+static gp_status lights(const char *name)
 {
-    struct gp_views list = {0};
-    const gp_status st = gp_views_parse(&said_log, text, &list);
-    assert_true(!st || !list.name);
-    gp_views_free(&list);
+    struct gp_light_spec *list = NULL;
+    int n;
+    const gp_status st = gp_lights_read(&said_log, wf_path(name), &list, &n);
+    assert_true(!st || !list);
+    gp_free(list);
     return st;
 }
 
@@ -185,34 +199,6 @@ static gp_status on_disk(const char *name)
         st = gp_frames_on_disk(&said_log, &p, NULL, &list);
     assert_true(!st || !list.number);
     gp_frames_free(&list);
-    return st;
-}
-
-static gp_status lights(const char *name)
-{
-    struct gp_light_spec *list = NULL;
-    int n;
-    const gp_status st = gp_lights_read(&said_log, wf_path(name), &list, &n);
-    assert_true(!st || !list);
-    gp_free(list);
-    return st;
-}
-
-static gp_status flare(const char *name)
-{
-    struct gp_flare f = {0};
-    const gp_status st = gp_flare_read(&said_log, wf_path(name), &f);
-    assert_true(!st || !f.element);
-    gp_flare_free(&f);
-    return st;
-}
-
-static gp_status camera(const char *name)
-{
-    struct gp_camera_file f = {0};
-    const gp_status st = gp_camera_read(&said_log, wf_path(name), &f);
-    assert_true(!st || !f.at);
-    gp_camera_file_free(&f);
     return st;
 }
 
