@@ -94,8 +94,7 @@ const char *gp_format_name(const uint8_t *b, size_t n)
 static gp_status exr_length(const uint8_t *data, uint64_t size,
                             uint64_t *length)
 {
-    struct gp_stream view = {.fd = -1, .borrowed = true, .size = size,
-                             .data = (uint8_t *) (uintptr_t) data};
+    struct gp_stream view = gp_stream_of(data, size);
     struct gp_input *in;
     const gp_status st = gp_exr_open(NULL, "-", &view, &in);
     if (st)
@@ -332,10 +331,8 @@ gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out)
 {
-    struct gp_stream view = {
-        .fd = -1, .borrowed = true, .size = m->member[i].size,
-        .data = m->stream.data + m->member[i].at,
-    };
+    struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
+                                         m->member[i].size);
     return gp_read_stream(log, p, name, &view, out);
 }
 

@@ -17,6 +17,15 @@ struct gp_stream {
 };
 #define GP_STREAM_EMPTY { .fd = -1 }
 
+/* Bytes that belong to the caller, as a stream. */
+static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
+{
+    return (struct gp_stream) {
+        .fd = -1, .data = (uint8_t *) (uintptr_t) data, .size = size,
+        .borrowed = true,
+    };
+}
+
 /* Opens `path`, or stdin for "-". Regular files stay on disk and are read
  * with pread(): a file that shrinks meanwhile is a short read and never a
  * signal. Of everything else (pipes, devices, terminals) the first bytes are

@@ -23,8 +23,7 @@ static void make_kernel(const struct gp_frame *f, uint8_t choice)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
     const struct gp_read_params p = {.max_pixels = FUZZ_PIXELS};
-    struct gp_stream s = {.fd = -1, .borrowed = true, .size = size,
-                          .data = (uint8_t *) (uintptr_t) data};
+    struct gp_stream s = gp_stream_of(data, size);
     struct gp_frame f = {0};
     fuzz_begin();
     if (!fuzz_said(gp_read_stream(&fuzz_log, &p, "input", &s, &f))) {

@@ -4,6 +4,7 @@
  * $GLAREPP_DATA, or ../shared/data; without it, or without the witnesses,
  * tests are skipped. */
 #include "unit.h"
+#include "core/bytes.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
 #include "oiio_here.h"
@@ -30,11 +31,6 @@ static int collect(const char *found, const struct stat *info, int type,
     return 0;
 }
 
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(*(char *const *) a, *(char *const *) b);
-}
-
 /* Builds the program beside this one when there is a compiler. */
 static void make_reference(const char *beside)
 {
@@ -54,7 +50,6 @@ static int setup(void **state)
     char self[PATH_MAX] = "";
     const char *data = getenv("GLAREPP_DATA");
     nftw(data ? data : "../shared/data", collect, 16, FTW_PHYS);
-    qsort(file, (size_t) files, sizeof *file, by_name);
     if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
         return -1;
     make_reference(dirname(self));
@@ -73,44 +68,33 @@ static bool same(float a, float b)
     return a == b || (isnan(a) && isnan(b));
 }
 
-/* Channel `index` of the frame against channel `from` of the image. */
-static void assert_channel_is(const struct gp_frame *f, int index,
-    const struct gp_image *image, int from, float *scratch)
-{
-    const struct gp_channel *c = &f->channel[index];
-    const size_t n = (size_t) image->channels;
-    gp_channel_floats(f, index, scratch);
-    for (size_t i = 0; i < gp_frame_pixels(f); i++) {
-        float got = scratch[i], want = image->pixels[i * n + (size_t) from];
-        if (c->type == GP_UINT) { // the image has its bits
-            uint32_t bits;
-            memcpy(&bits, &want, sizeof bits);
-            want = (float) bits;
-        }
-        if (!same(got, want))
-            fail_msg("%s: channel %s, pixel %zu: %g, not %g", f->path,
-                     c->name, i, (double) got, (double) want);
-    }
-}
-
 static void assert_frame_is(const struct gp_frame *f,
                             const struct gp_image *image)
 {
+    const size_t n = (size_t) image->channels;
     assert_memory_equal(&f->data, &image->data, sizeof f->data);
     assert_memory_equal(&f->display, &image->display, sizeof f->display);
     assert_int_equal(f->channels, image->channels);
-    float *scratch = malloc(gp_frame_pixels(f) * sizeof *scratch);
-    assert_non_null(scratch);
+    float *got = malloc(gp_frame_pixels(f) * sizeof *got);
+    assert_non_null(got);
     for (int i = 0; i < f->channels; i++) {
-        int from = 0;
-        while (from < image->channels &&
-               strcmp(f->channel[i].name, image->channel_name[from]) != 0)
+        const struct gp_channel *const c = &f->channel[i];
+        size_t from = 0;
+        while (from < n && strcmp(c->name, image->channel_name[from]) != 0)
             from++;
-        if (from == image->channels)
-            fail_msg("%s: OpenImageIO has no %s", f->path, f->channel[i].name);
-        assert_channel_is(f, i, image, from, scratch);
+        if (from == n)
+            fail_msg("%s: OpenImageIO has no %s", f->path, c->name);
+        gp_channel_floats(f, i, got);
+        for (size_t k = 0; k < gp_frame_pixels(f); k++) {
+            float want = image->pixels[k * n + from];
+            if (c->type == GP_UINT) // the image has its bits
+                want = (float) gp_bits_of(want);
+            if (!same(got[k], want))
+                fail_msg("%s: channel %s, pixel %zu: %g, not %g", f->path,
+                         c->name, k, (double) got[k], (double) want);
+        }
     }
-    free(scratch);
+    free(got);
 }
 
 static void every_frame_as_openimageio_reads_it(void **state)

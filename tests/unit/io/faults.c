@@ -80,33 +80,32 @@ static struct gp_frame from_parts;  // read from parts.exr
 
 static const struct gp_read_params limits = GP_READ_DEFAULTS;
 
-/* Frees what a read gave, which is nothing where it failed. */
-static gp_status end_frame(gp_status st, struct gp_frame *f)
-{
-    assert_true(!st || !f->rgb.c[0]);
-    gp_frame_free(f);
-    return st;
-}
-
-static gp_status end_plane(gp_status st, struct gp_plane *p)
-{
-    assert_true(!st || !p->v);
-    gp_plane_free(p);
-    return st;
-}
-
-static gp_status read_any(const char *name)
-{
-    struct gp_frame f = {0};
-    return end_frame(gp_read_frame(&said_log, &limits, wf_path(name), &f), &f);
-}
-
-static gp_status read_layer(const char *name)
-{
-    struct gp_frame f = {0};
-    return end_frame(gp_read_layer(&said_log, &limits, &from_parts, name, &f),
-                     &f);
-}
+/* A reader: what it gives is empty where it fails, and freed. */
+#define READER(called, kind, call, member, end)                               \
+    static gp_status called(const char *argument)                             \
+    {                                                                         \
+        kind got = {0};                                                       \
+        const gp_status st = call;                                            \
+        assert_true(!st || !got member);                                      \
+        end;                                                                  \
+        return st;                                                            \
+    }
+READER(read_any, struct gp_frame,
+       gp_read_frame(&said_log, &limits, wf_path(argument), &got), .rgb.c[0],
+       gp_frame_free(&got))
+READER(read_layer, struct gp_frame,
+       gp_read_layer(&said_log, &limits, &from_parts, argument, &got),
+       .rgb.c[0], gp_frame_free(&got))
+READER(read_mask, struct gp_plane,
+       gp_read_plane_file(&said_log, &limits, wf_path(argument), "G", false,
+                          &got), .v, gp_plane_free(&got))
+READER(read_depth, struct gp_plane,
+       gp_read_plane_file(&said_log, &limits, wf_path(argument), NULL, true,
+                          &got), .v, gp_plane_free(&got))
+// in another part than the colour, subsampled
+READER(read_coverage, struct gp_plane,
+       gp_read_plane(&said_log, &limits, &from_parts, argument, false, &got),
+       .v, gp_plane_free(&got))
 
 static gp_status read_every_channel(const char *name)
 {
@@ -120,22 +119,6 @@ static gp_status read_every_channel(const char *name)
     }
     gp_stored_close(&file);
     return st;
-}
-
-static gp_status read_plane(const char *name)
-{
-    struct gp_plane p = {0};
-    const bool depth_file = strstr(name, ".exr") != NULL;
-    return end_plane(gp_read_plane_file(&said_log, &limits, wf_path(name),
-        depth_file ? NULL : "G", depth_file, &p), &p);
-}
-
-/* In another part than the colour, subsampled. */
-static gp_status read_coverage(const char *name)
-{
-    struct gp_plane p = {0};
-    return end_plane(gp_read_plane(&said_log, &limits, &from_parts, name,
-                                   false, &p), &p);
 }
 
 /* Two files in one pipe. */
@@ -158,16 +141,6 @@ static gp_status read_members(const char *name)
     return st;
 }
 
-/* A reader: what it gives is empty where it fails, and freed. */
-#define READER(called, kind, call, member, end)                               \
-    static gp_status called(const char *argument)                             \
-    {                                                                         \
-        kind got = {0};                                                       \
-        const gp_status st = call;                                            \
-        assert_true(!st || !got member);                                      \
-        end;                                                                  \
-        return st;                                                            \
-    }
 READER(frame_list, struct gp_frames,
        gp_frames_parse(&said_log, argument, &got), .number,
        gp_frames_free(&got))
@@ -314,7 +287,7 @@ static void own_work(void **state)
         {"channels", read_every_channel, "tiles.exr"},
         {"channels", read_every_channel, "yc.exr"},
         {"channels", read_every_channel, "a.png"},
-        {"plane", read_plane, "a.png"}, {"depth", read_plane, "depth.exr"},
+        {"plane", read_mask, "a.png"}, {"depth", read_depth, "depth.exr"},
         {"coverage", read_coverage, "wide"},
         {"coverage", read_coverage, "one.left.mask"},
         {"layer", read_layer, "fog"}, {"members", read_members, "two"},
@@ -333,7 +306,7 @@ static void helpers_work(void **state)
 {
     static const struct work row[] = {
         {"read", read_any, "a.tif"}, {"channels", read_every_channel, "a.tif"},
-        {"plane", read_plane, "a.tif"}, {"read", read_any, "dwaa.exr"},
+        {"plane", read_mask, "a.tif"}, {"read", read_any, "dwaa.exr"},
         {"picture", picture, "out.tif"}, {"picture", picture, "out.sgi"},
         {"hdr", hdr_made, "out.exr"},
     };

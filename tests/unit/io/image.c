@@ -244,8 +244,7 @@ static gp_status open_bytes(const uint8_t *bytes, size_t n,
                             struct gp_image *image)
 {
     static struct gp_stream s;
-    s = (struct gp_stream) {.fd = -1, .data = (uint8_t *) (uintptr_t) bytes,
-                            .size = n, .borrowed = true};
+    s = gp_stream_of(bytes, n);
     *image = (struct gp_image) {0};
     said_nothing();
     return gp_pfm_open(&said_log, "a.pfm", &s, 0, MOST, image);
@@ -315,8 +314,7 @@ static void damaged_headers(void **state)
         assert_ok(gp_pfm_length(bytes, n, &length));
         assert_int_equal(length, 0);
     }
-    const struct gp_stream whole = {.fd = -1, .data = bytes, .size = size,
-                                    .borrowed = true};
+    const struct gp_stream whole = gp_stream_of(bytes, size);
     assert_int_equal(gp_pfm_open(&said_log, "a.pfm", &whole, 1, MOST, &image),
                      GP_ERR_DATA); // it has no part 1
 }

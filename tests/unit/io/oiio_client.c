@@ -210,7 +210,7 @@ static void await_end(void)
 static gp_status open_ppm(struct gp_image *image)
 {
     static struct gp_stream s;
-    s = stream_of(ppm, sizeof ppm - 1);
+    s = gp_stream_of(ppm, sizeof ppm - 1);
     said_nothing();
     *image = (struct gp_image) {0};
     return gp_oiio_open(&said_log, "a.ppm", &s, "pnm", 0, MOST, image);

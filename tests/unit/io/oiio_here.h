@@ -26,14 +26,6 @@ static inline int open_oiio(void **state)
     return 0;
 }
 
-static inline struct gp_stream stream_of(const void *bytes, size_t n)
-{
-    return (struct gp_stream) {
-        .fd = -1, .data = (uint8_t *) (uintptr_t) bytes, .size = n,
-        .borrowed = true,
-    };
-}
-
 /* Part 0 with its pixels; what is wrong goes to said_line. */
 static inline gp_status read_stream(const char *path, const struct gp_stream *s,
     long long max_pixels, struct gp_image *out)
@@ -52,7 +44,7 @@ static inline gp_status read_stream(const char *path, const struct gp_stream *s,
 static inline gp_status read_bytes(const void *bytes, size_t n,
                                    long long max_pixels, struct gp_image *out)
 {
-    const struct gp_stream s = stream_of(bytes, n);
+    const struct gp_stream s = gp_stream_of(bytes, n);
     return read_stream("-", &s, max_pixels, out);
 }
 

@@ -65,10 +65,7 @@ static void put_pixels(struct made *m, const void *data, size_t n, int part)
 /* All of a picture; the caller closes it, where it can be read. */
 static gp_status load(const void *bytes, size_t size, struct gp_image *image)
 {
-    const struct gp_stream s = {
-        .fd = -1, .data = (uint8_t *) (uintptr_t) bytes, .size = size,
-        .borrowed = true,
-    };
+    const struct gp_stream s = gp_stream_of(bytes, size);
     wf_line[0] = '\0';
     *image = (struct gp_image) {0};
     gp_status st = gp_png_open(&wf_log, "in", &s, 0, 1 << 20, image);
@@ -290,8 +287,7 @@ static void chunks(void **state)
     assert_int_equal(image.attributes, 1);
     assert_string_equal(image.attribute[0].text, "two");
     gp_image_close(&image);
-    const struct gp_stream s = {.fd = -1, .data = m.bytes, .size = m.n,
-                                .borrowed = true};
+    const struct gp_stream s = gp_stream_of(m.bytes, m.n);
     assert_int_equal(gp_png_open(&wf_log, "in", &s, 1, 1, &image), GP_ERR_DATA);
 }
 

@@ -165,6 +165,7 @@ static void names_that_are_not_there(void **state)
     gp_frame_free(&frame);
 }
 
+/* Whatever another stage has made of the frame's planes. */
 static void samples_are_those_of_the_file(void **state)
 {
     static const struct fixture yc = {.part = {{
@@ -172,24 +173,23 @@ static void samples_are_those_of_the_file(void **state)
         .data = FIXTURE_WINDOW(2, 4, 6, 8),
         .compression = EXR_COMPRESSION_ZIP}}};
     static const struct fixture rgb = {.part = {COLOUR("c")}};
-    struct gp_frame frame;
-    struct gp_plane p;
-    open_fixture(&yc, &frame);
-    assert_int_equal(frame.model, GP_COLOUR_YC);
-    assert_ok(beside(&frame, "Y", false, &p));
-    assert_plane(&p, &yc.part[0], "Y");
-    gp_plane_free(&p);
-    assert_ok(beside(&frame, "BY", false, &p));
-    assert_plane(&p, &yc.part[0], "BY");
-    gp_plane_free(&p);
-    gp_frame_free(&frame);
-    // a plane that another stage has changed
-    open_fixture(&rgb, &frame);
-    memset(frame.rgb.c[0], 0, gp_frame_pixels(&frame) * sizeof(float));
-    assert_ok(beside(&frame, "R", false, &p));
-    assert_plane(&p, &rgb.part[0], "R");
-    gp_plane_free(&p);
-    gp_frame_free(&frame);
+    static const struct {
+        const struct fixture *f;
+        enum gp_colour_model model;
+        const char *name;
+    } row[] = {{&yc, GP_COLOUR_YC, "Y"}, {&yc, GP_COLOUR_YC, "BY"},
+               {&rgb, GP_COLOUR_RGB, "R"}};
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_frame frame;
+        struct gp_plane p;
+        open_fixture(row[i].f, &frame);
+        assert_int_equal(frame.model, row[i].model);
+        memset(frame.rgb.c[0], 0, gp_frame_pixels(&frame) * sizeof(float));
+        assert_ok(beside(&frame, row[i].name, false, &p));
+        assert_plane(&p, &row[i].f->part[0], row[i].name);
+        gp_plane_free(&p);
+        gp_frame_free(&frame);
+    }
 }
 
 /* A frame of channels only, as formats other than EXR give one. */
