@@ -27,29 +27,24 @@ struct blurring {
     double *buffer;
 };
 
-/* Adds to each of n samples of `width` numbers those `by`, 2 * by, ...
- * times * by before it; from the last backwards, so that nothing is
- * overwritten that is still needed. */
-static void add_shifted(double *v, int n, int width, int by, int times)
-{
-    for (int i = n - 1; i >= by; i--) {
-        double *const to = v + (size_t) i * (size_t) width;
-        for (int k = 1; k <= times && i - k * by >= 0; k++) {
-            const double *const from =
-                v + (size_t) (i - k * by) * (size_t) width;
-            for (int x = 0; x < width; x++)
-                to[x] += from[x];
-        }
-    }
-}
-
 /* Turns n samples of `width` numbers each into box sums that end at each
- * sample. */
+ * sample. Sums of `by` samples add those `by`, 2 * by, ... times * by before
+ * them; from the last backwards, so that nothing is overwritten that is still
+ * needed. */
 static void sum_box(const struct blurring *b, double *v, int n, int width)
 {
-    add_shifted(v, n, width, 1, b->odd - 1);
-    for (int half = b->odd; half < b->side; half *= 2)
-        add_shifted(v, n, width, half, 1);
+    int times = b->odd > 1 ? b->odd - 1 : 1;
+    for (int by = 1; by < b->side; by *= times + 1, times = 1) {
+        for (int i = n - 1; i >= by; i--) {
+            double *const to = v + (size_t) i * (size_t) width;
+            for (int k = 1; k <= times && i - k * by >= 0; k++) {
+                const double *const from =
+                    v + (size_t) (i - k * by) * (size_t) width;
+                for (int x = 0; x < width; x++)
+                    to[x] += from[x];
+            }
+        }
+    }
 }
 
 /* Blurs one strip of columns of one channel, all rows: each row on its own,
@@ -175,24 +170,17 @@ GP_CLONES static void add_outward(const float *from, int way, int n,
     }
 }
 
-/* Distance of the nearest and the farthest of samples [0, size) from `at`. */
-static int nearest(int at, int size)
-{
-    return at < 0 ? -at : at >= size ? at - size + 1 : 0;
-}
-
-static int farthest(int at, int size)
-{
-    return gp_max(abs(at), abs(size - 1 - at));
-}
-
 static gp_status make_rings(const struct gp_log *log, const struct gp_kernel *k,
     bool tail, struct rings *r)
 {
     gp_status st;
     double *sum = NULL; // of magnitudes, by ring
-    r->first = gp_max(nearest(k->cx, k->w), nearest(k->cy, k->h));
-    r->n = gp_max(farthest(k->cx, k->w), farthest(k->cy, k->h)) - r->first + 1;
+    // distances of the kernel's sides from its centre, which may be outside
+    const int left = -k->cx, right = k->w - 1 - k->cx;
+    const int top = -k->cy, bottom = k->h - 1 - k->cy;
+    r->first = gp_max(0, gp_max(gp_max(left, -right), gp_max(top, -bottom)));
+    r->n = gp_max(gp_max(abs(left), abs(right)),
+                  gp_max(abs(top), abs(bottom))) - r->first + 1;
     const size_t n = (size_t) r->n;
     GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->peak, &r->peak));
     GP_TRY(gp_alloc_zero(log, "shrinking", n, sizeof *r->left, &r->left));

@@ -126,37 +126,6 @@ static uint32_t run_end(const struct grouping *g, uint32_t i, int y, int shift)
     return i;
 }
 
-/* Counts the sources of each cluster cell, `wide` of them, and clears the
- * counts of those that are not filled. Returns how many are. */
-static size_t find_clusters(const struct grouping *g, int y0, int y1,
-                            struct cell_sum *cluster)
-{
-    const int side = g->p->cluster, shift = g->cluster_shift;
-    memset(cluster, 0, (size_t) g->wide * sizeof *cluster);
-    if (!side)
-        return 0;
-    for (int y = y0; y < y1; y++) {
-        uint32_t i = g->src->row[y], end;
-        for (; i < g->src->row[y + 1]; i = end) {
-            end = run_end(g, i, y, shift);
-            cluster[(g->src->x[i] + g->left) >> shift].sources +=
-                (int) (end - i);
-        }
-    }
-    size_t n = 0;
-    for (int k = 0; k < g->wide; k++) {
-        const int x0 = gp_max(0, k * side - g->left);
-        const int x1 = gp_min(g->src->w, (k + 1) * side - g->left);
-        // in float, as the shaders decide it
-        const float area = (float) ((x1 - x0) * (y1 - y0));
-        if ((float) cluster[k].sources >= g->p->cluster_fill * area)
-            n++;
-        else
-            cluster[k].sources = 0;
-    }
-    return n;
-}
-
 static bool is_clustered(const struct grouping *g,
                          const struct cell_sum *cluster, int x)
 {
@@ -200,7 +169,28 @@ static void group_band(void *ctx, int i, int thread)
     struct band *const b = &g->band[i];
     const int side = g->p->group, start = i * g->step - g->above;
     const int y0 = gp_max(0, start), y1 = gp_min(g->src->h, start + g->step);
-    b->clusters = find_clusters(g, y0, y1, cluster);
+    const int large = g->p->cluster, shift = g->cluster_shift;
+    // the sources of each cluster cell; none where it is not filled
+    memset(cluster, 0, (size_t) g->wide * sizeof *cluster);
+    for (int y = y0; large && y < y1; y++) {
+        uint32_t k = g->src->row[y], end;
+        for (; k < g->src->row[y + 1]; k = end) {
+            end = run_end(g, k, y, shift);
+            cluster[(g->src->x[k] + g->left) >> shift].sources +=
+                (int) (end - k);
+        }
+    }
+    b->clusters = 0;
+    for (int k = 0; k < g->wide; k++) {
+        const int x0 = gp_max(0, k * large - g->left);
+        const int x1 = gp_min(g->src->w, (k + 1) * large - g->left);
+        // in float, as the shaders decide it
+        const float area = (float) ((x1 - x0) * (y1 - y0));
+        if ((float) cluster[k].sources >= g->p->cluster_fill * area)
+            b->clusters++;
+        else
+            cluster[k].sources = 0;
+    }
     b->groups = 0;
     for (int top = start; top < y1; top += side) {
         struct gp_polygon *out =
@@ -229,7 +219,7 @@ static void group_band(void *ctx, int i, int thread)
     }
     if (!g->out || !b->clusters)
         return;
-    const int shift = g->cluster_shift, mask = g->p->cluster - 1;
+    const int mask = large - 1;
     for (int y = y0; y < y1; y++) { // sums into the filled cells
         const uint32_t past = g->src->row[y + 1];
         for (uint32_t k = g->src->row[y], end; k < past; k = end) {
@@ -240,8 +230,7 @@ static void group_band(void *ctx, int i, int thread)
                             (y + g->above) & mask, &cluster[at]);
         }
     }
-    close_row(g, cluster, g->wide, start, g->p->cluster,
-              g->out + b->first_cluster);
+    close_row(g, cluster, g->wide, start, large, g->out + b->first_cluster);
 }
 
 /* -- the frame ------------------------------------------------------------- */

@@ -107,33 +107,6 @@ static double roundings(const struct gp_splat_plan *p)
     return fmax(blended, tiled);
 }
 
-/* Adds what turned quads may be wrong by. They sample at most `place` pixels
- * off by rounding (splat_turn.frag). Each sample is then wrong by at most 2 *
- * place of its four taps' sum, no more than four samples share their taps, and
- * flux times that error's norm is the most that all sources can make of it
- * (Young's inequality). */
-static gp_status add_turning(const struct gp_glare_job *job,
-    struct gp_bound_cache *cache, struct gp_splat_plan *p)
-{
-    const struct gp_unturned *const u = job->kernel->unturned;
-    const double radius = hypot(fabs((double) u->cx) + u->w,
-                                fabs((double) u->cy) + u->h);
-    const double place = 0x1p-23 + 0x1p-31 * radius;
-    double least = 0.0, wrong = 0.0;
-    gp_status st = gp_layer_least(job->log, job->src, job->kernel, cache,
-                                  &least);
-    for (int c = 0; c < 3; c++) {
-        double sum = 0.0;
-        for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
-            sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
-        const double e = job->src->flux[c] * 2.0 * place * 4.0 * 2.0 *
-                         sqrt(sum);
-        wrong += e * e;
-    }
-    p->bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
-    return st;
-}
-
 /* -- the plan's area ------------------------------------------------------- */
 
 /* Pixels from low to high, ends included, that lie in [0, limit). */
@@ -218,8 +191,28 @@ gp_status gp_splat_plan_make(const struct gp_glare_job *job,
         // counts as none.)
         const double e = roundings(&o) * 0x1p-24;
         o.bound = k->negative || e >= 1.0 ? INFINITY : e / (1.0 - e);
-        if (o.turned)
-            GP_TRY(add_turning(job, cache, &o));
+    }
+    if (o.turned && !(o.params.shrink > 0.0f)) {
+        // turned quads sample at most `place` pixels off by rounding
+        // (splat_turn.frag). Each sample is then wrong by at most 2 * place of
+        // its four taps' sum, no more than four samples share their taps, and
+        // flux times that error's norm is the most that all sources can make
+        // of it (Young's inequality)
+        const struct gp_unturned *const u = k->unturned;
+        const double radius = hypot(fabs((double) u->cx) + u->w,
+                                    fabs((double) u->cy) + u->h);
+        const double place = 0x1p-23 + 0x1p-31 * radius;
+        double least = 0.0, wrong = 0.0;
+        GP_TRY(gp_layer_least(job->log, job->src, k, cache, &least));
+        for (int c = 0; c < 3; c++) {
+            double sum = 0.0;
+            for (size_t i = 0; i < (size_t) u->w * (size_t) u->h; i++)
+                sum += (double) u->k.c[c][i] * (double) u->k.c[c][i];
+            const double e =
+                job->src->flux[c] * 2.0 * place * 4.0 * 2.0 * sqrt(sum);
+            wrong += e * e;
+        }
+        o.bound += least > 0.0 ? sqrt(wrong) / least : INFINITY;
     }
     o.polygon_pixels = count_pixels(job, &o);
     *p = o;

@@ -106,7 +106,7 @@ gp_status gp_tile_pieces_make(const struct gp_log *log,
 
 void gp_tile_pieces_free(struct gp_tile_pieces *p)
 {
-    GP_FREE(p->at);
+    gp_free(p->at);
     *p = (struct gp_tile_pieces) {0};
 }
 
@@ -126,11 +126,6 @@ static struct gp_rect tiles_of(struct gp_rect box, struct gp_rect field,
     };
 }
 
-static int count_tiles(struct gp_rect tiles)
-{
-    return gp_rect_w(tiles) * gp_rect_h(tiles);
-}
-
 int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
 {
     double entries[GP_TILE_SIDES] = {0}, polygons = 0.0;
@@ -138,9 +133,11 @@ int gp_tile_side(const struct gp_tile_pieces *p, int kind, struct gp_rect field)
         if (gp_rect_empty(gp_rect_meet(p->at[i].box, field)))
             continue;
         polygons += 1.0;
-        for (int s = 0; s < GP_TILE_SIDES; s++)
-            entries[s] +=
-                count_tiles(tiles_of(p->at[i].box, field, LOW_SIDE + s));
+        for (int s = 0; s < GP_TILE_SIDES; s++) {
+            const struct gp_rect t = tiles_of(p->at[i].box, field,
+                                              LOW_SIDE + s);
+            entries[s] += gp_rect_w(t) * gp_rect_h(t);
+        }
     }
     int best = GP_TILE_SIDES - 1;
     double least = INFINITY;
@@ -181,7 +178,7 @@ void gp_tile_batch_enter(const struct gp_polygons *polygons,
     size_t end = *next;
     for (; end < p->first[kind + 1]; end++) {
         const struct gp_rect t = tiles_of(p->at[end].box, field, side);
-        const int n = count_tiles(t);
+        const int n = gp_rect_w(t) * gp_rect_h(t);
         if (entries + n > room)
             break;
         entries += n;
@@ -293,32 +290,6 @@ void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state)
     gp_buffer_free(gl, &t->entries);
     gp_free(t->texel);
     GP_FREE(*state);
-}
-
-/* Makes *state when it is not there, and forgets kernels of other kinds. */
-static gp_status open_state(const struct gp_log *log, struct gp_gl *gl,
-    const struct gp_kernel *kernel, struct gp_rect crop, bool tail,
-    struct gp_tiles **state)
-{
-    gp_status st = GP_OK;
-    if (!*state) {
-        GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, state));
-        GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
-                        4 * sizeof(float), &(*state)->texel));
-        GP_TRY(gp_buffer_make(log, gl, "lists of tiles", GP_BUFFER_TEXELS,
-                              GP_TILE_TEXELS, &(*state)->entries));
-    }
-    struct gp_tiles *t = *state;
-    if (t->serial == 0 || t->serial != kernel->serial || t->tail != tail ||
-        memcmp(&t->crop, &crop, sizeof crop) != 0)
-        forget_kernels(gl, t);
-    t->serial = kernel->serial;
-    t->crop = crop;
-    t->tail = tail;
-    return GP_OK;
-out:
-    gp_tiles_free(gl, state);
-    return st;
 }
 
 /* Uploads the blurred kernel, four samples a texel when it is grey, the last
@@ -501,8 +472,20 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
         clear_layer(&k, frame);
         return GP_OK;
     }
-    GP_TRY(open_state(log, gl, kernel, crop, tail, state));
-    k.t = *state;
+    if (!*state) {
+        GP_TRY(gp_alloc_zero(log, "tiles", 1, sizeof **state, state));
+        GP_TRY(gp_alloc(log, "lists of tiles", GP_TILE_TEXELS,
+                        4 * sizeof(float), &(*state)->texel));
+        GP_TRY(gp_buffer_make(log, gl, "lists of tiles", GP_BUFFER_TEXELS,
+                              GP_TILE_TEXELS, &(*state)->entries));
+    }
+    struct gp_tiles *const t = k.t = *state;
+    if (t->serial == 0 || t->serial != kernel->serial || t->tail != tail ||
+        memcmp(&t->crop, &crop, sizeof crop) != 0)
+        forget_kernels(gl, t);
+    t->serial = kernel->serial;
+    t->crop = crop;
+    t->tail = tail;
     GP_TRY(gp_tile_pieces_make(log, kernel, crop, polygons, shrink, w, h,
                                &k.pieces));
     const int most = gp_gl_info(gl)->max_size;
@@ -517,6 +500,8 @@ gp_status gp_tiles_draw(const struct gp_log *log, struct gp_gl *gl,
     }
     *roundings = k.roundings;
 out:
+    if (!k.t) // the state is half made
+        gp_tiles_free(gl, state);
     gp_tile_pieces_free(&k.pieces);
     return st;
 }
