@@ -41,6 +41,8 @@ enum shape {
     PEAK,   // bright centre, long tail
     TINTED, // PEAK, another one a channel
     BOX,
+    RAYS,   // straight and oblique ones over a short tail
+    SPECKS, // random, few of them large
     HOLES,  // every third sample, another one a channel
     RING,   // dark within 4/5 of its radius
     LOBES,  // negative ones
@@ -79,6 +81,12 @@ static inline void *scene_alloc(size_t count, size_t size)
     if (!p)
         abort();
     return p;
+}
+
+static inline void assert_close(double got, double want, double relative)
+{
+    if (!(fabs(got - want) <= relative * fabs(want)))
+        fail_msg("%.15g, not %.15g within %g of it", got, want, relative);
 }
 
 /* -- light ------------------------------------------------------------------*/
@@ -200,6 +208,12 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
     switch (shape) {
     case TINTED:
         return peak * (1.0 + 0.2 * c) + 0.01 * c / (1.0 + r2);
+    case RAYS:
+        return (dx == 0.0 || dy == 0.0 || fabs(dx) == fabs(dy)
+                    ? 1.0 / sqrt(1.0 + r2) : 0.0) +
+               0.1 / ((1.0 + r2) * (1.0 + r2));
+    case SPECKS:
+        return pow((double) scene_noise(x + w * (y + h * c)), 4.0);
     case HOLES:
         return (x + y * w + c) % 3 ? 0.0 : peak;
     case RING:

@@ -58,17 +58,8 @@ static inline void motion_add(struct gp_frame *f, double x, double y,
 static inline struct gp_frame motion_frame(enum motion_shape shape, int step)
 {
     enum { FINE = 16 };
-    struct gp_frame f = {
-        .data = {0, 0, MOTION_SIZE, MOTION_SIZE},
-        .display = {0, 0, MOTION_SIZE, MOTION_SIZE},
-    };
+    struct gp_frame f = scene_frame(MOTION_SIZE, MOTION_SIZE, 0, 0, BLACK, 1u);
     double place[2];
-    const size_t n = (size_t) MOTION_SIZE * MOTION_SIZE;
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    if (gp_planes_make(NULL, "rgb", n, &f.rgb))
-        abort();
-    for (int c = 0; c < 3; c++)
-        memset(f.rgb.c[c], 0, n * sizeof(float));
     motion_place(step, place);
     for (int y = -8 * FINE; y <= 8 * FINE; y++) {
         for (int x = -20 * FINE; x <= 20 * FINE; x++) {

@@ -51,7 +51,7 @@ static float light_of(enum content what, int x, int y, int step, uint32_t *seed)
 }
 
 static struct gp_frame make_frame(enum content what, int w, int h,
-                                         uint32_t *seed)
+                                  uint32_t *seed)
 {
     struct gp_frame f = scene_frame(w, h, pick(seed, -70, 70),
                                     pick(seed, -70, 70), DARK, 1u);
@@ -77,63 +77,38 @@ static struct gp_frame make_frame(enum content what, int w, int h,
 enum kind {
     EYE, RANDOM, STREAKS, POINT, EVEN, LARGE, TINT, LEVEL, HOLLOW, ASIDE, KINDS,
 };
-static const char *const kind_text[KINDS] = {
-    "eye", "random", "streaks", "1x1", "even", "over the frame", "tinted",
-    "flat", "ring", "centre aside",
+static const struct {
+    const char *text;
+    enum shape shape;
+} kinds[KINDS] = {
+    {"eye", PEAK}, {"random", SPECKS}, {"streaks", RAYS}, {"1x1", BOX},
+    {"even", PEAK}, {"over the frame", PEAK}, {"tinted", TINTED},
+    {"flat", BOX}, {"ring", RING}, {"centre aside", TINTED},
 };
 
-static struct gp_kernel kernel_of_planes(int w, int h, enum kind kind,
-                                                uint32_t *seed)
-{
-    struct gp_frame image = {.data = {0, 0, w, h}};
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel k;
-    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
-    if (gp_planes_make(NULL, "kernel", (size_t) w * (size_t) h, &image.rgb))
-        abort();
-    for (int c = 0; c < 3; c++) {
-        for (int i = 0; i < w * h; i++) {
-            const int dx = abs(i % w - w / 2), dy = abs(i / w - h / 2);
-            const float far = 1.0f + (float) (dx * dx + dy * dy);
-            const float streak = dx == 0 || dy == 0 || dx == dy ? 1.0f : 0.0f;
-            image.rgb.c[c][i] = kind == RANDOM ? powf(scene_random(seed), 4.0f)
-                               : streak / sqrtf(far) + 0.1f / (far * far);
-        }
-    }
-    if (gp_kernel_from_frame(NULL, &p, &image, &k))
-        abort();
-    gp_planes_free(&image.rgb);
-    return k;
-}
-
 static struct gp_kernel make_kernel(enum kind kind, int w, int h,
-                                           uint32_t *seed)
+                                    uint32_t *seed)
 {
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
-    switch (kind) {
-    case EYE:
+    int cx = MID, cy = 0;
+    if (kind == EYE) {
         p.builtin_size = w | 1;
         if (gp_kernel_builtin(NULL, &p, &k))
             abort();
         return k;
-    case RANDOM:
-    case STREAKS:
-        return kernel_of_planes(w, h, kind, seed);
-    case POINT:
-        return scene_kernel(1, 1, MID, 0, BOX);
-    case EVEN:
-        return scene_kernel(w & ~1, h & ~1, MID, 0, PEAK);
-    case LEVEL:
-        return scene_kernel(w, h, MID, 0, BOX);
-    case HOLLOW:
-        return scene_kernel(w, h, MID, 0, RING);
-    case ASIDE:
-        return scene_kernel(w, h, pick(seed, -w / 2, w + w / 2),
-                            pick(seed, -h / 2, h), TINTED);
-    default:
-        return scene_kernel(w, h, MID, 0, kind == TINT ? TINTED : PEAK);
     }
+    if (kind == POINT)
+        w = h = 1;
+    if (kind == EVEN) {
+        w &= ~1;
+        h &= ~1;
+    }
+    if (kind == ASIDE) {
+        cx = pick(seed, -w / 2, w + w / 2);
+        cy = pick(seed, -h / 2, h);
+    }
+    return scene_kernel(w, h, cx, cy, kinds[kind].shape);
 }
 
 /* -- settings ---------------------------------------------------------------*/
@@ -181,7 +156,7 @@ static struct trial make_trial(uint32_t seed)
         kh = 2 * h + 9;
     }
     t.s = scene_sense(make_frame(t.content, w, h, &seed), make_kernel(t.kind,
-        kw, kh, &seed), &(struct gp_sensor_params) {0.0f, 0.0f, 65504.0f});
+        kw, kh, &seed), &open_all);
     t.p = make_params(&seed);
     if (gp_polygons_make(NULL, &t.s.src, &t.p, &t.q) ||
         gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
@@ -269,7 +244,7 @@ static void measured_is_never_over_the_bound(void **state)
             fail_msg("seed %u: %s, %dx%d, kernel %s %dx%d, group %d, cluster "
                      "%d, method %d, shrink %g: rel_l2 %g, bound %g; norm "
                      "%g, least %g", seed, content_text[t.content],
-                     t.s.src.w, t.s.src.h, kind_text[t.kind], t.s.k.w,
+                     t.s.src.w, t.s.src.h, kinds[t.kind].text, t.s.k.w,
                      t.s.k.h, t.p.group, t.p.cluster, (int) t.p.method,
                      (double) t.p.shrink, wrong / norm, bound, norm, least);
         if (norm > 0.0 && least > 0.0)
@@ -332,8 +307,7 @@ static struct trial simple_trial(enum light light, struct gp_kernel k,
                                  struct gp_splat_params p)
 {
     struct trial t = {.p = p};
-    t.s = scene_sense(scene_frame(61, 47, -3, 5, light, 3u), k,
-                      &(struct gp_sensor_params) {1.0f, 0.0f, 65504.0f});
+    t.s = scene_sense(scene_frame(61, 47, -3, 5, light, 3u), k, &usual);
     if (gp_polygons_make(NULL, &t.s.src, &t.p, &t.q) ||
         gp_shrink_make(NULL, &t.s.k, &t.p, &t.q, &t.shrink))
         abort();

@@ -1,49 +1,33 @@
 /* glare/compose.c: both mixes, empty layers, energy, threads. */
 #include "unit.h"
 #include "glare/compose.h"
+#include "glare_scene.h"
 
-struct scene {
-    struct gp_frame f;
-    struct gp_sources src;
-};
-
-static unsigned seed = 1;
-
-static float noise(void)
+/* Noise in [0, 1) and, once in `every` pixels, light of up to 1 + bright. */
+static struct gp_frame noise_frame(int w, int h, int every, float bright)
 {
-    seed = seed * 1664525u + 1013904223u;
-    return (float) (seed >> 8) / 16777216.0f;
-}
-
-/* A frame of noise in [0,1) and, once in `every` pixels, a source of up to
- * `bright`, which is the whole pixel. */
-static void make_scene(struct scene *s, int w, int h, int every, float bright)
-{
-    *s = (struct scene) {.f = {.data = {-3, 5, w - 3, h + 5}}};
-    const size_t n = gp_frame_pixels(&s->f);
-    s->f.path = strdup("test");
-    assert_ok(gp_planes_make(NULL, "test", n, &s->f.rgb));
-    assert_ok(gp_planes_make(NULL, "test", n, &s->f.layer));
-    const struct gp_sources like = {.w = w, .h = h};
-    assert_ok(gp_sources_make(NULL, &like, n, &s->src));
-    for (int i = 0; i < w * h; i++) {
-        const bool source = (i + 1) % every == 0;
-        float rgb[3];
-        for (int c = 0; c < 3; c++) {
-            rgb[c] = source ? 1.0f + bright * noise() : noise();
-            s->f.rgb.c[c][i] = rgb[c];
-            s->f.layer.c[c][i] = noise();
-        }
-        if (source)
-            gp_sources_add(&s->src, i % w, i / w, rgb);
+    struct gp_frame f = scene_frame(w, h, -3, 5, BLACK, 1u);
+    uint32_t seed = 1;
+    for (int i = 0; i < 3 * w * h; i++) {
+        const float u = scene_random(&seed);
+        const bool lit = (i % (w * h) + 1) % every == 0;
+        f.rgb.c[i / (w * h)][i % (w * h)] = lit ? 1.0f + bright * u : u;
     }
-    gp_sources_finish(&s->src);
+    return f;
 }
 
-static void free_scene(struct scene *s)
+/* Takes the frame: light over 1 is a source, its whole pixel; the layer is
+ * noise. */
+static struct scene noise_scene(struct gp_frame f)
 {
-    gp_frame_free(&s->f);
-    gp_sources_free(&s->src);
+    struct scene s = scene_sense(f, scene_kernel(1, 1, MID, 0, BOX),
+                                 &(struct gp_sensor_params) {1, 0, 1e10f});
+    const size_t n = gp_frame_pixels(&f);
+    uint32_t seed = 2;
+    scene_clear_layer(&s);
+    for (size_t i = 0; i < 3 * n; i++)
+        s.f.layer.c[i / n][i % n] = scene_random(&seed);
+    return s;
 }
 
 static double total(const struct gp_frame *f, const struct gp_planes *p, int c)
@@ -68,9 +52,9 @@ static void mixes_are_their_formulas(void **state)
         {GP_MIX_SCATTER, 1.0f, 7, 7, 1000},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct scene s;
-        struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
-        make_scene(&s, rows[i].w, rows[i].h, rows[i].every, 1000.0f);
+        const struct gp_compose_params p = {rows[i].gain, rows[i].mix, 0.0f};
+        struct scene s = noise_scene(
+            noise_frame(rows[i].w, rows[i].h, rows[i].every, 1000.0f));
         assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         for (int k = 0; k < rows[i].w * rows[i].h; k++) {
             const bool source = (k + 1) % rows[i].every == 0;
@@ -83,16 +67,17 @@ static void mixes_are_their_formulas(void **state)
                             1e-6 * (fabs(in) + 1.0));
             }
         }
-        free_scene(&s);
+        scene_free(&s);
     }
 }
 
 static void no_layer_means_no_light(void **state)
 {
     for (int mix = 0; mix < 2; mix++) {
-        struct scene s;
-        struct gp_compose_params p = {1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f};
-        make_scene(&s, 13, 7, 4, 10.0f);
+        const struct gp_compose_params p = {
+            1.0f, mix ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f,
+        };
+        struct scene s = noise_scene(noise_frame(13, 7, 4, 10.0f));
         gp_planes_free(&s.f.layer);
         s.f.rgb.c[0][3] = -0.0f;
         s.f.rgb.c[1][4] = -2.5f;
@@ -100,7 +85,7 @@ static void no_layer_means_no_light(void **state)
         for (int c = 0; c < 3; c++)
             assert_memory_equal(s.f.lit.c[c], s.f.rgb.c[c],
                                 13 * 7 * sizeof(float));
-        free_scene(&s);
+        scene_free(&s);
     }
 }
 
@@ -108,9 +93,8 @@ static void no_layer_means_no_light(void **state)
  * would vanish in in + layer - source. */
 static void a_huge_source_leaves_nothing_behind(void **state)
 {
-    struct scene s;
-    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
-    make_scene(&s, 5, 5, 13, 1.0f);
+    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
+    struct scene s = noise_scene(noise_frame(5, 5, 13, 1.0f));
     for (int c = 0; c < 3; c++) {
         s.f.rgb.c[c][12] = s.src.rgb[c][0] = 1e9f;
         s.f.layer.c[c][12] = 1e-3f;
@@ -118,7 +102,7 @@ static void a_huge_source_leaves_nothing_behind(void **state)
     assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     for (int c = 0; c < 3; c++)
         assert_true(s.f.lit.c[c][12] == 1e-3f);
-    free_scene(&s);
+    scene_free(&s);
 }
 
 /* Scatter moves light and makes none: sources in the middle, a 3x3 kernel. */
@@ -129,89 +113,76 @@ static void scatter_conserves_energy(void **state)
     static const float gains[] = {0.1f, 0.5f, 1.0f};
     enum { W = 19, H = 11 };
     for (size_t g = 0; g < COUNT(gains); g++) {
-        struct scene s;
-        struct gp_compose_params p = {gains[g], GP_MIX_SCATTER, 0.0f};
-        make_scene(&s, W, H, W + 1, 100.0f); // on a diagonal
-        for (int c = 0; c < 3; c++)
+        const struct gp_compose_params p = {gains[g], GP_MIX_SCATTER, 0.0f};
+        struct gp_frame f = noise_frame(W, H, W + 1, 100.0f); // a diagonal
+        for (int i = 0; i < 3 * W * H; i++) {
+            const int x = i % W, y = i / W % H;
+            if (x < 1 || x > W - 2 || y < 1 || y > H - 2)
+                f.rgb.c[i / (W * H)][i % (W * H)] = 0.5f;
+        }
+        struct scene s = noise_scene(f);
+        assert_true(s.src.n > 5);
+        for (int c = 0; c < 3; c++) {
             memset(s.f.layer.c[c], 0, W * H * sizeof(float));
-        struct gp_sources inside;
-        assert_ok(gp_sources_make(NULL, &s.src, s.src.n, &inside));
-        for (int y = 1; y < H - 1; y++) {
-            for (uint32_t i = s.src.row[y]; i < s.src.row[y + 1]; i++) {
-                const int x = s.src.x[i];
-                const float rgb[3] = {s.src.rgb[0][i], s.src.rgb[1][i],
-                                      s.src.rgb[2][i]};
-                if (x < 1 || x > W - 2)
-                    continue; // its glare would leave the frame
-                gp_sources_add(&inside, x, y, rgb);
-                for (int k = 0; k < 27; k++)
-                    s.f.layer.c[k / 9][(y + k % 9 / 3 - 1) * W + x + k % 3 -
-                                       1] += rgb[k / 9] * kernel[k % 9];
+            for (int i = W; i < W * H - W; i++) {
+                const float v = f.rgb.c[c][i];
+                for (int k = 0; k < 9 && v >= 1.0f; k++)
+                    s.f.layer.c[c][i + (k / 3 - 1) * W + k % 3 - 1] +=
+                        v * kernel[k];
             }
         }
-        gp_sources_finish(&inside);
-        gp_sources_free(&s.src);
-        s.src = inside;
-        assert_true(inside.n > 5);
         assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
         for (int c = 0; c < 3; c++) {
             double in = total(&s.f, &s.f.rgb, c);
             assert_true(fabs(total(&s.f, &s.f.lit, c) / in - 1.0) < 1e-6);
         }
-        free_scene(&s);
+        scene_free(&s);
     }
 }
 
 static void planes_are_made_once(void **state)
 {
-    struct scene s;
-    struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
-    make_scene(&s, 8, 8, 9, 4.0f);
+    const struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
+    struct scene s = noise_scene(noise_frame(8, 8, 9, 4.0f));
     assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     float *lit = s.f.lit.c[0], first = lit[5];
     lit[5] = NAN;
     assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
     assert_ptr_equal(s.f.lit.c[0], lit);
     assert_true(lit[5] == first);
-    free_scene(&s);
+    scene_free(&s);
 }
 
 static void sources_of_another_frame_are_refused(void **state)
 {
-    struct scene s;
-    struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
-    make_scene(&s, 8, 8, 9, 4.0f);
+    const struct gp_compose_params p = {1.0f, GP_MIX_SCATTER, 0.0f};
+    struct scene s = noise_scene(noise_frame(8, 8, 9, 4.0f));
     s.src.h = 9;
     assert_int_equal(gp_compose(NULL, &p, &s.src, &s.f), GP_ERR_BUG);
     assert_null(s.f.lit.c[0]);
-    free_scene(&s);
+    scene_free(&s);
 }
 
 /* A pupil takes its share of every sample, of whichever mix, layer or none. */
 static void dim_takes_its_share(void **state)
 {
+    enum { N = 19 * 11 };
     for (int i = 0; i < 4; i++) {
-        struct scene plain, dim;
         struct gp_compose_params p = {
             0.7f, i & 1 ? GP_MIX_SCATTER : GP_MIX_ADD, 0.0f,
         };
-        seed = 5;
-        make_scene(&plain, 19, 11, 6, 50.0f);
-        seed = 5;
-        make_scene(&dim, 19, 11, 6, 50.0f);
-        if (i & 2) {
-            gp_planes_free(&plain.f.layer);
-            gp_planes_free(&dim.f.layer);
-        }
-        assert_ok(gp_compose(NULL, &p, &plain.src, &plain.f));
+        struct scene s = noise_scene(noise_frame(19, 11, 6, 50.0f));
+        float plain[3 * N];
+        if (i & 2)
+            gp_planes_free(&s.f.layer);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
+        for (int k = 0; k < 3 * N; k++)
+            plain[k] = s.f.lit.c[k / N][k % N];
         p.dim = 0.25f;
-        assert_ok(gp_compose(NULL, &p, &dim.src, &dim.f));
-        for (int c = 0; c < 3; c++) {
-            for (int k = 0; k < 19 * 11; k++)
-                assert_true(dim.f.lit.c[c][k] == 0.75f * plain.f.lit.c[c][k]);
-        }
-        free_scene(&plain);
-        free_scene(&dim);
+        assert_ok(gp_compose(NULL, &p, &s.src, &s.f));
+        for (int k = 0; k < 3 * N; k++)
+            assert_true(s.f.lit.c[k / N][k % N] == 0.75f * plain[k]);
+        scene_free(&s);
     }
 }
 

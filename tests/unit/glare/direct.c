@@ -57,6 +57,17 @@ static void taps_are_the_kernel(void **state)
     }
 }
 
+/* Samples of the kernel within the radius, or those beyond it, become 0. */
+static void cut_kernel(struct gp_kernel *k, int radius, bool within)
+{
+    for (int i = 0; i < k->w * k->h && radius >= 0; i++) {
+        const bool is = abs(i % k->w - k->cx) <= radius &&
+                        abs(i / k->w - k->cy) <= radius;
+        for (int c = 0; c < 3 && is == within; c++)
+            k->k.c[c][i] = 0.0f;
+    }
+}
+
 /* The core and the kernel without it are the kernel: `add` adds, and leaves
  * alone what no tap reaches. */
 static void parts_add_up(void **state)
@@ -65,20 +76,11 @@ static void parts_add_up(void **state)
     for (size_t i = 0; i < COUNT(radii); i++) {
         struct scene s = hard_scene(&hard_cases[6]);
         struct scene other = hard_sense(&hard_cases[6]);
-        const struct gp_kernel rest = other.k;
         struct gp_taps core, around;
-        const size_t n = gp_frame_pixels(&s.f);
-        for (int j = 0; j < rest.w * rest.h; j++) {
-            const int inside = abs(j % rest.w - rest.cx) <= radii[i] &&
-                               abs(j / rest.w - rest.cy) <= radii[i];
-            for (int c = 0; c < 3 && inside; c++)
-                rest.k.c[c][j] = 0.0f;
-        }
+        cut_kernel(&other.k, radii[i], true);
         assert_ok(gp_taps_make(NULL, &s.k, radii[i], &core));
-        assert_ok(gp_taps_make(NULL, &rest, -1, &around));
-        assert_ok(gp_planes_make(NULL, "layer", n, &s.f.layer));
-        for (int c = 0; c < 3; c++)
-            memset(s.f.layer.c[c], 0xff, n * sizeof(float));
+        assert_ok(gp_taps_make(NULL, &other.k, -1, &around));
+        scene_clear_layer(&s);
         assert_ok(gp_direct_sum(NULL, &s.src, &around, false, &s.f.layer));
         assert_ok(gp_direct_sum(NULL, &s.src, &core, true, &s.f.layer));
         assert_true(scene_rel_l2(&s) <= 1e-6);
@@ -127,12 +129,8 @@ static void equal_sources_do_not_drift(void **state)
 {
     if (quick)
         skip();
-    struct gp_frame f = scene_frame(211, 193, 0, 0, ALL, 1u);
-    for (int c = 0; c < 3; c++) {
-        for (size_t i = 0; i < gp_frame_pixels(&f); i++)
-            f.rgb.c[c][i] = 1.1f;
-    }
-    struct scene s = scene_make(f, scene_kernel(95, 95, MID, 0, BOX), &usual);
+    struct scene s = scene_make(scene_frame(211, 193, 0, 0, EQUAL, 1u),
+                                scene_kernel(95, 95, MID, 0, BOX), &usual);
     struct gp_glare_stats stats;
     ran_once("direct", &s, &stats, "equal sources");
     const double rel_l2 = scene_rel_l2(&s);
@@ -184,7 +182,7 @@ enum { CASES = COUNT(cases) };
 static struct scene open_case(const struct quad_case *c)
 {
     uint32_t seed = 5u;
-    struct gp_frame f = scene_frame(c->w, c->h, 0, 0, DARK, seed);
+    struct gp_frame f = scene_frame(c->w, c->h, 0, 0, BLACK, seed);
     for (int i = 0; i < c->w * c->h; i++) {
         const float v = shines(c->pattern, i % c->w, i / c->w, c->w, c->h)
                             ? 2.0f + 100.0f * scene_random(&seed)
@@ -196,29 +194,21 @@ static struct scene open_case(const struct quad_case *c)
                        &usual);
 }
 
-/* Source (x, y) of a channel, 0 where it is dark or outside. */
-static float light_at(const struct gp_sources *s, int c, int x, int y)
-{
-    if (y < 0 || y >= s->h)
-        return 0.0f;
-    for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-        if (s->x[i] == x)
-            return s->rgb[c][i];
-    }
-    return 0.0f;
-}
-
 static void check_quads(const struct gp_sources *s, const struct gp_quads *q)
 {
     uint32_t n = 0;
+    struct gp_planes image;
+    assert_ok(gp_sources_planes(NULL, s, &image));
     for (int y = 1 - GP_QUAD; y < s->h; y++) {
         assert_int_equal(q->row[y + GP_QUAD - 1], n);
         for (int x = 0; x < s->w; x++) {
             float light[3][GP_QUAD], most = 0.0f;
             for (int i = 0; i < 3 * GP_QUAD; i++) {
-                light[i / GP_QUAD][i % GP_QUAD] =
-                    light_at(s, i / GP_QUAD, x, y + i % GP_QUAD);
-                most = fmaxf(most, light[i / GP_QUAD][i % GP_QUAD]);
+                const int c = i / GP_QUAD, at = y + i % GP_QUAD;
+                const float v = at >= 0 && at < s->h
+                                    ? image.c[c][at * s->w + x] : 0.0f;
+                light[c][i % GP_QUAD] = v;
+                most = fmaxf(most, v);
             }
             if (most == 0.0f)
                 continue;
@@ -232,6 +222,7 @@ static void check_quads(const struct gp_sources *s, const struct gp_quads *q)
     }
     assert_int_equal(q->row[s->h + GP_QUAD - 1], n);
     assert_int_equal(q->n, n);
+    gp_planes_free(&image);
 }
 
 static void quads_hold_the_light(void **state)
@@ -251,34 +242,13 @@ static void quads_hold_the_light(void **state)
     }
 }
 
-/* The sum in double, on what the layer holds at first. */
-static void sum_plainly(const struct gp_sources *s, const struct gp_taps *t,
-                        int c, double first, double *out)
-{
-    for (int i = 0; i < s->w * s->h; i++)
-        out[i] = first;
-    for (int y = 0; y < s->h; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            for (int j = 0; j < t->w * t->h; j++) {
-                const int x = s->x[i] + j % t->w - t->cx;
-                const int to = y + j / t->w - t->cy;
-                if (x < 0 || x >= s->w || to < 0 || to >= s->h)
-                    continue;
-                const float k = t->k[c][(size_t) (j / t->w) * t->pitch +
-                                        GP_TAPS_PAD + (size_t) (j % t->w)];
-                out[to * s->w + x] += (double) s->rgb[c][i] * (double) k;
-            }
-        }
-    }
-}
-
+/* s->exact is the layer's when it is black at first. */
 static void check_sum(const struct quad_case *row, const struct scene *s,
                       const struct gp_taps *t, bool add)
 {
     const size_t n = gp_frame_pixels(&s->f);
     struct gp_planes layer, again;
     struct gp_quads q;
-    double *const exact = scene_alloc(n, sizeof *exact);
     assert_ok(gp_quads_make(NULL, &s->src, &q));
     assert_ok(gp_planes_make(NULL, "layer", n, &layer));
     assert_ok(gp_planes_make(NULL, "layer", n, &again));
@@ -292,16 +262,13 @@ static void check_sum(const struct quad_case *row, const struct scene *s,
             assert_memory_equal(layer.c[c], out->c[c], n * sizeof(float));
     }
     gp_set_threads(0);
-    for (int c = 0; c < 3; c++) {
-        sum_plainly(&s->src, t, c, add ? 0.5 : 0.0, exact);
-        for (size_t i = 0; i < n; i++) {
-            if (!(fabs((double) layer.c[c][i] - exact[i]) <= 1e-6 * exact[i]))
-                fail_msg("%dx%d pattern %d add %d: sample %zu is %.9g not %.9g",
-                         row->w, row->h, (int) row->pattern, add, i,
-                         (double) layer.c[c][i], exact[i]);
-        }
+    for (size_t i = 0; i < 3 * n; i++) {
+        const double want = s->exact[i] + (add ? 0.5 : 0.0);
+        const double got = (double) layer.c[i / n][i % n];
+        if (!(fabs(got - want) <= 1e-6 * want))
+            fail_msg("%dx%d pattern %d add %d: sample %zu is %.9g not %.9g",
+                     row->w, row->h, (int) row->pattern, add, i, got, want);
     }
-    free(exact);
     gp_planes_free(&layer);
     gp_planes_free(&again);
     gp_quads_free(&q);
@@ -313,6 +280,8 @@ static void quads_sum_like_sources(void **state)
         struct scene s = open_case(&cases[i]);
         struct gp_taps t;
         assert_ok(gp_taps_make(NULL, &s.k, cases[i].radius, &t));
+        cut_kernel(&s.k, cases[i].radius, false);
+        scene_find_exact(&s);
         check_sum(&cases[i], &s, &t, false);
         check_sum(&cases[i], &s, &t, true);
         gp_taps_free(&t);

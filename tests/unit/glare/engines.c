@@ -72,19 +72,16 @@ static struct scene beside(float rest)
 {
     enum { SIDE = 9, N = SIDE * SIDE };
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_frame image = {.data = {0, 0, SIDE, SIDE}};
+    struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
+    struct gp_frame f = scene_frame(33, 31, 0, 0, BLACK, 1);
     struct gp_kernel k;
     p.normalize = GP_NORMALIZE_NONE;
-    assert_ok(gp_planes_make(NULL, "kernel", N, &image.rgb));
     for (int i = 0; i < 3 * N; i++)
         image.rgb.c[i / N][i % N] = i % N == 0 ? 1.0f : rest;
     assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
-    gp_planes_free(&image.rgb);
-    struct gp_frame f = scene_frame(33, 31, 0, 0, DARK, 1);
-    for (int c = 0; c < 3; c++) {
-        memset(f.rgb.c[c], 0, gp_frame_pixels(&f) * sizeof(float));
+    gp_frame_free(&image);
+    for (int c = 0; c < 3; c++)
         f.rgb.c[c][33 + 1] = 1.0f; // its upper left is outside
-    }
     return scene_make(f, k, &open_all);
 }
 

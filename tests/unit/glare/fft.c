@@ -527,7 +527,7 @@ static void a_night_is_worth_more_than_a_sky(void **state)
 {
     if (quick)
         skip();
-    struct gp_frame night = make_view(LAMPS, 960, 540, 3u);
+    struct gp_frame night = scene_frame(960, 540, 0, 0, BLACK, 1u);
     uint32_t seed = 11u;
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < 960 * 540; i++)

@@ -4,14 +4,12 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-static const struct gp_sensor_params over_one = {1.0f, 0.0f, 65504.0f};
-
-static struct gp_sources scene_sources(int w, int h, int x0, int y0,
-                                              enum light light, uint32_t seed)
+/* Takes the frame. */
+static struct gp_sources sources_of(struct gp_frame f,
+                                    const struct gp_sensor_params *p)
 {
-    struct gp_frame f = scene_frame(w, h, x0, y0, light, seed);
     struct gp_sources s;
-    assert_ok(gp_sense(NULL, &over_one, &f, &s));
+    assert_ok(gp_sense(NULL, p, &f, &s));
     gp_frame_free(&f);
     return s;
 }
@@ -39,30 +37,23 @@ static double spread_of(int box, const struct gp_polygon *q)
     return sum;
 }
 
-static const struct gp_sensor_params all_light = {0.0f, 0.0f, 65504.0f};
-
 /* Sources of a frame of w x h grey pixels. */
-static struct gp_sources grey_sources(int w, int h, int x0, int y0,
-                                      const float *grey)
+static struct gp_sources grey_sources(int w, int h, const float *grey)
 {
-    struct gp_frame f = scene_frame(w, h, x0, y0, DARK, 1u);
-    struct gp_sources s;
+    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 1u);
     for (int c = 0; c < 3; c++)
         memcpy(f.rgb.c[c], grey, (size_t) (w * h) * sizeof *grey);
-    assert_ok(gp_sense(NULL, &all_light, &f, &s));
-    gp_frame_free(&f);
-    return s;
+    return sources_of(f, &open_all);
 }
 
-/* -- formula (1)
- * -------------------------------------------------------------*/
+/* -- formula (1) ------------------------------------------------------------*/
 
 static void formula_by_hand(void **state)
 {
     // two blocks of 2x2; the second holds one pixel
     static const float grey[] = {1, 3, 0, 0,
                                  0, 4, 0, 5};
-    struct gp_sources s = grey_sources(4, 2, 0, 0, grey);
+    struct gp_sources s = grey_sources(4, 2, grey);
     const struct gp_splat_params p = {.group = 2, .method = GP_GROUP_MOMENTS};
     struct gp_polygons q = group(&s, &p);
     assert_int_equal(q.groups, 2);
@@ -76,8 +67,7 @@ static void formula_by_hand(void **state)
     gp_sources_free(&s);
 }
 
-/* -- the naive form
- * ----------------------------------------------------------*/
+/* -- the naive form ---------------------------------------------------------*/
 
 /* Block of side `side` that holds v, in EXR pixel space. */
 static int block_of(int v, int side)
@@ -207,8 +197,8 @@ static void all_as_the_naive_form(void **state)
         const struct naive_row *const r = &naive_rows[i];
         if (r->w > 1000 && getenv("GLAREPP_TEST_QUICK"))
             continue;
-        struct gp_sources s =
-            scene_sources(r->w, r->h, r->x0, r->y0, r->light, 7u);
+        struct gp_sources s = sources_of(
+            scene_frame(r->w, r->h, r->x0, r->y0, r->light, 7u), &usual);
         struct gp_polygons q = group(&s, &r->p);
         size_t clusters = 0;
         if (r->p.cluster)
@@ -231,7 +221,7 @@ static size_t clusters_of(int w, int h, int bright, float fill)
     float grey[64] = {0};
     for (int i = 0; i < bright; i++)
         grey[i] = 2.0f;
-    struct gp_sources s = grey_sources(w, h, 0, 0, grey);
+    struct gp_sources s = grey_sources(w, h, grey);
     struct gp_polygons q = group(&s, &(struct gp_splat_params) {
         .group = 4, .cluster = 8, .cluster_fill = fill});
     const size_t n = q.clusters;
@@ -264,7 +254,7 @@ static void clusters_from_the_fill_on(void **state)
 static void light_without_luminance_is_kept(void **state)
 {
     static const float grey[] = {1, 2, 0, 0};
-    struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
+    struct gp_sources s = grey_sources(2, 2, grey);
     s.luminance[0] = s.luminance[1] = s.luminance[2] = 0.0f;
     struct gp_polygons q = group(&s, &(struct gp_splat_params) {
         .group = 2, .method = GP_GROUP_MOMENTS});
@@ -279,7 +269,7 @@ static void light_without_luminance_is_kept(void **state)
 static void too_much_light_stays_finite(void **state)
 {
     static const float grey[] = {1, 1, 1, 1};
-    struct gp_sources s = grey_sources(2, 2, 0, 0, grey);
+    struct gp_sources s = grey_sources(2, 2, grey);
     for (int c = 0; c < 3; c++) {
         for (size_t i = 0; i < s.n; i++)
             s.rgb[c][i] = FLT_MAX;
@@ -291,8 +281,7 @@ static void too_much_light_stays_finite(void **state)
     gp_sources_free(&s);
 }
 
-/* -- what is drawn ----------------------------------------------------------
- */
+/* -- what is drawn ----------------------------------------------------------*/
 
 static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
     const struct gp_splat_params *p, const struct gp_polygons *q)
@@ -309,7 +298,8 @@ static double *draw(const struct gp_sources *s, const struct gp_kernel *k,
 static void moments_are_kept(void **state)
 {
     struct gp_kernel point = scene_kernel(1, 1, MID, 0, BOX);
-    struct gp_sources s = scene_sources(96, 96, 0, 0, CORNERS, 1u);
+    struct gp_sources s = sources_of(scene_frame(96, 96, 0, 0, CORNERS, 1u),
+                                     &usual);
     for (int blur = 0; blur < GP_BLURS; blur++) {
         struct gp_polygon at = {
             .x = 47.3125f, .y = 46.75f, .rgb = {2, 2, 2}, .light = 2,
@@ -347,7 +337,7 @@ static void ungrouped_is_exact(void **state)
     for (int i = 0; i < 7 * 3; i++) {
         const int *const r = kernels[i / 3];
         struct scene s = scene_make(scene_frame(61, 47, -3, 7, FEW, 5u),
-            scene_kernel(r[0], r[1], r[2], r[3], TINTED), &over_one);
+            scene_kernel(r[0], r[1], r[2], r[3], TINTED), &usual);
         struct gp_splat_params p = GP_SPLAT_EXACT;
         p.method = (enum gp_group_method) (i % 3);
         struct gp_polygons q = group(&s.src, &p);
@@ -366,7 +356,8 @@ static void ungrouped_is_exact(void **state)
 static void reach_cuts(void **state)
 {
     struct gp_kernel k = scene_kernel(81, 81, MID, 0, PEAK);
-    struct gp_sources s = scene_sources(96, 96, 0, 0, DARK, 1u);
+    struct gp_sources s = sources_of(scene_frame(96, 96, 0, 0, DARK, 1u),
+                                     &usual);
     struct gp_polygon at = {
         .x = 40.5f, .y = 44.0f, .rgb = {1, 1, 1}, .light = 1, .side = 4,
         .blur = 1,

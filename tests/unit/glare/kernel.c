@@ -6,14 +6,6 @@
 #include "glare/kernel.h"
 #include "glare_scene.h"
 
-#include <float.h>
-
-static void assert_close(double got, double want, double relative)
-{
-    if (!(fabs(got - want) <= relative * fabs(want)))
-        fail_msg("%.15g, not %.15g within %g of it", got, want, relative);
-}
-
 // -- builtin kernels ----------------------------------------------------------
 
 static void builtin_refuses(void **state)
@@ -47,12 +39,8 @@ static void builtin_refuses(void **state)
 /* A frame of w x h zeros whose corner is at (x0, y0). */
 static struct gp_frame blank(int x0, int y0, int w, int h)
 {
-    struct gp_frame f = {.data = {x0, y0, x0 + w, y0 + h}};
+    struct gp_frame f = scene_frame(w, h, x0, y0, BLACK, 1u);
     f.path = strdup("k.exr");
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    assert_ok(gp_planes_make(NULL, "test", (size_t) (w * h), &f.rgb));
-    for (int c = 0; c < 3; c++)
-        memset(f.rgb.c[c], 0, (size_t) (w * h) * sizeof(float));
     return f;
 }
 
@@ -279,18 +267,14 @@ static void builtin_fades_to_its_edge(void **state)
 static const float angles[] = {0.5f, 30.0f, 45.0f, 89.999f, 135.0f, 200.0f,
                                -22.5f, 359.0f, -1000.0f};
 
-/* A frame of random samples with a few zeros; lobes below 0 on request. */
+/* A frame of random samples; lobes below 0 on request. */
 static struct gp_frame image(int w, int h, bool grey, bool lobes)
 {
-    struct gp_frame f = {.data = {0, 0, w, h}};
-    uint32_t seed = (uint32_t) (w * 131 + h);
-    memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
-    assert_ok(gp_planes_make(NULL, "image", (size_t) (w * h), &f.rgb));
-    for (int i = 0; i < w * h; i++) {
-        for (int c = 0; c < 3; c++) {
-            const float v = scene_random(&seed) - (lobes ? 0.2f : 0.0f);
-            f.rgb.c[c][i] = c && grey ? f.rgb.c[0][i] : v;
-        }
+    struct gp_frame f = scene_frame(w, h, 0, 0, DARK, (uint32_t) (w * 131 + h));
+    for (int i = 0; i < 3 * w * h; i++) {
+        const int c = grey ? 0 : i / (w * h);
+        f.rgb.c[i / (w * h)][i % (w * h)] =
+            f.rgb.c[c][i % (w * h)] - (lobes && i / (w * h) == c ? 0.2f : 0.0f);
     }
     return f;
 }
@@ -308,14 +292,6 @@ static struct gp_kernel turned(const struct gp_frame *f, float degrees,
     if (gp_kernel_from_frame(NULL, &p, f, &k) != GP_OK)
         fail_msg("%g degrees", (double) degrees);
     return k;
-}
-
-/* Sample at an offset from the centre, 0 outside. */
-static float at(const struct gp_kernel *k, int c, int dx, int dy)
-{
-    const int x = k->cx + dx, y = k->cy + dy;
-    return x >= 0 && x < k->w && y >= 0 && y < k->h
-               ? k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x] : 0.0f;
 }
 
 static double unturned_at(const struct gp_unturned *u, int c, int x, int y)
@@ -368,11 +344,11 @@ static void samples_are_the_unturned_ones(void **state)
                 for (int dx = -45; dx <= 45; dx++) {
                     for (int c = 0; c < 3; c++) {
                         const double want = identity(k.unturned, c, dx, dy);
-                        if (at(&k, c, dx, dy) != (float) want ||
+                        if (scene_at(&k, c, dx, dy) != (float) want ||
                             gp_rotate_reference(k.unturned, c, dx, dy) != want)
                             fail_msg("kernel %zu, %g degrees, (%d, %d): %g, "
                                      "not %g", i, (double) angles[a / 2], dx,
-                                     dy, (double) at(&k, c, dx, dy), want);
+                                     dy, (double) scene_at(&k, c, dx, dy), want);
                     }
                 }
             }
@@ -403,13 +379,13 @@ static void right_angles_move_samples(void **state)
             for (int y = 0; y < flat.h; y++) {
                 for (int x = 0; x < flat.w; x++) {
                     int dx = x - flat.cx, dy = y - flat.cy;
-                    const float want = at(&flat, 1, dx, dy);
+                    const float want = scene_at(&flat, 1, dx, dy);
                     for (int q = 0; q < quarters[t]; q++) {
                         const int old = dx;
                         dx = dy;
                         dy = -old;
                     }
-                    assert_true(at(&k, 1, dx, dy) == want);
+                    assert_true(scene_at(&k, 1, dx, dy) == want);
                 }
             }
             gp_kernel_free(&k);

@@ -1,8 +1,7 @@
 /* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its formula. */
 #include "unit.h"
 #include "glare/glare_priv.h"
-
-#include <float.h>
+#include "glare_scene.h"
 
 static struct gp_kernel make(const char *name, int size)
 {
@@ -17,10 +16,7 @@ static struct gp_kernel make(const char *name, int size)
 
 static double at(const struct gp_kernel *k, int c, int dx, int dy)
 {
-    const int x = k->cx + dx, y = k->cy + dy;
-    return x >= 0 && x < k->w && y >= 0 && y < k->h
-               ? (double) k->k.c[c][(size_t) y * (size_t) k->w + (size_t) x]
-               : 0.0;
+    return (double) scene_at(k, c, dx, dy);
 }
 
 static double luminance(const struct gp_kernel *k)
@@ -144,12 +140,6 @@ static void follow_their_formulas(void **state)
 
 #define PI 3.14159265358979323846
 #define RADIAN (PI / 180.0)
-
-static void assert_close(double got, double want, double relative)
-{
-    if (!(fabs(got - want) <= relative * fabs(want)))
-        fail_msg("%.15g, not %.15g within %g of it", got, want, relative);
-}
 
 /* Spencer et al. 1995, as printed: degrees in, per steradian out. */
 static double f0(double t)

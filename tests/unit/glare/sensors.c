@@ -58,7 +58,6 @@ static void threshold_is_shut(void **state)
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 4.0f)) == 1.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 2.0f)) == 0.0f);
     assert_true(gp_bright_pass(&hard, 0.0f) == 0.0f);
-    const struct gp_sensor_params open_all = {0.0f, 0.0f, 100.0f};
     assert_true(gp_bright_pass(&open_all, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&open_all, 1e-45f) == 1.0f);
     const struct gp_sensor_params zero_knee = {0.0f, 1.0f, 100.0f};
@@ -121,16 +120,16 @@ static void darkest_is_robust(void **state)
 /* The frame's own weights decide, negative ones too. */
 static void weights_are_the_frames(void **state)
 {
-    struct gp_frame f = scene_frame(8, 4, 0, 0, DARK, 5u);
+    struct gp_frame f = scene_frame(8, 4, 0, 0, BLACK, 5u);
     const float weights[3] = {0.0f, -1.0f, 2.0f};
     struct gp_sources src;
     memcpy(f.luminance, weights, sizeof weights);
-    for (int c = 0; c < 3; c++)
-        memset(f.rgb.c[c], 0, gp_frame_pixels(&f) * sizeof(float));
     f.rgb.c[0][1] = 100.0f;                        // no luminance
     f.rgb.c[2][2] = 0.6f;                          // 1.2
-    f.rgb.c[2][3] = 0.6f; f.rgb.c[1][3] = 0.3f;    // 0.9
-    f.rgb.c[2][4] = 0.6f; f.rgb.c[1][4] = -9.0f;   // 1.2: negative is no light
+    f.rgb.c[2][3] = 0.6f;                          // 0.9
+    f.rgb.c[1][3] = 0.3f;
+    f.rgb.c[2][4] = 0.6f;                          // 1.2: negative is no light
+    f.rgb.c[1][4] = -9.0f;
     assert_ok(gp_sense(NULL, &usual, &f, &src));
     assert_int_equal(src.n, 2);
     assert_int_equal(src.x[0], 2);
