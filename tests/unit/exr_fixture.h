@@ -95,7 +95,7 @@ static uint16_t fixture_half(float v)
     return (uint16_t) (bits | (v < 0.0f ? 0x8000u : 0u));
 }
 
-/* Where the writer puts the bytes. */
+/* The bytes that the writer makes. */
 struct fixture_file {
     uint8_t *bytes;
     size_t size, room;
@@ -155,20 +155,20 @@ static void *fixture_samples(const struct fixture_channel *c, int x0, int y0,
     return all;
 }
 
+/* Encodes one chunk; `pipe` has channels from the first one on. */
 static void fixture_chunk(exr_context_t exr, int part,
-    const struct fixture_part *p, const exr_chunk_info_t *info, bool *first,
+    const struct fixture_part *p, const exr_chunk_info_t *info,
     exr_encode_pipeline_t *pipe)
 {
+    const bool first = pipe->channel_count == 0;
     void *data[FIXTURE_CHANNELS] = {0};
     int x0 = p->data.min.x, y0 = info->start_y;
     if (p->tile) {
         x0 += info->start_x * p->tile;
         y0 = p->data.min.y + info->start_y * p->tile;
     }
-    exr_result_t r = *first
-                         ? exr_encoding_initialize(exr, part, info, pipe)
-                         : exr_encoding_update(exr, part, info, pipe);
-    assert_ok(r);
+    assert_ok(first ? exr_encoding_initialize(exr, part, info, pipe)
+                    : exr_encoding_update(exr, part, info, pipe));
     for (int i = 0; i < pipe->channel_count; i++) {
         exr_coding_channel_info_t *c = &pipe->channels[i];
         data[i] = fixture_samples(&p->channel[i], x0, y0, info->width,
@@ -177,45 +177,38 @@ static void fixture_chunk(exr_context_t exr, int part,
         c->user_pixel_stride = c->user_bytes_per_element;
         c->user_line_stride = c->user_bytes_per_element * c->width;
     }
-    if (*first)
+    if (first)
         assert_ok(exr_encoding_choose_default_routines(exr, part, pipe));
-    *first = false;
     assert_ok(exr_encoding_run(exr, part, pipe));
     for (int i = 0; i < pipe->channel_count; i++)
         free(data[i]);
 }
 
-static void fixture_tiles(exr_context_t exr, int part,
-    const struct fixture_part *p, exr_encode_pipeline_t *pipe)
+static void fixture_chunks(exr_context_t exr, int part,
+                           const struct fixture_part *p)
 {
-    bool first = true;
-    int32_t nx, ny;
-    assert_ok(exr_get_tile_levels(exr, part, &nx, &ny));
-    for (int level = 0; level < nx; level++) {
-        int32_t w, h;
+    exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
+    exr_chunk_info_t info;
+    int32_t levels = 0, lines = 1, n, w, h;
+    if (p->tile)
+        assert_ok(exr_get_tile_levels(exr, part, &levels, &n));
+    else
+        assert_ok(exr_get_scanlines_per_chunk(exr, part, &lines));
+    for (int level = 0; level < levels; level++) {
         assert_ok(exr_get_level_sizes(exr, part, level, level, &w, &h));
         for (int ty = 0; ty * p->tile < h; ty++) {
             for (int tx = 0; tx * p->tile < w; tx++) {
-                exr_chunk_info_t info;
                 assert_ok(exr_write_tile_chunk_info(exr, part, tx, ty, level,
                                                     level, &info));
-                fixture_chunk(exr, part, p, &info, &first, pipe);
+                fixture_chunk(exr, part, p, &info, &pipe);
             }
         }
     }
-}
-
-static void fixture_lines(exr_context_t exr, int part,
-    const struct fixture_part *p, exr_encode_pipeline_t *pipe)
-{
-    bool first = true;
-    int32_t lines;
-    assert_ok(exr_get_scanlines_per_chunk(exr, part, &lines));
-    for (int y = p->data.min.y; y <= p->data.max.y; y += lines) {
-        exr_chunk_info_t info;
+    for (int y = p->data.min.y; !p->tile && y <= p->data.max.y; y += lines) {
         assert_ok(exr_write_scanline_chunk_info(exr, part, y, &info));
-        fixture_chunk(exr, part, p, &info, &first, pipe);
+        fixture_chunk(exr, part, p, &info, &pipe);
     }
+    exr_encoding_destroy(exr, &pipe);
 }
 
 static void fixture_header(exr_context_t exr, const struct fixture *f,
@@ -275,14 +268,8 @@ static uint8_t *fixture_make(const struct fixture *f, size_t *size)
         for (uint64_t none = 0; chunks > 0; chunks--)
             fixture_write(exr, &file, &none, sizeof none, file.size, NULL);
     }
-    for (int i = 0; i < parts && !f->part[i].deep; i++) {
-        exr_encode_pipeline_t pipe = EXR_ENCODE_PIPELINE_INITIALIZER;
-        if (f->part[i].tile)
-            fixture_tiles(exr, i, &f->part[i], &pipe);
-        else
-            fixture_lines(exr, i, &f->part[i], &pipe);
-        exr_encoding_destroy(exr, &pipe);
-    }
+    for (int i = 0; i < parts && !f->part[i].deep; i++)
+        fixture_chunks(exr, i, &f->part[i]);
     exr_finish(&exr);
     *size = file.size;
     return file.bytes;

@@ -13,7 +13,7 @@
 #include <float.h>
 #include <limits.h>
 
-/* What frames hold. Backgrounds are in (0.05, 0.8), under a threshold of 1. */
+/* Light of frames. Backgrounds are in (0.05, 0.8), under a threshold of 1. */
 enum light {
     DARK,     // background alone
     ALL,      // every pixel bright
@@ -91,25 +91,6 @@ static inline void assert_close(double got, double want, double relative)
 
 /* -- light ------------------------------------------------------------------*/
 
-static inline float scene_bad_value(int i)
-{
-    const float bad[] = {
-        NAN, INFINITY, -INFINITY, 1e-41f, -1e-41f, -3.0f, FLT_MAX, -0.0f,
-        -FLT_MAX, FLT_MIN, -NAN,
-    };
-    return bad[i % (int) (sizeof bad / sizeof *bad)];
-}
-
-static inline float scene_end_value(int i)
-{
-    const float end[] = {
-        65504.0f, 65519.99f, 65520.0f, 65536.0f, -65520.0f, 0x1p-14f,
-        0x1.ffcp-15f, 0x1p-24f, 0x1p-25f, 0x1.000002p-25f, -0x1p-24f, 0.0f,
-        2049.0f, 2051.0f, 0x1.002p0f, 0x1.006p0f, FLT_MIN, 1e6f,
-    };
-    return end[i % (int) (sizeof end / sizeof *end)];
-}
-
 static inline int scene_is_lit(enum light light, int x, int y, int w, int h)
 {
     const int i = y * w + x;
@@ -126,6 +107,15 @@ static inline int scene_is_lit(enum light light, int x, int y, int w, int h)
 static inline float scene_value(enum light light, int c, int x, int y, int w,
                                 int h, uint32_t *seed)
 {
+    static const float bad[] = {
+        NAN, INFINITY, -INFINITY, 1e-41f, -1e-41f, -3.0f, FLT_MAX, -0.0f,
+        -FLT_MAX, FLT_MIN, -NAN,
+    };
+    static const float ends[] = {
+        65504.0f, 65519.99f, 65520.0f, 65536.0f, -65520.0f, 0x1p-14f,
+        0x1.ffcp-15f, 0x1p-24f, 0x1p-25f, 0x1.000002p-25f, -0x1p-24f, 0.0f,
+        2049.0f, 2051.0f, 0x1.002p0f, 0x1.006p0f, FLT_MIN, 1e6f,
+    };
     const int i = y * w + x;
     const float u = scene_random(seed), dim = 0.05f + 0.75f * u;
     switch (light) {
@@ -156,14 +146,14 @@ static inline float scene_value(enum light light, int c, int x, int y, int w,
     case OVER:
         return u < 0.5f ? 60000.0f + 20000.0f * u : 1e6f * u;
     case ENDS:
-        return scene_end_value(i + c);
+        return ends[(i + c) % (int) COUNT(ends)];
     case EDGE:
         return i % 3 == 0 ? 1.0f : nextafterf(1.0f, i % 3 == 1 ? 2.0f : 0.0f);
     case RAMP:
         return 2.0f * (float) i / (float) (w * h);
     case BAD:
         if (i % 89 == 5 || i == w * h / 2 - 1)
-            return scene_bad_value(i / 89 + c);
+            return bad[(i / 89 + c) % (int) COUNT(bad)];
         break;
     case COLOURED:
         if (scene_is_lit(light, x, y, w, h))

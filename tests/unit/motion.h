@@ -88,25 +88,7 @@ static inline struct gp_kernel motion_kernel(void)
 
 /* -- what a layer says about it ---------------------------------------------*/
 
-/* Of the green plane; the light is grey. */
-struct motion_view {
-    double flux, centroid[2];
-};
-
-static inline struct motion_view motion_look(const double *layer)
-{
-    struct motion_view v = {0};
-    for (int i = 0; i < MOTION_SIZE * MOTION_SIZE; i++) {
-        v.flux += layer[i];
-        v.centroid[0] += layer[i] * (i % MOTION_SIZE);
-        v.centroid[1] += layer[i] * (i / MOTION_SIZE);
-    }
-    v.centroid[0] /= v.flux;
-    v.centroid[1] /= v.flux;
-    return v;
-}
-
-/* What 64 steps come to. */
+/* The result of 64 steps. */
 struct motion_result {
     double ripple;    // largest flux over smallest, less 1
     double centroid;  // largest distance of the centroid from the light's,
@@ -120,31 +102,34 @@ struct motion_track {
     double *error;    // of the step before, or NULL
 };
 
-/* Takes the layer's place at a step; layers come in order. */
+/* Takes the layer of a step, its green plane, as the light is grey; layers come
+ * in order. */
 static inline void motion_follow(struct motion_track *t, int step,
                                  const double *layer, const double *exact)
 {
     const int n = MOTION_SIZE * MOTION_SIZE;
-    const struct motion_view v = motion_look(layer);
-    double place[2], change = 0.0, whole = 0.0;
+    double place[2], flux = 0.0, x = 0.0, y = 0.0, change = 0.0, whole = 0.0;
     double *const error = scene_alloc((size_t) n, sizeof *error);
     motion_place(step, place);
-    t->least = step ? fmin(t->least, v.flux) : v.flux;
-    t->most = fmax(t->most, v.flux);
-    t->centroid = fmax(t->centroid, hypot(v.centroid[0] - place[0],
-                                          v.centroid[1] - place[1]));
     for (int i = 0; i < n; i++) {
+        flux += layer[i];
+        x += layer[i] * (i % MOTION_SIZE);
+        y += layer[i] * (i / MOTION_SIZE);
         error[i] = layer[i] - exact[i];
         const double step_of_it = t->error ? error[i] - t->error[i] : 0.0;
         change += step_of_it * step_of_it;
         whole += exact[i] * exact[i];
     }
+    t->least = step ? fmin(t->least, flux) : flux;
+    t->most = fmax(t->most, flux);
+    t->centroid = fmax(t->centroid,
+                       hypot(x / flux - place[0], y / flux - place[1]));
     t->jump = fmax(t->jump, sqrt(change / whole));
     free(t->error);
     t->error = error;
 }
 
-/* How much one step moves the exact layer itself, over its norm. */
+/* Returns how much one step moves the exact layer itself, over its norm. */
 static inline double motion_own(const double *before, const double *exact)
 {
     double change = 0.0, whole = 0.0;

@@ -1,23 +1,14 @@
-/* What tests of io/read share: errors go to said_line; a folder for files. */
+/* Reading for tests: errors go to said_line, files into a folder. */
 #ifndef READING_H
 #define READING_H
 
 #include "core/frame.h"
+#include "folder.h"
 #include "io/read.h"
 #include "said.h"
 #include "unit.h"
 
 #include <unistd.h>
-
-static char folder[] __attribute__((unused)) = "/tmp/glarepp-test-XXXXXX";
-static char path[256] __attribute__((unused));
-
-/* That name in the folder, which stays `path` until the next call. */
-static inline const char *in_folder(const char *name)
-{
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
 
 static gp_status read_file(const char *name, struct gp_frame *f)
 {
@@ -38,18 +29,6 @@ static inline void assert_refused(const char *name, gp_status want,
     assert_ptr_equal(strstr(said_line, name), said_line);
     assert_non_null(strstr(said_line, "; ")); // what to do
     assert_null(f.rgb.c[0]);
-}
-
-static inline int make_folder(void **state)
-{
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static inline int remove_folder(void **state)
-{
-    char command[300];
-    snprintf(command, sizeof command, "rm -rf '%s'", folder);
-    return system(command);
 }
 
 #endif

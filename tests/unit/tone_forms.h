@@ -19,7 +19,8 @@ static inline double noise(void) // of [0, 1)
 
 // -- the printed equations, for colours >= 0 ----------------------------------
 
-static inline void multiply(const double m[9], const double in[3], double out[3])
+static inline void multiply(const double m[9], const double in[3],
+                            double out[3])
 {
     for (int i = 0; i < 3; i++)
         out[i] = m[3 * i] * in[0] + m[3 * i + 1] * in[1] + m[3 * i + 2] * in[2];
@@ -27,7 +28,8 @@ static inline void multiply(const double m[9], const double in[3], double out[3]
 
 /* tone/curves.c says how a colour that does not fit is treated: it moves to
  * the grey of its luminance, here found by bisection. */
-static inline void scale_and_fit(const double in[3], double displayed, double out[3])
+static inline void scale_and_fit(const double in[3], double displayed,
+                                 double out[3])
 {
     double y = luminance(in), lo = 0.0, hi = 1.0;
     displayed = fmin(displayed, 1.0);

@@ -5,8 +5,8 @@
  *   build/tests/ROOM fft --time   one suite, in this process, with arguments
  *   build/tests/ROOM --list       their names
  *
- * tests/unit/ROOM/NAME.c ends with SUITE_OF(NAME, setup, teardown, tests...), with
- * SUITE_OF_EACH where each test has its own setup and teardown, or defines
+ * tests/unit/ROOM/NAME.c ends with SUITE_OF(NAME, setup, teardown, tests...),
+ * with SUITE_OF_EACH where each test has its own setup and teardown, or defines
  * SUITE(NAME) { ... }, which runs its tests and returns how many failed. The
  * Makefile lists the files.
  */

@@ -38,19 +38,12 @@ static inline int wf_names(void)
     return n;
 }
 
-/* Removes the folder and what is in it, one level deep. */
+/* Removes the folder and what is in it. */
 static inline int wf_end(void **state)
 {
-    char path[512];
-    DIR *d = opendir(wf_folder);
-    for (struct dirent *e; d && (e = readdir(d));) {
-        snprintf(path, sizeof path, "%s/%s", wf_folder, e->d_name);
-        if (e->d_name[0] != '.' || e->d_name[1] > '.')
-            remove(path);
-    }
-    if (d)
-        closedir(d);
-    return rmdir(wf_folder);
+    char command[128];
+    snprintf(command, sizeof command, "rm -rf '%s'", wf_folder);
+    return system(command);
 }
 
 /* The path of a file in the folder, good until the fourth next call. */
@@ -166,7 +159,6 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
         .pixel_aspect = 1.0f, .model = GP_COLOUR_RGB, .colour_type = GP_HALF,
         .parts = 1,
     };
-    void *mem;
     const int w = gp_frame_w(&f);
     memcpy(f.chromaticities, gp_rec709_chromaticities, sizeof f.chromaticities);
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
@@ -178,8 +170,7 @@ static inline struct gp_frame wf_frame(struct gp_rect data,
     while (list[f.channels].name)
         f.channels++;
     assert_ok(gp_alloc_zero(NULL, "channels", (size_t) f.channels,
-                            sizeof *f.channel, &mem));
-    f.channel = mem;
+                            sizeof *f.channel, &f.channel));
     for (int i = 0; i < f.channels; i++) {
         struct gp_channel *c = &f.channel[i];
         const int xs = list[i].xs ? list[i].xs : 1;
@@ -288,7 +279,7 @@ static inline void wf_assert_planes(const struct gp_planes *a,
         assert_memory_equal(a->c[c], b->c[c], n * sizeof(float));
 }
 
-/* Whether OpenImageIO is there, for DWA. */
+/* True when OpenImageIO is there, for DWA. */
 static inline bool wf_bridge(void)
 {
     return gp_oiio_check(NULL, "-") == GP_OK;

@@ -3,6 +3,7 @@
 #include "unit.h"
 #include "app/jobs.h"
 #include "app/option_line.h"
+#include "folder.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -18,7 +19,7 @@ static gp_status make(
     const char *line, struct gp_settings *s, struct gp_jobs *j)
 {
     const gp_status st = parse(line, s);
-    return st ? st : gp_jobs_make(&keeper, s, j);
+    return st ? st : gp_jobs_make(&said_all, s, j);
 }
 
 /* "input>output,output input>...", the input with # where numbered and its
@@ -47,10 +48,10 @@ static void check_row(const struct job_row *r, bool views, bool parts)
     char text[1024] = "";
     gp_status st = make(r->line, &s, &j);
     describe(&j, text, sizeof text);
-    bool same = st ? strncmp(said, r->text, strlen(r->text)) == 0
+    bool same = st ? strncmp(said_line, r->text, strlen(r->text)) == 0
                    : strcmp(text, r->text) == 0;
     if (st != r->status || !same)
-        fail_msg("%s: status %d: %s%s", r->line, st, said, text);
+        fail_msg("%s: status %d: %s%s", r->line, st, said_line, text);
     if (!st && j.views != (parts ? gp_jobs_of_frame(&j) : 1))
         fail_msg("%s: %d jobs of one input", r->line, j.views);
     if (!st && !views && (j.view.n || gp_jobs_of_frame(&j) != 1))
@@ -66,39 +67,19 @@ static const char *const files[] = {
     "v.left.0002.exr", "v.right.0002.exr", "q.left.0001.exr",
     "q.right.0001.exr", "q.left.0002.exr", "w.l.exr", "w.r.exr", "lit.%V.exr",
     "m.left.1.png", "m.right.1.png", "m.left.2.png", "m.left.3.png",
-    "m.left.4.png", "m.right.4.png", "x.10000.exr",
+    "m.left.4.png", "m.right.4.png", "x.10000.exr", "d.left/l.1.exr",
+    "d.right/r.1.exr",
 };
-static const char *const folders[] = {"d.left", "d.right"};
-static char folder[] = "/tmp/gp_jobs_XXXXXX";
 
-static int make_folder(void **state)
+static int make_files(void **state)
 {
-    if (!mkdtemp(folder) || chdir(folder) != 0)
+    if (make_folder(state) || chdir(folder) != 0 || mkdir("d.left", 0700) ||
+        mkdir("d.right", 0700))
         return -1;
     for (size_t i = 0; i < COUNT(files); i++)
         close(creat(files[i], 0600));
-    for (int i = 0; i < 2; i++) {
-        char name[16];
-        if (mkdir(folders[i], 0700) != 0)
-            return -1;
-        snprintf(name, sizeof name, "%s/%c.1.exr", folders[i], folders[i][2]);
-        close(creat(name, 0600));
-    }
     // "-" must not be a terminal here
     return freopen("/dev/null", "r", stdin) ? 0 : -1;
-}
-
-static int remove_folder(void **state)
-{
-    for (size_t i = 0; i < COUNT(files); i++)
-        unlink(files[i]);
-    for (int i = 0; i < 2; i++) {
-        char name[16];
-        snprintf(name, sizeof name, "%s/%c.1.exr", folders[i], folders[i][2]);
-        unlink(name);
-        rmdir(folders[i]);
-    }
-    return chdir("/") || rmdir(folder);
 }
 
 // -- frames ------------------------------------------------------------------
@@ -288,7 +269,7 @@ static void too_many_jobs(void **state)
     struct gp_jobs j = {0};
     assert_int_equal(make("--views a,b -f 1-500001 --skip-bad-frames -o - "
                           "v.%V.#.exr", &s, &j), GP_ERR_USAGE);
-    assert_int_equal(strncmp(said, "v.%V.#.exr:", 11), 0);
+    assert_int_equal(strncmp(said_line, "v.%V.#.exr:", 11), 0);
     gp_settings_free(&s);
 }
 
@@ -325,11 +306,11 @@ static void what_is_made(void **state)
         struct gp_jobs j = {0};
         if (make(made_rows[i].line, &s, &j) ||
             gp_job_made(&s.write, &j, &j.job[0]) != made_rows[i].made)
-            fail_msg("%s: %s", made_rows[i].line, said);
+            fail_msg("%s: %s", made_rows[i].line, said_line);
         gp_jobs_free(&j);
         gp_settings_free(&s);
     }
 }
 
-SUITE_OF(jobs, make_folder, remove_folder, frames_and_views, views_in_stdin,
+SUITE_OF(jobs, make_files, remove_folder, frames_and_views, views_in_stdin,
          too_many_jobs, what_is_made)

@@ -4,29 +4,9 @@
 
 #include "app/options.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdlib.h>
-#include <string.h>
+#include "said.h"
 
-#include <cmocka.h>
-
-enum { WORDS = 40, LINE = 4096 };
-
-static char said[LINE];  // the last message
-static int lines;        // how many there were
-
-static inline void keep_line(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    lines++;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log keeper = {keep_line, NULL, GP_LEVEL_INFO};
+enum { WORDS = 40 };
 
 /* Parses a line of words with single blanks between; '' is an empty word. */
 static inline gp_status parse(const char *line, struct gp_settings *s)
@@ -38,9 +18,8 @@ static inline gp_status parse(const char *line, struct gp_settings *s)
     for (char *w = strtok(copy, " "); w && argc < WORDS - 1;
          w = strtok(NULL, " "))
         argv[argc++] = strcmp(w, "''") == 0 ? "" : w;
-    said[0] = '\0';
-    lines = 0;
-    return gp_options_parse(&keeper, argc, argv, s);
+    said_nothing();
+    return gp_options_parse(&said_all, argc, argv, s);
 }
 
 #endif

@@ -9,7 +9,7 @@ static void defaults_hold(void **state)
 {
     struct gp_settings s;
     assert_int_equal(parse("-o a.png in.exr", &s), GP_OK);
-    assert_int_equal(lines, 0);
+    assert_int_equal(said_lines, 0);
     assert_true(s.inputs.n == 1 && s.outputs.n == 1);
     assert_string_equal(s.inputs.at[0], "in.exr");
     assert_string_equal(s.outputs.at[0], "a.png");
@@ -51,7 +51,7 @@ static void check_stored(const struct gp_option *o, const char *value,
     snprintf(line + n, sizeof line - (size_t) n, " --%s %s%s", o->name, value,
              o->kind == GP_KIND_NAMED ? "=f" : "");
     if (parse(line, &s) != GP_OK)
-        fail_msg("%s: %s", line, said);
+        fail_msg("%s: %s", line, said_line);
     const void *const at = (const char *) &s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
@@ -159,7 +159,7 @@ static void clusters_follow_groups(void **state)
         assert_int_equal(parse(rows[i].line, &s), GP_OK);
         assert_int_equal(s.glare.splat.group, rows[i].group);
         assert_int_equal(s.glare.splat.cluster, rows[i].cluster);
-        assert_int_equal(lines, 0);
+        assert_int_equal(said_lines, 0);
         gp_settings_free(&s);
     }
 }
@@ -183,7 +183,7 @@ static void commands(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i].line, &s), GP_OK);
-        assert_int_equal(lines, 0);
+        assert_int_equal(said_lines, 0);
         assert_int_equal(s.command, rows[i].command);
         assert_int_equal(s.inputs.n, rows[i].inputs);
         assert_int_equal(s.help, rows[i].help);
@@ -237,8 +237,9 @@ static void check_wrong(const char *line, const char *part)
 {
     struct gp_settings s;
     gp_status st = parse(line, &s);
-    if (st != GP_ERR_USAGE || lines != 1 || !strstr(said, part))
-        fail_msg("\"%s\": status %d, %d lines: %s", line, st, lines, said);
+    if (st != GP_ERR_USAGE || said_lines != 1 || !strstr(said_line, part))
+        fail_msg("\"%s\": status %d, %d lines: %s", line, st, said_lines,
+                 said_line);
     gp_settings_free(&s);
 }
 
@@ -281,8 +282,8 @@ static void warnings(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         assert_int_equal(parse(rows[i][0], &s), GP_OK);
-        if (rows[i][1] ? !strstr(said, rows[i][1]) : lines != 0)
-            fail_msg("%s: %s", rows[i][0], said);
+        if (rows[i][1] ? !strstr(said_line, rows[i][1]) : said_lines != 0)
+            fail_msg("%s: %s", rows[i][0], said_line);
         gp_settings_free(&s);
     }
 }

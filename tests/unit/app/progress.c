@@ -155,8 +155,8 @@ static void failed_views(void **state)
     }
 }
 
-/* Returns what an update draws into a file that is no terminal, `ms` after the start;
- * "" for nothing. */
+/* Returns what an update draws into a file that is no terminal, `ms` after the
+ * start; "" for nothing. */
 static const char *drawn(enum gp_progress_when when, bool quiet, int done,
                          int total, double ms, const char *name)
 {

@@ -1,6 +1,7 @@
 /* app/report: what a run says about itself. */
 #include "unit.h"
 #include "app/report.h"
+#include "folder.h"
 #include "said.h"
 
 #include <jansson.h>
@@ -36,10 +37,7 @@ static struct gp_facts full_facts(void)
 /* Reports the facts into a file and reads its lines back. */
 static char *reported(const struct gp_facts *facts, int n)
 {
-    char path[] = "/tmp/gp_report_XXXXXX";
-    int fd = mkstemp(path);
-    assert_true(fd >= 0);
-    close(fd);
+    in_folder("reported.json");
     struct gp_report r;
     assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
     for (int i = 0; i < n; i++)
@@ -51,7 +49,6 @@ static char *reported(const struct gp_facts *facts, int n)
     text[size] = '\0';
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
-    unlink(path);
     return text;
 }
 
@@ -160,9 +157,7 @@ static long size_of(const char *path)
 /* A run that fails before its first line leaves the file as it was. */
 static void files_are_touched_with_the_first_line(void **state)
 {
-    char folder[] = "/tmp/gp_report_XXXXXX", path[64];
-    assert_non_null(mkdtemp(folder));
-    snprintf(path, sizeof path, "%s/r.json", folder);
+    in_folder("r.json");
     struct gp_facts facts = full_facts();
     struct gp_report r;
     assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
@@ -180,8 +175,6 @@ static void files_are_touched_with_the_first_line(void **state)
     assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_in_range(size_of(path), 100, 2000);
-    unlink(path);
-    rmdir(folder);
 }
 
 static void errors_of_files(void **state)
@@ -216,7 +209,7 @@ static void lines_are_cut_not_overrun(void **state)
                            "11 cores, blended quads on OSMesa: llvmpipe"));
 }
 
-SUITE_OF(report, NULL, NULL, all_fields_in_order,
+SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
          what_was_not_needed_is_left_out, hard_values_stay_json,
          locales_do_not_matter, files_are_touched_with_the_first_line,
          errors_of_files, lines_are_cut_not_overrun)

@@ -60,7 +60,7 @@ static void files_by_content(void **state)
         if (row[i].say) {
             assert_ptr_equal(root, none);
             must_say(i, row[i].say);
-            must_say(i, jf_file);
+            must_say(i, path);
             must_say(i, "; ");
             assert_null(strchr(said_line, '\x1b'));
         } else {
@@ -72,15 +72,15 @@ static void files_by_content(void **state)
 static void files_that_cannot_be_read(void **state)
 {
     json_t *root;
-    assert_int_equal(read_small(jf_folder, &root), GP_ERR_IO);
-    must_say(0, jf_folder);
+    assert_int_equal(read_small(folder, &root), GP_ERR_IO);
+    must_say(0, folder);
     assert_int_equal(read_small("/nowhere/a.json", &root), GP_ERR_IO);
     must_say(1, "/nowhere/a.json: ");
     assert_int_equal(read_small("", &root), GP_ERR_IO);
     // no size of its own, no end
     assert_int_equal(read_small("/dev/zero", &root), GP_ERR_DATA);
     must_say(3, "too large");
-    assert_int_equal(gp_json_read(NULL, jf_folder, GP_JSON_SMALL, &root),
+    assert_int_equal(gp_json_read(NULL, folder, GP_JSON_SMALL, &root),
                      GP_ERR_IO);
 }
 
@@ -325,7 +325,7 @@ static void the_file_itself_has_no_number(void **state)
     json_decref(o);
 }
 
-SUITE_OF(json, jf_setup, jf_teardown, files_by_content,
+SUITE_OF(json, make_folder, remove_folder, files_by_content,
     files_that_cannot_be_read, sizes_up_to_the_limit, deep_nesting_is_an_error,
     a_decimal_comma_changes_nothing, arrays_of_files, keys_must_be_known,
     long_names_are_cut, values, the_file_itself_has_no_number)

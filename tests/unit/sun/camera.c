@@ -7,6 +7,7 @@
 #include "sun/camera.h"
 
 #include <float.h>
+#include <unistd.h>
 
 static const double SUN = 0.533; // degrees, as the data's generator took it
 static const struct gp_rect hd = {0, 0, 1920, 1080};
@@ -356,7 +357,7 @@ static void files_by_content(void **state)
             fail_msg("row %zu: status %d, %d frames, %s", i, st, f.n,
                      said_line);
         if (st && (!strstr(said_line, row[i].say) ||
-                   strstr(said_line, jf_file) != said_line))
+                   strstr(said_line, path) != said_line))
             fail_msg("row %zu: %s", i, said_line);
         gp_camera_file_free(&f);
         gp_camera_file_free(&f);
@@ -433,7 +434,7 @@ static void large_files_have_an_end(void **state)
         gp_camera_file_free(&f);
     }
     struct gp_camera_file f;
-    assert_int_equal(gp_camera_read(&said_log, jf_folder, &f), GP_ERR_IO);
+    assert_int_equal(gp_camera_read(&said_log, folder, &f), GP_ERR_IO);
     assert_int_equal(gp_camera_read(&said_log, "/nowhere", &f), GP_ERR_IO);
 }
 
@@ -610,7 +611,7 @@ static void arnold_is_told_from_the_spec(void **state)
     }
 }
 
-SUITE_OF(camera, jf_setup, jf_teardown, places_of_a_hand_made_camera,
+SUITE_OF(camera, make_folder, remove_folder, places_of_a_hand_made_camera,
          windows_move_and_scale, depth_counts_in_camera_units,
          conventions_are_told_apart, matrices_that_are_none,
          discs_cover_what_their_cones_cut, discs_that_are_none,

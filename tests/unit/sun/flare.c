@@ -29,8 +29,8 @@ static void reads_elements(void **state)
     assert_true(f.element[2].scale[1] == 1.5f);
     assert_true(f.element[2].colour[0] == 0.5f);
     assert_true(f.element[2].colour[2] == 0.5f && f.element[3].width == 0.5);
-    assert_memory_equal(f.element[4].path, jf_folder, strlen(jf_folder));
-    assert_string_equal(f.element[4].path + strlen(jf_folder), "/a/b.exr");
+    assert_memory_equal(f.element[4].path, folder, strlen(folder));
+    assert_string_equal(f.element[4].path + strlen(folder), "/a/b.exr");
     assert_string_equal(f.element[5].path, "/c.exr");
     gp_flare_free(&f);
     assert_null(f.element);
@@ -46,7 +46,7 @@ static void refuses_elements(void **state)
     } rows[] = {
         {"[{}]", "element 1"}, {"[{'size': 1}]", "shape"},
         {"[3]", "element 1"}, {"{'lights': []}", "elements"},
-        {"[{'shape': 'disc'", "/tmp/glarepp-json-"},
+        {"[{'shape': 'disc'", "/tmp/glarepp-test-"},
         {"[{'shape': 'disc'}, {'shape': 'blob'}]", "element 2"},
         // the rest of an element, from its shape
         {"disc', 'colour': 1", "colour"}, {"disc', 'sides': 5", "sides"},
@@ -367,7 +367,7 @@ static void threads_change_nothing(void **state)
     free_images(e, f.n);
 }
 
-SUITE_OF(flare, jf_setup, jf_teardown, reads_elements, refuses_elements,
+SUITE_OF(flare, make_folder, remove_folder, reads_elements, refuses_elements,
     refuses_too_many, example_is_faint, totals_hold, places_lie_on_the_axis,
     rotation_is_counter_clockwise, small_steps_are_small, reach_holds_all,
     plain_images_keep_total_and_centroid, scaled_images_keep_their_totals,

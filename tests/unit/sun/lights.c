@@ -96,13 +96,13 @@ static void files_that_are_refused(void **state)
                  row[i].text);
         gp_status st = gp_lights_read(&said_log, jf_write(text), &got, &n);
         if (st != GP_ERR_DATA || !strstr(said_line, row[i].say) ||
-            !strstr(said_line, "; ") || strstr(said_line, jf_file) != said_line)
+            !strstr(said_line, "; ") || strstr(said_line, path) != said_line)
             fail_msg("row %zu: status %d, %s", i, st, said_line);
         assert_true(got == none && n == -1);
     }
     struct gp_light_spec *got;
     int n;
-    assert_int_equal(gp_lights_read(&said_log, jf_folder, &got, &n), GP_ERR_IO);
+    assert_int_equal(gp_lights_read(&said_log, folder, &got, &n), GP_ERR_IO);
 }
 
 static void counts_up_to_the_limit(void **state)
@@ -227,5 +227,5 @@ static void places_that_cannot_be(void **state)
     }
 }
 
-SUITE_OF(lights, jf_setup, jf_teardown, lights_by_text, files_that_are_refused,
+SUITE_OF(lights, make_folder, remove_folder, lights_by_text, files_that_are_refused,
          counts_up_to_the_limit, places_by_kind, places_that_cannot_be)
