@@ -162,24 +162,58 @@ static int key_of(const struct gp_flare_quad *q)
     return q->image ? FIRST_IMAGE + q->element : (int) program_of(q);
 }
 
-/* Writes all quads as texels, those of key k from start[k] on. */
-static gp_status write_quads(const struct gp_log *log, const struct gp_gl *gl,
-                             struct gp_flare_gl *s, int *start)
+/* Makes batches of s->quads (not empty) and writes to the context what they
+ * need: programs, images, texels. Errors: GP_ERR_GL an image over the context's
+ * size, GL's own; GP_ERR_BUG memory. */
+static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
+                              struct gp_flare_gl *s)
 {
-    const int most = gp_gl_info(gl)->max_size, n = s->quads.n;
+    static const char *const defines[PROGRAMS] = {
+        "#define ROUND\n", "#define POLYGON\n", "#define STREAK\n",
+        "#define IMAGE\n", "#define PLAIN\n",
+    };
+    const int keys = FIRST_IMAGE + s->quads.elements;
+    struct batch *batch;
+    const int n = s->quads.n, most = gp_gl_info(gl)->max_size;
     const int rows = n < most ? n : most;
+    int *start = NULL; // of each key, the next one's place in the texture
     float *rgba;
-    const gp_status st = make_texels(log, gl, "flare elements",
-                                     (n + rows - 1) / rows * TEXELS, rows,
-                                     &s->texels, &rgba);
-    if (st)
-        return st;
-    const int w = s->texels.w, h = s->texels.h;
+    gp_status st;
+    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * (size_t) keys + 1, sizeof(int),
+                         &start));
+    GP_TRY(gp_alloc_zero(log, "flare draws", (size_t) keys, sizeof *batch,
+                         &batch));
+    gp_free(s->batch);
+    s->batch = batch;
+    s->batches = 0;
+
+    // one batch a key
+    int *const quad = start + keys + 1;
+    for (int i = 0; i < n; i++) {
+        const int key = key_of(&s->quads.at[i]);
+        start[key + 1]++;
+        quad[key] = i;
+    }
+    for (int k = 0; k < keys; k++) {
+        const int of_key = start[k + 1];
+        start[k + 1] += start[k];
+        if (of_key > 0)
+            batch[s->batches++] = (struct batch) {
+                .program = program_of(&s->quads.at[quad[k]]),
+                .first = start[k], .n = of_key, .quad = quad[k],
+            };
+    }
+    GP_TRY(fit_images(log, gl, s));
+
+    // all quads as texels, those of a key together
+    GP_TRY(make_texels(log, gl, "flare elements",
+                       (n + rows - 1) / rows * TEXELS, rows, &s->texels,
+                       &rgba));
     for (int i = 0; i < n; i++) {
         const struct gp_flare_quad *const q = &s->quads.at[i];
         const struct gp_rect r = rect_within(q->rect, s->reach);
-        const int at = start[key_of(q)]++;
-        float *const t = rgba + 4 * ((size_t) (at % h) * (size_t) w +
+        const int at = start[key_of(q)]++, h = s->texels.h;
+        float *const t = rgba + 4 * ((size_t) (at % h) * (size_t) s->texels.w +
                                      (size_t) (at / h * TEXELS));
         const float rect[4] = {(float) r.x0, (float) r.y0, (float) r.x1,
                                (float) r.y1};
@@ -198,68 +232,16 @@ static gp_status write_quads(const struct gp_log *log, const struct gp_gl *gl,
         }
     }
     write_texels(gl, &s->texels, rgba);
-    return GP_OK;
-}
 
-/* Writes the sides of all polygons, a row an element. */
-static gp_status write_edges(const struct gp_log *log, const struct gp_gl *gl,
-                             struct gp_flare_gl *s)
-{
-    const int rows = s->quads.elements;
-    float *rgba;
-    const gp_status st = make_texels(log, gl, "flare polygons", GP_FLARE_SIDES,
-                                     rows, &s->edges, &rgba);
-    if (st)
-        return st;
-    for (int i = 0; i < rows * GP_FLARE_SIDES; i++)
-        memcpy(rgba + 4 * i, s->quads.edge + 3 * i, 3 * sizeof(float));
-    write_texels(gl, &s->edges, rgba);
-    return GP_OK;
-}
-
-/* Makes batches of s->quads (not empty) and writes to the context what they
- * need: programs, images, texels. Errors: GP_ERR_GL an image over the context's
- * size, GL's own; GP_ERR_BUG memory. */
-static gp_status prepare_draw(const struct gp_log *log, const struct gp_gl *gl,
-                              struct gp_flare_gl *s)
-{
-    static const char *const defines[PROGRAMS] = {
-        "#define ROUND\n", "#define POLYGON\n", "#define STREAK\n",
-        "#define IMAGE\n", "#define PLAIN\n",
-    };
-    const int keys = FIRST_IMAGE + s->quads.elements;
-    struct batch *batch;
-    int *start = NULL; // of each key, the first in the texture
-    gp_status st;
-    GP_TRY(gp_alloc_zero(log, "flare draws", 2 * (size_t) keys + 1, sizeof(int),
-                         &start));
-    GP_TRY(gp_alloc_zero(log, "flare draws", (size_t) keys, sizeof *batch,
-                         &batch));
-    gp_free(s->batch);
-    s->batch = batch;
-    s->batches = 0;
-    // one batch a key
-    int *const quad = start + keys + 1;
-    for (int i = 0; i < s->quads.n; i++) {
-        const int key = key_of(&s->quads.at[i]);
-        start[key + 1]++;
-        quad[key] = i;
-    }
-    for (int k = 0; k < keys; k++) {
-        const int n = start[k + 1];
-        start[k + 1] += start[k];
-        if (n > 0)
-            batch[s->batches++] = (struct batch) {
-                .program = program_of(&s->quads.at[quad[k]]),
-                .first = start[k], .n = n, .quad = quad[k],
-            };
-    }
-    GP_TRY(fit_images(log, gl, s));
-    GP_TRY(write_quads(log, gl, s, start));
     for (int i = 0; i < s->batches; i++) {
         const enum flare_program p = s->batch[i].program;
-        if (p == DRAW_POLYGON)
-            GP_TRY(write_edges(log, gl, s));
+        if (p == DRAW_POLYGON) { // the sides of all, a row an element
+            GP_TRY(make_texels(log, gl, "flare polygons", GP_FLARE_SIDES,
+                               s->quads.elements, &s->edges, &rgba));
+            for (int k = 0; k < s->quads.elements * GP_FLARE_SIDES; k++)
+                memcpy(rgba + 4 * k, s->quads.edge + 3 * k, 3 * sizeof(float));
+            write_texels(gl, &s->edges, rgba);
+        }
         if (!s->program[p].id)
             GP_TRY(gp_program_make(log, gl, defines[p], "flare.vert",
                                       "flare.frag", &s->program[p]));

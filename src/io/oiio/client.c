@@ -344,26 +344,6 @@ struct input {
     void *names, *attributes;
 };
 
-/* A descriptor of the bytes: the file's own, or that of a copy in memory. */
-static gp_status make_descriptor(const struct gp_log *log, const char *path,
-                                 const struct gp_stream *s, struct input *in)
-{
-    in->fd = -1;
-    if (!s->data)
-        return GP_OK;
-    in->fd = memfd_create("glarepp", MFD_CLOEXEC);
-    uint64_t done = 0;
-    while (in->fd >= 0 && done < s->size) {
-        const ssize_t n = write(in->fd, s->data + done, s->size - done);
-        if (n < 0 && errno != EINTR)
-            break;
-        done += n > 0 ? (uint64_t) n : 0;
-    }
-    if (in->fd >= 0 && done == s->size)
-        return GP_OK;
-    return gp_shared_failed(log, path, s->size);
-}
-
 /* The string at *at, which moves after it; NULL: it does not end. */
 static const char *next_text(const char **at, const char *end)
 {
@@ -548,7 +528,20 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
     in->fd = -1;
     in->size = stream->size;
     snprintf(ask.format, sizeof ask.format, "%s", reader);
-    GP_TRY(make_descriptor(log, path, stream, in));
+    // the file's own descriptor, or that of a copy in memory
+    if (stream->data) {
+        uint64_t done = 0;
+        in->fd = memfd_create("glarepp", MFD_CLOEXEC);
+        while (in->fd >= 0 && done < in->size) {
+            const ssize_t n = write(in->fd, stream->data + done,
+                                    in->size - done);
+            if (n < 0 && errno != EINTR)
+                break;
+            done += n > 0 ? (uint64_t) n : 0;
+        }
+        if (in->fd < 0 || done < in->size)
+            GP_TRY(gp_shared_failed(log, path, in->size));
+    }
     GP_TRY(take_helper(log, path, false, &in->helper));
     struct helper *const h = in->helper;
     const int fd[2] = {in->fd >= 0 ? in->fd : stream->fd, -1};

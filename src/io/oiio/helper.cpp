@@ -102,18 +102,6 @@ void limit(int what, rlim_t most, bool hard)
 // The limits of glarepp itself: memory, and bytes of a file.
 rlim_t inherited_data, inherited_space, inherited_file;
 
-// CPU time for one call: what is used, and `seconds` of each processor.
-void limit_time(unsigned seconds)
-{
-    struct rusage used = {};
-    (void) getrusage(RUSAGE_SELF, &used);
-    const rlim_t processors =
-        static_cast<rlim_t>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
-    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec) +
-                          static_cast<rlim_t>(used.ru_stime.tv_sec) +
-                          seconds * processors + 1, false);
-}
-
 // A decoder that hangs outlives glarepp by nothing.
 void end_with_client()
 {
@@ -121,18 +109,6 @@ void end_with_client()
     while (poll(&p, 1, -1) < 0 && errno == EINTR)
         ;
     _exit(0);
-}
-
-void confine()
-{
-    inherited_data = soft_limit(RLIMIT_DATA);
-    inherited_space = soft_limit(RLIMIT_AS);
-    inherited_file = soft_limit(RLIMIT_FSIZE);
-    limit(RLIMIT_CORE, 0, true);
-    limit(RLIMIT_NOFILE, 64, true);
-    (void) close_range(3, ~0U, 0);
-    close_network();
-    std::thread(end_with_client).detach();
 }
 
 // -- the socket ---------------------------------------------------------------
@@ -209,25 +185,27 @@ struct Shared {
     }
 };
 
-// Never fewer than before: OpenImageIO's pool keeps the stacks of threads that
-// it ends, which count against the limit of memory.
-void use_threads(int threads)
-{
-    static int most = 0;
-    if (threads <= most)
-        return;
-    most = threads;
-    OIIO::attribute("threads", threads);
-    OIIO::attribute("exr_threads", threads);
-}
-
 void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
             gp_oiio_reply &reply, std::string &text)
 {
     if (ask.protocol != GP_OIIO_PROTOCOL)
         throw std::runtime_error("glarepp-oiio is of another version");
-    use_threads(ask.threads);
-    limit_time(ask.seconds);
+    // never fewer threads than before: OpenImageIO's pool keeps the stacks of
+    // those that it ends, which count against the limit of memory
+    static int threads = 0;
+    if (ask.threads > threads) {
+        threads = ask.threads;
+        OIIO::attribute("threads", threads);
+        OIIO::attribute("exr_threads", threads);
+    }
+    // CPU time: what is used, and the call's seconds of each processor
+    struct rusage used = {};
+    (void) getrusage(RUSAGE_SELF, &used);
+    const rlim_t processors =
+        static_cast<rlim_t>(std::max(1L, sysconf(_SC_NPROCESSORS_ONLN)));
+    limit(RLIMIT_CPU, static_cast<rlim_t>(used.ru_utime.tv_sec) +
+                          static_cast<rlim_t>(used.ru_stime.tv_sec) +
+                          ask.seconds * processors + 1, false);
     limit(RLIMIT_FSIZE, ask.call == GP_OIIO_WRITE ? inherited_file : 0, false);
     switch (ask.call) {
     case GP_OIIO_OPEN: {
@@ -287,7 +265,14 @@ void helper::limit_memory(std::uint64_t bytes)
 
 int main()
 {
-    confine();
+    inherited_data = soft_limit(RLIMIT_DATA);
+    inherited_space = soft_limit(RLIMIT_AS);
+    inherited_file = soft_limit(RLIMIT_FSIZE);
+    limit(RLIMIT_CORE, 0, true);
+    limit(RLIMIT_NOFILE, 64, true);
+    (void) close_range(3, ~0U, 0);
+    close_network();
+    std::thread(end_with_client).detach();
     // the next picture's buffers are those of the last one, without a page
     // fault for each 4 KiB
     mallopt(M_MMAP_THRESHOLD, 1 << 25); // the most that glibc takes

@@ -18,20 +18,16 @@ using OIIO::ImageOutput;
 using OIIO::ImageSpec;
 using OIIO::TypeDesc;
 
-TypeDesc type_of(const std::string &type)
-{
-    return type == "half"     ? TypeDesc::HALF
-           : type == "uint8"  ? TypeDesc::UINT8
-           : type == "uint16" ? TypeDesc::UINT16
-                              : TypeDesc::FLOAT;
-}
-
 ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
 {
     const gp_oiio_spec &s = ask.spec;
     const std::string type = ask.type;
     const char *at = text.c_str();
-    ImageSpec spec(s.w, s.h, s.channels, type_of(type));
+    ImageSpec spec(s.w, s.h, s.channels,
+                   type == "half"     ? TypeDesc::HALF
+                   : type == "uint8"  ? TypeDesc::UINT8
+                   : type == "uint16" ? TypeDesc::UINT16
+                                      : TypeDesc::FLOAT);
     spec.x = s.x;
     spec.y = s.y;
     spec.full_x = s.full_x;
@@ -61,21 +57,6 @@ ImageSpec make_spec(const gp_oiio_ask &ask, const std::string &text)
     if (ask.compression[0])
         spec.attribute("compression", ask.compression);
     return spec;
-}
-
-// Most writers do not look whether their last bytes got into the file. Where
-// files may not grow, one whose bytes might not fit, packed as they come out at
-// worst, is not begun.
-void check_room(const ImageSpec &spec, bool native)
-{
-    const std::uint64_t most = 2 * static_cast<std::uint64_t>(
-        spec.image_bytes(native)) + (std::uint64_t(1) << 16);
-    struct rlimit limit;
-    if (!getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY &&
-        most > limit.rlim_cur)
-        throw std::runtime_error(
-            "up to " + std::to_string(most) + " bytes, but files may have " +
-            std::to_string(limit.rlim_cur) + ", see ulimit -f");
 }
 
 // Fields for a name that OpenImageIO fills with other bytes in each run. SGI's
@@ -110,7 +91,17 @@ void helper::write_file(int fd, const gp_oiio_ask &ask,
     close_file();
     limit_memory(4 * ask.size);
     ImageSpec spec = make_spec(ask, text);
-    check_room(spec, ask.spec.typed);
+    // Most writers do not look whether their last bytes got into the file.
+    // Where files may not grow, one whose bytes might not fit, packed as they
+    // come out at worst, is not begun.
+    const std::uint64_t most = 2 * static_cast<std::uint64_t>(
+        spec.image_bytes(ask.spec.typed)) + (std::uint64_t(1) << 16);
+    struct rlimit limit;
+    if (!getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY &&
+        most > limit.rlim_cur)
+        throw std::runtime_error(
+            "up to " + std::to_string(most) + " bytes, but files may have " +
+            std::to_string(limit.rlim_cur) + ", see ulimit -f");
     std::unique_ptr<ImageOutput> out = ImageOutput::create(ask.format);
     if (!out)
         throw std::runtime_error(OIIO::geterror());
