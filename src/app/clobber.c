@@ -54,24 +54,32 @@ static uint64_t hash_on(uint64_t h, const char *text, size_t n)
 }
 #define HASH_START 14695981039346656037u
 
-/* Sets c->folder, whose path is known: its device and node, or where
- * --create-dir would make it, those of the deepest folder on its way that
- * exists and the hash of the names below that one. */
-static gp_status find_folder(struct gp_clobber *c)
+/* Identifies the file that will be made under a name that does not exist, by
+ * its folder and the names below. The folder is kept in *c, as the next file is
+ * often in it: its device and node, or where --create-dir would make it, those
+ * of the deepest folder on its way that exists and the hash of the rest. */
+static gp_status find_place(struct gp_clobber *c, const char *path,
+                            struct gp_clobber_file *file)
 {
-    const char *const path = c->folder.path;
-    const size_t room = strlen(path) + 3;
     struct stat info;
-    char *way;
-    c->folder.tail = HASH_START;
-    if (stat(path, &info) != 0) {
+    char *way, *const name = gp_file_folder(path);
+    if (!name)
+        return gp_no_memory(c->log, path);
+    const size_t room = strlen(name) + 3;
+    const bool kept = c->folder.path && strcmp(c->folder.path, name) == 0;
+    gp_free(kept ? name : c->folder.path);
+    if (!kept) {
+        c->folder.path = name;
+        c->folder.tail = HASH_START;
+    }
+    if (!kept && stat(name, &info) != 0) {
         gp_status st = gp_alloc_zero(c->log, "file names", 2, room, &way);
         if (st)
             return st;
         char *const rest = way + room;
         size_t at = 1, left = 0, n; // bytes of these
-        way[0] = path[0] == '/' ? '/' : '.';
-        for (const char *p = path; *p; p += n, p += *p == '/') {
+        way[0] = name[0] == '/' ? '/' : '.';
+        for (const char *p = name; *p; p += n, p += *p == '/') {
             n = strcspn(p, "/");
             if (n == 0 || (n == 1 && *p == '.'))
                 continue;
@@ -95,25 +103,9 @@ static gp_status find_folder(struct gp_clobber *c)
             info.st_dev = info.st_ino = 0;
         gp_free(way);
     }
-    c->folder.device = info.st_dev;
-    c->folder.node = info.st_ino;
-    return GP_OK;
-}
-
-/* Identifies the file that will be made under a name that does not exist. */
-static gp_status find_place(struct gp_clobber *c, const char *path,
-                            struct gp_clobber_file *file)
-{
-    gp_status st = GP_OK;
-    char *const name = gp_file_folder(path);
-    if (!name)
-        return gp_no_memory(c->log, path);
-    if (c->folder.path && strcmp(c->folder.path, name) == 0) {
-        gp_free(name);
-    } else {
-        gp_free(c->folder.path);
-        c->folder.path = name;
-        st = find_folder(c);
+    if (!kept) {
+        c->folder.device = info.st_dev;
+        c->folder.node = info.st_ino;
     }
     const char *const slash = strrchr(path, '/');
     const char *const base = slash ? slash + 1 : path;
@@ -122,7 +114,7 @@ static gp_status find_place(struct gp_clobber *c, const char *path,
     file->device = c->folder.device;
     file->node = c->folder.node;
     file->tail = tail ? tail : 1;
-    return st;
+    return GP_OK;
 }
 
 // -- the list ----------------------------------------------------------------

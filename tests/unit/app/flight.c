@@ -121,17 +121,27 @@ static void note(void *user, enum gp_level level, const char *line)
 
 static struct seen seen;
 
-static gp_status fly(int units, int slots, int threads)
+static const struct row {
+    int units, slots, threads;
+} rows[] = {
+    {0, 1, 1}, {1, 1, 1}, {1, 8, 8}, {5, 1, 4}, {60, 2, 1}, {60, 3, 2},
+    {120, 3, 4}, {120, 7, 3}, {200, 64, 16},
+};
+enum { ROWS = COUNT(rows) };
+
+/* Flies the units; all are ended when the flight is. */
+static void fly(const struct row *r, gp_status want)
 {
-    const struct gp_flight_params p = {units, slots, seen.ordered};
+    const struct gp_flight_params p = {r->units, r->slots, seen.ordered};
     const struct gp_flight_work work = {&seen, step, goes_on, has_room, end};
-    seen.slots = slots;
+    seen.slots = r->slots;
     seen.log = (struct gp_log) {note, &seen, GP_LEVEL_INFO};
-    gp_set_threads(threads);
-    const gp_status st = gp_flight_run(&p, &work, &seen.flight);
-    for (int i = 0; i < slots; i++)
+    gp_set_threads(r->threads);
+    assert_int_equal(gp_flight_run(&p, &work, &seen.flight), want);
+    for (int i = 0; i < r->slots; i++)
         gp_frame_log_close(&seen.said[i]);
-    return st;
+    assert_int_equal(seen.wrong, 0);
+    assert_true(want || seen.ended == r->units);
 }
 
 static void clear(void)
@@ -156,79 +166,58 @@ static void assert_said(int units, int fail_every)
     assert_string_equal(seen.text, want);
 }
 
-static const struct {
-    int units, slots, threads;
-} row[] = {
-    {0, 1, 1}, {1, 1, 1}, {1, 8, 8}, {5, 1, 4}, {60, 2, 1}, {60, 3, 2},
-    {120, 3, 4}, {120, 7, 3}, {200, 64, 16},
-};
-
 static void all_in_order(void **state)
 {
-    for (size_t k = 0; k < COUNT(row); k++) {
-        for (int ordered = 0; ordered < 2; ordered++) {
-            clear();
-            seen.ordered = ordered;
-            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
-                             GP_OK);
-            assert_int_equal(seen.wrong, 0);
-            assert_int_equal(seen.ended, row[k].units);
-            assert_int_equal(seen.fails, 0);
-            assert_true(seen.most <= row[k].slots);
-            assert_int_equal(gp_flight_head(&seen.flight), row[k].units);
-            for (int u = 0; u < row[k].units; u++) {
-                for (int phase = 0; phase < 3; phase++)
-                    assert_int_equal(seen.steps[u][phase], 1);
-            }
-            assert_said(row[k].units, 0);
-        }
+    for (int k = 0; k < 2 * ROWS; k++) {
+        const struct row *const r = &rows[k / 2];
+        clear();
+        seen.ordered = k % 2;
+        fly(r, GP_OK);
+        assert_int_equal(seen.fails, 0);
+        assert_true(seen.most <= r->slots);
+        assert_int_equal(gp_flight_head(&seen.flight), r->units);
+        for (int i = 0; i < 3 * r->units; i++)
+            assert_int_equal(seen.steps[i / 3][i % 3], 1);
+        assert_said(r->units, 0);
     }
 }
 
 static void failures_are_skipped(void **state)
 {
-    for (size_t k = 0; k < COUNT(row); k++) {
-        for (int phase = 0; phase < 3; phase++) {
-            clear();
-            seen.skip = true;
-            seen.fail_every = 4;
-            seen.fail_in = (enum gp_phase) phase;
-            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
-                             GP_OK);
-            assert_int_equal(seen.wrong, 0);
-            assert_int_equal(seen.ended, row[k].units);
-            assert_int_equal(seen.fails, (row[k].units + 1) / 4);
-            for (int i = 0; i < seen.fails; i++)
-                assert_int_equal(seen.failed[i], 4 * i + 2);
-            if (phase == GP_PHASE_WRITE)
-                assert_said(row[k].units, 4);
-        }
+    for (int k = 0; k < 3 * ROWS; k++) {
+        const struct row *const r = &rows[k / 3];
+        clear();
+        seen.skip = true;
+        seen.fail_every = 4;
+        seen.fail_in = (enum gp_phase) (k % 3);
+        fly(r, GP_OK);
+        assert_int_equal(seen.fails, (r->units + 1) / 4);
+        for (int i = 0; i < seen.fails; i++)
+            assert_int_equal(seen.failed[i], 4 * i + 2);
+        if (seen.fail_in == GP_PHASE_WRITE)
+            assert_said(r->units, 4);
     }
 }
 
 static void first_failure_ends(void **state)
 {
-    for (size_t k = 0; k < COUNT(row); k++) {
-        for (int phase = 0; phase < 3; phase++) {
-            const int at = row[k].units / 2;
-            clear();
-            seen.fail_at = at;
-            seen.fail_in = (enum gp_phase) phase;
-            assert_int_equal(fly(row[k].units, row[k].slots, row[k].threads),
-                             row[k].units ? GP_ERR_DATA : GP_OK);
-            assert_int_equal(seen.wrong, 0);
-            if (!row[k].units)
-                continue;
-            assert_int_equal(seen.ended, at + 1);
-            for (int u = 0; u < at; u++) // those before are whole
-                assert_int_equal(seen.steps[u][GP_PHASE_WRITE], 1);
-            for (int u = at + row[k].slots; u < row[k].units; u++)
-                assert_int_equal(seen.steps[u][GP_PHASE_READ], 0);
-            char last[32];
-            snprintf(last, sizeof last, "u%d: bad %d ", at, at);
-            assert_string_equal(seen.text + strlen(seen.text) - strlen(last),
-                                last);
-        }
+    for (int k = 0; k < 3 * ROWS; k++) {
+        const struct row *const r = &rows[k / 3];
+        const int at = r->units / 2;
+        char last[32];
+        clear();
+        seen.fail_at = at;
+        seen.fail_in = (enum gp_phase) (k % 3);
+        fly(r, r->units ? GP_ERR_DATA : GP_OK);
+        if (!r->units)
+            continue;
+        assert_int_equal(seen.ended, at + 1);
+        for (int u = 0; u < at; u++) // those before are whole
+            assert_int_equal(seen.steps[u][GP_PHASE_WRITE], 1);
+        for (int u = at + r->slots; u < r->units; u++)
+            assert_int_equal(seen.steps[u][GP_PHASE_READ], 0);
+        snprintf(last, sizeof last, "u%d: bad %d ", at, at);
+        assert_string_equal(seen.text + strlen(seen.text) - strlen(last), last);
     }
 }
 
@@ -236,9 +225,7 @@ static void room_bounds_the_flight(void **state)
 {
     clear();
     seen.narrow = true;
-    assert_int_equal(fly(60, 8, 8), GP_OK);
-    assert_int_equal(seen.wrong, 0);
-    assert_int_equal(seen.ended, 60);
+    fly(&(struct row) {60, 8, 8}, GP_OK);
     assert_true(seen.most <= 2);
 }
 
