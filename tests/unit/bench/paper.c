@@ -20,7 +20,7 @@ static uint64_t hash(const struct gp_frame *f)
 static struct gp_frame make(enum gp_paper_kind kind, int w, int h)
 {
     struct gp_frame f = {0};
-    assert_int_equal(gp_paper_frame(NULL, kind, w, h, &f), GP_OK);
+    assert_ok(gp_paper_frame(NULL, kind, w, h, &f));
     return f;
 }
 
@@ -35,7 +35,7 @@ static void bytes_are_the_same_everywhere(void **state)
         if (i < GP_PAPER_KINDS)
             f = make((enum gp_paper_kind) i, GP_PAPER_W, GP_PAPER_H);
         else
-            assert_int_equal(gp_paper_kernel(NULL, GP_PAPER_KERNEL, &f), GP_OK);
+            assert_ok(gp_paper_kernel(NULL, GP_PAPER_KERNEL, &f));
         if (hash(&f) != want[i])
             fail_msg("frame %d hashes to %#llx", i,
                      (unsigned long long) hash(&f));
@@ -59,7 +59,7 @@ static void light_is_as_it_is_named(void **state)
         const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
         struct gp_frame f = make(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
         struct gp_sources s = {0};
-        assert_int_equal(gp_sense(NULL, &p, &f, &s), GP_OK);
+        assert_ok(gp_sense(NULL, &p, &f, &s));
         const double share = (double) s.n / (double) gp_frame_pixels(&f);
         assert_true(share >= rows[i].least && share <= rows[i].most);
         assert_true(s.nonfinite == 0 && s.clamped == 0);
@@ -123,7 +123,7 @@ static void the_kernel_is_coloured_and_ends_inside(void **state)
     for (size_t i = 0; i < COUNT(sizes); i++) {
         const int n = sizes[i], half = n / 2;
         struct gp_frame f = {0};
-        assert_int_equal(gp_paper_kernel(NULL, n, &f), GP_OK);
+        assert_ok(gp_paper_kernel(NULL, n, &f));
         int coloured = 0;
         for (int k = 0; k < n * n; k++) {
             const int x = k % n, y = k / n;

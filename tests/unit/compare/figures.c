@@ -17,17 +17,7 @@ struct image {
     float v[CHANNELS][ROOM];
 };
 
-static void set_light(struct image *m, const char *names)
-{
-    memset(m->raw.light, 0, sizeof m->raw.light);
-    for (int k = 0; k < 3; k++) {
-        const char *const at = strchr(names, "RGB"[k]);
-        m->raw.light[k] = at ? m->v[at - names] : NULL;
-    }
-    if (!m->raw.light[0] || !m->raw.light[1] || !m->raw.light[2])
-        memset(m->raw.light, 0, sizeof m->raw.light);
-}
-
+/* A channel for each letter of `names`, all 0; light where R, G and B are. */
 static void make(struct image *m, const char *names, struct gp_rect window)
 {
     memset(m, 0, sizeof *m);
@@ -39,7 +29,18 @@ static void make(struct image *m, const char *names, struct gp_rect window)
         m->name[i][0] = names[i];
         m->channel[i] = (struct gp_stored_channel) {m->name[i], false, m->v[i]};
     }
-    set_light(m, names);
+    const bool lit = strchr(names, 'R') && strchr(names, 'G') &&
+                     strchr(names, 'B');
+    for (int k = 0; lit && k < 3; k++)
+        m->raw.light[k] = m->v[strchr(names, "RGB"[k]) - names];
+}
+
+static struct image a, b;
+
+static void make_both(const char *names, int x0, int y0, int x1, int y1)
+{
+    make(&a, names, (struct gp_rect) {x0, y0, x1, y1});
+    make(&b, names, (struct gp_rect) {x0, y0, x1, y1});
 }
 
 static void fill(struct image *m, unsigned seed)
@@ -54,29 +55,25 @@ static void fill(struct image *m, unsigned seed)
     }
 }
 
-static struct gp_compare_figures measure(const struct image *a,
-    const struct image *b, const struct gp_compare_params *s)
+static struct gp_compare_figures measure(const struct gp_compare_params *s)
 {
     struct gp_compare_match m;
     struct gp_compare_figures f;
-    assert_int_equal(gp_compare_match_make(NULL, &a->raw, &b->raw, &m), GP_OK);
-    assert_int_equal(gp_compare_measure(NULL, s, &m, &f), GP_OK);
+    assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
+    assert_ok(gp_compare_measure(NULL, s, &m, &f));
     gp_compare_match_free(&m);
     gp_compare_match_free(&m);
     return f;
 }
 
-static struct image a, b;
-
 // -- figures -----------------------------------------------------------------
 
 static void two_pixels(void **state)
 {
-    make(&a, "R", (struct gp_rect) {0, 0, 2, 1});
-    make(&b, "R", (struct gp_rect) {0, 0, 2, 1});
+    make_both("R", 0, 0, 2, 1);
     a.v[0][0] = 3.0f, a.v[0][1] = -4.0f;
     b.v[0][0] = 3.0f, b.v[0][1] = -4.5f;
-    const struct gp_compare_figures f = measure(&a, &b, &defaults);
+    const struct gp_compare_figures f = measure(&defaults);
     assert_true(f.max == 0.5 && f.x == 1 && f.y == 0 && f.channel == 0);
     assert_true(f.worst_a == -4.0 && f.worst_b == -4.5);
     assert_true(f.mean == 0.25 && fabs(f.rms - sqrt(0.125)) < 1e-15);
@@ -90,23 +87,22 @@ static void two_pixels(void **state)
 
 static void luminance_is_relative(void **state)
 {
-    make(&a, "BGR", (struct gp_rect) {0, 0, 2, 1});
-    make(&b, "BGR", (struct gp_rect) {0, 0, 2, 1});
+    make_both("BGR", 0, 0, 2, 1);
     for (int c = 0; c < 3; c++) {
         a.v[c][0] = b.v[c][0] = 10.0f;
         a.v[c][1] = b.v[c][1] = 0.0f;
     }
     b.v[1][0] = 11.0f; // green
-    struct gp_compare_figures f = measure(&a, &b, &defaults);
+    struct gp_compare_figures f = measure(&defaults);
     assert_true(fabs(f.max_rel - (double) gp_rec709_luminance[1] / 10.0) <
                 1e-6);
     b.v[1][0] = 10.0f;
     b.v[1][1] = 1.0f; // where the first is black: over 1e-6 of its maximum
-    f = measure(&a, &b, &defaults);
+    f = measure(&defaults);
     assert_true(fabs(f.max_rel * 1e-5 - (double) gp_rec709_luminance[1]) <
                 1e-5);
     b.v[1][1] = NAN;
-    assert_true(isinf(measure(&a, &b, &defaults).max_rel));
+    assert_true(isinf(measure(&defaults).max_rel));
 }
 
 /* Each pair of values that are no numbers has its own answer. */
@@ -121,11 +117,10 @@ static void values_that_are_no_numbers(void **state)
         {0.0f, -0.0f, true},     {1e-40f, 0.0f, true},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
-        make(&a, "Z", (struct gp_rect) {-3, -2, 4, 3});
-        make(&b, "Z", (struct gp_rect) {-3, -2, 4, 3});
+        make_both("Z", -3, -2, 4, 3);
         a.v[0][9] = rows[i].a;
         b.v[0][9] = rows[i].b;
-        const struct gp_compare_figures f = measure(&a, &b, &defaults);
+        const struct gp_compare_figures f = measure(&defaults);
         assert_int_equal(f.result, rows[i].same ? GP_COMPARE_MATCH
                                                 : GP_COMPARE_FAILURE);
         assert_int_equal(f.nonfinite, !rows[i].same);
@@ -139,28 +134,27 @@ static void values_that_are_no_numbers(void **state)
 static void limits_are_idiffs(void **state)
 {
     struct gp_compare_params s = defaults;
-    make(&a, "R", (struct gp_rect) {0, 0, 10, 10});
-    make(&b, "R", (struct gp_rect) {0, 0, 10, 10});
+    make_both("R", 0, 0, 10, 10);
     for (int i = 0; i < 5; i++)
         b.v[0][i] = 1.0f;
     s.fail_percent = s.warn_percent = 5.0f;
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_MATCH);
+    assert_int_equal(measure(&s).result, GP_COMPARE_MATCH);
     s.warn_percent = 4.9f;
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_WARNING);
+    assert_int_equal(measure(&s).result, GP_COMPARE_WARNING);
     s.fail_percent = 4.9f;
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_FAILURE);
+    assert_int_equal(measure(&s).result, GP_COMPARE_FAILURE);
     s = defaults;
     s.fail = s.warn = 1.0f; // not over it
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_MATCH);
+    assert_int_equal(measure(&s).result, GP_COMPARE_MATCH);
     s.hard_warn = 0.5f;
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_WARNING);
+    assert_int_equal(measure(&s).result, GP_COMPARE_WARNING);
     s.hard_fail = 0.5f;
-    assert_int_equal(measure(&a, &b, &s).result, GP_COMPARE_FAILURE);
+    assert_int_equal(measure(&s).result, GP_COMPARE_FAILURE);
     s = defaults;
     s.warn_relative = 2.0f; // 1 against 0 is 2 of their mean
-    assert_int_equal(measure(&a, &b, &s).warned, 0);
+    assert_int_equal(measure(&s).warned, 0);
     s.warn_relative = 1.99f;
-    assert_int_equal(measure(&a, &b, &s).warned, 5);
+    assert_int_equal(measure(&s).warned, 5);
 }
 
 // -- names and windows -------------------------------------------------------
@@ -175,12 +169,12 @@ static void names_decide(void **state)
     memcpy(b.v[1], a.v[0], sizeof *a.v);
     memcpy(b.v[2], a.v[2], sizeof *a.v);
     memcpy(b.v[3], a.v[1], sizeof *a.v);
-    struct gp_compare_figures f = measure(&a, &b, &defaults);
+    struct gp_compare_figures f = measure(&defaults);
     assert_true(f.max == 0.0 && f.max_rel == 0.0);
     assert_int_equal(f.result, GP_COMPARE_MATCH);
     struct gp_compare_match m;
     make(&b, "XG", (struct gp_rect) {0, 0, 5, 4});
-    assert_int_equal(gp_compare_match_make(NULL, &a.raw, &b.raw, &m), GP_OK);
+    assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
     assert_int_equal(m.pairs, 5);
     assert_int_equal(m.shared, 1);
     assert_string_equal(gp_compare_name(&m, 0), "R");
@@ -195,7 +189,7 @@ static void windows_are_joined(void **state)
     for (int i = 0; i < 2; i++)
         a.v[0][i] = b.v[0][i] = 1.0f;
     b.v[0][1] = 2.0f;
-    const struct gp_compare_figures f = measure(&a, &b, &defaults);
+    const struct gp_compare_figures f = measure(&defaults);
     assert_true(f.max == 2.0 && f.x == 2 && f.y == 4);
     assert_true(fabs(f.mean - 5.0 / (8.0 * 10.0)) < 1e-15);
     assert_int_equal(f.failed, 4);
@@ -205,11 +199,10 @@ static void windows_are_joined(void **state)
 static void whole_numbers_are_exact(void **state)
 {
     uint32_t x[2] = {4000000001u, 7u}, y[2] = {4000000000u, 7u};
-    make(&a, "i", (struct gp_rect) {0, 0, 2, 1});
-    make(&b, "i", (struct gp_rect) {0, 0, 2, 1});
+    make_both("i", 0, 0, 2, 1);
     a.channel[0] = (struct gp_stored_channel) {a.name[0], true, x};
     b.channel[0] = (struct gp_stored_channel) {b.name[0], true, y};
-    const struct gp_compare_figures f = measure(&a, &b, &defaults);
+    const struct gp_compare_figures f = measure(&defaults);
     assert_true(f.max == 1.0 && f.failed == 1); // floats would be equal
 }
 
@@ -223,7 +216,7 @@ static void threads_do_not_matter(void **state)
     fill(&b, 4);
     for (int i = 0; i < 2; i++) {
         gp_set_threads(i ? 5 : 1);
-        f[i] = measure(&a, &b, &defaults);
+        f[i] = measure(&defaults);
     }
     gp_set_threads(0);
     assert_true(f[0].mean == f[1].mean && f[0].rms == f[1].rms &&
@@ -238,8 +231,8 @@ static struct gp_compare_flip flip(const struct gp_compare_params *s)
 {
     struct gp_compare_match m;
     struct gp_compare_flip f;
-    assert_int_equal(gp_compare_match_make(NULL, &a.raw, &b.raw, &m), GP_OK);
-    assert_int_equal(gp_compare_flip(NULL, s, &m, &f), GP_OK);
+    assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
+    assert_ok(gp_compare_flip(NULL, s, &m, &f));
     gp_compare_match_free(&m);
     return f;
 }
@@ -273,8 +266,7 @@ static void flip_fits_the_files(void **state)
 
 static void black_has_flip(void **state)
 {
-    make(&a, "RGB", (struct gp_rect) {0, 0, 7, 5});
-    make(&b, "RGB", (struct gp_rect) {0, 0, 7, 5});
+    make_both("RGB", 0, 0, 7, 5);
     struct gp_compare_flip f = flip(&defaults);
     assert_true(f.known && f.mean == 0.0 && f.exposures.count == 1);
     gp_compare_flip_free(&f);

@@ -28,8 +28,8 @@ struct pair {
 static struct pair make_pair(int w, int h)
 {
     struct pair p = {.w = w, .h = h, .n = (size_t) w * (size_t) h};
-    assert_int_equal(gp_planes_make(NULL, "a", p.n, &p.a), GP_OK);
-    assert_int_equal(gp_planes_make(NULL, "b", p.n, &p.b), GP_OK);
+    assert_ok(gp_planes_make(NULL, "a", p.n, &p.a));
+    assert_ok(gp_planes_make(NULL, "b", p.n, &p.b));
     p.map = calloc(p.n, sizeof *p.map);
     assert_non_null(p.map);
     return p;
@@ -72,16 +72,15 @@ static struct pair flat(int w, int h, const float a[3], const float b[3])
 static double ldr(struct pair *p, float ppd)
 {
     double mean = NAN;
-    assert_int_equal(gp_flip_ldr(NULL, p->w, p->h, &p->a, &p->b, ppd, p->map,
-                                 &mean), GP_OK);
+    assert_ok(gp_flip_ldr(NULL, p->w, p->h, &p->a, &p->b, ppd, p->map, &mean));
     return mean;
 }
 
 static double hdr(struct pair *p, const struct gp_flip_exposures *e)
 {
     double mean = NAN;
-    assert_int_equal(gp_flip_hdr(NULL, p->w, p->h, &p->a, &p->b, GP_FLIP_PPD, e,
-                                 p->map, &mean), GP_OK);
+    assert_ok(gp_flip_hdr(NULL, p->w, p->h, &p->a, &p->b, GP_FLIP_PPD, e,
+                          p->map, &mean));
     return mean;
 }
 
@@ -206,26 +205,25 @@ static void threads_change_nothing(void **state)
 static void square(struct pair *p, float scale)
 {
     for (size_t i = 0; i < 3 * p->n; i++) {
-        float *a = &p->a.c[i / p->n][i % p->n],
-              *b = &p->b.c[i / p->n][i % p->n];
-        *a = *a * *a * scale;
-        *b = *b * *b * scale;
+        float *const a = p->a.c[i / p->n], *const b = p->b.c[i / p->n];
+        const size_t at = i % p->n;
+        a[at] *= a[at] * scale;
+        b[at] *= b[at] * scale;
     }
 }
 
 static void exposures_fit_the_reference(void **state)
 {
-    static const struct { int w, h; double start, stop, mean; } rows[] = {
-        {60, 44, -3.859875, -2.135175, 0.1392478},
-        {31, 70, -3.859875, -2.135175, 0.1420240},
+    static const struct { int w, h; double mean; } rows[] = {
+        {60, 44, 0.1392478}, {31, 70, 0.1420240},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct pair p = pattern(rows[i].w, rows[i].h);
         struct gp_flip_exposures e;
         square(&p, 40.0f);
-        assert_int_equal(gp_flip_exposures_find(NULL, p.n, &p.a, &e), GP_OK);
-        assert_near((double) e.start, rows[i].start, 1e-4, "start");
-        assert_near((double) e.stop, rows[i].stop, 1e-4, "stop");
+        assert_ok(gp_flip_exposures_find(NULL, p.n, &p.a, &e));
+        assert_near((double) e.start, -3.859875, 1e-4, "start");
+        assert_near((double) e.stop, -2.135175, 1e-4, "stop");
         assert_int_equal(e.count, 2);
         const double mean = hdr(&p, NULL);
         assert_near(mean, rows[i].mean, NEAR, "mean");
@@ -259,7 +257,7 @@ static void the_median_decides_where_exposures_stop(void **state)
         const double median = 0.5 * ((double) sorted[n / 2] +
                                      (double) sorted[(n - 1) / 2]);
         struct gp_flip_exposures e;
-        assert_int_equal(gp_flip_exposures_find(NULL, p.n, &p.a, &e), GP_OK);
+        assert_ok(gp_flip_exposures_find(NULL, p.n, &p.a, &e));
         assert_near((double) (e.stop - e.start),
                     log2((double) sorted[n - 1] / median), 1e-5, "the range");
         free(sorted);
@@ -286,7 +284,7 @@ static void dark_and_hostile_references_have_exposures(void **state)
             p.a.c[k / 4][k % 4] = rows[i].v[k % 4];
             p.b.c[k / 4][k % 4] = 1.0f;
         }
-        assert_int_equal(gp_flip_exposures_find(NULL, p.n, &p.a, &e), GP_OK);
+        assert_ok(gp_flip_exposures_find(NULL, p.n, &p.a, &e));
         assert_near((double) (e.stop - e.start), (double) rows[i].range, 2e-3,
                     "the range");
         assert_int_equal(e.count, rows[i].count);
@@ -347,12 +345,11 @@ static void what_makes_no_sense_is_refused(void **state)
     struct gp_flip_exposures e;
     assert_int_equal(gp_flip_exposures_find(NULL, 0, &p.a, &e), GP_ERR_USAGE);
     // neither result is wanted: nothing to write, no crash
-    assert_int_equal(gp_flip_ldr(NULL, 2, 2, &p.a, &p.b, 67.0f, NULL, NULL),
-                     GP_OK);
+    assert_ok(gp_flip_ldr(NULL, 2, 2, &p.a, &p.b, 67.0f, NULL, NULL));
     free_pair(&p);
 }
 
-// -- memory ---------------------------------------------------------------------------
+// -- memory ------------------------------------------------------------------
 
 static struct pair starved;
 static double found;

@@ -129,6 +129,7 @@ static void grey_ramps_rise(void **state)
     }
 }
 
+/* In [0, 1], and black without any light. */
 static void output_is_always_in_range(void **state)
 {
     static const float hard[] = {
@@ -148,27 +149,16 @@ static void output_is_always_in_range(void **state)
             }
             (*c)->map(v[0], v[1], v[2], N, whites[w]);
             for (size_t i = 0; i < N; i++) {
+                const bool lit = hard[i % H] > 0.0f || hard[i / H % H] > 0.0f ||
+                                 hard[i / H / H] > 0.0f;
                 for (int k = 0; k < 3; k++) {
-                    if (!(v[k][i] >= 0.0f && v[k][i] <= 1.0f))
+                    if (!(v[k][i] >= 0.0f && v[k][i] <= (lit ? 1.0f : 0.0f)))
                         fail_msg("%s of %g %g %g, white %g: %g", (*c)->name,
                                  (double) hard[i % H], (double) hard[i / H % H],
                                  (double) hard[i / H / H], (double) whites[w],
                                  (double) v[k][i]);
                 }
             }
-        }
-    }
-}
-
-static void darkness_is_black(void **state)
-{
-    static const float rows[][3] = {{0, 0, 0}, {-1, -2, -3}, {-0.0f, 0, -1e9f}};
-    for (const struct gp_tone_curve *const *c = gp_tone_curves; *c; c++) {
-        for (size_t i = 0; (*c)->map && i < COUNT(rows); i++) {
-            float out[3];
-            map_one((*c)->name, rows[i], 1.0f, out);
-            for (int k = 0; k < 3; k++)
-                assert_true(out[k] == 0.0f);
         }
     }
 }
@@ -203,5 +193,5 @@ static void reinhard_keeps_luminance_and_hue(void **state)
 
 SUITE_OF(curves, NULL, NULL, operators_are_their_equations,
          dark_light_keeps_its_digits, published_points, grey_ramps_rise,
-         output_is_always_in_range, darkness_is_black,
+         output_is_always_in_range,
          reinhard_keeps_luminance_and_hue)
