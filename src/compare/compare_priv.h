@@ -19,6 +19,7 @@ struct gp_compare_match {
     struct gp_compare_pair *pair;  // R, G, B, A first, else a's order; owned
     int pairs;
     int shared;                    // pairs in which both have a channel
+    bool lit;                      // both have colour
 };
 
 /* Finds the pairs by exact names; order does not matter.

@@ -26,7 +26,7 @@ gp_status gp_compare_match_make(
 {
     static const char *const first[] = {"R", "G", "B", "A"};
     *m = (struct gp_compare_match) {
-        .a = a, .b = b,
+        .a = a, .b = b, .lit = a->light[0] && b->light[0],
         .window = {gp_min(a->data.x0, b->data.x0),
                    gp_min(a->data.y0, b->data.y0),
                    gp_max(a->data.x1, b->data.x1),
@@ -89,6 +89,16 @@ static double value_at(const struct gp_stored_channel *c, int64_t at)
 static bool same_nonfinite(double a, double b)
 {
     return (isnan(a) && isnan(b)) || (isinf(a) && a == b);
+}
+
+/* Luminance of a pixel, by the weights of the first image. */
+static double luminance(const struct gp_compare_match *m,
+                        const struct gp_stored_image *image, int64_t at)
+{
+    double y = 0.0;
+    for (int c = 0; c < 3 && at >= 0; c++)
+        y += (double) m->a->luminance[c] * (double) image->light[c][at];
+    return y;
 }
 
 // -- sums --------------------------------------------------------------------
@@ -165,31 +175,9 @@ static void sum_row(void *ctx, int row, int thread)
         }
         s->failed += failed;
         s->warned += warned;
-    }
-}
-
-// -- luminance ---------------------------------------------------------------
-
-/* Luminance of a pixel, by the weights of the first image. */
-static double luminance(const struct gp_compare_match *m,
-                        const struct gp_stored_image *image, int64_t at)
-{
-    double y = 0.0;
-    for (int c = 0; c < 3 && at >= 0; c++)
-        y += (double) m->a->luminance[c] * (double) image->light[c][at];
-    return y;
-}
-
-static void bright_row(void *ctx, int row, int thread)
-{
-    (void) thread;
-    const struct measure *const t = ctx;
-    const struct gp_compare_match *const m = t->m;
-    for (int x = m->window.x0; x < m->window.x1; x++) {
-        const double y =
-            luminance(m, m->a, index_at(m->a, x, m->window.y0 + row));
-        if (isfinite(y))
-            t->row[row].bright = fmax(t->row[row].bright, y);
+        const double bright = m->lit ? luminance(m, m->a, at_a) : 0.0;
+        if (isfinite(bright))
+            s->bright = fmax(s->bright, bright);
     }
 }
 
@@ -212,11 +200,6 @@ static void relative_row(void *ctx, int row, int thread)
     }
 }
 
-static bool has_light(const struct gp_compare_match *m)
-{
-    return m->a->light[0] && m->b->light[0];
-}
-
 // -- figures -----------------------------------------------------------------
 
 gp_status gp_compare_measure(
@@ -224,19 +207,16 @@ gp_status gp_compare_measure(
     const struct gp_compare_match *m, struct gp_compare_figures *out)
 {
     const int rows = gp_rect_h(m->window);
-    const bool lit = has_light(m);
     struct measure t = {.limits = limits, .m = m};
     gp_status st = gp_alloc_zero(log, "sums", (size_t) rows, sizeof *t.row,
                                  &t.row);
     if (st)
         return st;
     gp_parallel_do(rows, sum_row, &t);
-    if (lit) {
-        gp_parallel_do(rows, bright_row, &t);
-        for (int y = 0; y < rows; y++)
-            t.bright = fmax(t.bright, t.row[y].bright);
+    for (int y = 0; y < rows; y++)
+        t.bright = fmax(t.bright, t.row[y].bright);
+    if (m->lit)
         gp_parallel_do(rows, relative_row, &t);
-    }
     // rows added up, and the first of the largest errors
     const double values = (double) gp_rect_w(m->window) * (double) rows *
                           (double) m->pairs;
@@ -244,7 +224,7 @@ gp_status gp_compare_measure(
     *out = (struct gp_compare_figures) {
         .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
         .x = m->window.x0, .y = m->window.y0,
-        .max_rel = lit ? 0.0 : (double) NAN,
+        .max_rel = m->lit ? 0.0 : (double) NAN,
     };
     for (int y = 0; y < rows; y++) {
         const struct sums *const s = &t.row[y];
@@ -255,7 +235,7 @@ gp_status gp_compare_measure(
         out->nonfinite += s->nonfinite;
         out->failed += s->failed;
         out->warned += s->warned;
-        if (lit)
+        if (m->lit)
             out->max_rel = fmax(out->max_rel, s->relative);
         if (!(s->max > out->max))
             continue;
@@ -324,7 +304,7 @@ gp_status gp_compare_flip(
     *out = (struct gp_compare_flip) {
         .hdr = !(m->a->integers && m->b->integers),
     };
-    if (p->no_flip || !has_light(m))
+    if (p->no_flip || !m->lit)
         return GP_OK;
     GP_TRY(lay_light(log, m, m->a, out->hdr, &a));
     GP_TRY(lay_light(log, m, m->b, out->hdr, &b));

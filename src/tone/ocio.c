@@ -63,7 +63,8 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
 struct pass {
     const struct gp_ocio_api *api;
     const void *processor;
-    const struct gp_planes *in, *out;
+    const struct gp_planes *in;
+    struct gp_planes *out;
     float scale;
     size_t pixels;
 };
@@ -84,46 +85,40 @@ static gp_status pass_block(void *ctx, int block, int thread)
                          p->out->c[2] + at, n) ? GP_ERR_BUG : GP_OK;
 }
 
-static gp_status run_pass(const struct gp_log *log, struct pass *p)
+/* Makes `out` where it is empty, named `what` in errors, and runs the pass. */
+static gp_status run_pass(const struct gp_log *log, const char *what,
+                          struct pass *p)
 {
+    const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
+    gp_status st = p->out->c[0]
+                       ? GP_OK : gp_planes_make(log, what, p->pixels, p->out);
+    if (st)
+        return st;
     if (!p->processor)
         return gp_fail_bare(log, GP_ERR_BUG,
                             "OCIO: this transform was never asked for");
-    const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
-    gp_status st = gp_parallel(blocks, pass_block, p, NULL);
-    if (st)
-        return gp_fail_bare(log, st,
-            "OCIO: OpenColorIO failed on the pixels; free some memory");
-    return GP_OK;
+    st = gp_parallel(blocks, pass_block, p, NULL);
+    return !st ? GP_OK : gp_fail_bare(log, st,
+        "OCIO: OpenColorIO failed on the pixels; free some memory");
 }
 
 gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
                        const struct gp_tone_params *p, struct gp_frame *f)
 {
-    struct pass pass = {
+    return run_pass(log, "shown frame", &(struct pass) {
         .api = ocio->api, .processor = ocio->made.view, .in = &f->lit,
         .out = &f->shown, .scale = gp_tone_scale(p, f),
         .pixels = gp_frame_pixels(f),
-    };
-    if (!f->shown.c[0]) {
-        gp_status st = gp_planes_make(log, "shown frame", pass.pixels,
-                                      &f->shown);
-        if (st)
-            return st;
-    }
-    return run_pass(log, &pass);
+    });
 }
 
 gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
                           const struct gp_frame *f, struct gp_planes *out)
 {
-    struct pass pass = {
+    gp_status st = run_pass(log, "converted frame", &(struct pass) {
         .api = ocio->api, .processor = ocio->made.output, .in = &f->lit,
         .out = out, .scale = 1.0f, .pixels = gp_frame_pixels(f),
-    };
-    gp_status st = gp_planes_make(log, "converted frame", pass.pixels, out);
-    if (!st)
-        st = run_pass(log, &pass);
+    });
     if (st)
         gp_planes_free(out);
     return st;

@@ -140,23 +140,6 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
     }
 }
 
-OCIO::ConstContextRcPtr make_context(const Asked &a)
-{
-    const OCIO::ContextRcPtr c =
-        a.config->getCurrentContext()->createEditableCopy();
-    for (int i = 0; i < a.p->contexts; i++) {
-        const std::string text = a.p->context[i];
-        const std::size_t is = text.find('=');
-        if (is == 0 || is == std::string::npos)
-            throw Refusal{GP_ERR_USAGE, "--ocio-context: no setting (found "
-                                        "\"" + text +
-                                        "\"); write NAME=VALUE"};
-        c->setStringVar(text.substr(0, is).c_str(),
-                        text.substr(is + 1).c_str());
-    }
-    return c;
-}
-
 // -- names -------------------------------------------------------------------
 
 Names all(int n, const std::function<const char *(int)> &name)
@@ -307,7 +290,19 @@ try {
                                     "give a config file"};
     own->config = config;
     Asked a{p, read_config(own->config), nullptr, own.get()};
-    a.context = make_context(a);
+    const OCIO::ContextRcPtr context =
+        a.config->getCurrentContext()->createEditableCopy();
+    for (int i = 0; i < p->contexts; i++) {
+        const std::string text = p->context[i];
+        const std::size_t is = text.find('=');
+        if (is == 0 || is == std::string::npos)
+            throw Refusal{GP_ERR_USAGE, "--ocio-context: no setting (found "
+                                        "\"" + text +
+                                        "\"); write NAME=VALUE"};
+        context->setStringVar(text.substr(0, is).c_str(),
+                              text.substr(is + 1).c_str());
+    }
+    a.context = context;
     const char *space = p->input;
     for (const char *const role : {"scene_linear", "reference", "default"}) {
         if (!space && a.config->hasRole(role))
