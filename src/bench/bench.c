@@ -306,18 +306,21 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     struct gp_frame f = {0};
     struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
     struct gp_bench_table table = {.runs = p->runs};
+    char *answer;
     // minutes of measuring should not end at a name that cannot be written
     for (int i = 0; i < 3; i++) {
-        if (files[i] && !gp_bench_on_stdout(files[i]))
+        if (files[i] && !gp_is_dash(files[i]))
             GP_TRY(gp_file_check(log, files[i], false));
     }
-    const size_t n = p->plot ? strlen(p->plot) : 0;
-    if (p->plot && !gp_bench_on_stdout(p->plot) &&
+    size_t n = p->plot ? strlen(p->plot) : 0;
+    if (p->plot && !gp_is_dash(p->plot) &&
         (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
         return gp_fail(log, GP_ERR_USAGE,
             "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
-    if (p->plot)
-        GP_TRY(gp_bench_plot_check(log));
+    if (p->plot) { // is there a gnuplot
+        GP_TRY(gp_gnuplot(log, "exit\n", &answer, &n));
+        free(answer);
+    }
     if (gp_suns_wanted(job->sun))
         return gp_bench_sun(log, job);
     // the kernel that was asked for; the paper's own where none was

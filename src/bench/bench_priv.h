@@ -121,11 +121,6 @@ GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
 /* Ends what was printed on stdout. Errors: GP_ERR_IO who reads it has left. */
 GP_MUST_CHECK gp_status gp_bench_flush(const struct gp_log *log);
 
-static inline bool gp_bench_on_stdout(const char *path)
-{
-    return path && path[0] == '-' && !path[1];
-}
-
 // -- bench.c -----------------------------------------------------------------
 
 /* For extrapolating: makes *out a frame with the same light in one of `parts`
@@ -140,10 +135,6 @@ GP_MUST_CHECK gp_status gp_bench_part(
     const struct gp_sources *src, int parts, struct gp_frame *out);
 
 // -- plot.c ------------------------------------------------------------------
-
-/* Finds out before any work whether there is a gnuplot.
- * Errors: GP_ERR_IO, with the name of the package to install. */
-GP_MUST_CHECK gp_status gp_bench_plot_check(const struct gp_log *log);
 
 /* Milliseconds against rel_l2, both logarithmic, a picture below the other
  * for each frame: SVG. Rows without an error are not in it.

@@ -253,16 +253,6 @@ gp_status gp_gnuplot(const struct gp_log *log, const char *script, char **out,
     return st;
 }
 
-gp_status gp_bench_plot_check(const struct gp_log *log)
-{
-    char *out;
-    size_t size;
-    gp_status st = gp_gnuplot(log, "exit\n", &out, &size);
-    if (!st)
-        free(out);
-    return st;
-}
-
 gp_status gp_bench_plot(const struct gp_log *log,
                         const struct gp_bench_table *t, const char *path)
 {

@@ -228,7 +228,7 @@ gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
         GP_TRY(save_csv(&b, p->csv));
     if (p->json)
         GP_TRY(save_json(&b, p->json));
-    if (!gp_bench_on_stdout(p->csv) && !gp_bench_on_stdout(p->json)) {
+    if (!gp_is_dash(p->csv) && !gp_is_dash(p->json)) {
         print_table(&b);
         GP_TRY(gp_bench_flush(log));
     }

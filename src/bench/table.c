@@ -355,8 +355,8 @@ gp_status gp_bench_write(const struct gp_log *log,
         GP_TRY(save_json(log, t, p->json));
     if (p->plot)
         GP_TRY(gp_bench_plot(log, t, p->plot));
-    if (gp_bench_on_stdout(p->csv) || gp_bench_on_stdout(p->json) ||
-        gp_bench_on_stdout(p->plot))
+    if (gp_is_dash(p->csv) || gp_is_dash(p->json) ||
+        gp_is_dash(p->plot))
         return GP_OK;
     print_table(t);
     st = gp_bench_flush(log);

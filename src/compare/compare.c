@@ -37,15 +37,10 @@ struct run {
     bool drawn;                    // the pair has its heatmap
 };
 
-static bool on_stdout(const char *path)
-{
-    return path && strcmp(path, "-") == 0;
-}
-
 /* True when the figures are printed for readers. */
 static bool prints(const struct run *r)
 {
-    return r->log->level != GP_LEVEL_ERROR && !on_stdout(r->job->json);
+    return r->log->level != GP_LEVEL_ERROR && !gp_is_dash(r->job->json);
 }
 
 // -- text --------------------------------------------------------------------
@@ -331,7 +326,7 @@ static gp_status compare_all(struct run *r)
                        "write a pattern such as heat.####.png", heatmap);
     if (heatmap)
         GP_TRY(gp_write_check(r->log, job->write, heatmap));
-    if (job->json && !on_stdout(job->json))
+    if (job->json && !gp_is_dash(job->json))
         GP_TRY(gp_file_check(r->log, job->json, false));
     if (job->check_names)
         GP_TRY(job->check_names(r->log, job->user, n));
@@ -392,7 +387,7 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
     if (n != 2)
         return gp_fail(log, GP_ERR_USAGE, "%s: two images are compared (found "
             "%d); write glarepp compare A B", n > 2 ? inputs[2] : "compare", n);
-    if (on_stdout(inputs[0]) && on_stdout(inputs[1]))
+    if (gp_is_dash(inputs[0]) && gp_is_dash(inputs[1]))
         return gp_fail(log, GP_ERR_USAGE,
                        "-: stdin holds one image; give a file beside it");
     if (p->flip_exposures.n &&
@@ -404,7 +399,7 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
         return gp_fail(log, GP_ERR_USAGE,
                        "--no-flip: %s is made of FLIP; leave one of the two "
                        "out", p->heatmap ? "--heatmap" : "--flip-exposures");
-    if (on_stdout(p->heatmap))
+    if (gp_is_dash(p->heatmap))
         return gp_fail(log, GP_ERR_USAGE, "--heatmap: stdout is for the "
                        "figures (found -); give a file");
     return GP_OK;

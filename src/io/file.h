@@ -21,6 +21,12 @@
 
 struct gp_file;
 
+/* True for "-", which is stdin or stdout; NULL is not. */
+static inline bool gp_is_dash(const char *path)
+{
+    return path && path[0] == '-' && !path[1];
+}
+
 /* Starts writing `path`. A symbolic link is followed, so that the link stays
  * and what it points to is replaced; an existing file's permissions are kept.
  *

@@ -224,26 +224,22 @@ INLINE float log2_of(float x)
     return (float) e + s * 2.885390082f * series;
 }
 
-/* 2^x for -100 < x < 100 to 1e-7, Taylor's series around the nearest integer */
-INLINE float exp2_of(float x)
+/* x^2.2 for x in [0,1], as x^2 times its fifth root, so that the logarithm's
+ * error counts a fifth. The root is 2^p, -100 < p < 100, to 1e-7: Taylor's
+ * series around the nearest integer. */
+INLINE float power22(float x)
 {
     const float round = 12582912.0f; // 1.5 * 2^23: adding it drops fractions
-    float whole = (x + round) - round;
-    float t = (x - whole) * 0.6931471806f, t2 = t * t;
+    float p = 0.2f * log2_of(x > 1e-30f ? x : 1e-30f);
+    float whole = (p + round) - round;
+    float t = (p - whole) * 0.6931471806f, t2 = t * t;
     float series = (1.0f + t) + t2 * (1.0f / 2 + t * (1.0f / 6)) +
                    t2 * t2 * ((1.0f / 24 + t * (1.0f / 120)) +
                               t2 * (1.0f / 720 + t * (1.0f / 5040)));
     int32_t bits = ((int32_t) whole + 127) * (1 << 23);
     float power;
     memcpy(&power, &bits, sizeof power);
-    return power * series;
-}
-
-/* x^2.2 for x in [0,1], as x^2 times its fifth root, so that the logarithm's
- * error counts a fifth. */
-INLINE float power22(float x)
-{
-    return x * x * exp2_of(0.2f * log2_of(x > 1e-30f ? x : 1e-30f));
+    return x * x * (power * series);
 }
 
 /* The published polynomial in x in [0,1] is

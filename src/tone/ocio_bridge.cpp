@@ -91,16 +91,6 @@ std::string list_names(const Names &names)
 
 // -- the config --------------------------------------------------------------
 
-// Without the file's name, which the line has already.
-std::string reason(const std::exception &e, const std::string &name)
-{
-    const std::string head =
-        "Error: Loading the OCIO profile '" + name + "' failed. ";
-    const std::string text = e.what();
-    return text.compare(0, head.size(), head) == 0 ? text.substr(head.size())
-                                                   : text;
-}
-
 OCIO::ConstConfigRcPtr read_config(const std::string &name)
 {
     const bool builtin = name.compare(0, 7, "ocio://") == 0;
@@ -130,12 +120,18 @@ OCIO::ConstConfigRcPtr read_config(const std::string &name)
     try {
         return OCIO::Config::CreateFromFile(name.c_str());
     } catch (const OCIO::Exception &e) {
-        if (reason(e, name) == std::bad_alloc().what()) // of what it has caught
+        // without the file's name, which the line has already
+        const std::string head =
+            "Error: Loading the OCIO profile '" + name + "' failed. ";
+        std::string why = e.what();
+        if (why.compare(0, head.size(), head) == 0)
+            why.erase(0, head.size());
+        if (why == std::bad_alloc().what()) // of what it has caught
             throw Refusal{GP_ERR_BUG,
                           name + ": out of memory; close other programs"};
         throw Refusal{GP_ERR_DATA, name + ": OpenColorIO " +
                                        OCIO::GetVersion() + " refuses it (" +
-                                       one_line(reason(e, name)) +
+                                       one_line(why) +
                                        "); use a config that it can read"};
     }
 }
@@ -163,24 +159,6 @@ std::string find_space(const Asked &a, const char *option, const char *name)
     for (int i = 0; i < c->getNumRoles(); i++)
         names.push_back(std::string(c->getRoleName(i)) + " (role)");
     refuse_name(option, a, "colour space", name, names);
-}
-
-std::string find_display(const Asked &a)
-{
-    const OCIO::ConstConfigRcPtr &c = a.config;
-    const std::string name =
-        a.p->display ? a.p->display : c->getDefaultDisplay();
-    // those that the config has made inactive may be asked for
-    const Names known = all(c->getNumDisplaysAll(),
-                            [&](int i) { return c->getDisplayAll(i); });
-    for (const std::string &k : known) {
-        if (strcasecmp(k.c_str(), name.c_str()) == 0)
-            return k;
-    }
-    refuse_name("--display", a, "display", name,
-                all(c->getNumDisplays(), [&](int i) {
-                    return c->getDisplay(i);
-                }));
 }
 
 std::string find_view(const Asked &a, const std::string &display)
@@ -228,7 +206,19 @@ OCIO::ConstCPUProcessorRcPtr keep(Owned *own,
 void make_view(const Asked &a)
 {
     Owned *const own = a.own;
-    own->display = find_display(a);
+    const OCIO::ConstConfigRcPtr &c = a.config;
+    const std::string display =
+        a.p->display ? a.p->display : c->getDefaultDisplay();
+    // those that the config has made inactive may be asked for
+    for (int i = 0; i < c->getNumDisplaysAll() && own->display.empty(); i++) {
+        if (strcasecmp(c->getDisplayAll(i), display.c_str()) == 0)
+            own->display = c->getDisplayAll(i);
+    }
+    if (own->display.empty())
+        refuse_name("--display", a, "display", display,
+                    all(c->getNumDisplays(), [&](int i) {
+                        return c->getDisplay(i);
+                    }));
     own->viewed = find_view(a, own->display);
     own->look = a.p->look ? a.p->look : "";
     // looks are separated by , : and |, with + or - before them
