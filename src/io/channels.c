@@ -383,14 +383,6 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
 
 /* -- samples -------------------------------------------------------------- */
 
-/* The sample that covers position `at` >= 0 of a window that begins with a
- * multiple of the sampling, as EXR's do. */
-static int sample(int at, int step, int count)
-{
-    int i = at / step;
-    return i < count ? i : count - 1;
-}
-
 struct rows {
     const struct gp_frame *f;
     const struct gp_channel *c;
@@ -409,10 +401,11 @@ static void float_row(void *ctx, int y, int thread)
                (size_t) w * sizeof *row);
         return;
     }
+    // sampled from the window's start; the last sample also covers the rest
     const size_t n = (size_t) c->w;
-    const uint8_t *const from =
-        (const uint8_t *) c->data +
-        (size_t) sample(y, c->ys, c->h) * n * gp_type_size(c->type);
+    const int line = y / c->ys < c->h ? y / c->ys : c->h - 1;
+    const uint8_t *const from = (const uint8_t *) c->data +
+                                (size_t) line * n * gp_type_size(c->type);
     if (c->type == GP_HALF)
         gp_half_to_float((const uint16_t *) (const void *) from, row, n);
     else
@@ -424,7 +417,7 @@ static void float_row(void *ctx, int y, int thread)
     }
     // from the right, so that no sample is overwritten before its use
     for (int x = w - 1; x >= 0 && c->xs > 1; x--)
-        row[x] = row[sample(x, c->xs, c->w)];
+        row[x] = row[x / c->xs < c->w ? x / c->xs : c->w - 1];
 }
 
 void gp_channel_floats(const struct gp_frame *f, int channel, float *out)

@@ -54,13 +54,6 @@ static inline uint16_t to_half(float f)
     return (uint16_t) (h | (u >> 16 & 0x8000));
 }
 
-static inline float clamp_to_half(float f)
-{
-    uint32_t u = gp_bits_of(f), body = u & 0x7fffffff;
-    bool over = body >= FLOAT_65520 && body < FLOAT_INF;
-    return over ? gp_float_with_bits((u & 0x80000000) | FLOAT_65504) : f;
-}
-
 #ifdef HAVE_F16C
 
 GP_X86_AVX2 static size_t half_to_float_wide(const uint16_t *in, float *out,
@@ -84,7 +77,7 @@ GP_X86_AVX2 static size_t float_to_half_wide(const float *in, uint16_t *out,
         __m256 f = _mm256_loadu_ps(in + i);
         const __m256i u = _mm256_castps_si256(f);
         const __m256i body = _mm256_andnot_si256(sign, u);
-        // clamp_to_half() for eight
+        // clamp what is over 65504 but not infinite
         const __m256i over = _mm256_and_si256(
             _mm256_cmpgt_epi32(body, _mm256_set1_epi32(FLOAT_65520 - 1)),
             _mm256_cmpgt_epi32(_mm256_set1_epi32(FLOAT_INF), body));
@@ -133,9 +126,11 @@ size_t gp_float_to_half(const float *in, uint16_t *out, size_t n)
         done = float_to_half_wide(in, out, n, &clamped);
 #endif
     for (size_t i = done; i < n; i++) {
-        const float f = clamp_to_half(in[i]);
-        clamped += gp_bits_of(f) != gp_bits_of(in[i]);
-        out[i] = to_half(f);
+        const uint32_t u = gp_bits_of(in[i]), body = u & 0x7fffffff;
+        const bool over = body >= FLOAT_65520 && body < FLOAT_INF;
+        out[i] = to_half(over ? gp_float_with_bits((u & 0x80000000) |
+                                                   FLOAT_65504) : in[i]);
+        clamped += over;
     }
     return clamped;
 }

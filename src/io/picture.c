@@ -39,11 +39,6 @@ static int plain_code(float linear, int max)
     return (int) (gp_srgb_encode(linear) * (float) max + 0.5f);
 }
 
-static inline int32_t bits_of(float v)
-{
-    return (int32_t) gp_bits_of(v);
-}
-
 gp_status gp_quantizer_make(const struct gp_log *log, int bits,
                             struct gp_quantizer **out)
 {
@@ -63,7 +58,7 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
             x = nextafterf(x, 0.0f);
         while (plain_code(x, max) < c)
             x = nextafterf(x, 2.0f);
-        q->least[c] = bits_of(x);
+        q->least[c] = (int32_t) gp_bits_of(x);
     }
     q->least[max + 1] = INT32_MAX;
     if (bits == 8) {
@@ -94,7 +89,7 @@ void gp_quantizer_free(struct gp_quantizer *q)
 
 static inline float clamp_by_bits(float v)
 {
-    int32_t i = bits_of(v);
+    int32_t i = (int32_t) gp_bits_of(v);
     i = i > INF ? 0 : i; // NaN
     i = i < 0 ? 0 : i;   // negative values, and NaN with its sign set
     i = i > ONE ? ONE : i;
@@ -107,7 +102,7 @@ static inline float clamp_by_bits(float v)
 static INLINE float curve(float x)
 {
     const int32_t half_root = 0x3f3504f3; // bits of sqrt(1/2)
-    const int32_t e = (bits_of(x) - half_root) >> 23;
+    const int32_t e = ((int32_t) gp_bits_of(x) - half_root) >> 23;
     const float m = gp_float_with_bits(gp_bits_of(x) - ((uint32_t) e << 23));
     const float s = (m - 1.0f) / (m + 1.0f), s2 = s * s;
     const float log2m =
@@ -153,7 +148,7 @@ static GP_CLONES void quantize_by_table(const struct gp_quantizer *q,
         for (size_t i = 0; i < m; i++)
             x[i] = clamp_by_bits(linear[at + i]);
         for (size_t i = 0; i < m; i++) {
-            const int32_t b = bits_of(x[i]), c = first[b >> 16];
+            const int32_t b = (int32_t) gp_bits_of(x[i]), c = first[b >> 16];
             code[at + i] = (uint16_t) (c + (b >= least[c + 1]));
         }
     }
@@ -168,7 +163,8 @@ static GP_CLONES void quantize_by_curve(const struct gp_quantizer *q,
         const size_t m = n - at < BLOCK ? n - at : BLOCK;
         encode_block(linear + at, (float) q->max, x, v, m);
         for (size_t i = 0; i < m; i++) {
-            const int32_t c = (int32_t) (v[i] + 0.5f), b = bits_of(x[i]);
+            const int32_t c = (int32_t) (v[i] + 0.5f);
+            const int32_t b = (int32_t) gp_bits_of(x[i]);
             code[at + i] =
                 (uint16_t) (c + (b >= least[c + 1]) - (b < least[c]));
         }

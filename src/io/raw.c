@@ -10,6 +10,7 @@
 #include "io/io_priv.h"
 #include "io/picture.h"
 
+#include <endian.h>
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -162,15 +163,10 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
 
 // -- writing ------------------------------------------------------------------
 
-/* Bytes of one sample. */
-static size_t sample_bytes(enum gp_raw_format raw)
-{
-    return raw == GP_RAW_RGB24 ? 1 : raw == GP_RAW_RGBF32LE ? 4 : 2;
-}
-
 struct gathering {
     const struct gp_picture *pic;
     enum gp_raw_format raw;
+    size_t bytes; // of a sample
     bool from_bottom;
     uint8_t *to;
 };
@@ -178,26 +174,27 @@ struct gathering {
 static void gather_row(void *ctx, int y, struct gp_picture_row *row)
 {
     const struct gathering *const g = ctx;
-    const size_t w = (size_t) g->pic->width, bytes = sample_bytes(g->raw);
+    const size_t w = (size_t) g->pic->width, bytes = g->bytes;
     const int line = g->from_bottom ? g->pic->height - 1 - y : y;
-    const int high = g->raw == GP_RAW_RGB48BE ? 0 : 1;
+    const int low = g->raw == GP_RAW_RGB48BE ? 1 : 0;
     uint8_t *to = g->to + (size_t) line * w * 3 * bytes;
-    if (g->raw == GP_RAW_RGBF32LE)
+    if (g->raw == GP_RAW_RGBF32LE) {
         gp_picture_floats(g->pic, y, row);
-    else
-        gp_picture_codes(g->pic, y, row);
+        for (size_t x = 0; x < w; x++) {
+            for (size_t c = 0; c < 3; c++, to += 4) {
+                const uint32_t bits = htole32(gp_bits_of(row->linear[c][x]));
+                memcpy(to, &bits, sizeof bits);
+            }
+        }
+        return;
+    }
+    gp_picture_codes(g->pic, y, row);
     for (size_t x = 0; x < w; x++) {
         for (size_t c = 0; c < 3; c++, to += bytes) {
-            if (g->raw == GP_RAW_RGBF32LE) {
-                const uint32_t bits = gp_bits_of(row->linear[c][x]);
-                for (int i = 0; i < 4; i++)
-                    to[i] = (uint8_t) (bits >> 8 * i);
-            } else if (g->raw == GP_RAW_RGB24) {
-                to[0] = (uint8_t) row->code[c][x];
-            } else {
-                to[high] = (uint8_t) (row->code[c][x] >> 8);
-                to[1 - high] = (uint8_t) row->code[c][x];
-            }
+            const uint16_t code = row->code[c][x];
+            to[low] = (uint8_t) code;
+            if (bytes == 2)
+                to[1 - low] = (uint8_t) (code >> 8);
         }
     }
 }
@@ -214,7 +211,9 @@ static gp_status write_samples(const struct gp_log *log,
     struct gp_file *file = NULL;
     void *bytes = NULL;
     char head[64];
-    p.depth_bits = p.raw == GP_RAW_RGB24 ? 8 : 16;
+    const size_t sample = p.raw == GP_RAW_RGB24 ? 1
+                          : p.raw == GP_RAW_RGBF32LE ? 4 : 2;
+    p.depth_bits = sample == 1 ? 8 : 16;
     p.alpha = GP_ALPHA_BLACK;
     GP_TRY(gp_picture_make(log, &p, path, f, planes, kind,
                            p.raw != GP_RAW_RGBF32LE, &pic));
@@ -227,10 +226,9 @@ static gp_status write_samples(const struct gp_log *log,
                        frames->w, frames->h));
     if (frames)
         *frames = (struct gp_raw_size) {pic.width, pic.height};
-    const size_t size = (size_t) pic.width * (size_t) pic.height * 3 *
-                        sample_bytes(p.raw);
+    const size_t size = (size_t) pic.width * (size_t) pic.height * 3 * sample;
     GP_TRY(gp_alloc(log, "picture", size, 1, &bytes));
-    struct gathering g = {&pic, p.raw, !frames, bytes};
+    struct gathering g = {&pic, p.raw, sample, !frames, bytes};
     GP_TRY(gp_picture_each_row(log, &pic, gather_row, &g));
     GP_TRY(gp_file_open(log, path, p.create_dir, &file));
     const int head_bytes = snprintf(head, sizeof head, "PF\n%d %d\n-1.0\n",

@@ -519,6 +519,7 @@ static void files_under_way_are_removed(void **state)
 
 SUITE_OF_EACH(file, wf_start, wf_end, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay, folders,
-              names, taken_names, full_disk, pipes, signals, checks, folders_that_are_none, folders_are_made_or_not,
+              names, taken_names, full_disk, pipes, signals, checks,
+              folders_that_are_none, folders_are_made_or_not,
               without_permission, patches_stay_inside, no_name_is_left,
               more_files_than_a_signal_removes, files_under_way_are_removed)
