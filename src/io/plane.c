@@ -60,23 +60,6 @@ static bool other_view(const char *a, const char *b)
     return a && b && strcmp(a, b) != 0;
 }
 
-static void add_part(const struct gp_input *o, int part, bool colour,
-                     struct gp_plane_list *list)
-{
-    const exr_attr_chlist_t *const from = channels_of(o, part);
-    struct gp_plane_part *to = &list->part[list->parts++];
-    *to = (struct gp_plane_part) {
-        .part = part, .name = gp_exr_part_name(o, part),
-        .view = gp_exr_part_view(o, part),
-        .colour = colour, .deep = gp_exr_is_deep(o, part),
-        .channel = list->channel + list->channels,
-        .channels = from->num_channels,
-    };
-    for (int i = 0; i < to->channels; i++)
-        to->channel[i].name = (char *) (uintptr_t) from->entries[i].name.str;
-    list->channels += to->channels;
-}
-
 gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
                             const struct gp_input *o, bool colour, bool depth,
                             struct gp_plane_list *list)
@@ -88,18 +71,28 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
     gp_status st = alloc_list(log, o->parts, channels, list);
     if (st)
         return st;
-    if (colour)
-        add_part(o, o->part, true, list);
-    for (int order = 0; order < 8; order++) {
+    for (int order = -1; order < 8; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
-            const char *const name = gp_exr_part_name(o, part);
-            const bool other = colour &&
-                               other_view(gp_exr_part_view(o, part),
-                                          gp_exr_part_view(o, o->part));
-            const bool plain = depth && !(name && strcasestr(name, "depth"));
-            if (!(colour && part == o->part) &&
-                4 * gp_exr_is_deep(o, part) + 2 * other + plain == order)
-                add_part(o, part, false, list);
+            const exr_attr_chlist_t *const from = channels_of(o, part);
+            const struct gp_plane_part to = {
+                .part = part, .name = gp_exr_part_name(o, part),
+                .view = gp_exr_part_view(o, part),
+                .colour = colour && part == o->part,
+                .deep = gp_exr_is_deep(o, part),
+                .channel = list->channel + list->channels,
+                .channels = from->num_channels,
+            };
+            const bool other = colour && other_view(to.view,
+                gp_exr_part_view(o, o->part));
+            const bool plain = depth && !(to.name &&
+                                          strcasestr(to.name, "depth"));
+            if ((to.colour ? -1 : 4 * to.deep + 2 * other + plain) != order)
+                continue;
+            for (int i = 0; i < to.channels; i++)
+                to.channel[i].name =
+                    (char *) (uintptr_t) from->entries[i].name.str;
+            list->part[list->parts++] = to;
+            list->channels += to.channels;
         }
     }
     return GP_OK;

@@ -29,17 +29,14 @@ static inline void note(void *user, enum gp_level level, const char *line)
 static const struct gp_log notes __attribute__((unused)) = {note, NULL,
                                                             GP_LEVEL_WARN};
 
-static struct gp_rect rect_of(const exr_attr_box2i_t *b)
-{
-    return (struct gp_rect) {b->min.x, b->min.y, b->max.x + 1, b->max.y + 1};
-}
-
 /* Every sample is what the fixture's formula gives for the channel. */
 static void assert_plane(const struct gp_plane *p,
                          const struct fixture_part *part, const char *channel)
 {
     const struct fixture_channel *c = part->channel;
-    const struct gp_rect want = rect_of(&part->data);
+    const exr_attr_box2i_t *const b = &part->data;
+    const struct gp_rect want = {b->min.x, b->min.y, b->max.x + 1,
+                                 b->max.y + 1};
     while (c->name && strcmp(c->name, channel) != 0)
         c++;
     assert_non_null(c->name);
