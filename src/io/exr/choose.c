@@ -71,7 +71,7 @@ static bool has_view(const struct gp_input *in, int part, const char *wanted)
     const char *own = gp_exr_part_view(in, part), *view[VIEWS];
     if (own)
         return strcmp(own, wanted) == 0;
-    for (int i = views_of(in, part, view) - 1; i >= 0; i--) {
+    for (int i = 0, n = views_of(in, part, view); i < n; i++) {
         if (strcmp(view[i], wanted) == 0)
             return true;
     }
@@ -415,8 +415,8 @@ gp_status gp_exr_choose(const struct gp_log *log,
     if (!st && !found && p->layer && !p->view &&
         strlen(p->layer) < sizeof word) {
         // there is nothing of the whole name: VIEW, VIEW.LAYER or LAYER.VIEW
-        char *const one = strchr(strcpy(word, p->layer), '.');
-        char *const last = strrchr(word, '.');
+        strcpy(word, p->layer);
+        char *const one = strchr(word, '.'), *const last = strrchr(word, '.');
         st = search_parts(&s, NULL, p->layer, out, &found);
         if (!st && !found && one) {
             *one = '\0';

@@ -229,11 +229,11 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     const uint8_t *bytes = w->is_split    ? w->split
                            : w->is_stored ? pipe->packed_buffer
                                           : pipe->unpacked_buffer;
+    if (!bytes)
+        return EXR_ERR_CORRUPT_CHUNK;
     const uint8_t *const odd =
         w->is_split ? bytes + (c->unpacked_size + 1) / 2 : NULL;
     size_t at = 0; // of a row of one channel in the chunk: always even
-    if (!bytes)
-        return EXR_ERR_CORRUPT_CHUNK;
     for (int y = y0; y < y0 + c->height; y++) {
         for (int i = 0; i < cs->channel->num_channels; i++) {
             const exr_attr_chlist_entry_t *e = &cs->channel->entries[i];

@@ -434,7 +434,8 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     gp_status st;
     const char **names = NULL;
     int *types = NULL;
-    float *row = NULL; // of floats, then one of halfs
+    float *row = NULL;
+    uint16_t *half = NULL; // of the row
     struct gp_shared pixels = {0};
     struct gp_stream stream = GP_STREAM_EMPTY;
     struct gp_input *file = NULL;
@@ -455,7 +456,8 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
     GP_TRY(gp_alloc(log, path, n, sizeof *names, &names));
     GP_TRY(gp_alloc(log, path, n, sizeof *types, &types));
     GP_TRY(gp_shared_make(log, path, w * h * step, &pixels));
-    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *row + sizeof(uint16_t), &row));
+    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *row, &row));
+    GP_TRY(gp_alloc(log, "DWA row", w, sizeof *half, &half));
 
     // all channels, interleaved
     for (int i = 0; i < img->sources; i++) {
@@ -475,9 +477,10 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
             }
             stats->clamped += (long long) over;
             if (s->plane && s->type == GP_HALF)
-                gp_float_to_half(row, (uint16_t *) (row + w), w);
+                gp_float_to_half(row, half, w);
             if (s->plane)
-                from = (const uint8_t *) (s->type == GP_HALF ? row + w : row);
+                from = s->type == GP_HALF ? (const uint8_t *) half
+                                          : (const uint8_t *) row;
             for (size_t x = 0; x < w; x++, to += step)
                 memcpy(to, from + x * size, size);
         }
@@ -496,6 +499,7 @@ out:
     gp_input_free(file);
     gp_stream_close(&stream);
     gp_shared_free(&pixels);
+    gp_free(half);
     gp_free(row);
     gp_free(types);
     gp_free(names);

@@ -63,10 +63,11 @@ struct writing {
 static gp_status plan_parts(struct writing *w, const struct gp_input *in)
 {
     const char *const from = w->part[0].f->path;
+    const bool all = in && (w->kept == GP_EXR_KEEP_ALL ||
+                            w->kept == GP_EXR_KEEP_CONVERTED);
     gp_status st;
-    w->all = in && (w->kept == GP_EXR_KEEP_ALL ||
-                    w->kept == GP_EXR_KEEP_CONVERTED);
-    w->file_parts = w->all ? in->parts : 1;
+    w->all = all;
+    w->file_parts = all ? in->parts : 1;
     if (in)
         GP_TRY(gp_exr_carried_read(w->log, from, in, &w->carried));
     GP_TRY(gp_alloc_zero(w->log, "parts", (size_t) w->file_parts,
@@ -75,7 +76,7 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
                          sizeof *w->chunks, &w->chunks));
     for (int i = 0; i < w->parts; i++) {
         struct new_part *const part = &w->part[i];
-        const int number = w->all ? part->f->part : 0;
+        const int number = all ? part->f->part : 0;
         enum gp_compression c = w->p->compression;
         if (number < 0 || number >= w->file_parts || w->at[number])
             GP_TRY(gp_fail(w->log, GP_ERR_BUG,
@@ -102,7 +103,7 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
         };
         w->chunks[number] = gp_exr_chunk_count(&part->img);
     }
-    for (int i = 0; i < w->file_parts; i++) {
+    for (int i = 0; all && i < w->file_parts; i++) {
         if (w->at[i])
             continue;
         // the offset table has 8 bytes for each chunk: the file bounds them
