@@ -42,16 +42,18 @@ static inline float luminance(float r, float g, float b)
  *   y + (c - y) (1 - y) / (top - y)  =  1 - (top - c) (1 - y) / (top - y)
  * `rest` is 1 - y, from the curve's equation, and top - y is made of
  * differences: neither cancels. */
-static inline float shrink(float r, float g, float b, float top, float rest)
+INLINE void fit(float r0, float g0, float b0, float rest, float *r, float *g,
+                float *b)
 {
-    float gap = luminance(top - r, top - g, top - b);
-    return rest / gp_maxf(gap, 1e-30f); // grey has no gap, and needs none
-}
-
-static inline float fit(float channel, float top, float by)
-{
-    float inside = gp_maxf(1.0f - (top - channel) * by, 0.0f);
-    return gp_minf(top > 1.0f ? inside : channel, 1.0f);
+    float top = gp_maxf(r0, gp_maxf(g0, b0));
+    float gap = luminance(top - r0, top - g0, top - b0);
+    float by = rest / gp_maxf(gap, 1e-30f); // grey has no gap, and needs none
+    float r1 = gp_maxf(1.0f - (top - r0) * by, 0.0f);
+    float g1 = gp_maxf(1.0f - (top - g0) * by, 0.0f);
+    float b1 = gp_maxf(1.0f - (top - b0) * by, 0.0f);
+    *r = gp_minf(top > 1.0f ? r1 : r0, 1.0f);
+    *g = gp_minf(top > 1.0f ? g1 : g0, 1.0f);
+    *b = gp_minf(top > 1.0f ? b1 : b0, 1.0f);
 }
 
 /* Eq. 3: L_d = L / (1 + L); the colour is scaled by L_d / L. */
@@ -65,17 +67,13 @@ GP_CLONES static void reinhard(float *restrict r, float *restrict g,
         r0 *= rest;
         g0 *= rest;
         b0 *= rest;
-        float top = gp_maxf(r0, gp_maxf(g0, b0));
-        float by = shrink(r0, g0, b0, top, rest);
-        r[i] = fit(r0, top, by);
-        g[i] = fit(g0, top, by);
-        b[i] = fit(b0, top, by);
+        fit(r0, g0, b0, rest, &r[i], &g[i], &b[i]);
     }
 }
 
 /* Eq. 4: L_d = L (1 + L / L_white^2) / (1 + L), which is 1 at L_white;
  * 1 - L_d = (1 - (L / L_white)^2) / (1 + L). From L_white on this is held at
- * 0, and fit() gives white. shrink() may make 14 of an error in 1 - L / L_white
+ * 0, and fit() gives white. It may make 14 of an error in 1 - L / L_white
  * (1 / 0.0722), which therefore comes from the difference, exact near white.
  * c / L_white is bounded beside it, as its product with L / L_white must be a
  * number however small L_white is. */
@@ -93,11 +91,7 @@ GP_CLONES static void reinhard_extended(float *restrict r, float *restrict g,
         r0 = (r0 + part * gp_minf(r0 * per_white, LIGHT_MAX)) * open;
         g0 = (g0 + part * gp_minf(g0 * per_white, LIGHT_MAX)) * open;
         b0 = (b0 + part * gp_minf(b0 * per_white, LIGHT_MAX)) * open;
-        float top = gp_maxf(r0, gp_maxf(g0, b0));
-        float by = shrink(r0, g0, b0, top, rest);
-        r[i] = fit(r0, top, by);
-        g[i] = fit(g0, top, by);
-        b[i] = fit(b0, top, by);
+        fit(r0, g0, b0, rest, &r[i], &g[i], &b[i]);
     }
 }
 
