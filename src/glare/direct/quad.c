@@ -147,8 +147,7 @@ void gp_quads_free(struct gp_quads *q)
 struct quad_list {
     int32_t *at;
     uint32_t *quad;
-    uint32_t *row; // where the quads of a row start: first to last row
-    int first;     // index of row[0] in gp_quads.row
+    uint32_t *row;  // where the quads of a row start: first to last row
     uint32_t *from; // of each row: the first that may reach a later strip
 };
 
@@ -224,54 +223,18 @@ GP_FUSED static void sum_quads(struct part p, const float *light,
     }
 }
 
-/* Adds or writes rows y to y + 3 of one strip. */
-static void sum_tile(const struct summing *s, const struct quad_list *l, int x0,
-                     int y)
-{
-    int from, to;
-    rows_of(s, y, &from, &to);
-    const uint32_t first = l->row[from - l->first];
-    const struct part p = {
-        l->at + first, l->quad + first, l->row[to - l->first] - first,
-    };
-    if (s->add && !p.n)
-        return;
-    float sum[3][GP_QUAD * STRIP]
-        __attribute__((aligned(4 * GP_DIRECT_LANES)));
-    for (int c = 0; c < 3; c++) { // the layer comes while the sum is made
-        for (int r = 0; r < GP_QUAD && y + r < s->h; r++)
-            __builtin_prefetch(s->layer->c[c] +
-                               (size_t) (y + r) * (size_t) s->w + x0, 1);
-    }
-    for (int c = 0; c < 3; c++)
-        sum_quads(p, s->in->light[c], s->taps->k[c],
-                  (ptrdiff_t) y * (ptrdiff_t) s->taps->pitch, sum[c]);
-    const int cols = s->w - x0 < STRIP ? s->w - x0 : STRIP;
-    for (int i = 0; i < 3 * GP_QUAD; i++) {
-        const int c = i / GP_QUAD, r = i % GP_QUAD;
-        if (y + r >= s->h)
-            continue;
-        const float *const from_row = sum[c] + r * STRIP;
-        float *const out =
-            s->layer->c[c] + (size_t) (y + r) * (size_t) s->w + x0;
-        for (int x = 0; x < cols; x++)
-            out[x] = s->add ? out[x] + from_row[x] : from_row[x];
-    }
-}
-
-static void run_task(void *ctx, int i, int thread)
+static void run_task(void *ctx, int task, int thread)
 {
     const struct summing *const s = ctx;
     const struct gp_quads *const in = s->in;
     const struct gp_taps *const t = s->taps;
     struct quad_list *const l = &s->list[thread];
-    const int x0 = i % s->panels * PANEL, y0 = i / s->panels * BAND;
+    const int x0 = task % s->panels * PANEL, y0 = task / s->panels * BAND;
     const int x1 = x0 + PANEL < s->w ? x0 + PANEL : s->w;
     const int y1 = y0 + BAND < s->h ? y0 + BAND : s->h;
-    int first, end, unused;
-    rows_of(s, y0, &first, &unused);
-    rows_of(s, y1 - 1, &unused, &end);
-    l->first = first;
+    int first, end, from, to;
+    rows_of(s, y0, &first, &to);
+    rows_of(s, y1 - 1, &from, &end);
     // reached pixels of a source at x: [x - cx, x - cx + w)
     const int reach = t->cx - t->w + 1;
     for (int r = first; r < end; r++)
@@ -298,8 +261,37 @@ static void run_task(void *ctx, int i, int thread)
             n += b - a;
         }
         l->row[end - first] = n;
-        for (int y = y0; y < y1; y += GP_QUAD)
-            sum_tile(s, l, x, y);
+        // rows y to y + 3 of the strip
+        const int cols = s->w - x < STRIP ? s->w - x : STRIP;
+        for (int y = y0; y < y1; y += GP_QUAD) {
+            rows_of(s, y, &from, &to);
+            const uint32_t start = l->row[from - first];
+            const struct part p = {
+                l->at + start, l->quad + start, l->row[to - first] - start,
+            };
+            if (s->add && !p.n)
+                continue;
+            float sum[3][GP_QUAD * STRIP]
+                __attribute__((aligned(4 * GP_DIRECT_LANES)));
+            for (int c = 0; c < 3; c++) { // comes while the sum is made
+                for (int r = 0; r < GP_QUAD && y + r < s->h; r++)
+                    __builtin_prefetch(s->layer->c[c] +
+                                       (size_t) (y + r) * (size_t) s->w + x, 1);
+            }
+            for (int c = 0; c < 3; c++)
+                sum_quads(p, in->light[c], t->k[c],
+                          (ptrdiff_t) y * (ptrdiff_t) t->pitch, sum[c]);
+            for (int i = 0; i < 3 * GP_QUAD; i++) {
+                const int c = i / GP_QUAD, r = i % GP_QUAD;
+                if (y + r >= s->h)
+                    continue;
+                const float *const of = sum[c] + r * STRIP;
+                float *const out =
+                    s->layer->c[c] + (size_t) (y + r) * (size_t) s->w + x;
+                for (int j = 0; j < cols; j++)
+                    out[j] = s->add ? out[j] + of[j] : of[j];
+            }
+        }
     }
 }
 

@@ -113,23 +113,6 @@ int gp_fft_length(int n)
 
 // -- plans -------------------------------------------------------------------
 
-/* Reads the wisdom once for each plan and writes it back under another name
- * first, so that two runs side by side never see half a file. */
-static void save_wisdom(const struct gp_fftwf *lib, const char *wisdom)
-{
-    char temporary[4096];
-    const int n = snprintf(temporary, sizeof temporary, "%s.XXXXXX", wisdom);
-    if (n < 0 || (size_t) n >= sizeof temporary)
-        return;
-    const int fd = mkstemp(temporary); // no other run has this name
-    if (fd < 0)
-        return;
-    close(fd);
-    if (!lib->export_wisdom_to_filename(temporary) ||
-        rename(temporary, wisdom) != 0)
-        unlink(temporary); // a cache that cannot be kept is no error
-}
-
 gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     enum gp_fft_plan how, const char *wisdom, struct gp_fft_plan_pair *out)
 {
@@ -143,12 +126,24 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     GP_TRY(gp_alloc_zero(log, "transform", (size_t) n, 8, &b));
     const int measure = how == GP_FFT_PLAN_MEASURE;
     const unsigned flags = measure ? FFTW_MEASURE : FFTW_ESTIMATE;
+    // wisdom is read once for each plan and written back under another name
+    // first, so that two runs side by side never see half a file; a cache that
+    // cannot be kept is no error
     if (measure && wisdom)
         lib->import_wisdom_from_filename(wisdom);
     p.forward = lib->plan_dft_1d(n, a, b, FFTW_FORWARD, flags);
     p.backward = lib->plan_dft_1d(n, a, b, FFTW_BACKWARD, flags);
-    if (measure && wisdom)
-        save_wisdom(lib, wisdom);
+    if (measure && wisdom) {
+        char other[4096];
+        const int length = snprintf(other, sizeof other, "%s.XXXXXX", wisdom);
+        const bool fits = length >= 0 && (size_t) length < sizeof other;
+        const int fd = fits ? mkstemp(other) : -1; // no other run has this name
+        if (fd >= 0)
+            close(fd);
+        if (fd >= 0 && (!lib->export_wisdom_to_filename(other) ||
+                        rename(other, wisdom) != 0))
+            unlink(other);
+    }
     if (!p.forward || !p.backward) {
         gp_fft_plan_free(&p);
         st = gp_fail_bare(log, GP_ERR_BUG,
