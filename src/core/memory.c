@@ -79,34 +79,6 @@ static void *take_kept(int i)
     return block;
 }
 
-/* A block of about that size, or NULL; then so much is given back that what is
- * kept never adds to the most that was in use. */
-static void *reuse_kept(size_t bytes)
-{
-    // the smallest that is large enough and not much more; an aligned block
-    // may have up to a huge page after it
-    const size_t page = bytes < LARGE ? 0 : HUGE_PAGE;
-    const size_t most = bytes + (bytes / 8 > page ? bytes / 8 : page);
-    void *found = NULL;
-    int best = -1;
-    if (!kept.on || bytes < KEPT_LEAST)
-        return NULL;
-    pthread_mutex_lock(&kept.lock);
-    for (int i = 0; i < kept.n; i++) {
-        if (kept.bytes[i] >= bytes && kept.bytes[i] <= most &&
-            (best < 0 || kept.bytes[i] <= kept.bytes[best]))
-            best = i;
-    }
-    if (best >= 0) {
-        count_block(kept.bytes[best]);
-        found = take_kept(best);
-    }
-    while (!found && kept.n > 0 && kept.used + bytes + kept.waiting > kept.most)
-        free(take_kept(0));
-    pthread_mutex_unlock(&kept.lock);
-    return found;
-}
-
 void gp_free(void *p)
 {
     const size_t bytes = counted_bytes(p);
@@ -145,9 +117,30 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
         return gp_fail_bare(log, GP_ERR_BUG, "%s: more memory than there can "
             "be (%zu x %zu bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
-    block = reuse_kept(bytes);
+    const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
+    if (kept.on && bytes >= KEPT_LEAST) {
+        // the smallest that is large enough and not much more: an aligned block
+        // may have up to a huge page after it
+        const size_t page = bytes < LARGE ? 0 : HUGE_PAGE;
+        const size_t most = bytes + (bytes / 8 > page ? bytes / 8 : page);
+        int best = -1;
+        pthread_mutex_lock(&kept.lock);
+        for (int i = 0; i < kept.n; i++) {
+            if (kept.bytes[i] >= bytes && kept.bytes[i] <= most &&
+                (best < 0 || kept.bytes[i] <= kept.bytes[best]))
+                best = i;
+        }
+        if (best >= 0) {
+            count_block(kept.bytes[best]);
+            block = take_kept(best);
+        }
+        // else what is kept never adds to the most that was in use
+        while (!block && kept.n > 0 &&
+               kept.used + bytes + kept.waiting > kept.most)
+            free(take_kept(0));
+        pthread_mutex_unlock(&kept.lock);
+    }
     if (!block) {
-        const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
         if (posix_memalign(&block, align, bytes) != 0)
             return no_memory(log, what, bytes);
 #ifdef MADV_HUGEPAGE

@@ -49,7 +49,7 @@ struct bright_piece {
     int32_t x[PIECE + LANES];
 };
 
-/* What one block of rows found; added up in the order of the blocks. */
+/* Found in one block of rows; added up in the order of the blocks. */
 struct block_sum {
     long long nonfinite, clamped;
     wide flux[3], energy[3];
@@ -344,25 +344,6 @@ static double total(wide v)
     return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
-/* Makes the list anew without light under FLT_MIN, which is rare. */
-static gp_status drop_faint(const struct gp_log *log, struct gp_sources *s)
-{
-    struct gp_sources kept;
-    gp_status st = gp_sources_make(log, s, s->n, &kept);
-    if (st)
-        return st;
-    for (int y = 0; y < s->h; y++) {
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            const float rgb[3] = {s->rgb[0][i], s->rgb[1][i], s->rgb[2][i]};
-            gp_sources_add(&kept, s->x[i], y, rgb);
-        }
-    }
-    gp_sources_finish(&kept);
-    gp_sources_free(s);
-    *s = kept;
-    return GP_OK;
-}
-
 gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
                    struct gp_frame *f, struct gp_sources *out)
 {
@@ -420,10 +401,20 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     gp_sources_finish(&o);
     for (int b = 0; b < gp_source_bin(GP_FAINT); b++)
         faint += o.count[b];
-    if (faint)
-        GP_TRY(drop_faint(log, &o));
-    *out = o;
-    o = (struct gp_sources) {0};
+    if (!faint) {
+        *out = o;
+        o = (struct gp_sources) {0};
+        goto out;
+    }
+    // the list anew without light under FLT_MIN, which is rare
+    GP_TRY(gp_sources_make(log, &o, o.n, out));
+    for (int y = 0; y < o.h; y++) {
+        for (uint32_t i = o.row[y]; i < o.row[y + 1]; i++) {
+            const float rgb[3] = {o.rgb[0][i], o.rgb[1][i], o.rgb[2][i]};
+            gp_sources_add(out, o.x[i], y, rgb);
+        }
+    }
+    gp_sources_finish(out);
 out:
     gp_free(s.block);
     gp_free(s.dark);

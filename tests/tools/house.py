@@ -37,6 +37,7 @@ LIBRARIES = [
 # Files of an unusual size, and why.
 SHORT, LONG = 80, 700
 SIZES = {
+    "core/colour.c": "primaries and the sRGB curve; nothing else belongs there",
     "core/cpu.c": "what the CPU has; nothing else belongs there",
     "core/frame.c": "the frame is its header: shapes, owners, units",
     "core/status.c": "the error line; the list of statuses is its header",

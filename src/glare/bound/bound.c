@@ -149,19 +149,25 @@ static gp_status make_means(const struct gp_log *log, const struct gp_kernel *k,
     return GP_OK;
 }
 
-/* -- the least of the layer: each source by itself ------------------------- */
+/* -- the least of the layer: by sources, and by cells ---------------------- */
 
-struct diagonal {
+struct layer {
     const struct gp_sources *src;
     const struct gp_kernel *k;
     const struct state *s;
-    double (*row)[3];
+    double (*alone)[3];      // of each row: squares of single sources
+    int w, h;                // near cells that hold any of the frame
+    int whole;               // columns of them that the frame does not cut
+    int far_w, far_h;        // far cells that hold any of the frame
+    float *near[3], *far[3]; // light of each cell
+    float *back[3];          // least mean of the layer, far part, a far cell
+    double (*together)[3];   // of each row of near cells
 };
 
 /* Squares of what each source of a row adds to the frame. */
 static void diagonal_row(void *ctx, int y, int thread)
 {
-    const struct diagonal *const d = ctx;
+    const struct layer *const d = ctx;
     const struct gp_sources *const src = d->src;
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -177,26 +183,14 @@ static void diagonal_row(void *ctx, int y, int thread)
                                          src->h - y);
             sum += light * light * fmax(seen - lost, 0.0);
         }
-        d->row[y][c] = sum;
+        d->alone[y][c] = sum;
     }
 }
-
-/* -- the least of the layer: what lights up together ----------------------- */
-
-struct cells {
-    const struct state *s;
-    int w, h;         // near cells that hold any of the frame
-    int whole;        // columns of them that the frame does not cut
-    int far_w, far_h; // far cells that hold any of the frame
-    float *near[3], *far[3]; // light of each cell
-    float *back[3];          // least mean of the layer, far part, a far cell
-    double (*row)[3];
-};
 
 /* Fills back[c] of one row of far cells. */
 static void far_row(void *ctx, int y, int thread)
 {
-    const struct cells *const m = ctx;
+    const struct layer *const m = ctx;
     const int reach = m->s->far_reach, n = 2 * reach + 1;
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -221,7 +215,7 @@ static void far_row(void *ctx, int y, int thread)
 /* Sums squares of the layer over one row of near cells, at least. */
 static void near_row(void *ctx, int y, int thread)
 {
-    const struct cells *const m = ctx;
+    const struct layer *const m = ctx;
     enum { N = 2 * NEAR_REACH + 1 };
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -243,25 +237,45 @@ static void near_row(void *ctx, int y, int thread)
             }
             sum += (double) mean * (double) mean;
         }
-        m->row[y][c] = sum * (NEAR * NEAR);
+        m->together[y][c] = sum * (NEAR * NEAR);
     }
 }
 
-/* Makes sum[c] at least the sum of squares of channel c, by cells. A cell that
- * the frame cuts is not counted. */
-static gp_status add_cells(const struct gp_log *log,
-    const struct gp_sources *src, const struct state *s, double sum[3])
+/* gp_layer_least() with the kernel's state. */
+static gp_status find_layer_least(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_kernel *k, struct state *s,
+    double *least)
 {
-    gp_status st;
-    const int rows = src->h / NEAR;
-    struct cells m = {
-        .s = s, .whole = src->w / NEAR,
+    gp_status st = GP_OK;
+    const int rows = src->h / NEAR; // a cell that the frame cuts is not counted
+    double *integral = NULL, all = 0.0;
+    struct layer m = {
+        .src = src, .k = k, .s = s, .whole = src->w / NEAR,
         .w = (src->w + NEAR - 1) / NEAR, .h = (src->h + NEAR - 1) / NEAR,
         .far_w = (src->w + FAR - 1) / FAR, .far_h = (src->h + FAR - 1) / FAR,
     };
     const size_t near = (size_t) m.w * (size_t) m.h;
     const size_t far = (size_t) m.far_w * (size_t) m.far_h;
-    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *m.row, &m.row));
+    *least = 0.0;
+    if (k->negative || !src->n)
+        return GP_OK;
+    if (!s->has_least) {
+        const int farthest = gp_max(gp_max(k->cx, k->w - k->cx),
+                                    gp_max(k->cy, k->h - k->cy));
+        s->far_reach = gp_clamp(farthest / FAR + 1, FAR_FROM, 64);
+        s->channels = k->grey ? 1 : 3;
+        for (int c = 0; c < s->channels; c++) {
+            GP_TRY(make_integral(log, k, c, true, &s->square[c]));
+            GP_TRY(make_integral(log, k, c, false, &integral));
+            GP_TRY(make_means(log, k, integral, NEAR, NEAR_REACH, &s->near[c]));
+            GP_TRY(make_means(log, k, integral, FAR, s->far_reach, &s->far[c]));
+            GP_FREE(integral);
+        }
+        s->has_least = true;
+    }
+    const size_t h = (size_t) src->h;
+    GP_TRY(gp_alloc_zero(log, "bound", h, sizeof *m.alone, &m.alone));
+    GP_TRY(gp_alloc_zero(log, "bound", h, sizeof *m.together, &m.together));
     for (int c = 0; c < 3; c++) {
         GP_TRY(gp_alloc_zero(log, "bound", near, sizeof(float), &m.near[c]));
         GP_TRY(gp_alloc_zero(log, "bound", far, sizeof(float), &m.far[c]));
@@ -279,65 +293,29 @@ static gp_status add_cells(const struct gp_log *log,
             }
         }
     }
+    gp_parallel_do(src->h, diagonal_row, &m);
     gp_parallel_do(m.far_h, far_row, &m);
     gp_parallel_do(rows, near_row, &m);
-    for (int y = 0; y < rows; y++) {
-        for (int c = 0; c < 3; c++)
-            sum[c] += m.row[y][c];
+    for (int c = 0; c < 3; c++) {
+        double alone = 0.0, together = 0.0;
+        for (int y = 0; y < src->h; y++)
+            alone += m.alone[y][c];
+        for (int y = 0; y < rows; y++)
+            together += m.together[y][c];
+        all += fmax(alone, together);
     }
+    *least = sqrt(all) * (1.0 - 1e-4); // float sums of thousands of terms
 out:
+    if (!s->has_least) // half of them would be made once more by the next call
+        drop_least(s);
     for (int c = 0; c < 3; c++) {
         gp_free(m.near[c]);
         gp_free(m.far[c]);
         gp_free(m.back[c]);
     }
-    gp_free(m.row);
-    return st;
-}
-
-/* gp_layer_least() with the kernel's state. */
-static gp_status find_layer_least(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *kernel,
-    struct state *s, double *least)
-{
-    gp_status st = GP_OK;
-    struct diagonal d = {src, kernel, s, NULL};
-    double *integral = NULL, sum[3] = {0}, cells[3] = {0};
-    *least = 0.0;
-    if (kernel->negative || !src->n)
-        return GP_OK;
-    if (!s->has_least) {
-        const int farthest = gp_max(gp_max(kernel->cx, kernel->w - kernel->cx),
-                                    gp_max(kernel->cy, kernel->h - kernel->cy));
-        s->far_reach = gp_clamp(farthest / FAR + 1, FAR_FROM, 64);
-        s->channels = kernel->grey ? 1 : 3;
-        for (int c = 0; c < s->channels; c++) {
-            GP_TRY(make_integral(log, kernel, c, true, &s->square[c]));
-            GP_TRY(make_integral(log, kernel, c, false, &integral));
-            GP_TRY(make_means(log, kernel, integral, NEAR, NEAR_REACH,
-                              &s->near[c]));
-            GP_TRY(make_means(log, kernel, integral, FAR, s->far_reach,
-                              &s->far[c]));
-            GP_FREE(integral);
-        }
-        s->has_least = true;
-    }
-    GP_TRY(gp_alloc_zero(log, "bound", (size_t) src->h, sizeof *d.row, &d.row));
-    gp_parallel_do(src->h, diagonal_row, &d);
-    for (int y = 0; y < src->h; y++) {
-        for (int c = 0; c < 3; c++)
-            sum[c] += d.row[y][c];
-    }
-    GP_TRY(add_cells(log, src, s, cells));
-    double all = 0.0;
-    for (int c = 0; c < 3; c++)
-        all += fmax(sum[c], cells[c]);
-    *least = sqrt(all) * (1.0 - 1e-4); // float sums of thousands of terms
-out:
-    if (!s->has_least) // half of them would be made once more by the next call
-        drop_least(s);
     gp_free(integral);
-    gp_free(d.row);
+    gp_free(m.alone);
+    gp_free(m.together);
     return st;
 }
 

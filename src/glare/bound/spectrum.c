@@ -59,60 +59,6 @@ static void load_kernel(const void *ctx, int c, int j, float *z)
             gp_bound_sample(p->k, p->tail, c, x, p->crop.y0 + j);
 }
 
-/* Makes all but norm1, on a torus of p->nx * p->ny. */
-static gp_status transform(const struct gp_log *log, const struct part *part,
-                           struct gp_power *p)
-{
-    gp_status st;
-    const int rows = gp_rect_h(part->crop);
-    struct gp_fft_matrix in = {0}, out = {0};
-    int *place = NULL;
-    const struct gp_fft_job job = {log, &p->x, &p->y, 0, p->channels};
-    const size_t points = (size_t) (p->nx / 2 + 1) * (size_t) p->ny;
-    GP_TRY(gp_fft_plan_make(log, p->nx, GP_FFT_PLAN_ESTIMATE, NULL, &p->x));
-    GP_TRY(gp_fft_plan_make(log, p->ny, GP_FFT_PLAN_ESTIMATE, NULL, &p->y));
-    for (int c = 0; c < p->channels; c++) {
-        GP_TRY(gp_alloc(log, "bound", points, sizeof(float), &p->power[c]));
-        GP_TRY(gp_alloc(log, "bound", (size_t) p->nx / 2 + 1, sizeof(float),
-                        &p->most[c]));
-    }
-    GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof *place, &place));
-    for (int y = 0; y < rows; y++)
-        place[y] = y;
-    GP_TRY(gp_fft_matrix_make(log, p->channels, p->nx, rows, &in));
-    GP_TRY(gp_fft_matrix_make(log, p->channels, p->nx, p->ny, &out));
-    GP_TRY(gp_fft_rows_in(&job, rows, load_kernel, part, &in));
-    // the matrix holds twice the spectrum
-    GP_TRY(gp_fft_columns(&job, &in, rows, place, 0.5f, &out));
-    // magnitudes, largest and mean ones. The kernel's place on the torus does
-    // not change |K|
-    for (int c = 0; c < p->channels; c++) {
-        const double extra = rounding(p) * p->norm1[c];
-        double all = 0.0;
-        for (int k = 0; k <= p->nx / 2; k++) {
-            const float *const z = out.z[c] + 2 * (size_t) k * out.pitch;
-            float *const to = p->power[c] + (size_t) k * (size_t) p->ny;
-            float most = 0.0f;
-            double sum = 0.0;
-            for (int y = 0; y < p->ny; y++) {
-                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
-                const double v = sqrt(re * re + im * im) + extra;
-                to[y] = (float) (v * (1.0 + 0x1p-20)); // never rounded down
-                sum += v * v;
-                most = fmaxf(most, to[y]);
-            }
-            p->most[c][k] = most;
-            all += sum * (k == 0 || k == p->nx / 2 ? 1.0 : 2.0);
-        }
-        p->mean2[c] = all / ((double) p->nx * p->ny);
-    }
-out:
-    gp_free(place);
-    gp_fft_matrix_free(&in);
-    gp_fft_matrix_free(&out);
-    return st;
-}
-
 /* The least period on which what wraps around stays off n pixels: sources lie
  * up to `pad` outside them, the kernel reaches from -before to after. */
 static int period(int n, int pad, int before, int after)
@@ -131,6 +77,10 @@ gp_status gp_power_make(const struct gp_log *log,
     const struct gp_rect crop = gp_bound_crop(kernel, w - 1 + pad, h - 1 + pad);
     const struct part part = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
+    struct gp_fft_matrix in = {0}, spectrum = {0};
+    const struct gp_fft_job job = {log, &p.x, &p.y, 0, p.channels};
+    const int rows = gp_rect_h(crop);
+    int *place = NULL;
     gp_status st = GP_OK;
     for (int c = 0; c < p.channels; c++) {
         for (int y = crop.y0; y < crop.y1; y++) {
@@ -145,12 +95,51 @@ gp_status gp_power_make(const struct gp_log *log,
     }
     if ((double) p.nx * p.ny > MOST_POINTS)
         p.nx = p.ny = 0;
-    if (p.nx)
-        st = transform(log, &part, &p);
-    if (st)
-        gp_power_free(&p);
-    else
-        *out = p;
+    if (p.nx) {
+        GP_TRY(gp_fft_plan_make(log, p.nx, GP_FFT_PLAN_ESTIMATE, NULL, &p.x));
+        GP_TRY(gp_fft_plan_make(log, p.ny, GP_FFT_PLAN_ESTIMATE, NULL, &p.y));
+        GP_TRY(gp_alloc(log, "bound", (size_t) rows, sizeof *place, &place));
+        for (int y = 0; y < rows; y++)
+            place[y] = y;
+        GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, rows, &in));
+        GP_TRY(gp_fft_matrix_make(log, p.channels, p.nx, p.ny, &spectrum));
+        GP_TRY(gp_fft_rows_in(&job, rows, load_kernel, &part, &in));
+        // the matrix holds twice the spectrum
+        GP_TRY(gp_fft_columns(&job, &in, rows, place, 0.5f, &spectrum));
+    }
+    // magnitudes, largest and mean ones. The kernel's place on the torus does
+    // not change |K|
+    for (int c = 0; p.nx && c < p.channels; c++) {
+        const size_t columns = (size_t) p.nx / 2 + 1, ny = (size_t) p.ny;
+        const double extra = rounding(&p) * p.norm1[c];
+        double all = 0.0;
+        GP_TRY(gp_alloc(log, "bound", columns * ny, sizeof(float),
+                        &p.power[c]));
+        GP_TRY(gp_alloc(log, "bound", columns, sizeof(float), &p.most[c]));
+        for (size_t k = 0; k < columns; k++) {
+            const float *const z = spectrum.z[c] + 2 * k * spectrum.pitch;
+            float *const to = p.power[c] + k * ny;
+            float most = 0.0f;
+            double sum = 0.0;
+            for (size_t y = 0; y < ny; y++) {
+                const double re = (double) z[2 * y], im = (double) z[2 * y + 1];
+                const double v = sqrt(re * re + im * im) + extra;
+                to[y] = (float) (v * (1.0 + 0x1p-20)); // never rounded down
+                sum += v * v;
+                most = fmaxf(most, to[y]);
+            }
+            p.most[c][k] = most;
+            all += sum * (k == 0 || k + 1 == columns ? 1.0 : 2.0);
+        }
+        p.mean2[c] = all / ((double) p.nx * p.ny);
+    }
+    *out = p;
+    p = (struct gp_power) {0};
+out:
+    gp_free(place);
+    gp_fft_matrix_free(&in);
+    gp_fft_matrix_free(&spectrum);
+    gp_power_free(&p);
     return st;
 }
 
