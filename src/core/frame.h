@@ -86,7 +86,7 @@ struct gp_channel {
     void *data;   // owned; NULL for colour
 };
 
-/* How the file's channels made rgb. */
+/* Form of the file's channels that made rgb. */
 enum gp_colour_model {
     GP_COLOUR_RGB,   // three channels R, G, B (or red, green, blue)
     GP_COLOUR_GREY,  // one channel, the same in all three planes

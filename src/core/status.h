@@ -32,7 +32,7 @@ enum gp_level {
 
 enum { GP_LINE_BYTES = 4096 }; // longer lines are cut
 
-/* Where messages go. `sink` gets one line without its newline. A NULL log
+/* Receiver of messages. `sink` gets one line without its newline. A NULL log
  * is silent. Messages over `level` are dropped, errors never. */
 struct gp_log {
     void (*sink)(void *user, enum gp_level level, const char *line);

@@ -18,7 +18,7 @@
 
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
-/* How a group stands for its pixels.
+/* Forms in which a group stands for its pixels.
  *   CENTROID  the paper's formula (1): one kernel at the centroid
  *   MOMENTS   the kernel blurred by as much as the group is wide (its second
  *             moment), at the centroid
@@ -26,7 +26,7 @@ enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
  *             sensor; only its tail from groups, by moments */
 enum gp_group_method { GP_GROUP_CENTROID, GP_GROUP_MOMENTS, GP_GROUP_CORE };
 
-/* What is drawn for a polygon. AUTO: TILE on a software context, QUAD else.
+/* Forms in which a polygon is drawn. AUTO: TILE on a software context, QUAD else.
  *   QUAD   a blended quad, opened by the vertex shader
  *   POINT  a blended point sprite, up to the driver's limit of size
  *   TILE   no primitive at all: for each tile, one fragment pass sums over
@@ -66,7 +66,7 @@ struct gp_glare_params {
     { .engine = "auto", .gain = 1.0f, .tolerance = 1e-3f,                     \
       .splat = GP_SPLAT_DEFAULTS }
 
-/* What an engine did, for the report. Zero and NULL fields were not needed. */
+/* Facts about a run, for the report. Zero and NULL fields were not needed. */
 struct gp_glare_stats {
     const char *engine;     // the engine that ran
     char why[256];          // engine_why
@@ -105,14 +105,14 @@ struct gp_prediction {
 struct gp_engine {
     const char *name, *text;
 
-    /* What `run` is expected to take, from counted work and from what `state`
+    /* Predicts what `run` will take, from counted work and from what `state`
      * (may be NULL) already holds. Cheap: no pass over pixels. Never from the
      * number of threads: what `auto` picks would then depend on it, and the
      * bytes with it. */
     struct gp_prediction (*predict)(const struct gp_glare_job *job,
                                     const void *state);
 
-    /* What rel_l2 cannot exceed, before any drawing. May cost a few
+    /* Finds what rel_l2 cannot exceed, before any drawing. May cost a few
      * milliseconds and keep what it makes in *state. INFINITY where nothing
      * can be guaranteed. Errors: GP_ERR_BUG out of memory. */
     gp_status (*bound)(const struct gp_glare_job *job, void **state,
@@ -128,7 +128,7 @@ struct gp_engine {
 extern const struct gp_engine gp_engine_direct, gp_engine_fft, gp_engine_splat;
 extern const struct gp_engine *const gp_engines[];  // NULL-terminated
 
-/* What the planner knows of the frames before; zero at first. */
+/* The planner's memory of the frames before; zero at first. */
 struct gp_plan_past {
     int last;    // candidate taken, from 1; 0 none
     int rival;   // candidate that would have been faster, from 1

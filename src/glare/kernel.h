@@ -23,7 +23,7 @@ struct gp_kernel_params {
 #define GP_KERNEL_DEFAULTS                                                    \
     { .source = "builtin:eye", .builtin_size = 511 }
 
-/* What a turned kernel was turned from, scaled by the same factor, so that
+/* The kernel before it was turned, scaled by the same factor, so that
  *   kernel(dx, dy) = bilinear(unturned, (cos * dx - sin * dy,
  *                                        sin * dx + cos * dy))
  * for whole offsets dx, dy from the centre, with zero outside. */

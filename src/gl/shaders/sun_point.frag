@@ -1,4 +1,4 @@
-// What a point adds to each light's pixel of the sums.
+// Adds a point to each light's pixel of the sums.
 //
 // in   atlas  sun maps side by side; r share shown, g weight
 //      map    x: texels of a map's side

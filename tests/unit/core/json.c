@@ -146,55 +146,45 @@ static void a_decimal_comma_changes_nothing(void **state)
         skip();
     double v = 0.0;
     json_t *o = object("{'a': 1.25}");
-    gp_status st = gp_json_number(&place, o, "a", 0, 2, &v, NULL);
+    assert_ok(gp_json_number(&place, o, "a", 0, 2, &v, NULL));
     json_decref(o);
     setlocale(LC_ALL, "C");
-    assert_int_equal(st, GP_OK);
     assert_true(v == 1.25);
 }
 
 /* -- structure ------------------------------------------------------------- */
 
-static void arrays_of_files(void **state)
+/* Arrays by the name "items", of at most three; and known keys. */
+static void arrays_and_keys(void **state)
 {
+    enum { KEYS = -1 };
+    static const char *const keys[] = {"a", "bc", NULL};
     static const struct {
         const char *text;
-        int count; // -1: an error
+        int count; // of the array
+        const char *say;
     } row[] = {
-        {"[]", 0}, {"[1, 2]", 2}, {"{'items': [1]}", 1},
-        {"{'x': 0, 'items': [1]}", 1}, {"[1, 2, 3, 4]", -1},
-        {"{'items': 3}", -1}, {"{'items': null}", -1},
-        {"{'Items': []}", -1}, {"{}", -1},
+        {"[]", 0, NULL}, {"[1, 2]", 2, NULL}, {"{'items': [1]}", 1, NULL},
+        {"{'x': 0, 'items': [1]}", 1, NULL}, {"{}", 0, "\"items\""},
+        {"[1, 2, 3, 4]", 0, "\"items\""}, {"{'items': 3}", 0, "\"items\""},
+        {"{'items': null}", 0, "\"items\""}, {"{'Items': []}", 0, "\"items\""},
+        {"{}", KEYS, NULL}, {"{'bc': 0, 'a': 0}", KEYS, NULL},
+        {"{'a': 0, 'b': 0}", KEYS, "a.json: light 3: "},
+        {"{'z': 0, 'y': 0}", KEYS, "\"z\""}, // the file's first
+        {"{'A': 0}", KEYS, "\"A\""}, {"{'': 0}", KEYS, "(found \"\")"},
+        {"{'\\u001b[2J\\nx': 0}", KEYS, "\"?[2J?x\""},
+        {"[0, 1]", KEYS, "(found an array of 2)"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         json_t *root = object(row[i].text), *a = NULL;
-        gp_status st = gp_json_array(&place, root, "items", 3, &a);
-        assert_int_equal(st, row[i].count < 0 ? GP_ERR_DATA : GP_OK);
-        if (row[i].count < 0)
-            must_say(i, "\"items\"");
-        else
-            assert_int_equal(json_array_size(a), row[i].count);
-        json_decref(root);
-    }
-}
-
-static void keys_must_be_known(void **state)
-{
-    static const char *const keys[] = {"a", "bc", NULL};
-    static const struct { const char *text, *say; } row[] = {
-        {"{}", NULL}, {"{'bc': 0, 'a': 0}", NULL},
-        {"{'a': 0, 'b': 0}", "a.json: light 3: "},
-        {"{'z': 0, 'y': 0}", "\"z\""}, // the file's first
-        {"{'A': 0}", "\"A\""}, {"{'': 0}", "(found \"\")"},
-        {"{'\\u001b[2J\\nx': 0}", "\"?[2J?x\""},
-        {"[0, 1]", "(found an array of 2)"},
-    };
-    for (size_t i = 0; i < COUNT(row); i++) {
-        json_t *root = object(row[i].text);
-        gp_status st = gp_json_keys(&place, root, keys);
+        gp_status st = row[i].count == KEYS
+                           ? gp_json_keys(&place, root, keys)
+                           : gp_json_array(&place, root, "items", 3, &a);
         assert_int_equal(st, row[i].say ? GP_ERR_DATA : GP_OK);
         if (row[i].say)
             must_say(i, row[i].say);
+        else if (row[i].count != KEYS)
+            assert_int_equal(json_array_size(a), row[i].count);
         json_decref(root);
     }
 }
@@ -220,7 +210,7 @@ static void long_names_are_cut(void **state)
 
 enum kind { NUMBER, INT, ARRAY, GREY, TEXT, CHOICE };
 
-/* What value "v" of an object is as each kind: numbers in [lo, hi], three of
+/* Value "v" of an object as each kind: numbers in [lo, hi], three of
  * them in an array, one of "disc" and "ring". Where it is an error or missing,
  * what was there stays. */
 static void values(void **state)
@@ -312,20 +302,17 @@ static void values(void **state)
         }
         json_decref(o);
     }
-}
-
-static void the_file_itself_has_no_number(void **state)
-{
+    // the file itself has no number
     const struct gp_json_place whole = {&said_log, "a.json", "light", 0};
     json_t *o = object("{'v': 3}");
     double v;
     assert_int_equal(gp_json_number(&whole, o, "v", 0, 1, &v, NULL),
                      GP_ERR_DATA);
-    must_say(0, "a.json: \"v\"");
+    must_say(COUNT(row), "a.json: \"v\"");
     json_decref(o);
 }
 
 SUITE_OF(json, make_folder, remove_folder, files_by_content,
     files_that_cannot_be_read, sizes_up_to_the_limit, deep_nesting_is_an_error,
-    a_decimal_comma_changes_nothing, arrays_of_files, keys_must_be_known,
-    long_names_are_cut, values, the_file_itself_has_no_number)
+    a_decimal_comma_changes_nothing, arrays_and_keys,
+    long_names_are_cut, values)

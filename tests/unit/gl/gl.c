@@ -3,15 +3,18 @@
  * their files; targets, uniforms, points and lists are to a shader what they
  * were meant to be. */
 #include "unit.h"
-#include "gl/gl.h"
-#include "gl/gl_priv.h"
 #include "gl_open.h"
 
 #include <sys/wait.h>
 #include <unistd.h>
 
-static const enum gp_gl_api apis[] = {GP_GL_OSMESA, GP_GL_EGL,
-                                      GP_GL_AUTO};
+static const enum gp_gl_api apis[] = {GP_GL_OSMESA, GP_GL_EGL, GP_GL_AUTO};
+
+static void assert_said(const char *part)
+{
+    if (!strstr(said_line, part))
+        fail_msg("\"%s\" is not in \"%s\"", part, said_line);
+}
 
 static void opens_and_closes(void **state)
 {
@@ -44,7 +47,7 @@ static void bad_libraries_are_named(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
         setenv(rows[i].env, rows[i].library, 1);
-        assert_int_equal(gp_gl_open(&log_kept, rows[i].api, &gl), GP_ERR_GL);
+        assert_int_equal(gp_gl_open(&said_log, rows[i].api, &gl), GP_ERR_GL);
         assert_null(gl);
         assert_said(rows[i].said[0]);
         assert_said(rows[i].said[1]);
@@ -57,12 +60,12 @@ static void auto_falls_back(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
     setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
-    assert_ok(gp_gl_open(&log_kept, GP_GL_AUTO, &gl));
+    assert_ok(gp_gl_open(&said_log, GP_GL_AUTO, &gl));
     assert_ptr_equal(strstr(gp_gl_info(gl)->name, "EGL: "),
                      gp_gl_info(gl)->name);
     gp_gl_close(&gl);
     setenv("GLAREPP_EGL", "/nonexistent/lib.so", 1);
-    assert_int_equal(gp_gl_open(&log_kept, GP_GL_AUTO, &gl), GP_ERR_GL);
+    assert_int_equal(gp_gl_open(&said_log, GP_GL_AUTO, &gl), GP_ERR_GL);
     assert_said("libosmesa6");
     assert_said("libegl1");
     unsetenv("GLAREPP_OSMESA");
@@ -75,10 +78,10 @@ static int open_as_33(enum gp_gl_api api)
 {
     struct gp_gl *gl = NULL;
     setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
-    gp_status st = gp_gl_open(&log_kept, api, &gl);
-    if (strstr(last_line, "does not open"))
+    gp_status st = gp_gl_open(&said_log, api, &gl);
+    if (strstr(said_line, "does not open"))
         return 77;
-    return st == GP_ERR_GL && !gl && strstr(last_line, "4.5 is needed (3.")
+    return st == GP_ERR_GL && !gl && strstr(said_line, "4.5 is needed (3.")
                ? 0 : gl && !gp_gl_info(gl)->software ? 77 : 1;
 }
 
@@ -117,10 +120,10 @@ static void limit_can_only_be_lowered(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
-        last_line[0] = '\0';
-        assert_int_equal(gp_texture_make(&log_kept, gl, "kernel",
+        said_nothing();
+        assert_int_equal(gp_texture_make(&said_log, gl, "kernel",
             GP_TEXEL_FLOAT, rows[i].w, rows[i].h, &t), rows[i].want);
-        assert_int_equal(gp_target_make(&log_kept, gl, "layer", GP_TEXEL_FLOAT,
+        assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT,
             1, rows[i].w, rows[i].h, &g), rows[i].want);
         if (rows[i].want)
             assert_said("16x16 is the limit");
@@ -157,38 +160,7 @@ static void fill(float *px, unsigned seed)
     }
 }
 
-static void add_twice(struct gp_gl *gl, const struct gp_program *p,
-    const struct gp_texture *from, const struct gp_target *to)
-{
-    const struct gp_uniform uniform[] = {{.name = "addend", .texture = from},
-                                         {0}};
-    struct gp_draw draw = {.program = p, .target = to,
-                           .cut = {-5, 3, W + 9, 11}, .uniform = uniform,
-                           .vertices = 3, .instances = 1};
-    assert_ok(gp_draw_run(&log_kept, gl, &draw));
-    assert_ok(gp_draw_run(&log_kept, gl, &draw));
-    draw.cut = (struct gp_rect) {W, 0, W + 4, H}; // wholly outside
-    assert_ok(gp_draw_run(&log_kept, gl, &draw));
-    const struct gp_uniform unknown[] = {{.name = "absent"}, {0}};
-    draw.cut = (struct gp_rect) {0, 0, W, H};
-    draw.uniform = unknown;
-    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_ERR_BUG);
-    assert_said("absent");
-}
-
-/* Rows 3 to 10 hold twice the texture, bit for bit; the others are clear. */
-static void check_sum(const float *px, const float *got)
-{
-    for (int y = 0; y < H; y++) {
-        for (int i = 4 * W * y; i < 4 * W * (y + 1); i++) {
-            float want = y >= 3 && y < 11 ? px[i] + px[i] : 0.0f;
-            if (got[i] != want)
-                fail_msg("sample %d: %g, not %g", i, (double) got[i],
-                         (double) want);
-        }
-    }
-}
-
+/* Adds a texture twice to rows 3 to 10 of a target. */
 static void draw_in(struct gp_gl *gl)
 {
     static float px[4 * W * H], got[4 * W * H];
@@ -196,24 +168,49 @@ static void draw_in(struct gp_gl *gl)
     struct gp_texture from = {0};
     struct gp_target to = {0};
     const struct gp_rect all = {0, 0, W, H};
+    const struct gp_uniform addend[] = {{.name = "addend", .texture = &from},
+                                        {0}};
+    const struct gp_uniform unknown[] = {{.name = "absent"}, {0}};
+    const struct {
+        struct gp_rect cut;
+        const struct gp_uniform *uniform;
+        gp_status st;
+    } draws[] = {
+        {{-5, 3, W + 9, 11}, addend, GP_OK},
+        {{-5, 3, W + 9, 11}, addend, GP_OK},
+        {{W, 0, W + 4, H}, addend, GP_OK}, // wholly outside
+        {all, unknown, GP_ERR_BUG},
+    };
     fill(px, 20071u);
-    assert_ok(gp_gl_use(&log_kept, gl));
-    assert_ok(gp_program_make(&log_kept, gl, "", "add.vert", "add.frag", &p));
-    assert_ok(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, W, H, &from));
-    assert_ok(gp_target_make(&log_kept, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to));
+    assert_ok(gp_gl_use(&said_log, gl));
+    assert_ok(gp_program_make(&said_log, gl, "", "add.vert", "add.frag", &p));
+    assert_ok(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, W, H, &from));
+    assert_ok(gp_target_make(&said_log, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to));
     gp_texture_write(gl, &from, (struct gp_rect) {0, 0, W, 9}, px);
     gp_texture_write(gl, &from, (struct gp_rect) {0, 9, W, H}, px + 4 * W * 9);
     gp_target_clear(gl, &to, (struct gp_rect) {-9, -9, 999, 999});
-    add_twice(gl, &p, &from, &to);
+    for (size_t i = 0; i < COUNT(draws); i++) {
+        const struct gp_draw draw = {
+            .program = &p, .target = &to, .cut = draws[i].cut,
+            .uniform = draws[i].uniform, .vertices = 3, .instances = 1};
+        assert_int_equal(gp_draw_run(&said_log, gl, &draw), draws[i].st);
+    }
+    assert_said("absent");
     gp_target_read(gl, &to, 0, all, got);
-    check_sum(px, got);
+    for (int i = 0; i < 4 * W * H; i++) { // bit for bit
+        const int y = i / (4 * W);
+        const float want = y >= 3 && y < 11 ? px[i] + px[i] : 0.0f;
+        if (got[i] != want)
+            fail_msg("sample %d: %g, not %g", i, (double) got[i],
+                     (double) want);
+    }
     gp_target_clear(gl, &to, (struct gp_rect) {0, 3, W, 4});
     gp_target_read(gl, &to, 0, (struct gp_rect) {0, 3, W, 5}, got);
     for (int i = 0; i < 4 * W; i++) {
         assert_true(got[i] == 0.0f);
         assert_true(got[4 * W + i] == 2 * px[4 * W * 4 + i]);
     }
-    assert_ok(gp_gl_check(&log_kept, gl, "test"));
+    assert_ok(gp_gl_check(&said_log, gl, "test"));
     gp_program_free(gl, &p);
     gp_texture_free(gl, &from);
     gp_target_free(gl, &to);
@@ -242,12 +239,12 @@ static void errors_are_named_and_cleared(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_texture t = {0};
     const float px[4] = {0};
-    assert_ok(gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t));
+    assert_ok(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, -1, 1}, px);
     gp_texture_write(gl, &t, (struct gp_rect) {5, 0, 6, 1}, px);
-    assert_int_equal(gp_gl_check(&log_kept, gl, "writing"), GP_ERR_GL);
+    assert_int_equal(gp_gl_check(&said_log, gl, "writing"), GP_ERR_GL);
     assert_said("GL_INVALID_VALUE while writing");
-    assert_ok(gp_gl_check(&log_kept, gl, "writing"));
+    assert_ok(gp_gl_check(&said_log, gl, "writing"));
     gp_texture_free(gl, &t);
     gp_gl_close(&gl);
 }
@@ -270,12 +267,12 @@ static void blocks_and_lists_have_limits(void **state)
         struct gp_buffer b = {0};
         assert_true(rows[i].limit >= rows[i].least);
         for (size_t k = 0; k < COUNT(refused); k++) {
-            assert_int_equal(gp_buffer_make(&log_kept, gl, "a", rows[i].kind,
+            assert_int_equal(gp_buffer_make(&said_log, gl, "a", rows[i].kind,
                                             refused[k], &b), GP_ERR_GL);
             assert_said(rows[i].said);
             assert_int_equal(b.id, 0);
         }
-        assert_ok(gp_buffer_make(&log_kept, gl, "a", rows[i].kind,
+        assert_ok(gp_buffer_make(&said_log, gl, "a", rows[i].kind,
                                  rows[i].least, &b));
         gp_buffer_free(gl, &b);
         gp_buffer_free(gl, &b);
@@ -297,23 +294,23 @@ static void compiler_speaks_of_the_file(void **state)
     for (int i = 0; i < 2; i++) {
         struct gp_gl *gl = open_or_skip(i ? GP_GL_EGL : GP_GL_OSMESA);
         struct gp_program p = {0};
-        assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
+        assert_int_equal(gp_program_from_text(&said_log, gl, "", &good_vert,
                                               &bad, &p), GP_ERR_GL);
         assert_said("bad.frag");
         assert_said("nothing");
         if (strstr(gp_gl_info(gl)->name, "llvmpipe"))
             assert_said("0:4"); // line 4 of the file, not of what is before
-        assert_int_equal(gp_program_from_text(&log_kept, gl, "", &good_vert,
+        assert_int_equal(gp_program_from_text(&said_log, gl, "", &good_vert,
                                               &unlinked, &p), GP_ERR_GL);
         assert_said("absent");
         for (int k = 0; k < 2; k++) { // files that this build has not
             assert_int_equal(
-                gp_program_make(&log_kept, gl, "", k ? "no.vert" : "add.vert",
+                gp_program_make(&said_log, gl, "", k ? "no.vert" : "add.vert",
                                 k ? "add.frag" : "no.frag", &p), GP_ERR_BUG);
             assert_said(k ? "no.vert" : "no.frag");
         }
         assert_int_equal(p.id, 0);
-        assert_ok(gp_gl_check(&log_kept, gl, "test"));
+        assert_ok(gp_gl_check(&said_log, gl, "test"));
         gp_gl_close(&gl);
     }
 }
@@ -335,27 +332,41 @@ static void shader_files_open_with_a_comment(void **state)
 
 /* -- what shaders get ------------------------------------------------------ */
 
-static struct gp_program program_of(struct gp_gl *gl, const char *defines,
-                                    const char *vert, const char *frag)
+/* A program, and a target of n attachments to draw to. */
+static struct gp_gl *gl;
+static struct gp_program program;
+static struct gp_target target;
+
+static void open_stage(const char *defines, const char *vert, const char *frag,
+                       int n, int w, int h)
 {
     const struct gp_shader_file v = {"test.vert", vert};
     const struct gp_shader_file f = {"test.frag", frag};
-    struct gp_program p = {0};
-    if (gp_program_from_text(&log_kept, gl, defines, &v, &f, &p) != GP_OK)
-        fail_msg("%s", last_line);
-    return p;
+    gl = open_or_skip(GP_GL_AUTO);
+    if (gp_program_from_text(&said_log, gl, defines, &v, &f, &program) != GP_OK)
+        fail_msg("%s", said_line);
+    assert_ok(gp_target_make(&said_log, gl, "target", GP_TEXEL_FLOAT, n, w, h,
+                             &target));
+    assert_int_equal(target.n, n);
 }
 
-/* Draws once, the whole target when nothing else is said. */
-static void draw_once(struct gp_gl *gl, const struct gp_program *p,
-    const struct gp_target *to, const struct gp_uniform *uniform, bool replace)
+static void close_stage(void)
+{
+    assert_ok(gp_gl_check(&said_log, gl, "test"));
+    gp_target_free(gl, &target);
+    assert_int_equal(target.n, 0);
+    gp_program_free(gl, &program);
+    gp_gl_close(&gl);
+}
+
+/* Draws a triangle over the whole target. */
+static gp_status draw_once(const struct gp_uniform *uniform, bool replace)
 {
     const struct gp_draw draw = {
-        .program = p, .target = to, .cut = {0, 0, 999, 999},
+        .program = &program, .target = &target, .cut = {0, 0, 999, 999},
         .uniform = uniform, .vertices = 3, .instances = 1, .replace = replace,
     };
-    if (gp_draw_run(&log_kept, gl, &draw) != GP_OK)
-        fail_msg("%s", last_line);
+    return gp_draw_run(&said_log, gl, &draw);
 }
 
 static const char eight[] = "uniform float first;\n"
@@ -373,20 +384,14 @@ static void attachments_are_apart(void **state)
 {
     static float px[4 * 5 * 3];
     const struct gp_rect all = {0, 0, 5, 3};
-    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_program p = program_of(gl, "", good_vert.text, eight);
     const struct gp_uniform u[] = {{.name = "first", .floats = 1,
                                     .f = {0.25f}}, {0}};
     for (int n = 1; n <= GP_ATTACHMENTS; n++) {
-        struct gp_target t = {0};
-        assert_ok(
-            gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, n, 5, 3, &t));
-        assert_int_equal(t.n, n);
-        draw_once(gl, &p, &t, u, true);
-        draw_once(gl, &p, &t, u, true);
-        draw_once(gl, &p, &t, u, false);
+        open_stage("", good_vert.text, eight, n, 5, 3);
+        for (int i = 0; i < 3; i++)
+            assert_ok(draw_once(u, i < 2));
         for (int i = 0; i < n; i++) {
-            gp_target_read(gl, &t, i, all, px);
+            gp_target_read(gl, &target, i, all, px);
             for (int k = 0; k < 15; k++) {
                 assert_true(px[4 * k] == 2.0f * (float) (k % 5) + 1.0f);
                 assert_true(px[4 * k + 1] == 2.0f * (float) (k / 5) + 1.0f);
@@ -394,18 +399,14 @@ static void attachments_are_apart(void **state)
                 assert_true(px[4 * k + 3] == 2.0f * (float) i);
             }
         }
-        gp_target_clear(gl, &t, all);
+        gp_target_clear(gl, &target, all);
         for (int i = 0; i < n; i++) {
-            gp_target_read(gl, &t, i, all, px);
+            gp_target_read(gl, &target, i, all, px);
             for (int k = 0; k < 60; k++)
                 assert_true(px[k] == 0.0f);
         }
-        gp_target_free(gl, &t);
-        assert_int_equal(t.n, 0);
+        close_stage();
     }
-    assert_ok(gp_gl_check(&log_kept, gl, "test"));
-    gp_program_free(gl, &p);
-    gp_gl_close(&gl);
 }
 
 /* One value of each kind reaches the shader. */
@@ -432,18 +433,14 @@ static void uniforms_arrive(void **state)
     const struct gp_rect square = {0, 0, 2, 2};
     struct gp_texture sharp = {0}, smooth = {0};
     struct gp_buffer list = {0}, block = {0};
-    struct gp_target t = {0};
     float got[12];
-    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_program p = program_of(gl, "#define VALUE 13.0\n",
-                                     good_vert.text, frag);
+    open_stage("#define VALUE 13.0\n", good_vert.text, frag, 3, 1, 1);
     assert_ok(
-        gp_texture_make(&log_kept, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
+        gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
     assert_ok(
-        gp_texture_make(&log_kept, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
-    assert_ok(gp_buffer_make(&log_kept, gl, "c", GP_BUFFER_TEXELS, 3, &list));
-    assert_ok(gp_buffer_make(&log_kept, gl, "d", GP_BUFFER_BLOCK, 2, &block));
-    assert_ok(gp_target_make(&log_kept, gl, "e", GP_TEXEL_FLOAT, 3, 1, 1, &t));
+        gp_texture_make(&said_log, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
+    assert_ok(gp_buffer_make(&said_log, gl, "c", GP_BUFFER_TEXELS, 3, &list));
+    assert_ok(gp_buffer_make(&said_log, gl, "d", GP_BUFFER_BLOCK, 2, &block));
     gp_texture_write(gl, &sharp, square, texels);
     float rows[16] = {0};
     rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
@@ -459,26 +456,21 @@ static void uniforms_arrive(void **state)
         {.name = "texture0", .texture = &sharp},
         {.name = "image0", .image = &sharp}, {.name = "list0", .texels = &list},
         {.name = "Block", .block = &block}, {0}};
-    draw_once(gl, &p, &t, u, true);
+    assert_ok(draw_once(u, true));
     for (int i = 0; i < 3; i++)
-        gp_target_read(gl, &t, i, (struct gp_rect) {0, 0, 1, 1}, got + 4 * i);
+        gp_target_read(gl, &target, i, (struct gp_rect) {0, 0, 1, 1},
+                       got + 4 * i);
     for (int i = 0; i < 12; i++)
         assert_true(got[i] == want[i]);
     const struct gp_uniform absent[] = {{.name = "Absent", .block = &block},
                                         {0}};
-    const struct gp_draw draw = {.program = &p, .target = &t,
-                                 .cut = {0, 0, 1, 1}, .uniform = absent,
-                                 .vertices = 3, .instances = 1};
-    assert_int_equal(gp_draw_run(&log_kept, gl, &draw), GP_ERR_BUG);
+    assert_int_equal(draw_once(absent, false), GP_ERR_BUG);
     assert_said("Absent");
-    assert_ok(gp_gl_check(&log_kept, gl, "test"));
     gp_texture_free(gl, &sharp);
     gp_texture_free(gl, &smooth);
     gp_buffer_free(gl, &list);
     gp_buffer_free(gl, &block);
-    gp_target_free(gl, &t);
-    gp_program_free(gl, &p);
-    gp_gl_close(&gl);
+    close_stage();
 }
 
 /* Between texel centres as a straight line, beyond them the edge. */
@@ -495,26 +487,20 @@ static void linear_textures_mix(void **state)
         {-3.0f, 0.25f, 1.0f}, {9.0f, 9.0f, 9.0f},
     };
     struct gp_texture t = {0};
-    struct gp_target to = {0};
     float px[4];
-    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_ok(gp_texture_make(&log_kept, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
-    assert_ok(
-        gp_target_make(&log_kept, gl, "to", GP_TEXEL_FLOAT, 1, 1, 1, &to));
+    open_stage("", good_vert.text, frag, 1, 1, 1);
+    assert_ok(gp_texture_make(&said_log, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_uniform u[] = {
             {.name = "t", .texture = &t},
             {.name = "at", .floats = 2, .f = {rows[i].x, rows[i].y}}, {0}};
-        draw_once(gl, &p, &to, u, true);
-        gp_target_read(gl, &to, 0, (struct gp_rect) {0, 0, 1, 1}, px);
+        assert_ok(draw_once(u, true));
+        gp_target_read(gl, &target, 0, (struct gp_rect) {0, 0, 1, 1}, px);
         assert_float_equal(px[0], rows[i].want, 0.02); // GPUs have 8 bits
     }
     gp_texture_free(gl, &t);
-    gp_target_free(gl, &to);
-    gp_program_free(gl, &p);
-    gp_gl_close(&gl);
+    close_stage();
 }
 
 /* Squares of points, also of those whose centre is outside the target. */
@@ -536,12 +522,10 @@ static void points_are_squares(void **state)
         {0.5f, 0.5f, 5, 0, 9}, {-0.5f, 4.5f, 5, 0, 0},
         {-0.5f, 4.5f, 5, 3, 10}, {-0.5f, -0.5f, 5, 3, 4}, {4, 4, 40, 8, 64},
     };
-    struct gp_target t = {0};
     float px[4 * 64];
-    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
+    const struct gp_rect all = {0, 0, 8, 8};
+    open_stage("", vert, frag, 1, 8, 8);
     assert_true(gp_gl_info(gl)->max_point >= 40.0f);
-    struct gp_program p = program_of(gl, "", vert, frag);
-    assert_ok(gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, 8, 8, &t));
     for (size_t i = 0; i < COUNT(rows); i++) {
         int more = rows[i].view, found = 0;
         float size = (float) (8 + 2 * more);
@@ -551,20 +535,18 @@ static void points_are_squares(void **state)
                                               size}},
             {.name = "side", .floats = 1, .f = {rows[i].side}}, {0}};
         const struct gp_draw draw = {
-            .program = &p, .target = &t, .cut = {0, 0, 8, 8},
+            .program = &program, .target = &target, .cut = all,
             .view = {-more, -more, 8 + more, 8 + more}, .uniform = u,
             .vertices = 1, .instances = 1, .points = true};
-        gp_target_clear(gl, &t, (struct gp_rect) {0, 0, 8, 8});
-        assert_ok(gp_draw_run(&log_kept, gl, &draw));
-        gp_target_read(gl, &t, 0, (struct gp_rect) {0, 0, 8, 8}, px);
+        gp_target_clear(gl, &target, all);
+        assert_ok(gp_draw_run(&said_log, gl, &draw));
+        gp_target_read(gl, &target, 0, all, px);
         for (int k = 0; k < 64; k++)
             found += px[4 * k] == 1.0f;
         if (found != rows[i].want)
             fail_msg("row %zu: %d pixels, not %d", i, found, rows[i].want);
     }
-    gp_target_free(gl, &t);
-    gp_program_free(gl, &p);
-    gp_gl_close(&gl);
+    close_stage();
 }
 
 /* A draw sees what its list held when it was asked for, though the list is
@@ -579,32 +561,26 @@ static void lists_wait_for_draws(void **state)
     static float px[4 * SIDE * SIDE];
     float entries[4 * 64];
     struct gp_buffer list = {0};
-    struct gp_target t = {0};
     const struct gp_rect all = {0, 0, SIDE, SIDE};
-    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
-    struct gp_program p = program_of(gl, "", good_vert.text, frag);
-    assert_ok(
-        gp_target_make(&log_kept, gl, "t", GP_TEXEL_FLOAT, 1, SIDE, SIDE, &t));
-    gp_target_clear(gl, &t, all);
+    open_stage("", good_vert.text, frag, 1, SIDE, SIDE);
+    gp_target_clear(gl, &target, all);
     for (int d = 0; d < DRAWS; d++) {
         const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
         if (d % 2 == 0) {
             gp_buffer_free(gl, &list);
-            assert_ok(gp_buffer_make(&log_kept, gl, "l", GP_BUFFER_TEXELS, 64,
+            assert_ok(gp_buffer_make(&said_log, gl, "l", GP_BUFFER_TEXELS, 64,
                                      &list));
         }
         for (int i = 0; i < 4 * 64; i++)
             entries[i] = (float) (1 << d);
         gp_buffer_write(gl, &list, 0, 64, entries);
-        draw_once(gl, &p, &t, u, false);
+        assert_ok(draw_once(u, false));
     }
     gp_buffer_free(gl, &list);
-    gp_target_read(gl, &t, 0, all, px);
+    gp_target_read(gl, &target, 0, all, px);
     for (int i = 0; i < 4 * SIDE * SIDE; i++)
         assert_true(px[i] == 64.0f * (float) ((1 << DRAWS) - 1));
-    gp_target_free(gl, &t);
-    gp_program_free(gl, &p);
-    gp_gl_close(&gl);
+    close_stage();
 }
 
 // old_version_is_named comes before any Mesa

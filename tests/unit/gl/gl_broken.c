@@ -4,8 +4,7 @@
 #include "unit.h"
 #include "core/memory.h"
 #include "fail.h"
-#include "gl/gl_priv.h"
-#include "said.h"
+#include "gl_open.h"
 
 #include <limits.h>
 #include <unistd.h>
@@ -56,6 +55,24 @@ struct broken {
     const char *what, *said;
 };
 
+static void refuse(enum gp_gl_api api, const char *variable,
+                   const struct broken *rows, size_t n)
+{
+    for (size_t i = 0; i < n; i++) {
+        setenv(variable, rows[i].what, 1);
+        const gp_status st = try_open(api);
+        if (rows[i].said || st != GP_OK) {
+            assert_int_equal(st, GP_ERR_GL);
+            // Mesa's older contexts are of a version that may be enough, or not
+            assert_true(rows[i].said || strcmp(rows[i].what, "core") == 0);
+            assert_said(rows[i].what,
+                        rows[i].said ? rows[i].said : "4.5 is needed");
+        }
+        unsetenv(variable);
+    }
+    assert_ok(try_open(api));
+}
+
 static void osmesa_refuses(void **state)
 {
     static const struct broken rows[] = {
@@ -67,15 +84,7 @@ static void osmesa_refuses(void **state)
         {"core", NULL}, {"unnamed", NULL},
     };
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        setenv("BROKEN_GL", rows[i].what, 1);
-        const gp_status st = try_open(GP_GL_OSMESA);
-        assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
-        if (rows[i].said)
-            assert_said(rows[i].what, rows[i].said);
-        unsetenv("BROKEN_GL");
-    }
-    assert_ok(try_open(GP_GL_OSMESA));
+    refuse(GP_GL_OSMESA, "BROKEN_GL", rows, COUNT(rows));
     unsetenv("GLAREPP_OSMESA");
 }
 
@@ -109,19 +118,7 @@ static void egl_refuses(void **state)
         {"device", NULL}, {"nameless", NULL}, {"core", NULL},
     };
     use_broken(GP_GL_EGL, "GLAREPP_EGL", "broken_egl.so");
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        setenv("BROKEN_EGL", rows[i].what, 1);
-        const gp_status st = try_open(GP_GL_EGL);
-        // Mesa's older contexts are of a version that may be enough, or not
-        if (strcmp(rows[i].what, "core") != 0 || st == GP_OK)
-            assert_int_equal(st, rows[i].said ? GP_ERR_GL : GP_OK);
-        else
-            assert_said(rows[i].what, "4.5 is needed");
-        if (rows[i].said)
-            assert_said(rows[i].what, rows[i].said);
-        unsetenv("BROKEN_EGL");
-    }
-    assert_ok(try_open(GP_GL_EGL));
+    refuse(GP_GL_EGL, "BROKEN_EGL", rows, COUNT(rows));
     unsetenv("GLAREPP_EGL");
 }
 
@@ -142,17 +139,6 @@ static GLenum APIENTRY broken_framebuffer(GLuint framebuffer, GLenum target)
     return GL_FRAMEBUFFER_UNSUPPORTED;
 }
 
-static struct gp_gl *open_or_skip(void)
-{
-    struct gp_gl *gl = NULL;
-    said_nothing();
-    if (gp_gl_open(&said_log, GP_GL_AUTO, &gl) != GP_OK) {
-        print_message("no context: %s\n", said_line);
-        skip();
-    }
-    return gl;
-}
-
 static void flags_have_names(void **state)
 {
     static const struct { GLenum flag; const char *name; } rows[] = {
@@ -164,7 +150,7 @@ static void flags_have_names(void **state)
         {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
         {0x1234, "an unknown GL error"},
     };
-    struct gp_gl *gl = open_or_skip();
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     const PFNGLGETERRORPROC real = gl->f.GetError;
     gl->f.GetError = broken_error;
     for (size_t i = 0; i < COUNT(rows); i++) {
@@ -182,10 +168,10 @@ static void flags_have_names(void **state)
     gp_gl_close(&gl);
 }
 
-/* What cannot be made is empty, and the next one can be. */
+/* An object that cannot be made is empty, and the next one can be. */
 static void objects_are_refused(void **state)
 {
-    struct gp_gl *gl = open_or_skip();
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     for (int broken = 1; broken >= 0; broken--) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
@@ -219,7 +205,7 @@ static void objects_are_refused(void **state)
 
 static void targets_are_refused(void **state)
 {
-    struct gp_gl *gl = open_or_skip();
+    struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     const PFNGLCHECKNAMEDFRAMEBUFFERSTATUSPROC check =
         gl->f.CheckNamedFramebufferStatus;
     struct gp_target t = {0};
