@@ -51,15 +51,29 @@ static void put(struct gp_frame *f, int x, int y, float r, float g, float b)
         f->rgb.c[c][y * gp_frame_w(f) + x] = v[c];
 }
 
+static struct gp_kernel kernel_of(const struct gp_frame *f, float degrees,
+                                  enum gp_normalize normalize,
+                                  const double *at)
+{
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    p.rotate = degrees;
+    p.normalize = normalize;
+    p.centered = at != NULL;
+    for (int i = 0; i < 2 && at; i++)
+        p.center[i] = at[i];
+    if (gp_kernel_from_frame(NULL, &p, f, &k) != GP_OK)
+        fail_msg("%g degrees", (double) degrees);
+    return k;
+}
+
 static void image_keeps_the_ratios_of_its_channels(void **state)
 {
     struct gp_frame f = blank(0, 0, 3, 3);
-    struct gp_kernel_params p = {.source = "k.exr"};
-    struct gp_kernel k;
     put(&f, 0, 0, 4, 1, -1);
     put(&f, 1, 1, 4, 5, 4);
     put(&f, 2, 2, 0, 2, 1);
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
     assert_false(k.grey);
     assert_close(k.sum[1] / k.sum[0], 1.0, 1e-6);
     assert_close(k.sum[2] / k.sum[0], 0.5, 1e-6);
@@ -74,12 +88,11 @@ static void image_keeps_the_ratios_of_its_channels(void **state)
     f.luminance[0] = 0.5f; // the image's own primaries
     f.luminance[1] = 0.5f;
     f.luminance[2] = 0.0f;
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
     assert_close(k.sum[0], 1.0, 1e-6);
     gp_kernel_free(&k);
 
-    p.normalize = GP_NORMALIZE_NONE;
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     for (int c = 0; c < 3; c++)
         assert_memory_equal(k.k.c[c], f.rgb.c[c], 9 * sizeof(float));
     assert_true(k.sum[0] == 8.0 && k.sum[1] == 8.0 && k.sum[2] == 4.0);
@@ -108,13 +121,10 @@ static void image_borders_are_cut(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
-        struct gp_kernel_params p = {
-            .source = "k.exr", .centered = rows[i].centered,
-            .center = {rows[i].center[0], rows[i].center[1]},
-        };
-        struct gp_kernel k;
         put(&f, rows[i].x, rows[i].y, 0, 0, 3);
-        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+        struct gp_kernel k =
+            kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE,
+                      rows[i].centered ? rows[i].center : NULL);
         assert_int_equal(k.w, 1);
         assert_int_equal(k.h, 1);
         assert_int_equal(k.cx, rows[i].cx);
@@ -129,14 +139,11 @@ static void image_borders_are_cut(void **state)
 static void image_is_cut_to_the_union_of_its_channels(void **state)
 {
     struct gp_frame f = blank(0, 0, 9, 8);
-    struct gp_kernel_params p = {.source = "k.exr",
-                                 .normalize = GP_NORMALIZE_NONE};
-    struct gp_kernel k;
     put(&f, 1, 5, 1, -0.0f, 0);
     put(&f, 6, 2, 0, 2, 0);
     put(&f, 3, 6, 0, 0, -3);
     put(&f, 8, 7, -0.0f, 0, 0);
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_int_equal(k.w, 6);
     assert_int_equal(k.h, 5);
     assert_int_equal(k.cx, 4 - 1);
@@ -155,11 +162,9 @@ static void image_of_any_size_is_normalised(void **state)
                                   FLT_MAX};
     for (size_t i = 0; i < COUNT(peaks); i++) {
         struct gp_frame f = blank(0, 0, 2, 1);
-        struct gp_kernel_params p = {.source = "k.exr"};
-        struct gp_kernel k;
         put(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
         put(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
-        assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+        struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
         assert_close(k.sum[0], 1.0, 1e-6);
         assert_true(k.grey);
         gp_kernel_free(&k);
@@ -209,13 +214,10 @@ static void bad_images_are_refused(void **state)
 static void faint_samples_are_zero(void **state)
 {
     struct gp_frame f = blank(0, 0, 3, 1);
-    struct gp_kernel_params p = {.source = "k.exr",
-                                 .normalize = GP_NORMALIZE_NONE};
-    struct gp_kernel k;
     put(&f, 0, 0, 1e-39f, -1e-39f, 0);
     put(&f, 1, 0, 1, FLT_MIN, 2);
     put(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_true(k.k.c[0][0] == 0.0f && k.k.c[1][0] == 0.0f);
     assert_true(k.k.c[1][1] == FLT_MIN && k.k.c[2][2] == -FLT_MIN);
     assert_true(k.faint[0] == (double) 1e-39f + (double) 1e-40f);
@@ -228,11 +230,8 @@ static void faint_samples_are_zero(void **state)
 static void negative_kernels_pass_unnormalised(void **state)
 {
     struct gp_frame f = blank(0, 0, 1, 1);
-    struct gp_kernel_params p = {.source = "k.exr",
-                                 .normalize = GP_NORMALIZE_NONE};
-    struct gp_kernel k;
     put(&f, 0, 0, -2, -2, -2);
-    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
     gp_kernel_free(&k);
     gp_frame_free(&f);
@@ -279,21 +278,6 @@ static struct gp_frame image(int w, int h, bool grey, bool lobes)
     return f;
 }
 
-static struct gp_kernel turned(const struct gp_frame *f, float degrees,
-                               enum gp_normalize normalize, const double *at)
-{
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel k;
-    p.rotate = degrees;
-    p.normalize = normalize;
-    p.centered = at != NULL;
-    for (int i = 0; i < 2 && at; i++)
-        p.center[i] = at[i];
-    if (gp_kernel_from_frame(NULL, &p, f, &k) != GP_OK)
-        fail_msg("%g degrees", (double) degrees);
-    return k;
-}
-
 static double unturned_at(const struct gp_unturned *u, int c, int x, int y)
 {
     return x >= 0 && x < u->w && y >= 0 && y < u->h
@@ -334,9 +318,9 @@ static void samples_are_the_unturned_ones(void **state)
                                   kernels[i].lobes);
         for (size_t a = 0; a < 2 * COUNT(angles); a++) {
             struct gp_kernel k =
-                turned(&f, angles[a / 2], a % 2 ? GP_NORMALIZE_NONE
-                                                : GP_NORMALIZE_LUMINANCE,
-                       kernels[i].centered ? kernels[i].center : NULL);
+                kernel_of(&f, angles[a / 2], a % 2 ? GP_NORMALIZE_NONE
+                                                   : GP_NORMALIZE_LUMINANCE,
+                          kernels[i].centered ? kernels[i].center : NULL);
             assert_non_null(k.unturned);
             assert_int_equal(k.grey, kernels[i].grey);
             // every offset where either is not 0, and a rim around them
@@ -348,7 +332,8 @@ static void samples_are_the_unturned_ones(void **state)
                             gp_rotate_reference(k.unturned, c, dx, dy) != want)
                             fail_msg("kernel %zu, %g degrees, (%d, %d): %g, "
                                      "not %g", i, (double) angles[a / 2], dx,
-                                     dy, (double) scene_at(&k, c, dx, dy), want);
+                                     dy, (double) scene_at(&k, c, dx, dy),
+                                     want);
                     }
                 }
             }
@@ -370,10 +355,10 @@ static void right_angles_move_samples(void **state)
         struct gp_frame f = image(kernels[i].w, kernels[i].h, false, false);
         const double *const center =
             kernels[i].centered ? kernels[i].center : NULL;
-        struct gp_kernel flat = turned(&f, 0.0f, GP_NORMALIZE_NONE, center);
+        struct gp_kernel flat = kernel_of(&f, 0.0f, GP_NORMALIZE_NONE, center);
         for (size_t t = 0; t < COUNT(turns); t++) {
-            struct gp_kernel k = turned(&f, turns[t], GP_NORMALIZE_NONE,
-                                        center);
+            struct gp_kernel k = kernel_of(&f, turns[t], GP_NORMALIZE_NONE,
+                                           center);
             assert_null(k.unturned);
             assert_int_equal(k.w * k.h, flat.w * flat.h);
             for (int y = 0; y < flat.h; y++) {
@@ -399,8 +384,8 @@ static void turned_kernels_are_normalised(void **state)
 {
     struct gp_frame f = image(9, 8, false, false);
     for (size_t a = 0; a < COUNT(angles); a++) {
-        struct gp_kernel k = turned(&f, angles[a], GP_NORMALIZE_LUMINANCE,
-                                    NULL);
+        struct gp_kernel k = kernel_of(&f, angles[a], GP_NORMALIZE_LUMINANCE,
+                                       NULL);
         double sum[3] = {0}, luminance = 0.0;
         for (int c = 0; c < 3; c++) {
             for (int i = 0; i < k.w * k.h; i++)
@@ -441,8 +426,8 @@ static void engines_agree(void **state)
 {
     static const char *const engines[] = {"direct", "fft"};
     struct gp_frame f = image(21, 30, false, false);
-    struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7), turned(&f,
-        30.0f, GP_NORMALIZE_LUMINANCE, NULL), &usual);
+    struct scene s = scene_make(scene_frame(90, 70, -3, 5, FEW, 7),
+        kernel_of(&f, 30.0f, GP_NORMALIZE_LUMINANCE, NULL), &usual);
     for (size_t i = 0; i < COUNT(engines); i++) {
         struct gp_glare g = {0};
         struct gp_glare_stats stats;

@@ -1,4 +1,5 @@
-/* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its formula. */
+/* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its
+ * formula. */
 #include "unit.h"
 #include "glare/glare_priv.h"
 #include "glare_scene.h"

@@ -14,8 +14,7 @@
 #include "glare/splat/splat_priv.h"
 #include "glare_scene.h"
 
-/* -- the harness: a reference and a fast form of the same thing run on the same
- * generated frames ---------------------------------------------------------- */
+/* -- the harness: both forms run on the same generated frames --------------*/
 
 #define PAIR_KINDS(X)                                                         \
     X(PAIR_UNIFORM, "uniform in [0, 2)")                                      \

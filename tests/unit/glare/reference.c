@@ -76,7 +76,7 @@ static void transform_is_the_sum(void **state)
     }
 }
 
-/* -- errors against it, by hand and by law: design.md section 6 --------------*/
+/* -- errors against it, by hand and by law: design.md section 6 -------------*/
 
 /* A frame of w x h pixels of `light` with its layer and truth. */
 static struct scene measured(int w, int h, float light, double exact,
