@@ -85,8 +85,8 @@ static struct scene beside(float rest)
     return scene_make(f, k, &open_all);
 }
 
-/* What leaves the range of float downwards is in the bound; of kernels under
- * it nothing is left, and the kernel says so. */
+/* Values that leave the range of float downwards are in the bound; of kernels
+ * under it nothing is left, and the kernel says so. */
 static void bounds_know_the_range(void **state)
 {
     static const float rests[] = {1e-3f,  1e-20f, 1e-30f,
@@ -323,7 +323,7 @@ static double light_is_kept(const char *engine)
     return error;
 }
 
-/* How far an engine may be off each law, in bars of rel_l2. */
+/* An engine may be off a law by so many bars of rel_l2. */
 static const struct {
     const char *name;
     double (*error)(const char *engine);

@@ -185,7 +185,7 @@ static void passes_go_round(void **state)
 
 /* -- the engine -------------------------------------------------------------*/
 
-/* Where hardly any light may be lost at the frame's edge (the bound is small),
+/* If hardly any light may be lost at the frame's edge (the bound is small),
  * the transform alone meets the bar; lobes may cancel, and these meet it too.
  */
 static void check_alone(const struct hard_case *h, const struct scene *s,
@@ -485,7 +485,7 @@ static struct gp_frame make_view(enum view view, int w, int h, uint32_t seed)
     return f;
 }
 
-/* Where the split says that no pixel is off by over 1e-6 of its own value, none
+/* If the split says that no pixel is off by over 1e-6 of its own value, none
  * is; elsewhere it is off by no more than a few times what was said. */
 static void check_promise(struct scene *s, const struct chosen *c,
                           enum view view)

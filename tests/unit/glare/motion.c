@@ -4,7 +4,7 @@
 #include "unit.h"
 #include "motion.h"
 
-/* How a technique's layer comes about: by an engine, or, for those that are
+/* A technique's layer comes about by an engine, or, for those that are
  * slow on a software GL, by the polygons' plain form in double. */
 struct technique {
     const char *name;

@@ -37,7 +37,7 @@ struct pair {
     bool gl;      // needs a context
     const void *how; // settings, for open()
 
-    /* What both forms need beside the frame, which it takes. */
+    /* Makes all that both forms need of the frame, which it takes. */
     void *(*open)(const struct pair *pair, struct gp_frame f);
     void (*reference)(void *ctx, double *out); // 3 * w * h samples
     void (*fast)(void *ctx, float *out);

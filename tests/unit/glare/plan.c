@@ -287,7 +287,7 @@ static void candidates_are_whole(void **state)
     }
 }
 
-/* What a run leaves in its state is not predicted again. */
+/* Work that a run leaves in its state is not predicted again. */
 static void states_count(void **state)
 {
     for (int i = 0; i < 2; i++) {

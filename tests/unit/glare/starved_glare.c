@@ -61,7 +61,7 @@ static gp_status run_engine(void)
     return run_with(&scene.k);
 }
 
-/* What an engine keeps of one kernel gives way to that of another. */
+/* Another kernel takes the place of the one that an engine keeps. */
 static void forget(void)
 {
     fail_end();
