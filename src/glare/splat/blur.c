@@ -27,24 +27,29 @@ struct blurring {
     double *buffer;
 };
 
-/* Turns n samples of `width` numbers each into box sums that end at each
- * sample. Sums of `by` samples add those `by`, 2 * by, ... times * by before
- * them; from the last backwards, so that nothing is overwritten that is still
- * needed. */
-static void sum_box(const struct blurring *b, double *v, int n, int width)
+/* Adds to each of n samples of `width` numbers those `by`, 2 * by, ...
+ * times * by before it; from the last backwards, so that nothing is
+ * overwritten that is still needed. */
+static void add_shifted(double *v, int n, int width, int by, int times)
 {
-    int times = b->odd > 1 ? b->odd - 1 : 1;
-    for (int by = 1; by < b->side; by *= times + 1, times = 1) {
-        for (int i = n - 1; i >= by; i--) {
-            double *const to = v + (size_t) i * (size_t) width;
-            for (int k = 1; k <= times && i - k * by >= 0; k++) {
-                const double *const from =
-                    v + (size_t) (i - k * by) * (size_t) width;
-                for (int x = 0; x < width; x++)
-                    to[x] += from[x];
-            }
+    for (int i = n - 1; i >= by; i--) {
+        double *const to = v + (size_t) i * (size_t) width;
+        for (int k = 1; k <= times && i - k * by >= 0; k++) {
+            const double *const from =
+                v + (size_t) (i - k * by) * (size_t) width;
+            for (int x = 0; x < width; x++)
+                to[x] += from[x];
         }
     }
+}
+
+/* Turns n samples of `width` numbers each into box sums that end at each
+ * sample. */
+static void sum_box(const struct blurring *b, double *v, int n, int width)
+{
+    add_shifted(v, n, width, 1, b->odd - 1);
+    for (int half = b->odd; half < b->side; half *= 2)
+        add_shifted(v, n, width, half, 1);
 }
 
 /* Blurs one strip of columns of one channel, all rows: each row on its own,
