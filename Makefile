@@ -71,7 +71,7 @@ FAULTS := $(addprefix $(B)/tests/,shim.so environ.so broken_gl.so broken_egl.so)
 CHECKS := check-headers check-house check-symbols check-man \
           check-manual check-tidy check-cppcheck
 
-.PHONY: all help demo check check-built check-all check-asan check-ubsan check-tsan check-valgrind \
+.PHONY: all help demo check check-built check-all check-alone check-asan check-ubsan check-tsan check-valgrind \
         coverage coverage-run $(CHECKS) lint hardcases hardcases-manual bench man install uninstall deb deps clean
 all: $(B)/glarepp $(BRIDGES) man compile_commands.json ## builds the program, its bridges and the man page
 
@@ -214,6 +214,14 @@ check: ## installs what is missing, builds, runs every test
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory -j$$(nproc) check-built
 	@$(MAKE) --no-print-directory check-all
+
+# What is built here serves both
+check-alone: check-built ## the tests, quickly, in a clone that has nothing beside it
+	@alone=$$(mktemp -d) && trap 'rm -rf "$$alone"' EXIT && \
+	    git clone -q . "$$alone/glarepp" && \
+	    ln -s "$(abspath $(B))" "$$alone/glarepp/build" && \
+	    cd "$$alone/glarepp" && GLAREPP_TEST_QUICK=1 tests/run.sh build \
+	        "$(UNIT_BIN:$(B)/%=build/%)" ""
 
 check-built: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build compile_commands.json
 check-all: check-built

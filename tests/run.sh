@@ -1,7 +1,8 @@
 #!/bin/bash
 # Usage: run.sh BUILD "UNIT_BINARIES" "MAKE_CHECKS" [no-cli | TEST... | -TEST...]
 # Runs every test, of the command-line ones none, those named, or all but those
-# named; prints what failed, and ends with "N passed, N failed".
+# named; prints what failed and what was skipped for which reason, and ends with
+# "N passed, N failed, N skipped".
 # GLAREPP_TEST_JOBS at a time, else as many as there are processors.
 # GLAREPP_TEST_SKIP names suites that are left out, as ROOM/SUITE.
 # GLAREPP_RUN is put before each unit test (valgrind); GLAREPP_PROGRAM is what the
@@ -10,27 +11,38 @@ build=$1 units=$2 checks=$3 cli=" ${*:4} "
 cd "$(dirname "$0")/.." || exit 1
 log=$build/test-logs
 mkdir -p "$log"
-passed=0 failed=0
+passed=0 failed=0 skipped=0
 
 # count NAME LOG STATUS SECONDS: adds up a TAP log; a death without a word is a
 # failure
 count()
 {
-    local ok not
-    # what was skipped, with a reason, neither passed nor failed
+    local ok not skip
+    # (cmocka calls a test that was skipped "not ok N # SKIP")
+    skip=$(grep -cE '^[[:space:]]*((not )?ok [0-9]+|1\.\.0) # (SKIP|skip)' "$2")
     ok=$(grep -E '^[[:space:]]*ok ' "$2" | grep -ciEv '# skip')
     not=$(grep -E '^[[:space:]]*not ok ' "$2" | grep -ciEv '# skip')
     if [ "$3" != 0 ] && [ "$not" = 0 ] || ! grep -qE '^[[:space:]]*(not )?ok |^1\.\.0 # |skipped: ' "$2"; then
         not=$((not + 1))
     fi
-    passed=$((passed + ok)) failed=$((failed + not))
+    passed=$((passed + ok)) failed=$((failed + not)) skipped=$((skipped + skip))
+    [ "$skip" = 0 ] || reasons "$1" "$2" >>"$log/skipped"
     if [ "$not" != 0 ]; then
         echo "FAILED $1 (status $3); the end of $2:"
         grep -nE -A6 '^[[:space:]]*not ok ' "$2" | grep -iv '# skip' | head -60
         tail -n 12 "$2"
     else
-        echo "ok     $1: $ok ($4 s)"
+        echo "ok     $1: $ok$([ "$skip" = 0 ] || echo ", $skip skipped") ($4 s)"
     fi
+}
+
+# reasons NAME LOG: one line for each test that was skipped
+reasons()
+{
+    case $1 in
+    *.t) sed -nE 's/^(ok [0-9]+|1\.\.0) # SKIP //p' "$2" ;;
+    *) sed -n 's/^# skipped: //p' "$2" ;;
+    esac
 }
 
 # run_one KIND PATH NAME [SUITE]: leaves NAME.log, NAME.status, NAME.seconds
@@ -85,11 +97,13 @@ for task in "${tasks[@]}"; do
     run_one $task &
 done
 wait
+: >"$log/skipped"
 for task in "${tasks[@]}"; do
     read -r _ _ name _ <<<"$task"
     count "$name" "$log/$name.log" "$(cat "$log/$name.status")" \
         "$(cat "$log/$name.seconds")"
 done
 
-echo "$passed passed, $failed failed"
+sort "$log/skipped" | uniq -c | sort -rn | sed 's/^ *\([0-9]*\) /skipped \1: /'
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" = 0 ]

@@ -114,7 +114,7 @@ make_all first $everything
 localedef -i de_DE -f UTF-8 ./de_DE.UTF-8 2>/dev/null && export LOCPATH="$here"
 big=$(head -c 100000 /dev/zero | tr '\0' x)
 for setting in LC_ALL=de_DE.UTF-8 LC_ALL=C LC_NUMERIC=de_DE.UTF-8 \
-    TZ=Asia/Kathmandu HOME=/nonexistent HOME= XDG_CACHE_HOME=/nonexistent \
+    TZ=Asia/Kathmandu "HOME=$here/lamps.json/no" HOME= "XDG_CACHE_HOME=$here/lamps.json/no" \
     COLUMNS=13 MALLOC_PERTURB_=165 "LONG=$big"; do
     as_first "with $(echo "$setting" | head -c 40)" \
         eval '(export "$setting" && make_all new $everything)'
