@@ -2,7 +2,7 @@
 # Every frame of the data folder goes through; every damaged one ends well:
 # status 0, 3 or 4, one line, in little memory and time, and never a crash.
 . "$(dirname "$0")/lib.sh"
-[ -n "$data" ] || skip_all 'no data folder'
+[ -n "$data" ] || skip_all "$no_data"
 
 # Sanitizers reserve more address space than this
 limit=4194304

@@ -61,7 +61,7 @@ fi
 # -- real frames ----------------------------------------------------------------
 
 if [ -z "$data" ]; then
-    skip 1 'no data folder'
+    skip 1 "$no_data"
     done_testing
     exit 0
 fi

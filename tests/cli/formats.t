@@ -350,7 +350,7 @@ if [ -n "$data" ]; then
             "luminance-chroma $name: the size"
     done
 else
-    skip 12 'no data folder'
+    skip 12 "$no_data"
 fi
 
 "$python" "$cli/compare.py" <list >verdicts

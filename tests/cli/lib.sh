@@ -18,6 +18,7 @@ case ${GLAREPP-} in
 esac
 data=$(cd "$root" && cd "${GLAREPP_DATA:-../shared/data}" 2>/dev/null && pwd) ||
     data=
+no_data='no data folder (../shared/data, or $GLAREPP_DATA)'
 python=/usr/bin/python3
 [ -x "$python" ] || python=$(command -v python3 || :)
 # numpy and OpenImageIO, for those who compare pixels

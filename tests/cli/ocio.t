@@ -156,7 +156,7 @@ if command -v oiiotool >/dev/null && [ -n "$data" ]; then
     run --ocio "$data/ocio/oiio_test_v0.9.2.ocio" -o made/p.png f.exr
     [ $status = 0 ] || fails_with 4 'refuses it (' 'a config of a later library'
 else
-    skip 15 'no oiiotool, or no data folder'
+    skip 15 "no oiiotool, or $no_data"
 fi
 
 done_testing

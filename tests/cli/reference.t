@@ -4,7 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 reference=$root/../shared/tools/reference.py
 [ -f "$reference" ] || skip_all 'no reference.py'
-[ -n "$data" ] || skip_all 'no data folder'
+[ -n "$data" ] || skip_all "$no_data"
 [ -n "$oiio" ] || skip_all 'no numpy and OpenImageIO'
 "$python" -c 'import scipy.signal' 2>/dev/null || skip_all 'no scipy'
 

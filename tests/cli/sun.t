@@ -351,7 +351,7 @@ if [ -n "$data" ] && [ -d "$data/seq_foliage" ]; then
         skip 1 'no GL'
     fi
 else
-    skip 2 'no data folder'
+    skip 2 "$no_data"
 fi
 
 done_testing

@@ -13,7 +13,7 @@ static inline struct gp_gl *open_or_skip(enum gp_gl_api api)
     said_nothing();
     if (gp_gl_open(&said_log, api, &gl) != GP_OK) {
         print_message("no context: %s\n", said_line);
-        skip();
+        skip_for("no GL");
     }
     return gl;
 }

@@ -31,6 +31,14 @@ int suite_run(const CMUnitTestFunction *tests, size_t n, const char *names,
     return failed;
 }
 
+const char *data_path(const char *name)
+{
+    static char path[4096];
+    const char *const data = getenv("GLAREPP_DATA");
+    snprintf(path, sizeof path, "%s/%s", data ? data : "../shared/data", name);
+    return path;
+}
+
 static int run_apart(const struct suite *s)
 {
     fflush(stdout);

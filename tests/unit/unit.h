@@ -28,6 +28,14 @@
 #define COUNT(a) (sizeof(a) / sizeof *(a))
 #define assert_ok(call) assert_int_equal(call, GP_OK)
 
+/* Skips the test; tests/run.sh counts the reasons. */
+#define skip_for(why) (print_message("# skipped: %s\n", why), skip())
+
+/* The data folder is $GLAREPP_DATA, or ../shared/data; data_path() returns a
+ * path in it, in one place of memory. */
+#define NO_DATA "no data folder (../shared/data, or $GLAREPP_DATA)"
+const char *data_path(const char *name);
+
 #define SUITE(name)                                                           \
     int suite_##name(int argc, char **argv);                                  \
     int suite_##name(int argc __attribute__((unused)),                        \

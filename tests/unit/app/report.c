@@ -139,7 +139,7 @@ static void locales_do_not_matter(void **state)
 {
     struct gp_facts facts = full_facts();
     if (!setlocale(LC_ALL, "de_DE.UTF-8") && !setlocale(LC_ALL, "fr_FR.UTF-8"))
-        skip();
+        skip_for("no locale with a decimal comma");
     char *text = reported(&facts, 1);
     setlocale(LC_ALL, "C");
     assert_non_null(strstr(text, "[1.5,2.5,3.5]"));
@@ -186,7 +186,7 @@ static void errors_of_files(void **state)
     assert_non_null(strstr(said_line, "/no/such/r.json: "));
     assert_int_equal(gp_report_open(&said_log, "/tmp", false, &r), GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
-        skip();
+        skip_for("no /dev/full");
     assert_int_equal(gp_report_open(&said_log, "/dev/full", false, &r), GP_OK);
     assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_ERR_IO);
     assert_non_null(strstr(said_line, "No space left"));

@@ -123,7 +123,7 @@ static void no_memory_leaves_nothing(void **state)
 {
     // sanitizers and valgrind take such a request for an error
     if (getenv("GLAREPP_TEST_QUICK"))
-        skip();
+        skip_for("quick");
     struct gp_kernel k = {.w = INT_MAX - 64, .h = INT_MAX - 64};
     struct gp_blur b = {.w = 3};
     assert_int_equal(gp_blur_make(NULL, &k, (struct gp_rect) {0, 0, k.w, k.h},

@@ -128,7 +128,7 @@ static void work_is_counted(void **state)
 static void equal_sources_do_not_drift(void **state)
 {
     if (quick)
-        skip();
+        skip_for("quick");
     struct scene s = scene_make(scene_frame(211, 193, 0, 0, EQUAL, 1u),
                                 scene_kernel(95, 95, MID, 0, BOX), &usual);
     struct gp_glare_stats stats;

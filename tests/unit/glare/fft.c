@@ -526,7 +526,7 @@ static void predicted_rounding_is_kept(void **state)
 static void a_night_is_worth_more_than_a_sky(void **state)
 {
     if (quick)
-        skip();
+        skip_for("quick");
     struct gp_frame night = scene_frame(960, 540, 0, 0, BLACK, 1u);
     uint32_t seed = 11u;
     for (int c = 0; c < 3; c++) {

@@ -53,7 +53,7 @@ static void plain_loops_are_the_sum(void **state)
 static void transform_is_the_sum(void **state)
 {
     if (quick)
-        skip();
+        skip_for("quick");
     static const struct {
         int w, h, kw, kh, cx, cy;
         enum shape shape;

@@ -200,7 +200,7 @@ static void large_points_are_refused(void **state)
     const int most =
         (int) gp_gl_info(((struct gp_splat *) kept)->gl)->max_point;
     if (most > 2000)
-        skip();
+        skip_for("points of over 2000 pixels");
     for (int i = 0; i < 2; i++) {
         struct scene s = splat_scene(i ? 2 * most : 40, i ? 3 : 30, CORNERS,
                                      scene_kernel(4 * most, 5, MID, 0, PEAK));

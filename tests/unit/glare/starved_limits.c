@@ -230,7 +230,7 @@ static void limits_are_named(void **state)
     said_nothing();
     if (draw_points(&s, &g, GP_PRIMITIVE_POINT) == GP_ERR_GL) {
         scene_free(&s);
-        skip();
+        skip_for("no GL");
     }
     for (int i = 0; gp_engines[i]; i++) {
         if (gp_engines[i] == &gp_engine_splat)

@@ -316,7 +316,7 @@ static void dwa_keeps_ids(void **state)
     const struct gp_rect r = {-3, 5, 30, 45};
     struct gp_plane ids = {0}, depth = {0};
     if (!wf_bridge())
-        skip();
+        skip_for("no OpenImageIO");
     struct gp_frame f = wf_frame(r, r, wf_all);
     struct gp_frame b = wf_trip(&f, GP_COMPRESSION_DWAA, GP_OUT_AUTO);
     const struct gp_read_params limits = GP_READ_DEFAULTS;

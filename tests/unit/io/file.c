@@ -424,7 +424,7 @@ static void without_permission(void **state)
     assert_text(wf_path("sealed"), "old");
     assert_int_equal(chmod(wf_path("closed"), 0700), 0);
     if (!able)
-        skip(); // a container without other users
+        skip_for("no other users"); // a container without other users
 }
 
 /* Patches reach as far as what is written, and no byte further. */

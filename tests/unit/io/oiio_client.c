@@ -351,7 +351,7 @@ static void real_one(void)
     for (int i = 0; i < 2000 && !helper_of(getpid()); i++) {
         usleep(1000);
         if (open_oiio(&none) || !has_oiio)
-            skip();
+            skip_for("no OpenImageIO");
     }
 }
 

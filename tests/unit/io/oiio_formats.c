@@ -19,7 +19,7 @@ static const char *const rgba[] = {"R", "G", "B", "A", "a", "b", "c", "d", "e"};
 static void need_oiio(void)
 {
     if (!has_oiio)
-        skip();
+        skip_for("no OpenImageIO");
 }
 
 /* A smooth picture in [0,1] with the ends in it. */

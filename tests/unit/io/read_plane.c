@@ -262,10 +262,9 @@ static void matrices(void **state)
     }
 }
 
-static bool data_path(const char *name)
+static bool in_data(const char *name)
 {
-    const char *data = getenv("GLAREPP_DATA");
-    snprintf(path, sizeof path, "%s/%s", data ? data : "../shared/data", name);
+    snprintf(path, sizeof path, "%s", data_path(name));
     return access(path, R_OK) == 0;
 }
 
@@ -305,7 +304,7 @@ static void depth_of_real_files(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_frame frame;
         struct gp_plane p;
-        if (!data_path(row[i].file))
+        if (!in_data(row[i].file))
             continue;
         some = true;
         assert_ok(read_file(path, &frame));
@@ -323,15 +322,15 @@ static void depth_of_real_files(void **state)
         gp_frame_free(&frame);
     }
     if (!some)
-        skip();
+        skip_for(NO_DATA);
 }
 
 static void matrices_of_real_files(void **state)
 {
     struct gp_frame frame;
     double m[16];
-    if (!data_path("seq_foliage/foliage.1004.exr"))
-        skip();
+    if (!in_data("seq_foliage/foliage.1004.exr"))
+        skip_for(NO_DATA);
     assert_ok(read_file(path, &frame));
     assert_true(gp_frame_matrix(&frame, "worldToCamera", m));
     assert_true(m[15] == 1.0 && m[3] == 0.0); // rows: translation is last
@@ -425,7 +424,7 @@ static void planes_of_other_formats(void **state)
     };
     static float v[3 * N];
     if (!has_oiio)
-        skip();
+        skip_for("no OpenImageIO");
     for (size_t i = 0; i < COUNT(row); i++) {
         const bool real = row[i].scale == 0.0f;
         const int n = row[i].channels;

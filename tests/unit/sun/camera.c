@@ -1,6 +1,6 @@
 /* sun/camera: matrices by hand, places and discs under them; cameras from JSON,
  * and against the data folder's frames and their headers. The folder is
- * $GLAREPP_DATA, or ../shared/data; without it those tests skip. */
+ * data_path()'s; without it those tests skip. */
 #include "json_file.h"
 #include "core/json.h"
 #include "io/plane.h"
@@ -440,14 +440,6 @@ static void large_files_have_an_end(void **state)
 
 // -- the data's frames -------------------------------------------------------
 
-static const char *data_path(const char *name)
-{
-    static char path[4096];
-    const char *data = getenv("GLAREPP_DATA");
-    snprintf(path, sizeof path, "%s/%s", data ? data : "../shared/data", name);
-    return path;
-}
-
 static double item(const json_t *array, size_t i)
 {
     return json_number_value(json_array_get(array, i));
@@ -538,7 +530,7 @@ static void suns_and_lamps_of_the_data(void **state)
         snprintf(path, sizeof path, "%s.camera.json", names[i]);
         json_t *const truth = json_load_file(data_path(path), 0, NULL);
         if (!truth)
-            skip();
+            skip_for(NO_DATA);
         if (gp_camera_read(&said_log, data_path(path), &file))
             fail_msg("%s", said_line);
         json_array_foreach (json_object_get(truth, "frames"), k, frame) {
@@ -588,7 +580,7 @@ static void arnold_is_told_from_the_spec(void **state)
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_rect display;
         if (access(data_path(row[i].file), R_OK) != 0)
-            skip();
+            skip_for(NO_DATA);
         const struct gp_camera c = header_camera(row[i].file, row[i].matrix,
                                                  GP_NDC_AUTO, &display);
         const struct gp_camera clip = header_camera(

@@ -161,7 +161,7 @@ static inline int close_machines(void **state)
 static inline struct machine *machine_at(int i)
 {
     if (!machine_count)
-        skip();
+        skip_for("no GL");
     assert_ok(gp_gl_use(&said_log, machines[i].gl));
     return &machines[i];
 }

@@ -1,6 +1,6 @@
 /* Every way to find a share before a fence that slides, and exact areas against
  * the truth beside the data's frames (of masks: tests/cli/sun.t). Their folder
- * is $GLAREPP_DATA, or ../shared/data; without it that test skips. */
+ * is data_path()'s; without it that test skips. */
 #include "scene.h"
 #include "io/channels.h"
 #include "reading.h"
@@ -139,13 +139,11 @@ static void frames_of_the_data(void **state)
     static const char *const stems[] = {
         "seq_foliage/foliage", "seq_foliage/foliage_f32", "rendered/window",
         "rendered/brightsky", "rendered/night"};
-    const char *const data = getenv("GLAREPP_DATA");
     double worst_z = 0.0, worst_a = 0.0;
     int frames = 0;
     for (size_t i = 0; i < COUNT(stems); i++) {
-        char stem[400], name[500];
-        snprintf(stem, sizeof stem, "%.300s/%s", data ? data : "../shared/data",
-                 stems[i]);
+        char stem[4096], name[4200];
+        snprintf(stem, sizeof stem, "%s", data_path(stems[i]));
         snprintf(name, sizeof name, "%s.camera.json", stem);
         json_t *const root = json_load_file(name, 0, NULL);
         const json_t *const list = json_object_get(root, "frames");
@@ -183,7 +181,7 @@ static void frames_of_the_data(void **state)
         json_decref(root);
     }
     if (frames == 0)
-        skip();
+        skip_for(NO_DATA);
     print_message("%d frames: exact to truth, worst by depth %.4f, by mask "
                   "%.4f\n", frames, worst_z, worst_a);
     assert_true(worst_z <= 0.02 && worst_a <= 0.02);
