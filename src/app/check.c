@@ -35,10 +35,13 @@ static gp_status check_needs(const struct gp_log *log,
     const bool chosen = strcmp(engine, "auto") == 0;
     const bool raw = !gp_option_given(s, "stdout-format") ||
                      s->write.stdout_format == GP_STDOUT_RAW;
-    bool stream = open_ended(s->hdr) || open_ended(s->layer);
-    bool files = s->outputs.n || s->hdr || s->layer;
-    for (int i = 0; i < s->outputs.n; i++)
-        stream = stream || open_ended(s->outputs.at[i]);
+    const struct gp_texts *const made[] = {&s->outputs, &s->hdr, &s->layer};
+    bool stream = false, files = false;
+    for (int k = 0; k < 3; k++) {
+        files = files || made[k]->n;
+        for (int i = 0; i < made[k]->n; i++)
+            stream = stream || open_ended(made[k]->at[i]);
+    }
     for (int i = 0; i < GP_DEBUG_KINDS; i++) {
         stream = stream || open_ended(s->debug[i]);
         files = files || s->debug[i];
@@ -72,7 +75,7 @@ static gp_status check_needs(const struct gp_log *log,
          "the two out", "", ""},
         {GP_NEED_PICTURE, s->outputs.n || polygons, "there is no picture to "
          "show; give -o FILE", "", ""},
-        {GP_NEED_HDR, s->hdr, "there is no frame to convert; give --hdr FILE",
+        {GP_NEED_HDR, s->hdr.n, "there is no frame to convert; give --hdr FILE",
          "", ""},
         {GP_NEED_MASK, mask, "does nothing with this --sun-method; use "
          "--sun-method mask", "", ""},
@@ -129,7 +132,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     const int words = s->completion ? 0 : 1;
     struct gp_splat_params *const splat = &s->glare.splat;
     const struct gp_sun_params *const sun = &s->sun;
-    bool wants = s->outputs.n || s->hdr || s->layer || s->report;
+    bool wants = s->outputs.n || s->hdr.n || s->layer.n || s->report;
     if (s->command == GP_COMMAND_HELP && s->inputs.n > words)
         return gp_fail(log, GP_ERR_USAGE, "help: too many words (found %s); "
                        "give one topic", s->inputs.at[words]);

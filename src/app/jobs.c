@@ -207,8 +207,6 @@ static const char *const target_options[] = {
 static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
                             enum gp_target_kind kind, const char *path)
 {
-    if (!path)
-        return GP_OK;
     struct gp_output *t = &j->target[j->targets++];
     t->kind = kind;
     return gp_pattern_find(log, path, &t->name);
@@ -410,15 +408,20 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     struct gp_jobs j = {.views = 1, .members.stream = GP_STREAM_EMPTY};
     bool patterns = false;
     GP_TRY(gp_alloc_zero(log, "output list",
-                         (size_t) s->outputs.n + 2 + GP_DEBUG_KINDS,
+                         (size_t) (s->hdr.n + s->layer.n + s->outputs.n) +
+                             GP_DEBUG_KINDS,
                          sizeof *j.target, &j.target));
     // --hdr first: it may copy from an input that a later output replaces
-    GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->hdr));
-    GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->layer));
+    for (int i = 0; i < s->hdr.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_HDR, s->hdr.at[i]));
+    for (int i = 0; i < s->layer.n; i++)
+        GP_TRY(add_target(log, &j, GP_TARGET_LAYER, s->layer.at[i]));
     for (int i = 0; i < s->outputs.n; i++)
         GP_TRY(add_target(log, &j, GP_TARGET_PICTURE, s->outputs.at[i]));
-    for (int i = 0; i < GP_DEBUG_KINDS; i++)
-        GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
+    for (int i = 0; i < GP_DEBUG_KINDS; i++) {
+        if (s->debug[i])
+            GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
+    }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     // all that the outputs must meet, before stdin is read
     GP_TRY(check_patterns(log, &j, patterns));

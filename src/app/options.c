@@ -270,15 +270,18 @@ const struct gp_option gp_options[] = {
                 "may be given more than once"),
     OPT(hdr, .name = "hdr", IN(OUTPUT), .arg = "FILE",
         .help = "Write a scene-linear EXR with glare; all other channels and "
-                "attributes of the input pass through"),
+                "attributes of the input pass through; may be given more than "
+                "once"),
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
-        .help = "Write the glare layer only, scene-linear"),
+        .help = "Write the glare layer only, scene-linear; may be given more "
+                "than once"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of a step on the way"),
 
     OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
-        .help = "Frames of a pattern: 1-100, 1-100x2, 3,4,10-20x2 or 5-1; "
+        .help = "Frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
+                "3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Views, e.g. left,right, for %V and %v (first letter) in "

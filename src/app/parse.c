@@ -11,11 +11,12 @@
 // -- settings ----------------------------------------------------------------
 
 /* The lists of words. */
-enum { LISTS = 4 };
+enum { LISTS = 6 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
-        &s->inputs, &s->outputs, &s->ocio_context, &s->light_groups,
+        &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
+        &s->light_groups,
     };
     return list[i];
 }

@@ -75,9 +75,9 @@ struct gp_settings {
     struct gp_sun_params sun;
 
     struct gp_texts inputs, outputs;   // outputs: -o
+    struct gp_texts hdr, layer;        // files of these options
     struct gp_texts ocio_context;      // ocio.context once checked
     struct gp_texts light_groups;      // layers whose light glares
-    const char *hdr, *layer;           // NULL: not wanted
     const char *debug[GP_DEBUG_KINDS]; // files
     const char *report;
     const char *frames;                // list as written

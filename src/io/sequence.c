@@ -262,7 +262,7 @@ gp_status gp_frames_parse(const struct gp_log *log, const char *text,
         if (good && *s == '-') {
             s++;
             good = read_number(&s, &to);
-            if (good && *s == 'x') {
+            if (good && (*s == 'x' || *s == ':')) {
                 s++;
                 good = read_number(&s, &step) && step >= 1;
             }
@@ -270,7 +270,7 @@ gp_status gp_frames_parse(const struct gp_log *log, const char *text,
         if (!good || (*s != ',' && *s))
             GP_TRY(gp_fail(log, GP_ERR_USAGE,
                            "--frames: not a list of frames (found %.*s in "
-                           "%s); write 7, 1-100, 1-100x2 or 3,4,10-20x2",
+                           "%s); write 7, 1-100, 1-100x2 or 3,4,10-20:2",
                            (int) strcspn(item, ","), item, text));
         const int way = to < from ? -1 : 1;
         const int64_t frames = ((int64_t) to - from) * way / step + 1;

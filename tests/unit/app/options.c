@@ -109,7 +109,8 @@ static void forms_of_values(void **state)
                            "3.5,-2 --report - -q -v", &s), GP_OK);
     assert_int_equal(s.outputs.n, 2);
     assert_string_equal(s.outputs.at[1], "b.exr");
-    assert_string_equal(s.layer, "l");
+    assert_int_equal(s.layer.n, 1);
+    assert_string_equal(s.layer.at[0], "l");
     assert_true(s.sensor.threshold == 2.5f && s.sensor.knee == 0.5f);
     assert_true(s.tone.exposure == -1.5f && s.kernel.centered);
     assert_true(s.kernel.center[0] == 3.5 && s.kernel.center[1] == -2.0);
