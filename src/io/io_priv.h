@@ -18,10 +18,10 @@
 
 enum { GP_FIRST_BYTES = 132 }; // that are looked at: DICOM's magic is at 128
 
-/* The format that begins so, of which the first n bytes are there, as a message
- * names it ("PNG", but also what is likely to be found under a wrong name:
- * "gzip", "a web page"); NULL when nothing known does. Of Targa, which has no
- * magic, the first fields must hold what it allows. */
+/* Returns the format whose first n bytes these are, as a message names it:
+ * "PNG", but also what may be given in its place: "gzip", "web page". NULL when
+ * no known format begins so. Targa has no magic: all fields of its header must
+ * agree. */
 const char *gp_format_name(const uint8_t *first, size_t n);
 
 /* A format that is read. */

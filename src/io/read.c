@@ -15,7 +15,8 @@
 
 // -- what a file begins with --------------------------------------------------
 
-/* The bytes that formats begin with. */
+/* The bytes that formats begin with: those that are read, and those that are
+ * named to who gives one. The first that fits counts. */
 static const struct {
     const char *name;
     const char *bytes;
@@ -31,39 +32,87 @@ static const struct {
     {"Radiance HDR", "#?", 2, 0},
     {"DPX", "SDPX", 4, 0},
     {"DPX", "XPDS", 4, 0},
+    {"WebP", "WEBP", 4, 8},
+    {"BMP", "BM", 2, 0},
+    {"SGI", "\x01\xda", 2, 0},
+    // not read
+    {"AVI movie", "AVI ", 4, 8},
+    {"RIFF", "RIFF", 4, 0},
     {"Cineon", "\x80\x2a\x5f\xd7", 4, 0},
     {"Cineon", "\xd7\x5f\x2a\x80", 4, 0},
-    {"WebP or AVI", "RIFF", 4, 0},
     {"GIF", "GIF8", 4, 0},
-    {"BMP", "BM", 2, 0},
-    {"icon", "\0\0\1\0", 4, 0},
+    {"Windows icon", "\0\0\1\0", 4, 0},
+    {"Windows cursor", "\0\0\2\0\1", 5, 0},
     {"IFF", "FOR4", 4, 0},
+    {"IFF", "FORM", 4, 0},
     {"JPEG 2000", "\0\0\0\x0cjP", 6, 0},
     {"JPEG 2000", "\xff\x4f\xff\x51", 4, 0},
+    {"JPEG XL", "\0\0\0\x0cJXL", 7, 0},
+    {"JPEG XL", "\xff\x0a", 2, 0},
+    {"JPEG XR", "II\xbc", 3, 0},
     {"Photoshop", "8BPS", 4, 0},
-    {"SGI", "\x01\xda", 2, 0},
-    {"Softimage", "\x53\x80\xf6\x34", 4, 0},
+    {"Softimage PIC", "\x53\x80\xf6\x34", 4, 0},
     {"FITS", "SIMPLE", 6, 0},
-    {"HEIF, AVIF or a movie", "ftyp", 4, 4},
-    {"a movie", "\0\0\1\xba", 4, 0},
+    {"HEIF", "ftyphe", 6, 4},
+    {"HEIF", "ftypmif1", 8, 4},
+    {"AVIF", "ftypavi", 7, 4},
+    {"QuickTime or MP4 movie", "ftyp", 4, 4},
+    {"QuickTime or MP4 movie", "moov", 4, 4},
+    {"QuickTime or MP4 movie", "mdat", 4, 4},
+    {"MPEG movie", "\0\0\1\xba", 4, 0},
+    {"MPEG movie", "\0\0\1\xb3", 4, 0},
+    {"Matroska or WebM movie", "\x1a\x45\xdf\xa3", 4, 0},
+    {"Ogg movie", "OggS", 4, 0},
+    {"Flash movie", "FLV\1", 4, 0},
+    {"MXF movie", "\x06\x0e\x2b\x34", 4, 0},
+    {"ffmpeg playlist", "ffconcat", 8, 0},
+    {"M3U playlist", "#EXTM3U", 7, 0},
     {"DDS", "DDS ", 4, 0},
+    {"KTX", "\xabKTX", 4, 0},
+    {"Ptex", "Ptex", 4, 0},
+    {"OpenVDB", " BDV", 4, 0},
+    {"HDF5 or Field3D", "\x89HDF", 4, 0},
+    {"QOI", "qoif", 4, 0},
+    {"PAM", "P7\n", 3, 0},
     {"DICOM", "DICM", 4, 128},
     {"Zfile", "\x2f\x08\x67\xab", 4, 0},
     {"Zfile", "\xab\x67\x08\x2f", 4, 0},
-    {"a camera's raw file", "FUJIFILM", 8, 0},
-    {"a camera's raw file", "IIRO", 4, 0},
-    {"a camera's raw file", "IIRS", 4, 0},
-    {"a camera's raw file", "MMOR", 4, 0},
-    {"a camera's raw file", "IIU\0", 4, 0},
-    {"a camera's raw file", "II\x1a\0", 4, 0},
-    {"a camera's raw file", "\0MRM", 4, 0},
-    {"a camera's raw file", "FOVb", 4, 0},
+    {"camera raw", "FUJIFILM", 8, 0},
+    {"camera raw", "IIRO", 4, 0},
+    {"camera raw", "IIRS", 4, 0},
+    {"camera raw", "MMOR", 4, 0},
+    {"camera raw", "IIU\0", 4, 0},
+    {"camera raw", "II\x1a\0", 4, 0},
+    {"camera raw", "\0MRM", 4, 0},
+    {"camera raw", "FOVb", 4, 0},
+    {"PDF", "%PDF", 4, 0},
+    {"PostScript", "%!PS", 4, 0},
     {"gzip", "\x1f\x8b", 2, 0},
     {"zip", "PK\x03\x04", 4, 0},
-    {"a web page", "<!DOC", 5, 0},
-    {"a web page", "<html", 5, 0},
-    {"a git-lfs pointer", "version https://", 16, 0},
+    {"web page", "<!DOC", 5, 0},
+    {"web page", "<html", 5, 0},
+    {"SVG", "<svg", 4, 0},
+    {"XML", "<?xml", 5, 0},
+    {"git-lfs pointer", "version https://", 16, 0},
 };
+
+/* Targa has no magic: all fields of its header of 18 bytes must agree
+ * (Truevision TGA File Format Specification 2.0, 1991, fields 1 to 5). */
+static bool is_targa(const uint8_t *b, size_t n)
+{
+    if (n < 18 || b[1] > 1)
+        return false;
+    const int kind = b[2] & ~8, bits = b[16];  // + 8: runs
+    const int entries = b[5] | b[6] << 8, entry = b[7];
+    const bool palette = entries > 0 && (entry == 15 || entry == 16 ||
+                                         entry == 24 || entry == 32);
+    return b[2] < 16 && (b[12] | b[13]) && (b[14] | b[15]) &&
+           (b[17] & 0xc0) == 0 && (b[17] & 0x0f) <= 8 && // alpha bits
+           (b[1] ? palette : kind != 1) &&
+           (kind == 1   ? bits == 8 || bits == 16
+            : kind == 2 ? bits == 15 || bits == 16 || bits == 24 || bits == 32
+                        : kind == 3 && (bits == 8 || bits == 16));
+}
 
 const char *gp_format_name(const uint8_t *b, size_t n)
 {
@@ -79,14 +128,7 @@ const char *gp_format_name(const uint8_t *b, size_t n)
             memcmp(b + magics[i].at, magics[i].bytes, magics[i].n) == 0)
             return magics[i].name;
     }
-    // Targa has no magic. Its header of 18 bytes: bytes for the name, palette
-    // or none, kind of pixels, ..., width and height, bits of a pixel
-    const bool targa =
-        n >= 18 && b[1] <= 1 &&
-        ((b[2] >= 1 && b[2] <= 3) || (b[2] >= 9 && b[2] <= 11)) &&
-        (b[12] | b[13]) && (b[14] | b[15]) &&
-        (b[16] == 15 || (b[16] % 8 == 0 && b[16] >= 8 && b[16] <= 32));
-    return targa ? "Targa" : NULL;
+    return is_targa(b, n) ? "Targa" : NULL;
 }
 
 // -- where images end that come one after the other ---------------------------
@@ -124,8 +166,9 @@ static gp_status png_length(const uint8_t *data, uint64_t size,
 
 // -- readers ------------------------------------------------------------------
 
-/* Other formats that OpenImageIO knows have readers that end it, make pictures
- * up, or read them wrong. */
+/* All formats that are read: the helper refuses every other name. Other formats
+ * that OpenImageIO knows have readers that end it, make pictures up, open other
+ * files and addresses, or read them wrong. */
 const struct gp_reader gp_readers[] = {
     {.format = "EXR", .oiio = "openexr", .length = exr_length},
     {.format = "PNG", .open = gp_png_open, .length = png_length},
@@ -138,7 +181,7 @@ const struct gp_reader gp_readers[] = {
     {.format = "BMP", .oiio = "bmp"},
     {.format = "SGI", .oiio = "sgi"},
     {.format = "Targa", .oiio = "targa"},
-    {.format = "WebP or AVI", .oiio = "webp"},
+    {.format = "WebP", .oiio = "webp"},
     {0},
 };
 
@@ -152,20 +195,23 @@ static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
     return r->format ? r : NULL;
 }
 
-static gp_status refuse(const struct gp_log *log, const char *path,
-                        const uint8_t first[GP_FIRST_BYTES], size_t n,
-                        const char *is, const char *instead)
+/* "PNG", or of unknown data what it begins with. */
+static const char *found_text(const uint8_t *first, size_t n, char text[64])
 {
-    char unknown[64];
     const char *const name = gp_format_name(first, n);
-    snprintf(unknown, sizeof unknown, "unknown data, %02x %02x %02x %02x ...",
-             first[0], first[1], first[2], first[3]);
-    return gp_fail(log, GP_ERR_DATA, "%s: %s (found %s); %s", path, is,
-                   name ? name : unknown, instead);
+    snprintf(text, 64, "unknown data, %02x %02x %02x %02x ...", first[0],
+             first[1], first[2], first[3]);
+    return name ? name : text;
 }
 
-static const char no_format[] = "no image format that can be read",
-                  convert_it[] = "convert it, e.g. with oiiotool";
+static gp_status refuse(const struct gp_log *log, const char *path,
+                        const uint8_t first[GP_FIRST_BYTES], size_t n)
+{
+    char text[64];
+    return gp_fail(log, GP_ERR_DATA, "%s: not a format that glarepp reads "
+                   "(%s); convert it, e.g. with oiiotool", path,
+                   found_text(first, n, text));
+}
 
 /* Reads the first bytes of an open stream, which must be those of a format
  * that is read; closes it on failure. */
@@ -178,16 +224,18 @@ static gp_status check_start(const struct gp_log *log, const char *path,
     const bool named_exr =
         length > 4 && strcasecmp(path + length - 4, ".exr") == 0;
     const struct gp_reader *const r = find_reader(first, n);
+    char text[64];
     gp_status st = GP_OK;
     *exr = r == gp_readers;
     if (got < 0)
         st = gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                      path);
     else if (!*exr && named_exr)
-        st = refuse(log, path, first, n, "is not an EXR", "rename it to its "
-                    "real ending, or give the EXR");
+        st = gp_fail(log, GP_ERR_DATA, "%s: is not an EXR (found %s); rename "
+                     "it to its real ending, or give the EXR", path,
+                     found_text(first, n, text));
     else if (!r)
-        st = refuse(log, path, first, n, no_format, convert_it);
+        st = refuse(log, path, first, n);
     if (st)
         gp_stream_close(stream);
     return st;
@@ -218,7 +266,7 @@ gp_status gp_read_image(const struct gp_log *log,
     if (r)
         return gp_oiio_open(log, path, stream, r->oiio, part, p->max_pixels,
                             out);
-    return refuse(log, path, first, n, no_format, convert_it);
+    return refuse(log, path, first, n);
 }
 
 gp_status gp_read_stream(const struct gp_log *log,

@@ -45,6 +45,11 @@ cp in.exr named.png
 same a.exr b.exr 'an EXR named .png is read as what it is'
 echo 'this is no picture' >text.tif
 refuses 4 text.tif 'a text named .tif' text.tif
+printf 'S\200\366\064 a scene' >scene.pic
+refuses 4 scene.pic 'a Softimage PIC' scene.pic
+is "$(cat err)" 'glarepp: scene.pic: not a format that glarepp reads (Softimage PIC); convert it, e.g. with oiiotool' \
+    'a Softimage PIC: says what it is'
+refuses 4 scene.pic 'a Softimage PIC as kernel' -k scene.pic in.exr
 frame deep.exr deep=1
 refuses 4 deep.exr 'deep data' deep.exr
 like "$(cat err)" '*deep*; *' 'deep data: says so and what to do'
@@ -115,7 +120,7 @@ endless()
 }
 
 for device in /dev/zero /dev/urandom; do
-    none='*: no image format that can be read (found *); *'
+    none='*: not a format that glarepp reads (unknown data, *); convert it, *'
     endless $device "$none" "$device as input" $device
     endless - "$none" "$device as stdin" - <$device
     endless $device "$none" "$device as kernel" -k $device in.exr

@@ -31,7 +31,8 @@
  * uint32 come as those 32 bits in the place of the float, and each four
  * channels count on their own for max_pixels.
  *
- *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...
+ *   reader  OpenImageIO's name of the format: "tiff", "openexr", ...; the
+ *           helper refuses all but those of gp_readers and "openexr"
  *   out  written only on GP_OK; rows from rows(), which the helper decodes
  *        ahead
  *

@@ -428,14 +428,59 @@ static void cut_off(void **state)
  * has a reader for; the name does not matter. */
 static void formats_that_are_not_read(void **state)
 {
-    static const char *const row[] = {
-        "SIMPLE  =                    T", "8BPS\0\1", "DDS |", "GIF89a",
-        "FOR4\0\0\0", "\x80\x2a\x5f\xd7", "hi", "ffconcat version 1.0\nfile a",
+    static const char *const row[][2] = {
+        {"\x53\x80\xf6\x34 a scene", "reads (Softimage PIC); "},
+        {"SIMPLE  =                    T", "reads (FITS); "},
+        {"8BPS\0\1", "reads (Photoshop); "}, {"DDS |", "reads (DDS); "},
+        {"GIF89a", "reads (GIF); "}, {"FOR4\0\0\0", "reads (IFF); "},
+        {"\x80\x2a\x5f\xd7", "reads (Cineon); "},
+        {"ffconcat version 1.0\nfile a", "reads (ffmpeg playlist); "},
+        {"#EXTM3U\nhttp://a", "reads (M3U playlist); "},
+        {"hi, there", "reads (unknown data, 68 69 2c 20 ...); "},
     };
-    for (size_t i = 0; i < COUNT(row); i++)
-        refused(row[i], row[i], strlen(row[i]), NULL);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        refused(row[i][1], row[i][0], strlen(row[i][0]), NULL);
+        assert_non_null(strstr(said_line, row[i][1]));
+    }
     fixture_save(in_folder("http:127.0.0.1:9989.null"), "hi\n", 3);
-    assert_refused(path, GP_ERR_DATA, "no image format");
+    assert_refused(path, GP_ERR_DATA, "not a format that glarepp reads");
+}
+
+/* The helper asks no reader but those of gp_readers, whatever it is asked
+ * for; a TIFF is what most of them would open, or pass on. */
+static void readers_that_are_never_asked(void **state)
+{
+    static const char *const row[] = {
+        "cineon", "dds", "dicom", "ffmpeg", "fits", "gif", "heif", "ico",
+        "iff", "jpeg2000", "null", "openvdb", "png", "psd", "raw", "rla",
+        "softimage", "zfile", "tif", "mp4", "a.tif", "",
+    };
+    float pixels[3 * PIXELS];
+    const struct gp_image image = picture(pixels, 3, "");
+    need_oiio();
+    in_folder("a.tif");
+    assert_ok(write_image(path, "tif", &image, "uint8", ""));
+    size_t size;
+    uint8_t *const bytes = wf_read(path, &size);
+    struct gp_stream s = gp_stream_of(bytes, size);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct gp_image got = {0};
+        const gp_status st = gp_oiio_open(&said_log, path, &s, row[i], 0,
+                                          PIXELS, &got);
+        if (st != GP_ERR_DATA || !strstr(said_line, "not a format"))
+            fail_msg("%s: status %d, %s", row[i], (int) st, said_line);
+    }
+    for (const struct gp_reader *r = gp_readers; r->format; r++) {
+        struct gp_image got = {0};
+        const bool tiff = r->oiio && strcmp(r->oiio, "tiff") == 0;
+        const gp_status st = r->oiio ? gp_oiio_open(&said_log, path, &s,
+            r->oiio, 0, PIXELS, &got) : GP_ERR_DATA;
+        if (st != (tiff ? GP_OK : GP_ERR_DATA) ||
+            (r->oiio && !tiff && strstr(said_line, "not a format")))
+            fail_msg("%s: status %d, %s", r->format, (int) st, said_line);
+        gp_image_close(&got);
+    }
+    free(bytes);
 }
 
 // -- pictures of frames -------------------------------------------------------
@@ -575,5 +620,6 @@ static int teardown(void **state)
 SUITE_OF(oiio_formats, setup, teardown, written_formats_come_back,
          alpha_of_every_type, blocks_and_channels, alpha_and_attributes,
          display_window_that_lies, claims, odd_tiffs, tiffs_that_are_read,
-         odd_exrs, cut_off, formats_that_are_not_read, tiffs_of_every_kind,
+         odd_exrs, cut_off, formats_that_are_not_read,
+         readers_that_are_never_asked, tiffs_of_every_kind,
          pictures_that_do_not_fit, endings)

@@ -96,11 +96,15 @@ static void first_bytes(void **state)
     } row[] = {
         {"\x76\x2f\x31\x01\2\0\0\0", 8, "EXR"}, {"\x76\x2f\x31", 3, NULL},
         {"\x89PNG\r\n\x1a\n", 8, "PNG"}, {"PF\n1 1\n", 7, "PFM"},
-        {"Pf 1 1\n", 7, "PFM"}, {"P6#", 3, "PNM"}, {"P7\n", 3, NULL},
+        {"Pf 1 1\n", 7, "PFM"}, {"P6#", 3, "PNM"}, {"P7\n", 3, "PAM"},
         {"PFx", 3, NULL},
-        {"\0\0\0\x1c" "ftypmif1", 12, "HEIF, AVIF or a movie"},
-        {"<html>", 6, "a web page"},
-        {"version https://git-lfs", 23, "a git-lfs pointer"},
+        {"\0\0\0\x1c" "ftypmif1", 12, "HEIF"},
+        {"\0\0\0\x20" "ftypqt  ", 12, "QuickTime or MP4 movie"},
+        {"RIFF\x24\0\0\0WEBPVP8 ", 16, "WebP"},
+        {"RIFF\x24\0\0\0AVI LIST", 16, "AVI movie"},
+        {"RIFF\x24\0\0\0WAVEfmt ", 16, "RIFF"},
+        {"<html>", 6, "web page"},
+        {"version https://git-lfs", 23, "git-lfs pointer"},
         {"hello", 5, NULL}, {"", 0, NULL},
         // Targa: RGB, palette, run lengths, and what is none
         {"\0\0\2\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, "Targa"},
@@ -110,6 +114,14 @@ static void first_bytes(void **state)
         {"\0\0\2\0\0\0\0\0\0\0\0\0\0\0\x0c\0\x18\0", 18, NULL},
         {"\0\0\2\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x19\0", 18, NULL},
         {"\0\0\4\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, NULL},
+        // its fields do not agree: a palette's codes without a palette, of no
+        // entries, of 9 bits; grey of 24 bits; rows in turn; a further kind
+        {"\0\0\x09\0\0\0\1\x18\0\0\0\0\0\1\0\1\x08\0", 18, NULL},
+        {"\0\1\1\0\0\0\0\x18\0\0\0\0\0\1\0\1\x08\0", 18, NULL},
+        {"\0\1\1\0\0\0\1\x09\0\0\0\0\0\1\0\1\x08\0", 18, NULL},
+        {"\0\0\3\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, NULL},
+        {"\0\0\2\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\x40", 18, NULL},
+        {"\0\0\x12\0\0\0\0\0\0\0\0\0\x10\0\x0c\0\x18\0", 18, NULL},
     };
     uint8_t zeros[GP_FIRST_BYTES] = {0};
     for (size_t i = 0; i < COUNT(row); i++) {
