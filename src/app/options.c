@@ -380,7 +380,8 @@ const struct gp_option gp_options[] = {
                 "has flux draws them, scaled by its visible share"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
         .help = "Depth channel, in any part; without it, Z, depth.Z, "
-                "Depth.Z, *.Depth.Z or *.Z is looked for"),
+                "Depth.Z, *.Depth.Z or *.Z is looked for, first in the layer "
+                "that the colour is in (B.Depth.Z with B.Combined)"),
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
         .help = "Read the depth from this file (or pattern)"),

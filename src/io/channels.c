@@ -296,9 +296,24 @@ int gp_find_alpha(const struct gp_frame *f)
 
 /* -- depth ---------------------------------------------------------------- */
 
-/* "layer.Z" of a layer that holds vectors: it has X and Y too, or says so by
- * the last part of its name. */
-static bool is_vector(const struct gp_frame *f, const char *name)
+/* The start of the last part of a layer's name of `len` bytes without its dot:
+ * 10 for "ViewLayer.Mist". */
+static size_t last_part(const char *layer, size_t len)
+{
+    while (len > 0 && layer[len - 1] != '.')
+        len--;
+    return len;
+}
+
+bool gp_is_mist(const char *layer, size_t len)
+{
+    const size_t start = last_part(layer, len);
+    return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
+}
+
+/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
+ * Y too or is named so, and of Blender's mist. */
+static bool is_no_depth(const struct gp_frame *f, const char *name)
 {
     static const char *const vector[] = {
         "N",        "normal",   "normals",  "Ng",       "Nn",
@@ -308,17 +323,19 @@ static bool is_vector(const struct gp_frame *f, const char *name)
         "forward",  "backward", "XYZ",
     };
     char other[256];
-    const int layer = (int) (strrchr(name, '.') - name);
-    int start = layer;
-    while (start > 0 && name[start - 1] != '.')
-        start--;
+    const size_t with_dot = gp_layer_length(name);
+    const size_t layer = with_dot ? with_dot - 1 : 0;
+    const size_t start = last_part(name, layer);
     for (size_t i = 0; i < sizeof vector / sizeof *vector; i++) {
-        if (strlen(vector[i]) == (size_t) (layer - start) &&
-            strncasecmp(name + start, vector[i], strlen(vector[i])) == 0)
+        if (strlen(vector[i]) == layer - start &&
+            strncasecmp(name + start, vector[i], layer - start) == 0)
             return true;
     }
+    if (gp_is_mist(name, layer))
+        return true;
     for (const char *axis = "XY"; *axis; axis++) {
-        int n = snprintf(other, sizeof other, "%.*s.%c", layer, name, *axis);
+        int n = snprintf(other, sizeof other, "%.*s%c", (int) with_dot, name,
+                         *axis);
         if (n >= (int) sizeof other || channel_index(f, other) < 0)
             return false;
     }
@@ -327,29 +344,28 @@ static bool is_vector(const struct gp_frame *f, const char *name)
 
 enum { RANKS = 5 };
 
-/* 0 for the likeliest name of depth; RANKS for what is none. */
-static int depth_rank(const struct gp_frame *f, const char *name)
+/* 0 for the likeliest name of depth; RANKS for what is none. The first `skip`
+ * bytes are those of a layer that it is in with the colour. */
+static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
 {
     static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
-    // a part of its own has a layer's channels without the layer's name
-    if (strcmp(name, "Z") == 0 && channel_index(f, "X") >= 0 &&
-        channel_index(f, "Y") >= 0)
-        return RANKS;
-    for (int i = 0; i < 3; i++) {
-        if (strcmp(name, exact[i]) == 0)
-            return i;
-    }
-    const size_t n = strlen(name);
-    if (n > 8 && strcmp(name + n - 8, ".Depth.Z") == 0)
-        return 3;
-    return n > 2 && strcmp(name + n - 2, ".Z") == 0 && !is_vector(f, name)
-               ? 4 : RANKS;
+    const char *const own = name + skip;
+    const size_t n = strlen(own);
+    int rank = RANKS;
+    for (int i = 0; i < 3 && rank == RANKS; i++)
+        rank = strcmp(own, exact[i]) == 0 ? i : RANKS;
+    if (n > 8 && strcmp(own + n - 8, ".Depth.Z") == 0)
+        rank = 3;
+    else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
+        rank = 4;
+    return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
 }
 
 gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
-                        const char *name, int *out)
+                        const char *name, const char *colour, int *out)
 {
     int best = -1, second = -1, best_rank = RANKS;
+    size_t skip = colour ? gp_layer_length(colour) : 0;
     if (name) {
         char list[GP_CHANNEL_LIST] = "";
         *out = channel_index(f, name);
@@ -362,15 +378,23 @@ gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
                                    "%s: has no channel %s (it has %s); give "
                                    "one of those", f->path, name, list);
     }
-    for (int i = 0; i < f->channels; i++) {
-        int rank = depth_rank(f, f->channel[i].name);
-        if (rank < best_rank) {
-            best = i;
-            second = -1;
-            best_rank = rank;
-        } else if (rank == best_rank && rank < RANKS && second < 0) {
-            second = i;
+    // in the colour's layer, in the layer around it, ..., anywhere
+    for (bool last = false; best < 0 && !last;) {
+        last = skip == 0;
+        for (int i = 0; i < f->channels; i++) {
+            const char *const own = f->channel[i].name;
+            if (skip && strncmp(own, colour, skip) != 0)
+                continue;
+            const int rank = depth_rank(f, own, skip);
+            if (rank < best_rank) {
+                best = i;
+                second = -1;
+                best_rank = rank;
+            } else if (rank == best_rank && rank < RANKS && second < 0) {
+                second = i;
+            }
         }
+        skip = skip ? last_part(colour, skip - 1) : 0;
     }
     if (second >= 0)
         return gp_fail(log, GP_ERR_DATA,

@@ -57,17 +57,24 @@ int gp_find_alpha(const struct gp_frame *f);
 
 /* Finds the depth channel.
  *
- *   name  the channel the user asked for, or NULL to search in the order
- *         Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. A trailing ".Z" alone is not
- *         depth when its layer also has X and Y (normals.Z is not depth), or
- *         is named like a vector (N, normal(s), P, position, velocity, ...);
- *         nor is Z beside plain X and Y, which a part of vectors has.
- *   out   index into f->channel, or -1 when searching finds none
+ *   name    the channel the user asked for, or NULL to search in the order
+ *           Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. A trailing ".Z" alone is not
+ *           depth when its layer also has X and Y (normals.Z is not depth), is
+ *           named like a vector (N, normal(s), P, position, velocity, ...), or
+ *           is Mist, Blender's factor of fog in [0, 1]; nor is Z beside plain
+ *           X and Y, which a part of vectors has.
+ *   colour  a channel of the colour, or NULL: depth in its layer comes before
+ *           any other, then depth in the layer around that, and so on: with
+ *           B.Combined.R B.Depth.Z, and not A.Depth.Z
+ *   out     index into f->channel, or -1 when searching finds none
  *
  * Errors: GP_ERR_USAGE the name is not in the frame (the line lists the
  * channels it has); GP_ERR_DATA two candidates of equal rank (names both). */
 GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
-    const struct gp_frame *f, const char *name, int *out);
+    const struct gp_frame *f, const char *name, const char *colour, int *out);
+
+/* True for a layer, or part, called Mist (any case) after its last dot. */
+bool gp_is_mist(const char *layer, size_t len);
 
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list
  * with commas, which begins empty. False when it ends with "...", for want of

@@ -216,6 +216,7 @@ struct gp_plane_part {
     const char *view;        // of stereo, NULL when it has none; borrowed
     bool colour;             // this is the part of the frame's colour
     bool deep;
+    bool mist;               // its Z is no depth
     struct gp_channel *channel;  // into gp_plane_list.channel
     int channels;
 };
@@ -230,6 +231,7 @@ struct gp_plane_list {
     const char *view;            // of the frame's colour, where its part has
                                  // several and it is not the first; else NULL
     const struct gp_input *input; // with a view; borrowed
+    const char *colour;          // a channel of the frame's colour, or NULL
 };
 
 /* The result: a part of the list and a channel of it. Nothing when `part` is
@@ -242,7 +244,8 @@ struct gp_plane_place {
 /* The parts of an EXR. First comes the one of the colour, where there is one;
  * then those of its view or of none; within these, when `depth`, those called
  * depth, as a part of a layer-per-part file has plain Z whatever its layer;
- * deep ones last; then by number.
+ * then those in the layer around the colour's (B.Depth for B.Combined); deep
+ * ones last; then by number.
  *
  *   colour  o->part holds the colour of a frame
  *   list    written always; lives no longer than `o`; free with

@@ -71,14 +71,20 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
     gp_status st = alloc_list(log, o->parts, channels, list);
     if (st)
         return st;
-    for (int order = -1; order < 8; order++) { // the colour's part first
+    const char *own = "", *layer;
+    size_t n = colour ? gp_exr_part_layer(o, o->part, &own) : 0;
+    while (n > 0 && own[n - 1] != '.')
+        n--;
+    for (int order = -1; order < 16; order++) { // the colour's part first
         for (int part = 0; part < o->parts; part++) {
             const exr_attr_chlist_t *const from = channels_of(o, part);
+            const size_t bytes = gp_exr_part_layer(o, part, &layer);
             const struct gp_plane_part to = {
                 .part = part, .name = gp_exr_part_name(o, part),
                 .view = gp_exr_part_view(o, part),
                 .colour = colour && part == o->part,
                 .deep = gp_exr_is_deep(o, part),
+                .mist = gp_is_mist(layer, bytes),
                 .channel = list->channel + list->channels,
                 .channels = from->num_channels,
             };
@@ -86,7 +92,10 @@ gp_status gp_plane_list_exr(const struct gp_log *log, const char *path,
                 gp_exr_part_view(o, o->part));
             const bool plain = depth && !(to.name &&
                                           strcasestr(to.name, "depth"));
-            if ((to.colour ? -1 : 4 * to.deep + 2 * other + plain) != order)
+            const bool far = n > 0 && !(to.name &&
+                                        strncmp(to.name, own, n) == 0);
+            if ((to.colour ? -1 : 8 * to.deep + 4 * other + 2 * plain + far) !=
+                order)
                 continue;
             for (int i = 0; i < to.channels; i++)
                 to.channel[i].name =
@@ -154,14 +163,14 @@ static void list_names(const struct gp_plane_list *list,
 /* -- by search ------------------------------------------------------------ */
 
 static gp_status depth_of_names(const struct gp_log *log,
-                                const struct gp_plane_list *list,
-                                struct gp_channel *channel, int n, int *out)
+    const struct gp_plane_list *list, struct gp_channel *channel, int n,
+    const char *colour, int *out)
 {
     const struct gp_frame names = {
         .path = (char *) (uintptr_t) list->path,
         .channel = channel, .channels = n,
     };
-    return gp_find_depth(log, &names, NULL, out);
+    return gp_find_depth(log, &names, NULL, colour, out);
 }
 
 static gp_status search_depth(const struct gp_log *log,
@@ -178,10 +187,15 @@ static gp_status search_depth(const struct gp_log *log,
             st = gp_alloc_zero(log, "channels", (size_t) bare.n,
                                sizeof(struct gp_channel), &block);
         struct gp_channel *const channel = block;
-        for (int k = 0; k < bare.n && !st; k++)
+        const char *colour = NULL;
+        for (int k = 0; k < bare.n && !st; k++) {
             channel[k].name = (char *) (uintptr_t) bare.name[k];
+            if (list->colour && strcmp(first->channel[k].name,
+                                       list->colour) == 0)
+                colour = bare.name[k];
+        }
         if (!st)
-            st = depth_of_names(log, list, channel, bare.n, &i);
+            st = depth_of_names(log, list, channel, bare.n, colour, &i);
         gp_free(block);
         gp_exr_names_free(&bare);
         if (i >= 0)
@@ -189,7 +203,9 @@ static gp_status search_depth(const struct gp_log *log,
     }
     for (int p = 0; p < list->parts && !st && i < 0; p++) {
         const struct gp_plane_part *const part = &list->part[p];
-        st = depth_of_names(log, list, part->channel, part->channels, &i);
+        if (!part->mist)
+            st = depth_of_names(log, list, part->channel, part->channels,
+                                list->colour, &i);
         if (st || i < 0)
             continue;
         if (list->view && part == first)
@@ -359,17 +375,15 @@ static gp_status pick_beside(const struct gp_log *log, const struct gp_frame *f,
     if (in) {
         GP_TRY(gp_plane_list_exr(log, f->path, in, true, depth, list));
         list->input = in;
-        for (int i = 0; i < f->channels && !list->view; i++) {
-            if (f->channel[i].colour < 0)
-                continue;
-            list->view = gp_exr_view_of(in, in->part, f->channel[i].name);
-            break;
-        }
     } else {
         GP_TRY(gp_plane_list_one(log, f->path, true, f->channels, list));
         for (int i = 0; i < f->channels; i++)
             list->channel[i].name = f->channel[i].name;
     }
+    for (int i = 0; i < f->channels && !list->colour; i++)
+        list->colour = f->channel[i].colour >= 0 ? f->channel[i].name : NULL;
+    if (in && list->colour)
+        list->view = gp_exr_view_of(in, in->part, list->colour);
     GP_TRY(gp_plane_pick(log, list, name, depth, false, at));
     if (at->part)
         GP_TRY(make_name(log, list, at, named));

@@ -81,6 +81,12 @@ bool gp_exr_is_deep(const struct gp_input *in, int part);
 const char *gp_exr_part_name(const struct gp_input *in, int part);
 const char *gp_exr_part_view(const struct gp_input *in, int part);
 
+/* The part's name without the view at its end: "rgba" of rgba.left and
+ * rgba_left in a part whose view is left. Returns its length; 0 and "" when
+ * the part has no name. */
+size_t gp_exr_part_layer(const struct gp_input *in, int part,
+                         const char **name);
+
 /* The view, of several in its part, that a channel belongs to; NULL for the
  * default view and in parts of one. */
 const char *gp_exr_view_of(const struct gp_input *in, int part,

@@ -153,12 +153,6 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
 
 /* -- which part and which channels (choose.c) ----------------------------- */
 
-/* The part's name without the view at its end: "rgba" of rgba.left and
- * rgba_left in a part whose view is left. Returns its length; 0 and "" when
- * the part has no name. */
-size_t gp_exr_part_layer(const struct gp_input *in, int part,
-                         const char **name);
-
 /* The channel's name without its view, into `to`, which has room for it: its
  * own name in parts of one view. False when it belongs to another view.
  * Channels of no view go with the default view. */

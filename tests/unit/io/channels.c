@@ -26,39 +26,56 @@ static void depth_by_search(void **state)
         const char *name[NAMES];
         const char *want;    // NULL: none
         const char *also;    // not NULL: an error that names both
+        const char *colour;
     } row[] = {
-        {{"A", "B", "G", "R"}, NULL, NULL}, {{"B", "G", "R", "Z"}, "Z", NULL},
-        {{"Z", "depth.Z", "left.Z"}, "Z", NULL},
-        {{"Depth.Z", "depth.Z", "x.Z"}, "depth.Z", NULL},
-        {{"Depth.Z", "ViewLayer.Depth.Z"}, "Depth.Z", NULL},
+        {{"A", "B", "G", "R"}, NULL, NULL, NULL},
+        {{"B", "G", "R", "Z"}, "Z", NULL, NULL},
+        {{"Z", "depth.Z", "left.Z"}, "Z", NULL, NULL},
+        {{"Depth.Z", "depth.Z", "x.Z"}, "depth.Z", NULL, NULL},
+        {{"Depth.Z", "ViewLayer.Depth.Z"}, "Depth.Z", NULL, NULL},
         {{"ViewLayer.Combined.R", "ViewLayer.Depth.Z", "ViewLayer.N.Z"},
-         "ViewLayer.Depth.Z", NULL},
-        {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z"},
-        {{"left.Z", "right.Z"}, "left.Z", "right.Z"},
-        {{"a.Z", "b.Z", "c.Z"}, "a.Z", "b.Z"}, // the first two are named
-        {{"a.Z", "b.Z", "Z"}, "Z", NULL},
-        {{"character.Z"}, "character.Z", NULL},
+         "ViewLayer.Depth.Z", NULL, NULL},
+        {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z", NULL},
+        // depth beside the colour, in its layer or the ones around it
+        {{"A.Depth.Z", "B.Depth.Z"}, "B.Depth.Z", NULL, "B.Combined.R"},
+        {{"A.Depth.Z", "B.Z"}, "B.Z", NULL, "B.Combined.R"},
+        {{"A.Z", "B.Z", "Z"}, "B.Z", NULL, "B.R"},
+        {{"s.A.Depth.Z", "s.B.Z"}, "s.A.Depth.Z", NULL, "s.C.Combined.R"},
+        {{"s.A.Z", "s.B.Z"}, "s.A.Z", "s.B.Z", "s.C.Combined.R"},
+        {{"B.Normal.Z", "B.Mist.Z", "A.Z"}, "A.Z", NULL, "B.Combined.R"},
+        {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z", "R"},
+        {{"A.Depth.Z", "B.Depth.Z"}, "A.Depth.Z", "B.Depth.Z", "C.Combined.R"},
+        // Blender's fog
+        {{"ViewLayer.Combined.R", "ViewLayer.Mist.Z"}, NULL, NULL, NULL},
+        {{"ViewLayer.Mist.Z", "far.Z"}, "far.Z", NULL, NULL},
+        {{"mist.Z"}, NULL, NULL, NULL},
+        {{"Mistral.Z"}, "Mistral.Z", NULL, NULL},
+        {{"left.Z", "right.Z"}, "left.Z", "right.Z", NULL},
+        {{"a.Z", "b.Z", "c.Z"}, "a.Z", "b.Z", NULL}, // the first two are named
+        {{"a.Z", "b.Z", "Z"}, "Z", NULL, NULL},
+        {{"character.Z"}, "character.Z", NULL, NULL},
         // a vector by its axes, whatever its name
-        {{"thing.X", "thing.Y", "thing.Z"}, NULL, NULL},
-        {{"thing.X", "thing.Z"}, "thing.Z", NULL},
-        {{"X", "Y", "Z"}, NULL, NULL}, {{"Y", "Z"}, "Z", NULL},
-        {{"X", "Z"}, "Z", NULL},
+        {{"thing.X", "thing.Y", "thing.Z"}, NULL, NULL, NULL},
+        {{"thing.X", "thing.Z"}, "thing.Z", NULL, NULL},
+        {{"X", "Y", "Z"}, NULL, NULL, NULL}, {{"Y", "Z"}, "Z", NULL, NULL},
+        {{"X", "Z"}, "Z", NULL, NULL},
         // a vector by its name, whatever its axes
-        {{"normals.Z"}, NULL, NULL}, {{"Normal.Z"}, NULL, NULL},
-        {{"N.Z"}, NULL, NULL}, {{"P.Z"}, NULL, NULL},
-        {{"V.position.Z"}, NULL, NULL},
-        {{"velocity.Z", "far.Z"}, "far.Z", NULL},
-        {{"Nothing.Z"}, "Nothing.Z", NULL}, // begins with N only
+        {{"normals.Z"}, NULL, NULL, NULL}, {{"Normal.Z"}, NULL, NULL, NULL},
+        {{"N.Z"}, NULL, NULL, NULL}, {{"P.Z"}, NULL, NULL, NULL},
+        {{"V.position.Z"}, NULL, NULL, NULL},
+        {{"velocity.Z", "far.Z"}, "far.Z", NULL, NULL},
+        {{"Nothing.Z"}, "Nothing.Z", NULL, NULL}, // begins with N only
         // what only looks like it
-        {{".Z"}, NULL, NULL},
-        {{"ZBack", "depth.ZBack", "depth.z", "depthZ"}, NULL, NULL},
-        {{NULL}, NULL, NULL},
+        {{".Z"}, NULL, NULL, NULL},
+        {{"ZBack", "depth.ZBack", "depth.z", "depthZ"}, NULL, NULL, NULL},
+        {{NULL}, NULL, NULL, NULL},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_channel channel[NAMES];
         struct gp_frame f = frame_of(row[i].name, channel);
         int found = -2;
-        gp_status st = gp_find_depth(&said_log, &f, NULL, &found);
+        gp_status st = gp_find_depth(&said_log, &f, NULL, row[i].colour,
+                                     &found);
         if (row[i].also) {
             assert_int_equal(st, GP_ERR_DATA);
             assert_non_null(strstr(said_line, row[i].want));
@@ -87,7 +104,8 @@ static void channels_by_name(void **state)
     struct gp_frame f = frame_of(name, channel);
     for (size_t i = 0; i < COUNT(row); i++) {
         int found = -1;
-        assert_int_equal(gp_find_depth(&said_log, &f, row[i].name, &found),
+        assert_int_equal(gp_find_depth(&said_log, &f, row[i].name, NULL,
+                                       &found),
                          row[i].found < 0 ? GP_ERR_USAGE : GP_OK);
         assert_int_equal(found, row[i].found);
     }
@@ -98,7 +116,7 @@ static void channels_by_name(void **state)
     memset(longest, 'n', sizeof longest);
     strcpy(longest + sizeof longest - 3, ".Z");
     f = frame_of((const char *const[NAMES]) {"X", "Y", longest}, channel);
-    assert_ok(gp_find_depth(&said_log, &f, NULL, &found));
+    assert_ok(gp_find_depth(&said_log, &f, NULL, NULL, &found));
     assert_int_equal(found, 2);
 }
 
@@ -115,7 +133,8 @@ static void long_lists_are_cut(void **state)
     struct gp_frame f = {.path = name[0], .channel = channel,
                          .channels = MANY};
     int found;
-    assert_int_equal(gp_find_depth(&said_log, &f, "Z", &found), GP_ERR_USAGE);
+    assert_int_equal(gp_find_depth(&said_log, &f, "Z", NULL, &found),
+                     GP_ERR_USAGE);
     assert_true(strlen(said_line) < 2000);
     assert_non_null(strstr(said_line, ", ..."));
 }

@@ -74,6 +74,15 @@ static void depth_of_any_part(void **state)
         {{COLOUR("c_right"), Z_PART("depth_left", 5)},
          2, 1, "Z", "depth_left.Z", "view left"},
         {{COLOUR("c"), Z_PART("z_right", 5)}, 2, 1, "Z", "z_right.Z", NULL},
+        // depth of the colour's own view layer; fog is none
+        {{COLOUR("B.Combined"), Z_PART("A.Depth", 5), Z_PART("B.Depth", 6)},
+         3, 2, "Z", "B.Depth.Z", NULL},
+        {{COLOUR("B.Combined"), Z_PART("B.Mist", 5), Z_PART("A.depth", 6)},
+         3, 2, "Z", "A.depth.Z", NULL},
+        {{PART("c", 3, HALF_CH("B.Combined.R"),
+               HALF_CH("B.Combined.G"), HALF_CH("B.Combined.B"),
+               HALF_CH("A.Depth.Z"), HALF_CH("B.Depth.Z"))},
+         1, 0, "B.Depth.Z", "B.Depth.Z", NULL},
         // deep parts are passed over, and named when there is nothing else
         {{COLOUR("c"), Z_PART("z", 6), DEEP("depth")}, 3, 1, "Z", "z.Z", NULL},
         {{COLOUR("c"), DEEP("d")}, 2, -1, NULL, NULL, "deep"},

@@ -129,7 +129,7 @@ static struct gp_plane channel_of(const struct gp_frame *f, const char *name)
 {
     struct gp_plane p = plane_of(f->data);
     int index;
-    assert_int_equal(gp_find_depth(&said_log, f, name, &index), GP_OK);
+    assert_int_equal(gp_find_depth(&said_log, f, name, NULL, &index), GP_OK);
     gp_channel_floats(f, index, p.v);
     return p;
 }
