@@ -178,18 +178,26 @@ out:
 
 static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
+    char *command = NULL; // of the heatmap
+    if (!s->no_provenance && s->compare.heatmap &&
+        gp_command_text(log, s, s->inputs.at, s->inputs.n, &command))
+        return GP_ERR_BUG;
+    struct gp_write_params write = s->write;
+    write.command = command;
     const struct gp_compare_job job = {
         .params = &s->compare,
         .input = {s->inputs.at[0], s->inputs.at[1]},
         .frames = s->frames,
         .json = s->bench.json,
         .read = &s->read,
-        .write = &s->write,
+        .write = &write,
         .check_names = check_compare_names,
         .user = s,
     };
     gp_set_threads(s->threads);
-    return gp_compare_run(log, &job);
+    const int status = gp_compare_run(log, &job);
+    free(command);
+    return status;
 }
 
 /* The path of `name` in $XDG_CACHE_HOME/glarepp, or ~/.cache/glarepp where

@@ -280,6 +280,7 @@ const struct gp_option gp_options[] = {
 
     OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
+        .aside = true,
         .help = "Frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
                 "3,4,10-20x2 or 5-1; "
                 "without it, those on disk"),
@@ -287,6 +288,7 @@ const struct gp_option gp_options[] = {
         .help = "Views, e.g. left,right, for %V and %v (first letter) in "
                 "names; without %V or %v in the inputs, those in each file"),
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
+        .aside = true,
         .help = "Skip frames that fail, list them at the end, exit 6"),
     OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
         .help = "Read the frame from this layer: NAME.R,G,B, a part of that "
@@ -298,7 +300,8 @@ const struct gp_option gp_options[] = {
         .help = "Take the light of this layer in place of the frame's own; may "
         "be given more than once, and --hdr gives each its glare too"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
-        .hi = 1LL << 40, .help = "Refuse files whose data or display window "
+        .hi = 1LL << 40, .aside = true,
+        .help = "Refuse files whose data or display window "
         "claims more pixels; in files other than EXR each four channels count "
         "as pixels of their own"),
 
@@ -424,9 +427,11 @@ const struct gp_option gp_options[] = {
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
         .choices = gp_plans, .help = "Choose the plans of the FFT this way"),
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
+        .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
-        .hi = GP_FLIGHT_MOST, .help = "Keep N frames in flight, 1 for one "
+        .hi = GP_FLIGHT_MOST, .aside = true,
+        .help = "Keep N frames in flight, 1 for one "
         "after the other, 0 for 3 or as many as fit into half of the memory; "
         "no output depends on it"),
 
@@ -479,17 +484,23 @@ const struct gp_option gp_options[] = {
         .help = "Dither where values become integers"),
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
         .choices = gp_alphas, .help = "Write alpha of -o pictures this way"),
-    OPT(write.no_clobber, .name = "no-clobber", IN(FILE),
+    OPT(write.no_clobber, .name = "no-clobber", IN(FILE), .aside = true,
         .needs = GP_NEED_FILES, .help = "Skip frames whose outputs already "
         "exist, to resume a run; print how many at the end"),
     CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
-        .needs = GP_NEED_STREAM, .arg = "FORMAT", .choices = gp_stdout_formats,
+        .aside = true, .needs = GP_NEED_STREAM, .arg = "FORMAT",
+        .choices = gp_stdout_formats,
         .help = "Write this format where - is an output"),
     CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
         .needs = GP_NEED_RAW | GP_NEED_STREAM, .choices = gp_raws,
+        .aside = true,
         .help = "Pixel format of raw output; implies --stdout-format raw"),
-    OPT(write.create_dir, .name = "create-dir", IN(FILE),
+    OPT(write.create_dir, .name = "create-dir", IN(FILE), .aside = true,
         .help = "Make the folders of output files that are missing"),
+    OPT(no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
+        .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
+        .help = "Leave glarepp:version and glarepp:command out of EXR and PNG "
+                "files, those of the input too"),
 
     OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
         .help = "Write JSON, one object a line for each frame; - is stdout"),
@@ -544,6 +555,7 @@ const struct gp_option gp_options[] = {
     OPT(compare.no_flip, .name = "no-flip", COMPARE,
         .help = "Leave out FLIP, which takes most of the time"),
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",
+        .aside = true,
         .help = "Write a picture of FLIP at each pixel: magma, black 0 to "
                 "pale yellow 1"),
 

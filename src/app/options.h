@@ -95,6 +95,8 @@ struct gp_option {
     bool open;             // values outside `list` are taken as well
     bool blank;            // GP_KIND_TEXT: an empty word is a value
     bool hidden;           // not in --help
+    bool aside;            // no pixel of an output depends on it; so it is
+                           // with all of OUTPUT, REPORT and GENERAL
 };
 extern const struct gp_option gp_options[];  // NULL name at the end
 
@@ -135,6 +137,15 @@ GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
  * Errors: GP_ERR_USAGE with one line. */
 GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
                                           struct gp_settings *s);
+
+/* The command line that makes the same picture of those inputs: the options
+ * that a pixel can depend on, as they were given, then the inputs; quoted for
+ * a shell, in UTF-8, on one line, file names without their folders. It is the
+ * same in any folder and for any --threads, and names no folder.
+ *   out  from malloc; NULL on failure. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
+    const struct gp_settings *s, const char *const *input, int inputs,
+    char **out);
 
 /* --help of a command, to `f`. */
 void gp_help(FILE *f, enum gp_command command);

@@ -11,12 +11,12 @@
 // -- settings ----------------------------------------------------------------
 
 /* The lists of words. */
-enum { LISTS = 6 };
+enum { LISTS = 7 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
         &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
-        &s->light_groups,
+        &s->light_groups, &s->said,
     };
     return list[i];
 }
@@ -310,6 +310,8 @@ static gp_status read_option(const struct gp_log *log, int argc,
     void *const field = (char *) s + u.option->at;
     const size_t row = (size_t) (u.option - gp_options);
     s->given[row / 64] |= UINT64_C(1) << row % 64;
+    s->said.at[s->said.n++] = name;
+    s->said.at[s->said.n++] = u.value;
     switch (u.option->kind) {
     case GP_KIND_FLAG:
         *(bool *) field = true;
@@ -343,7 +345,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
     *out = gp_defaults;
     for (int k = 0; k < LISTS; k++) {
         struct gp_texts *const list = list_of(out, k);
-        st = gp_alloc(log, "command line", (size_t) argc + 1,
+        st = gp_alloc(log, "command line", 2 * (size_t) argc + 2,
                       sizeof *list->at, &list->at);
         if (st)
             return st;

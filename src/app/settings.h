@@ -78,6 +78,8 @@ struct gp_settings {
     struct gp_texts hdr, layer;        // files of these options
     struct gp_texts ocio_context;      // ocio.context once checked
     struct gp_texts light_groups;      // layers whose light glares
+    struct gp_texts said;              // name and value (NULL: takes none) of
+                                       // each option given, in turn
     const char *debug[GP_DEBUG_KINDS]; // files
     const char *report;
     const char *frames;                // list as written
@@ -86,6 +88,7 @@ struct gp_settings {
     int threads;                       // 0: all processors
     int frame_jobs;                    // frames in flight; 0: as fits
     bool verify;
+    bool no_provenance;                // files do not say what made them
     bool skip_bad_frames;              // goes on after a frame that fails
     enum gp_level level;               // of messages
     enum gp_progress_when progress;

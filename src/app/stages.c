@@ -1,5 +1,6 @@
 #include "app/stages.h"
 
+#include "app/options.h"
 #include "core/clock.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -412,7 +413,8 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
 /* Writes `views` views of one input, then the light groups of each, into one
  * --hdr file. */
 static gp_status write_hdr(const struct gp_run *r,
-                           const struct gp_frame_state *fs, int views,
+                           const struct gp_frame_state *fs,
+                           const struct gp_write_params *p, int views,
                            const char *name, struct gp_write_stats *stats)
 {
     gp_status st;
@@ -436,7 +438,7 @@ static gp_status write_hdr(const struct gp_run *r,
         GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]));
         set[i].planes = &converted[i];
     }
-    st = gp_write_hdr(fs->log, &r->s->write, name, set, n, stats);
+    st = gp_write_hdr(fs->log, p, name, set, n, stats);
 out:
     for (int i = 0; i < n && converted; i++)
         gp_planes_free(&converted[i]);
@@ -446,7 +448,8 @@ out:
 }
 
 static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
-    const struct gp_output *t, const char *name, struct gp_write_stats *stats)
+    const struct gp_write_params *p, const struct gp_output *t,
+    const char *name, struct gp_write_stats *stats)
 {
     const size_t n = gp_frame_pixels(&fs->frame);
     const bool scene = untoned(r->s);
@@ -459,7 +462,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     gp_status st = GP_OK;
     switch (t->kind) {
     case GP_TARGET_HDR:
-        return write_hdr(r, fs, t->whole ? r->jobs->views : 1, name, stats);
+        return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
     case GP_TARGET_LAYER:
         st = f.layer.c[0] ? GP_OK : make_dark_layer(fs);
         shown = &fs->frame.layer;
@@ -490,8 +493,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         break;
     }
     if (!st)
-        st = gp_write_picture(fs->log, &r->s->write, name, &f, shown, kind,
-                              stats);
+        st = gp_write_picture(fs->log, p, name, &f, shown, kind, stats);
     gp_planes_free(&own);
     return st;
 }
@@ -499,21 +501,31 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
 static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_write_stats stats = {0};
+    struct gp_write_params p = r->s->write;
+    const char *const input = fs->job->input;
+    char *command = NULL;
+    gp_status st = GP_OK;
+    if (!r->s->no_provenance)
+        st = gp_command_text(fs->log, r->s, &input, 1, &command);
+    p.command = command;
     if (r->ordered) // else no two frames share a stream
         stats.raw = r->raw;
-    for (int i = 0; i < r->jobs->targets; i++) {
+    for (int i = 0; i < r->jobs->targets && !st; i++) {
         const struct gp_output *const t = &r->jobs->target[i];
         if (t->whole && fs->view > 0)
             continue; // is in the first view's file
         char *const name = gp_job_name(fs->job, t);
-        if (!name)
-            return gp_no_memory(fs->log, t->name.path);
+        if (!name) {
+            st = gp_no_memory(fs->log, t->name.path);
+            break;
+        }
         fs->names[fs->facts.n_outputs] = name;
-        gp_status st = write_target(r, fs, t, name, &stats);
-        if (st)
-            return st;
-        fs->facts.n_outputs++;
+        st = write_target(r, fs, &p, t, name, &stats);
+        fs->facts.n_outputs += !st;
     }
+    free(command);
+    if (st)
+        return st;
     fs->facts.clamped_out = stats.clamped;
     if (r->ordered)
         r->raw = stats.raw;

@@ -433,11 +433,29 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
+/* What made the picture: tEXt, or iTXt for letters that are not ASCII. */
+static void set_texts(png_structp png, png_infop info, const char *command)
+{
+    static char version[] = GP_VERSION;
+    static char keys[][16] = {"glarepp:version", "glarepp:command"};
+    bool ascii = true;
+    for (const char *s = command; *s; s++)
+        ascii = ascii && !(*s & 0x80);
+    png_text text[2] = {
+        {.compression = PNG_TEXT_COMPRESSION_NONE, .key = keys[0],
+         .text = version},
+        {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE
+                              : PNG_ITXT_COMPRESSION_NONE,
+         .key = keys[1], .text = (png_charp) (uintptr_t) command},
+    };
+    png_set_text(png, info, text, 2);
+}
+
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
-    const struct gp_frame *f, enum gp_picture_kind kind, const void *data,
-    size_t size)
+    const struct gp_frame *f, enum gp_picture_kind kind, const char *command,
+    const void *data, size_t size)
 {
     // ITU-T H.273: BT.709 primaries, sRGB curve, RGB, full range
     static const png_byte cicp[4] = {1, 13, 0, 1};
@@ -481,6 +499,8 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (aspect != 1.0 && aspect > 1e-4 && aspect < 1e4)
         png_set_pHYs(png, info, (png_uint_32) (unit / aspect + 0.5),
                      (png_uint_32) unit, PNG_RESOLUTION_UNKNOWN);
+    if (command)
+        set_texts(png, info, command);
     png_write_info(png, info);
     if (srgb)
         png_write_chunk(png, (png_const_bytep) "cICP", cicp, sizeof cicp);
@@ -521,7 +541,7 @@ gp_status gp_png_write(const struct gp_log *log,
     const size_t size = libdeflate_zlib_compress(c, raw, n, data, room);
     GP_FREE(raw);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
-    GP_TRY(write_chunks(&t, &pic, frame, kind, data, size));
+    GP_TRY(write_chunks(&t, &pic, frame, kind, p->command, data, size));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);

@@ -54,6 +54,8 @@ struct gp_write_params {
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
     bool converted;             // --hdr: not in the input's primaries any more
+    const char *command;        // for glarepp:command of EXR and PNG, UTF-8;
+                                // NULL: they do not say what made them
 };
 #define GP_WRITE_DEFAULTS                                                     \
     { .type = GP_OUT_AUTO, .compression = GP_COMPRESSION_AUTO,                \
@@ -91,6 +93,10 @@ enum gp_picture_kind {
  * already, and no chunk says of what. All but EXR show the display window:
  * pixels outside the data window are black. TIFF is float for scene-linear
  * pictures and where p->type says so. p->compression is for EXR and TIFF.
+ *
+ * With p->command EXR and PNG have it as glarepp:command, and the program's
+ * version as glarepp:version: string attributes, or text chunks. Those of the
+ * input are never carried.
  *
  * Files are written as PATH's folder/.NAME.PID.tmp and renamed; on any error
  * neither name is there, and a file that was there stays whole.

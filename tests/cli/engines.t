@@ -33,8 +33,10 @@ fi
 # -- turned kernels -------------------------------------------------------------
 
 frame lamps.exr lights=40 size=150x111 type=float
-"$glarepp" --engine fft -k kernel.exr --type float --layer none.exr lamps.exr
-"$glarepp" --engine fft -k kernel.exr --type float --rotate 0 --layer zero.exr lamps.exr
+"$glarepp" --no-provenance --engine fft -k kernel.exr --type float \
+    --layer none.exr lamps.exr
+"$glarepp" --no-provenance --engine fft -k kernel.exr --type float \
+    --rotate 0 --layer zero.exr lamps.exr
 "$glarepp" --engine fft -k kernel.exr --type float --rotate 12.5 --layer some.exr lamps.exr
 same none.exr zero.exr '--rotate 0: the same bytes as none'
 no '--rotate 12.5 turns' cmp -s none.exr some.exr

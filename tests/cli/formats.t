@@ -4,6 +4,7 @@
 need_python
 [ -n "$oiio" ] || skip_all 'no numpy and OpenImageIO to compare with'
 command -v oiiotool >/dev/null || skip_all 'no oiiotool'
+no_provenance
 
 frame in.exr size=97x61 type=half
 frame rich.exr size=97x61 origin=-7,5 display=0,0,79,63 \

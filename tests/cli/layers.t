@@ -4,6 +4,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 [ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to compare pixels"
+no_provenance
 
 # What the tests ask of files:
 #   same A B PART BUT...    every channel of the part but those named has the

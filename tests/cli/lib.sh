@@ -155,6 +155,21 @@ run()
     status=$?
 }
 
+# no_provenance: from here on pictures do not say what made them, for tests in
+# which two commands make the same bytes
+no_provenance()
+{
+    cat >.glarepp <<SH
+#!/bin/sh
+case \$1 in
+compare | bench | kernel | help) exec "$glarepp" "\$@" ;;
+esac
+exec "$glarepp" --no-provenance "\$@"
+SH
+    chmod +x .glarepp
+    glarepp=$tmp/.glarepp
+}
+
 # status_is WANTED DESCRIPTION
 status_is()
 {

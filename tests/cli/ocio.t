@@ -3,6 +3,8 @@
 # oiiotool is there, its --ociodisplay is the truth.
 . "$(dirname "$0")/lib.sh"
 need_python
+bridge=${glarepp%/*}/glarepp-ocio.so
+no_provenance
 unset OCIO
 
 cp "$cli/c.ocio" . || exit 1
@@ -118,7 +120,7 @@ refused 2 '--output-space' 'an output space without --hdr' \
     --ocio c.ocio --output-space turned -o made/p.png
 refused 2 '--display' 'a display without a picture' \
     --ocio c.ocio --display Screen --hdr made/h.exr
-ldd "${glarepp%/*}/glarepp-ocio.so" 2>/dev/null | grep -q 'OpenColorIO.*2\.1' &&
+ldd "$bridge" 2>/dev/null | grep -q 'OpenColorIO.*2\.1' &&
     refused 2 'has no built-in configs' 'a built-in config' \
         --ocio ocio://default -o made/p.png
 

@@ -2,6 +2,7 @@
 # Frame patterns, lists of frames, and frames that depend on no other frame.
 . "$(dirname "$0")/lib.sh"
 need_python
+no_provenance
 
 # five frames of three sizes; one of them dark
 mkdir in

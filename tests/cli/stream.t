@@ -3,6 +3,7 @@
 # GNU parallel at the other end.
 . "$(dirname "$0")/lib.sh"
 need_python
+no_provenance
 examples=$root/examples
 
 for n in 1 2 3; do

@@ -5,6 +5,7 @@
 . "$(dirname "$0")/lib.sh"
 need_python
 [ -n "$oiio" ] || skip_all "no python3 with OpenImageIO to make stereo files"
+no_provenance
 
 # What the tests ask of files:
 #   make N           s.N.exr, parts rgba.left, rgba.right and depth of both; of

@@ -130,7 +130,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
         "chromaticities", "adoptedNeutral", "whiteLuminance",
         "renderingTransform", "lookModTransform", NULL,
     };
-    if (is_listed(name, own))
+    if (is_listed(name, own) || strncmp(name, "glarepp:", 8) == 0)
         return false;
     if (kept != GP_EXR_KEEP_ALL && is_listed(name, scene) &&
         !(kept == GP_EXR_KEEP_CONVERTED && strcmp(name, "multiView") == 0))
@@ -186,7 +186,7 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
 
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
-    enum gp_exr_kept kept, const char *name, int chunks)
+    enum gp_exr_kept kept, const char *name, const char *command, int chunks)
 {
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;
@@ -244,6 +244,12 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                sizeof f->chromaticities) != 0)
         gp_exr_header_put(h, "chromaticities", "chromaticities",
                           f->chromaticities, sizeof f->chromaticities);
+    if (command) {
+        gp_exr_header_put(h, "glarepp:version", "string", GP_VERSION,
+                          strlen(GP_VERSION));
+        gp_exr_header_put(h, "glarepp:command", "string", command,
+                          strlen(command));
+    }
     gp_exr_header_raw(h, "", 1);
 }
 

@@ -149,7 +149,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
             memcpy(text, name->data,
                    name->size < sizeof text ? name->size : sizeof text - 1);
         gp_exr_header_part(h, part->f, &part->img, part->own, w->kept,
-                           name || multi ? text : NULL,
+                           name || multi ? text : NULL, w->p->command,
                            multi ? w->chunks[i] : 0);
     }
     if (multi)

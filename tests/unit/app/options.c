@@ -100,6 +100,38 @@ static void every_option_is_stored(void **state)
     }
 }
 
+/* glarepp:command: what makes the same pixels, and no folder. */
+static void commands_make_the_same_picture(void **state)
+{
+    static const struct {
+        const char *line, *want;
+    } rows[] = {
+        {"-o a.png in.exr", "glarepp in.exr"},
+        {"-t2 --gain=.5 -k /home/me/k.exr --layer l.exr /data/in.exr",
+         "glarepp --threshold 2 --gain .5 --kernel k.exr in.exr"},
+        {"-k builtin:star -o /a/b.png --threads 3 --frame-jobs 2 -q "
+         "--create-dir --report /a/r.json --dither ../in.exr",
+         "glarepp --kernel builtin:star --dither in.exr"},
+        {"--ocio /c/c.ocio --ocio-context SHOT=/jobs/four --view A/B -o a i",
+         "glarepp --ocio c.ocio --ocio-context SHOT=four --view A/B i"},
+        {"--ocio ocio://default -o a it's", "glarepp --ocio ocio://default "
+         "'it'\\''s'"},
+        {"-o a x\ny\xff", "glarepp 'x?y\xef\xbf\xbd'"},
+        {"compare --heatmap /h.png --fail 1 /x/a.exr b.exr",
+         "glarepp compare --fail 1 a.exr b.exr"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_settings s;
+        char *text;
+        assert_int_equal(parse(rows[i].line, &s), GP_OK);
+        assert_int_equal(gp_command_text(&said_log, &s, s.inputs.at,
+                                         s.inputs.n, &text), GP_OK);
+        assert_string_equal(text, rows[i].want);
+        free(text);
+        gp_settings_free(&s);
+    }
+}
+
 /* A value is in the word or the next one; the last one holds. */
 static void forms_of_values(void **state)
 {
@@ -290,5 +322,5 @@ static void warnings(void **state)
 }
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
-         forms_of_values, words_that_look_like_options, clusters_follow_groups,
-         commands, errors_say_what_is_wrong, warnings)
+         commands_make_the_same_picture, forms_of_values,
+         words_that_look_like_options, clusters_follow_groups, commands, errors_say_what_is_wrong, warnings)
