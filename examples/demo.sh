@@ -21,8 +21,8 @@ render()
 }
 
 render night night.1001.exr --exposure 2
-render brightsky brightsky.1001.exr -t 4 --knee 0.5 --tonemap aces --exposure -2
-render foliage foliage.1004.exr -t 4 --knee 0.5 --tonemap agx
+render brightsky brightsky.1001.exr -t 4 --tonemap aces --exposure -2
+render foliage foliage.1004.exr -t 4 --tonemap agx
 
 # field NAME: a number or a word of the JSON line on stdin
 awk -v out="$out" '

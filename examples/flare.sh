@@ -8,7 +8,7 @@ here=$(dirname "$0")
 frames=${2:-$here/foliage.####.exr}
 camera=${3:-$here/foliage.camera.json}
 out=${4:-flare}
-exec "${1:-glarepp}" --create-dir -v -t 4 --knee 0.5 --tonemap agx \
+exec "${1:-glarepp}" --create-dir -v -t 4 --tonemap agx \
     --camera "$camera" --sun-color 1.2e6,1.1e6,8e5 --sun-in-frame \
     --flare "$here/flare.json" --report "$out.json" \
     -o "$out/foliage.####.png" "$frames"

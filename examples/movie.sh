@@ -4,6 +4,6 @@
 # code; to watch, take -c:v libx264 -pix_fmt yuv420p and a name in .mp4.
 glarepp=${1:-glarepp} movie=${2:-foliage.mkv}
 frames=${3:-$(dirname "$0")/foliage.####.exr} size=${4:-640x360}
-"$glarepp" -t 4 --knee 0.5 --tonemap agx --raw rgb48le -o - "$frames" |
+"$glarepp" -t 4 --tonemap agx --raw rgb48le -o - "$frames" |
     ffmpeg -v error -y -f rawvideo -pixel_format rgb48le -video_size "$size" \
         -framerate 24 -i - -c:v ffv1 "$movie"

@@ -9,5 +9,5 @@ glarepp=${1:-glarepp} folder=${2:-lit}
 frames=${3:-$(dirname "$0")/foliage.####.exr}
 if [ $# -gt 3 ]; then shift 3; else set -- 1004 1007; fi
 parallel -q --will-cite --halt now,fail=1 "$glarepp" --threads 1 --engine fft \
-    -t 4 --knee 0.5 --no-clobber --create-dir -f {} \
+    -t 4 --no-clobber --create-dir -f {} \
     --hdr "$folder/lit.####.exr" -o "$folder/lit.####.png" "$frames" ::: "$@"

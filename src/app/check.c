@@ -184,10 +184,15 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         sun->method == GP_SUN_MASK)
         gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: a map over 16 adds up to "
                "nothing (found %d); use --sun-map 16", sun->map.side);
-    if (s->compose.mix == GP_MIX_SCATTER && s->compose.gain > 1.0f)
-        return gp_fail(log, GP_ERR_USAGE, "--gain: more light would be "
-                       "scattered than there is (found %g with --mix scatter); "
-                       "give 0 to 1, or --mix add", (double) s->compose.gain);
+    // the paper's frames are measured as the paper made them
+    if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
+        s->sensor.mode = GP_THRESHOLD_WHOLE;
+    if (bench && s->bench.paper && !gp_option_given(s, "mix"))
+        s->compose.mix = GP_MIX_ADD;
+    if (s->sensor.mode == GP_THRESHOLD_EXCESS && gp_option_given(s, "knee"))
+        return gp_fail(log, GP_ERR_USAGE, "--knee: --threshold-mode excess "
+                       "has no ramp (found %g); add --threshold-mode whole, "
+                       "or leave --knee out", (double) s->sensor.knee);
     GP_TRY(check_needs(warn, s, true));
     // what follows from several settings
     if (gp_option_given(s, "raw"))

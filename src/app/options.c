@@ -26,9 +26,16 @@ static const struct gp_option_choice gp_normalizes[] = {
     {"none", GP_NORMALIZE_NONE, "as it is in the file"}, {0},
 };
 static const struct gp_option_choice gp_mixes[] = {
+    {"scatter", GP_MIX_SCATTER, "the light of the layer is taken from its "
+     "sources, which conserves energy; a gain over 1 adds light"},
     {"add", GP_MIX_ADD, "the layer comes on top of the frame"},
-    {"scatter", GP_MIX_SCATTER, "light that is spread is taken from its "
-     "source, which conserves energy; needs a gain up to 1"},
+    {0},
+};
+static const struct gp_option_choice gp_threshold_modes[] = {
+    {"excess", GP_THRESHOLD_EXCESS, "the part of its luminance Y that is over "
+     "T: its colour times (Y - T) / Y"},
+    {"whole", GP_THRESHOLD_WHOLE, "all of its colour, as the sensors of Ando "
+     "et al.; the picture has a step at the threshold"},
     {0},
 };
 static const struct gp_option_choice gp_gls[] = {
@@ -308,8 +315,11 @@ const struct gp_option gp_options[] = {
     OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T", .hi = FLT_MAX,
         .help = "Luminance over which a pixel is a light source"),
+    CHOICE(sensor.mode, .name = "threshold-mode", BOTH(LIGHT), .arg = "HOW",
+        .choices = gp_threshold_modes,
+        .help = "Spread this part of a pixel over the threshold"),
     OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
-        .help = "Start the threshold smoothly, from T(1-K) to T(1+K)"),
+        .help = "Open --threshold-mode whole smoothly, from T(1-K) to T(1+K)"),
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .lo = FLT_MIN, .hi = 1e30,
         .help = "Clamp brighter and infinite values to V"),
@@ -326,9 +336,10 @@ const struct gp_option gp_options[] = {
         .lo = -36000, .hi = 36000,
         .help = "Turn the kernel about its centre, counter-clockwise"),
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
-        .hi = 1e6, .help = "Scale the layer in the pictures"),
+        .hi = 1e6, .help = "Scale the layer in the pictures; with --mix scatter 1 takes "
+        "all of a source's light, and more than 1 brightens the glare only"),
     CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
-        .choices = gp_mixes, .help = "Put frame and layer together"),
+        .choices = gp_mixes, .help = "Combine frame and layer this way"),
 
     OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
         .most = 3, .lo = -1e6, .hi = 1e6,

@@ -264,8 +264,10 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         return st;
     st = gp_glare_reference(fs->log, all_light(fs), &r->kernel, exact);
     if (!st) {
-        gp_glare_measure(&fs->frame, &fs->frame.layer, exact,
-                         r->s->compose.gain, &fs->facts.error);
+        gp_glare_measure(
+            &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
+            r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL,
+            &fs->facts.error);
         fs->facts.verified = true;
     }
     gp_free(exact);

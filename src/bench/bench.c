@@ -206,8 +206,10 @@ static gp_status run_technique(const struct bench *b, double *ms,
     }
     gp_status st = time_row(&t);
     if (!st && !row->extrapolated) {
-        gp_glare_measure(b->f, &b->f->layer, b->exact, b->job->compose->gain,
-                         &row->error);
+        gp_glare_measure(
+            b->f, &b->f->layer, b->exact, b->job->compose->gain,
+            b->job->compose->mix == GP_MIX_SCATTER ? &b->src : NULL,
+            &row->error);
         row->measured = true;
         if (b->shown.c[0])
             st = show_layer(b);

@@ -3,17 +3,17 @@
 #include "glare/compose.h"
 
 #include "core/cpu.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 struct composing {
     struct gp_frame *f;
     const struct gp_sources *src;
     float gain;
+    float taken;  // share of a source's light that leaves its pixel
     float keep;   // share that the pupil lets through
-    bool scatter; // what a source scatters leaves its pixel
 };
 
 GP_CLONES static void add_row(const float *in, const float *layer, float gain,
@@ -42,11 +42,11 @@ static void compose_row(void *ctx, int y, int thread)
         // the sources' pixels once more, with their own light taken away first:
         // where gain is 1 and the source is the whole pixel nothing of it is
         // left, whatever the rounding of in + gain * layer was
-        if (layer && m->scatter) {
+        if (layer && m->taken > 0.0f) {
             const struct gp_sources *const src = m->src;
             for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
                 const int32_t x = src->x[i];
-                out[x] = (in[x] - m->gain * src->rgb[c][i]) +
+                out[x] = (in[x] - m->taken * src->rgb[c][i]) +
                          m->gain * layer[x];
             }
         }
@@ -61,10 +61,11 @@ gp_status gp_compose(const struct gp_log *log,
 {
     struct composing m = {
         .f = f, .src = src, .gain = p->gain, .keep = 1.0f - p->dim,
-        .scatter = p->mix == GP_MIX_SCATTER && src->n > 0,
+        .taken = p->mix == GP_MIX_SCATTER && src->n > 0
+                     ? gp_minf(p->gain, 1.0f) : 0.0f,
     };
 
-    if (m.scatter && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))
+    if (m.taken > 0.0f && (src->w != gp_frame_w(f) || src->h != gp_frame_h(f)))
         return gp_fail(log, GP_ERR_BUG,
                        "%s: the sources are those of another frame (%dx%d, "
                        "the frame is %dx%d); report this", f->path, src->w,

@@ -9,16 +9,16 @@
 enum gp_mix { GP_MIX_ADD, GP_MIX_SCATTER };
 
 struct gp_compose_params {
-    float gain;  // >= 0; in [0,1] for scatter
+    float gain;  // >= 0
     enum gp_mix mix;
     float dim;   // share of everything that a narrower pupil takes; 0 to 1
 };
-#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_ADD }
+#define GP_COMPOSE_DEFAULTS { .gain = 1.0f, .mix = GP_MIX_SCATTER }
 
 /* Makes f->lit from f->rgb, f->layer and the sources.
  *   add:     lit = rgb + gain * layer
- *   scatter: lit = rgb - gain * source + gain * layer, which conserves
- *            energy up to what leaves the frame
+ *   scatter: lit = rgb - min(gain, 1) * source + gain * layer, which up to a
+ *            gain of 1 conserves energy but for what leaves the frame
  * and then lit *= 1 - dim, the whole picture alike.
  * f->layer may be empty when there was no light: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is written over.

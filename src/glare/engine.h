@@ -165,11 +165,14 @@ void gp_glare_close(struct gp_glare *g);
 GP_MUST_CHECK gp_status gp_glare_reference(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     double *layer);
-/* Errors of a layer against the truth; design.md section 6. */
+/* Errors of a layer against the truth; design.md section 6. The composite is
+ * f->rgb + gain * exact, less min(gain, 1) of `taken` where that is not NULL:
+ * sources whose light leaves their pixels. */
 struct gp_glare_error {
     double rel_l2, max_rel, max_abs, flux_error;
 };
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
-    const double *exact, float gain, struct gp_glare_error *out);
+    const double *exact, float gain, const struct gp_sources *taken,
+    struct gp_glare_error *out);
 
 #endif

@@ -12,7 +12,7 @@
 
 // -- sensors.c, reference.c: declared for tests ------------------------------
 
-/* Weight of a pixel of luminance y: 0 shut, 1 open, between on the ramp. */
+/* Share of a pixel of luminance y that is light: 0 shut, 1 whole. */
 float gp_bright_pass(const struct gp_sensor_params *p, float y);
 
 /* gp_glare_reference() by plain loops. */

@@ -155,38 +155,53 @@ static double worse(double a, double b)
     return b != b ? INFINITY : fmax(a, b);
 }
 
+/* Luminance of the exact composite in pixel i, as gp_glare_measure() says. *next
+ * is the first of the sources that no pixel before i had. */
+static double composite_at(const struct gp_frame *f, const double *exact,
+    double gain, const struct gp_sources *taken, size_t i, size_t *next)
+{
+    const size_t n = gp_frame_pixels(f), w = (size_t) gp_frame_w(f);
+    const bool source = taken && *next < taken->row[i / w + 1] &&
+                        (size_t) taken->x[*next] == i % w;
+    double sum = 0.0;
+    for (size_t c = 0; c < 3; c++) {
+        const double own = source ? (double) taken->rgb[c][*next] : 0.0;
+        sum += (double) f->luminance[c] *
+               ((double) f->rgb.c[c][i] - fmin(gain, 1.0) * own +
+                gain * exact[c * n + i]);
+    }
+    *next += source;
+    return sum;
+}
+
 void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
-    const double *exact, float gain, struct gp_glare_error *out)
+    const double *exact, float gain, const struct gp_sources *taken,
+    struct gp_glare_error *out)
 {
     const size_t n = gp_frame_pixels(f);
     double square = 0.0, exact_square = 0.0, sum = 0.0, exact_sum = 0.0;
     double max_abs = 0.0, max_rel = 0.0, peak = 0.0;
-    for (size_t i = 0; i < n; i++) {
-        double composite = 0.0;
+    for (size_t i = 0, next = 0; i < n; i++) {
         for (int c = 0; c < 3; c++) {
             const double want = exact[(size_t) c * n + i];
             const double got = (double) layer->c[c][i];
-            composite += (double) f->luminance[c] *
-                         ((double) f->rgb.c[c][i] + (double) gain * want);
             square += (got - want) * (got - want);
             exact_square += want * want;
             max_abs = worse(max_abs, fabs(got - want));
             sum += got;
             exact_sum += want;
         }
-        peak = fmax(peak, composite);
+        peak = fmax(peak, composite_at(f, exact, (double) gain, taken, i,
+                                       &next));
     }
     // relative to a pixel's own value, for which the peak must be known
-    for (size_t i = 0; i < n; i++) {
-        double composite = 0.0, wrong = 0.0;
-        for (int c = 0; c < 3; c++) {
-            const double want = exact[(size_t) c * n + i];
-            const double weight = (double) f->luminance[c];
-            composite += weight *
-                         ((double) f->rgb.c[c][i] + (double) gain * want);
-            wrong += weight * (double) gain *
-                     ((double) layer->c[c][i] - want);
-        }
+    for (size_t i = 0, next = 0; i < n; i++) {
+        const double composite =
+            composite_at(f, exact, (double) gain, taken, i, &next);
+        double wrong = 0.0;
+        for (int c = 0; c < 3; c++)
+            wrong += (double) f->luminance[c] * (double) gain *
+                     ((double) layer->c[c][i] - exact[(size_t) c * n + i]);
         if (wrong != 0.0)
             max_rel = worse(max_rel, fabs(wrong) / (fmax(composite, 0.0) +
                                                     1e-6 * peak));

@@ -36,6 +36,7 @@ enum {
 /* Which pixels are bright: luminance of the non-negative part over `open`. */
 struct bright_rule {
     float open;
+    bool ramp;       // of a knee
     float weight[3]; // of luminance
     bool avx2;
     uint8_t order[1 << LANES][LANES]; // for avx2: the places of an index's
@@ -71,6 +72,9 @@ struct sense {
 
 float gp_bright_pass(const struct gp_sensor_params *p, float y)
 {
+    if (p->mode == GP_THRESHOLD_EXCESS)
+        return y > FLT_MAX ? 1.0f : y > p->threshold ? (y - p->threshold) / y
+                                                     : 0.0f;
     if (p->knee <= 0.0f)
         return y > p->threshold ? 1.0f : 0.0f;
     const float lo = p->threshold * (1.0f - p->knee);
@@ -240,6 +244,19 @@ static inline __attribute__((always_inline)) narrow larger(narrow a, narrow b)
     return (narrow) ((which & (ints) a) | (~which & (ints) b));
 }
 
+/* Keeps the part of n bright pixels that is light: gp_bright_pass(). */
+GP_CLONES static void keep_excess(struct bright_piece *c, int n, float t,
+                                  const float *restrict weight)
+{
+    for (int i = 0; i < n; i++) {
+        const float y = lit_luminance(weight, c->rgb[0][i], c->rgb[1][i],
+                                      c->rgb[2][i]);
+        const float pass = y > FLT_MAX ? 1.0f : (y - t) / y;
+        for (int k = 0; k < 3; k++)
+            c->rgb[k][i] *= pass;
+    }
+}
+
 /* Adds n sources to the sums, each lane by itself, in the order of the row:
  * the same bits with any vectors. */
 GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
@@ -295,7 +312,9 @@ static void list_block(void *ctx, int block, int thread)
                                       gp_min(s->w - x0, PIECE), &c);
             if (!n)
                 continue;
-            for (int i = 0; s->p->knee > 0.0f && i < n; i++) {
+            if (s->p->mode == GP_THRESHOLD_EXCESS)
+                keep_excess(&c, n, s->p->threshold, s->rule.weight);
+            for (int i = 0; s->rule.ramp && i < n; i++) {
                 const float pass = gp_bright_pass(
                     s->p, lit_luminance(s->rule.weight, c.rgb[0][i],
                                         c.rgb[1][i], c.rgb[2][i]));
@@ -360,8 +379,9 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         .step = (size_t) like.w * (size_t) like.h / GRID + 1,
     };
     const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
+    s.rule.ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
     s.rule.open =
-        p->knee > 0.0f ? p->threshold * (1.0f - p->knee) : p->threshold;
+        s.rule.ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
     memcpy(s.rule.weight, f->luminance, sizeof s.rule.weight);
     s.rule.avx2 = gp_cpu_has_avx2();
     for (int m = 0; m < 1 << LANES; m++) {

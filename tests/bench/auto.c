@@ -116,7 +116,7 @@ static double error_of(struct frame *w)
     double *const exact =
         malloc(3 * gp_frame_pixels(&w->f) * sizeof *exact);
     if (exact && gp_glare_reference(&auto_log, &w->src, w->k, exact) == GP_OK)
-        gp_glare_measure(&w->f, &w->f.layer, exact, 1.0f, &e);
+        gp_glare_measure(&w->f, &w->f.layer, exact, 1.0f, NULL, &e);
     free(exact);
     return e.rel_l2;
 }

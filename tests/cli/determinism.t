@@ -26,7 +26,7 @@ make_all()
     into=$1
     shift
     mkdir -p "$into"
-    "$glarepp" -k "$here/kernel.exr" --knee 0.4 --auto-exposure --dither \
+    "$glarepp" -k "$here/kernel.exr" --threshold-mode whole --knee 0.4 --auto-exposure --dither \
         --report "$into/r" --hdr "$into/h.####.exr" \
         --layer "$into/l.####.exr" --debug sensors="$into/s.####.exr" \
         -o "$into/p.####.png" "$@" "$here/in.####.exr" 2>err || return

@@ -210,7 +210,7 @@ done
 refuses 2 nope 'an unknown channel' --depth nope in.exr
 like "$(cat err)" '*A*B*G*R*Z*' 'an unknown channel: lists those that are there'
 for pair in engine tonemap type compression gl mix alpha progress fft-plan \
-    kernel-normalize depth-bits group-method primitive debug; do
+    kernel-normalize depth-bits group-method primitive debug threshold-mode; do
     refuses 2 "--$pair" "an unknown value of --$pair" --$pair nope in.exr
     like "$(cat err)" '*nope*one of*' "--$pair: says what there is"
 done
@@ -220,7 +220,7 @@ for pair in threshold=x threshold=-1 threshold=nan knee=2 gain=inf threads=1.5 \
     cluster=12 cluster=4 cluster-fill=0 shrink=1 tolerance=-1 rotate=nan; do
     refuses 2 "--${pair%%=*}" "--$pair" "--$pair" in.exr
 done
-refuses 2 --gain 'scatter of more light than there is' --mix scatter -g 2 in.exr
+refuses 2 --knee 'a knee of the part over the threshold' --knee 0.5 in.exr
 refuses 2 --treshold 'an unknown option' --treshold 2 in.exr
 like "$(cat err)" '*--threshold*' 'an unknown option: names the nearest'
 refuses 2 -Z 'an unknown letter' -Z in.exr
@@ -282,7 +282,7 @@ f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
 -o a i --kernel-center 1 => --kernel-center: not two numbers (found "1"); write X,Y
 -o a i -e gpu => --engine: no such value (found "gpu"); give one of auto, direct, fft, splat
 -o a i --debug sensors => --debug: no file (found "sensors"); write sensors=FILE
--o a i --mix scatter -g 1.5 => --gain: more light would be scattered than there is (found 1.5 with --mix scatter); give 0 to 1, or --mix add
+-o a i --knee 0.5 => --knee: --threshold-mode excess has no ramp (found 0.5); add --threshold-mode whole, or leave --knee out
 -o a i --verify => --verify: its result would be shown nowhere; add --report FILE or -v
 -o a i --sun 1 => --sun: not the numbers that it takes (found "1"); write X,Y[,R]
 -o a i --sun 1,2,-1 => --sun: a negative radius (found -1); give 0 or more

@@ -201,7 +201,7 @@ for movie; do :; done
 cat >"$movie"
 SH
 chmod +x bin/ffmpeg
-"$glarepp" -t 4 --knee 0.5 --tonemap agx --raw rgb48le -o - \
+"$glarepp" -t 4 --tonemap agx --raw rgb48le -o - \
     "$examples/foliage.####.exr" >want.raw
 is "$(wc -c <want.raw)" $((2 * 640 * 360 * 6)) 'two example frames as pixels'
 (PATH=$tmp/bin:$PATH && export PATH && sh "$examples/movie.sh" "$glarepp" movie.raw)
@@ -225,7 +225,7 @@ fi
 
 if command -v parallel >parallel.path; then
     ok 'examples/parallel.sh' sh "$examples/parallel.sh" "$glarepp" lit
-    "$glarepp" -e fft -t 4 --knee 0.5 --hdr whole.####.exr -o whole.####.png \
+    "$glarepp" -e fft -t 4 --hdr whole.####.exr -o whole.####.png \
         "$examples/foliage.####.exr"
     same lit/lit.1007.exr whole.1007.exr 'examples/parallel.sh: the bytes of one run'
     same lit/lit.1004.png whole.1004.png 'examples/parallel.sh: its picture'

@@ -45,7 +45,7 @@ engines='direct fft'
 for engine in $engines; do
     same_for odd.exr $engine 'a frame with overscan'
     same_for odd.exr $engine 'float, dither and all' -k kernel.exr --type float \
-        --compression zip --dither --auto-exposure --tonemap agx --knee 0.5 \
+        --compression zip --dither --auto-exposure --tonemap agx --threshold-mode whole --knee 0.5 \
         --mix scatter -g 0.5
 done
 for compression in rle piz pxr24 b44a dwaa; do

@@ -98,7 +98,7 @@ static void look(const struct hard_case *h, int way, const struct scene *s,
                  const struct gp_glare_stats *stats, struct result *r)
 {
     struct gp_glare_error e;
-    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, &e);
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
     r->own = scene_own_error(s);
     if (is_dark(s)) {
         r->error = e.max_abs;

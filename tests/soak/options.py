@@ -26,8 +26,9 @@ def light(rng, kernel, large):
                               rng.choice([0, 0.1, 1, 1, 20]))]
     words += ["-k", kernel] if kernel else \
         ["-k", "builtin:" + rng.choice(BUILTIN)]
-    words += some(rng, 0.3, "--knee", "%.2f" % rng.random())
-    words += ["--mix", "scatter"] if scatter else []
+    words += some(rng, 0.3, "--threshold-mode", "whole", "--knee",
+                  "%.2f" % rng.random())
+    words += [] if scatter else ["--mix", "add"]
     words += some(rng, 0.2, "--max-value", rng.choice([10, 1e5, 1e9, 1e30]))
     words += some(rng, 0.25, "--rotate", rng.choice([90, 180, -30, 12.5, 361]))
     words += some(rng, 0.15, "--kernel-center", "%.3g,%.3g" %

@@ -41,7 +41,7 @@ MANY = [
     ["-e", "splat", "--group", "1", "--cluster", "0", "--shrink", "0",
      "--layer", "l.exr"],
     ["-k", "builtin:star", "--rotate", "15", "--layer", "l.exr"],
-    ["--mix", "scatter", "--knee", "0.5", "-g", "0.4", "--hdr", "h.exr"],
+    ["--threshold-mode", "whole", "--knee", "0.5", "-g", "0.4", "--hdr", "h.exr"],
     *(SUN + ["--sun-method", m, "--flare", EXAMPLES + "/flare.json",
              "--hdr", "h.exr", "-o", "p.png"]
       for m in ("exact", "mask", "readback")),

@@ -50,8 +50,12 @@ enum shape {
     DIPOLE, // 1 in its left half and -1 in its right one, not normalised
 };
 
+/* Sensors that take the whole colour of a pixel over t. */
+#define WHOLE(t, k, most)                                                     \
+    { .threshold = (t), .knee = (k), .max_value = (most),                     \
+      .mode = GP_THRESHOLD_WHOLE }
 static const struct gp_sensor_params usual = GP_SENSOR_DEFAULTS;
-static const struct gp_sensor_params open_all = {0.0f, 0.0f, 1e30f};
+static const struct gp_sensor_params open_all = WHOLE(0.0f, 0.0f, 1e30f);
 
 struct scene {
     struct gp_frame f;
@@ -332,7 +336,7 @@ static inline void scene_free(struct scene *s)
 static inline double scene_rel_l2(const struct scene *s)
 {
     struct gp_glare_error e;
-    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, &e);
+    gp_glare_measure(&s->f, &s->f.layer, s->exact, 1.0f, NULL, &e);
     return e.rel_l2;
 }
 

@@ -19,7 +19,8 @@ static void defaults_hold(void **state)
     assert_true(s.sensor.threshold == 1.0f && s.sensor.knee == 0.0f);
     assert_true(s.sensor.max_value == 65504.0f);
     assert_true(s.compose.gain == 1.0f && s.glare.gain == 1.0f);
-    assert_int_equal(s.compose.mix, GP_MIX_ADD);
+    assert_int_equal(s.sensor.mode, GP_THRESHOLD_EXCESS);
+    assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
     assert_string_equal(s.tone.curve, "reinhard");
     assert_int_equal(s.write.compression, GP_COMPRESSION_AUTO);
     assert_int_equal(s.level, GP_LEVEL_WARN);
@@ -38,7 +39,9 @@ static int line_for(const struct gp_option *o, char *line, size_t size)
     return snprintf(line, size, "-v -o a --hdr h i%s%s",
                     o->needs & GP_NEED_LIGHT || o->kind == GP_KIND_NAMED
                         ? " --sun 1,2 --sun-color 3" : "",
-                    o->needs & GP_NEED_CONFIG ? " --ocio c" : "");
+                    o->needs & GP_NEED_CONFIG       ? " --ocio c"
+                    : strcmp(o->name, "knee") == 0 ? " --threshold-mode whole"
+                                                   : "");
 }
 
 /* Puts one value into the line, and checks where it is stored. */
@@ -137,8 +140,8 @@ static void forms_of_values(void **state)
 {
     struct gp_settings s;
     assert_int_equal(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
-                           "i.exr --exposure -1.5 -k k.exr --kernel-center "
-                           "3.5,-2 --report - -q -v", &s), GP_OK);
+                           "--threshold-mode whole i.exr --exposure -1.5 "
+                           "-k k.exr --kernel-center 3.5,-2 --report - -q -v", &s), GP_OK);
     assert_int_equal(s.outputs.n, 2);
     assert_string_equal(s.outputs.at[1], "b.exr");
     assert_int_equal(s.layer.n, 1);
@@ -263,7 +266,8 @@ static const char *const wrong[][2] = {
     {"bench --papr", "did you mean --paper?"},
     {"bench a --runs 0", "--runs: out of range (found 0); give 1 to 1000"},
     {"bench a --runs 1001", "--runs: out of range"},
-    {"bench a --mix scatter -g 2", "more light would be scattered"},
+    {"bench a --knee 0.5", "--threshold-mode excess has no ramp"},
+    {"bench --paper --knee 1 --threshold-mode excess", "has no ramp"},
 };
 
 static void check_wrong(const char *line, const char *part)

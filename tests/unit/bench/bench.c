@@ -3,6 +3,10 @@
 #include "bench/bench_priv.h"
 #include "said.h"
 
+static const struct gp_sensor_params whole_pixels = {
+    .threshold = 1.0f, .max_value = 1e9f,
+};
+
 static void the_front_is_what_nothing_beats(void **state)
 {
     static const struct {
@@ -78,7 +82,7 @@ static void parts_are_even_and_untouched(void **state)
     };
     for (size_t r = 0; r < COUNT(rows); r++) {
         struct gp_frame f = grey(rows[r].w, rows[r].h, 2.0f), part;
-        const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+        const struct gp_sensor_params p = whole_pixels;
         struct gp_sources all = {0}, some = {0};
         assert_ok(gp_sense(NULL, &p, &f, &all));
         assert_ok(gp_bench_part(NULL, &f, &all, rows[r].parts, &part));
@@ -109,7 +113,7 @@ static void parts_are_even_and_untouched(void **state)
 static void no_light_has_a_part_without_any(void **state)
 {
     struct gp_frame f = grey(40, 30, -9.0f), part;
-    const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+    const struct gp_sensor_params p = whole_pixels;
     struct gp_sources none = {0}, some = {0};
     assert_ok(gp_sense(NULL, &p, &f, &none));
     assert_int_equal(none.n, 0);

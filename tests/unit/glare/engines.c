@@ -180,7 +180,7 @@ static struct scene law_scene(const char *engine, struct gp_frame f,
 {
     struct scene s =
         scene_sense(f, scene_kernel(31, 29, MID, 0, TINTED),
-                    &(struct gp_sensor_params) {threshold, 0.0f, 1e6f});
+                    &(struct gp_sensor_params) WHOLE(threshold, 0.0f, 1e6f));
     struct gp_glare_stats stats;
     ran_once(engine, &s, &stats, "law");
     s.exact = scene_alloc(3 * LAW_N, sizeof *s.exact);
@@ -290,11 +290,11 @@ static double windows_change_no_byte(const char *engine)
  * taken as it is written, to the bar through a transform. */
 static double identity_gives_the_sources(const char *engine)
 {
+    const struct gp_sensor_params ramp = WHOLE(0.3f, 0.5f, 1e9f);
     struct gp_planes image;
     struct gp_glare_stats stats;
     struct scene s = scene_make(scene_frame(LAW_W, LAW_H, 0, 0, FEW, 6u),
-                                scene_kernel(1, 1, MID, 0, BOX),
-                                &(struct gp_sensor_params) {0.3f, 0.5f, 1e9f});
+                                scene_kernel(1, 1, MID, 0, BOX), &ramp);
     s.k.k.c[0][0] = s.k.k.c[1][0] = s.k.k.c[2][0] = 1.0f;
     assert_ok(gp_sources_planes(NULL, &s.src, &image));
     for (int i = 0; i < 3 * LAW_N; i++)

@@ -232,7 +232,7 @@ static void check_length(struct gp_glare *kept, int nx, int ny)
 {
     struct scene s = scene_make(scene_frame(nx, ny, 0, 0, ALL, 3u),
                                 scene_kernel(1, 1, MID, 0, BOX),
-                                &(struct gp_sensor_params) {1, 0, 1e3f});
+                                &(struct gp_sensor_params) WHOLE(1, 0, 1e3f));
     struct gp_glare_stats stats;
     ran("fft", &s, kept, &stats, "lengths");
     assert_int_equal(stats.fft_w, nx);
@@ -377,7 +377,7 @@ static void one_sun_goes_direct(void **state)
 {
     struct scene s = scene_sense(scene_frame(256, 192, 0, 0, HOT, 1u),
         scene_kernel(255, 255, MID, 0, PEAK),
-        &(struct gp_sensor_params) {0.0f, 0.0f, 1e10f});
+        &(struct gp_sensor_params) WHOLE(0.0f, 0.0f, 1e10f));
     const struct chosen c = choose(&s, 1.0);
     assert_int_equal(c.split.hot_count, 1);
     assert_true(c.split.hot > 1.0f && c.split.hot <= 1e9f);

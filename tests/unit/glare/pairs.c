@@ -355,9 +355,14 @@ static void close_rotating(void *ctx)
  */
 
 static const struct gp_sensor_params sensing[] = {
-    GP_SENSOR_DEFAULTS, {0.0f, 0.0f, 65504.0f}, {0.0f, 1.0f, 65504.0f},
-    {1.0f, 0.5f, 65504.0f}, {1.0f, 1.0f, 1e30f}, {0.5f, 0.01f, 0.75f},
-    {1.0f, 0.0f, FLT_MAX}, {FLT_MIN, 0.0f, FLT_MIN}, {FLT_MAX, 0.0f, FLT_MAX},
+    GP_SENSOR_DEFAULTS, WHOLE(0.0f, 0.0f, 65504.0f),
+    WHOLE(0.0f, 1.0f, 65504.0f), WHOLE(1.0f, 0.5f, 65504.0f),
+    WHOLE(1.0f, 1.0f, 1e30f), WHOLE(0.5f, 0.01f, 0.75f),
+    WHOLE(1.0f, 0.0f, FLT_MAX), WHOLE(FLT_MIN, 0.0f, FLT_MIN),
+    WHOLE(FLT_MAX, 0.0f, FLT_MAX),
+    {.threshold = 0.0f, .max_value = FLT_MAX, .mode = GP_THRESHOLD_EXCESS},
+    {.threshold = 0.3f, .max_value = 1e30f, .mode = GP_THRESHOLD_EXCESS},
+    {.threshold = FLT_MIN, .max_value = 1.0f, .mode = GP_THRESHOLD_EXCESS},
 };
 static const struct gp_splat_params
     tiles = {.group = 4, .cluster = 8, .cluster_fill = 0.9f, .shrink = 1e-3f,
@@ -381,7 +386,8 @@ static const struct pair pairs[] = {
     SENSORS("sensors, all on the ramp", 2), SENSORS("sensors, knee 1/2", 3),
     SENSORS("sensors, knee 1", 4), SENSORS("sensors, clamped", 5),
     SENSORS("sensors, not clamped", 6), SENSORS("sensors, least values", 7),
-    SENSORS("sensors, largest values", 8),
+    SENSORS("sensors, largest values", 8), SENSORS("sensors, all over 0", 9),
+    SENSORS("sensors, excess", 10), SENSORS("sensors, least excess", 11),
     // half of the least denormal for each of 33x21 samples
     ENGINE("direct", 1e28f, 1e-6, 693 * 0.5 * 1.4013e-45, 512, 384, false,
            NULL, open_direct, spread_by_loops, spread_directly),

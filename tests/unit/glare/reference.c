@@ -119,7 +119,7 @@ static void one_error_is_what_it_is(void **state)
         struct scene s = measured(8, 4, rows[i].light, exact, (float) exact);
         struct gp_glare_error e;
         s.f.layer.c[rows[i].channel][17] += rows[i].off;
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, rows[i].gain, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, rows[i].gain, NULL, &e);
         double weight = 0.0;
         for (int c = 0; c < 3; c++)
             weight += (double) s.f.luminance[c];
@@ -146,7 +146,7 @@ static void no_error_is_zero(void **state)
         const float layer = (float) layers[i];
         struct scene s = measured(5, 3, 0.0f, (double) layer, layer);
         struct gp_glare_error e;
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
         assert_true(e.rel_l2 == 0.0 && e.max_rel == 0.0 && e.max_abs == 0.0);
         scene_free(&s);
     }
@@ -158,7 +158,7 @@ static void dark_layers_have_absolute_errors(void **state)
     struct scene s = measured(2, 2, 1.0f, 0.0, 0.0f);
     struct gp_glare_error e;
     s.f.layer.c[1][3] = 0.25f;
-    gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+    gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
     assert_near(e.rel_l2, 0.25, "rel_l2");
     assert_near(e.max_abs, 0.25, "max_abs");
     assert_near(e.flux_error, 0.25, "flux_error");
@@ -174,7 +174,7 @@ static void nan_is_an_error(void **state)
         struct scene s = measured(5, 3, 1.0f, 1.0, 1.0f);
         struct gp_glare_error e;
         s.f.layer.c[i / 3][places[i % 3]] = bad[i % 3];
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &e);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &e);
         assert_true(!(e.rel_l2 <= 1e30));
         assert_true(!(e.max_rel <= 1e30));
         assert_true(!(e.max_abs <= 1e30));
@@ -195,7 +195,8 @@ static void errors_scale(void **state)
         for (size_t i = 0; i < 3 * n; i++)
             s.f.layer.c[i / n][i % n] =
                 (float) (s.exact[i] + (pass + 1) * (double) (i % 5));
-        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, pass ? &two : &one);
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL,
+                         pass ? &two : &one);
     }
     assert_near(two.rel_l2, 2.0 * one.rel_l2, "rel_l2");
     assert_near(two.max_rel, 2.0 * one.max_rel, "max_rel");
@@ -204,13 +205,35 @@ static void errors_scale(void **state)
         s.f.layer.c[i / n][i % n] *= 64.0f;
         s.f.rgb.c[i / n][i % n] *= 64.0f;
     }
-    gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, &scaled);
+    gp_glare_measure(&s.f, &s.f.layer, s.exact, 1.0f, NULL, &scaled);
     assert_near(scaled.rel_l2, two.rel_l2, "rel_l2 of scaled light");
     assert_near(scaled.max_rel, two.max_rel, "max_rel of scaled light");
     scene_free(&s);
 }
 
+/* Sources whose light leaves their pixels are no part of the composite. */
+static void scattered_light_leaves_the_composite(void **state)
+{
+    static const float gains[] = {0.25f, 1.0f, 3.0f};
+    for (size_t i = 0; i < COUNT(gains); i++) {
+        const struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
+        const double gain = (double) gains[i];
+        struct scene s = measured(8, 4, 0.5f, 2.0, 2.0f);
+        struct gp_glare_error e;
+        for (int c = 0; c < 3; c++)
+            s.f.rgb.c[c][17] = 4.0f; // 3 of it are a source
+        assert_ok(gp_sense(NULL, &p, &s.f, &s.src));
+        s.f.layer.c[1][17] += 1.0f;
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, gains[i], &s.src, &e);
+        const double own = 4.0 - 3.0 * fmin(gain, 1.0) + gain * 2.0;
+        const double peak = fmax(own, 0.5 + gain * 2.0);
+        assert_near(e.max_rel, gain * (double) s.f.luminance[1] /
+                                   (own + 1e-6 * peak), "max_rel");
+        scene_free(&s);
+    }
+}
+
 SUITE_OF(reference, ask_quick, NULL,
     plain_loops_are_the_sum, transform_is_the_sum, one_error_is_what_it_is,
     no_error_is_zero, dark_layers_have_absolute_errors, nan_is_an_error,
-    errors_scale)
+    errors_scale, scattered_light_leaves_the_composite)

@@ -25,6 +25,7 @@ static void bad_pixels_stay_alone(void **state)
         {{1e-42f, -1e-42f, 0}, {1e-42f, -1e-42f, 0}, 0, 0},
     };
     static const int sizes[][2] = {{1, 1}, {16, 16}, {37, 35}};
+    const struct gp_sensor_params limited = WHOLE(1.0f, 0.0f, 10.0f);
     for (size_t i = 0; i < 3 * COUNT(rows); i++) {
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
         struct gp_frame f = scene_frame(w, h, 0, 0, DARK, 9u);
@@ -35,8 +36,7 @@ static void bad_pixels_stay_alone(void **state)
             f.rgb.c[c][at] = rows[i / 3].rgb[c];
             was.rgb.c[c][at] = rows[i / 3].want[c];
         }
-        assert_ok(gp_sense(NULL, &(struct gp_sensor_params){1.0f, 0.0f, 10.0f},
-                           &f, &src));
+        assert_ok(gp_sense(NULL, &limited, &f, &src));
         for (int c = 0; c < 3; c++)
             assert_memory_equal(f.rgb.c[c], was.rgb.c[c],
                                 gp_frame_pixels(&f) * sizeof(float));
@@ -53,14 +53,14 @@ static void bad_pixels_stay_alone(void **state)
 
 static void threshold_is_shut(void **state)
 {
-    const struct gp_sensor_params hard = {3.0f, 0.0f, 100.0f};
+    const struct gp_sensor_params hard = WHOLE(3.0f, 0.0f, 100.0f);
     assert_true(gp_bright_pass(&hard, 3.0f) == 0.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 4.0f)) == 1.0f);
     assert_true(gp_bright_pass(&hard, nextafterf(3.0f, 2.0f)) == 0.0f);
     assert_true(gp_bright_pass(&hard, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&open_all, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&open_all, 1e-45f) == 1.0f);
-    const struct gp_sensor_params zero_knee = {0.0f, 1.0f, 100.0f};
+    const struct gp_sensor_params zero_knee = WHOLE(0.0f, 1.0f, 100.0f);
     assert_true(gp_bright_pass(&zero_knee, 0.0f) == 0.0f);
     assert_true(gp_bright_pass(&zero_knee, 1e-45f) == 1.0f);
 }
@@ -71,7 +71,7 @@ static void knee_is_smooth(void **state)
 {
     static const float knees[] = {1e-3f, 0.1f, 0.5f, 1.0f};
     for (size_t i = 0; i < COUNT(knees); i++) {
-        const struct gp_sensor_params p = {2.0f, knees[i], 100.0f};
+        const struct gp_sensor_params p = WHOLE(2.0f, knees[i], 100.0f);
         const double lo = 2.0 * (1.0 - (double) knees[i]);
         const double wide = 4.0 * (double) knees[i];
         double last = 0.0, last_rise = 0.0;
@@ -88,6 +88,26 @@ static void knee_is_smooth(void **state)
             assert_true(fabs(rise - last_rise) <= 7e-4 + 1e-3 * (i == 0));
             last = v;
             last_rise = rise;
+        }
+    }
+}
+
+/* The part over T: nothing at T, so no step there, and all of it at 0. */
+static void excess_is_the_part_over(void **state)
+{
+    static const float thresholds[] = {0.0f, FLT_MIN, 1.0f, 3.7f, 1e30f};
+    for (size_t i = 0; i < COUNT(thresholds); i++) {
+        const float t = thresholds[i], next = nextafterf(t, INFINITY);
+        const struct gp_sensor_params p = {
+            .threshold = t, .max_value = FLT_MAX, .mode = GP_THRESHOLD_EXCESS,
+        };
+        assert_true(gp_bright_pass(&p, t) == 0.0f);
+        assert_true(gp_bright_pass(&p, next) == (next - t) / next);
+        assert_true(gp_bright_pass(&p, INFINITY) == 1.0f);
+        for (double y = (double) t * 1.001 + 1e-30; y < 1e38; y *= 1.7) {
+            const double over = ((double) (float) y - (double) t);
+            assert_true(fabs((double) gp_bright_pass(&p, (float) y) * y -
+                             over) <= 2e-7 * y);
         }
     }
 }
@@ -311,6 +331,7 @@ static void light_joins(void **state)
 }
 
 SUITE_OF(sensors, NULL, NULL,
-    bad_pixels_stay_alone, threshold_is_shut, knee_is_smooth, darkest_is_robust,
+    bad_pixels_stay_alone, threshold_is_shut, knee_is_smooth,
+    excess_is_the_part_over, darkest_is_robust,
     weights_are_the_frames, lists_are_whole, bins_are_half_octaves,
     parts_hold_all, light_outside_is_refused, light_joins)

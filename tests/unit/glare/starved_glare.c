@@ -119,7 +119,7 @@ static gp_status hash_sources(gp_status st, struct gp_sources *s)
 
 static gp_status run_sense(void)
 {
-    const struct gp_sensor_params p = {0.5f, 0.5f, 1e9f};
+    const struct gp_sensor_params p = WHOLE(0.5f, 0.5f, 1e9f);
     struct gp_sources s = {0};
     return hash_sources(gp_sense(&said_log, &p, &scene.f, &s), &s);
 }
