@@ -96,8 +96,8 @@ static void rotate_row(void *ctx, int y, int thread)
 gp_status gp_rotate(const struct gp_log *log, const char *name,
     const struct gp_unturned *u, bool grey, struct gp_rotated *out)
 {
-    // the box around the rotated corners of what bilinear sampling reaches, one
-    // pixel around the samples
+    // whole offsets within the rotated corners of what bilinear sampling
+    // reaches, one pixel around the samples; it is 0 on that line
     const double xs[] = {-1.0 - u->cx, (double) u->w - u->cx};
     const double ys[] = {-1.0 - u->cy, (double) u->h - u->cy};
     double box[4] = {INFINITY, INFINITY, -INFINITY, -INFINITY};
@@ -105,10 +105,10 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
         const double x = xs[i & 1], y = ys[i >> 1];
         const double dx = u->cos * x + u->sin * y;
         const double dy = u->cos * y - u->sin * x;
-        box[0] = fmin(box[0], floor(dx));
-        box[1] = fmin(box[1], floor(dy));
-        box[2] = fmax(box[2], ceil(dx));
-        box[3] = fmax(box[3], ceil(dy));
+        box[0] = fmin(box[0], ceil(dx));
+        box[1] = fmin(box[1], ceil(dy));
+        box[2] = fmax(box[2], floor(dx));
+        box[3] = fmax(box[3], floor(dy));
     }
     const double w = box[2] - box[0] + 1.0, h = box[3] - box[1] + 1.0;
     if (w * h > GP_ROTATED_PIXELS)

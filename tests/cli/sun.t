@@ -226,7 +226,19 @@ run --sun-dir 0,0,-1 --report r.json spec.exr
 is "$(field r.json 'o["lights"]')" "[{'behind': True, 'visibility': 0.0}]" \
     'behind the camera'
 run --sun-dir 0,0.5,1 --ndc clip --report r.json spec.exr
-is "$(field r.json 'o["lights"][0]["y"] != 12')" True '--ndc is believed'
+is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" '[48.0, 18.0]' \
+    '--ndc is believed'
+# a lens shift so large that the axis falls where the other one's centre is
+shifted=m44f:1,0,0,0,0,1,0,0,0.5,0.5,1,1,0,0,-1,0
+frame shifted.exr channels=R,G,B,Z:float kind=dark attr=worldToNDC:$shifted
+frame named.exr channels=R,G,B,Z:float kind=dark attr=worldToScreen:$shifted
+for row in 'shifted auto 32.0 24.0' 'shifted spec 32.0 24.0' \
+    'shifted clip 48.0 12.0' 'named auto 48.0 12.0' 'named spec 32.0 24.0'; do
+    set -- $row
+    run --sun-dir 0,0,1 --ndc $2 --report r.json $1.exr
+    is "$(field r.json '[o["lights"][0][k] for k in ("x", "y")]')" "[$3, $4]" \
+        "--ndc $2, $1.exr: the convention"
+done
 run --sun-dir 0,0.5,1 --report r.json in.exr
 fails_with 2 worldToNDC 'a direction without a camera'
 cat >camera.json <<'JSON'

@@ -71,7 +71,7 @@ CALL(IO, EMFILE, -1, int, memfd_create, (const char *name, unsigned flags),
 int __wrap_close(int fd);
 int __wrap_close(int fd)
 {
-    const bool bad = hits(FAIL_IO, EIO);
+    const bool bad = fail_always.closes || hits(FAIL_IO, EIO);
     const int result = __real_close(fd); // it is closed all the same
     if (bad)
         errno = EIO;

@@ -26,8 +26,9 @@ long fail_blocks(void);
 
 /* Calls that fail each time, until it is set back. */
 struct fail_always {
-    bool threads, affinity,
-        links; // pthread_create, sched_getaffinity, readlink
+    bool threads, affinity, links; // pthread_create, sched_getaffinity,
+                                   // readlink
+    bool closes;                   // close: the file is closed all the same
     const char *library, *symbol;  // the dlopen, dlsym of these names
 };
 extern struct fail_always fail_always;

@@ -104,6 +104,26 @@ static void sizes_that_lie(void **state)
 
 /* Pictures show the display window, so that of a frame counts; planes, of
  * which no picture is made, need none. */
+/* DEFLATE makes at most 1032 bytes of one: a chunk that claims more is refused
+ * before memory is taken for it. */
+static void chunks_that_claim_too_much(void **state)
+{
+    enum { CLAIMED = 100000, LINES = 16 };
+    const struct fixture small = {
+        .part = {{.channel = {RGB(HALVES)}, .compression = EXR_COMPRESSION_ZIP,
+                  .data = FIXTURE_WINDOW(0, 0, 64, LINES)}},
+    };
+    static const int32_t window[] = {0, 0, CLAIMED - 1, LINES - 1};
+    size_t size;
+    uint8_t *const bytes = fixture_make(&small, &size);
+    set_value(bytes, size, "dataWindow", "box2i", window, sizeof window);
+    set_value(bytes, size, "displayWindow", "box2i", window, sizeof window);
+    assert_true((size + 64) * 1032 < (size_t) CLAIMED * LINES * 6);
+    fixture_save(in_folder("claim.exr"), bytes, size);
+    free(bytes);
+    assert_refused(path, GP_ERR_DATA, "it is too small for its pixels");
+}
+
 static void display_windows_that_lie(void **state)
 {
     static const struct {
@@ -211,4 +231,5 @@ static void changed_head(void **state)
 }
 
 SUITE_OF(exr_refuse, make_folder, remove_folder, no_colour_of_a_pixel,
-         sizes_that_lie, display_windows_that_lie, changed_bits, changed_head)
+         sizes_that_lie, chunks_that_claim_too_much,
+         display_windows_that_lie, changed_bits, changed_head)

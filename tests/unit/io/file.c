@@ -2,6 +2,7 @@
  * the system says no. */
 #include "unit.h"
 #include "write_fixture.h"
+#include "fail.h"
 #include "io/file.h"
 #include "io/io_priv.h"
 
@@ -95,12 +96,12 @@ static void links_and_permissions_stay(void **state)
 {
     struct stat s;
     put_file(wf_path("real"), "old");
-    assert_int_equal(chmod(wf_path("real"), 0640), 0);
+    assert_int_equal(chmod(wf_path("real"), 0751), 0); // execute bits too
     assert_int_equal(symlink("real", wf_path("link")), 0);
     write_text(wf_path("link"), "new");
     assert_text(wf_path("real"), "new");
     assert_int_equal(stat(wf_path("real"), &s), 0);
-    assert_int_equal(s.st_mode & 0777, 0640);
+    assert_int_equal(s.st_mode & 0777, 0751);
     remove(wf_path("real"));
     // what it leads to is made, where that is not there, by a full path too
     char *const found = gp_file_resolve(wf_path("link"));
@@ -243,6 +244,25 @@ static void full_disk(void **state)
     assert_int_equal(st, GP_ERR_IO);
     wf_assert_said(strerror(EFBIG));
     assert_int_equal(wf_names(), 0);
+}
+
+/* Network file systems report a full disk when a file is closed. */
+static void a_close_that_fails(void **state)
+{
+    struct gp_file *f;
+    put_file(wf_path("f"), "old");
+    for (int straight = 0; straight < 2; straight++) {
+        assert_ok(gp_file_open(&wf_log, straight ? "/dev/null" : wf_path("f"),
+                               false, &f));
+        assert_ok(gp_file_write(f, "new", 3));
+        fail_always.closes = true;
+        const gp_status st = gp_file_commit(&f);
+        fail_always.closes = false;
+        assert_int_equal(st, GP_ERR_IO);
+        wf_assert_said(strerror(EIO));
+    }
+    assert_int_equal(wf_names(), 1);
+    assert_text(wf_path("f"), "old");
 }
 
 static void pipes(void **state)
@@ -519,7 +539,8 @@ static void files_under_way_are_removed(void **state)
 
 SUITE_OF_EACH(file, wf_start, wf_end, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay, folders,
-              names, taken_names, full_disk, pipes, signals, checks,
+              names, taken_names, full_disk, a_close_that_fails, pipes,
+              signals, checks,
               folders_that_are_none, folders_are_made_or_not,
               without_permission, patches_stay_inside, no_name_is_left,
               more_files_than_a_signal_removes, files_under_way_are_removed)

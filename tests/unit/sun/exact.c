@@ -344,6 +344,25 @@ static void test_places(void **state)
     }
 }
 
+/* Each pixel hides its own area of the disc and no other, those at the ends
+ * of a row's whole pixels too. */
+static void test_each_pixel(void **state)
+{
+    const struct gp_rect frame = {0, 0, 24, 20};
+    const struct gp_light l = light_at(11.7, 9.3, 7.9);
+    struct gp_plane mask = plane_of(frame);
+    const struct gp_occluders o = occluders(NULL, &mask, frame);
+    for (int i = 0; i < 24 * 20; i++) {
+        mask.v[i] = 1.0f;
+        const double hidden =
+            gp_disc_pixel_area(l.x, l.y, l.radius, i % 24, i / 24) /
+            (M_PI * l.radius * l.radius);
+        assert_near(visibility(&o, 0, l), 1.0 - hidden, 1e-14, "pixel", i);
+        mask.v[i] = 0.0f;
+    }
+    gp_plane_free(&mask);
+}
+
 /* Nothing to hide behind, whether a window is large or empty; and a light of
  * NaN place comes out a share all the same. */
 static void test_no_planes(void **state)
@@ -513,5 +532,5 @@ static void test_many_lights(void **state)
 
 SUITE_OF(exact, NULL, NULL, test_pixel_area, test_area_sum, test_area_symmetry,
          test_area_corner, test_area_hard, test_rect_area, test_disc_samples,
-         test_places, test_no_planes, test_windows, test_vast_frame,
-         test_threads, test_many_lights)
+         test_places, test_each_pixel, test_no_planes, test_windows,
+         test_vast_frame, test_threads, test_many_lights)
