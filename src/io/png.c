@@ -451,6 +451,16 @@ static void set_texts(png_structp png, png_infop info, const char *command)
     png_set_text(png, info, text, 2);
 }
 
+/* PNG has no imaginary primaries. */
+static bool are_real(const float c[8])
+{
+    for (int i = 0; i < 8; i += 2) {
+        if (!(c[i] >= 0 && c[i + 1] >= 0 && c[i] + c[i + 1] <= 1))
+            return false;
+    }
+    return true;
+}
+
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
@@ -466,9 +476,6 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     const bool srgb = kind == GP_PICTURE_SHOWN ||
                       (scene && memcmp(c, gp_rec709_chromaticities,
                                        sizeof f->chromaticities) == 0);
-    bool real = true; // PNG has no imaginary primaries
-    for (int i = 0; i < 8; i += 2)
-        real = real && c[i] >= 0 && c[i + 1] >= 0 && c[i] + c[i + 1] <= 1;
     png_infop info = NULL;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t,
                                               on_write_error, on_warning);
@@ -492,7 +499,7 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
     else if (scene)
         png_set_gAMA_fixed(png, info, 45455); // 1 / 2.2, as beside sRGB
-    if (scene && !srgb && real)
+    if (scene && !srgb && are_real(c))
         png_set_cHRM(png, info, (double) c[6], (double) c[7], (double) c[0],
                      (double) c[1], (double) c[2], (double) c[3],
                      (double) c[4], (double) c[5]);

@@ -236,7 +236,9 @@ run help --gain
 quiet_success 'help --gain is about the option'
 like "$(cat out)" '*-g, --gain G*' 'it names it'
 run help sequences
-if command -v man >/dev/null; then
+if [ ! -r "${glarepp%/*}/../man/glarepp.1" ]; then
+    fails_with 3 man/glarepp.1 'help sequences without the page'
+elif command -v man >/dev/null; then
     quiet_success 'help sequences: man shows the manual'
 else
     fails_with 3 Sequences 'help sequences without man'
