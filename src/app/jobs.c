@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static bool is_dash(const char *path)
@@ -22,6 +23,12 @@ static bool has_place(const struct gp_jobs *j)
             return true;
     }
     return false;
+}
+
+/* True for --views all, and where it says nothing. */
+static bool takes_all_views(const struct gp_settings *s)
+{
+    return !s->views || strcmp(s->views, "all") == 0;
 }
 
 // -- frames ------------------------------------------------------------------
@@ -75,6 +82,14 @@ static gp_status list_frames(const struct gp_log *log,
     return all->n ? GP_OK : gp_frames_on_disk(log, p, view->name[0], all);
 }
 
+/* Marks the outputs that hold all views of a frame. */
+static void mark_whole(struct gp_jobs *j)
+{
+    for (int i = 0; i < j->targets; i++)
+        j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
+                             j->views > 1 && !j->target[i].name.views;
+}
+
 /* Makes the jobs of all inputs. *patterns: some input has a place for a frame
  * number; a file that has the pattern's very name has none. */
 static gp_status add_inputs(const struct gp_log *log,
@@ -110,16 +125,18 @@ static gp_status add_inputs(const struct gp_log *log,
                 "%s); make the two in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
-    if (s->views || in_names)
+    if (in_names && s->views && takes_all_views(s))
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all are those that a file "
+            "holds (found %%V or %%v in %s); name them, such as left,right",
+            in[0].path));
+    if (in_names || !takes_all_views(s))
         GP_TRY(gp_views_parse(log, s->views ? s->views : "left,right",
                               &j->view));
     for (int i = 0; i < s->inputs.n; i++)
         GP_TRY(gp_views_check(log, &in[i], &j->view));
     j->views = in_names ? 1 : gp_jobs_of_frame(j);
     j->views_inside = !in_names && j->view.n > 0;
-    for (int i = 0; i < j->targets; i++)
-        j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
-                             j->views > 1 && !j->target[i].name.views;
+    mark_whole(j);
     // list the frames of each
     for (const struct gp_pattern *p = in; p < in + s->inputs.n; p++) {
         int frame = 0;
@@ -192,6 +209,113 @@ static gp_status read_stdin(const struct gp_log *log,
     return st;
 }
 
+// -- views that the inputs name ----------------------------------------------
+
+/* Makes a job of each view in place of each job; takes `found` over. */
+static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
+                              struct gp_views *found)
+{
+    const int n = found->n;
+    struct gp_job *job;
+    j->view = *found;
+    *found = (struct gp_views) {0};
+    if (j->n > GP_FRAME_LIST_MAX / n)
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                       "them in several runs", j->job[0].input,
+                       GP_FRAME_LIST_MAX);
+    gp_status st = gp_alloc_zero(log, "frame list", (size_t) (j->n * n),
+                                 sizeof *job, &job);
+    for (int i = 0; i < j->n * n && !st; i++) {
+        job[i] = j->job[i / n];
+        job[i].view = j->view.name[i % n];
+        job[i].input = i % n ? gp_strdup(j->job[i / n].input) : job[i].input;
+        if (!job[i].input)
+            st = gp_no_memory_bare(log, "frame list");
+    }
+    if (st) { // the copies; the others are still j's
+        for (int i = 0; job && i < j->n * n; i++)
+            free(i % n ? job[i].input : NULL);
+        gp_free(job);
+        return st;
+    }
+    free(j->job);
+    j->job = job;
+    j->n *= n;
+    j->views = n;
+    j->views_inside = true;
+    mark_whole(j);
+    for (int i = 0; i < j->targets; i++)
+        j->target[i].hero = !j->target[i].whole && !j->target[i].name.views;
+    return GP_OK;
+}
+
+/* Finds the views of the first input that can be looked at; a pipe cannot.
+ * Prints nothing: reading a file says what is wrong with it. */
+static gp_status find_views(const struct gp_settings *s,
+    const struct gp_jobs *j, struct gp_views *found, const char **input)
+{
+    *input = j->job[0].input;
+    if (j->members.n)
+        return gp_members_views(NULL, &s->read, &j->members, 0, found);
+    for (int i = 0; i < j->n; i++) {
+        struct stat info;
+        *input = j->job[i].input;
+        if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        const gp_status st = gp_read_views(NULL, &s->read, *input, found);
+        if (!st || st == GP_ERR_BUG)
+            return st;
+    }
+    return GP_OK;
+}
+
+/* Takes all views that the inputs name, where an output can hold them, and says
+ * which were taken. */
+static gp_status look_inside(const struct gp_log *log,
+                             const struct gp_settings *s, struct gp_jobs *j)
+{
+    struct gp_views found = {0};
+    char list[512] = "";
+    const char *input;
+    bool places = false, hero = j->targets == 0;
+    j->views_found = j->targets == 0; // the report has a line for each
+    for (int i = 0; i < j->targets; i++) {
+        const struct gp_output *const t = &j->target[i];
+        places = places || t->name.views;
+        hero = hero || (t->kind != GP_TARGET_HDR && !t->name.views);
+        j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
+                         t->name.views;
+    }
+    gp_status st = find_views(s, j, &found, &input);
+    if (st == GP_ERR_BUG)
+        return gp_no_memory(log, input);
+    if (st || found.n == 0)
+        return GP_OK;
+    for (int i = 0; i < found.n; i++) {
+        const char *const name = found.name[i];
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
+        if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
+                       strcmp(name, "..") == 0))
+            st = gp_fail(log, GP_ERR_DATA, "%s: holds a view whose name is no "
+                         "name of a file (found %s); choose others with "
+                         "--views", input, name);
+    }
+    if (!st && !j->views_found)
+        gp_say(log, GP_LEVEL_WARN, "%s: of its views %s only %s is made; write "
+               "%%V into a name to make them all, or choose with --views",
+               input, list, found.name[0]);
+    else if (!st)
+        gp_say(log, GP_LEVEL_WARN, "%s: its views %s all get glare%s%s; choose "
+               "with --views", input, list, hero && j->targets
+               ? ", names without %V show " : "",
+               hero && j->targets ? found.name[0] : "");
+    if (!st && j->views_found)
+        st = spread_views(log, j, &found);
+    gp_views_free(&found);
+    return st;
+}
+
 // -- outputs -----------------------------------------------------------------
 
 static const char *const target_options[] = {
@@ -215,9 +339,10 @@ static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
 // -- checks ------------------------------------------------------------------
 
 /* Several frames and patterns belong together, and several views and %V.
- *   patterns  some input has a place for a frame number */
+ *   patterns  some input has a place for a frame number
+ *   later     the views are still to be found */
 static gp_status check_patterns(const struct gp_log *log,
-                                const struct gp_jobs *j, bool patterns)
+    const struct gp_jobs *j, bool patterns, bool later)
 {
     const int frames = j->n / gp_jobs_of_frame(j);
     gp_status st = GP_OK;
@@ -234,11 +359,13 @@ static gp_status check_patterns(const struct gp_log *log,
                                "input (needed for %s); number it, or "
                                "write plain names", j->job[i].input, p->path);
         }
-        if (p->views && !j->view.n)
+        if (p->views && !j->view.n && !later)
             return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v are views, and "
-                           "there are none (no %%V in %s, no --views); give "
-                           "--views left,right", p->path, j->job[0].input);
-        if (!p->views && !j->target[t].whole && j->view.n > 1 && !dash)
+                           "there are none (no %%V in %s, no views found in "
+                           "it); give --views left,right", p->path,
+                           j->job[0].input);
+        if (!p->views && !j->target[t].whole && !j->target[t].hero &&
+            j->view.n > 1 && !dash)
             return gp_fail(log, GP_ERR_USAGE, "%s: one name for several views "
                            "(found %d); write %%V or %%v into it, such as "
                            "out.%%V.png, or -", p->path, j->view.n);
@@ -364,7 +491,8 @@ gp_status gp_jobs_check_names(
         const struct gp_output *const target = &j->target[t];
         const struct gp_pattern *const p = &target->name;
         // a stream and a file of all views are one for several jobs
-        const int step = is_dash(p->path) ? j->n : target->whole ? j->views : 1;
+        const int step = is_dash(p->path) ? j->n
+                         : target->whole || target->hero ? j->views : 1;
         for (int i = 0; i < j->n; i += step) {
             char *const name = gp_job_name(&j->job[i], target);
             st = !name ? gp_no_memory(log, p->path)
@@ -395,6 +523,34 @@ out:
 
 // -- all of it ---------------------------------------------------------------
 
+/* Checks the names of all outputs, and what the first frame's would need.
+ *   later  views are still to be found: names with %V are not whole yet */
+static gp_status check_outputs(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j, bool patterns,
+    bool later)
+{
+    gp_status st = check_patterns(log, j, patterns, later);
+    if (!st && has_place(j))
+        st = check_numbers(log, j);
+    for (int i = 0; i < j->targets && !st; i++) {
+        const struct gp_output *const t = &j->target[i];
+        if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
+            return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
+                           "it on, or give a file");
+        for (int k = 0; k < gp_jobs_of_frame(j) && !st; k++) {
+            if (later && t->name.views)
+                continue;
+            char *const name = gp_job_name(&j->job[k], t);
+            st = !name ? gp_no_memory(log, t->name.path)
+                 : t->kind == GP_TARGET_HDR
+                     ? gp_write_hdr_check(log, &s->write, name)
+                     : gp_write_check(log, &s->write, name);
+            free(name);
+        }
+    }
+    return st ? st : gp_jobs_check_names(log, s, j, NULL);
+}
+
 gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
                        struct gp_jobs *out)
 {
@@ -423,31 +579,18 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
             GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
+    const bool piped = is_dash(j.job[0].input);
+    const bool looks = takes_all_views(s) && !j.view.n;
+    if (looks && !piped)
+        GP_TRY(look_inside(log, s, &j));
     // all that the outputs must meet, before stdin is read
-    GP_TRY(check_patterns(log, &j, patterns));
-    if (has_place(&j))
-        GP_TRY(check_numbers(log, &j));
-    for (int i = 0; i < j.targets; i++) {
-        const struct gp_output *const t = &j.target[i];
-        if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
-            GP_TRY(gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
-                           "it on, or give a file"));
-        for (int k = 0; k < gp_jobs_of_frame(&j); k++) { // the first frame's
-            char *const name = gp_job_name(&j.job[k], t);
-            st = !name ? gp_no_memory(log, t->name.path)
-                 : t->kind == GP_TARGET_HDR
-                     ? gp_write_hdr_check(log, &s->write, name)
-                     : gp_write_check(log, &s->write, name);
-            free(name);
-            GP_TRY(st);
-        }
-    }
-    GP_TRY(gp_jobs_check_names(log, s, &j, NULL));
+    GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
     GP_TRY(check_missing(log, s, &j));
-    if (is_dash(j.job[0].input)) {
+    if (piped) {
         GP_TRY(read_stdin(log, s, &j));
-        GP_TRY(check_patterns(log, &j, patterns));
-        GP_TRY(gp_jobs_check_names(log, s, &j, NULL));
+        if (looks)
+            GP_TRY(look_inside(log, s, &j));
+        GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
     *out = j;
     return GP_OK;
@@ -490,8 +633,11 @@ bool gp_job_made(const struct gp_write_params *p, const struct gp_jobs *j,
         }
     }
     for (int i = 0; i < jobs * j->targets; i++) {
-        char *const name = gp_job_name(&j->job[from + i / j->targets],
-                                       &j->target[i % j->targets]);
+        const struct gp_output *const t = &j->target[i % j->targets];
+        const int k = from + i / j->targets;
+        if (t->hero && k % j->views)
+            continue;
+        char *const name = gp_job_name(&j->job[k], t);
         const bool exists = name && gp_write_would_clobber(p, name);
         free(name);
         if (!exists)

@@ -26,6 +26,7 @@ struct gp_output {
     enum gp_target_kind kind;
     struct gp_pattern name;
     bool whole;  // holds all views of a frame: one for gp_jobs.views jobs
+    bool hero;   // made of the first view of a frame only
 };
 
 /* One frame to make, or one view of it. */
@@ -45,6 +46,8 @@ struct gp_jobs {
     struct gp_views view;      // owned; n is 0 without views
     int views;                 // consecutive jobs that share one input, >= 1
     bool views_inside;         // the views are parts or channels of the inputs
+    bool views_found;          // and are all that a frame names: no other frame
+                               // may name others
     struct gp_members members; // frames of stdin, one for `views` jobs; n is 0
                                // without
 };
@@ -56,8 +59,12 @@ struct gp_jobs {
  *   - %V and %v in inputs are the views of --views, or left,right: a
  *     file for each, and `views` is 1. Without them, --views are parts or
  *     channels of each file: `views` jobs for it. Not both in one run
- *   - several views need %V or %v in all outputs but `-`, and but --hdr where
- *     a file has them all: that one is `whole`
+ *   - without --views, or with --views all, they are those that the first input
+ *     names which can be looked at (a file, or the first image of stdin), where
+ *     an output has a place for several; a line says which were taken. Outputs
+ *     without %V or %v then hold the first: `hero`
+ *   - several views of --views need %V or %v in all outputs but `-`
+ *   - of several views --hdr without %V or %v holds all: it is `whole`
  *   - several frames need patterns or `-` for all their outputs, and for
  *     patterns a number each, no two the same: the pattern's, or the last one
  *     in a plain file's name

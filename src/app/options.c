@@ -293,7 +293,9 @@ const struct gp_option gp_options[] = {
                 "without it, those on disk"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
         .help = "Views, e.g. left,right, for %V and %v (first letter) in "
-                "names; without %V or %v in the inputs, those in each file"),
+                "names; without %V or %v in the inputs, those in each file; "
+                "all (default): those that it names, of which outputs without "
+                "%V show the first"),
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
         .aside = true,
         .help = "Skip frames that fail, list them at the end, exit 6"),

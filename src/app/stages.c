@@ -88,6 +88,26 @@ static bool suns_asked(const struct gp_settings *s)
     return gp_suns_wanted(&s->sun);
 }
 
+/* Checks that the frame names no views but those that all frames have. */
+static gp_status check_views(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_views *const all = &r->jobs->view;
+    struct gp_views own;
+    gp_status st = gp_frame_views(fs->log, &r->s->read, &fs->frame, &own);
+    for (int i = 0; i < own.n && !st; i++) {
+        int k = 0;
+        while (k < all->n && strcmp(all->name[k], own.name[i]) != 0)
+            k++;
+        if (k == all->n)
+            st = gp_fail(fs->log, GP_ERR_USAGE, "%s: holds the view %s (the "
+                "first input that could be looked at has %s); choose with "
+                "--views, or make it in a run of its own", fs->job->input,
+                own.name[i], all->n ? "others" : "none");
+    }
+    gp_views_free(&own);
+    return st;
+}
+
 static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_members *const m = &r->jobs->members;
@@ -101,6 +121,8 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     GP_TRY(m->n ? gp_members_frame(fs->log, &p, fs->job->input, m, i,
                                    &fs->frame)
                 : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
+    if (r->jobs->views_found && fs->view == 0)
+        GP_TRY(check_views(r, fs));
     if (groups->n) {
         GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
                              sizeof *fs->group, &fs->group));
@@ -347,6 +369,11 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 
 static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
 {
+    bool shows = fs->view == 0;
+    for (int i = 0; i < r->jobs->targets; i++)
+        shows = shows || !(r->jobs->target[i].hero || r->jobs->target[i].whole);
+    if (!shows)
+        return GP_OK;
     return r->ocio ? gp_ocio_show(fs->log, r->ocio, &r->s->tone, &fs->frame)
                    : gp_tone_map(fs->log, &r->s->tone, &fs->frame, NULL);
 }
@@ -514,8 +541,8 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
         stats.raw = r->raw;
     for (int i = 0; i < r->jobs->targets && !st; i++) {
         const struct gp_output *const t = &r->jobs->target[i];
-        if (t->whole && fs->view > 0)
-            continue; // is in the first view's file
+        if ((t->whole || t->hero) && fs->view > 0)
+            continue; // is in the first view's file, or shows only that view
         char *const name = gp_job_name(fs->job, t);
         if (!name) {
             st = gp_no_memory(fs->log, t->name.path);

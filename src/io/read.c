@@ -311,6 +311,57 @@ gp_status gp_read_frame(const struct gp_log *log,
     return st ? st : gp_read_stream(log, p, path, &stream, out);
 }
 
+// -- views of a file ----------------------------------------------------------
+
+/* Of an open EXR; NULL: of another format. */
+static gp_status list_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_input *in,
+    struct gp_views *out)
+{
+    const char *view[GP_VIEWS_MAX];
+    const int n = in ? gp_exr_views(p, in, view) : 0;
+    *out = (struct gp_views) {0};
+    if (n < 0)
+        return gp_no_memory_bare(log, "view list");
+    return n > 1 ? gp_views_copy(log, view, n, out) : GP_OK;
+}
+
+gp_status gp_frame_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    struct gp_views *out)
+{
+    return list_views(log, p, gp_input_of(f), out);
+}
+
+/* Of a stream, which it closes. */
+static gp_status stream_views(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, struct gp_stream *stream,
+    struct gp_views *out)
+{
+    struct gp_input *in = NULL;
+    bool exr;
+    gp_status st = check_start(log, path, stream, &exr);
+    if (st)
+        return st;
+    if (exr)
+        st = gp_exr_open(log, path, stream, &in);
+    else
+        gp_stream_close(stream);
+    if (!st)
+        st = list_views(log, p, in, out);
+    gp_input_free(in);
+    return st;
+}
+
+gp_status gp_read_views(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, struct gp_views *out)
+{
+    struct gp_stream stream;
+    bool exr;
+    const gp_status st = gp_read_open(log, p, path, &stream, &exr);
+    return st ? st : stream_views(log, p, path, &stream, out);
+}
+
 // -- several images in one stream ---------------------------------------------
 
 /* An image whose end cannot be told reaches to the end of the stream. */
@@ -382,6 +433,15 @@ gp_status gp_members_frame(const struct gp_log *log,
     struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
                                          m->member[i].size);
     return gp_read_stream(log, p, name, &view, out);
+}
+
+gp_status gp_members_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_members *m, int i,
+    struct gp_views *out)
+{
+    struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
+                                         m->member[i].size);
+    return stream_views(log, p, "-", &view, out);
 }
 
 // -- versions -----------------------------------------------------------------

@@ -7,6 +7,7 @@
 
 #include "core/frame.h"
 #include "core/status.h"
+#include "io/sequence.h"
 #include "io/stream.h"
 
 #include <stddef.h>
@@ -89,6 +90,25 @@ GP_MUST_CHECK gp_status gp_read_layer(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *layer,
     struct gp_frame *out);
 
+/* -- views of a file ------------------------------------------------------- */
+
+/* Lists the views that an EXR names and that hold the colour which `p` asks
+ * for; p->view does not count. First comes the view that gp_read_frame() takes
+ * without p->view, then the others in the order of the file.
+ *
+ *   out  written only on GP_OK; `n` is 0 for a file that names fewer than two
+ *        (the view need not be chosen) and for other formats; free with
+ *        gp_views_free()
+ *
+ * Errors: those of gp_read_frame() for a file that cannot be opened. */
+GP_MUST_CHECK gp_status gp_read_views(const struct gp_log *log,
+    const struct gp_read_params *p, const char *path, struct gp_views *out);
+
+/* The same of a frame that was read. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_frame *f,
+    struct gp_views *out);
+
 /* -- several images in one stream ------------------------------------------
  *
  * One after the other, as `cat a.exr b.exr` makes them. The stream is read to
@@ -134,6 +154,11 @@ void gp_members_free(struct gp_members *m);
 GP_MUST_CHECK gp_status gp_members_frame(const struct gp_log *log,
     const struct gp_read_params *p, const char *name,
     const struct gp_members *m, int i, struct gp_frame *out);
+
+/* gp_read_views() for image `i` of [0, m->n). */
+GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_members *m, int i,
+    struct gp_views *out);
 
 /* -- versions -------------------------------------------------------------- */
 

@@ -438,6 +438,27 @@ out:
     return st;
 }
 
+gp_status gp_views_copy(const struct gp_log *log, const char *const *name,
+                        int n, struct gp_views *out)
+{
+    struct gp_views v = {.n = n};
+    size_t bytes = 0;
+    for (int i = 0; i < n; i++)
+        bytes += strlen(name[i]) + 1;
+    gp_status st = gp_alloc(log, "view list", bytes, 1, &v.text);
+    if (!st)
+        st = gp_alloc(log, "view list", (size_t) n, sizeof *v.name, &v.name);
+    char *to = v.text;
+    for (int i = 0; i < n && !st; i++) {
+        v.name[i] = strcpy(to, name[i]);
+        to += strlen(name[i]) + 1;
+    }
+    if (st)
+        gp_views_free(&v);
+    *out = v;
+    return st;
+}
+
 gp_status gp_views_check(const struct gp_log *log, const struct gp_pattern *p,
                          const struct gp_views *v)
 {

@@ -165,6 +165,61 @@ for kind in s m; do
     run -e fft --layer-in right -o made/in.png $kind.1.exr
     same made/in.png alone.right.1.png "$about: --layer-in right is that eye"
 
+    # -- without --views ---------------------------------------------------------
+
+    # by_default DESCRIPTION ARGUMENT...: status 0 and one line that names both
+    by_default()
+    {
+        description=$1
+        shift
+        run -e fft "$@"
+        status_is 0 "$description"
+        is "$(wc -l <err)" 1 "$description: one line"
+        like "$(cat err)" "*$kind.1.exr: *left, right*" "$description: says the views"
+    }
+    fresh
+    by_default "$about: without --views" --hdr made/h.exr -o made/o.png \
+        --layer made/l.exr --layer 'made/l.%V.exr' --report r.json $kind.1.exr
+    run -q -e fft --views left,right --hdr made/given.exr $kind.1.exr
+    same made/h.exr made/given.exr "$about: without --views: --hdr has glare in both"
+    same made/o.png alone.left.1.png "$about: without --views: -o shows the first"
+    same made/l.exr made/l.left.exr "$about: without --views: so does --layer"
+    ok "$about: without --views: %V has each" "$glarepp" compare --fail 0 --warn 0 \
+        made/l.right.exr layer.right.1.exr
+    is "$(sed 's/.*"view":"\([a-z]*\)".*/\1/' r.json | xargs)" 'left right' \
+        "$about: without --views: a line of the report for each"
+    fresh
+    by_default "$about: -o alone" -o made/o.png --report r.json $kind.1.exr
+    same made/o.png alone.left.1.png "$about: -o alone shows the first"
+    is "$(wc -l <r.json)" 1 "$about: -o alone computes no other"
+    by_default "$about: %V by default" -o 'made/%V.png' $kind.1.exr
+    same made/right.png alone.right.1.png "$about: %V by default: the right eye"
+    run -q -e fft --views all --hdr made/all.exr $kind.1.exr
+    run -q -e fft --hdr made/none.exr $kind.1.exr
+    same made/all.exr made/none.exr "$about: --views all is the default"
+    run -e fft --layer-in right --hdr made/r.exr $kind.1.exr
+    quiet_success "$about: a layer of one view"
+    ok "$about: a layer of one view: left stays" stereo carried $kind.1.exr \
+        made/r.exr ${right}R ${right}G ${right}B
+    fresh
+    by_default "$about: a sequence by default" --hdr 'made/h.#.exr' -o 'made/o.#.png' \
+        "$kind.#.exr"
+    is "$(ls made | xargs)" 'h.1.exr h.2.exr h.3.exr o.1.png o.2.png o.3.png' \
+        "$about: a sequence by default: the files"
+    run -q -e fft --views left,right --hdr made/given.exr $kind.2.exr
+    same made/h.2.exr made/given.exr "$about: a sequence by default: both eyes"
+    rm made/h.2.exr
+    run -q -e fft --no-clobber --hdr 'made/h.#.exr' -o 'made/o.#.png' "$kind.#.exr"
+    same made/h.2.exr made/given.exr "$about: --no-clobber makes what is missing"
+    cat $kind.1.exr $kind.2.exr >two.exr
+    "$glarepp" -q -e fft --stdout-format png -o - --hdr 'made/p.#.exr' - <two.exr >pngs
+    cat alone.left.1.png alone.left.2.png >want
+    same pngs want "$about: a pipe by default: the first eye of each frame"
+    same made/p.2.exr made/given.exr "$about: a pipe by default: --hdr has both"
+    mkdir made/left made/right
+    "$glarepp" -q -e fft -o 'made/%V/%#.png' - <two.exr
+    same made/right/%2.png alone.right.2.png "$about: a pipe by default: %V"
+
     # -- sequences -------------------------------------------------------------
 
     fresh
@@ -215,6 +270,21 @@ fresh
 run --views left,right -o 'made/o.%V.png' --hdr made/h.exr left.1.exr
 fails_with 2 left.1.exr 'a file without views'
 empty_folder made 'a file without views: makes nothing'
+run -o 'made/o.%V.png' left.1.exr
+fails_with 2 'o.%V.png' '%V for a file without views'
+empty_folder made '%V for a file without views: makes nothing'
+run --views all -o 'made/o.png' left.1.exr
+quiet_success '--views all of a file without views'
+mkfifo pipe
+cat s.1.exr >pipe &
+run --hdr made/h.exr pipe
+fails_with 2 pipe 'views of a named pipe are not known before'
+wait
+rm made/o.png
+run --hdr 'made/h.#.exr' left.1.exr s.2.exr
+fails_with 2 s.2.exr 'a second file with views'
+like "$(cat err)" '*--views*' 'a second file with views: the line says what to do'
+fresh
 run --views left,middle -o 'made/o.%V.png' --hdr made/h.exr s.1.exr
 fails_with 2 s.1.exr 'a view that is not there'
 like "$(cat err)" '*left*right*' 'a view that is not there: the line lists those that are'

@@ -53,7 +53,7 @@ CONFIGURATIONS = {
              24),
     "parts": ("-e direct --threads 1 --compression piz --hdr o/h.exr "
               "--layer o/l.exr --sun 12,8,3 --depth depth.Z parts.exr", (), 6),
-    "views": ("-e direct --threads 1 --views left,right --hdr o/h.exr "
+    "views": ("-e direct --threads 1 --hdr o/h.exr "
               "-o o/%V.pfm --light-group key --sun 12,8,3 --sun-color 9,8,7 "
               "--mask-file in.exr --mask A views.exr", (), 8),
     "b44": ("-e direct --threads 2 --compression b44 --type half "

@@ -437,3 +437,57 @@ gp_status gp_exr_choose(const struct gp_log *log,
                    "LAYER.R,G,B in %d part%s); rename or add them", path,
                    in->parts, in->parts == 1 ? "" : "s");
 }
+
+/* -- the views of a file -------------------------------------------------- */
+
+/* Adds a view that is not there yet; an empty name is none. */
+static void add_view(const char *view[GP_VIEWS_MAX], int *n, const char *name)
+{
+    for (int i = 0; i < *n; i++) {
+        if (strcmp(view[i], name) == 0)
+            return;
+    }
+    if (*name && *n < GP_VIEWS_MAX)
+        view[(*n)++] = name;
+}
+
+int gp_exr_views(const struct gp_read_params *p, const struct gp_input *in,
+                 const char *view[GP_VIEWS_MAX])
+{
+    struct gp_read_params q = *p;
+    struct gp_exr_choice choice;
+    const exr_attr_chlist_t *list;
+    const char *inner[VIEWS];
+    int named = 0, n = 0;
+    // the view that is taken by itself
+    q.view = NULL;
+    gp_status st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
+    if (!st && !exr_get_channels(in->exr, choice.part, &list)) {
+        const char *first = gp_exr_part_view(in, choice.part);
+        for (int c = 0; c < 3 && !first; c++) {
+            const int i = choice.colour.index[c];
+            first = i < 0 || i >= list->num_channels ? NULL
+                    : gp_exr_view_of(in, choice.part,
+                                     list->entries[i].name.str);
+        }
+        if (!first && views_of(in, choice.part, inner) > 0)
+            first = inner[0];
+        if (first)
+            add_view(view, &named, first);
+    }
+    for (int part = 0; part < in->parts; part++) {
+        const char *const own = gp_exr_part_view(in, part);
+        const int of_part = own ? 0 : views_of(in, part, inner);
+        if (own)
+            add_view(view, &named, own);
+        for (int i = 0; i < of_part; i++)
+            add_view(view, &named, inner[i]);
+    }
+    for (int i = 0; i < named && st != GP_ERR_BUG; i++) {
+        q.view = view[i];
+        st = gp_exr_choose(NULL, &q, "", in, 0, &choice);
+        if (!st) // it has the colour
+            view[n++] = view[i];
+    }
+    return st == GP_ERR_BUG ? -1 : n;
+}
