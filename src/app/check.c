@@ -138,8 +138,16 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "give one topic", s->inputs.at[words]);
     if (s->command == GP_COMMAND_HELP)
         return GP_OK;
-    if (s->command == GP_COMMAND_COMPARE)
+    if (s->command == GP_COMMAND_COMPARE) {
+        // a limit of our own takes the place of idiff's default ones
+        const bool own = gp_option_given(s, "fail-rel") ||
+                         gp_option_given(s, "fail-flip");
+        if (own && !gp_option_given(s, "fail"))
+            s->compare.fail = INFINITY;
+        if (own && !gp_option_given(s, "warn"))
+            s->compare.warn = INFINITY;
         return gp_compare_check(log, s->inputs.at, s->inputs.n, &s->compare);
+    }
     // something must be read and made
     const bool bench = s->command == GP_COMMAND_BENCH;
     for (int i = 0; i < GP_DEBUG_KINDS; i++)

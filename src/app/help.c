@@ -130,9 +130,11 @@ void gp_help(FILE *f, enum gp_command command)
                    "apart.\n\n"
                    "  glarepp compare [options] A B\n\n"
                    "A, the reference, and B are files or patterns; one may be "
-                   "- for stdin.\nExit status: 0 match, 1 warning, 2 failure "
-                   "(or a wrong command line),\n3 nothing to compare, 4 a "
-                   "file cannot be read or written.\n");
+                   "- for stdin.\nidiff's command lines work unchanged, with "
+                   "one dash or two: -fail 0.004.\nExit status, as "
+                   "idiff's: 0 PASS, 1 WARNING, 2 FAILURE, 3 cannot be "
+                   "compared,\n4 a file cannot be read or written; 64 a wrong "
+                   "command line.\n");
     else
         fprintf(f, "Adds the glare of bright light to HDR frames.\n\n"
                    "  glarepp [options] -o OUTPUT INPUT...\n"

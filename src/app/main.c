@@ -135,14 +135,17 @@ static char *frame_name(const struct gp_compare_names *n,
     return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
 }
 
-static struct gp_clobber_owner heatmap_owner(
+/* Pictures of compare: role 0 the heatmap, 1 the difference. */
+static struct gp_clobber_owner picture_owner(
     const void *user, const struct gp_clobber_file *file)
 {
     const struct gp_compare_names *const n = user;
+    const struct gp_pattern *const p = file->role ? &n->difference
+                                                  : &n->heatmap;
     return (struct gp_clobber_owner) {
-        .name = frame_name(n, &n->heatmap, file->item),
-        .what = "--heatmap",
-        .as = n->heatmap.path,
+        .name = frame_name(n, p, file->item),
+        .what = file->role ? "--difference" : "--heatmap",
+        .as = p->path,
     };
 }
 
@@ -155,11 +158,15 @@ static gp_status check_compare_names(const struct gp_log *log, const void *user,
     struct gp_clobber c;
     char *name = NULL;
     const int n = names->frames.n ? names->frames.n : 1;
-    GP_TRY(gp_clobber_begin(log, s, heatmap_owner, names, &c));
-    for (int i = 0; i < n && s->compare.heatmap; i++) {
-        name = frame_name(names, &names->heatmap, i);
-        GP_TRY(name ? gp_clobber_output(&c, name, 0, i)
-                    : gp_no_memory(log, names->heatmap.path));
+    GP_TRY(gp_clobber_begin(log, s, picture_owner, names, &c));
+    for (int i = 0; i < 2 * n; i++) {
+        const struct gp_pattern *const p = i % 2 ? &names->difference
+                                                 : &names->heatmap;
+        if (!(i % 2 ? s->compare.difference : s->compare.heatmap))
+            continue;
+        name = frame_name(names, p, i / 2);
+        GP_TRY(name ? gp_clobber_output(&c, name, i % 2, i / 2)
+                    : gp_no_memory(log, p->path));
         GP_FREE(name);
     }
     GP_TRY(gp_clobber_settle(&c));
@@ -260,7 +267,11 @@ int main(int argc, char *argv[])
     } else if (!st) {
         st = make_frames(&log, &voice, &s);
     }
+    if (s.command == GP_COMMAND_COMPARE && st == GP_ERR_USAGE)
+        status = GP_COMPARE_USAGE;
+    else if (st)
+        status = (int) st;
     gp_settings_free(&s);
     free(wisdom);
-    return st ? (int) st : status;
+    return status;
 }

@@ -544,23 +544,50 @@ const struct gp_option gp_options[] = {
     OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
         .help = "Time each row N times; the table has the median"),
 
-    OPT(compare.fail, .name = "fail", COMPARE, .arg = "E", .hi = FLT_MAX,
-        .help = "Error over which a value fails"),
-    OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = FLT_MAX,
-        .help = "Error over which a value is a warning"),
+    // idiff's, which may be written with one dash
+    OPT(compare.fail, .name = "fail", COMPARE, .arg = "E", .hi = INFINITY,
+        .help = "Fail pixels with a value whose error is over E"),
     OPT(compare.fail_relative, .name = "failrelative", COMPARE, .arg = "F",
-        .hi = FLT_MAX, .help = "Share of the mean of both magnitudes that an "
-        "error must be over as well to fail"),
-    OPT(compare.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
-        .hi = FLT_MAX, .help = "The same for warnings"),
+        .hi = INFINITY, .help = "Fail only values whose error is also over F "
+        "times the mean of both magnitudes"),
     OPT(compare.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
-        .hi = 100, .help = "Percentage of pixels that may fail"),
-    OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
-        .hi = 100, .help = "Percentage of pixels that may be over the warning"),
+        .hi = 100, .help = "Allow this percentage of pixels to fail"),
+    OPT(compare.allow_failures, .name = "allowfailures", COMPARE, .arg = "N",
+        .hi = INT32_MAX, .help = "Allow N pixels to fail by any amount"),
     OPT(compare.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
-        .hi = FLT_MAX, .help = "Error that no pixel may exceed at all"),
+        .hi = INFINITY, .help = "Fail where one error is over E, whatever "
+        "--failpercent allows"),
+    OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = INFINITY,
+        .help = "Warn of pixels with a value whose error is over E, where "
+                "pixels fail but not too many"),
+    OPT(compare.warn_relative, .name = "warnrelative", COMPARE, .arg = "F",
+        .hi = INFINITY, .help = "Warn only of values whose error is also over "
+        "F times the mean of both magnitudes"),
+    OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
+        .hi = 100, .help = "Allow this percentage of pixels to be over --warn"),
     OPT(compare.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
-        .hi = FLT_MAX, .help = "Error over which a single pixel is a warning"),
+        .hi = INFINITY, .help = "Warn where one error is over E, whatever "
+        "--warnpercent allows"),
+    OPT(compare.perceptual, .name = "perceptual", .letter = 'p', COMPARE,
+        .help = "Fail pixels whose difference an eye sees (Yee's metric), in "
+                "place of --fail and --warn"),
+    OPT(compare.all_parts, .name = "all", .letter = 'a', COMPARE,
+        .help = "Compare all parts; without it, the first of each file"),
+    OPT(compare.difference, .name = "difference", .letter = 'o', COMPARE,
+        .arg = "FILE", .help = "Write the picture A - B; of a file with many "
+        "parts, of the first; the ending picks the format"),
+    OPT(compare.only_different, .name = "od", COMPARE,
+        .help = "Write --difference only where the images differ"),
+    OPT(compare.absolute, .name = "abs", COMPARE,
+        .help = "Write |A - B| to --difference"),
+    OPT(compare.scale, .name = "scale", COMPARE, .arg = "F", .lo = -FLT_MAX,
+        .hi = FLT_MAX, .help = "Multiply --difference by F"),
+    OPT(compare.fail_rel, .name = "fail-rel", COMPARE, .arg = "E",
+        .hi = INFINITY, .help = "Fail where rel_l2, the norm of A - B over "
+        "that of A, is over E; switches off the default of --fail"),
+    OPT(compare.fail_flip, .name = "fail-flip", COMPARE, .arg = "F", .hi = 1,
+        .help = "Fail where the mean FLIP is over F; switches off the default "
+                "of --fail"),
     OPT(compare.flip_exposures, .name = "flip-exposures", COMPARE,
         .arg = "START,STOP,COUNT", .least = 3, .most = 3, .lo = -64, .hi = 64,
         .help = "Exposures of HDR-FLIP in EV; without it, those that fit the "
@@ -632,10 +659,10 @@ bool gp_option_given(const struct gp_settings *s, const char *name)
     return o && (s->given[i / 64] >> i % 64 & 1);
 }
 
-const struct gp_option *gp_option_letter(char letter)
+const struct gp_option *gp_option_letter(char letter, unsigned commands)
 {
     for (const struct gp_option *o = gp_options; o->name && letter; o++) {
-        if (o->letter == letter)
+        if (o->letter == letter && (o->commands & commands))
             return o;
     }
     return NULL;

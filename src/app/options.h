@@ -111,9 +111,10 @@ struct gp_range_text {
 };
 struct gp_range_text gp_option_range(const struct gp_option *o);
 
-/* The option of that name or letter, or NULL. */
+/* The option of that name, or of that letter among those that one of the
+ * commands (bits) takes; or NULL. */
 const struct gp_option *gp_option_find(const char *name, size_t length);
-const struct gp_option *gp_option_letter(char letter);
+const struct gp_option *gp_option_letter(char letter, unsigned commands);
 
 /* True when the command line gave that option, at its default or not. */
 bool gp_option_given(const struct gp_settings *s, const char *name);

@@ -245,14 +245,26 @@ const char *gp_command_at(int i, enum gp_command *command)
 
 // -- words -------------------------------------------------------------------
 
+#define LETTERS "abcdefghijklmnopqrstuvwxyz"
+
 /* Finds the option that `word` names. *value is what follows it in the word
- * ("--gain=2", "-g2"), or NULL. */
-static const struct gp_option *split_word(const char *word, const char **value)
+ * ("--gain=2", "-g2"), or NULL. Options of compare may have one dash, as
+ * idiff's have: "-fail"; "-foo" is none then, nor -f with a value. A letter
+ * means the command's own option. */
+static const struct gp_option *split_word(const char *word, unsigned command,
+                                          const char **value)
 {
     *value = NULL;
     if (word[1] != '-') {
+        const bool idiffs = command == GP_COMMAND_COMPARE && word[2] &&
+                            strspn(word + 2, LETTERS);
+        const struct gp_option *o =
+            idiffs ? gp_option_find(word + 1, strlen(word + 1)) : NULL;
+        if (idiffs)
+            return o && (o->commands & command) ? o : NULL;
         *value = word[2] ? word + 2 : NULL;
-        return gp_option_letter(word[1]);
+        o = gp_option_letter(word[1], command);
+        return o ? o : gp_option_letter(word[1], ~0u);
     }
     const char *name = word + 2;
     size_t length = strcspn(name, "=");
@@ -267,7 +279,7 @@ static gp_status read_option(const struct gp_log *log, int argc,
 {
     const char *const word = argv[*i], *of_next;
     struct use u = {.log = log};
-    u.option = split_word(word, &u.value);
+    u.option = split_word(word, s->command, &u.value);
     if (!u.option) {
         const char *const bare = word + strspn(word, "-");
         const size_t length = strcspn(bare, "=");
@@ -302,7 +314,7 @@ static gp_status read_option(const struct gp_log *log, int argc,
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
                            word, arg);
         const char *const next = argv[++*i];
-        if (strncmp(next, "--", 2) == 0 && split_word(next, &of_next))
+        if (strncmp(next, "--", 2) == 0 && split_word(next, s->command, &of_next))
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value (found the "
                            "option %s); give %s", word, next, arg);
         u.value = next;
@@ -361,14 +373,15 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         gp_nearest_try(&near, commands[c].word);
     }
     if (i == 1 && near.name &&
-        !first[strspn(first, "abcdefghijklmnopqrstuvwxyz")] &&
+        !first[strspn(first, LETTERS)] &&
         access(first, F_OK) != 0)
         return gp_fail(log, GP_ERR_USAGE, "%s: no such command or file; did "
                        "you mean glarepp %s?", first, near.name);
     for (; i < argc && !st; i++) {
         const char *const word = argv[i], *value;
         const struct gp_option *const o =
-            word[0] == '-' && word[1] ? split_word(word, &value) : NULL;
+            word[0] == '-' && word[1] ? split_word(word, out->command, &value)
+                                     : NULL;
         // `glarepp help --gain` asks about an option
         const bool topic = out->command == GP_COMMAND_HELP &&
                            !(o && (o->commands & GP_COMMAND_HELP));

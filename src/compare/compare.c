@@ -34,7 +34,7 @@ struct run {
     int count[GP_COMPARE_FILE + 1];
 
     struct row row;
-    bool drawn;                    // the pair has its heatmap
+    bool drawn, subtracted;        // the pair has its pictures
 };
 
 /* True when the figures are printed for readers. */
@@ -60,41 +60,62 @@ static void print_worst(const struct row *r)
     const struct gp_compare_figures *const f = r->figures;
     printf("%g", f->max);
     if (f->max > 0.0)
-        printf(" @ (%d, %d, %s): %.9g vs %.9g", f->x, f->y,
-               gp_compare_name(r->match, f->channel), f->worst_a, f->worst_b);
+        printf(" @ (%d, %d, %s)", f->x, f->y,
+               gp_compare_name(r->match, f->channel));
 }
 
-/* A block of lines. */
+/* The values of all channels of an image at the largest error. */
+static void print_values(const struct row *r, bool of_b, const char *before)
+{
+    for (int i = 0; i < r->match->pairs; i++) {
+        const struct gp_compare_pair *const p = &r->match->pair[i];
+        if (!(of_b ? p->b : p->a))
+            continue;
+        printf("%s%g", before, gp_compare_value(r->match, of_b, i,
+                                                r->figures->x, r->figures->y));
+        before = ", ";
+    }
+}
+
+static void print_count(long long n, long long of, double limit)
+{
+    printf("  %lld pixels (%.3g%%) over %g\n", n,
+           100.0 * (double) n / (double) of, limit);
+}
+
+/* The figures of a part: idiff's lines, then those that it has not. */
 static void print_block(const struct row *r, const struct gp_compare_params *p)
 {
     const struct gp_compare_figures *const f = r->figures;
-    printf("%s and %s", r->a, r->b);
-    if (r->parts > 1)
-        printf(", part %d", r->part);
-    printf(": %s\n", result_word(r->result));
     if (r->why) {
-        printf("  %s\n", r->why);
+        printf("  %s%s\n", r->parts > 1 ? "parts: " : "", r->why);
         return;
     }
     const struct gp_compare_match *const m = r->match;
     const struct gp_rect a = m->a->data, b = m->b->data;
-    for (int i = 0; i < m->pairs; i++) {
-        if (!m->pair[i].a || !m->pair[i].b)
-            printf("  only in %s    %s (0 in the other)\n",
-                   m->pair[i].a ? "A" : "B", gp_compare_name(m, i));
-    }
-    if (memcmp(&a, &b, sizeof a) != 0)
-        printf("  windows      %dx%d at (%d, %d) and %dx%d at (%d, %d); "
-               "0 outside\n", gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
-               gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
-    printf("  max error    ");
+    if (p->all_parts && r->parts > 1)
+        printf("Subimage %d : ", r->part);
+    if (p->all_parts)
+        printf("%d x %d, %d channels\n", gp_rect_w(a), gp_rect_h(a),
+               m->a->channels);
+    printf("  Mean error = %g\n  RMS error = %g\n  Peak SNR = %g\n"
+           "  Max error  = ", f->mean, f->rms, f->psnr);
     print_worst(r);
-    printf("\n  mean error   %g\n  RMS error    %g\n  PSNR         %g dB\n"
-           "  rel_l2       %g\n", f->mean, f->rms, f->psnr, f->rel_l2);
+    if (f->max > 0.0 && !m->a->deep) {
+        print_values(r, false, "  values are ");
+        print_values(r, true, " vs ");
+    }
+    putchar('\n');
+    print_count(f->warned, f->pixels, (double) p->warn);
+    print_count(f->failed, f->pixels, (double) p->fail);
+    if (p->perceptual)
+        printf("  %lld pixels (%3g%%) failed the perceptual test\n", f->seen,
+               100.0 * (double) f->seen / (double) f->pixels);
+    printf("  rel_l2 = %g\n", f->rel_l2);
     if (!isnan(f->max_rel))
-        printf("  max_rel      %g\n", f->max_rel);
+        printf("  max_rel = %g\n", f->max_rel);
     if (r->flip->known)
-        printf("  %s     %.6f", r->flip->hdr ? "HDR-FLIP" : "LDR-FLIP",
+        printf("  %s = %.6f", r->flip->hdr ? "HDR-FLIP" : "LDR-FLIP",
                r->flip->mean);
     if (r->flip->known && r->flip->hdr)
         printf(" (exposures %.4g to %.4g EV, %d)",
@@ -103,12 +124,28 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
     if (r->flip->known)
         putchar('\n');
     if (f->nonfinite)
-        printf("  not finite   %lld values differ\n", f->nonfinite);
-    const double percent = 100.0 / (double) f->pixels;
-    printf("  over %-7g %lld pixels (%.3g%%) fail\n", (double) p->fail,
-           f->failed, percent * (double) f->failed);
-    printf("  over %-7g %lld pixels (%.3g%%) warn\n", (double) p->warn,
-           f->warned, percent * (double) f->warned);
+        printf("  %lld values that are NaN or infinite differ\n",
+               f->nonfinite);
+    for (int i = 0; i < m->pairs; i++) {
+        const struct gp_compare_pair *const at = &m->pair[i];
+        if (!at->a || !at->b)
+            printf("  channel %s is only in %s (0 in the other)\n",
+                   gp_compare_name(m, i), at->a ? "A" : "B");
+        else if (strcmp(at->a->name, at->b->name) != 0)
+            printf("  channel %s is compared with %s of B, by its number\n",
+                   at->a->name, at->b->name);
+    }
+    if (memcmp(&a, &b, sizeof a) != 0)
+        printf("  windows %dx%d at (%d, %d) and %dx%d at (%d, %d); 0 "
+               "outside\n", gp_rect_w(a), gp_rect_h(a), a.x0, a.y0,
+               gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
+}
+
+/* The line that ends the text. */
+static const char *last_word(enum gp_compare_result worst)
+{
+    return worst == GP_COMPARE_MATCH     ? "PASS"
+           : worst == GP_COMPARE_WARNING ? "WARNING" : "FAILURE";
 }
 
 // -- JSON --------------------------------------------------------------------
@@ -137,7 +174,7 @@ static json_t *make_json(const struct row *r, bool numbered)
         "channel", gp_json_name(gp_compare_name(r->match, f->channel)),
         "a", make_real(f->worst_a), "b", make_real(f->worst_b));
     json_t *const figures = json_pack(
-        "{so so* so so so so so* so* ss* so* sI sI sI sI}",
+        "{so so* so so so so so* so* ss* so* sI sI sI so* sI}",
         "max", make_real(f->max), "worst", worst, "mean", make_real(f->mean),
         "rms", make_real(f->rms), "psnr", make_real(f->psnr),
         "rel_l2", make_real(f->rel_l2),
@@ -148,6 +185,7 @@ static json_t *make_json(const struct row *r, bool numbered)
             (double) e->start, (double) e->stop, e->count),
         "nonfinite", (json_int_t) f->nonfinite,
         "failed", (json_int_t) f->failed, "warned", (json_int_t) f->warned,
+        "seen", f->seen < 0 ? NULL : json_integer(f->seen),
         "pixels", (json_int_t) f->pixels);
     json_object_update(o, figures);
     json_decref(figures);
@@ -155,6 +193,12 @@ static json_t *make_json(const struct row *r, bool numbered)
 }
 
 // -- one part of one pair ----------------------------------------------------
+
+/* True when figures are printed in full, not in a line for each frame. */
+static bool in_full(const struct run *r)
+{
+    return r->names.frames.n == 0 || r->log->level >= GP_LEVEL_INFO;
+}
 
 /* Reports r->row, on stdout and in the JSON. */
 static void report(struct run *r, enum gp_compare_result result,
@@ -173,7 +217,7 @@ static void report(struct run *r, enum gp_compare_result result,
         r->full = r->full || !text || fprintf(r->json, "%s\n", text) <= 0;
         free(text);
     }
-    if (prints(r) && !(numbered && r->log->level < GP_LEVEL_INFO)) {
+    if (prints(r) && in_full(r)) {
         print_block(row, r->job->params);
     } else if (prints(r)) { // one line, for a frame of a sequence
         const struct gp_compare_figures *const f = row->figures;
@@ -195,6 +239,15 @@ static void report(struct run *r, enum gp_compare_result result,
     }
 }
 
+/* The name of the frame's picture, into *name: gp_free(). */
+static gp_status name_picture(struct run *r, const struct gp_pattern *p,
+                              char **name)
+{
+    free(*name);
+    *name = gp_pattern_name(p, r->row.frame, NULL);
+    return *name ? GP_OK : gp_no_memory(r->log, p->path);
+}
+
 static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
                                 const struct gp_stored_image *b)
 {
@@ -203,6 +256,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     struct gp_compare_figures figures;
     struct gp_compare_flip flip = {0};
     char *name = NULL;
+    const struct gp_compare_params *const p = r->job->params;
     GP_TRY(gp_compare_match_make(r->log, a, b, &m));
     // windows far apart would make a union that neither file asked for
     const long long w = (long long) m.window.x1 - m.window.x0;
@@ -213,24 +267,30 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
                        "too far apart (%lld x %lld pixels over both, at most "
                        "%lld); crop them, or raise --max-pixels", r->row.a,
                        r->row.b, w, h, most));
-    if (m.shared == 0) {
-        report(r, GP_COMPARE_DIFFERENT, "no channel has the same name in both");
-        goto out;
-    }
-    GP_TRY(gp_compare_measure(r->log, r->job->params, &m, &figures));
-    GP_TRY(gp_compare_flip(r->log, r->job->params, &m, &flip));
-    if (r->job->params->heatmap && !r->drawn && flip.known) {
-        const struct gp_pattern *const p = &r->names.heatmap;
-        name = gp_pattern_name(p, r->row.frame, NULL);
-        if (!name)
-            GP_TRY(gp_no_memory(r->log, p->path));
+    GP_TRY(gp_compare_measure(r->log, p, &m, &figures));
+    GP_TRY(gp_compare_flip(r->log, p, &m, &flip));
+    if (p->heatmap && !r->drawn && flip.known) {
+        GP_TRY(name_picture(r, &r->names.heatmap, &name));
         GP_TRY(gp_compare_heatmap(r->log, r->job->write, name, &m, &flip));
         r->drawn = true;
+    }
+    if (p->difference && !r->subtracted &&
+        (figures.max > 0.0 || !p->only_different)) {
+        GP_TRY(name_picture(r, &r->names.difference, &name));
+        GP_TRY(gp_compare_subtract(r->log, r->job->write, p, name, &m));
+        r->subtracted = true;
+    }
+    if (p->perceptual && m.lit)
+        GP_TRY(gp_compare_see(r->log, &m, &figures.seen));
+    if (!m.lit && (p->perceptual || isfinite(p->fail_flip))) {
+        report(r, GP_COMPARE_DIFFERENT, "one has no colour, which --perceptual "
+                                        "and --fail-flip need");
+        goto out;
     }
     r->row.match = &m;
     r->row.figures = &figures;
     r->row.flip = &flip;
-    report(r, figures.result, NULL);
+    report(r, gp_compare_judge(p, &figures, &flip), NULL);
 out:
     free(name);
     gp_compare_flip_free(&flip);
@@ -238,7 +298,7 @@ out:
     return st;
 }
 
-/* Compares the files of a frame, part by part. */
+/* Compares the files of a frame: their first parts, or part by part. */
 static gp_status compare_frame(struct run *r, int frame)
 {
     struct gp_stored_file f[2] = {
@@ -252,11 +312,14 @@ static gp_status compare_frame(struct run *r, int frame)
                        ? GP_OK : gp_no_memory(r->log, r->job->input[0]);
     r->row = (struct row) {.a = path[0], .b = path[1], .frame = frame,
                            .parts = 1};
-    r->drawn = false;
+    r->drawn = r->subtracted = false;
+    if (prints(r) && in_full(r) && !st)
+        printf("Comparing \"%s\" and \"%s\"\n", path[0], path[1]);
     for (int i = 0; i < 2 && !st; i++)
         st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
-    const int both = st ? 0 : gp_min(f[0].parts, f[1].parts);
-    if (!st)
+    const bool all = r->job->params->all_parts;
+    const int both = st ? 0 : all ? gp_min(f[0].parts, f[1].parts) : 1;
+    if (!st && all)
         r->row.parts = gp_max(f[0].parts, f[1].parts);
     for (int part = 0; part < both && !st; part++) {
         struct gp_stored_image image[2] = {0};
@@ -280,6 +343,10 @@ static gp_status compare_frame(struct run *r, int frame)
         r->row.part = both;
         report(r, GP_COMPARE_FAILURE, why);
     }
+    if (!st && !all && prints(r) && in_full(r) &&
+        (f[0].parts > 1 || f[1].parts > 1))
+        printf("Only compared the first part (of %d and %d, respectively); -a "
+               "compares all\n", f[0].parts, f[1].parts);
     if (st && st != GP_ERR_BUG) {
         report(r, GP_COMPARE_FILE, "a file cannot be read or written");
         st = GP_OK;
@@ -297,7 +364,6 @@ static gp_status compare_frame(struct run *r, int frame)
 static gp_status compare_all(struct run *r)
 {
     const struct gp_compare_job *const job = r->job;
-    const char *const heatmap = job->params->heatmap;
     struct gp_compare_names *const n = &r->names;
     struct gp_frames more = {0};
     gp_status st = GP_OK;
@@ -319,30 +385,39 @@ static gp_status compare_all(struct run *r)
         gp_frames_free(&more);
     }
     // before any work: may the outputs be written
-    if (heatmap)
-        GP_TRY(gp_pattern_find(r->log, heatmap, &n->heatmap));
-    if (heatmap && sequence && !n->heatmap.len)
-        return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for a sequence; "
-                       "write a pattern such as heat.####.png", heatmap);
-    if (heatmap)
-        GP_TRY(gp_write_check(r->log, job->write, heatmap));
+    for (int i = 0; i < 2; i++) {
+        const char *const picture = i ? job->params->difference
+                                      : job->params->heatmap;
+        struct gp_pattern *const name = i ? &n->difference : &n->heatmap;
+        if (!picture)
+            continue;
+        GP_TRY(gp_pattern_find(r->log, picture, name));
+        if (sequence && !name->len)
+            return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for a sequence; "
+                           "write a pattern such as heat.####.png", picture);
+        GP_TRY(gp_write_check(r->log, job->write, picture));
+    }
     if (job->json && !gp_is_dash(job->json))
         GP_TRY(gp_file_check(r->log, job->json, false));
     if (job->check_names)
         GP_TRY(job->check_names(r->log, job->user, n));
     if (!n->frames.n)
-        return compare_frame(r, 0);
+        GP_TRY(compare_frame(r, 0));
     for (int i = 0; i < n->frames.n; i++)
         GP_TRY(compare_frame(r, n->frames.number[i]));
-    if (!prints(r))
-        goto out;
-    printf("%d frames: %s", n->frames.n, result_word(r->worst));
-    for (int i = 0; i <= GP_COMPARE_FILE; i++) {
-        if (r->count[i])
-            printf(", %d %s", r->count[i],
-                   result_word((enum gp_compare_result) i));
+    if (prints(r) && n->frames.n) {
+        printf("%d frames: %s", n->frames.n, result_word(r->worst));
+        for (int i = 0; i <= GP_COMPARE_FILE; i++) {
+            if (r->count[i])
+                printf(", %d %s", r->count[i],
+                       result_word((enum gp_compare_result) i));
+        }
+        putchar('\n');
     }
-    putchar('\n');
+    if (prints(r))
+        puts(last_word(r->worst));
+    else if (!gp_is_dash(job->json) && r->worst >= GP_COMPARE_FAILURE)
+        fputs("FAILURE\n", stderr); // as idiff -q
 out:
     gp_frames_free(&more);
     return st;
@@ -375,9 +450,9 @@ out:
         fclose(r.json);
     free(text);
     gp_frames_free(&r.names.frames);
-    return st == GP_OK                            ? (int) r.worst
-           : st == GP_ERR_USAGE || st == GP_ERR_BUG ? (int) st
-                                                    : GP_COMPARE_FILE;
+    return st == GP_OK          ? (int) r.worst
+           : st == GP_ERR_USAGE ? GP_COMPARE_USAGE
+           : st == GP_ERR_BUG   ? (int) st : GP_COMPARE_FILE;
 }
 
 gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
@@ -399,8 +474,12 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
         return gp_fail(log, GP_ERR_USAGE,
                        "--no-flip: %s is made of FLIP; leave one of the two "
                        "out", p->heatmap ? "--heatmap" : "--flip-exposures");
-    if (gp_is_dash(p->heatmap))
-        return gp_fail(log, GP_ERR_USAGE, "--heatmap: stdout is for the "
-                       "figures (found -); give a file");
+    if (p->no_flip && isfinite(p->fail_flip))
+        return gp_fail(log, GP_ERR_USAGE, "--no-flip: --fail-flip needs FLIP; "
+                       "leave one of the two out");
+    if (gp_is_dash(p->heatmap) || gp_is_dash(p->difference))
+        return gp_fail(log, GP_ERR_USAGE, "--%s: stdout is for the figures "
+                       "(found -); give a file",
+                       gp_is_dash(p->heatmap) ? "heatmap" : "difference");
     return GP_OK;
 }

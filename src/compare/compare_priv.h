@@ -1,5 +1,5 @@
 /* The figures of one pair of images: those of OpenImageIO's idiff 2.4, those
- * of the engines (the program's own errors), and FLIP. */
+ * of the engines (the program's own errors), and FLIP; and their pictures. */
 #ifndef GP_COMPARE_COMPARE_PRIV_H
 #define GP_COMPARE_COMPARE_PRIV_H
 
@@ -7,7 +7,8 @@
 #include "compare/flip.h"
 #include "io/stored.h"
 
-/* Channels of one name; NULL, and 0 everywhere, in an image without it. */
+/* Channels of one name, or of one number where the name fits none; NULL, and
+ * 0 everywhere, in an image without it. */
 struct gp_compare_pair {
     const struct gp_stored_channel *a, *b;
 };
@@ -18,11 +19,11 @@ struct gp_compare_match {
     struct gp_rect window;         // union of the data windows
     struct gp_compare_pair *pair;  // R, G, B, A first, else a's order; owned
     int pairs;
-    int shared;                    // pairs in which both have a channel
     bool lit;                      // both have colour
 };
 
-/* Finds the pairs by exact names; order does not matter.
+/* Finds the pairs: by exact names, then the first channel of a that fits none
+ * with the first such of b, and so on.
  *   m  written always; free with gp_compare_match_free()
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_compare_match_make(
@@ -30,8 +31,10 @@ GP_MUST_CHECK gp_status gp_compare_match_make(
     const struct gp_stored_image *b, struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
 
-/* The name of a pair's channel. */
+/* The name of a pair's channel, and its value in a or b; 0 outside. */
 const char *gp_compare_name(const struct gp_compare_match *m, int pair);
+double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
+                        int x, int y);
 
 /* All over the union of the windows; outside its own window an image is 0.
  * Two NaN are equal, and two infinities of one sign. A value that is NaN or
@@ -49,8 +52,8 @@ struct gp_compare_figures {
                             // its maximum); NaN where one has no colour
     long long nonfinite;    // values
     long long warned, failed; // pixels over a limit in some channel
+    long long seen;         // pixels whose difference an eye sees; -1: unasked
     long long pixels;       // of a: what percentages refer to, as in idiff
-    enum gp_compare_result result;  // MATCH, WARNING or FAILURE
 };
 
 /* Computes them; the same for any number of threads.
@@ -61,6 +64,20 @@ struct gp_compare_figures {
 GP_MUST_CHECK gp_status gp_compare_measure(
     const struct gp_log *log, const struct gp_compare_params *limits,
     const struct gp_compare_match *m, struct gp_compare_figures *out);
+
+/* The light of an image over the window, 0 outside its own; infinite light
+ * counts as 65504 where `hdr`. Both images must be lit.
+ *   out  free with gp_planes_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_compare_light(
+    const struct gp_log *log, const struct gp_compare_match *m,
+    const struct gp_stored_image *image, bool hdr, struct gp_planes *out);
+
+/* Counts the pixels whose difference an eye sees; NaN against a number is
+ * seen. Primaries are taken as BT.709. Both images must be lit; the same for
+ * any number of threads. Errors: GP_ERR_BUG out of memory.
+ * Source: Yee 2004, as visible.c has it. */
+GP_MUST_CHECK gp_status gp_compare_see(const struct gp_log *log,
+    const struct gp_compare_match *m, long long *seen);
 
 struct gp_compare_flip {
     bool known;    // false: an image has no colour, or --no-flip
@@ -79,12 +96,26 @@ GP_MUST_CHECK gp_status gp_compare_flip(
     const struct gp_compare_match *m, struct gp_compare_flip *out);
 void gp_compare_flip_free(struct gp_compare_flip *f);
 
+/* MATCH, WARNING or FAILURE, as idiff 2.4.7 to 3.x have it: no more than
+ * allow_failures failing pixels match, whatever the other limits are. Beside
+ * that rel_l2 over fail_rel and FLIP over fail_flip are failures. */
+enum gp_compare_result gp_compare_judge(const struct gp_compare_params *limits,
+    const struct gp_compare_figures *f, const struct gp_compare_flip *flip);
+
 /* Writes the map in the colours of magma, 0 black to 1 pale yellow, as the
  * ending of `path` says. The map must be known.
  * Errors: as gp_write_picture(). */
 GP_MUST_CHECK gp_status gp_compare_heatmap(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,
     const struct gp_compare_match *m, const struct gp_compare_flip *f);
+
+/* Writes a - b, or |a - b|, times p->scale, over the union of the windows: all
+ * channels as floats to .exr; to other formats R, G and B, or the first channel
+ * as grey, of which integer ones keep [0,1] without a curve.
+ * Errors: as gp_write_picture(); GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_compare_subtract(const struct gp_log *log,
+    const struct gp_write_params *write, const struct gp_compare_params *p,
+    const char *path, const struct gp_compare_match *m);
 
 /* The colour of v (0 to 1, clamped; NaN is 0) in magma, sRGB-encoded, 0 to 1:
  * a polynomial near the map of Smith and van der Walt (matplotlib 1.5). */

@@ -50,8 +50,23 @@ gp_status gp_compare_match_make(
         if (known)
             continue;
         m->pair[m->pairs++] = p;
-        m->shared += p.a && p.b;
     }
+    // by number where no name fits; what gave its channel away goes
+    int kept = 0;
+    for (int i = 0, k = 0; i < m->pairs; i++) {
+        struct gp_compare_pair *const p = &m->pair[i];
+        while (!p->b && k < m->pairs && m->pair[k].a)
+            k++;
+        if (!p->b && k < m->pairs) {
+            p->b = m->pair[k].b;
+            m->pair[k++].b = NULL;
+        }
+    }
+    for (int i = 0; i < m->pairs; i++) {
+        if (m->pair[i].a || m->pair[i].b)
+            m->pair[kept++] = m->pair[i];
+    }
+    m->pairs = kept;
     return GP_OK;
 }
 
@@ -84,6 +99,14 @@ static double value_at(const struct gp_stored_channel *c, int64_t at)
         return 0.0;
     return c->is_uint ? (double) ((const uint32_t *) c->v)[at]
                     : (double) ((const float *) c->v)[at];
+}
+
+double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
+                        int x, int y)
+{
+    const struct gp_compare_pair *const p = &m->pair[pair];
+    return of_b ? value_at(p->b, index_at(m->b, x, y))
+                : value_at(p->a, index_at(m->a, x, y));
 }
 
 static bool same_nonfinite(double a, double b)
@@ -223,7 +246,7 @@ gp_status gp_compare_measure(
     double error = 0.0, square = 0.0, reference = 0.0, peak = 1.0;
     *out = (struct gp_compare_figures) {
         .pixels = (long long) gp_rect_w(m->a->data) * gp_rect_h(m->a->data),
-        .x = m->window.x0, .y = m->window.y0,
+        .x = m->window.x0, .y = m->window.y0, .seen = -1,
         .max_rel = m->lit ? 0.0 : (double) NAN,
     };
     for (int y = 0; y < rows; y++) {
@@ -251,22 +274,32 @@ gp_status gp_compare_measure(
     out->rms = sqrt(square / values);
     out->psnr = 20.0 * log10(peak / out->rms);
     out->rel_l2 = reference > 0.0 ? sqrt(square / reference) : sqrt(square);
-    const double hundredth = (double) out->pixels / 100.0;
-    out->result =
-        (double) out->failed > (double) limits->fail_percent * hundredth ||
-                out->max > (double) limits->hard_fail
-            ? GP_COMPARE_FAILURE
-        : (double) out->warned > (double) limits->warn_percent * hundredth ||
-                out->max > (double) limits->hard_warn
-            ? GP_COMPARE_WARNING : GP_COMPARE_MATCH;
     return GP_OK;
+}
+
+enum gp_compare_result gp_compare_judge(const struct gp_compare_params *limits,
+    const struct gp_compare_figures *f, const struct gp_compare_flip *flip)
+{
+    const double hundredth = (double) f->pixels / 100.0;
+    const bool eye = f->seen >= 0;
+    const long long failed = eye ? f->seen : f->failed;
+    if (f->rel_l2 > (double) limits->fail_rel ||
+        (flip->known && flip->mean > (double) limits->fail_flip))
+        return GP_COMPARE_FAILURE;
+    if (failed <= limits->allow_failures)
+        return GP_COMPARE_MATCH;
+    if ((double) failed > (double) limits->fail_percent * hundredth ||
+        (!eye && f->max > (double) limits->hard_fail))
+        return GP_COMPARE_FAILURE;
+    return !eye && ((double) f->warned >
+                        (double) limits->warn_percent * hundredth ||
+                    f->max > (double) limits->hard_warn)
+               ? GP_COMPARE_WARNING : GP_COMPARE_MATCH;
 }
 
 // -- FLIP --------------------------------------------------------------------
 
-/* The light of an image over the window, 0 outside its own; infinite light
- * counts as BRIGHTEST for HDR-FLIP. */
-static gp_status lay_light(
+gp_status gp_compare_light(
     const struct gp_log *log, const struct gp_compare_match *m,
     const struct gp_stored_image *image, bool hdr, struct gp_planes *out)
 {
@@ -306,8 +339,8 @@ gp_status gp_compare_flip(
     };
     if (p->no_flip || !m->lit)
         return GP_OK;
-    GP_TRY(lay_light(log, m, m->a, out->hdr, &a));
-    GP_TRY(lay_light(log, m, m->b, out->hdr, &b));
+    GP_TRY(gp_compare_light(log, m, m->a, out->hdr, &a));
+    GP_TRY(gp_compare_light(log, m, m->b, out->hdr, &b));
     GP_TRY(gp_alloc(log, "FLIP map", pixels, sizeof *out->map, &out->map));
     if (out->hdr && p->flip_exposures.n)
         out->exposures = (struct gp_flip_exposures) {(float) e[0],
@@ -329,57 +362,4 @@ void gp_compare_flip_free(struct gp_compare_flip *f)
 {
     GP_FREE(f->map);
     f->known = false;
-}
-
-// -- the picture -------------------------------------------------------------
-
-void gp_compare_magma(float v, float rgb[3])
-{
-    // least squares of degree 6, a row for each power
-    static const float power[7][3] = {
-        {-0.002136485f, -0.000749655f, -0.005386128f},
-        {0.251660541f, 0.677523244f, 2.494026599f},
-        {8.353717279f, -3.577719515f, 0.314467903f},
-        {-27.66873309f, 14.26473078f, -13.64921319f},
-        {52.17613981f, -27.94360607f, 12.94416944f},
-        {-50.76852536f, 29.04658282f, 4.23415299f},
-        {18.65570507f, -11.48977352f, -5.60196151f},
-    };
-    const float t = gp_clamp01(v);
-    for (int c = 0; c < 3; c++) {
-        float sum = power[6][c];
-        for (int i = 5; i >= 0; i--)
-            sum = sum * t + power[i][c];
-        rgb[c] = gp_clamp01(sum);
-    }
-}
-
-gp_status gp_compare_heatmap(
-    const struct gp_log *log, const struct gp_write_params *p, const char *path,
-    const struct gp_compare_match *m, const struct gp_compare_flip *f)
-{
-    struct gp_frame frame = {
-        .path = gp_strdup(path), .data = m->window, .display = m->window,
-        .pixel_aspect = 1.0f, .colour_type = GP_FLOAT, .parts = 1,
-    };
-    struct gp_write_stats stats = {0};
-    const size_t pixels = gp_frame_pixels(&frame);
-    gp_status st;
-    memcpy(frame.chromaticities, gp_rec709_chromaticities,
-           sizeof frame.chromaticities);
-    memcpy(frame.luminance, gp_rec709_luminance, sizeof frame.luminance);
-    if (!frame.path)
-        return gp_no_memory(log, path);
-    GP_TRY(gp_planes_make(log, "heatmap", pixels, &frame.shown));
-    for (size_t i = 0; i < pixels; i++) {
-        float rgb[3];
-        gp_compare_magma(f->map[i], rgb);
-        for (int c = 0; c < 3; c++)
-            frame.shown.c[c][i] = gp_srgb_decode(rgb[c]);
-    }
-    GP_TRY(gp_write_picture(log, p, path, &frame, &frame.shown,
-                            GP_PICTURE_SHOWN, &stats));
-out:
-    gp_frame_free(&frame);
-    return st;
 }

@@ -1,5 +1,5 @@
 #!/bin/sh
-# glarepp compare: status and figures beside idiff's, files, sequences.
+# glarepp compare: command line, status and figures beside idiff's, files, sequences.
 . "$(dirname "$0")/lib.sh"
 need_python
 
@@ -10,28 +10,32 @@ frame b.exr size=40x30 seed=2
 frame part.exr size=40x30 seed=1 part=depth:Z:float
 frame deep.exr size=40x30 deep=1
 frame z.exr size=40x30 channels=Z:float
+frame uv.exr size=40x30 channels=u:float,v:float
 frame id.exr size=40x30 channels=R,G,B,id:uint
 frame far.exr size=40x30 seed=1 origin=100000000,0
 
 run compare a.exr a.exr
 quiet_success 'an image and itself'
-like "$(head -1 out)" 'a.exr and a.exr: match' 'an image and itself: match'
-ok 'an image and itself: no error' grep -q '^  max error    0$' out
-ok 'an image and itself: FLIP is 0' grep -q '^  HDR-FLIP     0\.000000 ' out
+is "$(head -1 out)" 'Comparing "a.exr" and "a.exr"' 'an image and itself: their names'
+ok 'an image and itself: no error' grep -q '^  Max error  = 0$' out
+ok 'an image and itself: FLIP is 0' grep -q '^  HDR-FLIP = 0\.000000 ' out
+is "$(tail -1 out)" PASS 'an image and itself: PASS'
 run compare a.exr b.exr
 status_is 2 'two images: status 2'
 is "$(wc -c <err)" 0 'two images: no line on stderr'
-like "$(head -1 out)" 'a.exr and b.exr: failure' 'two images: failure'
+is "$(tail -1 out)" FAILURE 'two images: FAILURE'
 cp out first
 for threads in 1 3; do
     run compare --threads $threads a.exr b.exr
     same first out "the same bytes with $threads threads"
 done
 run compare - b.exr <a.exr
-sed 's/^- and/a.exr and/' out >piped
+sed 's/"-" and/"a.exr" and/' out >piped
 same first piped 'the first image from stdin'
 run compare -q a.exr b.exr
-is "$status $(wc -c <out)" '2 0' '-q: the status alone'
+is "$status $(wc -c <out) $(cat err)" '2 0 FAILURE' '-q: only FAILURE, on stderr as of idiff'
+run compare -q a.exr a.exr
+is "$status $(cat out err)" '0 ' '-q: nothing where the images match'
 run compare --no-flip a.exr b.exr
 no '--no-flip: no FLIP' grep -q FLIP out
 run compare --flip-exposures -1,2,4 --json - a.exr b.exr
@@ -58,22 +62,72 @@ fi
 
 # -- limits -------------------------------------------------------------------------
 
-for row in '--fail 1e9 --warn 1e9=0' '--fail 1e9=1' '--fail 1e9 --hardfail 1=2' \
-    '--fail 1e9 --warn 1e9 --hardwarn 1=1' '--failpercent 100 --warnpercent 100=0' \
-    '--failpercent 100=1' '--failrelative 2 --warnrelative 2=0' \
-    '--failrelative 2=1'; do
-    run compare --no-flip ${row%=*} a.exr b.exr
+# with the word of the last line; nothing over --fail passes, whatever --warn says
+while read -r wanted word options; do
+    run compare --no-flip $options a.exr b.exr
+    is "$status $(tail -1 out)" "$wanted $word" "$options: status $wanted, $word"
+    one=$(echo " $options" | sed 's/ --/ -/g')
+    run compare --no-flip $one a.exr b.exr
+    is "$status $(tail -1 out)" "$wanted $word" "$one, with one dash"
+done <<'END'
+0 PASS --fail 1e9 --warn 1e9
+0 PASS --fail 1e9
+0 PASS --fail 1e9 --hardfail 1 --hardwarn 1
+0 PASS --fail inf
+1 WARNING --failpercent 100 --hardwarn 1 --warnpercent 100
+2 FAILURE --failpercent 100 --hardfail 1
+0 PASS --failpercent 100 --warnpercent 100
+1 WARNING --failpercent 100
+0 PASS --failrelative 2
+2 FAILURE --allowfailures 1199
+0 PASS --allowfailures 1200
+END
+for row in '--fail-rel 10=0' '--fail-rel 1e-3=2' '--fail-rel 10 --fail 1e-3=2' \
+    '--fail-flip 1=0' '--fail-flip 1e-3=2' '--fail-flip 1 --fail-rel 1e-3=2'; do
+    run compare ${row%=*} a.exr b.exr
     status_is "${row##*=}" "${row%=*}: status ${row##*=}"
 done
+run compare --fail-flip 0.5 uv.exr uv.exr
+status_is 3 '--fail-flip without colour: status 3'
+run compare -p uv.exr uv.exr
+status_is 3 '-p without colour: status 3'
+
+# -- the picture of the difference ------------------------------------------------------
+
+run compare -q -o d.exr a.exr b.exr
+run compare -q -o back.exr b.exr a.exr
+run compare -q -abs -scale 2 -o twice.exr a.exr b.exr
+run compare -q -od -o no.exr a.exr a.exr
+no '-od: no picture of equal images' test -e no.exr
+run compare -q -od -o yes.exr a.exr b.exr
+same d.exr yes.exr '-od: the picture of images that differ'
+run compare -q -o zero.exr id.exr id.exr
+is "$("$glarepp" compare -v zero.exr zero.exr | grep -c 'Max error  = 0')" 1 \
+    '-o: a picture of equal images too'
+run compare -q -o black.exr d.exr d.exr
+run compare -q -abs -o once.exr a.exr b.exr
+run compare -q -o half.exr -scale -0.5 d.exr back.exr
+run compare -fail 0 half.exr back.exr
+is "$status" 0 '-o: A - B is B - A but for its sign'
+run compare -q -o sum.exr -abs -scale 2 d.exr black.exr
+run compare -fail 0 sum.exr twice.exr
+is "$status" 0 '-abs -scale 2: twice its magnitude'
+run compare -o d.png a.exr b.exr
+is "$(png_size d.png)" '40x30 8 2' '-o: PNG'
+
 
 # -- parts, channels, deep data -------------------------------------------------------
 
-run compare --no-flip part.exr part.exr
-is "$status $(grep -c ': match$' out)" '0 2' 'each part is compared'
+run compare --no-flip -a part.exr part.exr
+is "$status $(grep -c 'Max error  = 0' out)" '0 2' '-a: each part is compared'
 run compare --no-flip a.exr part.exr
-is "$status $(grep -c '1 parts and 2' out)" '2 1' 'one part and two: status 2'
+is "$status $(grep -c '^Only compared the first part (of 1 and 2' out)" '0 1' \
+    'without -a only the first part, and a line says so'
+run compare --no-flip -a a.exr part.exr
+is "$status $(grep -c '1 parts and 2' out)" '2 1' '-a: one part and two: status 2'
 run compare a.exr z.exr
-status_is 3 'no channel of one name: status 3'
+is "$status $(grep -c 'channel R is compared with Z of B' out)" '2 1' \
+    'no channel of one name: by number'
 run compare a.exr deep.exr
 status_is 3 'flat and deep: status 3'
 run compare deep.exr deep.exr
@@ -91,8 +145,10 @@ for i in 1 2 3; do
 done
 cp b.exr t.0002.exr
 run compare --no-flip --json s.json s.####.exr t.####.exr
-is "$status $(wc -l <out) $(wc -l <s.json)" '2 4 3' 'a sequence: a line each, the worst status'
-like "$(tail -1 out)" '3 frames: failure, 2 match, 1 failure' 'a sequence: the summary'
+is "$status $(wc -l <out) $(wc -l <s.json)" '2 5 3' 'a sequence: a line each, the worst status'
+is "$(tail -2 out | tr '\n' /)" '3 frames: failure, 2 match, 1 failure/FAILURE/' 'a sequence: the summary'
+run compare --no-flip -v s.####.exr t.####.exr
+is "$(grep -c '^  Max error' out)" 3 'a sequence with -v: the figures of each'
 is "$("$python" -c 'import json
 print([(o["frame"], o["status"]) for o in map(json.loads, open("s.json"))])')" \
     '[(1, 0), (2, 2), (3, 0)]' 'a sequence: a row each in the JSON'
@@ -105,36 +161,46 @@ is "$(ls m.*.png | wc -l)" 2 'a heatmap each'
 rm t.0003.exr
 run compare --no-flip s.####.exr t.####.exr
 fails_with 4 t.0003.exr 'a frame that only one has'
-is "$(wc -l <out)" 4 'a frame that only one has: the others are compared'
+is "$(wc -l <out)" 5 'a frame that only one has: the others are compared'
 
 # -- what makes no sense ------------------------------------------------------------------
 
 run compare a.exr
-fails_with 2 compare 'one image'
+fails_with 64 compare 'one image'
 run compare a.exr b.exr id.exr
-fails_with 2 id.exr 'three images'
+fails_with 64 id.exr 'three images'
 run compare - -
-fails_with 2 - 'stdin twice'
+fails_with 64 - 'stdin twice'
 run compare --flip-exposures 0,1,1.5 a.exr b.exr
-fails_with 2 --flip-exposures 'half an exposure'
+fails_with 64 --flip-exposures 'half an exposure'
 run compare --no-flip --heatmap h.png a.exr b.exr
-fails_with 2 --heatmap 'a heatmap without FLIP'
+fails_with 64 --heatmap 'a heatmap without FLIP'
 run compare -f 1-2 a.exr b.exr
-fails_with 2 a.exr '--frames without a pattern'
+fails_with 64 a.exr '--frames without a pattern'
 run compare --heatmap h.png s.####.exr t.####.exr
-fails_with 2 h.png 'one heatmap for a sequence'
+fails_with 64 h.png 'one heatmap for a sequence'
 run compare --heatmap - a.exr b.exr
-fails_with 2 --heatmap 'a heatmap on stdout'
+fails_with 64 --heatmap 'a heatmap on stdout'
 cp a.exr keep.exr
 run compare --heatmap keep.exr keep.exr b.exr
-fails_with 2 keep.exr 'a heatmap over an input'
+fails_with 64 keep.exr 'a heatmap over an input'
 run compare --json keep.exr b.exr keep.exr
-fails_with 2 keep.exr 'JSON over an input'
+fails_with 64 keep.exr 'JSON over an input'
 same keep.exr a.exr 'the input is whole'
 run compare --fail -1 a.exr b.exr
-fails_with 2 --fail 'a negative limit'
+fails_with 64 --fail 'a negative limit'
 run compare -k a.exr a.exr b.exr
-fails_with 2 --kernel 'an option of pictures'
+fails_with 64 --kernel 'an option of pictures'
+run compare -foo 1 a.exr b.exr
+fails_with 64 -foo 'an option that idiff has not either'
+run compare --no-flip --fail-flip 0.1 a.exr b.exr
+fails_with 64 --fail-flip 'a limit of FLIP without FLIP'
+run compare -o - a.exr b.exr
+fails_with 64 --difference 'a difference on stdout'
+run compare -o d.png --heatmap ./d.png a.exr b.exr
+fails_with 64 d.png 'two pictures of one name'
+run compare -o keep.exr b.exr keep.exr
+fails_with 64 keep.exr 'a difference over an input'
 run --fail 1 -o x.png a.exr
 fails_with 2 --fail 'a limit without compare'
 run compare a.exr nowhere.exr
@@ -154,7 +220,7 @@ if [ -z "$oiio" ] || ! command -v idiff >/dev/null; then
 fi
 cat >pairs.py <<'PY'
 """Makes pairs of images, runs idiff and compare on each, prints verdicts."""
-import json, re, subprocess, sys
+import json, os, re, subprocess, sys
 import numpy as np
 import OpenImageIO as oiio
 
@@ -207,13 +273,13 @@ def number(v):
     return inf if v is None else v
 
 def run(a, b, options):
-    theirs = subprocess.run(["idiff", "-v", "-a"] + options + [a, b],
+    theirs = subprocess.run(["idiff", "-v"] + options + [a, b],
                             capture_output=True, text=True)
-    ours = subprocess.run([glarepp, "compare", "--no-flip", "--json", "-"] +
-                          [o.replace("-", "--", 1) if o[0] == "-" else o
-                           for o in options] + [a, b],
-                          capture_output=True, text=True)
-    rows = [json.loads(l) for l in ours.stdout.splitlines()]
+    ours = subprocess.run([glarepp, "compare", "--no-flip", "-v", "--json", "o.json"] +
+                          options + [a, b], capture_output=True, text=True)
+    rows = [json.loads(l) for l in open("o.json")] if os.path.exists("o.json") else []
+    if rows:
+        os.remove("o.json")
     return theirs, ours, rows
 
 def verdict(good, text, notes=""):
@@ -222,16 +288,21 @@ def verdict(good, text, notes=""):
         print("#", notes)
 
 count = 0
+made = {}
 
 def pair(name, a, b, *options, ending="exr", **key):
     global count
     count += 1
     files = ["p%02da.%s" % (count, ending), "p%02db.%s" % (count, ending)]
+    made[name] = files
     for f, image in zip(files, (a, b)):
         write(f, image if isinstance(image, list) else [dict(v=image)], **key)
     theirs, ours, rows = run(*files, list(options))
     blocks = figures(theirs.stdout)
-    good = theirs.returncode == ours.returncode and len(blocks) == len(
+    last = [t.stdout.splitlines()[-1:] for t in (theirs, ours)]
+    lines = [[l for l in t.stdout.splitlines() if "error" in l and "Max" not in l or "pixels" in l]
+             for t in (theirs, ours)]
+    good = last[0] == last[1] and lines[0] == lines[1] and theirs.returncode == ours.returncode and len(blocks) == len(
         [r for r in rows if "max" in r])
     for f, r in zip(blocks, rows):
         at = (r["worst"]["x"], r["worst"]["y"], r["worst"]["channel"]) if "worst" in r else None
@@ -305,11 +376,21 @@ for method in ("none", "rle", "piz", "zips", "dwaa"):
          [dict(v=noisy, compression=method)], kind="half")
 pair("two parts", [dict(v=base), dict(v=hdr)], [dict(v=base), dict(v=noisy)])
 pair("three parts and two", [dict(v=base)] * 3, [dict(v=base)] * 2)
+pair("-a, two parts", [dict(v=base), dict(v=hdr)], [dict(v=base), dict(v=noisy)], "-a")
+pair("-a, three parts and two", [dict(v=base)] * 3, [dict(v=base)] * 2, "-a")
+other_names = lambda v, n: [dict(v=v, names=n)]
+pair("other names", other_names(rgba, ["k", "l", "m", "n"]), other_names(rgba, ["p", "q", "s", "t"]))
+pair("other names and values", other_names(base, ["k", "l", "m"]), [dict(v=other)])
 pair("--fail", base, one, "-fail", "0.3", "-warn", "0.3")
 pair("--fail over some", base, few, "-fail", "8", "-warn", "1")
 pair("--failpercent", base, few, "-failpercent", "1", "-warnpercent", "1")
 pair("--failpercent, warning", base, few, "-failpercent", "1")
 pair("--failpercent, failure", base, other, "-failpercent", "99.9")
+pair("-warn where nothing fails", base, one, "-fail", "0.3", "-warn", "1e-3")
+pair("-hardfail where nothing fails", base, one, "-fail", "1", "-hardfail", "0.1")
+pair("-allowfailures", base, few, "-allowfailures", "3", "-hardfail", "1")
+pair("-allowfailures, too few", base, few, "-allowfailures", "2")
+pair("-fail inf", base, few, "-fail", "inf")
 pair("--hardfail", base, few, "-failpercent", "1", "-hardfail", "5")
 pair("--hardwarn", base, few, "-failpercent", "1", "-warnpercent", "1", "-hardwarn", "5")
 pair("--failrelative", hdr, noisy, "-failrelative", "2e-4", "-warnrelative", "4e-4")
@@ -333,8 +414,60 @@ r = apart("many NaN against numbers fail", base, change(base, (1, 2, 0, nan), (9
 verdict(r["nonfinite"] == 2 and r["mean"] == 0 and r["max"] is None,
         "values that are not finite stay out of the sums")
 apart("Inf against -Inf fails", change(base, (1, 2, 0, inf)), change(base, (1, 2, 0, -inf)), 2)
-apart("a warning where nothing fails", base, one, 1, "-fail", "1")
-apart("--hardfail where nothing fails", base, one, 2, "-fail", "1", "-hardfail", "0.1")
+
+# OpenImageIO's own cases, inputs made anew: testsuite/diff, and what its other
+# tests leave to idiff (oiiotool-pattern, oiiotool-copy, tiff-depths and the
+# like: 8 bits with -fail 0.004 -failpercent 0.02, as runtest.py asks)
+img1 = np.full((64, 64, 3), .1, np.float32)
+img2 = np.array(img1)
+img2[17:28, 5:16, 1] = .6
+pair("testsuite/diff", img1, img2, "-fail", "0.004", "-warn", "0.008")
+pair("testsuite/diff --diff", img1, img2)
+pair("testsuite/diff -p", img1, img2, "-p")
+pair("testsuite/diff -p, equal", img1, img1, "-p")
+pair("testsuite/diff -a", img1, img2, "-a")
+lax = ("-fail", "0.004", "-failpercent", "0.02", "-hardfail", "0.012", "-warn", "0.008", "-a")
+ramp = np.linspace(0, 1, 64 * 64 * 3).reshape(64, 64, 3).astype(np.float32)
+for kind, ending in (("uint8", "tif"), ("uint16", "tif"), ("float", "tif"), ("uint8", "png"),
+                     ("half", "exr")):
+    pair("testsuite, a code off: " + kind + " " + ending, ramp, ramp + np.float32(1 / 255.5), *lax,
+         kind=kind, ending=ending)
+    pair("testsuite, half a code off: " + kind + " " + ending, ramp, ramp + np.float32(.4 / 255),
+         *lax, kind=kind, ending=ending)
+noise = rng.normal(.5, .1, (64, 64, 3)).astype(np.float32)
+salt = np.where(rng.random((64, 64, 1)) < .01, 1, 0) * np.ones(3)
+pair("testsuite/oiiotool-pattern, noise", noise, noise, *lax, kind="uint8", ending="tif")
+pair("testsuite/oiiotool-pattern, other noise", noise, noise[::-1], *lax, kind="uint8",
+     ending="tif")
+pair("testsuite/oiiotool-pattern, salt", salt, salt[:, ::-1], *lax, kind="uint8", ending="tif")
+
+def statuses(wanted, *words):
+    """idiff's status and ours of a command line."""
+    got = [subprocess.run(c + list(words), capture_output=True).returncode
+           for c in (["idiff"], [glarepp, "compare"])]
+    verdict(got == [wanted, wanted], "as idiff: %s" % " ".join(words), got)
+
+write("p.exr", [dict(v=img1)])
+write("q.exr", [dict(v=img2)])
+statuses(0, "p.exr", "p.exr")
+statuses(2, "-q", "p.exr", "q.exr")
+statuses(4, "p.exr", "nowhere.exr")
+statuses(0, "-q", "-od", "-o", "od.exr", "p.exr", "p.exr")
+
+# pictures of the difference, pixel by pixel
+for name, of, *options in (
+        ("noise", "noise", "-scale", "1"), ("-abs -scale", "noise", "-abs", "-scale", "3"),
+        ("-scale -2", "half", "-scale", "-2"), ("grey", "grey", "-abs"),
+        ("windows", "windows that meet", "-abs"), ("alpha", "alpha", "-abs")):
+    for ending in ("exr", "png"):
+        shown = []
+        for c, out in ((["idiff"], "i." + ending), ([glarepp, "compare", "--no-flip"],
+                                                    "o." + ending)):
+            subprocess.run(c + options + ["-o", out] + made[of], capture_output=True)
+            shown.append(oiio.ImageBuf(out).get_pixels(oiio.FLOAT))
+        most = 4 if ending == "exr" else min(s.shape[2] for s in shown)
+        verdict(np.array_equal(*(s[:, :, :most] for s in shown)),
+                "as idiff -o: %s, %s" % (name, ending), str([s.shape for s in shown]))
 PY
 "$python" pairs.py "$glarepp" >verdicts 2>pairs.err ||
     { echo 'not ok pairs.py' >>verdicts; note "$(tail -5 pairs.err)"; }

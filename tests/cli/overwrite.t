@@ -41,7 +41,8 @@ refused()
     (cd w && "$glarepp" "$@") >out 2>err
     status=$?
     sum >after
-    [ $status = 2 ] && [ "$(wc -l <err)" = 1 ] && cmp -s before after &&
+    case $1 in compare) wanted=64 ;; *) wanted=2 ;; esac
+    [ $status = $wanted ] && [ "$(wc -l <err)" = 1 ] && cmp -s before after &&
         case $(cat err) in
         "glarepp: "$name": "*'; write to another name' | \
             "glarepp: "$name": "*'; give each a name of its own') true ;;

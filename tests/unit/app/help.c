@@ -9,7 +9,7 @@ static void the_table_is_sound(void **state)
         const char *text;
         assert_ptr_equal(gp_option_find(o->name, strlen(o->name)), o);
         if (o->letter)
-            assert_ptr_equal(gp_option_letter(o->letter), o);
+            assert_ptr_equal(gp_option_letter(o->letter, o->commands), o);
         bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
                       o->kind == GP_KIND_COUNT || o->kind == GP_KIND_PAIR;
         bool none = o->kind == GP_KIND_FLAG || o->kind == GP_KIND_SET;
@@ -23,7 +23,7 @@ static void the_table_is_sound(void **state)
         if (o->choices || o->list)
             assert_non_null(gp_option_value(o, 0, &text));
     }
-    assert_null(gp_option_letter('\0'));
+    assert_null(gp_option_letter('\0', ~0u));
     assert_null(gp_option_find("", 0));
 }
 

@@ -66,6 +66,12 @@ static struct gp_compare_figures measure(const struct gp_compare_params *s)
     return f;
 }
 
+static enum gp_compare_result judge(const struct gp_compare_params *s)
+{
+    const struct gp_compare_figures f = measure(s);
+    return gp_compare_judge(s, &f, &(struct gp_compare_flip) {0});
+}
+
 // -- figures -----------------------------------------------------------------
 
 static void two_pixels(void **state)
@@ -82,7 +88,7 @@ static void two_pixels(void **state)
     assert_true(isnan(f.max_rel)); // no colour
     assert_int_equal(f.failed, 1);
     assert_int_equal(f.warned, 1);
-    assert_int_equal(f.result, GP_COMPARE_FAILURE);
+    assert_int_equal(judge(&defaults), GP_COMPARE_FAILURE);
 }
 
 static void luminance_is_relative(void **state)
@@ -121,8 +127,8 @@ static void values_that_are_no_numbers(void **state)
         a.v[0][9] = rows[i].a;
         b.v[0][9] = rows[i].b;
         const struct gp_compare_figures f = measure(&defaults);
-        assert_int_equal(f.result, rows[i].same ? GP_COMPARE_MATCH
-                                                : GP_COMPARE_FAILURE);
+        assert_int_equal(judge(&defaults), rows[i].same ? GP_COMPARE_MATCH
+                                                        : GP_COMPARE_FAILURE);
         assert_int_equal(f.nonfinite, !rows[i].same);
         assert_int_equal(f.failed, !rows[i].same);
         assert_true(isfinite(f.mean) && isfinite(f.rms));
@@ -131,30 +137,68 @@ static void values_that_are_no_numbers(void **state)
     }
 }
 
+/* Five of a hundred pixels are off by 1. */
 static void limits_are_idiffs(void **state)
 {
+    const float none = INFINITY;
+    static const enum gp_compare_result MATCH = GP_COMPARE_MATCH,
+        WARNING = GP_COMPARE_WARNING, FAILURE = GP_COMPARE_FAILURE;
+    const struct {
+        float fail, fail_percent, hard_fail;
+        int allowed;
+        float warn, warn_percent, hard_warn;
+        enum gp_compare_result wanted;
+    } rows[] = {
+        {1e-6f, 5.0f, none, 0, 1e-6f, 5.0f, none, MATCH},
+        {1e-6f, 5.0f, none, 0, 1e-6f, 4.9f, none, WARNING},
+        {1e-6f, 4.9f, none, 0, 1e-6f, 4.9f, none, FAILURE},
+        {1e-6f, 5.0f, none, 0, 1e-6f, 5.0f, 0.5f, WARNING},
+        {1e-6f, 5.0f, 0.5f, 0, 1e-6f, 5.0f, none, FAILURE},
+        // nothing is over --fail: whatever else is asked
+        {1.0f, 0.0f, none, 0, 1e-6f, 0.0f, none, MATCH},
+        {1.0f, 0.0f, 0.5f, 0, 1e-6f, 0.0f, 0.5f, MATCH},
+        {1e-6f, 0.0f, 0.5f, 5, 1e-6f, 0.0f, 0.5f, MATCH},
+        {1e-6f, 0.0f, none, 4, 1.0f, 0.0f, none, FAILURE},
+    };
     struct gp_compare_params s = defaults;
     make_both("R", 0, 0, 10, 10);
     for (int i = 0; i < 5; i++)
         b.v[0][i] = 1.0f;
-    s.fail_percent = s.warn_percent = 5.0f;
-    assert_int_equal(measure(&s).result, GP_COMPARE_MATCH);
-    s.warn_percent = 4.9f;
-    assert_int_equal(measure(&s).result, GP_COMPARE_WARNING);
-    s.fail_percent = 4.9f;
-    assert_int_equal(measure(&s).result, GP_COMPARE_FAILURE);
-    s = defaults;
-    s.fail = s.warn = 1.0f; // not over it
-    assert_int_equal(measure(&s).result, GP_COMPARE_MATCH);
-    s.hard_warn = 0.5f;
-    assert_int_equal(measure(&s).result, GP_COMPARE_WARNING);
-    s.hard_fail = 0.5f;
-    assert_int_equal(measure(&s).result, GP_COMPARE_FAILURE);
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        s.fail = rows[i].fail, s.fail_percent = rows[i].fail_percent;
+        s.hard_fail = rows[i].hard_fail, s.allow_failures = rows[i].allowed;
+        s.warn = rows[i].warn, s.warn_percent = rows[i].warn_percent;
+        s.hard_warn = rows[i].hard_warn;
+        assert_int_equal(judge(&s), rows[i].wanted);
+    }
     s = defaults;
     s.warn_relative = 2.0f; // 1 against 0 is 2 of their mean
     assert_int_equal(measure(&s).warned, 0);
     s.warn_relative = 1.99f;
     assert_int_equal(measure(&s).warned, 5);
+}
+
+static void limits_of_our_own(void **state)
+{
+    struct gp_compare_params s = defaults;
+    make_both("R", 0, 0, 2, 1);
+    a.v[0][0] = b.v[0][0] = 3.0f;
+    a.v[0][1] = 4.0f, b.v[0][1] = 4.5f; // rel_l2 0.1
+    s.fail = s.warn = INFINITY;
+    const struct { float rel, flip; enum gp_compare_result wanted; } rows[] = {
+        {0.11f, 0.21f, GP_COMPARE_MATCH}, {0.09f, 0.21f, GP_COMPARE_FAILURE},
+        {0.11f, 0.19f, GP_COMPARE_FAILURE},
+        {INFINITY, INFINITY, GP_COMPARE_MATCH},
+    };
+    const struct gp_compare_figures f = measure(&s);
+    const struct gp_compare_flip seen = {.known = true, .mean = 0.2};
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        s.fail_rel = rows[i].rel, s.fail_flip = rows[i].flip;
+        assert_int_equal(gp_compare_judge(&s, &f, &seen), rows[i].wanted);
+    }
+    b.v[0][1] = NAN; // no limit lets that pass
+    s.fail_rel = s.fail_flip = INFINITY;
+    assert_int_equal(judge(&s), GP_COMPARE_FAILURE);
 }
 
 // -- names and windows -------------------------------------------------------
@@ -171,15 +215,93 @@ static void names_decide(void **state)
     memcpy(b.v[3], a.v[1], sizeof *a.v);
     struct gp_compare_figures f = measure(&defaults);
     assert_true(f.max == 0.0 && f.max_rel == 0.0);
-    assert_int_equal(f.result, GP_COMPARE_MATCH);
-    struct gp_compare_match m;
-    make(&b, "XG", (struct gp_rect) {0, 0, 5, 4});
-    assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
-    assert_int_equal(m.pairs, 5);
-    assert_int_equal(m.shared, 1);
-    assert_string_equal(gp_compare_name(&m, 0), "R");
-    assert_string_equal(gp_compare_name(&m, 4), "X");
-    gp_compare_match_free(&m);
+    assert_int_equal(judge(&defaults), GP_COMPARE_MATCH);
+}
+
+/* Channels that no name fits are taken in their order. */
+static void numbers_decide_where_no_name_does(void **state)
+{
+    static const struct { const char *a, *b, *wanted; } rows[] = {
+        {"ABGR", "XG", "R-X G-G B-0 A-0 "}, {"Y", "RGB", "G-0 B-0 Y-R "},
+        {"RGB", "Y", "R-Y G-0 B-0 "}, {"RX", "YR", "R-R X-Y "},
+        {"XY", "UVW", "X-U Y-V W-0 "}, {"RGBZ", "RGBAZ", "R-R G-G B-B A-0 Z-Z "},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_compare_match m;
+        char text[64] = "";
+        make(&a, rows[i].a, (struct gp_rect) {0, 0, 5, 4});
+        make(&b, rows[i].b, (struct gp_rect) {0, 0, 5, 4});
+        assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
+        for (int k = 0; k < m.pairs; k++) {
+            const struct gp_compare_pair p = m.pair[k];
+            snprintf(text + 4 * k, 5, "%s-%s ", gp_compare_name(&m, k),
+                     p.a && p.b ? p.b->name : "0");
+        }
+        assert_string_equal(text, rows[i].wanted);
+        gp_compare_match_free(&m);
+    }
+}
+
+// -- what an eye sees --------------------------------------------------------
+
+/* Counts by both orders, with 1 and 5 threads, which must agree. */
+static long long see(void)
+{
+    long long seen[4];
+    for (int i = 0; i < 4; i++) {
+        struct gp_compare_match m;
+        gp_set_threads(i < 2 ? 1 : 5);
+        assert_ok(gp_compare_match_make(NULL, i % 2 ? &b.raw : &a.raw,
+                                        i % 2 ? &a.raw : &b.raw, &m));
+        assert_ok(gp_compare_see(NULL, &m, &seen[i]));
+        gp_compare_match_free(&m);
+        assert_true(seen[i] == seen[0]);
+    }
+    gp_set_threads(0);
+    return seen[0];
+}
+
+static void an_eye_sees(void **state)
+{
+    make_both("RGB", -7, 3, 57, 67);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < ROOM; i++)
+            a.v[c][i] = b.v[c][i] = 0.1f;
+    }
+    assert_true(see() == 0);
+    for (int y = 17; y <= 27; y++) { // OpenImageIO's own case, testsuite/diff
+        for (int x = 5; x <= 15; x++)
+            b.v[1][y * 64 + x] = 0.6f;
+    }
+    assert_true(see() == 121);
+    for (int i = 0; i < ROOM; i++) // under 1 % is not seen, but a difference
+        b.v[1][i] = 0.1005f;
+    assert_true(see() == 0 && judge(&defaults) == GP_COMPARE_FAILURE);
+    for (int i = 0; i < ROOM; i++) // the same luminance in another colour
+        b.v[0][i] = 0.1f + 0.05f / 0.2126f, b.v[1][i] = 0.1f - 0.05f / 0.7152f;
+    assert_true(see() == ROOM);
+    memcpy(b.v, a.v, sizeof a.v);
+    a.v[1][70] = b.v[1][70] = b.v[0][99] = NAN;
+    assert_true(see() == 1);
+}
+
+/* A step that is seen in an even field is not, in one of strong contrasts. */
+static void contrasts_hide(void **state)
+{
+    long long seen[2];
+    for (int k = 0; k < 2; k++) {
+        make_both("RGB", 0, 0, 64, 64);
+        for (int i = 0; i < ROOM; i++) {
+            const float v = k ? 0.5f + 0.45f * (float) ((i & 1) ^ (i >> 6 & 1))
+                              : 0.5f;
+            for (int c = 0; c < 3; c++) {
+                a.v[c][i] = v;
+                b.v[c][i] = v + 0.04f;
+            }
+        }
+        seen[k] = see();
+    }
+    assert_true(seen[0] == ROOM && seen[1] == 0);
 }
 
 static void windows_are_joined(void **state)
@@ -290,6 +412,7 @@ static void magma_is_magma(void **state)
 }
 
 SUITE_OF(figures, NULL, NULL, two_pixels, luminance_is_relative,
-         values_that_are_no_numbers, limits_are_idiffs, names_decide,
-         windows_are_joined, whole_numbers_are_exact, threads_do_not_matter,
+         values_that_are_no_numbers, limits_are_idiffs, limits_of_our_own,
+         names_decide, numbers_decide_where_no_name_does, an_eye_sees,
+         contrasts_hide, windows_are_joined, whole_numbers_are_exact, threads_do_not_matter,
          flip_fits_the_files, black_has_flip, magma_is_magma)
