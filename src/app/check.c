@@ -21,9 +21,11 @@ static bool open_ended(const char *path)
 }
 
 /* Says which option has a need that is not met: `warns` for settings that are
- * right and do nothing, else an error. */
+ * right and do nothing, else an error. With `unmet` it says nothing, and adds
+ * the bits of all needs that are not met. */
 static gp_status check_needs(const struct gp_log *log,
-                             const struct gp_settings *s, bool warns)
+                             const struct gp_settings *s, bool warns,
+                             unsigned *unmet)
 {
     const struct gp_sun_params *const sun = &s->sun;
     const bool light = gp_suns_wanted(sun), config = s->ocio.config != NULL;
@@ -99,7 +101,9 @@ static gp_status check_needs(const struct gp_log *log,
     };
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
         const unsigned bit = needs[i].bit;
-        if (needs[i].met || warns != (bit >= GP_NEED_MASK))
+        if (unmet && !needs[i].met)
+            *unmet |= bit;
+        if (unmet || needs[i].met || warns != (bit >= GP_NEED_MASK))
             continue;
         const char *name = NULL; // of the first option with that need
         for (const struct gp_option *o = gp_options; o->name && !name; o++)
@@ -116,6 +120,13 @@ static gp_status check_needs(const struct gp_log *log,
                    needs[i].value, needs[i].end);
     }
     return GP_OK;
+}
+
+unsigned gp_needs_unmet(const struct gp_settings *s)
+{
+    unsigned unmet = 0;
+    (void) check_needs(NULL, s, false, &unmet);
+    return unmet;
 }
 
 // -- values ------------------------------------------------------------------
@@ -164,7 +175,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
     if (!bench && !wants)
         return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
                        "out.png %s, or see glarepp --help", s->inputs.at[0]);
-    GP_TRY(check_needs(log, s, false));
+    GP_TRY(check_needs(log, s, false, NULL));
     // a cluster that was not asked for goes where groups are as large
     if (!is_power_of_two(splat->group))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
@@ -201,7 +212,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "--knee: --threshold-mode excess "
                        "has no ramp (found %g); add --threshold-mode whole, "
                        "or leave --knee out", (double) s->sensor.knee);
-    GP_TRY(check_needs(warn, s, true));
+    GP_TRY(check_needs(warn, s, true, NULL));
     // what follows from several settings
     if (gp_option_given(s, "raw"))
         s->write.stdout_format = GP_STDOUT_RAW;

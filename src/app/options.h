@@ -11,6 +11,7 @@
 #include "app/settings.h"
 #include "core/status.h"
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
@@ -133,6 +134,9 @@ const char *gp_command_at(int i, enum gp_command *command);
 GP_MUST_CHECK gp_status gp_options_parse(const struct gp_log *log, int argc,
     char *const argv[], struct gp_settings *out);
 
+/* The needs that the settings do not meet: bits of enum gp_need. */
+unsigned gp_needs_unmet(const struct gp_settings *s);
+
 /* Checks what no single option can see, settles what follows from several,
  * and warns of settings that do nothing.
  * Errors: GP_ERR_USAGE with one line. */
@@ -147,6 +151,12 @@ GP_MUST_CHECK gp_status gp_settings_check(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_command_text(const struct gp_log *log,
     const struct gp_settings *s, const char *const *input, int inputs,
     char **out);
+
+/* The settings that a picture was made with, by the names of the options with _
+ * for -: those that can change a pixel and that do something beside the others,
+ * given or not; without numbers and words that are unset. Errors: as
+ * gp_json_print() says. */
+json_t *gp_settings_json(const struct gp_settings *s);
 
 /* --help of a command, to `f`. */
 void gp_help(FILE *f, enum gp_command command);

@@ -170,7 +170,9 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     if (u->kept)
         p->failures.kept += p->jobs->views;
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
-        const struct gp_facts *const facts = &u->view[v].facts;
+        struct gp_facts *const facts = &u->view[v].facts;
+        facts->warned = u->log.warned;
+        facts->warned_bytes = u->log.warned_bytes;
         char line[1024];
         if (st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
@@ -179,7 +181,7 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
             gp_say(p->log, GP_LEVEL_INFO, "%s", line);
         }
         if (p->s.report)
-            reported = st ? gp_report_failed(p->log, &p->run.report, facts,
+            reported = st ? gp_report_failed(p->log, &p->run.report, facts, st,
                                              u->log.last)
                           : gp_report_frame(p->log, &p->run.report, facts);
     }

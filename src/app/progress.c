@@ -175,6 +175,15 @@ static void take_message(void *user, enum gp_level level, const char *line)
         line = named;
         level = GP_LEVEL_ERROR;
     }
+    if (level == GP_LEVEL_WARN) { // for the report
+        const size_t n = strlen(line) + 1;
+        char *const warned = realloc(l->warned, l->warned_bytes + n);
+        if (warned) {
+            memcpy(warned + l->warned_bytes, line, n);
+            l->warned = warned;
+            l->warned_bytes += n;
+        }
+    }
     if (level == GP_LEVEL_ERROR)
         snprintf(l->last, sizeof l->last, "%s", line);
     const size_t bytes = strlen(line) + 2;
@@ -217,6 +226,7 @@ void gp_frame_log_flush(struct gp_frame_log *l)
 void gp_frame_log_close(struct gp_frame_log *l)
 {
     free(l->text);
+    free(l->warned);
     *l = (struct gp_frame_log) {0};
 }
 

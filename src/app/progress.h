@@ -61,6 +61,8 @@ struct gp_frame_log {
     char *text;                      // owned: a byte for the level, the line,
     size_t used, room;               // its null byte; and so on
     char last[GP_LINE_BYTES];        // the last error's line
+    char *warned;                    // owned: the warnings' lines, each with
+    size_t warned_bytes;             // its null byte
 };
 
 /* Starts without messages. `l` stays where it is until gp_frame_log_close().

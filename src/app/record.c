@@ -1,5 +1,5 @@
 /* Settings as text, for who looks at a picture later: glarepp:command of the
- * files that are written. */
+ * files that are written, and the settings of the report. */
 #include "app/options.h"
 
 #include "core/json.h"
@@ -96,4 +96,74 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     *out = clean ? strdup(json_string_value(clean)) : NULL;
     json_decref(clean);
     return *out ? GP_OK : gp_no_memory_bare(log, "command line");
+}
+
+/* A value as the table's kind stores it; NULL when it is unset. */
+static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
+{
+    const void *const at = (const char *) s + o->at;
+    const struct gp_numbers *const list = at;
+    const struct gp_texts *const texts = at;
+    const double *const pair = at;
+    const char *const *const word = at;
+    json_t *v = NULL;
+    char text[32];
+    switch (o->kind) {
+    case GP_KIND_FLAG:
+        return json_boolean(*(const bool *) at);
+    case GP_KIND_FLOAT: // as it was written: 0.001, not its nearest float
+        snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
+        return json_real(strtod(text, NULL)); // NULL when it is not finite
+    case GP_KIND_INT:
+        return json_integer(*(const int *) at);
+    case GP_KIND_COUNT:
+        return json_integer(*(const long long *) at);
+    case GP_KIND_PAIR:
+        return gp_option_given(s, o->name)
+                   ? json_pack("[ff]", pair[0], pair[1]) : NULL;
+    case GP_KIND_NUMBERS:
+        v = list->n ? json_array() : NULL;
+        for (int i = 0; i < list->n; i++)
+            json_array_append_new(v, json_real(list->v[i]));
+        return v;
+    case GP_KIND_CHOICE:
+        for (const struct gp_option_choice *c = o->choices; c->name; c++) {
+            if (c->value == *(const int *) at)
+                return c->text || strspn(c->name, "0123456789") == 0
+                           ? json_string(c->name) : json_integer(c->value);
+        }
+        return NULL;
+    case GP_KIND_TEXT:
+        return *word ? gp_json_name(*word) : NULL;
+    case GP_KIND_TEXTS:
+        v = texts->n ? json_array() : NULL;
+        for (int i = 0; i < texts->n; i++)
+            json_array_append_new(v, gp_json_name(texts->at[i]));
+        return v;
+    case GP_KIND_SET:
+    case GP_KIND_NAMED:
+        break;
+    }
+    return NULL;
+}
+
+json_t *gp_settings_json(const struct gp_settings *s)
+{
+    const unsigned unmet = gp_needs_unmet(s);
+    json_t *const all = json_object();
+    for (const struct gp_option *o = gp_options; o->name; o++) {
+        char key[32];
+        if (!(o->commands & s->command) || !makes_pixels(o) ||
+            (o->needs & unmet) ||
+            (o->group == GP_GROUP_SUN && !gp_option_given(s, o->name) &&
+             !gp_suns_wanted(&s->sun)))
+            continue;
+        snprintf(key, sizeof key, "%s", o->name);
+        for (char *c = key; *c; c++)
+            *c = *c == '-' ? '_' : *c;
+        json_t *const v = value_of(s, o);
+        if (v)
+            json_object_set_new(all, key, v);
+    }
+    return all;
 }

@@ -1,5 +1,6 @@
 #include "app/report.h"
 
+#include "app/options.h"
 #include "core/json.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -34,6 +35,9 @@ static json_t *number(double v, double step)
         return json_null();
     return json_real(step > 0.0 ? round(v / step) * step : v);
 }
+
+/* Raised when a field's meaning changes, or one goes. */
+enum { SCHEMA = 2 };
 
 // -- one frame ---------------------------------------------------------------
 
@@ -72,9 +76,25 @@ static void put_frame(json_t *o, const struct gp_facts *f)
 {
     if (f->numbered)
         json_object_set_new(o, "frame", json_integer(f->frame));
-    if (f->view)
-        put_name(o, "view", f->view);
+    if (f->view || f->taken.view[0])
+        put_name(o, "view", f->view ? f->view : f->taken.view);
     put_name(o, "input", f->input);
+    if (f->taken.part[0])
+        put_name(o, "part", f->taken.part);
+    if (f->taken.layer[0])
+        put_name(o, "layer", f->taken.layer);
+}
+
+/* How it went, in every line. */
+static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
+{
+    json_t *const list = json_array();
+    for (size_t at = 0; at < f->warned_bytes; at += strlen(f->warned + at) + 1)
+        json_array_append_new(list, gp_json_name(f->warned + at));
+    json_object_set_new(o, "warnings", list);
+    json_object_set_new(o, "status", json_integer(status));
+    json_object_set_new(o, "version", gp_json_name(GP_VERSION));
+    json_object_set_new(o, "schema", json_integer(SCHEMA));
 }
 
 /* The engine, its work and its result. */
@@ -294,10 +314,12 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
 }
 
 gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
-                           const struct gp_facts *facts, const char *error)
+                           const struct gp_facts *facts, gp_status status,
+                           const char *error)
 {
     json_t *const o = json_object();
     put_frame(o, facts);
+    put_end(o, facts, status);
     put_name(o, "error", error);
     return write_object(log, r, o);
 }
@@ -341,7 +363,9 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (facts->glare.gl || facts->sun_gl)
         put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);
-    put_name(o, "version", GP_VERSION);
+    if (facts->settings)
+        json_object_set_new(o, "settings", gp_settings_json(facts->settings));
+    put_end(o, facts, GP_OK);
     return write_object(log, r, o);
 }
 

@@ -5,6 +5,7 @@
 #include "core/frame.h"
 #include "core/status.h"
 #include "glare/engine.h"
+#include "io/read.h"
 #include "sun/lights.h"
 #include "tone/ocio.h"
 
@@ -23,6 +24,8 @@ enum gp_time {
     GP_TIMES,
 };
 
+struct gp_settings;
+
 /* The facts about one frame. Strings are borrowed. */
 struct gp_facts {
     bool numbered;
@@ -31,6 +34,7 @@ struct gp_facts {
     const char *const *light_group; // layers whose light it is
     int light_groups;            // of these; 0: the frame's own
     const char *input;
+    struct gp_taken taken;       // of the input
     char **outputs;              // `n_outputs` names
     int n_outputs;
     int width, height;           // of the data window
@@ -57,6 +61,9 @@ struct gp_facts {
     bool depth_reversed;         // counts the other way round
     const char *mask;            // coverage channel, or NULL
     const struct gp_ocio_names *ocio; // NULL: tone mapped
+    const struct gp_settings *settings; // NULL: left out
+    const char *warned;          // `warned_bytes` of lines, each with its null
+    size_t warned_bytes;         // byte
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;
 };
@@ -81,10 +88,12 @@ GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
     struct gp_report *r, const struct gp_facts *facts);
 
-/* The line of a frame that could not be made: frame (when numbered), input and
- * error, the message that was printed for it. Same errors. */
+/* The line of a frame that could not be made: frame (when numbered), view,
+ * input, warnings, the status of its failure, not GP_OK, and error, the message
+ * that was printed for it. Same errors. */
 GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
-    struct gp_report *r, const struct gp_facts *facts, const char *error);
+    struct gp_report *r, const struct gp_facts *facts, gp_status status,
+    const char *error);
 
 /* Closes it; a file without a line that this run made is removed. A closed or
  * zeroed report is fine. Errors: GP_ERR_IO. */

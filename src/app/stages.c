@@ -134,6 +134,8 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                              &fs->group[fs->groups].frame));
     fs->facts.width = gp_frame_w(&fs->frame);
     fs->facts.height = gp_frame_h(&fs->frame);
+    fs->facts.settings = r->s;
+    gp_read_taken(&fs->frame, &fs->facts.taken);
     fs->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
     if (suns_asked(r->s))
         return GP_OK;

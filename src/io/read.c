@@ -2,6 +2,7 @@
 
 #include "core/bytes.h"
 #include "core/memory.h"
+#include "io/channels.h"
 #include "io/exr/exr.h"
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
@@ -442,6 +443,25 @@ gp_status gp_members_views(const struct gp_log *log,
     struct gp_stream view = gp_stream_of(m->stream.data + m->member[i].at,
                                          m->member[i].size);
     return stream_views(log, p, "-", &view, out);
+}
+
+// -- what was read ------------------------------------------------------------
+
+void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
+{
+    const struct gp_input *const in = gp_input_of(f);
+    int i = 0;
+    *out = (struct gp_taken) {0};
+    if (f->parts > 1)
+        snprintf(out->part, sizeof out->part, "%d", f->part);
+    while (i < f->channels && f->channel[i].colour < 0)
+        i++;
+    const char *const name = i < f->channels ? f->channel[i].name : "";
+    const size_t dot = gp_layer_length(name);
+    if (in)
+        gp_exr_taken(in, f->part, name, out);
+    else if (dot > 0)
+        snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, name);
 }
 
 // -- versions -----------------------------------------------------------------

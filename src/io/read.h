@@ -31,6 +31,13 @@ static inline struct gp_read_params gp_read_limits(
     return (struct gp_read_params) {.max_pixels = p->max_pixels};
 }
 
+/* The place of a frame in its file, as the params name it; "" where there is
+ * only one, or it has no name. Longer names are cut. */
+struct gp_taken {
+    char part[256], layer[256], view[256];
+};
+void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
+
 /* Reads a frame: EXR by OpenEXRCore, PNG by libpng, any other format by the
  * OpenImageIO bridge, told apart by the first bytes, never by the name.
  *

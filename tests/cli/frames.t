@@ -61,7 +61,8 @@ like "$(tail -n 1 err)" \
 is "$("$python" -c 'import json
 for line in open("r.json"):
     o = json.loads(line)
-    print(o["frame"], sorted(o) == ["error", "frame", "input"],
+    print(o["frame"], sorted(o) == ["error", "frame", "input", "schema", "status",
+                                  "version", "warnings"],
           "outputs" in o, "bad/s.%04d.exr" % o["frame"] in o.get("error", ""))
 ' | xargs)" \
     '1 False True False 2 True False True 3 False True False 4 True False True 5 True False True 6 False True False 7 True False True' \

@@ -17,7 +17,8 @@ is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', \
 'engine', 'engine_why', 'sources', 'fft_size', 'flux_in', 'flux_out', \
 'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
-'peak_rss_mib', 'threads', 'version']" 'the fields of an fft run'
+'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
+'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
     "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'
 is "$(field r.json 'o["width"], o["height"]')" '(64, 48)' 'width and height'
@@ -38,6 +39,44 @@ is "$(field r.json 'len(o["fft_size"]), o["nonfinite"], o["clamped"]')" \
 is "$(field r.json 'o["peak_rss_mib"] > 1 and o["threads"] >= 1')" True 'costs'
 is "$(field r.json 'o["version"]')" \
     "$("$glarepp" --version | sed -n '1s/^glarepp //p')" 'version'
+
+is "$(field r.json 'o["schema"], o["status"], o["warnings"]')" '(2, 0, [])' \
+    'schema, status and warnings'
+
+# settings: what was given, defaults, and nothing that had no effect
+run -t 2.5 -g 0.3 --kernel-center 3,4 --no-provenance --threads 1 -o out.png \
+    --report r.json in.exr
+is "$(field r.json '[o["settings"][k] for k in ("threshold", "gain", "kernel", "kernel_center", "engine", "tolerance", "depth_bits", "tonemap")]')" \
+    "[2.5, 0.3, 'builtin:eye', [3.0, 4.0], 'auto', 0.001, 8, 'reinhard']" \
+    'settings: given and default'
+is "$(field r.json '{"knee", "mix", "rotate"} - set(o["settings"])')" 'set()' \
+    'settings: all of light'
+is "$(field r.json '{"threads", "output", "no_provenance", "report", "layer_in", "sun_map", "sun_method", "ocio"} & set(o["settings"])')" \
+    'set()' 'settings: none that did nothing, or changes no pixel'
+run -e direct --tonemap agx -o out.png --report r.json in.exr
+is "$(field r.json '[k in o["settings"] for k in ("tolerance", "group", "white")], o["settings"]["engine"], o["settings"]["tonemap"]')" \
+    "([False, False, False], 'direct', 'agx')" 'settings: those of what ran'
+
+# the lines that were said of a frame, and how it went
+frame flat.exr
+run --sun 5,5 --sun-color 9 -o out.png --report r.json flat.exr
+is "$(field r.json '["glarepp: warning: " + w for w in o["warnings"]], o["status"]')" \
+    "(['$(cat err)'], 0)" 'warnings: the line that was printed'
+cp flat.exr bad.0001.exr
+head -c 900 flat.exr >bad.0002.exr
+run --skip-bad-frames -o 'bad.####.png' --report r.json 'bad.####.exr'
+is "$(sed 1d r.json >r2.json; field r2.json 'o["status"], o["schema"], o["warnings"], o["version"] != ""')" \
+    '(4, 2, [], True)' 'a frame that failed: its exit status'
+
+# what of the file was taken
+frame many.exr channels=diffuse.R,diffuse.G,diffuse.B,spec.R,spec.G,spec.B \
+    part=other:Z:float
+run --layer-in spec -o out.png --report r.json many.exr
+is "$(field r.json 'o["part"], o["layer"], "view" in o')" "('rgba', 'spec', False)" \
+    'part and layer'
+run -o out.png --report r.json many.exr
+is "$(field r.json 'o["part"], o["layer"]')" "('rgba', 'diffuse')" \
+    'part and layer that nobody asked for'
 
 run --engine direct --layer l.exr --report r.json in.exr
 is "$(field r.json '[k in o for k in ("fft_size", "measured", "gl", "polygons", "frame")]')" \

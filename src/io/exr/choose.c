@@ -116,6 +116,27 @@ const char *gp_exr_view_of(const struct gp_input *in, int part,
     return NULL;
 }
 
+void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
+                  struct gp_taken *out)
+{
+    const char *const name = gp_exr_part_name(in, part);
+    const char *view = gp_exr_part_view(in, part);
+    char bare[GP_CHANNEL_NAME + 1];
+    snprintf(bare, sizeof bare, "%s", channel);
+    if (in->parts > 1 && name)
+        snprintf(out->part, sizeof out->part, "%s", name);
+    if (!view) {
+        view = gp_exr_view_of(in, part, channel);
+        if (view && strlen(channel) < sizeof bare)
+            (void) gp_exr_bare_name(in, part, view, channel, bare);
+    }
+    if (view)
+        snprintf(out->view, sizeof out->view, "%s", view);
+    const size_t dot = gp_layer_length(bare);
+    if (dot > 0)
+        snprintf(out->layer, sizeof out->layer, "%.*s", (int) dot - 1, bare);
+}
+
 void gp_exr_names_free(struct gp_exr_names *names)
 {
     gp_free(names->name);

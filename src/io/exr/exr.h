@@ -115,6 +115,12 @@ GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     struct gp_exr_names *out);
 void gp_exr_names_free(struct gp_exr_names *names);
 
+/* Part (where there are several), layer and view of the colour that has a
+ * channel of that name, as --part, --layer-in and --views take them; those that
+ * there are not stay as they are in *out. */
+void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
+                  struct gp_taken *out);
+
 /* -- pixels --------------------------------------------------------------- */
 
 /* The chunks of level 0 of a part, checked. */

@@ -327,4 +327,5 @@ static void warnings(void **state)
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
          commands_make_the_same_picture, forms_of_values,
-         words_that_look_like_options, clusters_follow_groups, commands, errors_say_what_is_wrong, warnings)
+         words_that_look_like_options, clusters_follow_groups, commands,
+         errors_say_what_is_wrong, warnings)

@@ -15,6 +15,8 @@ static struct gp_facts full_facts(void)
 {
     struct gp_facts f = {
         .numbered = true, .frame = 7, .input = "in.0007.exr",
+        .taken = {"2", "diffuse", "left"}, .warned = "one\0two",
+        .warned_bytes = 8,
         .outputs = (char **) two_names, .n_outputs = 2,
         .width = 640, .height = 480, .sources = 12,
         .flux_in = {1.5, 2.5, 3.5}, .flux_out = {1.25, 2.25, 3.25},
@@ -53,11 +55,12 @@ static char *reported(const struct gp_facts *facts, int n)
 }
 
 static const char *const keys[] = {
-    "frame", "input", "outputs", "width", "height", "engine", "engine_why",
+    "frame", "view", "input", "part", "layer", "outputs", "width",
+    "height", "engine", "engine_why",
     "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
     "form", "fft_size", "flux_in", "flux_out", "bound", "measured",
     "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "peak_rss_mib",
-    "threads", "gl", "version",
+    "threads", "gl", "warnings", "status", "version", "schema",
 };
 
 static void all_fields_in_order(void **state)
@@ -80,6 +83,8 @@ static void all_fields_in_order(void **state)
     assert_non_null(strstr(text, "\"read\":0.123,"));
     assert_non_null(strstr(text, "\"depth\":{\"channel\":\"Z\",\"type\":"
                                  "\"half\"}"));
+    assert_non_null(strstr(text, "\"warnings\":[\"one\",\"two\"],"
+                                 "\"status\":0,"));
     assert_non_null(strstr(text, "\"measured\":{\"rel_l2\":1e-7,"));
     json_decref(o);
     free(text);
@@ -94,7 +99,7 @@ static void what_was_not_needed_is_left_out(void **state)
     static const char *const gone[] = {
         "frame", "groups", "clusters", "polygons", "cores", "polygon_pixels",
         "form", "fft_size", "flux_out", "bound", "measured", "clamped_out",
-        "depth", "gl",
+        "depth", "gl", "view", "part", "layer", "settings",
     };
     char *text = reported(&facts, 1);
     json_t *o = json_loads(text, 0, NULL);
