@@ -35,7 +35,7 @@ static gp_status check_exr(const struct gp_log *log,
                                                 : gp_oiio_check(log, path);
 }
 
-static gp_status write_other(const struct gp_log *log,
+static gp_status write_oiio(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats)
@@ -43,7 +43,7 @@ static gp_status write_other(const struct gp_log *log,
     char ending[ENDING_BYTES];
     (void) stats;
     (void) find_ending(p, path, ending);
-    return gp_other_write(log, p, path, ending, f, planes, kind);
+    return gp_oiio_picture_write(log, p, path, ending, f, planes, kind);
 }
 
 /* Raw frames have no files of their own: .raw is what cameras write. */
@@ -52,7 +52,7 @@ const struct gp_writer gp_writers[] = {
     {"png", false, NULL, gp_png_write},
     {"pfm", false, NULL, gp_pfm_write},
     {"raw", true, NULL, gp_raw_write},
-    {NULL, false, gp_other_check, write_other},
+    {NULL, false, gp_oiio_picture_check, write_oiio},
 };
 
 static const struct gp_writer *find_writer(const struct gp_write_params *p,

@@ -94,7 +94,7 @@ echo "k.pfm.exr k.exr.exr equal a kernel from .pfm: as from EXR" >>list
 # -- other formats out ---------------------------------------------------------
 
 run --type float --layer layer.exr --tonemap none -o lit.exr in.exr
-run --type float --layer layer.tif --layer layer.tif in.exr
+run --type half --type float --layer layer.tif in.exr
 quiet_success 'the last of an option that comes twice holds'
 for ending in tif pfm hdr; do
     limit=equal
@@ -239,6 +239,20 @@ if [ $status = 0 ]; then
 else
     one_line_error - 'other formats by stdin are refused'
 fi
+
+# a DPX whose header names more of the user's data than the file has: for that
+# file only, whatever ulimit says
+run -o user.dpx in.exr
+for claim in '\360\0\0\360' '\1\0\0\1'; do
+    cp user.dpx claims.dpx
+    # shellcheck disable=SC2059
+    printf "$claim" | dd of=claims.dpx bs=1 seek=32 conv=notrunc 2>ok.log
+    for limit in unlimited 6000000; do
+        (ulimit -v $limit && exec "$glarepp" -o none.png claims.dpx) >out 2>err
+        status=$?
+        fails_with 4 claims.dpx "$claim bytes of the user's data, ulimit -v $limit"
+    done
+done
 
 # all that a stream is taken for by its first bytes; Targa has no word there
 for ending in bmp dpx hdr jpg ppm sgi tga tif webp; do

@@ -100,7 +100,9 @@ void limit(int what, rlim_t most, bool hard)
 }
 
 // The limits of glarepp itself: memory, and bytes of a file.
+constexpr rlim_t gigabyte = rlim_t(1) << 30;
 rlim_t inherited_data, inherited_space, inherited_file;
+rlim_t most_memory = gigabyte; // of the file that is open
 
 // A decoder that hangs outlives glarepp by nothing.
 void end_with_client()
@@ -234,20 +236,24 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
 
 // The first line, as libraries repeat themselves for each row. Plugins catch
 // what is thrown and keep only its words. Memory is full where glarepp's own
-// limits are; else the file wanted more than it explains.
+// limits are narrower than the helper's, and libraries map a gigabyte; else the
+// file wanted more than its bytes explain.
 void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 {
     static const char *const memory[] = {
         "bad_alloc", "bad alloc", "ut of memory", "nsufficient memory",
     };
-    const bool limited = inherited_data != RLIM_INFINITY ||
-                         inherited_space != RLIM_INFINITY;
+    const bool limited = inherited_data < most_memory ||
+                         inherited_space < most_memory + gigabyte;
     reply.end = GP_OIIO_REFUSED;
+    text = why.substr(0, std::min<std::size_t>(why.find('\n'), 200));
     for (const char *word : memory) {
-        if (limited && why.find(word) != std::string::npos)
+        if (why.find(word) == std::string::npos)
+            continue;
+        text = "it wants more memory than its size explains";
+        if (limited)
             reply.end = GP_OIIO_MEMORY;
     }
-    text = why.substr(0, std::min<std::size_t>(why.find('\n'), 200));
     for (char &c : text) {
         if (c == '\r' || c == '\0')
             c = ' ';
@@ -259,8 +265,8 @@ void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 
 void helper::limit_memory(std::uint64_t bytes)
 {
-    const rlim_t most = (rlim_t(1) << 30) + bytes;
-    limit(RLIMIT_DATA, std::min(most, inherited_data), false);
+    most_memory = gigabyte + bytes;
+    limit(RLIMIT_DATA, std::min(most_memory, inherited_data), false);
 }
 
 int main()

@@ -89,6 +89,21 @@ bool is_allowed(const std::string &format)
            std::end(names);
 }
 
+// The reader of DPX takes memory for the user's data that the header names:
+// bytes 32 to 35, all bits set for none (SMPTE 268M, section 4).
+void check_dpx(Bytes &bytes)
+{
+    unsigned char head[36] = {0};
+    if (bytes.pread(head, sizeof head, 0) != sizeof head)
+        throw std::runtime_error("cut off in its header");
+    const bool big = head[0] == 'S';
+    std::uint32_t user = 0;
+    for (int i = 0; i < 4; i++)
+        user = user << 8 | head[32 + (big ? i : 3 - i)];
+    if (user != UINT32_MAX && user > bytes.size())
+        throw std::runtime_error("cut off in its user data");
+}
+
 std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
 {
     const std::string format = ask.format;
@@ -97,6 +112,8 @@ std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
     if (!is_allowed(format))
         throw std::runtime_error("not a format that glarepp-oiio reads: " +
                                  format);
+    if (format == "dpx")
+        check_dpx(*f->bytes);
     f->input = ImageInput::create(format);
     if (!f->input)
         throw std::runtime_error(OIIO::geterror());
@@ -181,21 +198,6 @@ void check_size(const ImageSpec &spec, const gp_oiio_ask &ask)
         spec.get_string_attribute("planarconfig") != "separate")
         throw std::runtime_error("tiles of 64-bit floats, which OpenImageIO "
                                  "reads wrong");
-}
-
-// The reader of DPX takes memory for the user's data that the header names:
-// bytes 32 to 35, all bits set for none (SMPTE 268M, section 4).
-void check_dpx(Bytes &bytes)
-{
-    unsigned char head[36] = {0};
-    if (bytes.pread(head, sizeof head, 0) != sizeof head)
-        throw std::runtime_error("cut off in its header");
-    const bool big = head[0] == 'S';
-    std::uint32_t user = 0;
-    for (int i = 0; i < 4; i++)
-        user = user << 8 | head[32 + (big ? i : 3 - i)];
-    if (user != UINT32_MAX && user > bytes.size())
-        throw std::runtime_error("cut off in its user data");
 }
 
 // -- rows ---------------------------------------------------------------------
@@ -296,8 +298,6 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     close_file();
     limit_memory(4 * ask.size);
     std::unique_ptr<File> f = open_bytes(fd, ask);
-    if (std::strcmp(ask.format, "dpx") == 0)
-        check_dpx(*f->bytes);
     if (!f->input->seek_subimage(ask.part, 0))
         throw std::runtime_error("part " + std::to_string(ask.part) +
                                  " is not there");

@@ -81,7 +81,7 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * HDR holds three mantissas and an exponent: the nearest of those are stored,
  * NaN and negative values as 0, what lies beyond as the largest.
  * GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; others are over black. */
-GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,
     enum gp_picture_kind kind);
@@ -89,7 +89,7 @@ GP_MUST_CHECK gp_status gp_other_write(const struct gp_log *log,
 /* Checks that these params can be written. Errors: GP_ERR_USAGE unknown
  * ending, more bits than the format has, a compression that TIFF lacks;
  * GP_ERR_IO no helper. */
-GP_MUST_CHECK gp_status gp_other_check(const struct gp_log *log,
+GP_MUST_CHECK gp_status gp_oiio_picture_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending);
 
 #endif

@@ -69,7 +69,7 @@ static const char *tiff_compression(enum gp_compression c)
     }
 }
 
-gp_status gp_other_check(const struct gp_log *log,
+gp_status gp_oiio_picture_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending)
 {
     const struct format *const t = find_format(ending);
@@ -159,7 +159,7 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
     return st;
 }
 
-gp_status gp_other_write(const struct gp_log *log,
+gp_status gp_oiio_picture_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,
     enum gp_picture_kind kind)
@@ -172,7 +172,7 @@ gp_status gp_other_write(const struct gp_log *log,
     struct gp_file *file = NULL;
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
-    GP_TRY(gp_other_check(log, p, path, ending));
+    GP_TRY(gp_oiio_picture_check(log, p, path, ending));
     if (!t->alpha)
         own.alpha = GP_ALPHA_BLACK;
     // integers where the format has nothing else, or nothing says otherwise
