@@ -6,6 +6,7 @@
 #include "compare/compare.h"
 #include "io/file.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 // -- what options need of others ---------------------------------------------
@@ -131,6 +132,26 @@ unsigned gp_needs_unmet(const struct gp_settings *s)
 
 // -- values ------------------------------------------------------------------
 
+/* Reads --grow. */
+static gp_status check_grow(const struct gp_log *log, struct gp_settings *s)
+{
+    enum { MOST = 65536 };
+    const char *const word = s->grow ? s->grow : "0";
+    char *end;
+    const long n = strtol(word, &end, 10);
+    const bool number = end != word && !*end && *word >= '0' && *word <= '9';
+    s->grow_how = strcmp(word, "kernel") == 0 ? GP_GROW_KERNEL
+                  : strcmp(word, "none") == 0 ? GP_GROW_NONE : GP_GROW_PIXELS;
+    if (s->grow_how != GP_GROW_PIXELS)
+        return GP_OK;
+    if (!number || n > MOST)
+        return gp_fail(log, GP_ERR_USAGE, "--grow: not a number of pixels "
+                       "(found \"%s\"); give 0 to %d, kernel or none", word,
+                       MOST);
+    s->grow_pixels = (int) n;
+    return GP_OK;
+}
+
 static bool is_power_of_two(int n)
 {
     return n > 0 && (n & (n - 1)) == 0;
@@ -176,6 +197,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "nothing to make; write glarepp -o "
                        "out.png %s, or see glarepp --help", s->inputs.at[0]);
     GP_TRY(check_needs(log, s, false, NULL));
+    GP_TRY(check_grow(log, s));
     // a cluster that was not asked for goes where groups are as large
     if (!is_power_of_two(splat->group))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "

@@ -237,6 +237,18 @@ static const char *kernel_name(int i, const char **text)
     return name;
 }
 
+static const char *grow_word(int i, const char **text)
+{
+    static const char *const words[][2] = {
+        {"kernel", "as far as the kernel reaches"},
+        {"none", "not at all: outputs keep the data window, and glare ends "
+         "there"},
+        {NULL, NULL},
+    };
+    *text = words[i][1];
+    return words[i][0];
+}
+
 // -- the table ---------------------------------------------------------------
 
 #define FIELD(f) (&((struct gp_settings *) 0)->f)
@@ -282,6 +294,9 @@ const struct gp_option gp_options[] = {
     OPT(layer, .name = "layer", IN(OUTPUT), .arg = "FILE",
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once"),
+    OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = grow_word,
+        .open = true, .help = "Extend outputs by PIXELS on each side of data "
+        "and display window, which they cover without it"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
         .choices = gp_debugs, .help = "Write a picture of a step on the way"),
 

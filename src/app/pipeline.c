@@ -232,6 +232,9 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
         GP_TRY(gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel));
         r->has_kernel = true;
         gp_frame_free(&image);
+    } else if (r->s->grow_how == GP_GROW_KERNEL) { // frames grow by its reach
+        GP_TRY(gp_kernel_builtin(log, &r->s->kernel, &r->kernel));
+        r->has_kernel = true;
     }
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));

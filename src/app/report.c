@@ -313,6 +313,12 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     return GP_OK;
 }
 
+/* A window by its edges: left, top, right, bottom. */
+static void put_window(json_t *o, const char *name, struct gp_rect r)
+{
+    json_object_set_new(o, name, json_pack("[iiii]", r.x0, r.y0, r.x1, r.y1));
+}
+
 gp_status gp_report_failed(const struct gp_log *log, struct gp_report *r,
                            const struct gp_facts *facts, gp_status status,
                            const char *error)
@@ -334,6 +340,9 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
              facts->n_outputs);
     json_object_set_new(o, "width", json_integer(facts->width));
     json_object_set_new(o, "height", json_integer(facts->height));
+    put_window(o, "window", facts->window);
+    if (memcmp(&facts->read, &facts->window, sizeof facts->read) != 0)
+        put_window(o, "window_read", facts->read);
     if (facts->light_groups)
         put_list(o, "light_groups", facts->light_group, facts->light_groups);
     put_glare(o, facts);

@@ -37,7 +37,8 @@ struct gp_facts {
     struct gp_taken taken;       // of the input
     char **outputs;              // `n_outputs` names
     int n_outputs;
-    int width, height;           // of the data window
+    int width, height;           // of `window`
+    struct gp_rect window, read; // data windows: of the outputs, of the file
     long long sources;           // bright pixels, and those of lights
     double flux_in[3];           // of the sources, by channel
     double flux_faint[3];        // light under FLT_MIN, which counts as 0

@@ -45,6 +45,13 @@ enum gp_command {
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
+/* How far a frame grows beyond its data and display window (--grow). */
+enum gp_grow_how {
+    GP_GROW_PIXELS,  // by as many as are said
+    GP_GROW_KERNEL,  // as far as the kernel reaches
+    GP_GROW_NONE,    // outputs keep the data window
+};
+
 /* Shells that completions are made for. */
 enum gp_shell {
     GP_SHELL_NONE,
@@ -81,6 +88,9 @@ struct gp_settings {
     struct gp_texts said;              // name and value (NULL: takes none) of
                                        // each option given, in turn
     const char *debug[GP_DEBUG_KINDS]; // files
+    const char *grow;                  // as written; NULL: 0 pixels
+    enum gp_grow_how grow_how;         // ... as checked
+    int grow_pixels;
     const char *report;
     const char *frames;                // list as written
     const char *views;                 // the same; NULL: not given

@@ -3,10 +3,12 @@
 #include "app/options.h"
 #include "core/clock.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/compose.h"
 #include "glare/sources.h"
 #include "glare/splat/polygons.h"
+#include "io/grow.h"
 #include "io/plane.h"
 #include "io/read.h"
 
@@ -108,6 +110,45 @@ static gp_status check_views(const struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
+/* Grows the frame and the layers of its light groups to the window of the
+ * outputs. */
+static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
+{
+    const struct gp_settings *const s = r->s;
+    const struct gp_kernel *const k = &r->kernel;
+    struct gp_grow_params p = {
+        .left = s->grow_pixels, .top = s->grow_pixels,
+        .right = s->grow_pixels, .bottom = s->grow_pixels,
+        .depth = s->depth,
+        .scale = s->sun.depth_type == GP_DEPTH_INVERSE ? GP_SCALE_INVERSE
+                 : s->sun.depth_type == GP_DEPTH_NORMALIZED
+                     ? GP_SCALE_NORMALIZED : GP_SCALE_DISTANCE,
+    };
+    struct gp_rect window, before;
+    gp_status st;
+    if (s->grow_how == GP_GROW_NONE)
+        return GP_OK;
+    if (s->grow_how == GP_GROW_KERNEL) {
+        p.left = gp_max(k->cx, 0);
+        p.top = gp_max(k->cy, 0);
+        p.right = gp_max(k->w - 1 - k->cx, 0);
+        p.bottom = gp_max(k->h - 1 - k->cy, 0);
+    }
+    window = gp_grow_window(&p, &fs->frame);
+    do { // one window, on the grids of all
+        before = window;
+        window = gp_grow_align(&fs->frame, window);
+        for (int i = 0; i < fs->groups; i++)
+            window = gp_grow_align(&fs->group[i].frame, window);
+    } while (memcmp(&window, &before, sizeof window) != 0);
+    GP_TRY(gp_grow_check(fs->log, &fs->frame, window, s->read.max_pixels));
+    GP_TRY(gp_grow(fs->log, &p, window, &fs->frame));
+    for (int i = 0; i < fs->groups; i++)
+        GP_TRY(gp_grow(fs->log, &p, window, &fs->group[i].frame));
+out:
+    return st;
+}
+
 static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_members *const m = &r->jobs->members;
@@ -132,6 +173,9 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     for (; fs->groups < groups->n; fs->groups++)
         GP_TRY(gp_read_layer(fs->log, &p, &fs->frame, groups->at[fs->groups],
                              &fs->group[fs->groups].frame));
+    GP_TRY(grow_frames(r, fs));
+    fs->facts.window = fs->frame.data;
+    fs->facts.read = gp_frame_read(&fs->frame);
     fs->facts.width = gp_frame_w(&fs->frame);
     fs->facts.height = gp_frame_h(&fs->frame);
     fs->facts.settings = r->s;

@@ -40,6 +40,15 @@ static inline struct gp_rect gp_rect_meet(struct gp_rect a, struct gp_rect b)
     };
 }
 
+/* The smallest rectangle that holds both. */
+static inline struct gp_rect gp_rect_join(struct gp_rect a, struct gp_rect b)
+{
+    return (struct gp_rect) {
+        a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0,
+        a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1,
+    };
+}
+
 /* Numbers of one option, "1,2,3". */
 struct gp_numbers {
     double v[4];
@@ -106,6 +115,8 @@ struct gp_attribute {
 struct gp_frame {
     char *path;                    // for messages; "-" is stdin
     struct gp_rect data, display;  // windows in EXR pixel space
+    struct gp_rect read;           // data window of the file, of a frame that
+                                   // has grown (io/grow.h); empty: `data`
     float pixel_aspect;
     float chromaticities[8];       // rx ry gx gy bx by wx wy
     float luminance[3];            // Y = sum luminance[c] * rgb[c]
@@ -137,6 +148,12 @@ static inline int gp_frame_w(const struct gp_frame *f)
 static inline int gp_frame_h(const struct gp_frame *f)
 {
     return gp_rect_h(f->data);
+}
+
+/* The pixels that the file has. */
+static inline struct gp_rect gp_frame_read(const struct gp_frame *f)
+{
+    return gp_rect_empty(f->read) ? f->data : f->read;
 }
 
 static inline size_t gp_frame_pixels(const struct gp_frame *f)

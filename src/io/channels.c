@@ -361,6 +361,11 @@ static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
     return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
 }
 
+bool gp_channel_is_depth(const struct gp_frame *f, int channel)
+{
+    return depth_rank(f, f->channel[channel].name, 0) < RANKS;
+}
+
 gp_status gp_find_depth(const struct gp_log *log, const struct gp_frame *f,
                         const char *name, const char *colour, int *out)
 {

@@ -76,6 +76,9 @@ GP_MUST_CHECK gp_status gp_find_depth(const struct gp_log *log,
 /* True for a layer, or part, called Mist (any case) after its last dot. */
 bool gp_is_mist(const char *layer, size_t len);
 
+/* True when the channel's name is among those that gp_find_depth() searches. */
+bool gp_channel_is_depth(const struct gp_frame *f, int channel);
+
 /* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list
  * with commas, which begins empty. False when it ends with "...", for want of
  * room. */

@@ -391,6 +391,18 @@ out:
     return st;
 }
 
+/* Leaves the samples of a window within the plane's. */
+static void cut_plane(struct gp_rect window, struct gp_plane *p)
+{
+    const size_t all = (size_t) gp_rect_w(p->window);
+    const size_t w = (size_t) gp_rect_w(window);
+    const float *from = p->v + (size_t) (window.y0 - p->window.y0) * all +
+                        (size_t) (window.x0 - p->window.x0);
+    for (size_t y = 0; y < (size_t) gp_rect_h(window); y++, from += all)
+        memmove(p->v + y * w, from, w * sizeof *from);
+    p->window = window;
+}
+
 gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out)
@@ -408,8 +420,10 @@ gp_status gp_read_plane(const struct gp_log *log,
         st = from_part(log, p, f->path, in, &at, &plane);
     if (!st && here)
         st = make_samples(log, f->data, &plane);
-    if (!st && here)
+    if (!st && here) {
         gp_channel_floats(f, at.channel, plane.v);
+        cut_plane(gp_frame_read(f), &plane);
+    }
     if (st)
         gp_plane_free(&plane);
     else

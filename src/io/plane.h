@@ -21,7 +21,8 @@
  *          deep parts, with a warning when only they have depth. False: for
  *          A, the coverage
  *   out    written on GP_OK; empty (v NULL) when searching finds none; its
- *          window is that of the part, its name in the form that `name` takes
+ *          window is that of the part in the file, also where the frame has
+ *          grown; its name in the form that `name` takes
  *
  * Samples are those of the file: also of a colour channel of an EXR, whatever
  * was done to the frame's planes. Subsampled ones are repeated.

@@ -158,16 +158,17 @@ out:
 static void warn_of_window(const struct gp_log *log, const char *path,
     const struct gp_plane *p, const struct gp_frame *f, struct gp_suns *suns)
 {
-    const struct gp_rect common = gp_rect_meet(p->window, f->data);
+    const struct gp_rect own = gp_frame_read(f);
+    const struct gp_rect common = gp_rect_meet(p->window, own);
     if (!path || !p->v || suns->warned_window ||
-        memcmp(&common, &f->data, sizeof common) == 0)
+        memcmp(&common, &own, sizeof common) == 0)
         return;
     suns->warned_window = true;
     gp_say(log, GP_LEVEL_WARN,
            "%s: does not cover %s (its window is %dx%d at %d,%d, the frame's "
            "%dx%d at %d,%d); the rest counts as empty", path, f->path,
            gp_rect_w(p->window), gp_rect_h(p->window), p->window.x0,
-           p->window.y0, gp_frame_w(f), gp_frame_h(f), f->data.x0, f->data.y0);
+           p->window.y0, gp_rect_w(own), gp_rect_h(own), own.x0, own.y0);
 }
 
 gp_status gp_suns_place(const struct gp_log *log,

@@ -12,15 +12,6 @@
 #include <stdint.h>
 #include <string.h>
 
-/* The smallest rectangle that holds both. */
-static inline struct gp_rect gp_rect_join(struct gp_rect a, struct gp_rect b)
-{
-    return (struct gp_rect) {
-        a.x0 < b.x0 ? a.x0 : b.x0, a.y0 < b.y0 ? a.y0 : b.y0,
-        a.x1 > b.x1 ? a.x1 : b.x1, a.y1 > b.y1 ? a.y1 : b.y1,
-    };
-}
-
 // -- depth samples (occluder.c) ----------------------------------------------
 
 /* Blender's 1e10 and 1e30 are backgrounds; no scene is this deep. */

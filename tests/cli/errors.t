@@ -75,6 +75,21 @@ frame far.exr size=8x8 display=0,0,20000,10000
 refuses 4 far.exr 'a far display window' --max-pixels 1000 far.exr
 like "$(cat err)" '*: the display window is too large (20001 x 10001 pixels, *' \
     'a far display window: says which'
+frame apart.exr size=8x8 origin=99,99 display=0,0,9,9
+refuses 4 apart.exr 'windows far apart' --max-pixels 1000 apart.exr
+like "$(cat err)" '*too large together (107 x 107 pixels, at most 1000); give --grow none *' \
+    'windows far apart: says what to do'
+run -q --max-pixels 1000 --grow none --layer there/l.exr apart.exr
+status_is 0 'windows far apart: --grow none'
+rm there/l.exr
+frame vast.exr size=8x8 display=0,0,4199,4199
+run --layer there/l.exr --threads 1 vast.exr
+is "$(cat err)" 'glarepp: warning: vast.exr: its data window (8 x 8 pixels) grows to 4200 x 4200; give --grow none to keep it, which takes less memory' \
+    'a small window in a vast display: says that memory grows'
+rm there/l.exr
+for by in -1 7.5 65537 all; do
+    refuses 2 --grow "--grow $by" --grow $by in.exr
+done
 run -k far.exr --max-pixels 20000 --layer there/l.exr in.exr
 fails_with 4 far.exr 'a kernel with a far display window'
 run compare --max-pixels 1000 far.exr far.exr

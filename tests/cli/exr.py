@@ -13,6 +13,8 @@ usage: exr.py FILE [key=value...]
   type=half           of channels that do not say
   origin=0,0          first pixel of the data window
   display=x0,y0,x1,y1 display window, both ends inside; else the data window
+  pad=x0,y0,x1,y1     the data window instead, both ends inside; pixels around
+                      the others are black, Z is 1e10 there
   attr=name:string:text  and float, int, v2f, m44f (numbers with commas),
                       stringvector (words with commas)
   part=NAME:Z:float   one more part, of one channel
@@ -94,6 +96,10 @@ class Part:
         self.x, self.y = (int(n) for n in o["origin"].split(","))
         self.channels = sorted(channels)
         self.name, self.deep, self.o = name, bool(int(o["deep"])), o
+        self.own = self.x, self.y, self.w, self.h
+        if o["pad"]:
+            x0, y0, x1, y1 = (int(n) for n in o["pad"].split(","))
+            self.x, self.y, self.w, self.h = x0, y0, x1 - x0 + 1, y1 - y0 + 1
 
     def header(self, multi):
         data = (self.x, self.y, self.x + self.w - 1, self.y + self.h - 1)
@@ -123,7 +129,14 @@ class Part:
         return h + b"\0"
 
     def chunks(self):
-        value = pixels(self.o, self.w, self.h)
+        x0, y0, w, h = self.own
+        inside = pixels(self.o, w, h)
+
+        def value(name, x, y):
+            x, y = x + self.x - x0, y + self.y - y0
+            return (inside(name, x, y) if 0 <= x < w and 0 <= y < h
+                    else 1e10 if name == "Z" else 0)
+
         for y in range(self.h):
             if self.deep:
                 yield struct.pack("<iQQQ", self.y + y, 4 * self.w, 0, 0) + \
@@ -158,7 +171,7 @@ def write(path, parts):
 def main():
     o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1", "dim": "0.7",
          "hot": "0", "channels": "R,G,B", "type": "half", "origin": "0,0",
-         "display": "", "deep": "0", "attr": [], "part": []}
+         "display": "", "pad": "", "deep": "0", "attr": [], "part": []}
     for word in sys.argv[2:]:
         key, value = word.split("=", 1)
         if isinstance(o[key], list):

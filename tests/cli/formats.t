@@ -155,7 +155,7 @@ ok '--type auto: float in, float out' sh -c \
 
 # -- what --hdr carries --------------------------------------------------------
 
-run --hdr carried.exr rich.exr
+run --grow none --hdr carried.exr rich.exr
 quiet_success '--hdr of three parts'
 exrheader carried.exr >carried.head
 exrheader rich.exr >rich.head
@@ -172,7 +172,7 @@ ok '--hdr: windows, channels, types and attributes of all parts' \
 echo "carried.exr:A,Z,id,normals.X,normals.Y,normals.Z rich.exr:A,Z,id,normals.X,normals.Y,normals.Z equal --hdr: other channels untouched" >>list
 echo "carried.exr@1 rich.exr@1 equal --hdr: the second part" >>list
 echo "carried.exr@2 rich.exr@2 equal --hdr: the third part" >>list
-run -t 1e9 --hdr dark.exr rich.exr
+run -t 1e9 --grow none --hdr dark.exr rich.exr
 echo "dark.exr rich.exr equal --hdr without light: the frame itself" >>list
 frame first.exr size=64x48 origin=3,3 attr=owner:string:x
 run -g 0 --hdr nogain.exr first.exr

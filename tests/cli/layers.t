@@ -194,10 +194,11 @@ if [ -z "$data" ]; then
     skip 6 "no example files"
 else
     stereo=$data/depth/Beachball_multipart.0001.exr
-    ok 'the left eye' "$glarepp" -t 0.4 --part rgba_left --hdr out.exr "$stereo"
+    ok 'the left eye' "$glarepp" -t 0.4 --grow none --part rgba_left \
+        --hdr out.exr "$stereo"
     ok 'the right eye and all others stay' files parts "$stereo" out.exr 4
     ok 'with A' files same "$stereo" out.exr 4 R G B
-    "$glarepp" -t 0.4 --layer-in left.rgba --hdr out2.exr "$stereo"
+    "$glarepp" -t 0.4 --grow none --layer-in left.rgba --hdr out2.exr "$stereo"
     ok 'the left eye by its view' cmp out.exr out2.exr
     ids=$data/camera/arnold_multichannel_tiled64.exr
     ok 'a render with ids' "$glarepp" -t 0.5 --hdr out.exr "$ids"

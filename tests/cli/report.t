@@ -14,7 +14,7 @@ run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
     --report r.json in.exr
 quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
-is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', \
+is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
 'engine', 'engine_why', 'sources', 'fft_size', 'flux_in', 'flux_out', \
 'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \

@@ -5,6 +5,7 @@
 #define GP_TESTS_HARD_CASES_TABLE_H
 
 #include "glare_scene.h"
+#include "io/grow.h"
 #include "sun/occluder.h"
 
 /* What the depth plane holds. Background and surfaces lie in blocks. */
@@ -45,6 +46,7 @@ struct hard_case {
     double light_gain, kernel_gain; // times what is usual; 0: 1
     size_t sources; // that there must be; 0 is not checked
     struct gp_rect display; // 0: from the origin, as large as the data window
+    bool grown;             // to the union of data and display window
     enum hard_depth depth;
     double sun[3];  // x, y from the data window's corner, radius; 0: in the
                     // middle, of a third of the shorter side
@@ -146,6 +148,14 @@ static const struct hard_case hard_cases[] = {
      BARS, .x0 = -30, .y0 = -20, .display = {0, 0, 64, 48}},
     {"negative display, disjoint", 64, 48, FEW, 21, 21, MID, 0, PEAK, BARS,
      .display = {-500, -400, -436, -352}},
+    {"window inside the display, grown", 40, 22, FEW, 21, 21, MID, 0, TINTED,
+     BARS, .x0 = 10, .y0 = 8, .display = {0, 0, 64, 48}, .grown = true},
+    {"window over the display's corner, grown", 64, 48, FEW, 21, 21, MID, 0,
+     PEAK, BARS, .x0 = -30, .y0 = -20, .display = {0, 0, 64, 48},
+     .grown = true},
+    {"negative window beside the display, grown", 24, 18, FEW, 31, 33, MID, 0,
+     PEAK, BARS, .x0 = -47, .y0 = -33, .display = {-10, -12, 20, 15},
+     .grown = true},
 
     // light that cancels, light that does not fit
     {"light beside as much negative light", 64, 48, CANCEL, 21, 21, MID, 0,
@@ -219,6 +229,11 @@ static inline struct gp_frame hard_frame(const struct hard_case *h)
                                     hard_is_sunny(h) ? hard_own(h) : 20071u);
     if (!gp_rect_empty(h->display))
         f.display = h->display;
+    if (h->grown) {
+        const struct gp_grow_params none = {0};
+        if (gp_grow(NULL, &none, gp_grow_window(&none, &f), &f))
+            abort();
+    }
     for (int c = 0; c < 3 && h->light_gain > 0.0; c++) {
         for (size_t i = 0; i < gp_frame_pixels(&f); i++)
             f.rgb.c[c][i] = (float) ((double) f.rgb.c[c][i] * h->light_gain);

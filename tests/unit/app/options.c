@@ -84,7 +84,7 @@ static void every_option_is_stored(void **state)
 {
     for (const struct gp_option *o = gp_options; o->name; o++) {
         const char *name, *text;
-        char value[64] = "word";
+        char value[64] = "7";
         const double v = o->hi < (double) FLT_MAX ? o->hi : 2.5;
         if (o->hidden)
             continue;

@@ -18,7 +18,8 @@ static struct gp_facts full_facts(void)
         .taken = {"2", "diffuse", "left"}, .warned = "one\0two",
         .warned_bytes = 8,
         .outputs = (char **) two_names, .n_outputs = 2,
-        .width = 640, .height = 480, .sources = 12,
+        .width = 640, .height = 480, .window = {-2, 3, 638, 483},
+        .sources = 12,
         .flux_in = {1.5, 2.5, 3.5}, .flux_out = {1.25, 2.25, 3.25},
         .has_flux_out = true, .nonfinite = 3, .clamped = 4, .clamped_out = 5,
         .glare = {.engine = "splat", .why = "asked for", .groups = 7,
@@ -56,7 +57,7 @@ static char *reported(const struct gp_facts *facts, int n)
 
 static const char *const keys[] = {
     "frame", "view", "input", "part", "layer", "outputs", "width",
-    "height", "engine", "engine_why",
+    "height", "window", "window_read", "engine", "engine_why",
     "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
     "form", "fft_size", "flux_in", "flux_out", "bound", "measured",
     "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "peak_rss_mib",

@@ -1,0 +1,54 @@
+/* Frames grow to the window that their outputs have.
+ *
+ * A renderer or compositor may store only the pixels that hold something: a
+ * data window inside the display window. Glare reaches out of it, and a sun
+ * may be outside of it, so a frame grows before any stage sees it. */
+#ifndef GP_IO_GROW_H
+#define GP_IO_GROW_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+/* Meaning of depth samples, as far as empty pixels need it. */
+enum gp_depth_scale {
+    GP_SCALE_DISTANCE,   // empty: 0, NaN, Inf, 1e9 and more, 65504
+    GP_SCALE_INVERSE,    // empty: 0
+    GP_SCALE_NORMALIZED, // empty: 1; 0 where no sample is 1 and some are 0
+};
+
+struct gp_grow_params {
+    int left, top, right, bottom; // pixels beyond the union; in [0, 2^24]
+    const char *depth;            // one more channel that is depth, or NULL
+    enum gp_depth_scale scale;
+};
+
+/* Returns the union of f's data and display window, as much further as *p
+ * says. An empty display window counts as none. */
+struct gp_rect gp_grow_window(const struct gp_grow_params *p,
+                              const struct gp_frame *f);
+
+/* Returns the least window that holds `window` and f->data, and into which the
+ * grids of all of f's channels fit that are carried and subsampled. */
+struct gp_rect gp_grow_align(const struct gp_frame *f, struct gp_rect window);
+
+/* Makes f->data `window`, and f->read what it was. The display window stays.
+ *
+ *   f       as read: rgb and channels; its other planes empty
+ *   window  of gp_grow_align() for this frame; f->data: nothing happens
+ *
+ * Pixels that f did not have are black; samples of carried channels are 0
+ * there, ids of Cryptomatte and coverage too. Channels that are depth by their
+ * names (channels.h) hold the empty value that most of their own samples have,
+ * or, where they have none, their farthest.
+ * On failure f is to be freed, no more. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_grow(const struct gp_log *log,
+    const struct gp_grow_params *p, struct gp_rect window, struct gp_frame *f);
+
+/* Checks a window that a frame of `path` would grow to.
+ * Errors: GP_ERR_DATA more than max_pixels, or edges that int cannot hold four
+ * times; the line names --grow none. Warns where it takes memory out of
+ * proportion: over 16 Mi pixels, and over 16 times those of the file. */
+GP_MUST_CHECK gp_status gp_grow_check(const struct gp_log *log,
+    const struct gp_frame *f, struct gp_rect window, long long max_pixels);
+
+#endif
