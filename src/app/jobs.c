@@ -592,6 +592,14 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
             GP_TRY(look_inside(log, s, &j));
         GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
+    for (int i = 0; i < j.targets && s->write.alpha == GP_ALPHA_KEEP; i++) {
+        const struct gp_output *const t = &j.target[i];
+        if (t->kind == GP_TARGET_PICTURE &&
+            !gp_write_has_alpha(&s->write, t->name.path))
+            gp_say(log, GP_LEVEL_WARN, "%s: --alpha keep: this format has no "
+                   "alpha, the picture is over black; write .png, .tif or "
+                   ".exr", t->name.path);
+    }
     *out = j;
     return GP_OK;
 out:

@@ -143,7 +143,8 @@ static const struct gp_option_choice gp_bits[] = {
 static const struct gp_option_choice gp_alphas[] = {
     {"black", GP_ALPHA_BLACK, "composite the picture over black, "
      "without alpha"},
-    {"keep", GP_ALPHA_KEEP, "the frame's alpha is written along"}, {0},
+    {"keep", GP_ALPHA_KEEP, "write the frame's alpha where the format has it: "
+     "PNG, TIFF, EXR, WebP, Targa, SGI"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
     {"exr", GP_STDOUT_EXR, "OpenEXR; with --hdr the only one"},

@@ -532,9 +532,12 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_map_picture *const map =
         t->kind == GP_TARGET_SUNMAP ? &fs->sunmap : &fs->intensity;
     enum gp_picture_kind kind = GP_PICTURE_SCENE;
+    struct gp_write_params pictures = *p;
     struct gp_frame f = fs->frame;
     struct gp_planes own = {0};
     gp_status st = GP_OK;
+    if (t->kind != GP_TARGET_PICTURE)
+        pictures.alpha = GP_ALPHA_BLACK; // a layer is light that is added
     switch (t->kind) {
     case GP_TARGET_HDR:
         return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
@@ -568,7 +571,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         break;
     }
     if (!st)
-        st = gp_write_picture(fs->log, p, name, &f, shown, kind, stats);
+        st = gp_write_picture(fs->log, &pictures, name, &f, shown, kind, stats);
     gp_planes_free(&own);
     return st;
 }

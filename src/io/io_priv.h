@@ -73,6 +73,7 @@ GP_MUST_CHECK gp_status gp_read_stream(const struct gp_log *log,
 struct gp_writer {
     const char *ending; // in lower case; NULL: any other
     bool only_straight; // only to stdout, a pipe or a device
+    bool alpha;         // can hold it
     // checks the params; NULL: any will do. Errors: as gp_write_check()
     gp_status (*check)(const struct gp_log *log,
         const struct gp_write_params *p, const char *path, const char *ending);

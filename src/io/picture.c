@@ -247,7 +247,7 @@ gp_status gp_picture_make(const struct gp_log *log,
     void *alpha;
     const struct gp_rect d = f->display;
     const int64_t w = (int64_t) d.x1 - d.x0, h = (int64_t) d.y1 - d.y0;
-    const int channel = p->alpha == GP_ALPHA_KEEP ? gp_find_alpha(f) : -1;
+    const int channel = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
     *out = (struct gp_picture) {0};
     if (w < 1 || h < 1 || w > edge_max || h > edge_max || w > pixels_max / h)
         return gp_fail(log, GP_ERR_DATA,
@@ -257,6 +257,7 @@ gp_status gp_picture_make(const struct gp_log *log,
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
         .bits = p->depth_bits, .dither = p->dither,
         .encoded = kind == GP_PICTURE_ENCODED, .f = f, .planes = planes,
+        .associated = p->alpha == GP_ALPHA_ASSOCIATED,
     };
     if (channel >= 0) {
         GP_TRY(gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof(float),
@@ -355,7 +356,10 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
     const struct gp_quantizer *const q = pic->quantizer;
     const struct span s = span_of(pic, y);
     float *const *v = row->linear;
-    if (pic->alpha) {
+    const bool divided = pic->alpha && !pic->associated;
+    if (pic->alpha && pic->associated)
+        gp_quantize_linear(q, pic->alpha + s.at, row->code[3] + s.x, s.n);
+    if (divided) {
         for (size_t i = 0; i < s.n; i++) {
             float most = clamp01(pic->alpha[s.at + i]);
             for (int c = 0; c < 3; c++) {
@@ -374,8 +378,7 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
         }
     }
     for (int c = 0; c < 3; c++) {
-        const float *const from = pic->alpha ? v[c]
-                                             : pic->planes->c[c] + s.at;
+        const float *const from = divided ? v[c] : pic->planes->c[c] + s.at;
         uint16_t *const to = row->code[c] + s.x;
         if (pic->encoded && pic->dither)
             gp_quantize_linear_dither(q, from, (int) s.x, y, to, s.n);

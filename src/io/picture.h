@@ -20,6 +20,7 @@ struct gp_picture {
     int bits;           // of a code, 8 or 16
     bool dither;
     bool encoded;       // codes are the planes' values, without a curve
+    bool associated;    // codes of colour are not divided by alpha
     const struct gp_frame *f;
     const struct gp_planes *planes;
     float *alpha;       // of the data window, or NULL
@@ -28,8 +29,9 @@ struct gp_picture {
 
 /* Prepares rows of `planes`.
  *
- *   p      depth_bits, dither and alpha are used. With GP_ALPHA_KEEP and an
- *          alpha channel beside the colour the picture has four channels
+ *   p      depth_bits, dither and alpha are used. Without GP_ALPHA_BLACK, and
+ *          with an alpha channel beside the colour, the picture has four
+ *          channels
  *   kind   GP_PICTURE_ENCODED planes become codes without a curve
  *   codes  false when only gp_picture_floats() will be called
  *   out    empty on failure; free with gp_picture_free()
@@ -61,7 +63,8 @@ GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
  * glare shines over an empty background. Alpha is raised to the largest
  * component there: a = max(A, R, G, B), each clamped to [0, 1], so that
  * colour / a stays within 1 and the picture put over black is, pixel by
- * pixel, the picture without alpha. */
+ * pixel, the picture without alpha. With GP_ALPHA_ASSOCIATED the colours are
+ * those of the picture without alpha, with A beside them. */
 void gp_picture_codes(const struct gp_picture *pic, int y,
                       struct gp_picture_row *row);
 

@@ -48,11 +48,11 @@ static gp_status write_oiio(const struct gp_log *log,
 
 /* Raw frames have no files of their own: .raw is what cameras write. */
 const struct gp_writer gp_writers[] = {
-    {"exr", false, check_exr, gp_exr_write_picture},
-    {"png", false, NULL, gp_png_write},
-    {"pfm", false, NULL, gp_pfm_write},
-    {"raw", true, NULL, gp_raw_write},
-    {NULL, false, gp_oiio_picture_check, write_oiio},
+    {"exr", false, true, check_exr, gp_exr_write_picture},
+    {"png", false, true, NULL, gp_png_write},
+    {"pfm", false, false, NULL, gp_pfm_write},
+    {"raw", true, false, NULL, gp_raw_write},
+    {NULL, false, false, gp_oiio_picture_check, write_oiio}, // by its ending
 };
 
 static const struct gp_writer *find_writer(const struct gp_write_params *p,
@@ -64,6 +64,13 @@ static const struct gp_writer *find_writer(const struct gp_write_params *p,
                          (w->only_straight && !straight)))
         w++;
     return w;
+}
+
+bool gp_write_has_alpha(const struct gp_write_params *p, const char *path)
+{
+    char ending[ENDING_BYTES];
+    const struct gp_writer *const w = find_writer(p, path, ending);
+    return w->ending ? w->alpha : gp_oiio_has_alpha(ending);
 }
 
 gp_status gp_write_hdr_check(const struct gp_log *log,

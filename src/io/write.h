@@ -42,7 +42,9 @@ enum gp_raw_format {
     GP_RAW_RGBF32LE,
 };
 
-enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP };
+/* Values of --alpha, and what writers of integers make of KEEP in formats whose
+ * readers take alpha as associated. */
+enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP, GP_ALPHA_ASSOCIATED };
 
 struct gp_write_params {
     enum gp_out_type type;
@@ -80,8 +82,9 @@ enum gp_picture_kind {
 };
 
 /* Writes `planes` (w * h of f's data window) with the frame's windows,
- * chromaticities and attributes, as a three-channel picture. The ending of
- * `path` picks the format: .exr here, .png by libpng, all else by the
+ * chromaticities and attributes, as a picture of three channels; with
+ * GP_ALPHA_KEEP alpha is a fourth in the formats of gp_write_has_alpha(). The
+ * ending of `path` picks the format: .exr here, .png by libpng, all else by the
  * OpenImageIO bridge; "-" (stdout), pipes and devices without an ending get
  * what p->stdout_format says. Stdout may be given many frames, one after the
  * other.
@@ -134,6 +137,10 @@ GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
 /* gp_write_check() for gp_write_hdr(), which writes only EXR. */
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path);
+
+/* True when a picture under that name can have alpha (GP_ALPHA_KEEP); in other
+ * formats it is over black. */
+bool gp_write_has_alpha(const struct gp_write_params *p, const char *path);
 
 /* True when no_clobber is set and there is a regular file of that name. The
  * writing functions skip it then and return GP_OK; asked before a

@@ -348,6 +348,7 @@ bench --outptu a => --outptu: unknown option; glarepp bench --help lists them
 -o o.%V.png in.exr => o.%V.png: %V and %v are views, and there are none (no %V in in.exr, no views found in it); give --views left,right
 --views left,lefty -o o.%V.png w.%v.exr => w.%v.exr: %v is the same letter for two views (found left and lefty); write %V
 --views left, -o o.%V.png w.%v.exr => --views: an empty name (found in "left,"); write left,right
+--views all -o o.%V.png w.%v.exr => --views: all are those that a file holds (found %V or %v in w.%v.exr); name them, such as left,right
 --views a,b,a -o o.%V.png w.%v.exr => --views: a comes twice (found in a,b,a); name each view once
 --views a/b -o o.%V.png w.%v.exr => --views: a name with a slash (found a/b); views are names, %V may stand for a folder
 -o o.%V.#.png v.%V.####.exr s.####.exr => s.####.exr: no %V or %v (found in v.%V.####.exr); make the two in separate runs

@@ -189,6 +189,33 @@ run -o a8.png --alpha keep rich.exr
 is "$(png_size a8.png)" '80x64 8 6' '--alpha keep: PNG with alpha'
 run -o a.png --alpha keep in.exr
 is "$(png_size a.png)" '97x61 8 2' '--alpha keep: no alpha where there is none'
+# the channel in every format that has one; the picture over black in all others
+frame alpha.exr size=40x30 channels=R,G,B,A:float
+run --alpha keep -o keep.png -o keep.exr -o keep.tif -o keep.webp -o keep.tga \
+    -o keep.sgi -o keep.rgba --layer keep.layer.exr alpha.exr
+quiet_success '--alpha keep: formats with alpha'
+run -o black.exr -o black.sgi -o black.tga alpha.exr
+echo "keep.exr:A alpha.exr:A equal --alpha keep: EXR" >>list
+echo "keep.exr:R,G,B black.exr:R,G,B equal --alpha keep: EXR: colours are associated" >>list
+echo "keep.sgi:A alpha.exr:A 2e-3 --alpha keep: SGI" >>list
+echo "keep.rgba:A alpha.exr:A 2e-3 --alpha keep: .rgba" >>list
+echo "keep.sgi:R,G,B black.sgi:R,G,B equal --alpha keep: SGI: colours are associated" >>list
+for ending in tif webp tga; do
+    echo "keep.$ending:A keep.png:A equal --alpha keep: .$ending as PNG" >>list
+done
+is "$(exrinfo keep.layer.exr | grep -c "'A'")" 0 '--alpha keep: a layer has none'
+"$glarepp" --alpha keep --stdout-format png -o - alpha.exr >keep.stdout.png
+same keep.stdout.png keep.png '--alpha keep: PNG to stdout'
+for ending in jpg bmp dpx ppm pfm hdr; do
+    run --alpha keep -o keep.$ending alpha.exr
+    status_is 0 "--alpha keep: .$ending"
+    like "$(cat err)" "*keep.$ending: --alpha keep: *" "--alpha keep: .$ending: a line"
+    run -o black.$ending alpha.exr
+    same keep.$ending black.$ending "--alpha keep: .$ending is over black"
+done
+"$glarepp" --alpha keep --raw rgb24 -o - alpha.exr 2>err | wc -c >bytes
+is "$(cat bytes)" 3600 '--alpha keep: raw has three channels'
+like "$(cat err)" '*--alpha keep: *' '--alpha keep: raw: a line'
 for chunk in sRGB gAMA; do
     ok "PNG: has the chunk $chunk" grep -qa $chunk p8.png
     ok "16-bit PNG: has the chunk $chunk" grep -qa $chunk p16.png

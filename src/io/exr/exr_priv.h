@@ -306,9 +306,11 @@ struct gp_exr_sources {
     int sources;
     char **new_name; // names that no frame has
     int new_names;
+    float *alpha;    // owned: samples of a picture's A, or NULL
 };
 
-/* R, G and B from `planes`. Errors: GP_ERR_BUG out of memory. */
+/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where it
+ * has one. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_frame *f,
     const struct gp_planes *planes, struct gp_exr_sources *out);

@@ -27,6 +27,7 @@ void gp_exr_sources_free(struct gp_exr_sources *s)
         free(s->new_name[i]);
     gp_free(s->new_name);
     gp_free(s->source);
+    gp_free(s->alpha);
     *s = (struct gp_exr_sources) {0};
 }
 
@@ -46,9 +47,22 @@ gp_status gp_exr_sources_picture(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_frame *f,
     const struct gp_planes *planes, struct gp_exr_sources *out)
 {
-    static const char *const name[3] = {"B", "G", "R"}; // sorted
-    gp_status st = make_room(log, 3, out);
-    for (int c = 0; !st && c < 3; c++)
+    static const char *const name[3] = {"B", "G", "R"}; // sorted, after A
+    const int alpha = p->alpha != GP_ALPHA_BLACK ? gp_find_alpha(f) : -1;
+    gp_status st = make_room(log, 4, out);
+    if (!st && alpha >= 0)
+        st = gp_alloc(log, "alpha", gp_frame_pixels(f), sizeof(float),
+                      &out->alpha);
+    if (st)
+        return st;
+    if (alpha >= 0) {
+        gp_channel_floats(f, alpha, out->alpha);
+        add_plane(out, p, "A", f, out->alpha, true);
+        if (p->type == GP_OUT_AUTO)
+            out->source[0].type = f->channel[alpha].type == GP_HALF ? GP_HALF
+                                                                    : GP_FLOAT;
+    }
+    for (int c = 0; c < 3; c++)
         add_plane(out, p, name[c], f, planes->c[2 - c], false);
     return st;
 }

@@ -80,11 +80,16 @@ GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
  * and --depth-bits for one to be shown. All show the display window. Radiance
  * HDR holds three mantissas and an exponent: the nearest of those are stored,
  * NaN and negative values as 0, what lies beyond as the largest.
- * GP_ALPHA_KEEP keeps alpha in TIFF, TGA and WebP; others are over black. */
+ * GP_ALPHA_KEEP keeps alpha in TIFF, TGA, WebP and SGI; others are over black.
+ * SGI says nothing of it, and is read as associated: colour is what it is over
+ * black, beside it. */
 GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,
     enum gp_picture_kind kind);
+
+/* True for the endings of formats that keep alpha. */
+bool gp_oiio_has_alpha(const char *ending);
 
 /* Checks that these params can be written. Errors: GP_ERR_USAGE unknown
  * ending, more bits than the format has, a compression that TIFF lacks;

@@ -11,29 +11,33 @@
 #include <stdio.h>
 #include <string.h>
 
-/* The types that a format holds. Of 2.4's other writers RLA loses samples,
- * FITS writes its rows one too high, IFF 1x1 as black, GIF is not the same
- * from run to run, HEIF's reads past the end of its rows, icons are not read
- * back. */
+/* The types that a format holds, and how its readers take a fourth channel:
+ * BLACK where there is none. Of 2.4's other writers RLA loses samples, FITS
+ * writes its rows one too high, IFF 1x1 as black, GIF is not the same from run
+ * to run, HEIF's reads past the end of its rows, icons are not read back. The
+ * fourth byte that it writes into BMP has no meaning there (BI_RGB). */
 static const struct format {
     const char *ending;
     int bits;      // most bits of an integer sample; 0 holds none
-    bool floats, alpha;
+    bool floats;
+    enum gp_alpha alpha;
 } formats[] = {
-    {"hdr", 0, true, false},   {"rgbe", 0, true, false},
-    {"tif", 16, true, true},
-    {"tiff", 16, true, true},  {"dpx", 16, false, false},
-    {"sgi", 16, false, false}, {"tga", 8, false, true},
-    {"webp", 8, false, true},  {"jpg", 8, false, false},
-    {"jpeg", 8, false, false}, {"jpe", 8, false, false},
-    {"jfif", 8, false, false}, {"jif", 8, false, false},
-    {"jfi", 8, false, false},  {"bmp", 8, false, false},
-    {"dib", 8, false, false},  {"ppm", 8, false, false},
-    {"pgm", 8, false, false},  {"pbm", 8, false, false},
-    {"pnm", 8, false, false},  {"rgb", 8, false, false},
-    {"rgba", 8, false, false}, {"bw", 8, false, false},
-    {"int", 8, false, false},  {"inta", 8, false, false},
-    {"tpic", 8, false, false}, {"tx", 8, false, false},
+    {"hdr", 0, true, GP_ALPHA_BLACK},   {"rgbe", 0, true, GP_ALPHA_BLACK},
+    {"tif", 16, true, GP_ALPHA_KEEP},   {"tiff", 16, true, GP_ALPHA_KEEP},
+    {"tx", 8, false, GP_ALPHA_BLACK},   {"dpx", 16, false, GP_ALPHA_BLACK},
+    {"tga", 8, false, GP_ALPHA_KEEP},   {"tpic", 8, false, GP_ALPHA_KEEP},
+    {"webp", 8, false, GP_ALPHA_KEEP},  {"jpg", 8, false, GP_ALPHA_BLACK},
+    {"jpeg", 8, false, GP_ALPHA_BLACK}, {"jpe", 8, false, GP_ALPHA_BLACK},
+    {"jfif", 8, false, GP_ALPHA_BLACK}, {"jif", 8, false, GP_ALPHA_BLACK},
+    {"jfi", 8, false, GP_ALPHA_BLACK},  {"bmp", 8, false, GP_ALPHA_BLACK},
+    {"dib", 8, false, GP_ALPHA_BLACK},  {"ppm", 8, false, GP_ALPHA_BLACK},
+    {"pgm", 8, false, GP_ALPHA_BLACK},  {"pbm", 8, false, GP_ALPHA_BLACK},
+    {"pnm", 8, false, GP_ALPHA_BLACK},  {"sgi", 16, false, GP_ALPHA_ASSOCIATED},
+    {"rgb", 8, false, GP_ALPHA_ASSOCIATED},
+    {"rgba", 8, false, GP_ALPHA_ASSOCIATED},
+    {"bw", 8, false, GP_ALPHA_ASSOCIATED},
+    {"int", 8, false, GP_ALPHA_ASSOCIATED},
+    {"inta", 8, false, GP_ALPHA_ASSOCIATED},
 };
 
 static const struct format *find_format(const char *ending)
@@ -43,6 +47,12 @@ static const struct format *find_format(const char *ending)
             return &formats[i];
     }
     return NULL;
+}
+
+bool gp_oiio_has_alpha(const char *ending)
+{
+    const struct format *const t = find_format(ending);
+    return t && t->alpha != GP_ALPHA_BLACK;
 }
 
 static bool is_tiff(const struct format *t)
@@ -173,8 +183,8 @@ gp_status gp_oiio_picture_write(const struct gp_log *log,
     struct gp_shared pixels = {0};
     struct gp_stream s = GP_STREAM_EMPTY;
     GP_TRY(gp_oiio_picture_check(log, p, path, ending));
-    if (!t->alpha)
-        own.alpha = GP_ALPHA_BLACK;
+    if (own.alpha != GP_ALPHA_BLACK)
+        own.alpha = t->alpha;
     // integers where the format has nothing else, or nothing says otherwise
     const bool scene = kind == GP_PICTURE_SCENE;
     const bool integer = is_tiff(t) ? p->type == GP_OUT_AUTO && !scene
