@@ -123,6 +123,9 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
                (double) r->flip->exposures.stop, r->flip->exposures.count);
     if (r->flip->known)
         putchar('\n');
+    if (f->uneven)
+        printf("  %lld pixels differ in their number of samples, the first at "
+               "(%d, %d)\n", f->uneven, f->uneven_x, f->uneven_y);
     if (f->nonfinite)
         printf("  %lld values that are NaN or infinite differ\n",
                f->nonfinite);
@@ -174,7 +177,7 @@ static json_t *make_json(const struct row *r, bool numbered)
         "channel", gp_json_name(gp_compare_name(r->match, f->channel)),
         "a", make_real(f->worst_a), "b", make_real(f->worst_b));
     json_t *const figures = json_pack(
-        "{so so* so so so so so* so* ss* so* sI sI sI so* sI}",
+        "{so so* so so so so so* so* ss* so* sI sI sI so* so* sI}",
         "max", make_real(f->max), "worst", worst, "mean", make_real(f->mean),
         "rms", make_real(f->rms), "psnr", make_real(f->psnr),
         "rel_l2", make_real(f->rel_l2),
@@ -185,6 +188,8 @@ static json_t *make_json(const struct row *r, bool numbered)
             (double) e->start, (double) e->stop, e->count),
         "nonfinite", (json_int_t) f->nonfinite,
         "failed", (json_int_t) f->failed, "warned", (json_int_t) f->warned,
+        "uneven", !f->uneven ? NULL : json_pack("{sI si si}", "pixels",
+            (json_int_t) f->uneven, "x", f->uneven_x, "y", f->uneven_y),
         "seen", f->seen < 0 ? NULL : json_integer(f->seen),
         "pixels", (json_int_t) f->pixels);
     json_object_update(o, figures);
@@ -273,12 +278,18 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
         GP_TRY(name_picture(r, &r->names.heatmap, &name));
         GP_TRY(gp_compare_heatmap(r->log, r->job->write, name, &m, &flip));
         r->drawn = true;
+    } else if (p->heatmap && !flip.known) {
+        gp_say(r->log, GP_LEVEL_WARN, "%s: has no colour for FLIP; --heatmap "
+               "is not written", r->row.a);
     }
-    if (p->difference && !r->subtracted &&
+    if (p->difference && !r->subtracted && !a->deep &&
         (figures.max > 0.0 || !p->only_different)) {
         GP_TRY(name_picture(r, &r->names.difference, &name));
         GP_TRY(gp_compare_subtract(r->log, r->job->write, p, name, &m));
         r->subtracted = true;
+    } else if (p->difference && a->deep) {
+        gp_say(r->log, GP_LEVEL_WARN, "%s: is deep; --difference is not "
+               "written", r->row.a);
     }
     if (p->perceptual && m.lit)
         GP_TRY(gp_compare_see(r->log, &m, &figures.seen));
@@ -328,10 +339,6 @@ static gp_status compare_frame(struct run *r, int frame)
             st = gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]);
         if (!st && image[0].deep != image[1].deep)
             report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
-        else if (!st && image[0].deep)
-            st = gp_fail(r->log, GP_ERR_DATA, "%s: deep data cannot be "
-                         "compared (part %d); flatten both files", path[0],
-                         part);
         else if (!st)
             st = compare_images(r, &image[0], &image[1]);
         gp_stored_image_free(&image[0]);

@@ -36,7 +36,8 @@ const char *gp_compare_name(const struct gp_compare_match *m, int pair);
 double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
                         int x, int y);
 
-/* All over the union of the windows; outside its own window an image is 0.
+/* All over the union of the windows; outside its own window an image is 0, and
+ * so are the samples that a deep pixel has less than that of the other.
  * Two NaN are equal, and two infinities of one sign. A value that is NaN or
  * infinite against another is an infinite error: it counts in `max` and
  * `nonfinite`, makes its pixel fail and warn, and stays out of the sums. */
@@ -51,6 +52,8 @@ struct gp_compare_figures {
     double max_rel;         // of pixels' luminance: |dY| / (Y of a + 1e-6 of
                             // its maximum); NaN where one has no colour
     long long nonfinite;    // values
+    long long uneven;       // deep pixels with other numbers of samples, which
+    int uneven_x, uneven_y; // fail; the first of them
     long long warned, failed; // pixels over a limit in some channel
     long long seen;         // pixels whose difference an eye sees; -1: unasked
     long long pixels;       // of a: what percentages refer to, as in idiff
@@ -109,7 +112,7 @@ GP_MUST_CHECK gp_status gp_compare_heatmap(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,
     const struct gp_compare_match *m, const struct gp_compare_flip *f);
 
-/* Writes a - b, or |a - b|, times p->scale, over the union of the windows: all
+/* Writes a - b of flat images, or |a - b|, times p->scale, over the union of the windows: all
  * channels as floats to .exr; to other formats R, G and B, or the first channel
  * as grey, of which integer ones keep [0,1] without a curve.
  * Errors: as gp_write_picture(); GP_ERR_BUG out of memory. */

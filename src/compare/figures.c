@@ -93,6 +93,17 @@ static int64_t index_at(const struct gp_stored_image *image, int x, int y)
     return (int64_t) (y - r.y0) * gp_rect_w(r) + (x - r.x0);
 }
 
+/* The samples of a pixel: `n` from *from on; of a flat one 1, outside 0. */
+static int64_t samples_at(const struct gp_stored_image *image, int64_t at,
+                          int64_t *from)
+{
+    *from = at;
+    if (at < 0 || !image->first)
+        return at >= 0;
+    *from = image->first[at];
+    return image->first[at + 1] - image->first[at];
+}
+
 static double value_at(const struct gp_stored_channel *c, int64_t at)
 {
     if (!c || at < 0)
@@ -134,6 +145,8 @@ struct sums {
     int x, channel;                  // of max
     double worst_a, worst_b;
     long long nonfinite, warned, failed;
+    long long uneven;
+    int uneven_x;                    // of the first
     double bright, relative;         // largest Y of a; max_rel
 };
 
@@ -165,11 +178,17 @@ static void sum_row(void *ctx, int row, int thread)
     const int y = m->window.y0 + row;
     const struct gp_compare_params *const l = t->limits;
     for (int x = m->window.x0; x < m->window.x1; x++) {
-        const int64_t at_a = index_at(m->a, x, y), at_b = index_at(m->b, x, y);
-        bool failed = false, warned = false;
-        for (int c = 0; c < m->pairs; c++) {
+        int64_t at_a, at_b;
+        const int64_t in_a = samples_at(m->a, index_at(m->a, x, y), &at_a);
+        const int64_t in_b = samples_at(m->b, index_at(m->b, x, y), &at_b);
+        bool failed = m->a->first && in_a != in_b, warned = failed;
+        if (failed && !s->uneven++)
+            s->uneven_x = x;
+        const int64_t most = in_a > in_b ? in_a : in_b;
+        for (int64_t k = 0; k < most; k++) for (int c = 0; c < m->pairs; c++) {
             const struct gp_compare_pair *const p = &m->pair[c];
-            const double a = value_at(p->a, at_a), b = value_at(p->b, at_b);
+            const double a = value_at(p->a, k < in_a ? at_a + k : -1);
+            const double b = value_at(p->b, k < in_b ? at_b + k : -1);
             if (!isfinite(a) || !isfinite(b)) {
                 if (same_nonfinite(a, b))
                     continue;
@@ -198,7 +217,8 @@ static void sum_row(void *ctx, int row, int thread)
         }
         s->failed += failed;
         s->warned += warned;
-        const double bright = m->lit ? luminance(m, m->a, at_a) : 0.0;
+        const double bright =
+            m->lit ? luminance(m, m->a, index_at(m->a, x, y)) : 0.0;
         if (isfinite(bright))
             s->bright = fmax(s->bright, bright);
     }
@@ -258,6 +278,11 @@ gp_status gp_compare_measure(
         out->nonfinite += s->nonfinite;
         out->failed += s->failed;
         out->warned += s->warned;
+        if (s->uneven && !out->uneven) {
+            out->uneven_x = s->uneven_x;
+            out->uneven_y = m->window.y0 + y;
+        }
+        out->uneven += s->uneven;
         if (m->lit)
             out->max_rel = fmax(out->max_rel, s->relative);
         if (!(s->max > out->max))

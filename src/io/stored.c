@@ -58,6 +58,39 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 
 /* -- EXR ------------------------------------------------------------------- */
 
+/* A deep part: its samples, no light. */
+static gp_status read_deep(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_stored_file *file, int part,
+    struct gp_stored_image *out)
+{
+    struct gp_exr_deep deep;
+    struct gp_frame f;
+    gp_status st;
+    GP_TRY(gp_exr_deep_read(log, file->path, file->input, part, p->max_pixels,
+                            &deep));
+    gp_exr_frame_header(&deep.part, &f);
+    out->data = f.data;
+    out->display = f.display;
+    memcpy(out->chromaticities, f.chromaticities, sizeof out->chromaticities);
+    memcpy(out->luminance, f.luminance, sizeof out->luminance);
+    const exr_attr_chlist_t *const list = deep.part.channel;
+    GP_TRY(make_list(log, list->num_channels, out));
+    for (int i = 0; i < list->num_channels; i++) {
+        struct gp_stored_channel *const c = &out->channel[i];
+        c->is_uint = list->entries[i].pixel_type == EXR_PIXEL_UINT;
+        c->name = gp_strdup(list->entries[i].name.str);
+        if (!c->name)
+            GP_TRY(gp_no_memory(log, file->path));
+        c->v = deep.sample[i];
+        deep.sample[i] = NULL;
+    }
+    out->first = deep.first;
+    deep.first = NULL;
+out:
+    gp_exr_deep_free(&deep);
+    return st;
+}
+
 static gp_status read_exr(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *file, int part,
     struct gp_stored_image *out)
@@ -68,7 +101,7 @@ static gp_status read_exr(const struct gp_log *log,
     void *sinks = NULL, *wide;
     out->deep = gp_exr_is_deep(file->input, part);
     if (out->deep)
-        return GP_OK;
+        return read_deep(log, p, file, part, out);
     GP_TRY(gp_exr_chunks_find(log, file->path, file->input, part,
                               p->max_pixels, &l));
     gp_exr_frame_header(&l, &f);
@@ -200,6 +233,7 @@ void gp_stored_image_free(struct gp_stored_image *image)
         gp_free(image->channel[i].v);
     }
     gp_free(image->channel);
+    gp_free(image->first);
     gp_planes_free(&image->own);
     *image = (struct gp_stored_image) {0};
 }

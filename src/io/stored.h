@@ -12,7 +12,8 @@
 struct gp_input;
 
 /* One channel at full resolution: a value for each pixel of the data window,
- * rows from the top; subsampled ones are repeated. */
+ * rows from the top; subsampled ones are repeated. Of deep data, one for each
+ * sample. */
 struct gp_stored_channel {
     char *name;   // owned
     bool is_uint; // `v` holds uint32_t (EXR's UINT), else float
@@ -25,7 +26,9 @@ struct gp_stored_image {
     struct gp_rect data, display;   // EXR pixel space
     struct gp_stored_channel *channel; // owned; in the file's order
     int channels;
-    bool deep;          // deep data: no channel was read
+    bool deep;
+    int64_t *first;     // of deep data: the samples of pixel i are
+                        // v[first[i]] to before v[first[i + 1]]; else NULL
     bool integers;      // display-referred: stored as integers, not EXR
     /* Linear colour of the data window: the channels that gp_read_frame()
      * would take (of luminance-chroma the luminance in all three), integers
@@ -54,7 +57,7 @@ void gp_stored_close(struct gp_stored_file *f);
 /* Reads part `part` of [0, f->parts).
  *   out  written only on GP_OK; free with gp_stored_image_free()
  * Errors: as gp_read_frame(), but for deep parts and parts without colour,
- * which are none. */
+ * which are none; more samples than p->max_pixels are. */
 GP_MUST_CHECK gp_status gp_stored_read(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *f, int part,
     struct gp_stored_image *out);

@@ -9,6 +9,12 @@ frame a.exr size=40x30 seed=1
 frame b.exr size=40x30 seed=2
 frame part.exr size=40x30 seed=1 part=depth:Z:float
 frame deep.exr size=40x30 deep=1
+deep='size=40x30 deep=5 channels=R,G,A,Z:float,id:uint origin=3,-4 kind=dark'
+frame d1.exr $deep
+frame d2.exr $deep zips=1
+frame d3.exr $deep seed=2
+frame d4.exr $deep more=7,9
+frame d5.exr size=40x30 deep=5 channels=R,G,A,Z:float,id:uint origin=4,-4 kind=dark
 frame z.exr size=40x30 channels=Z:float
 frame uv.exr size=40x30 channels=u:float,v:float
 frame id.exr size=40x30 channels=R,G,B,id:uint
@@ -130,8 +136,50 @@ is "$status $(grep -c 'channel R is compared with Z of B' out)" '2 1' \
     'no channel of one name: by number'
 run compare a.exr deep.exr
 status_is 3 'flat and deep: status 3'
-run compare deep.exr deep.exr
-fails_with 4 deep.exr 'deep files'
+for pair in 'deep.exr deep.exr' 'd1.exr d1.exr' 'd1.exr d2.exr' 'd2.exr d1.exr'; do
+    run compare $pair
+    is "$status $(tail -1 out) $(cat err)" '0 PASS ' "equal deep files match: $pair"
+done
+run compare d1.exr d3.exr
+status_is 2 'deep files of other values: status 2'
+ok 'deep files of other values: where' grep -q '^  Max error  = .* @ (-\{0,1\}[0-9]*, [-0-9]*, [A-Zid]*)$' out
+run compare -fail 1e9 -v d2.exr d3.exr
+status_is 0 'deep files: limits'
+for pair in 'd1.exr d4.exr' 'd4.exr d2.exr'; do
+    run compare --fail inf $pair
+    is "$status $(grep -c '^  1 pixels differ in their number of samples, the first at (10, 5)$' out)" \
+        '2 1' "deep files with a sample more: $pair, and where"
+done
+run compare --json - d1.exr d4.exr
+is "$(field out 'o["uneven"]')" "{'pixels': 1, 'x': 10, 'y': 5}" 'a sample more: in the JSON'
+run compare d1.exr d5.exr
+status_is 2 'deep files whose windows differ'
+run compare -o no.exr d1.exr d3.exr
+is "$status $(grep -c 'd1.exr: is deep' err)" '2 1' 'no picture of deep files, and a line says so'
+run compare --max-pixels 1300 d1.exr d1.exr
+fails_with 4 --max-pixels 'more samples than --max-pixels'
+for at in 700 20000 -1; do
+    head -c $at d2.exr >short.exr
+    run compare short.exr short.exr
+    fails_with 4 short.exr "a deep file of $at bytes"
+done
+"$python" - "$glarepp" >flipped <<'PY'
+"""Flips bytes of deep files: one line and status 4, or figures."""
+import random, subprocess, sys
+rng, worst = random.Random(3), ""
+for i in range(60):
+    b = bytearray(open(("d1.exr", "d2.exr")[i % 2], "rb").read())
+    for _ in range(1 + i % 4):
+        b[rng.randrange(400, len(b))] = rng.randrange(256)
+    open("bent.exr", "wb").write(b)
+    p = subprocess.run([sys.argv[1], "compare", "d1.exr", "bent.exr"], capture_output=True,
+                       text=True, timeout=60)
+    lines = p.stderr.count("\n")
+    if (p.returncode, lines) not in ((0, 0), (2, 0), (3, 0), (4, 1)):
+        worst += "%d: %d, %s" % (i, p.returncode, p.stderr)
+print(worst or "fine")
+PY
+is "$(cat flipped)" fine 'damaged deep files: a line and status 4, or figures'
 run compare --no-flip id.exr id.exr
 status_is 0 'uint32 channels'
 run compare far.exr a.exr
@@ -290,12 +338,39 @@ def verdict(good, text, notes=""):
 count = 0
 made = {}
 
+def deep(name, kind, tile=0, change=None, more=-1):
+    """A deep file of OpenImageIO's own."""
+    r = np.random.default_rng(1)
+    w, h, types = 40, 30, ["half", "half", "half", "half", "float"]
+    s = oiio.ImageSpec(w, h, 5, "float")
+    s.channelnames = ["R", "G", "B", "A", "Z"]
+    s.channelformats = tuple(oiio.TypeDesc(t) for t in types)
+    s.deep, s.x, s.y, s.tile_width, s.tile_height = True, 3, -4, tile, tile
+    s.attribute("compression", kind)
+    d = oiio.DeepData()
+    d.init(w * h, 5, list(s.channelformats), s.channelnames)
+    for p, n in enumerate(r.integers(0, 5, w * h)):
+        d.set_samples(p, int(n) + (p == more))
+        for i in range(int(n)):
+            for c in range(5):
+                d.set_deep_value(p, c, i, float(r.random()))
+    if change:
+        d.set_deep_value(*change)
+    f = oiio.ImageOutput.create(name)
+    assert f.open(name, s), f.geterror()
+    assert f.write_deep_tiles(3, 43, -4, 26, 0, 1, d) if tile else \
+        f.write_deep_scanlines(-4, 26, 0, d), f.geterror()
+    f.close()
+
 def pair(name, a, b, *options, ending="exr", **key):
     global count
     count += 1
     files = ["p%02da.%s" % (count, ending), "p%02db.%s" % (count, ending)]
     made[name] = files
     for f, image in zip(files, (a, b)):
+        if isinstance(image, dict):
+            deep(f, **image)
+            continue
         write(f, image if isinstance(image, list) else [dict(v=image)], **key)
     theirs, ours, rows = run(*files, list(options))
     blocks = figures(theirs.stdout)
@@ -398,6 +473,13 @@ pair("--failrelative, none", hdr, noisy, "-failrelative", "1e-2", "-warnrelative
 pair("PNG of 8 bits", base, one, ending="png", kind="uint8")
 pair("PNG of 16 bits", base, one, ending="png", kind="uint16")
 pair("TIFF of floats", hdr, noisy, ending="tif")
+plain = dict(kind="zips")
+for name, b in (("equal", plain), ("stored", dict(kind="none")), ("RLE", dict(kind="rle")),
+                ("tiles", dict(kind="zips", tile=16)),
+                ("another value", dict(kind="rle", change=(50, 1, 0, 7.5))),
+                ("tiles, another value", dict(kind="zips", tile=7, change=(50, 4, 0, -7.5)))):
+    pair("deep, " + name, plain, b)
+    pair("deep, " + name + ", other way", b, plain, "-warn", "1")
 print("#", count, "pairs")
 
 # where idiff 2.4 answers otherwise than its own documents, compare does not

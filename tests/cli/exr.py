@@ -18,13 +18,15 @@ usage: exr.py FILE [key=value...]
   attr=name:string:text  and float, int, v2f, m44f (numbers with commas),
                       stringvector (words with commas)
   part=NAME:Z:float   one more part, of one channel
-  deep=1              a deep file without samples
+  deep=1              a deep file without samples; deep=N of less than N a pixel
+  zips=1 more=X,Y     deep files: compressed; a pixel that has a sample more
 Keys attr and part may come more than once.
 """
 import math
 import random
 import struct
 import sys
+import zlib
 
 TYPES = {"uint": (0, "I"), "half": (1, "e"), "float": (2, "f")}
 
@@ -90,12 +92,20 @@ def given_attribute(text):
     return attribute(name, kind, struct.pack("<%df" % len(v), *v))
 
 
+def zips(data):
+    """As EXR compresses a chunk, or as it is where that does not shrink it."""
+    split = data[0::2] + data[1::2]
+    packed = zlib.compress(split[:1] + bytes(
+        (b - a + 128) & 255 for a, b in zip(split, split[1:])))
+    return packed if len(packed) < len(data) else data
+
+
 class Part:
     def __init__(self, o, channels, name=None):
         self.w, self.h = (int(n) for n in o["size"].split("x"))
         self.x, self.y = (int(n) for n in o["origin"].split(","))
         self.channels = sorted(channels)
-        self.name, self.deep, self.o = name, bool(int(o["deep"])), o
+        self.name, self.deep, self.o = name, int(o["deep"]), o
         self.own = self.x, self.y, self.w, self.h
         if o["pad"]:
             x0, y0, x1, y1 = (int(n) for n in o["pad"].split(","))
@@ -109,7 +119,7 @@ class Part:
                           struct.pack("<iiii", TYPES[t][0], 0, 1, 1)
                           for n, t in self.channels) + b"\0"
         h = attribute("channels", "chlist", chlist)
-        h += attribute("compression", "compression", b"\0")
+        h += attribute("compression", "compression", bytes([2 if self.o["zips"] else 0]))
         h += attribute("dataWindow", "box2i", struct.pack("<4i", *data))
         h += attribute("displayWindow", "box2i", struct.pack("<4i", *shown))
         h += attribute("lineOrder", "lineOrder", b"\0")
@@ -128,6 +138,19 @@ class Part:
             h += b"".join(given_attribute(a) for a in self.o["attr"])
         return h + b"\0"
 
+    def deep_chunk(self, value, y):
+        more = [int(n) for n in (self.o["more"] or "-1,-1").split(",")]
+        count = [(7 * x + 3 * y) % self.deep + ([x, y] == more) for x in range(self.w)]
+        table = struct.pack("<%di" % self.w, *(sum(count[:x + 1]) for x in range(self.w)))
+        row = b""
+        for name, kind in self.channels:
+            v = [value(name, x, y) + s for x in range(self.w) for s in range(count[x])]
+            row += struct.pack("<%d%s" % (len(v), TYPES[kind][1]), *v)
+        size = len(row)
+        if self.o["zips"]:
+            table, row = zips(table), zips(row)
+        return struct.pack("<iQQQ", self.y + y, len(table), len(row), size) + table + row
+
     def chunks(self):
         x0, y0, w, h = self.own
         inside = pixels(self.o, w, h)
@@ -139,8 +162,7 @@ class Part:
 
         for y in range(self.h):
             if self.deep:
-                yield struct.pack("<iQQQ", self.y + y, 4 * self.w, 0, 0) + \
-                    bytes(4 * self.w)
+                yield self.deep_chunk(value, y)
                 continue
             row = b""
             for name, kind in self.channels:
@@ -171,7 +193,8 @@ def write(path, parts):
 def main():
     o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1", "dim": "0.7",
          "hot": "0", "channels": "R,G,B", "type": "half", "origin": "0,0",
-         "display": "", "pad": "", "deep": "0", "attr": [], "part": []}
+         "display": "", "pad": "", "deep": "0", "zips": "", "more": "",
+         "attr": [], "part": []}
     for word in sys.argv[2:]:
         key, value = word.split("=", 1)
         if isinstance(o[key], list):

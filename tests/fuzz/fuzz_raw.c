@@ -17,7 +17,7 @@ static void compare(const struct gp_stored_image *a, const struct gp_stored_imag
     const struct gp_compare_params limits = GP_COMPARE_DEFAULTS;
     struct gp_compare_match m;
     struct gp_compare_figures f;
-    if (a->deep || b->deep)
+    if (a->deep != b->deep)
         return;
     // rows of compare's loops count in int, as its own check of the union
     if (!fuzz_said(gp_compare_match_make(&fuzz_log, a, b, &m)) &&

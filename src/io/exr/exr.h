@@ -167,6 +167,24 @@ void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,
     const struct gp_exr_chunks *chunks, const struct gp_exr_sink *sink);
 
+/* Deep data: any number of samples a pixel. */
+struct gp_exr_deep {
+    struct gp_exr_chunks part; // without its list of chunks
+    int64_t *first; // of each pixel, rows from the top: its samples are
+                    // [first[i], first[i + 1])
+    void **sample;  // of each channel, in file order: floats, of UINT uint32_t
+};
+
+/* Reads a deep part, scanlines or tiles (of these level 0).
+ *   max_pixels  most pixels, and most samples of a channel
+ *   out         written always; free with gp_exr_deep_free()
+ * Errors: GP_ERR_DATA over max_pixels, truncated or damaged; GP_ERR_IO cannot
+ * read; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_exr_deep_read(const struct gp_log *log,
+    const char *path, const struct gp_input *in, int part, long long max_pixels,
+    struct gp_exr_deep *out);
+void gp_exr_deep_free(struct gp_exr_deep *deep);
+
 /* The windows, pixel aspect ratio, primaries and number of the part, as the
  * header has them, into `f`. */
 void gp_exr_frame_header(const struct gp_exr_chunks *chunks,
