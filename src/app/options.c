@@ -484,7 +484,11 @@ const struct gp_option gp_options[] = {
         "has built-in ones; a config is trusted as a program is"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG, .help = "Colour space or role of the config "
-        "that the frame is in; without it, scene_linear"),
+        "that frames are in, or are converted to where their files name other "
+        "chromaticities; without it, scene_linear"),
+    OPT(ocio.any_primaries, .name = "ignore-chromaticities", IN(TONE),
+        .needs = GP_NEED_CONFIG, .help = "Take frames as --input-space even "
+        "where their files name other chromaticities"),
     OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Display of the config; without it, its default"),
@@ -496,7 +500,8 @@ const struct gp_option gp_options[] = {
         .help = "Use these looks in place of those of the view: A, or -A,+B"),
     OPT(ocio.output, .name = "output-space", IN(TONE), .arg = "S",
         .needs = GP_NEED_CONFIG | GP_NEED_HDR,
-        .help = "Convert --hdr to this colour space of the config"),
+        .help = "Convert --hdr to this colour space of "
+        "the config, and write its chromaticities"),
     OPT(ocio_context, .name = "ocio-context", IN(TONE), .arg = "NAME=VALUE",
         .needs = GP_NEED_CONFIG, .help = "Set a context variable of the "
         "config; may be given more than once"),

@@ -397,6 +397,8 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_compose_params p = r->s->compose;
     p.dim = r->s->sun.adapt * (float) gp_suns_mean(&r->suns);
+    if (r->ocio)
+        gp_ocio_note(fs->log, r->ocio, &fs->frame);
     gp_status st = gp_compose(fs->log, &p, &fs->sources, &fs->frame);
     for (int i = 0; i < fs->groups && r->s->hdr.n && !st; i++) {
         struct gp_light_group *const g = &fs->group[i];
@@ -586,6 +588,10 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     if (!r->s->no_provenance)
         st = gp_command_text(fs->log, r->s, &input, 1, &command);
     p.command = command;
+    if (r->ocio) {
+        p.primaries = gp_ocio_output_primaries(r->ocio);
+        memcpy(p.cicp, gp_ocio_code_points(r->ocio), sizeof p.cicp);
+    }
     if (r->ordered) // else no two frames share a stream
         stats.raw = r->raw;
     for (int i = 0; i < r->jobs->targets && !st; i++) {

@@ -58,6 +58,45 @@ void gp_invert3(const double m[9], double out[9])
         out[i] = cofactor[i % 3 * 3 + i / 3] / det;
 }
 
+void gp_multiply3(const double a[9], const double b[9], double out[9])
+{
+    for (int i = 0; i < 9; i++) {
+        const double *row = a + i / 3 * 3;
+        out[i] = row[0] * b[i % 3] + row[1] * b[3 + i % 3] +
+                 row[2] * b[6 + i % 3];
+    }
+}
+
+int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9])
+{
+    static const double bradford[9] = {
+        0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685,
+        1.0296,
+    };
+    double xyz[9], target[9], cone_from[9], cone_to[9], back[9];
+    if (!gp_rgb_to_xyz(from, xyz) || !gp_rgb_to_xyz(to, target))
+        return 0;
+    // rows of the RGB to cone matrices; white's responses are their sums
+    gp_multiply3(bradford, xyz, cone_from);
+    gp_multiply3(bradford, target, cone_to);
+    gp_invert3(cone_to, back); // of a singular matrix it is not finite
+    for (int i = 0; i < 3; i++) {
+        double *f = cone_from + 3 * i;
+        const double *t = cone_to + 3 * i;
+        double adapt = (t[0] + t[1] + t[2]) / (f[0] + f[1] + f[2]);
+        if (!(adapt > 1e-3 && adapt < 1e3)) // a white that no eye adapts to
+            return 0;
+        for (int c = 0; c < 3; c++)
+            f[c] *= adapt;
+    }
+    gp_multiply3(back, cone_from, m);
+    for (int i = 0; i < 9; i++) {
+        if (!(fabs(m[i]) < 1e3))
+            return 0;
+    }
+    return 1;
+}
+
 void gp_luminance_weights(const float ch[8], float weight[3])
 {
     double m[9];

@@ -21,6 +21,14 @@ void gp_luminance_weights(const float chromaticities[8], float weight[3]);
  * nothing written) when they are degenerate. */
 int gp_rgb_to_xyz(const float chromaticities[8], double m[9]);
 
+/* Linear RGB of primaries `from` to that of `to`, row-major, white to white:
+ * Bradford (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). False
+ * when either are degenerate, or so odd that an element is 1e3 or more. */
+int gp_rgb_to_rgb(const float from[8], const float to[8], double m[9]);
+
+/* out = a * b of 3x3 matrices; out is neither. */
+void gp_multiply3(const double a[9], const double b[9], double out[9]);
+
 /* The inverse of a 3x3 matrix by cofactors; not finite when it is singular. */
 void gp_invert3(const double m[9], double out[9]);
 

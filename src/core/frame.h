@@ -119,6 +119,7 @@ struct gp_frame {
                                    // has grown (io/grow.h); empty: `data`
     float pixel_aspect;
     float chromaticities[8];       // rx ry gx gy bx by wx wy
+    bool names_chromaticities;     // the file does; else they are BT.709's
     float luminance[3];            // Y = sum luminance[c] * rgb[c]
     enum gp_colour_model model;
     enum gp_pixel_type colour_type;  // GP_HALF or GP_FLOAT, as in the file

@@ -231,6 +231,7 @@ gp_status gp_image_frame(const struct gp_log *log, const char *layer,
     memcpy(f.chromaticities, image->chromaticities ? image->chromaticities
                                                    : gp_rec709_chromaticities,
            sizeof f.chromaticities);
+    f.names_chromaticities = image->chromaticities != NULL;
     gp_luminance_weights(f.chromaticities, f.luminance);
     GP_TRY(gp_alloc_zero(log, "channels", (size_t) image->channels,
                          sizeof *f.channel, &list));

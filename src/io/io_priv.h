@@ -158,8 +158,9 @@ GP_MUST_CHECK gp_status gp_png_open(const struct gp_log *log, const char *path,
  *
  * Colour chunks: for BT.709 primaries cICP (BT.709, sRGB curve), sRGB, gAMA
  * and cHRM; for a scene-linear picture in other primaries gAMA, and cHRM with
- * these primaries unless they are imaginary. Pixels that are not square get a
- * pHYs chunk. */
+ * these primaries unless they are imaginary; for an encoded picture cICP with
+ * p->cicp where that is known, and the others too where that is sRGB. Pixels
+ * that are not square get a pHYs chunk. */
 GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,

@@ -461,21 +461,39 @@ static bool are_real(const float c[8])
     return true;
 }
 
+/* What the chunks say of the colours. */
+struct tags {
+    bool srgb;        // sRGB, gAMA and cHRM
+    bool scene;       // else gAMA of 1 / 2.2, and cHRM
+    png_byte cicp[4]; // ITU-T H.273: primaries, curve, RGB, full range;
+                      // primaries 0: no cICP
+};
+
+static struct tags tags_of(const struct gp_write_params *p,
+                           const struct gp_frame *f, enum gp_picture_kind kind)
+{
+    const float *const c = f->chromaticities;
+    const bool encoded = kind == GP_PICTURE_ENCODED;
+    struct tags t = {
+        .scene = kind == GP_PICTURE_SCENE,
+        .cicp = {encoded ? p->cicp[0] : 1, encoded ? p->cicp[1] : 13, 0, 1},
+    };
+    if (t.scene && memcmp(c, gp_rec709_chromaticities,
+                          sizeof f->chromaticities) != 0)
+        t.cicp[0] = 0;
+    t.srgb = t.cicp[0] == 1 && t.cicp[1] == 13;
+    return t;
+}
+
 /* All chunks. Nothing here is changed between setjmp() and longjmp() but what
  * the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
-    const struct gp_frame *f, enum gp_picture_kind kind, const char *command,
+    const struct gp_frame *f, const struct tags *tags, const char *command,
     const void *data, size_t size)
 {
-    // ITU-T H.273: BT.709 primaries, sRGB curve, RGB, full range
-    static const png_byte cicp[4] = {1, 13, 0, 1};
     const double unit = 10000.0; // pixels of no unit; only their ratio counts
     const double aspect = (double) f->pixel_aspect;
     const float *const c = f->chromaticities;
-    const bool scene = kind == GP_PICTURE_SCENE;
-    const bool srgb = kind == GP_PICTURE_SHOWN ||
-                      (scene && memcmp(c, gp_rec709_chromaticities,
-                                       sizeof f->chromaticities) == 0);
     png_infop info = NULL;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, t,
                                               on_write_error, on_warning);
@@ -495,11 +513,11 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
                                     : PNG_COLOR_TYPE_RGB,
                  PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_BASE,
                  PNG_FILTER_TYPE_BASE);
-    if (srgb)
+    if (tags->srgb)
         png_set_sRGB_gAMA_and_cHRM(png, info, PNG_sRGB_INTENT_RELATIVE);
-    else if (scene)
+    else if (tags->scene)
         png_set_gAMA_fixed(png, info, 45455); // 1 / 2.2, as beside sRGB
-    if (scene && !srgb && are_real(c))
+    if (tags->scene && !tags->srgb && are_real(c))
         png_set_cHRM(png, info, (double) c[6], (double) c[7], (double) c[0],
                      (double) c[1], (double) c[2], (double) c[3],
                      (double) c[4], (double) c[5]);
@@ -509,8 +527,9 @@ static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     if (command)
         set_texts(png, info, command);
     png_write_info(png, info);
-    if (srgb)
-        png_write_chunk(png, (png_const_bytep) "cICP", cicp, sizeof cicp);
+    if (tags->cicp[0])
+        png_write_chunk(png, (png_const_bytep) "cICP", tags->cicp,
+                        sizeof tags->cicp);
     for (size_t at = 0; at < size; at += IDAT_BYTES)
         png_write_chunk(png, (png_const_bytep) "IDAT",
                         (png_const_bytep) data + at,
@@ -533,6 +552,7 @@ gp_status gp_png_write(const struct gp_log *log,
     struct target t = {.log = log};
     void *raw = NULL, *data = NULL;
     (void) stats;
+    const struct tags tags = tags_of(p, frame, kind);
     GP_TRY(gp_picture_make(log, p, path, frame, planes, kind, true, &pic));
     if (!c)
         GP_TRY(gp_no_memory_bare(log, "PNG compressor"));
@@ -548,7 +568,7 @@ gp_status gp_png_write(const struct gp_log *log,
     const size_t size = libdeflate_zlib_compress(c, raw, n, data, room);
     GP_FREE(raw);
     GP_TRY(gp_file_open(log, path, p->create_dir, &t.file));
-    GP_TRY(write_chunks(&t, &pic, frame, kind, p->command, data, size));
+    GP_TRY(write_chunks(&t, &pic, frame, &tags, p->command, data, size));
     GP_TRY(gp_file_commit(&t.file));
 out:
     gp_file_discard(&t.file);

@@ -56,6 +56,11 @@ struct gp_write_params {
     enum gp_raw_format raw;     // with GP_STDOUT_RAW
     bool no_clobber, create_dir;
     bool converted;             // --hdr: not in the input's primaries any more
+    const float *primaries;     // of what is converted, as in struct gp_frame;
+                                // NULL: not known
+    unsigned char cicp[2];      // of GP_PICTURE_ENCODED: ITU-T H.273
+                                // ColourPrimaries, TransferCharacteristics;
+                                // 0, 0 not known
     const char *command;        // for glarepp:command of EXR and PNG, UTF-8;
                                 // NULL: they do not say what made them
 };
@@ -78,7 +83,7 @@ struct gp_write_stats {
 enum gp_picture_kind {
     GP_PICTURE_SCENE,    // scene-linear, in the frame's own primaries
     GP_PICTURE_SHOWN,    // display-linear BT.709; the file says so
-    GP_PICTURE_ENCODED,  // as some display takes it; no file says which
+    GP_PICTURE_ENCODED,  // as some display takes it: gp_write_params.cicp
 };
 
 /* Writes `planes` (w * h of f's data window) with the frame's windows,
@@ -93,7 +98,7 @@ enum gp_picture_kind {
  * nearest that its pixels hold (other_write.h); integer formats
  * clamp them to [0,1] and encode them with the sRGB curve, with the colour
  * chunks that say so; values of GP_PICTURE_ENCODED are the codes' fractions
- * already, and no chunk says of what. All but EXR show the display window:
+ * already; of what, only a PNG says, with cICP. All but EXR show the display window:
  * pixels outside the data window are black. TIFF is float for scene-linear
  * pictures and where p->type says so. p->compression is for EXR and TIFF.
  *
@@ -121,7 +126,8 @@ struct gp_hdr_colour {
  * channels of the same parts sample by sample, other parts chunk by chunk as
  * they are. Luminance-chroma and grey inputs: grey stays one channel when the
  * planes are equal, else R,G,B take its place. With p->converted the
- * attributes of the input's primaries and of how to show them are left out.
+ * attributes of the input's primaries and of how to show them are left out,
+ * and chromaticities are p->primaries.
  *
  *   set  n >= 1 frames of one file, from gp_read_frame() or gp_read_layer();
  *        set[0].f's path and input are the input. Several may lie in one

@@ -36,50 +36,6 @@ static size_t part_start(size_t pixels, int part)
            pixels % PARTS * (size_t) part / PARTS;
 }
 
-static void multiply(const double a[9], const double b[9], double out[9])
-{
-    for (int i = 0; i < 9; i++) {
-        const double *row = a + i / 3 * 3;
-        out[i] = row[0] * b[i % 3] + row[1] * b[3 + i % 3] +
-                 row[2] * b[6 + i % 3];
-    }
-}
-
-/* Linear RGB of these primaries to that of BT.709, white to white: Bradford
- * (Lam 1985; the matrix as in Lindbloom, Chromatic Adaptation). False when they
- * are BT.709 already, or degenerate. */
-static bool to_bt709(const float chromaticities[8], double out[9])
-{
-    static const double bradford[9] = {
-        0.8951, 0.2664, -0.1614, -0.7502, 1.7135, 0.0367, 0.0389, -0.0685,
-        1.0296,
-    };
-    double from[9], to[9], cone_from[9], cone_to[9], back[9];
-    if (memcmp(chromaticities, gp_rec709_chromaticities,
-        sizeof gp_rec709_chromaticities) == 0 || !gp_rgb_to_xyz(chromaticities,
-        from) || !gp_rgb_to_xyz(gp_rec709_chromaticities, to))
-        return false;
-    // rows of the RGB to cone matrices; white's responses are their sums
-    multiply(bradford, from, cone_from);
-    multiply(bradford, to, cone_to);
-    gp_invert3(cone_to, back); // of a singular matrix it is not finite
-    for (int i = 0; i < 3; i++) {
-        double *f = cone_from + 3 * i;
-        const double *t = cone_to + 3 * i;
-        double adapt = (t[0] + t[1] + t[2]) / (f[0] + f[1] + f[2]);
-        if (!(adapt > 1e-3 && adapt < 1e3)) // a white that no eye adapts to
-            return false;
-        for (int c = 0; c < 3; c++)
-            f[c] *= adapt;
-    }
-    multiply(back, cone_from, out);
-    for (int i = 0; i < 9; i++) {
-        if (!(fabs(out[i]) < 1e3))
-            return false;
-    }
-    return true;
-}
-
 static inline float bounded(float x)
 {
     x = x > -LIGHT_MAX ? x : -LIGHT_MAX;
@@ -246,7 +202,10 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
     if (m.curve->map) {
         double matrix[9];
         m.scale = gp_tone_scale(p, f);
-        m.mixed = to_bt709(f->chromaticities, matrix);
+        m.mixed = memcmp(f->chromaticities, gp_rec709_chromaticities,
+                         sizeof f->chromaticities) != 0 &&
+                  gp_rgb_to_rgb(f->chromaticities, gp_rec709_chromaticities,
+                                matrix);
         for (int i = 0; m.mixed && i < 9; i++)
             m.matrix[i] = (float) matrix[i];
     }

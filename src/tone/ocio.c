@@ -1,11 +1,13 @@
 #include "tone/ocio.h"
 
 #include "core/bridge.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -14,7 +16,118 @@ enum { BLOCK = 4096 }; // pixels at a time: 96 KiB in and out
 struct gp_ocio {
     const struct gp_ocio_api *api;
     struct gp_ocio_made made;
+    bool any_primaries;     // of the params
+    bool noted;             // gp_ocio_note() has said its line
+    bool has_primaries;     // of the output space:
+    float primaries[8];
 };
+
+// -- primaries ----------------------------------------------------------------
+
+/* True when two matrices are the same within what chromaticities are rounded
+ * to. */
+static bool is_close(const double a[9], const double b[9])
+{
+    for (int i = 0; i < 9; i++) {
+        if (!(fabs(a[i] - b[i]) < 2e-4))
+            return false;
+    }
+    return true;
+}
+
+/* The chromaticities of a space: its light is the same as that of spaces whose
+ * white was adapted to the reference's, which are looked at first. */
+static bool name_primaries(const struct gp_ocio_light *light, float out[8])
+{
+#define D65 0.3127f, 0.3290f
+    static const float known[][8] = {
+        {0.64f, 0.33f, 0.30f, 0.60f, 0.15f, 0.06f, D65},       // BT.709
+        {0.708f, 0.292f, 0.170f, 0.797f, 0.131f, 0.046f, D65}, // BT.2020
+        {0.680f, 0.320f, 0.265f, 0.690f, 0.150f, 0.060f, D65}, // P3-D65
+        {0.64f, 0.33f, 0.21f, 0.71f, 0.15f, 0.06f, D65},       // Adobe RGB
+        {0.730f, 0.280f, 0.140f, 0.855f, 0.100f, -0.050f, D65}, // S-Gamut3
+        {0.730f, 0.280f, 0.165f, 0.840f, 0.100f, -0.030f, D65}, // V-Gamut
+        {1.0f, 0.0f, 0.0f, 1.0f, 0.0f, 0.0f, D65},             // CIE XYZ
+    };
+    double m[9], xyz[9];
+    if (!light->known)
+        return false;
+    for (size_t k = 0; k < sizeof known / sizeof *known; k++) {
+        if (gp_rgb_to_rgb(known[k], light->of, m) &&
+            is_close(m, light->matrix)) {
+            memcpy(out, known[k], sizeof *known);
+            return true;
+        }
+    }
+    if (!gp_rgb_to_xyz(light->of, xyz))
+        return false;
+    gp_multiply3(xyz, light->matrix, m);
+    for (int c = 0; c < 4; c++) { // the primaries, then white: their sum
+        double v[3];
+        for (int i = 0; i < 3; i++)
+            v[i] = c < 3 ? m[3 * i + c]
+                         : m[3 * i] + m[3 * i + 1] + m[3 * i + 2];
+        for (int i = 0; i < 2; i++) {
+            out[2 * c + i] = (float) (v[i] / (v[0] + v[1] + v[2]));
+            if (!(fabsf(out[2 * c + i]) < 10.0f))
+                return false;
+            // as they are published, of which the matrix was made
+            const float published = roundf(out[2 * c + i] * 1e5f) / 1e5f;
+            if (fabsf(published - out[2 * c + i]) < 2e-6f)
+                out[2 * c + i] = published;
+        }
+    }
+    return true;
+}
+
+/* The frame's RGB to that of the input space. False where they are the same, as
+ * far as is known. */
+static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
+                         float out[9])
+{
+    static const double unit[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    const struct gp_ocio_light *const in = &ocio->made.input_light;
+    double to[9], back[9], m[9];
+    if (ocio->any_primaries || !f->names_chromaticities || !in->known ||
+        !gp_rgb_to_rgb(f->chromaticities, in->of, to))
+        return false;
+    gp_invert3(in->matrix, back);
+    gp_multiply3(back, to, m);
+    for (int i = 0; i < 9; i++) {
+        out[i] = (float) m[i];
+        if (!isfinite(out[i]))
+            return false;
+    }
+    return !is_close(m, unit);
+}
+
+void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
+                  const struct gp_frame *f)
+{
+    const struct gp_ocio_made *const made = &ocio->made;
+    double m[9];
+    if (ocio->any_primaries || ocio->noted || !f->names_chromaticities ||
+        (made->input_light.known &&
+         gp_rgb_to_rgb(f->chromaticities, made->input_light.of, m)))
+        return;
+    ocio->noted = true;
+    gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored, it is "
+           "taken as %s, whose primaries are unknown (not linear, or %s has no "
+           "role aces_interchange); check --input-space", f->path,
+           made->names.input, made->names.config);
+}
+
+const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
+{
+    return ocio->has_primaries ? ocio->primaries : NULL;
+}
+
+const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio)
+{
+    return ocio->made.cicp;
+}
+
+// -- the config ---------------------------------------------------------------
 
 gp_status gp_ocio_open(const struct gp_log *log,
                        const struct gp_ocio_params *p, struct gp_ocio **out)
@@ -42,6 +155,12 @@ gp_status gp_ocio_open(const struct gp_log *log,
         gp_free(o);
         return gp_fail(log, st, "%s", why);
     }
+    o->any_primaries = p->any_primaries;
+    o->has_primaries = name_primaries(&o->made.output_light, o->primaries);
+    if (p->output && !o->has_primaries)
+        gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
+               "linear, or %s has no role aces_interchange); --hdr gets no "
+               "chromaticities", o->made.names.output, o->made.names.config);
     *out = o;
     return GP_OK;
 }
@@ -66,6 +185,8 @@ struct pass {
     const struct gp_planes *in;
     struct gp_planes *out;
     float scale;
+    bool mixed;
+    float matrix[9]; // where mixed: frame to input space, row-major
     size_t pixels;
 };
 
@@ -75,11 +196,16 @@ static gp_status pass_block(void *ctx, int block, int thread)
     const size_t at = (size_t) block * BLOCK, left = p->pixels - at;
     const size_t n = left < BLOCK ? left : BLOCK;
     (void) thread;
+    const float *const in[3] = {p->in->c[0] + at, p->in->c[1] + at,
+                                p->in->c[2] + at};
     for (int c = 0; c < 3; c++) {
-        const float *const in = p->in->c[c] + at;
+        const float *const m = p->matrix + 3 * c;
         float *const out = p->out->c[c] + at;
+        for (size_t i = 0; i < n && p->mixed; i++)
+            out[i] = m[0] * in[0][i] + m[1] * in[1][i] + m[2] * in[2][i];
+        const float *const light = p->mixed ? out : in[c];
         for (size_t i = 0; i < n; i++) // NaN stays
-            out[i] = gp_maxf(-FLT_MAX, gp_minf(FLT_MAX, in[i] * p->scale));
+            out[i] = gp_maxf(-FLT_MAX, gp_minf(FLT_MAX, light[i] * p->scale));
     }
     return p->api->apply(p->processor, p->out->c[0] + at, p->out->c[1] + at,
                          p->out->c[2] + at, n) ? GP_ERR_BUG : GP_OK;
@@ -87,8 +213,13 @@ static gp_status pass_block(void *ctx, int block, int thread)
 
 /* Makes `out` where it is empty, named `what` in errors, and runs the pass. */
 static gp_status run_pass(const struct gp_log *log, const char *what,
+                          const struct gp_ocio *ocio, const struct gp_frame *f,
                           struct pass *p)
 {
+    p->api = ocio->api;
+    p->in = &f->lit;
+    p->pixels = gp_frame_pixels(f);
+    p->mixed = frame_matrix(ocio, f, p->matrix);
     const int blocks = (int) ((p->pixels + BLOCK - 1) / BLOCK);
     gp_status st = p->out->c[0]
                        ? GP_OK : gp_planes_make(log, what, p->pixels, p->out);
@@ -105,19 +236,17 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
 gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
                        const struct gp_tone_params *p, struct gp_frame *f)
 {
-    return run_pass(log, "shown frame", &(struct pass) {
-        .api = ocio->api, .processor = ocio->made.view, .in = &f->lit,
-        .out = &f->shown, .scale = gp_tone_scale(p, f),
-        .pixels = gp_frame_pixels(f),
+    return run_pass(log, "shown frame", ocio, f, &(struct pass) {
+        .processor = ocio->made.view, .out = &f->shown,
+        .scale = gp_tone_scale(p, f),
     });
 }
 
 gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
                           const struct gp_frame *f, struct gp_planes *out)
 {
-    gp_status st = run_pass(log, "converted frame", &(struct pass) {
-        .api = ocio->api, .processor = ocio->made.output, .in = &f->lit,
-        .out = out, .scale = 1.0f, .pixels = gp_frame_pixels(f),
+    gp_status st = run_pass(log, "converted frame", ocio, f, &(struct pass) {
+        .processor = ocio->made.output, .out = out, .scale = 1.0f,
     });
     if (st)
         gp_planes_free(out);

@@ -28,7 +28,27 @@ void gp_ocio_close(struct gp_ocio **ocio);
 /* The names that it works with; lives as long as `ocio`. */
 const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
 
-/* Makes f->shown from f->lit: exposure (and auto-exposure) of `p` as a scale,
+/* Says in one line where a frame whose file names chromaticities is taken as
+ * the input space all the same, as nothing tells how the two compare; and only
+ * for the first such frame. Call it for one frame after the other. */
+void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
+                  const struct gp_frame *f);
+
+/* The chromaticities of gp_ocio_params.output, rx ry gx gy bx by wx wy: those
+ * by which the space is known, or else, with the reference's white, those that
+ * give the same light. Lives as long as `ocio`; NULL where the config does not
+ * say. */
+const float *gp_ocio_output_primaries(const struct gp_ocio *ocio);
+
+/* ITU-T H.273 ColourPrimaries and TransferCharacteristics of what
+ * gp_ocio_show() makes; 0, 0 unknown. */
+const unsigned char *gp_ocio_code_points(const struct gp_ocio *ocio);
+
+/* A frame whose file names chromaticities, other than those of the input space
+ * as far as that is known, is converted to the input space first (white to
+ * white, gp_rgb_to_rgb()), but for gp_ocio_params.any_primaries.
+ *
+ * Makes f->shown from f->lit: exposure (and auto-exposure) of `p` as a scale,
  * then the view; p->curve and p->white do not count. f->shown is
  * display-encoded then, in whatever range the display's space has. Scaled
  * light is kept finite; NaN stays with its own pixel. f->shown is made when it

@@ -6,7 +6,9 @@
 #include <OpenColorIO/OpenColorIO.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -253,6 +255,156 @@ void make_view(const Asked &a)
     }
 }
 
+// -- what colours are --------------------------------------------------------
+
+using Pixel = std::array<float, 3>;
+
+// The transform as a function; empty where there is none.
+std::function<Pixel(Pixel)> transform_of(const Asked &a, const char *from,
+                                         const char *to)
+try {
+    const auto p = a.config->getProcessor(a.context, from, to)
+                       ->getDefaultCPUProcessor();
+    return [p](Pixel v) {
+        p->applyRGB(v.data());
+        return v;
+    };
+} catch (const OCIO::Exception &) {
+    return {};
+}
+
+bool is_near(double x, double y, double scale)
+{
+    return std::fabs(x - y) <= 1e-4 * scale; // false for NaN
+}
+
+// The light of a space by a space that is known: what the config says it is,
+// or what widespread configs call so.
+gp_ocio_light light_of(const Asked &a, const std::string &space)
+{
+    static const float ap0[8] = {0.7347f, 0.2653f, 0.0f, 1.0f, 0.0001f, -0.077f,
+                                 0.32168f, 0.33767f};
+    static const float ap1[8] = {0.713f, 0.293f, 0.165f, 0.83f, 0.128f, 0.044f,
+                                 0.32168f, 0.33767f};
+    static const float bt709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f,
+                                   0.3127f, 0.329f};
+    static const struct {
+        const char *name;
+        const float *of;
+    } known[] = {
+        {"aces_interchange", ap0}, {"ACES2065-1", ap0}, {"lin_ap0", ap0},
+        {"ACES - ACES2065-1", ap0}, {"ACEScg", ap1}, {"lin_ap1", ap1},
+        {"ACES - ACEScg", ap1}, {"lin_rec709", bt709},
+        {"Linear Rec.709 (sRGB)", bt709}, {"Linear Rec.709", bt709},
+        {"Utility - Linear - sRGB", bt709},
+    };
+    static const Pixel probes[] = {
+        {0, 0, 0}, {4, 8, 2}, {0.01f, 0.02f, 0.005f}};
+    gp_ocio_light light = {};
+    for (const auto &k : known) {
+        const auto reference = a.config->getColorSpace(k.name);
+        if (!reference || reference->isData() ||
+            a.config->getColorSpace(space.c_str())->isData())
+            continue;
+        const auto f = transform_of(a, space.c_str(), reference->getName());
+        if (!f)
+            continue;
+        for (int c = 0; c < 3; c++) {
+            Pixel unit = {};
+            unit[c] = 0.25f;
+            const Pixel got = f(unit);
+            for (int i = 0; i < 3; i++)
+                light.matrix[3 * i + c] = 4.0 * got[i];
+        }
+        light.known = true; // when it is linear
+        for (const Pixel &in : probes) {
+            const Pixel got = f(in);
+            for (int i = 0; i < 3; i++) {
+                const double *const row = light.matrix + 3 * i;
+                light.known = light.known &&
+                              is_near(got[i], row[0] * in[0] + row[1] * in[1] +
+                                                  row[2] * in[2],
+                                      in[1] > 0 ? in[1] : 1e-3);
+            }
+        }
+        std::copy(k.of, k.of + 8, light.of);
+        return light;
+    }
+    return {};
+}
+
+// x and y of a colour in CIE XYZ are within 0.002 of these.
+bool is_at(const Pixel &xyz, double x, double y)
+{
+    const double sum = static_cast<double>(xyz[0]) + xyz[1] + xyz[2];
+    return sum > 0 && std::fabs(xyz[0] / sum - x) < 0.002 &&
+           std::fabs(xyz[1] / sum - y) < 0.002;
+}
+
+// The code points of the view's display space: by its light at some codes where
+// the config knows CIE XYZ, else by what configs without it call PQ and HLG.
+void find_code_points(const Asked &a, unsigned char cicp[2])
+{
+    enum { BT709 = 1, BT2020 = 9, P3_D65 = 12, SRGB = 13, PQ = 16, HLG = 18 };
+    static const struct {
+        int code;
+        double half, most; // light at codes 0.5 and 0.75, of that at 1
+    } curves[] = {
+        {SRGB, 0.21404, 0.52252},
+        {PQ, 0.0092246, 0.098329}, // SMPTE ST 2084
+        {HLG, 0.050704, 0.20315},  // ITU-R BT.2100, with its OOTF of 1.2
+    };
+    static const struct {
+        int code;
+        double xy[3][2];
+    } gamuts[] = {
+        {BT709, {{0.64, 0.33}, {0.3, 0.6}, {0.15, 0.06}}},
+        {P3_D65, {{0.68, 0.32}, {0.265, 0.69}, {0.15, 0.06}}},
+        {BT2020, {{0.708, 0.292}, {0.17, 0.797}, {0.131, 0.046}}},
+    };
+    const OCIO::ConstConfigRcPtr &c = a.config;
+    const char *name = c->getDisplayViewColorSpaceName(
+        a.own->display.c_str(), a.own->viewed.c_str());
+    if (!name || !*name ||
+        std::strcmp(name, OCIO::OCIO_VIEW_USE_DISPLAY_NAME) == 0)
+        name = a.own->display.c_str();
+    const auto space = c->getColorSpace(name);
+    auto xyz = c->getColorSpace("cie_xyz_d65_interchange");
+    if (!xyz)
+        xyz = c->getColorSpace("CIE-XYZ-D65");
+    std::function<Pixel(Pixel)> light;
+    if (space && xyz && !space->isData() &&
+        space->getReferenceSpaceType() == OCIO::REFERENCE_SPACE_DISPLAY)
+        light = transform_of(a, space->getName(), xyz->getName());
+    if (light) {
+        const double one = light({1, 1, 1})[1];
+        const double half = light({0.5f, 0.5f, 0.5f})[1] / one;
+        const double most = light({0.75f, 0.75f, 0.75f})[1] / one;
+        const Pixel rgb[] = {light({1, 0, 0}), light({0, 1, 0}),
+                             light({0, 0, 1})};
+        for (const auto &k : curves) {
+            if (std::fabs(half / k.half - 1) < 5e-3 &&
+                std::fabs(most / k.most - 1) < 5e-3)
+                cicp[1] = static_cast<unsigned char>(k.code);
+        }
+        for (const auto &g : gamuts) {
+            if (is_at(rgb[0], g.xy[0][0], g.xy[0][1]) &&
+                is_at(rgb[1], g.xy[1][0], g.xy[1][1]) &&
+                is_at(rgb[2], g.xy[2][0], g.xy[2][1]))
+                cicp[0] = static_cast<unsigned char>(g.code);
+        }
+    } else if (!space || !space->isData()) {
+        const auto has = [name](const char *word) {
+            return strcasestr(name, word) != nullptr;
+        };
+        const bool wide = has("2020") || has("2100");
+        cicp[1] = has("HLG") ? HLG : has("PQ") || has("2084") ? PQ : 0;
+        cicp[0] = wide || has("HLG") ? BT2020 : has("P3") ? P3_D65 : 0;
+    }
+    if (!cicp[0] || !cicp[1])
+        cicp[0] = cicp[1] = 0;
+}
+
 const char *text_or_null(const std::string &s)
 {
     return s.empty() ? nullptr : s.c_str();
@@ -300,8 +452,12 @@ try {
     }
     own->input = find_space(a, "--input-space",
                             space ? space : "scene_linear"); // lists all
-    if (p->shows)
+    if (p->shows) {
         make_view(a);
+        find_code_points(a, out->cicp);
+    }
+    if (!p->any_primaries || p->output)
+        out->input_light = light_of(a, own->input);
     if (p->output) {
         own->wanted = find_space(a, "--output-space", p->output);
         try {
@@ -310,6 +466,7 @@ try {
         } catch (const OCIO::Exception &e) {
             refuse_transform(a, own->wanted + " from " + own->input, e);
         }
+        out->output_light = light_of(a, own->wanted);
     }
     out->names.config = own->config.c_str();
     out->names.input = own->input.c_str();

@@ -26,6 +26,7 @@ struct gp_ocio_params {
     const char *const *context;  // `contexts` settings, "NAME=VALUE"
     int contexts;
     bool shows;           // a display's view is wanted
+    bool any_primaries;   // frames are in `input` whatever their file names
 };
 
 /* The names that were found, as the config spells them. Strings live until the
@@ -40,10 +41,23 @@ struct gp_ocio_names {
     int files;                  // besides the config; some may be in it
 };
 
+/* The light of a colour space. */
+struct gp_ocio_light {
+    bool known;          // it is linear, and the config has a space (by role or
+                         // name) whose primaries are known
+    double matrix[9];    // its RGB to linear RGB of primaries `of`, row-major
+    float of[8];         // rx ry gx gy bx by wx wy
+};
+
 /* Processors; NULL for what was not asked for. Any thread may use them. */
 struct gp_ocio_made {
     struct gp_ocio_names names;
     const void *view, *output;
+    struct gp_ocio_light input_light, output_light;
+    /* ITU-T H.273 ColourPrimaries and TransferCharacteristics of the view's
+     * picture, which is full-range RGB: those of sRGB, PQ and HLG in BT.709,
+     * P3-D65 and BT.2020. 0, 0 where the config does not say. */
+    unsigned char cicp[2];
     void *own;
 };
 
@@ -67,7 +81,7 @@ struct gp_ocio_api {
      * fails (out of memory). */
     int (*apply)(const void *processor, float *r, float *g, float *b, size_t n);
 };
-enum { GP_OCIO_API_VERSION = 2 };
+enum { GP_OCIO_API_VERSION = 3 };
 
 /* The one symbol of the bridge. */
 const struct gp_ocio_api *gp_ocio_api(void);

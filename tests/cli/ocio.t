@@ -11,15 +11,17 @@ cp "$cli/c.ocio" . || exit 1
 printf '4 0 0 0\n0 4 0 0\n0 0 4 0\n' >four.spimtx
 printf '8 0 0 0\n0 8 0 0\n0 0 8 0\n' >eight.spimtx
 primaries=0.64,0.33,0.21,0.71,0.15,0.06,0.3127,0.329
-frame f.exr size=67x45 lights=9 \
-    attr=chromaticities:chromaticities:$primaries attr=owner:string:me
+frame f.exr size=67x45 lights=9 attr=owner:string:me
+frame named.exr size=67x45 lights=9 attr=owner:string:me \
+    attr=chromaticities:chromaticities:$primaries
 
 # -- pictures ------------------------------------------------------------------
 
 run --ocio c.ocio -o p.png -o p.exr -o p.tif --report r.json f.exr
 quiet_success 'a view as PNG, EXR and TIFF'
 no 'the PNG does not claim a colour space' grep -qE 'sRGB|gAMA|cHRM|cICP' p.png
-no 'nor does the EXR that of the frame' grep -q chromaticities p.exr
+run --ocio c.ocio -q -o n.exr named.exr
+no 'nor does the EXR that of the frame' grep -q chromaticities n.exr
 ok 'other attributes stay' grep -q owner p.exr
 is "$(field r.json 'o["ocio"]')" \
     "{'config': 'c.ocio', 'input': 'lin', 'display': 'Screen', 'view': 'Half'}" \
@@ -63,11 +65,15 @@ same seq/o.0001.png 1.png 'its first frame'
 
 # -- --hdr ---------------------------------------------------------------------
 
-run --hdr h.exr f.exr
-run --ocio c.ocio --output-space turned --hdr t.exr -o t.png --report r.json f.exr
-quiet_success '--output-space'
+run --hdr h.exr named.exr
 ok 'without it --hdr keeps the primaries' grep -q chromaticities h.exr
+run --ocio c.ocio --output-space turned --hdr t.exr --ignore-chromaticities named.exr
+is "$(grep -c 'turned.*no chromaticities$' err) $(wc -l <err)" '1 1' \
+    '--output-space of unknown primaries: a line'
 no 'with it the old primaries are gone' grep -q chromaticities t.exr
+run --hdr h.exr f.exr
+run -q --ocio c.ocio --output-space turned --hdr t.exr -o t.png --report r.json f.exr
+quiet_success '--output-space'
 ok 'other attributes of --hdr stay' grep -q owner t.exr
 is "$(field r.json 'o["ocio"]["output"]')" turned 'the report names the space'
 same t.png 1.png 'the picture does not change by it'
@@ -78,6 +84,90 @@ h, t = (o.ImageBuf(f).get_pixels(o.FLOAT) for f in ("h.exr", "t.exr"))
 assert n.array_equal(n.roll(h, 1, 2), t) and h.max() > 1'
 else
     skip 1 'no OpenImageIO for python'
+fi
+
+# -- what colours are ----------------------------------------------------------
+
+cp "$cli/aces.ocio" . || exit 1
+ap0=0.7347,0.2653,0,1,0.0001,-0.077,0.32168,0.33767
+frame ap0.exr size=67x45 lights=9 attr=chromaticities:chromaticities:$ap0
+frame bt709.exr size=67x45 lights=9 \
+    attr=chromaticities:chromaticities:0.64,0.33,0.3,0.6,0.15,0.06,0.3127,0.329
+
+# as_if SPACE FRAME FLAG...: the frame, which says what it is, is shown as the
+# one of the same numbers that says nothing is shown from SPACE
+as_if()
+{
+    space=$1 named=$2
+    shift 2
+    run --ocio aces.ocio -g 0 --type float -o said.exr "$@" "$named"
+    quiet_success "$named: its chromaticities are honoured, $*"
+    run --ocio aces.ocio -g 0 --type float -o told.exr --input-space "$space" f.exr
+    ok "$named: as $space, $*" "$glarepp" compare --fail 2e-5 --hardfail 2e-5 \
+        said.exr told.exr
+}
+as_if ap0 ap0.exr
+as_if ap0 ap0.exr --input-space lin709
+as_if lin709 bt709.exr
+as_if cg ap0.exr --ignore-chromaticities
+run --ocio aces.ocio -g 0 --type float -o said.exr ap0.exr
+no 'a frame in AP0 is not one in ACEScg' "$glarepp" compare --fail 0.2 \
+    said.exr told.exr
+run --ocio aces.ocio -o g.png --input-space log ap0.exr
+is "$(grep -c '^glarepp: warning: ap0.exr: its chromaticities are ignored' err)" 1 \
+    'an input space that is not linear: a line that it is not honoured'
+run --ocio c.ocio -o 'g.####.png' --report r.json --frames 1-3 "$(
+    for n in 1 2 3; do cp named.exr g.000$n.exr; done; echo 'g.####.exr')"
+is "$(grep -c 'its chromaticities are ignored' err) $(wc -l <err)" '1 1' \
+    'a config that does not say: one line for all frames'
+is "$(field r.json '"ignored" in o["warnings"][0]')" True 'and in the report'
+
+# written SPACE CHROMATICITIES
+written()
+{
+    run --ocio aces.ocio --output-space "$1" -g 0 --type float --hdr w.exr ap0.exr
+    quiet_success "--output-space $1"
+    is "$("$python" "$cli/tags.py" w.exr | grep chroma)" "chromaticities=$2" \
+        "--output-space $1: its chromaticities"
+}
+written lin709 0.6400,0.3300,0.3000,0.6000,0.1500,0.0600,0.3127,0.3290
+written cg 0.7130,0.2930,0.1650,0.8300,0.1280,0.0440,0.3217,0.3377
+written ap0 0.7347,0.2653,0.0000,1.0000,0.0001,-0.0770,0.3217,0.3377
+ok '--output-space of what the frame is in: the frame' "$glarepp" compare \
+    --failrelative 1e-5 --fail 1e-5 w.exr ap0.exr
+run --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr w.exr ap0.exr
+run --ocio aces.ocio -g 0 --type float -o said.exr w.exr
+run --ocio aces.ocio -g 0 --type float -o told.exr ap0.exr
+ok '--output-space: what was written is the same light' "$glarepp" compare \
+    --fail 1e-4 --hardfail 1e-4 said.exr told.exr
+
+# cicp DISPLAY CHUNK
+cicp()
+{
+    run --ocio aces.ocio --display "$1" -o w.png f.exr
+    is "$status $("$python" "$cli/tags.py" w.png | grep -a cICP)" "0 ${2:+cICP=$2}" \
+        "$1: cICP ${2:-unknown}"
+}
+cicp PQ 9,16,0,1
+cicp P3-PQ 12,16,0,1
+cicp HLG 9,18,0,1
+cicp sRGB 1,13,0,1
+cicp Gamma ''
+cicp Named 9,16,0,1
+run --ocio aces.ocio --display PQ --view Raw -o w.png f.exr
+quiet_success 'numbers as they are'
+no 'numbers as they are, on a PQ display: no cICP' grep -q cICP w.png
+if command -v exrheader >/dev/null && command -v oiiotool >/dev/null; then
+    for n in 1 2; do
+        oiiotool --create 8x8 3 --attrib name p$n --attrib:type='float[8]' \
+            chromaticities $ap0 -o part$n.exr
+    done
+    oiiotool part1.exr part2.exr --siappend -o parts.exr
+    run --ocio aces.ocio --output-space lin709 --hdr w.exr parts.exr
+    is "$(grep -c 'part 1 is not converted' err)" 1 'another part is not converted: a line'
+    ok 'OpenEXR reads what has one part converted' exrheader w.exr
+else
+    skip 2 'no exrheader'
 fi
 
 # -- errors --------------------------------------------------------------------

@@ -366,12 +366,13 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
  *
  *   own     of the input; NULL when that was not EXR
  *   name    of the part; may be NULL in files of one part
- *   command glarepp:command, with which comes glarepp:version; NULL: neither
+ *   p       command and, when GP_EXR_KEEP_CONVERTED, primaries are used
  *   chunks  of the part in a multi-part file, where type and number of chunks
  *           are required; 0 in files of one part */
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
-    enum gp_exr_kept kept, const char *name, const char *command, int chunks);
+    enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
+    int chunks);
 
 /* Bytes as they are: another part's header. */
 void gp_exr_header_raw(struct gp_exr_header *h, const void *bytes, size_t size);

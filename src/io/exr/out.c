@@ -186,7 +186,8 @@ static void put_foreign(struct gp_exr_header *h, const struct gp_frame *f,
 
 void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     const struct gp_exr_image *img, const struct gp_exr_carried_part *own,
-    enum gp_exr_kept kept, const char *name, const char *command, int chunks)
+    enum gp_exr_kept kept, const char *name, const struct gp_write_params *p,
+    int chunks)
 {
     static const float centre[2] = {0, 0}, width = 1;
     const int32_t count = chunks, version = 1;
@@ -244,11 +245,14 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
                sizeof f->chromaticities) != 0)
         gp_exr_header_put(h, "chromaticities", "chromaticities",
                           f->chromaticities, sizeof f->chromaticities);
-    if (command) {
+    if (kept == GP_EXR_KEEP_CONVERTED && p->primaries)
+        gp_exr_header_put(h, "chromaticities", "chromaticities", p->primaries,
+                          sizeof f->chromaticities);
+    if (p->command) {
         gp_exr_header_put(h, "glarepp:version", "string", GP_VERSION,
                           strlen(GP_VERSION));
-        gp_exr_header_put(h, "glarepp:command", "string", command,
-                          strlen(command));
+        gp_exr_header_put(h, "glarepp:command", "string", p->command,
+                          strlen(p->command));
     }
     gp_exr_header_raw(h, "", 1);
 }

@@ -44,6 +44,7 @@ void gp_exr_frame_header(const struct gp_exr_chunks *cs, struct gp_frame *f)
         const float given[8] = {c.red_x,  c.red_y,  c.green_x, c.green_y,
                                 c.blue_x, c.blue_y, c.white_x, c.white_y};
         memcpy(f->chromaticities, given, sizeof given);
+        f->names_chromaticities = true;
     }
     gp_luminance_weights(f->chromaticities, f->luminance);
     f->part = cs->part;

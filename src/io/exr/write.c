@@ -118,6 +118,28 @@ out:
     return st;
 }
 
+/* The header of a part of the input as it is. Parts may not differ in their
+ * chromaticities (OpenEXR: "non-conforming shared attributes"): beside a part
+ * that was converted to others, those of one that was not are left out. */
+static void put_other_part(struct writing *w, int number)
+{
+    const struct gp_exr_carried_part *const part = &w->carried.part[number];
+    const float *const made = w->kept == GP_EXR_KEEP_CONVERTED
+                                  ? w->p->primaries : NULL;
+    const struct gp_exr_attr *const own =
+        gp_exr_attr_find(part, "chromaticities", "chromaticities");
+    const uint8_t *from = part->bytes, *const end = from + part->size;
+    if (made && own && memcmp(own->data, made, own->size) != 0) {
+        gp_say(w->log, GP_LEVEL_WARN, "%s: part %d is not converted, and loses "
+               "its chromaticities, in which the parts of a file may not "
+               "differ; write it to a file of its own", w->path, number);
+        gp_exr_header_raw(&w->header, from,
+                          (size_t) ((const uint8_t *) own->name - from));
+        from = own->data + own->size;
+    }
+    gp_exr_header_raw(&w->header, from, (size_t) (end - from));
+}
+
 /* Writes the file under its final name or not at all, and frees what `w` has
  * but its parts. */
 static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
@@ -138,8 +160,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
     for (int i = 0; i < w->file_parts; i++) {
         const struct new_part *part = w->at[i];
         if (!part) {
-            gp_exr_header_raw(h, w->carried.part[i].bytes,
-                              w->carried.part[i].size);
+            put_other_part(w, i);
             continue;
         }
         const struct gp_exr_attr *name =
@@ -149,7 +170,7 @@ static gp_status write_file(struct writing *w, struct gp_write_stats *stats)
             memcpy(text, name->data,
                    name->size < sizeof text ? name->size : sizeof text - 1);
         gp_exr_header_part(h, part->f, &part->img, part->own, w->kept,
-                           name || multi ? text : NULL, w->p->command,
+                           name || multi ? text : NULL, w->p,
                            multi ? w->chunks[i] : 0);
     }
     if (multi)

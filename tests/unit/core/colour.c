@@ -61,6 +61,31 @@ static void matrix_is_that_of_the_standard(void **state)
         assert_near(m[i], want[i], 1e-6);
 }
 
+/* White goes to white, ACES to BT.709 as ACES prints it (with Bradford), there
+ * and back is the same. */
+static void primaries_to_primaries(void **state)
+{
+    static const float ap0[8] = {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f,
+                                 0.32168f, 0.33767f};
+    static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f};
+    static const double want[9] = {
+        2.52169, -1.13413, -0.38756, -0.27648, 1.37272, -0.09624, -0.01538,
+        -0.15298, 1.16835,
+    };
+    double m[9], back[9], unit[9];
+    assert_true(gp_rgb_to_rgb(ap0, gp_rec709_chromaticities, m));
+    assert_true(gp_rgb_to_rgb(gp_rec709_chromaticities, ap0, back));
+    gp_multiply3(m, back, unit);
+    for (int i = 0; i < 9; i++) {
+        assert_near(m[i], want[i], 1e-4);
+        assert_near(unit[i], i % 4 == 0, 1e-12);
+        assert_near(m[i / 3 * 3] + m[i / 3 * 3 + 1] + m[i / 3 * 3 + 2], 1.0,
+                    1e-12);
+    }
+    assert_false(gp_rgb_to_rgb(flat, ap0, m));
+    assert_false(gp_rgb_to_rgb(ap0, flat, m));
+}
+
 static void white_has_luminance_one(void **state)
 {
     float ch[8];
@@ -145,5 +170,6 @@ static void srgb_goes_and_comes_back(void **state)
 
 SUITE_OF(colour, NULL, NULL, weights_are_the_published_ones,
          bt709_is_exactly_what_papers_print, matrix_is_that_of_the_standard,
-         white_has_luminance_one, degenerate_primaries_count_as_bt709,
+         primaries_to_primaries, white_has_luminance_one,
+         degenerate_primaries_count_as_bt709,
          srgb_points, srgb_clamps, srgb_goes_and_comes_back)

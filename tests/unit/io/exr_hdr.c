@@ -52,7 +52,7 @@ static struct gp_exr_header make_header(struct gp_attribute *attribute,
     f.attribute = attribute;
     f.attributes = attribute != NULL;
     gp_exr_header_start(&h, flags);
-    gp_exr_header_part(&h, &f, &img, raw, kept, NULL, NULL, 0);
+    gp_exr_header_part(&h, &f, &img, raw, kept, NULL, &wf_defaults, 0);
     assert_ok(gp_exr_header_done(&wf_log, "h.exr", &h));
     f.attribute = NULL;
     f.attributes = 0;
@@ -324,8 +324,8 @@ static void make_parts(const char *path, const struct gp_frame *f,
     gp_exr_header_put(&h, "tiles", "tiledesc", tiles, 9);
     put_int(&h, "version", 1);
     gp_exr_header_raw(&h, "", 1);
-    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour", NULL,
-                       chunks[1]);
+    gp_exr_header_part(&h, f, &img, NULL, GP_EXR_KEEP_ALL, "colour",
+                       &wf_defaults, chunks[1]);
     put_part(&h, "deep", "deepscanline", 2, ROWS, ROWS);
     put_text(&h, long_name, "long");
     gp_exr_header_raw(&h, "", 1);
@@ -471,7 +471,7 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     struct gp_exr_header h;
     struct gp_exr_out out;
     gp_exr_header_start(&h, 0);
-    gp_exr_header_part(&h, f, &img, &own, GP_EXR_KEEP_ALL, "only", NULL, 0);
+    gp_exr_header_part(&h, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults, 0);
     h.size -= 1; // its end
     gp_exr_header_put(&h, "chromaticities", "chromaticities", ap0, 32);
     gp_exr_header_put(&h, "whiteLuminance", "float", &width, 4);
