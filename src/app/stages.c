@@ -569,6 +569,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     case GP_TARGET_INTENSITY: // pictures of a size of their own
         f.data = f.display = (struct gp_rect) {0, 0, map->w, map->h};
         shown = &map->planes;
+        pictures.dither = GP_DITHER_NEVER; // each pixel is a share
         kind = GP_PICTURE_SHOWN;
         break;
     }

@@ -40,6 +40,7 @@ gp_status gp_compare_heatmap(
         .path = gp_strdup(path), .data = m->window, .display = m->window,
         .pixel_aspect = 1.0f, .colour_type = GP_FLOAT, .parts = 1,
     };
+    struct gp_write_params plain = *p;
     struct gp_write_stats stats = {0};
     const size_t pixels = gp_frame_pixels(&frame);
     gp_status st;
@@ -55,7 +56,8 @@ gp_status gp_compare_heatmap(
         for (int c = 0; c < 3; c++)
             frame.shown.c[c][i] = gp_srgb_decode(rgb[c]);
     }
-    GP_TRY(gp_write_picture(log, p, path, &frame, &frame.shown,
+    plain.dither = GP_DITHER_NEVER; // each pixel is a number
+    GP_TRY(gp_write_picture(log, &plain, path, &frame, &frame.shown,
                             GP_PICTURE_SHOWN, &stats));
 out:
     gp_frame_free(&frame);
@@ -144,7 +146,7 @@ gp_status gp_compare_subtract(const struct gp_log *log,
             memset(f.rgb.c[k], 0, pixels * sizeof(float));
     }
     as.type = GP_OUT_FLOAT;
-    as.dither = false; // equal values become equal codes
+    as.dither = GP_DITHER_NEVER; // equal values become equal codes
     gp_file_ending(path, ending, sizeof ending);
     if (strcmp(ending, "exr") == 0) {
         f.display = m->a->display;

@@ -255,7 +255,9 @@ gp_status gp_picture_make(const struct gp_log *log,
             "pixels); write .exr", path, (long long) w, (long long) h);
     *out = (struct gp_picture) {
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
-        .bits = p->depth_bits, .dither = p->dither,
+        .bits = p->depth_bits,
+        .dither = p->dither == GP_DITHER_ALWAYS ||
+                  (p->dither == GP_DITHER_8_BITS && p->depth_bits == 8),
         .encoded = kind == GP_PICTURE_ENCODED, .f = f, .planes = planes,
         .associated = p->alpha == GP_ALPHA_ASSOCIATED,
     };

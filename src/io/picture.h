@@ -18,7 +18,7 @@ struct gp_picture {
     int width, height;  // of the display window
     int channels;       // 3, or 4 with alpha
     int bits;           // of a code, 8 or 16
-    bool dither;
+    bool dither;        // codes are dithered
     bool encoded;       // codes are the planes' values, without a curve
     bool associated;    // codes of colour are not divided by alpha
     const struct gp_frame *f;

@@ -42,6 +42,11 @@ enum gp_raw_format {
     GP_RAW_RGBF32LE,
 };
 
+/* Dither before rounding to integers, which hides the steps of faint glows.
+ *   8_BITS  pictures of 8 bits only, whose steps show
+ *   ALWAYS  those of 16 bits too */
+enum gp_dither { GP_DITHER_8_BITS, GP_DITHER_ALWAYS, GP_DITHER_NEVER };
+
 /* Values of --alpha, and what writers of integers make of KEEP in formats whose
  * readers take alpha as associated. */
 enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP, GP_ALPHA_ASSOCIATED };
@@ -50,7 +55,7 @@ struct gp_write_params {
     enum gp_out_type type;
     enum gp_compression compression;
     int depth_bits;             // PNG and other integer formats: 8 or 16
-    bool dither;                // before rounding to integers
+    enum gp_dither dither;
     enum gp_alpha alpha;        // pictures: over black, or keep A
     enum gp_stdout_format stdout_format;
     enum gp_raw_format raw;     // with GP_STDOUT_RAW

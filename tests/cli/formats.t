@@ -220,12 +220,27 @@ for chunk in sRGB gAMA; do
     ok "PNG: has the chunk $chunk" grep -qa $chunk p8.png
     ok "16-bit PNG: has the chunk $chunk" grep -qa $chunk p16.png
 done
-run -o d.png --dither in.exr
-cp d.png d1.png
-run -o d.png --dither in.exr
-same d.png d1.png '--dither: the same in every run'
-run -o nod.png in.exr
-no '--dither: changes the picture' cmp -s d.png nod.png
+
+# -- dither --------------------------------------------------------------------
+
+eight=png
+[ -z "$oiio" ] || eight='png tif tga bmp sgi ppm webp jpg'
+for end in $eight; do
+    run -o d.$end in.exr
+    cp d.$end d1.$end
+    run -o d.$end --threads 1 in.exr
+    same d.$end d1.$end "8-bit .$end: the same bytes every time"
+    run -o nod.$end --no-dither in.exr
+    no "8-bit .$end: dithered without a word" cmp -s d.$end nod.$end
+done
+run --raw rgb24 -o - in.exr
+cp out d.raw
+run --raw rgb24 --no-dither -o - in.exr
+no 'raw rgb24: dithered without a word' cmp -s out d.raw
+run -o d16.png --depth-bits 16 --dither rich.exr
+no '--dither: of 16 bits too' cmp -s d16.png p16.png
+run -o nod16.png --depth-bits 16 --no-dither rich.exr
+same nod16.png p16.png '16 bits: rounded without a word'
 
 # -- pipes ---------------------------------------------------------------------
 

@@ -47,9 +47,9 @@ no '--auto-exposure changes it' cmp -s a.png 1.png
 run --ocio c.ocio --view Shot --exposure 1 -o four.png f.exr
 run --ocio c.ocio --view Shot --ocio-context SHOT=eight -o eight.png f.exr
 same four.png eight.png '--ocio-context'
-run --ocio c.ocio --dither -o d.png --depth-bits 8 f.exr
-quiet_success '--dither'
-no '--dither changes it' cmp -s d.png 1.png
+run --ocio c.ocio --no-dither -o d.png --depth-bits 8 f.exr
+quiet_success '--no-dither'
+no '--no-dither changes it' cmp -s d.png 1.png
 run --ocio c.ocio --debug polygons=poly.png -e splat f.exr
 quiet_success 'a view below the polygons'
 run --ocio c.ocio --white 3 -o w.png f.exr

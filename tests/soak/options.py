@@ -88,7 +88,7 @@ def tone(rng):
     words += some(rng, 0.3, "--exposure", rng.choice([-3, 0.5, 4]))
     words += some(rng, 0.3, "--auto-exposure")
     words += some(rng, 0.2, "--white", rng.choice([0, 2, 100]))
-    words += some(rng, 0.2, "--dither")
+    words += some(rng, 0.2, rng.choice(["--dither", "--no-dither"]))
     words += some(rng, 0.3, "--depth-bits", 16)
     words += some(rng, 0.3, "--alpha", "keep")
     return words

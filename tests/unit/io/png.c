@@ -94,6 +94,7 @@ static void pixels_and_windows(void **state)
         struct gp_frame f = wf_frame(data, display, wf_rgb);
         fill_unit(&f);
         p.depth_bits = i % 2 ? 16 : 8;
+        p.dither = i % 2 ? GP_DITHER_8_BITS : GP_DITHER_NEVER;
         struct png png = write_png(&p, &f, GP_PICTURE_SHOWN);
         assert_int_equal(png.w, gp_rect_w(display));
         assert_int_equal(png.h, gp_rect_h(display));

@@ -231,6 +231,7 @@ static void raw_pixels(void **state)
                                      windows[i / 4].display, wf_rgb);
         p.stdout_format = GP_STDOUT_RAW;
         p.raw = raw;
+        p.dither = GP_DITHER_NEVER;
         for (size_t k = 0; k < gp_frame_pixels(&f); k++)
             f.rgb.c[1][k] = f.rgb.c[1][k] / 12.0f + 0.5f;
         f.rgb.c[0][0] = NAN;
