@@ -218,7 +218,6 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     struct gp_sun_files files = {.s = r->s};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
     const struct gp_flare *const flare = &r->suns.flare;
-    struct gp_frame image = {0}; // the kernel's
     struct gp_texts also = {0};
     gp_status st;
     // frames of one stream follow each other in it
@@ -228,13 +227,16 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     // a bad kernel file is an error whatever the frames hold
     if (strncmp(r->s->kernel.source, "builtin:", 8) != 0) {
         const struct gp_read_params limits = gp_read_limits(&r->s->read);
-        GP_TRY(gp_read_frame(log, &limits, r->s->kernel.source, &image));
-        GP_TRY(gp_kernel_from_frame(log, &r->s->kernel, &image, &r->kernel));
-        r->has_kernel = true;
-        gp_frame_free(&image);
+        GP_TRY(gp_read_frame(log, &limits, r->s->kernel.source,
+                             &r->kernel_image));
+        GP_TRY(gp_run_kernel_make(log, r, NULL));
     } else if (r->s->grow_how == GP_GROW_KERNEL) { // frames grow by its reach
-        GP_TRY(gp_kernel_builtin(log, &r->s->kernel, &r->kernel));
-        r->has_kernel = true;
+        GP_TRY(gp_run_kernel_make(log, r, NULL));
+    }
+    if (r->kernel) {
+        const struct gp_kernel *const k = &r->kernel->k;
+        r->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
+                                     k->h - 1 - k->cy};
     }
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
@@ -258,7 +260,6 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
                               &r->report));
 out:
     gp_free(also.at);
-    gp_frame_free(&image);
     return st;
 }
 
@@ -304,6 +305,7 @@ out:;
     gp_glare_close(&p.run.group_engines);
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
-    gp_kernel_free(&p.run.kernel);
+    gp_run_kernel_free(&p.run.kernel);
+    gp_frame_free(&p.run.kernel_image);
     return st ? st : closed;
 }

@@ -2,6 +2,7 @@
 
 #include "app/options.h"
 #include "core/clock.h"
+#include "core/colour.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -61,6 +62,7 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     }
     gp_free(fs->group);
     gp_frame_free(&fs->frame);
+    gp_run_kernel_free(&fs->kernel);
     gp_planes_free(&fs->sunmap.planes);
     gp_planes_free(&fs->intensity.planes);
     for (int i = 0; fs->names && i < fs->targets; i++)
@@ -115,7 +117,6 @@ static gp_status check_views(const struct gp_run *r, struct gp_frame_state *fs)
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
 {
     const struct gp_settings *const s = r->s;
-    const struct gp_kernel *const k = &r->kernel;
     struct gp_grow_params p = {
         .left = s->grow_pixels, .top = s->grow_pixels,
         .right = s->grow_pixels, .bottom = s->grow_pixels,
@@ -129,10 +130,13 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
     if (s->grow_how == GP_GROW_NONE)
         return GP_OK;
     if (s->grow_how == GP_GROW_KERNEL) {
-        p.left = gp_max(k->cx, 0);
-        p.top = gp_max(k->cy, 0);
-        p.right = gp_max(k->w - 1 - k->cx, 0);
-        p.bottom = gp_max(k->h - 1 - k->cy, 0);
+        // rows are resampled for pixels of another aspect
+        const float aspect = gp_kernel_aspect(&fs->frame);
+        const float scale = 1.0f / aspect, more = aspect == 1.0f ? 0.0f : 1.0f;
+        p.left = gp_max((int) ((float) r->reach.x0 * scale + more), 0);
+        p.top = gp_max(r->reach.y0, 0);
+        p.right = gp_max((int) ((float) r->reach.x1 * scale + more), 0);
+        p.bottom = gp_max(r->reach.y1, 0);
     }
     window = gp_grow_window(&p, &fs->frame);
     do { // one window, on the grids of all
@@ -281,14 +285,66 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 
 // -- glare -------------------------------------------------------------------
 
-/* Builtin kernels wait for light. */
+void gp_run_kernel_free(struct gp_run_kernel **k)
+{
+    if (*k && atomic_fetch_sub(&(*k)->holders, 1) == 1) {
+        gp_kernel_free(&(*k)->k);
+        gp_free(*k);
+    }
+    *k = NULL;
+}
+
+gp_status gp_run_kernel_make(const struct gp_log *log, struct gp_run *r,
+                             const struct gp_frame *frame)
+{
+    const struct gp_run_kernel *const old = r->kernel;
+    const bool file = r->kernel_image.rgb.c[0] != NULL;
+    const float *const primaries =
+        frame ? frame->chromaticities : gp_rec709_chromaticities;
+    const float aspect = gp_kernel_aspect(frame);
+    struct gp_kernel_params p = r->s->kernel;
+    struct gp_run_kernel *k;
+    if (old && old->aspect == aspect &&
+        (!old->tinted || memcmp(old->chromaticities, primaries,
+                                sizeof old->chromaticities) == 0))
+        return GP_OK;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
+    if (st)
+        return st;
+    p.frame = frame;
+    st = file ? gp_kernel_from_frame(log, &p, &r->kernel_image, &k->k)
+              : gp_kernel_builtin(log, &p, &k->k);
+    if (st) {
+        gp_free(k);
+        return st;
+    }
+    memcpy(k->chromaticities, primaries, sizeof k->chromaticities);
+    k->aspect = aspect;
+    k->tinted = !file && !k->k.grey;
+    atomic_init(&k->holders, 1);
+    gp_run_kernel_free(&r->kernel);
+    r->kernel = k;
+    return GP_OK;
+}
+
+/* Kernels wait for light; only that of a file was looked at before. */
 static gp_status run_kernel(struct gp_run *r, struct gp_frame_state *fs)
 {
-    if (r->has_kernel || (fs->sources.n == 0 && !gp_suns_glare(&r->suns)))
-        return GP_OK;
-    gp_status st = gp_kernel_builtin(fs->log, &r->s->kernel, &r->kernel);
-    r->has_kernel = !st;
+    gp_status st = GP_OK;
+    if (fs->sources.n > 0 || gp_suns_glare(&r->suns))
+        st = gp_run_kernel_make(fs->log, r, &fs->frame);
+    if (!st && r->kernel) {
+        fs->kernel = r->kernel;
+        atomic_fetch_add(&fs->kernel->holders, 1);
+    }
     return st;
+}
+
+/* The frame's kernel; empty where a dark frame needed none. */
+static const struct gp_kernel *kernel_of(const struct gp_frame_state *fs)
+{
+    static const struct gp_kernel none;
+    return fs->kernel ? &fs->kernel->k : &none;
 }
 
 /* Returns what the engines get: bright pixels, and lights whose share is
@@ -304,17 +360,18 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = gp_suns_join(fs->log, &r->suns, &fs->frame, &fs->sources,
                                 &fs->joined, &joined);
     if (!st)
-        st = gp_suns_spread(fs->log, &r->suns, &r->kernel, &fs->frame);
+        st = gp_suns_spread(fs->log, &r->suns, kernel_of(fs), &fs->frame);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);
     fs->facts.sources = (long long) light->n;
     memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
-    memcpy(fs->facts.kernel_faint, r->kernel.faint, sizeof r->kernel.faint);
+    memcpy(fs->facts.kernel_faint, kernel_of(fs)->faint,
+           sizeof fs->facts.kernel_faint);
     if (light->n > 0)
         return gp_glare_run(fs->log, &r->s->glare, &r->engines, light,
-                            &r->kernel, &fs->frame, &fs->facts.glare);
+                            kernel_of(fs), &fs->frame, &fs->facts.glare);
     fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
     };
@@ -330,7 +387,7 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         3 * gp_frame_pixels(&fs->frame), sizeof *exact, &exact);
     if (st)
         return st;
-    st = gp_glare_reference(fs->log, all_light(fs), &r->kernel, exact);
+    st = gp_glare_reference(fs->log, all_light(fs), kernel_of(fs), exact);
     if (!st) {
         gp_glare_measure(
             &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
@@ -348,7 +405,7 @@ static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = GP_OK;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, &r->suns, &r->kernel, &fs->frame);
+    return st ? st : gp_suns_draw(fs->log, &r->suns, kernel_of(fs), &fs->frame);
 }
 
 /* Sums by rows, so that threads cannot change the last bit. */
@@ -406,7 +463,7 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         const double start = gp_now_ms();
         if (g->sources.n > 0)
             st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
-                              &g->sources, &r->kernel, &g->frame, &stats);
+                              &g->sources, kernel_of(fs), &g->frame, &stats);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         if (!st)
             st = gp_compose(fs->log, &p, &g->sources, &g->frame);
@@ -557,7 +614,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         for (int c = 0; c < 3 && !st; c++)
             memcpy(own.c[c], shown->c[c], n * sizeof(float));
         if (!st && fs->sources.n > 0)
-            st = gp_polygons_outline(fs->log, &fs->sources, &r->kernel,
+            st = gp_polygons_outline(fs->log, &fs->sources, kernel_of(fs),
                                      &r->s->glare.splat, &own);
         shown = &own;
         // fall through

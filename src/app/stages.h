@@ -14,6 +14,7 @@
 #include "glare/sensors.h"
 #include "sun/stage.h"
 
+#include <stdatomic.h>
 #include <stdbool.h>
 
 /* Data that stages need and give, as bits. */
@@ -47,6 +48,17 @@ struct gp_light_group {
     struct gp_sources sources;
 };
 
+/* A kernel, and the frames it was made for: those of this pixel aspect and,
+ * where `tinted`, of these primaries. Frames are written while the next ones
+ * have another: whoever holds it ends with gp_run_kernel_free(). */
+struct gp_run_kernel {
+    struct gp_kernel k;
+    float chromaticities[8], aspect;
+    bool tinted;
+    atomic_int holders;
+};
+void gp_run_kernel_free(struct gp_run_kernel **k);
+
 /* One frame on its way, and what is known of it. Zeroed is none. Planes and
  * lists belong to it. */
 struct gp_frame_state {
@@ -59,6 +71,7 @@ struct gp_frame_state {
     int groups;
     struct gp_sources sources;     // of the frame, or of the groups together
     struct gp_sources joined;      // sources and lights; empty: no lights
+    struct gp_run_kernel *kernel;  // held; NULL: none was needed
     struct gp_map_picture sunmap, intensity;
     double engine_ms;              // of engines within the stage that runs:
                                    // counts as glare
@@ -87,8 +100,10 @@ struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
-    struct gp_kernel kernel;
-    bool has_kernel;
+    struct gp_frame kernel_image;  // of a kernel file; empty: builtin
+    struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
+    struct gp_rect reach;          // of the first kernel: pixels to its left,
+                                   // up, right and down
     struct gp_glare engines;
     struct gp_glare group_engines; // of light groups: what engines keep
                                    // depends on the frames before
@@ -99,6 +114,11 @@ struct gp_run {
                                    // as a stream of them must be
     struct gp_raw_size raw;        // of the frames that went to stdout raw
 };
+
+/* Makes the kernel for the frame's primaries and pixel aspect (NULL: BT.709,
+ * square), unless r->kernel is that. Errors: those of making it. */
+GP_MUST_CHECK gp_status gp_run_kernel_make(const struct gp_log *log,
+    struct gp_run *r, const struct gp_frame *frame);
 
 /* Files for the sun's stage: planes of depth and coverage, pictures of flare
  * elements, and what a frame's file says of its camera. `files` must stay as

@@ -33,10 +33,11 @@ void gp_glare_reference_direct(const struct gp_sources *src,
  * 1e-10 of the value. The same to the bit for all signs and orders of x, y. */
 double gp_eye_share(int x, int y);
 
-/* Makes the builtin kernel of that name, with or without "builtin:", faded at
- * its rim, not normalised. Errors: as gp_kernel_builtin(). */
+/* Makes the builtin kernel p->source of p->builtin_size pixels in the primaries
+ * of p->frame, faded at its rim, not normalised; *coloured: its channels
+ * differ. Errors: as gp_kernel_builtin(). */
 GP_MUST_CHECK gp_status gp_builtin_make(const struct gp_log *log,
-    const char *name, int size, struct gp_planes *out);
+    const struct gp_kernel_params *p, struct gp_planes *out, bool *coloured);
 
 // -- kernel_rotate.c ----------------------------------------------------------
 
@@ -65,6 +66,12 @@ double gp_rotate_reference(const struct gp_unturned *u, int c, int dx, int dy);
 enum { GP_ROTATED_PIXELS = 1 << 28 };
 GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
     const struct gp_unturned *u, bool grey, struct gp_rotated *out);
+
+/* Resamples a kernel's rows for pixels `aspect` times as wide as high: each new
+ * sample is the area of old ones that it covers, so sums stay. k->w, cx and
+ * planes are replaced. Errors: as gp_rotate(); *k stays. */
+GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
+                                   double aspect, struct gp_rotated *k);
 
 // -- plan.c: `--engine auto` --------------------------------------------------
 //

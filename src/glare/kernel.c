@@ -263,14 +263,19 @@ static gp_status make_rotated(const struct gp_log *log,
                            .luminance = raw->luminance};
     struct gp_unturned u, *kept = NULL;
     const bool right = gp_rotate_angle(p->rotate, &u);
-    if (right && u.cos == 1.0)
+    const float aspect = gp_kernel_aspect(p->frame);
+    if (right && u.cos == 1.0 && aspect == 1.0f)
         return make_kernel(log, p->normalize, raw, out);
     GP_TRY(make_kernel(log, GP_NORMALIZE_NONE, raw, &flat));
     u.w = flat.w, u.h = flat.h, u.cx = flat.cx, u.cy = flat.cy, u.k = flat.k;
     GP_TRY(gp_rotate(log, raw->name, &u, flat.grey, &rotated));
     t.w = rotated.w, t.h = rotated.h, t.cx = rotated.cx, t.cy = rotated.cy;
     t.in = rotated.k;
-    if (right) {
+    if (aspect != 1.0f) {
+        GP_TRY(gp_squeeze(log, raw->name, (double) aspect, &rotated));
+        t.w = rotated.w, t.cx = rotated.cx, t.in = rotated.k;
+    }
+    if (right || aspect != 1.0f) {
         st = make_kernel(log, p->normalize, &t, out);
         goto out;
     }
@@ -341,9 +346,12 @@ gp_status gp_kernel_builtin(const struct gp_log *log,
         .name = p->source, .w = size, .h = size, .owned = true,
         .luminance = gp_rec709_luminance,
     };
+    bool coloured;
     gp_status st = find_center(log, p, (struct gp_rect) {0}, &raw);
     if (!st)
-        st = gp_builtin_make(log, p->source, size, &raw.in);
+        st = gp_builtin_make(log, p, &raw.in, &coloured);
+    if (!st && coloured && p->frame) // grey ones are the same in all primaries
+        raw.luminance = p->frame->luminance;
     return st ? st : make_rotated(log, p, &raw, out);
 }
 

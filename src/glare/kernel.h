@@ -19,6 +19,8 @@ struct gp_kernel_params {
     int builtin_size;              // width of a builtin kernel; odd, >= 1
     float rotate;                  // degrees, counter-clockwise as seen (y is
                                    // down), about the centre's pixel
+    const struct gp_frame *frame;  // whose pixels and, of builtins, primaries
+                                   // it is made for; NULL: square, BT.709
 };
 #define GP_KERNEL_DEFAULTS                                                    \
     { .source = "builtin:eye", .builtin_size = 511 }
@@ -61,11 +63,20 @@ struct gp_builtin_kernel {
     /* Its value in each channel, >= 0, `dx`, `dy` pixels from its centre; `r`
      * is half its width. NULL: the eye, which is integrated, not sampled. */
     void (*formula)(double dx, double dy, double r, double v[3]);
+    bool coloured; // its channels differ; numbers of BT.709
 };
 extern const struct gp_builtin_kernel gp_builtin_kernels[];
 
+/* The width of a pixel over its height, where that is from 1/16 to 16; else 1,
+ * as of files that say nothing that can be true. */
+float gp_kernel_aspect(const struct gp_frame *frame);
+
 /* Makes the builtin kernel that p->source names, with or without "builtin:",
- * normalised. Written only on GP_OK; free with gp_kernel_free().
+ * normalised: coloured ones in the primaries of p->frame, luminance sum 1 by
+ * its weights. Where its pixels are not square, the kernel (and that of a file)
+ * is resampled after it was turned, each row by areas, so that it is round on
+ * the screen and each channel's sum stays.
+ * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is
  * even or out of range, a centre that is not finite or over 2^20 pixels, an
  * angle that is not finite, a rotated kernel of over 2^28 pixels. */

@@ -1,4 +1,5 @@
 /* Builtin kernels: the eye, and what lenses do to a point of light. */
+#include "core/colour.h"
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"
@@ -276,6 +277,7 @@ static void ring(double dx, double dy, double r, double v[3])
 
 struct sampling {
     void (*formula)(double dx, double dy, double r, double v[3]);
+    const double *mix; // BT.709 to the frame's primaries; NULL: as they are
     int size;
     struct gp_planes *k;
 };
@@ -288,18 +290,25 @@ static void sample_row(void *ctx, int y, int thread)
     for (int x = 0; x < s->size; x++) {
         double v[3];
         s->formula(x - s->size / 2, y - s->size / 2, s->size / 2.0, v);
-        for (int c = 0; c < 3; c++)
-            s->k->c[c][at + (size_t) x] = (float) v[c];
+        for (int c = 0; c < 3; c++) {
+            const double *const m = s->mix ? s->mix + 3 * c : NULL;
+            // no light is negative, where the primaries cannot say its colour
+            const double mixed =
+                m ? fmax(m[0] * v[0] + m[1] * v[1] + m[2] * v[2], 0.0) : v[c];
+            s->k->c[c][at + (size_t) x] = (float) mixed;
+        }
     }
 }
 
 const struct gp_builtin_kernel gp_builtin_kernels[] = {
-    {"eye", "the human eye in daylight (Spencer et al. 1995)", NULL},
-    {"streak", "the blue horizontal streak of an anamorphic lens", streak},
-    {"star", "six rays of a stop with six blades, redder outside", star},
-    {"cross", "four rays of a cross screen filter", cross},
-    {"circle", "an even disc with a soft rim: a point out of focus", circle},
-    {"ring", "a halo, red outside and blue inside", ring},
+    {"eye", "the human eye in daylight (Spencer et al. 1995)", NULL, false},
+    {"streak", "the blue horizontal streak of an anamorphic lens", streak,
+     true},
+    {"star", "six rays of a stop with six blades, redder outside", star, true},
+    {"cross", "four rays of a cross screen filter", cross, false},
+    {"circle", "an even disc with a soft rim: a point out of focus", circle,
+     false},
+    {"ring", "a halo, red outside and blue inside", ring, true},
     {0},
 };
 
@@ -328,14 +337,16 @@ static void fade_row(void *ctx, int y, int thread)
     }
 }
 
-gp_status gp_builtin_make(const struct gp_log *log, const char *name, int size,
-                          struct gp_planes *out)
+gp_status gp_builtin_make(const struct gp_log *log,
+    const struct gp_kernel_params *p, struct gp_planes *out, bool *coloured)
 {
     enum {
         MOST = 16383,     // pixels wide; 3 GiB
         LEAST_FADED = 65, // smaller ones have no room to fade in
     };
     static const char prefix[] = "builtin:";
+    const char *const name = p->source;
+    const int size = p->builtin_size;
     const size_t skipped =
         strncmp(name, prefix, strlen(prefix)) == 0 ? strlen(prefix) : 0;
     const struct gp_builtin_kernel *b = gp_builtin_kernels;
@@ -354,7 +365,14 @@ gp_status gp_builtin_make(const struct gp_log *log, const char *name, int size,
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: a builtin kernel cannot be %d pixels wide; use an "
                        "odd number from 1 to %d", name, size, MOST);
-    struct sampling s = {b->formula, size, out};
+    double mix[9];
+    struct sampling s = {b->formula, NULL, size, out};
+    *coloured = b->coloured;
+    if (b->coloured && p->frame &&
+        memcmp(p->frame->chromaticities, gp_rec709_chromaticities,
+               sizeof gp_rec709_chromaticities) != 0 &&
+        gp_rgb_to_rgb(gp_rec709_chromaticities, p->frame->chromaticities, mix))
+        s.mix = mix;
     gp_status st = gp_planes_make(log, "builtin kernel",
                                   (size_t) size * (size_t) size, out);
     if (st)

@@ -123,7 +123,7 @@ class Part:
         h += attribute("dataWindow", "box2i", struct.pack("<4i", *data))
         h += attribute("displayWindow", "box2i", struct.pack("<4i", *shown))
         h += attribute("lineOrder", "lineOrder", b"\0")
-        h += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
+        h += attribute("pixelAspectRatio", "float", struct.pack("<f", float(self.o["aspect"])))
         h += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
         h += attribute("screenWindowWidth", "float", struct.pack("<f", 1))
         if multi or self.deep:
@@ -194,7 +194,7 @@ def main():
     o = {"size": "64x48", "kind": "lights", "lights": "20", "seed": "1", "dim": "0.7",
          "hot": "0", "channels": "R,G,B", "type": "half", "origin": "0,0",
          "display": "", "pad": "", "deep": "0", "zips": "", "more": "",
-         "attr": [], "part": []}
+         "aspect": "1", "attr": [], "part": []}
     for word in sys.argv[2:]:
         key, value = word.split("=", 1)
         if isinstance(o[key], list):

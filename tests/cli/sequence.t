@@ -237,6 +237,25 @@ wrong 3 eyes/s.right.0002.exr 'an eye that is missing' -o 'made/o.%V.#.png' \
 wrong 3 eyes/s.right.0002.exr 'an eye that is missing, --frames' -f 1,2 \
     -o 'made/o.%V.#.png' 'eyes/s.%V.####.exr'
 
+# -- primaries and pixels that change ------------------------------------------
+
+ap0=chromaticities:chromaticities:.7347,.2653,0,1,.0001,-.077,.32168,.33767
+frame mixed.1.exr size=90x70 lights=3
+frame mixed.2.exr size=90x70 lights=3 attr=$ap0
+frame mixed.3.exr size=90x70 lights=3 aspect=2
+frame mixed.4.exr size=90x70 lights=3
+frame disc.exr kind=kernel size=31x31
+for kernel in builtin:streak disc.exr; do
+    run -e fft -k $kernel --layer mixed.l.#.exr --debug polygons=mixed.p.#.png \
+        mixed.#.exr
+    quiet_success "$kernel: primaries and pixel aspect change within a sequence"
+    for n in 1 2 3 4; do
+        run -e fft -k $kernel --layer own.exr --debug polygons=own.png mixed.$n.exr
+        same mixed.l.$n.exr own.exr "$kernel: frame $n is as by itself"
+        same mixed.p.$n.png own.png "$kernel: frame $n, while the next is made"
+    done
+done
+
 # -- the words -----------------------------------------------------------------
 
 run --help

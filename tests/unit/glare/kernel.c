@@ -421,6 +421,73 @@ static void what_cannot_be_is_refused(void **state)
     gp_frame_free(&line);
 }
 
+/* On pixels `aspect` times as wide as high a halo is as wide as it is high on
+ * the screen, and each channel's sum stays. */
+static void halos_are_round_on_the_screen(void **state)
+{
+    static const char *const names[] = {"circle", "ring", "eye", "cross", NULL};
+    static const float aspects[] = {2.0f, 0.5f, 1.3333f, 0.9f, 4.0f};
+    for (size_t n = 0; n < COUNT(names); n++) {
+        for (size_t i = 0; i < 2 * COUNT(aspects); i++) {
+            const double aspect = (double) aspects[i / 2];
+            struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+            struct gp_frame f = blank(0, 0, 61, 61);
+            struct gp_kernel k, square;
+            double across = 0.0, down = 0.0;
+            for (int j = 0; j < 61 * 61 && !names[n]; j++) { // a disc
+                const int x = j % 61 - 30, y = j / 61 - 30;
+                const float v = x * x + y * y < 800 ? 1.0f : 0.0f;
+                put(&f, j % 61, j / 61, v, 2.0f * v, v);
+            }
+            p.source = names[n];
+            p.builtin_size = 201;
+            p.normalize = GP_NORMALIZE_NONE;
+            p.rotate = i % 2 ? 37.0f : 0.0f;
+            p.frame = &f;
+            for (int turn = 0; turn < 2; turn++) {
+                f.pixel_aspect = turn ? aspects[i / 2] : 1.0f;
+                assert_ok(names[n]
+                              ? gp_kernel_builtin(NULL, &p, turn ? &k : &square)
+                              : gp_kernel_from_frame(NULL, &p, &f,
+                                                     turn ? &k : &square));
+            }
+            for (int c = 0; c < 3; c++)
+                assert_close(k.sum[c] / square.sum[c], 1.0, 1e-6);
+            for (int j = 0; j < k.w * k.h; j++) {
+                const double x = (j % k.w - k.cx) * aspect;
+                const double y = j / k.w - k.cy, v = (double) k.k.c[1][j];
+                across += v * x * x;
+                down += v * y * y;
+            }
+            // a pixel has a width too: aspect^2 / 12 of the mean square
+            across -= k.sum[1] * aspect * aspect / 12.0;
+            down -= k.sum[1] / 12.0;
+            if (fabs(across / down - 1.0) > 0.04)
+                fail_msg("%s, aspect %g, turned %g: %g across, %g down",
+                         names[n] ? names[n] : "file", aspect,
+                         (double) p.rotate, sqrt(across / k.sum[1]),
+                         sqrt(down / k.sum[1]));
+            gp_kernel_free(&k);
+            gp_kernel_free(&square);
+            gp_frame_free(&f);
+        }
+    }
+}
+
+/* Files whose pixel aspect cannot be true have square pixels. */
+static void pixel_aspects_that_cannot_be_are_one(void **state)
+{
+    static const float none[] = {0, -2, NAN, INFINITY, 1e-6f, 17.0f};
+    struct gp_frame f = {0};
+    assert_true(gp_kernel_aspect(NULL) == 1.0f);
+    for (size_t i = 0; i < COUNT(none); i++) {
+        f.pixel_aspect = none[i];
+        assert_true(gp_kernel_aspect(&f) == 1.0f);
+    }
+    f.pixel_aspect = 2.0f;
+    assert_true(gp_kernel_aspect(&f) == 2.0f);
+}
+
 /* The exact engines see the turned kernel. */
 static void engines_agree(void **state)
 {
@@ -448,4 +515,5 @@ SUITE_OF(kernel, NULL, NULL,
     bad_images_are_refused, faint_samples_are_zero,
     negative_kernels_pass_unnormalised, samples_are_the_unturned_ones,
     right_angles_move_samples, turned_kernels_are_normalised,
-    what_cannot_be_is_refused, engines_agree)
+    what_cannot_be_is_refused, engines_agree, halos_are_round_on_the_screen,
+    pixel_aspects_that_cannot_be_are_one)

@@ -1,6 +1,7 @@
 /* glare/kernel_builtin.c: laws that hold for each builtin kernel, and its
  * formula. */
 #include "unit.h"
+#include "core/colour.h"
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 
@@ -50,6 +51,60 @@ static void are_light(void **state)
             }
             gp_kernel_free(&k);
         }
+    }
+}
+
+/* Numbers of BT.709 in frames of other primaries: the same light there, sample
+ * by sample, but for the scale that makes the luminance sum 1 by the frame's
+ * weights (a white of its own gives a colour another luminance). */
+static void are_made_in_the_frames_primaries(void **state)
+{
+    static const float primaries[][8] = {
+        {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f, 0.32168f, 0.33767f}, // AP0
+        {0.708f, 0.292f, 0.17f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.329f},
+        {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f}, // P3
+    };
+    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+        struct gp_kernel rec709 = make(b->name, 65);
+        assert_true(rec709.grey != b->coloured);
+        for (size_t i = 0; i < COUNT(primaries); i++) {
+            struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+            struct gp_frame f = {.pixel_aspect = 1.0f};
+            struct gp_kernel k;
+            double back[9], sum = 0.0;
+            memcpy(f.chromaticities, primaries[i], sizeof f.chromaticities);
+            gp_luminance_weights(f.chromaticities, f.luminance);
+            assert_true(gp_rgb_to_rgb(f.chromaticities, gp_rec709_chromaticities,
+                                      back));
+            p.source = b->name;
+            p.builtin_size = 65;
+            p.frame = &f;
+            assert_ok(gp_kernel_builtin(NULL, &p, &k));
+            for (int c = 0; c < 3; c++)
+                sum += (double) f.luminance[c] * k.sum[c];
+            assert_close(sum, 1.0, 1e-6);
+            assert_false(k.negative);
+            assert_int_equal(k.w, rec709.w);
+            const double scale = (back[3] * k.sum[0] + back[4] * k.sum[1] +
+                                  back[5] * k.sum[2]) / rec709.sum[1];
+            assert_close(scale, 1.0, b->coloured ? 0.02 : 1e-6);
+            for (int j = 0; j < k.w * k.h; j++) {
+                const double green = back[3] * (double) k.k.c[0][j] +
+                                     back[4] * (double) k.k.c[1][j] +
+                                     back[5] * (double) k.k.c[2][j];
+                const double red = back[0] * (double) k.k.c[0][j] +
+                                   back[1] * (double) k.k.c[1][j] +
+                                   back[2] * (double) k.k.c[2][j];
+                if (fabs(green - scale * (double) rec709.k.c[1][j]) > 2e-6 ||
+                    fabs(red - scale * (double) rec709.k.c[0][j]) > 2e-6)
+                    fail_msg("%s, primaries %zu, sample %d: %g, %g; %g, %g",
+                             b->name, i, j, red, green,
+                             (double) rec709.k.c[0][j],
+                             (double) rec709.k.c[1][j]);
+            }
+            gp_kernel_free(&k);
+        }
+        gp_kernel_free(&rec709);
     }
 }
 
@@ -234,7 +289,9 @@ static void eye_is_symmetric_to_the_bit(void **state)
         assert_true(share == gp_eye_share(-y, -x));
     }
     enum { N = 63 }; // too small to fade
-    assert_ok(gp_builtin_make(NULL, "eye", N, &k));
+    const struct gp_kernel_params p = {.source = "eye", .builtin_size = N};
+    bool coloured;
+    assert_ok(gp_builtin_make(NULL, &p, &k, &coloured));
     for (int y = 0; y < N; y++) {
         for (int x = 0; x < N; x++) {
             float v = k.c[0][y * N + x];
@@ -316,7 +373,8 @@ static void eye_is_the_papers(void **state)
 }
 
 SUITE_OF(kernel_builtin, NULL, NULL,
-    are_light, end_softly, have_their_colours, follow_their_formulas,
+    are_light, are_made_in_the_frames_primaries, end_softly,
+    have_their_colours, follow_their_formulas,
     eye_is_integrated, eye_is_not_sampled, eye_is_symmetric_to_the_bit,
     eye_falls_on_every_side, eye_keeps_all_light_of_its_square,
     eye_is_the_papers)
