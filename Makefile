@@ -356,12 +356,15 @@ SHELLS := bash zsh fish
 BASH_PLACE := share/bash-completion/completions/glarepp
 ZSH_PLACE := share/zsh/site-functions/_glarepp
 FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
+# What a farm needs beside the program: templates, and what says how
+DOC_PLACE := share/doc/glarepp
+TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py)
 
 $(B)/completions.%: $(B)/glarepp
 	$(B)/glarepp help --completion $* > $@.tmp
 	mv $@.tmp $@
 
-install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, man page and completions under PREFIX (DESTDIR is put before)
+install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, manual, templates and completions under PREFIX (DESTDIR is put before)
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/share/man/man1'
 	install -D -m 644 $(B)/completions.bash '$(DESTDIR)$(PREFIX)/$(BASH_PLACE)'
@@ -370,14 +373,22 @@ install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, man page a
 	install -m 755 $(B)/glarepp '$(DESTDIR)$(PREFIX)/bin/glarepp'
 	install -m 755 $(BRIDGES) '$(DESTDIR)$(PREFIX)/lib/glarepp/'
 	install -m 644 man/glarepp.1 '$(DESTDIR)$(PREFIX)/share/man/man1/'
+	install -d '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/man' \
+	    '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples'
+	install -m 644 README.md LICENSE '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/'
+	install -m 644 man/*.md '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/man/'
+	install -m 644 $(TEMPLATES) '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/'
 
 uninstall: ## takes away what install put
 	rm -f '$(DESTDIR)$(PREFIX)/bin/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-oiio' \
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-ocio.so' \
 	    '$(DESTDIR)$(PREFIX)/share/man/man1/glarepp.1' \
-	    $(patsubst %,'$(DESTDIR)$(PREFIX)/%',$(BASH_PLACE) $(ZSH_PLACE) $(FISH_PLACE))
-	-rmdir '$(DESTDIR)$(PREFIX)/lib/glarepp' 2>/dev/null
+	    $(patsubst %,'$(DESTDIR)$(PREFIX)/%',$(BASH_PLACE) $(ZSH_PLACE) $(FISH_PLACE)) \
+	    $(patsubst %,'$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/%',$(wildcard README.md LICENSE man/*.md) $(TEMPLATES))
+	-cd '$(DESTDIR)$(PREFIX)' 2>/dev/null && \
+	    rmdir lib/glarepp $(DOC_PLACE)/man $(DOC_PLACE)/examples $(DOC_PLACE) \
+	    2>/dev/null
 
 deb: all ## makes a Debian package in build/
 	rm -rf $(B)/deb

@@ -11,9 +11,9 @@
 #   sbatch --array=0-9 --cpus-per-task=4 slurm.sh 1001 1100 10 \
 #       /show/shot.####.exr /show/lit.####.exr --engine fft
 #
-# A task that is killed and queued again goes on behind the last frame that it
-# finished: frames that are there are left alone, and a frame is renamed to its
-# name when it is whole. Exit status 6 (with --skip-bad-frames) is a failed
+# A task that is killed and queued again goes on after the last frame that it
+# finished: frames that exist are skipped, and a frame is renamed to its name
+# when it is whole. Exit status 6 (with --skip-bad-frames) is a failed
 # task, whose log ends with the frames to make again. GLAREPP names the program
 # where it is not in the PATH.
 #
@@ -22,6 +22,16 @@
 #SBATCH --open-mode=append
 #SBATCH --ntasks=1
 set -eu
+usage='sbatch --array=0-9 slurm.sh FIRST LAST N INPUT OUTPUT [OPTIONS]'
+[ $# -ge 5 ] || {
+    echo "slurm.sh: $# arguments; write $usage" >&2
+    exit 2
+}
+[ -n "${SLURM_ARRAY_TASK_ID-}" ] || {
+    echo "slurm.sh: no task of an array (SLURM_ARRAY_TASK_ID is not set):" \
+        "nothing would say which frames to make; write $usage" >&2
+    exit 2
+}
 number() { # without the zeros that would make it octal
     echo "$1" | sed 's/^0*\([0-9]\)/\1/'
 }

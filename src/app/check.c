@@ -97,6 +97,8 @@ static gp_status check_needs(const struct gp_log *log,
          "; use --engine auto"},
         {GP_NEED_STREAM, stream, "does nothing, as no output is -; write -o -",
          "", ""},
+        {GP_NEED_REPORT_FILE, s->report, "does nothing without a report; give "
+         "--report FILE", "", ""},
         {GP_NEED_FILES, files, "does nothing, as no picture is written; leave "
          "it out", "", ""},
     };

@@ -163,6 +163,11 @@ static const struct gp_option_choice gp_raws[] = {
 static const struct gp_option_choice gp_progresses[] = {
     {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
     {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},
+    {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
+    {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
+     "openjd_progress: 41.7, openjd_status: TEXT"},
+    {"json", GP_PROGRESS_JSON, "an object a line: done, total, percent, "
+     "seconds, seconds_left, file, stage"},
     {0},
 };
 static const struct gp_option_choice gp_debugs[] = {
@@ -540,12 +545,15 @@ const struct gp_option gp_options[] = {
 
     OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
         .help = "Write JSON, one object a line for each frame; - is stdout"),
+    OPT(report_append, .name = "report-append", IN(REPORT),
+        .needs = GP_NEED_REPORT_FILE, .help = "Keep the lines that the report "
+        "has, as a resumed run needs; without it, it is made anew"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
     CHOICE(progress, .name = "progress", IN(REPORT), .arg = "WHEN",
         .choices = gp_progresses,
-        .help = "Draw a line with frame, rate and time left"),
+        .help = "Print frame, rate and time left to stderr"),
     SET(level, .name = "quiet", .letter = 'q', ALL(REPORT),
         .set = GP_LEVEL_ERROR, .help = "Print errors only"),
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),

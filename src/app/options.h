@@ -75,6 +75,7 @@ enum gp_need {
     GP_NEED_AUTO = 1 << 18,       // --engine auto
     GP_NEED_STREAM = 1 << 19,     // an output without an ending
     GP_NEED_FILES = 1 << 20,      // a picture that is written
+    GP_NEED_REPORT_FILE = 1 << 21, // --report
 };
 
 struct gp_option {

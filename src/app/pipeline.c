@@ -257,6 +257,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
         GP_TRY(gp_jobs_check_names(log, r->s, r->jobs, &also));
     if (r->s->report)
         GP_TRY(gp_report_open(log, r->s->report, r->s->write.create_dir,
+                              r->s->report_append,
                               &r->report));
 out:
     gp_free(also.at);
@@ -292,6 +293,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         .units = units, .slots = p.slots, .ordered = p.run.ordered,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
+    gp_progress_end(progress);
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);

@@ -1,8 +1,11 @@
 #include "app/progress.h"
 
 #include "core/clock.h"
+#include "core/json.h"
 #include "core/memory.h"
 
+#include <limits.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/ioctl.h>
@@ -35,27 +38,34 @@ static void wipe(struct gp_progress *p)
     p->drawn = false;
 }
 
-/* Draws frames done, rate and time left. */
-static void draw(struct gp_progress *p, double now)
+/* Describes frames done, rate and time left. */
+static void describe(const struct gp_progress *p, double seconds, char *line,
+                     size_t size)
 {
-    const double seconds = (now - p->start_ms) * 1e-3;
     const double rate = seconds > 0.0 ? p->done / seconds : 0.0;
-    char line[512], time[32];
-    struct winsize w;
+    char time[32];
     if (p->done == 0) { // no rate yet
         print_duration(time, sizeof time, seconds);
-        snprintf(line, sizeof line, "0 of %d made, %s so far: %s", p->total,
-                 time, p->name);
+        snprintf(line, size, "0 of %d made, %s so far: %s: %s", p->total, time,
+                 p->name, p->stage);
     } else {
         print_duration(time, sizeof time,
                        seconds / p->done * (p->total - p->done));
-        snprintf(line, sizeof line, "%d of %d made, %.*f frames/s, %s left: %s",
-                 p->done, p->total, rate >= 1.0 ? 1 : 3, rate, time, p->name);
+        snprintf(line, size, "%d of %d made, %.*f frames/s, %s left: %s: %s",
+                 p->done, p->total, rate >= 1.0 ? 1 : 3, rate, time, p->name,
+                 p->stage);
     }
     for (char *c = line; *c; c++) { // file names may hold anything
         if ((unsigned char) *c < ' ' || *c == 127)
             *c = '?';
     }
+}
+
+static void draw(struct gp_progress *p, double now)
+{
+    char line[512];
+    struct winsize w;
+    describe(p, (now - p->start_ms) * 1e-3, line, sizeof line);
     wipe(p);
     // a wrapped line could not be wiped
     const int columns = p->terminal &&
@@ -67,6 +77,55 @@ static void draw(struct gp_progress *p, double now)
         fprintf(p->file, "glarepp: %s\n", line);
     fflush(p->file);
     p->drawn = p->terminal;
+    p->last_ms = now;
+}
+
+static bool is_for_programs(const struct gp_progress *p)
+{
+    return p->when >= GP_PROGRESS_PERCENT;
+}
+
+/* Prints a line for programs where there is news, or at the end. */
+static void print_news(struct gp_progress *p, double now, bool end)
+{
+    const double seconds = (now - p->start_ms) * 1e-3;
+    const double percent =
+        end || p->total <= 0 ? 100.0 : 100.0 * p->done / p->total;
+    const int news = p->when == GP_PROGRESS_PERCENT ? (int) percent : p->done;
+    const bool soon = p->when != GP_PROGRESS_PERCENT && p->said >= 0 && !end &&
+                      now - p->last_ms < PIPE_MS;
+    char line[512];
+    if (soon || (news <= p->said && !(end && p->said < INT_MAX)))
+        return;
+    if (p->when == GP_PROGRESS_PERCENT && news > p->said)
+        fprintf(p->file, "%d%%\n", news);
+    if (p->when == GP_PROGRESS_OPENJD) {
+        describe(p, seconds, line, sizeof line);
+        fprintf(p->file, "openjd_progress: %.1f\nopenjd_status: %s\n",
+                floor(percent * 10.0) / 10.0, line);
+    }
+    if (p->when == GP_PROGRESS_JSON) {
+        json_t *const o = json_object();
+        json_object_set_new(o, "done", json_integer(p->done));
+        json_object_set_new(o, "total", json_integer(p->total));
+        json_object_set_new(o, "percent",
+                            json_real(floor(percent * 10.0) / 10.0));
+        json_object_set_new(o, "seconds", json_real(seconds));
+        if (p->done > 0)
+            json_object_set_new(o, "seconds_left",
+                json_real(seconds / p->done * (p->total - p->done)));
+        if (p->name[0])
+            json_object_set_new(o, "file", gp_json_name(p->name));
+        if (p->name[0])
+            json_object_set_new(o, "stage", json_string(p->stage));
+        char *const text =
+            gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(6));
+        if (text) // a run without a line is still a run
+            fprintf(p->file, "%s\n", text);
+        free(text);
+    }
+    fflush(p->file);
+    p->said = end ? INT_MAX : news;
     p->last_ms = now;
 }
 
@@ -94,11 +153,15 @@ static void *tick(void *arg)
 void gp_progress_open(struct gp_progress *p, FILE *file,
                       enum gp_progress_when when, bool quiet)
 {
-    bool terminal = isatty(fileno(file));
-    bool draws = !quiet && (when == GP_PROGRESS_ALWAYS ||
-                            (when == GP_PROGRESS_AUTO && terminal));
+    const bool programs = when >= GP_PROGRESS_PERCENT;
+    const bool terminal = !programs && isatty(fileno(file));
+    const bool draws = !quiet && (when == GP_PROGRESS_ALWAYS || programs ||
+                                  (when == GP_PROGRESS_AUTO && terminal));
     *p = (struct gp_progress) {
         .file = draws ? file : NULL,
+        .when = when,
+        .stage = "",
+        .said = -1,
         .terminal = terminal,
         .patience_ms = when == GP_PROGRESS_ALWAYS ? 0.0 : PATIENCE_MS,
         .start_ms = gp_now_ms(),
@@ -139,10 +202,22 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
     pthread_mutex_lock(&p->lock);
     p->done = done;
     p->total = total;
-    snprintf(p->name, sizeof p->name, "%s: %s",
-             slash ? slash + 1 : name, stage);
-    if (!p->terminal && now - p->last_ms >= PIPE_MS)
+    p->stage = stage;
+    snprintf(p->name, sizeof p->name, "%s", slash ? slash + 1 : name);
+    if (is_for_programs(p))
+        print_news(p, now, false);
+    else if (!p->terminal && now - p->last_ms >= PIPE_MS)
         draw(p, now);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gp_progress_end(struct gp_progress *p)
+{
+    pthread_mutex_lock(&p->lock);
+    if (p->file && is_for_programs(p)) {
+        p->done = p->total;
+        print_news(p, gp_now_ms(), true);
+    }
     pthread_mutex_unlock(&p->lock);
 }
 

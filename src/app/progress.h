@@ -17,27 +17,38 @@
 /* The line: one for each run; not to be copied while open. */
 struct gp_progress {
     FILE *file;            // NULL: draws nothing
+    enum gp_progress_when when;
     bool terminal;         // one line drawn over and over; else line by line
     double patience_ms;    // draws nothing earlier
     double start_ms;
 
     pthread_mutex_t lock;  // of all below
     int done, total;
-    char name[256];        // what is made now
+    char name[256];        // file that is made now
+    const char *stage;     // borrowed: a constant
     bool drawn;            // the terminal's line is not empty
     double last_ms;        // when a line was drawn
+    int said;              // `done` of the last line, or its percent; -1: none
     pthread_t clock;       // draws on a terminal while a long stage runs
     pthread_cond_t wake;
     bool ticking;
 };
 
 /* Starts the clock. AUTO draws on a terminal only, and only what takes longer
- * than a second; ALWAYS draws at once, in a pipe too; `quiet` wins. */
+ * than a second; ALWAYS draws at once, in a pipe too; `quiet` wins.
+ *
+ * The lines for programs begin with 0 and never go back. PERCENT prints one
+ * when the whole number changes; OPENJD and JSON when a frame is done, at most
+ * ten a second. Source of OPENJD: openjd-specifications, "How Jobs Are Run",
+ * "Stdout/Stderr Messages": a single line on either. */
 void gp_progress_open(struct gp_progress *p, FILE *file,
                       enum gp_progress_when when, bool quiet);
 
 /* Wipes the line and stops the clock. */
 void gp_progress_close(struct gp_progress *p);
+
+/* All frames are made, or were skipped: lines for programs end with 100. */
+void gp_progress_end(struct gp_progress *p);
 
 /* Says that `done` of `total` frames are made, and that `stage` of the file
  * `name` comes next; its folder is not shown. In a pipe it draws at most ten

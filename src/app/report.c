@@ -247,17 +247,19 @@ void gp_facts_text(const struct gp_facts *f, char *line, size_t size)
 // -- the file ----------------------------------------------------------------
 
 gp_status gp_report_open(const struct gp_log *log, const char *path,
-                         bool create_dir, struct gp_report *out)
+                         bool create_dir, bool append, struct gp_report *out)
 {
-    struct gp_report r = {.path = path};
+    struct gp_report r = {.path = path, .append = append};
+    // a line goes out in one piece, after those of other tasks of a farm
+    const int flags = O_CLOEXEC | (append ? O_RDWR | O_APPEND : O_WRONLY);
     if (strcmp(path, "-") == 0) {
         r.file = stdout;
     } else if (!create_dir || gp_file_make_folders(path) == 0) {
-        int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        int fd = open(path, flags | O_CREAT | O_EXCL, 0666);
         r.made = fd >= 0;
         if (!r.made && errno == EEXIST)
-            fd = open(path, O_WRONLY | O_CLOEXEC);
-        r.file = fd >= 0 ? fdopen(fd, "w") : NULL;
+            fd = open(path, flags);
+        r.file = fd >= 0 ? fdopen(fd, append ? "a" : "w") : NULL;
         if (fd >= 0 && !r.file) {
             close(fd);
             if (r.made)
@@ -268,6 +270,10 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
     if (!r.file)
         return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); "
                        "check the folder", path, strerror(errno));
+    if (append && r.file != stdout) {
+        (void) setvbuf(r.file, NULL, _IOFBF, 1 << 16);
+        (void) fseek(r.file, 0, SEEK_END); // (a pipe has no end)
+    }
     *out = r;
     return GP_OK;
 }
@@ -290,6 +296,20 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
+/* Cuts a last line without an end off. */
+static bool cut_half_line(const struct gp_report *r)
+{
+    struct stat s;
+    const int fd = fileno(r->file);
+    char last = '\n';
+    if (r->file == stdout || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
+        return true;
+    off_t end = s.st_size;
+    while (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')
+        end--;
+    return end == s.st_size || ftruncate(fd, end) == 0;
+}
+
 /* Takes the object and writes its line. */
 static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                               json_t *o)
@@ -297,9 +317,13 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     char *line = gp_json_print(o, JSON_COMPACT | JSON_REAL_PRECISION(10));
     if (!line)
         return gp_no_memory(log, r->path);
+    const bool first = r->lines == 0;
+    bool fine = !first || !r->append || cut_half_line(r);
+    if (fine && first && r->append)
+        (void) fseek(r->file, 0, SEEK_END);
     const long before = ftell(r->file);
     // what was in the file before goes with the first line
-    bool fine = (r->lines > 0 || cut_file(r, 0)) &&
+    fine = fine && (!first || r->append || cut_file(r, 0)) &&
                 fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
     free(line);
     if (!fine) {

@@ -73,14 +73,16 @@ struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
     bool made;         // the file was not there before
+    bool append;
     long long lines;
 };
 
 /* Opens the file, in folders that are made if `create_dir`; what stood in it
- * goes with the first line, not before. Errors: GP_ERR_IO with the system's
- * reason. */
+ * goes with the first line, not before. With `append` its lines stay, but for
+ * a last one without an end, which a killed run left. Errors: GP_ERR_IO with
+ * the system's reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
-    const char *path, bool create_dir, struct gp_report *out);
+    const char *path, bool create_dir, bool append, struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;
  * numbers that JSON cannot say (NaN, Inf) are null; bytes of names that are

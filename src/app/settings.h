@@ -20,11 +20,15 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Values of --progress. AUTO draws on a terminal only. */
+/* Values of --progress. AUTO draws on a terminal only. The last three are
+ * lines for programs, the same on a terminal and in a pipe. */
 enum gp_progress_when {
     GP_PROGRESS_AUTO,
     GP_PROGRESS_ALWAYS,
     GP_PROGRESS_NEVER,
+    GP_PROGRESS_PERCENT,
+    GP_PROGRESS_OPENJD,
+    GP_PROGRESS_JSON,
 };
 
 /* Kinds of --debug KIND=FILE. */
@@ -92,6 +96,7 @@ struct gp_settings {
     enum gp_grow_how grow_how;         // ... as checked
     int grow_pixels;
     const char *report;
+    bool report_append;                // after the lines that it has
     const char *frames;                // list as written
     const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel

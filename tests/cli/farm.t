@@ -31,6 +31,87 @@ for task in 0 1 2 3; do # the last has nothing to do
 done >out 2>&1
 is "$(cat out)" '' 'slurm.sh: quiet success of each range'
 as_local alone 'slurm.sh'
+env -u SLURM_ARRAY_TASK_ID sh "$root/examples/slurm.sh" 1 12 5 \
+    'in/shot.####.exr' 'none/lit.####.exr' >out 2>err
+is "$? $(wc -l <err)" '2 1' 'slurm.sh without --array: an error, one line'
+like "$(cat err)" 'slurm.sh: *--array*' 'slurm.sh without --array: says what to do'
+no 'slurm.sh without --array: makes nothing' test -e none
+SLURM_ARRAY_TASK_ID=1 sh "$root/examples/slurm.sh" 1 12 >out 2>err
+like "$? $(cat err)" '2 slurm.sh: 2 arguments; *' 'slurm.sh with too few words'
+
+# -- the camera of a scene --------------------------------------------------------
+
+# A bpy of one scene, whose camera and sun are those that Blender wrote beside
+# examples/foliage.####.exr: what the script makes of it is that file again.
+if "$python" -c 'import numpy' 2>/dev/null; then
+    mkdir stub
+    cat >stub/bpy.py <<'E_PY'
+import json, os
+from types import SimpleNamespace as S
+import numpy
+
+class Matrix:
+    def __init__(self, m): self.m = numpy.array(m, dtype=float)
+    def __getitem__(self, i): return self.m[i]
+    def __matmul__(self, o): return Matrix(self.m @ o.m)
+    def inverted(self): return Matrix(numpy.linalg.inv(self.m))
+    def normalized(self):  # as mathutils: columns of length 1
+        m = self.m.copy()
+        m[:3, :3] /= numpy.linalg.norm(m[:3, :3], axis=0)
+        return Matrix(m)
+
+truth = json.load(open(os.environ["TRUTH"]))
+frames = {f["frame"]: f for f in truth["frames"]}
+graph = object()
+camera = S(); sun = S(type="LIGHT", data=S(type="SUN", angle=0.009))
+
+def calc(depsgraph, x, y, scale_x, scale_y):
+    assert depsgraph is graph and x * 9 == y * 16 and scale_x == scale_y == 1.0
+    return camera.lens
+camera.calc_matrix_camera = calc
+
+def frame_set(n):
+    view = numpy.array(frames[n]["worldToCamera_rowmajor"]).reshape(4, 4).T.copy()
+    view[2] *= -1  # Blender looks along -z
+    world = numpy.linalg.inv(view)
+    ndc = numpy.array(frames[n]["worldToNDC_blender_colvec"]).reshape(4, 4)
+    camera.lens = Matrix(ndc @ world)
+    world[:3, :3] *= 2.5  # a camera's scale does not count
+    camera.matrix_world = Matrix(world)
+    turn = numpy.eye(4); turn[:3, 2] = frames[n]["sun_dir_world"]
+    sun.matrix_world = Matrix(turn)
+
+scene = S(camera=camera, objects=[S(type="MESH", data=S()), sun], frame_set=frame_set,
+          frame_start=1001, frame_end=1008, frame_step=1,
+          render=S(resolution_x=truth["width"] * 2, resolution_y=truth["height"] * 2,
+                   resolution_percentage=50, pixel_aspect_x=1.0, pixel_aspect_y=1.0))
+context = S(scene=scene, evaluated_depsgraph_get=lambda: graph)
+E_PY
+    export TRUTH="$root/examples/foliage.camera.json"
+    ok 'blender_camera.py runs' env PYTHONPATH=stub "$python" \
+        "$root/examples/blender_camera.py" -b shot.blend -- made.json
+    "$python" - "$TRUTH" made.json >out 2>&1 <<'E_PY'
+import json, math, sys
+a, b = (json.load(open(p)) for p in sys.argv[1:])
+assert (a["width"], a["height"]) == (b["width"], b["height"])
+assert [f["frame"] for f in a["frames"]] == [f["frame"] for f in b["frames"]]
+for f, g in zip(a["frames"], b["frames"]):
+    for key in ("worldToCamera_rowmajor", "worldToNDC_blender_colvec",
+                "sun_dir_world"):
+        assert all(math.isclose(x, y, rel_tol=1e-5, abs_tol=1e-5)
+                   for x, y in zip(f[key], g[key])), key
+    assert abs(g["sun_radius_px"] / f["sun_radius_px"] - 1) < 0.05, g["sun_radius_px"]
+E_PY
+    is "$(cat out)" '' 'blender_camera.py: the matrices and the sun that Blender gave'
+    for camera in made.json "$TRUTH"; do
+        run -e fft --camera "$camera" --report - "$root/examples/foliage.1004.exr"
+        sed 's/.*"lights":\[{"x":\([0-9.]*\),"y":\([0-9.]*\).*/\1 \2/' out
+    done >places
+    is "$(awk '{ printf "%d,%d ", $1, $2 }' places)" '283,129 283,129 ' \
+        'blender_camera.py: --camera puts the sun where it was'
+else
+    skip 3 'no numpy'
+fi
 
 # -- the template ---------------------------------------------------------------
 
@@ -112,7 +193,11 @@ for start in range(first, last + 1, by):
     run = script["actions"]["onRun"]
     words = [fill(w, more) for w in [run["command"], *run["args"]]]
     p = subprocess.run(words, capture_output=True, text=True)
-    if p.returncode or p.stderr:
+    lines = p.stderr.splitlines()
+    done = [float(l.split()[1]) for l in lines if l.startswith("openjd_progress: ")]
+    if (p.returncode or p.stdout or done != sorted(done) or
+            done[:1] + done[-1:] != [0, 100] or
+            not all(re.match("openjd_(progress|status): .", l) for l in lines)):
         failed.append((start, p.stderr))
 say(not unknown, "no unknown name in braces " + ", ".join(sorted(unknown)))
 say(not failed, "its tasks run " + str(failed or ""))

@@ -29,6 +29,19 @@ is "$(files "$at")" 'bin/glarepp
 lib/glarepp/glarepp-ocio.so
 lib/glarepp/glarepp-oiio
 share/bash-completion/completions/glarepp
+share/doc/glarepp/LICENSE
+share/doc/glarepp/README.md
+share/doc/glarepp/examples/blender_camera.py
+share/doc/glarepp/examples/openjd.yaml
+share/doc/glarepp/examples/parallel.sh
+share/doc/glarepp/examples/slurm.sh
+share/doc/glarepp/man/dependencies.md
+share/doc/glarepp/man/engines.md
+share/doc/glarepp/man/files.md
+share/doc/glarepp/man/hardcases.md
+share/doc/glarepp/man/promises.md
+share/doc/glarepp/man/sequences.md
+share/doc/glarepp/man/sun.md
 share/fish/vendor_completions.d/glarepp.fish
 share/man/man1/glarepp.1
 share/zsh/site-functions/_glarepp' 'what make install puts in place'
@@ -37,6 +50,9 @@ is "$(find "$at" -type f -perm /022)" '' 'no file that others can write to'
 is "$("$at/bin/glarepp" --version | head -n 1)" "glarepp $version" \
     'the installed program runs'
 same "$at/share/man/man1/glarepp.1" "$root/man/glarepp.1" 'the man page'
+for file in LICENSE README.md examples/slurm.sh examples/openjd.yaml; do
+    same "$at/share/doc/glarepp/$file" "$root/$file" "the installed $file"
+done
 for shell in bash zsh fish; do
     "$glarepp" help --completion $shell >completion.$shell
 done
@@ -67,6 +83,7 @@ mk uninstall DESTDIR="$tmp/root" PREFIX="$prefix"
 is "$(files "$tmp/root")" 'opt/a place/bin/other' \
     'make uninstall leaves what is not its own'
 no 'and takes its own folder away' test -e "$at/lib/glarepp"
+no 'and that of its documents' test -e "$at/share/doc/glarepp"
 mk uninstall DESTDIR="$tmp/root" PREFIX="$prefix"
 
 # -- the Debian package --------------------------------------------------------
@@ -84,8 +101,21 @@ package()
 usr/lib/glarepp/glarepp-ocio.so
 usr/lib/glarepp/glarepp-oiio
 usr/share/bash-completion/completions/glarepp
+usr/share/doc/glarepp/LICENSE
+usr/share/doc/glarepp/README.md
 usr/share/doc/glarepp/changelog.gz
 usr/share/doc/glarepp/copyright
+usr/share/doc/glarepp/examples/blender_camera.py
+usr/share/doc/glarepp/examples/openjd.yaml
+usr/share/doc/glarepp/examples/parallel.sh
+usr/share/doc/glarepp/examples/slurm.sh
+usr/share/doc/glarepp/man/dependencies.md
+usr/share/doc/glarepp/man/engines.md
+usr/share/doc/glarepp/man/files.md
+usr/share/doc/glarepp/man/hardcases.md
+usr/share/doc/glarepp/man/promises.md
+usr/share/doc/glarepp/man/sequences.md
+usr/share/doc/glarepp/man/sun.md
 usr/share/fish/vendor_completions.d/glarepp.fish
 usr/share/man/man1/glarepp.1.gz
 usr/share/zsh/vendor-completions/_glarepp' 'what the package holds'

@@ -180,6 +180,41 @@ run --progress never -o 'o.####.png' 'shot.####.exr'
 quiet_success '--progress never'
 run -q --progress always -o 'o.####.png' 'shot.####.exr'
 quiet_success '-q wins over --progress'
+for how in percent openjd json; do
+    run --progress $how -e fft -o - --stdout-format png 'shot.####.exr'
+    status_is 0 "--progress $how"
+    cp err $how
+    run -q --progress $how -o 'o.####.png' 'shot.####.exr'
+    quiet_success "--progress $how: -q wins"
+    run --progress $how -o out.png nowhere.exr
+    is "$(grep -c '100' err)" 0 "--progress $how: a run that fails does not end with 100"
+done
+is "$(head -n 1 percent) $(tail -n 1 percent)" '0% 100%' '--progress percent: from 0 to 100'
+no '--progress percent: numbers only' grep -vqx '[0-9]*%' percent
+is "$(head -n 1 openjd)" 'openjd_progress: 0.0' '--progress openjd: the start'
+is "$(grep -v status openjd | tail -n 1)" 'openjd_progress: 100.0' '--progress openjd: the end'
+like "$(tail -n 1 openjd)" 'openjd_status: 2 of 2 made, *shot.*' '--progress openjd: the status'
+no '--progress openjd: nothing else' grep -vqE '^openjd_(progress|status): .' openjd
+is "$("$python" -c 'import json, sys
+lines = [json.loads(l) for l in open("json")]
+print(lines[0]["percent"], lines[0]["total"], lines[-1]["percent"], lines[-1]["done"],
+      lines[0]["file"], sorted(lines[-1]))')" \
+    "0.0 2 100.0 2 shot.0001.exr ['done', 'file', 'percent', 'seconds', 'seconds_left', 'stage', 'total']" \
+    '--progress json: an object a line'
+
+# a resumed run
+mkdir resumed
+run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' shot.0001.exr
+quiet_success '--report-append: a report that is not there'
+run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' 'shot.####.exr'
+is "$(sed 's/.*"frame":\([0-9]*\).*/\1/' resumed.json | xargs)" '1 2' \
+    '--report-append: the lines of both runs'
+run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' 'shot.####.exr'
+is "$(wc -l <resumed.json)" 2 '--report-append: all is made, all is reported'
+run --report r.json -o 'o.####.png' 'shot.####.exr'
+is "$(wc -l <r.json)" 2 'without it the report is made anew'
+run --report-append -o out.png in.exr
+like "$(cat err)" 'glarepp: warning: --report-append*' '--report-append without a report: a warning'
 run --progress always -o out.png nowhere.exr
 is "$(grep -c '^glarepp: nowhere.exr' err)" 1 'progress: the error has a line of its own'
 

@@ -42,7 +42,7 @@ static char *reported(const struct gp_facts *facts, int n)
 {
     in_folder("reported.json");
     struct gp_report r;
-    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
     for (int i = 0; i < n; i++)
         assert_int_equal(gp_report_frame(&said_log, &r, facts), GP_OK);
     char *text = calloc(1, 65536);
@@ -166,7 +166,7 @@ static void files_are_touched_with_the_first_line(void **state)
     in_folder("r.json");
     struct gp_facts facts = full_facts();
     struct gp_report r;
-    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_int_equal(size_of(path), -1);
 
@@ -174,26 +174,62 @@ static void files_are_touched_with_the_first_line(void **state)
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_int_equal(size_of(path), 16000);
-    assert_int_equal(gp_report_open(&said_log, path, false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
     assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
     assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
     assert_in_range(size_of(path), 100, 2000);
+}
+
+/* An appended line comes after those that are whole; the rest of a line that a
+ * killed run left goes, and with the first line only. */
+static void lines_are_appended(void **state)
+{
+    static const char *const before[] = {"", "old\n", "old\nold\n", "ol",
+                                         "old\n{\"half", NULL};
+    in_folder("append.json");
+    struct gp_facts facts = full_facts();
+    unlink(path);
+    for (int i = 0; before[i]; i++) {
+        char text[8192] = "";
+        struct gp_report r;
+        FILE *f = fopen(path, "w");
+        fputs(before[i], f);
+        fclose(f);
+        const size_t whole = strrchr(before[i], '\n')
+            ? (size_t) (strrchr(before[i], '\n') - before[i]) + 1 : 0;
+        assert_int_equal(gp_report_open(&said_log, path, false, true, &r),
+                         GP_OK);
+        assert_int_equal(size_of(path), strlen(before[i]));
+        for (int k = 0; k < 2; k++)
+            assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
+        assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+        f = fopen(path, "r");
+        text[fread(text, 1, sizeof text - 1, f)] = '\0';
+        fclose(f);
+        assert_memory_equal(text, before[i], whole);
+        const char *const second = strchr(text + whole, '\n') + 1;
+        assert_true(text[whole] == '{' && second[0] == '{');
+        assert_true(strchr(second, '\n')[1] == '\0');
+    }
 }
 
 static void errors_of_files(void **state)
 {
     struct gp_facts facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&said_log, "/no/such/r.json", false, &r),
+    assert_int_equal(gp_report_open(&said_log, "/no/such/r.json", false, false,
+                                    &r),
                      GP_ERR_IO);
     assert_non_null(strstr(said_line, "/no/such/r.json: "));
-    assert_int_equal(gp_report_open(&said_log, "/tmp", false, &r), GP_ERR_IO);
+    assert_int_equal(gp_report_open(&said_log, "/tmp", false, false, &r),
+                     GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip_for("no /dev/full");
-    assert_int_equal(gp_report_open(&said_log, "/dev/full", false, &r), GP_OK);
+    assert_int_equal(gp_report_open(&said_log, "/dev/full", false, false, &r),
+                     GP_OK);
     assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_ERR_IO);
     assert_non_null(strstr(said_line, "No space left"));
     (void) gp_report_close(NULL, &r);
@@ -218,4 +254,4 @@ static void lines_are_cut_not_overrun(void **state)
 SUITE_OF(report, make_folder, remove_folder, all_fields_in_order,
          what_was_not_needed_is_left_out, hard_values_stay_json,
          locales_do_not_matter, files_are_touched_with_the_first_line,
-         errors_of_files, lines_are_cut_not_overrun)
+         lines_are_appended, errors_of_files, lines_are_cut_not_overrun)
