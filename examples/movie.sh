@@ -1,9 +1,19 @@
 #!/bin/sh
 # Usage: movie.sh [GLAREPP [MOVIE [PATTERN SIZE]]]
-# Frames into ffmpeg as 16-bit pixels, with no file in between. FFV1 keeps every
-# code; to watch, take -c:v libx264 -pix_fmt yuv420p and a name in .mp4.
+# Frames into ffmpeg as 16-bit pixels, with no file in between. A name in .mp4 gets
+# what browsers and QuickTime play: H.264 in 4:2:0, an even size, BT.709 in its
+# matrix and its tags. Any other name gets FFV1, which keeps every code.
 glarepp=${1:-glarepp} movie=${2:-foliage.mkv}
 frames=${3:-$(dirname "$0")/foliage.####.exr} size=${4:-640x360}
+case $movie in
+*.mp4)
+    even='pad=ceil(iw/2)*2:ceil(ih/2)*2'
+    set -- -vf "$even,scale=out_color_matrix=bt709:out_range=tv" \
+        -pix_fmt yuv420p -c:v libx264 -crf 18 -color_primaries bt709 \
+        -color_trc bt709 -colorspace bt709 -color_range tv -movflags +faststart
+    ;;
+*) set -- -c:v ffv1 ;;
+esac
 "$glarepp" -t 4 --tonemap agx --raw rgb48le -o - "$frames" |
     ffmpeg -v error -y -f rawvideo -pixel_format rgb48le -video_size "$size" \
-        -framerate 24 -i - -c:v ffv1 "$movie"
+        -framerate 24 -i - "$@" "$movie"

@@ -196,8 +196,9 @@ done
 mkdir bin
 cat >bin/ffmpeg <<'SH'
 #!/bin/sh
-# stands in where there is none: keeps the pixels
+# stands in where there is none: keeps the pixels and the words
 for movie; do :; done
+printf '%s\n' "$@" >"$movie.words"
 cat >"$movie"
 SH
 chmod +x bin/ffmpeg
@@ -206,10 +207,43 @@ chmod +x bin/ffmpeg
 is "$(wc -c <want.raw)" $((2 * 640 * 360 * 6)) 'two example frames as pixels'
 (PATH=$tmp/bin:$PATH && export PATH && sh "$examples/movie.sh" "$glarepp" movie.raw)
 same movie.raw want.raw 'examples/movie.sh gives every byte'
+
+# readme: the command of README.md for a movie, for frames of this size
+sed -n '/^    glarepp --raw/,/[^\\]$/p' "$root/README.md" |
+    sed "s/glarepp/\"\$glarepp\"/; s/1920x1080/300x200/; s/shot\.####/big.####/" >readme.sh
+# played FILE: H.264 in 4:2:0 with an index first, BT.709 in all tags
+played()
+{
+    is "$(ffprobe -v error -of csv=p=0 -show_entries \
+        stream=codec_name,pix_fmt,color_range,color_space,color_transfer,color_primaries \
+        "$1")" h264,yuv420p,tv,bt709,bt709,bt709 "$1: as players want it"
+    is "$(ffprobe -v trace "$1" 2>&1 | sed -n "s/.*type:'\(moov\|mdat\)'.*/\1/p" |
+        head -n 1)" moov "$1: the index comes first"
+}
+wanted='bt709 -color_trc bt709 -colorspace bt709 -color_range tv -movflags +faststart'
+for way in 'sh readme.sh' "sh $examples/movie.sh $glarepp shot.mp4 big.####.exr 300x200"; do
+    rm -f shot.mp4*
+    (PATH=$tmp/bin:$PATH && export PATH glarepp && $way)
+    like "$(cat shot.mp4.words | xargs)" \
+        "*scale=out_color_matrix=bt709:out_range=tv -pix_fmt yuv420p*-color_primaries $wanted shot.mp4" \
+        "${way%% /*}: the words that make it play"
+    is "$(($(wc -c <shot.mp4) % (300 * 200 * 6)))" 0 "${way%% /*}: whole frames"
+done
 if command -v ffmpeg >ffmpeg.path; then
     ok 'examples/movie.sh with ffmpeg' sh "$examples/movie.sh" "$glarepp" movie.mkv
     ffmpeg -v error -i movie.mkv -f rawvideo -pix_fmt rgb48le movie.back </dev/null
     same movie.back want.raw 'examples/movie.sh with ffmpeg: every code is back'
+    rm -f shot.mp4*
+    (export glarepp && sh readme.sh 2>ffmpeg.log)
+    played shot.mp4
+    # BT.709's luma of red, and not BT.601's: 63, not 81
+    "$python" -c 'import sys
+for _ in range(3): sys.stdout.buffer.write(b"\xff\xff\0\0\0\0" * 41 * 25)' >red.raw
+    printf '#!/bin/sh\ncat red.raw\n' >red && chmod +x red
+    sh "$examples/movie.sh" ./red odd.mp4 none 41x25
+    played odd.mp4
+    is "$(ffmpeg -v error -i odd.mp4 -f rawvideo -pix_fmt yuv420p - </dev/null |
+        od -An -tu1 -N1 -j100 | tr -d ' ')" 63 "odd.mp4: red by BT.709's matrix"
     {
         "$glarepp" --raw rgb48le -o - big.####.exr 2>err
         echo $? >code
@@ -218,7 +252,7 @@ if command -v ffmpeg >ffmpeg.path; then
     status=$(cat code)
     fails_with 3 stdout 'ffmpeg that ends early'
 else
-    skip 4 'no ffmpeg'
+    skip 9 'no ffmpeg'
 fi
 
 # -- GNU parallel ------------------------------------------------------------------
