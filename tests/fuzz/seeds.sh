@@ -9,7 +9,7 @@ case $1 in /*) glarepp=$1 ;; *) glarepp=$PWD/$1 ;; esac
 exr=$PWD/tests/cli/exr.py
 mkdir -p "$2"
 cd "$2"
-mkdir -p frame plane kernel members raw options frames json scratch
+mkdir -p frame plane kernel members raw options frames json other scratch
 
 # frame NAME [key=value...]: what exr.py makes, written again by the program
 frame()
@@ -48,6 +48,33 @@ for f in png pfm; do
     cat scratch/a.$f scratch/a.$f >members/two.$f
 done
 cat frame/grey.exr frame/far.exr frame/zips.exr >members/three
+
+# what the helper reads: written by it, and forms that it does not write
+/usr/bin/python3 "$exr" scratch/small.exr size=7x5 lights=3 hot=9
+write_other()
+{
+    "$glarepp" -q --engine direct -k scratch/kernel.exr "$@" scratch/small.exr
+}
+for ending in bmp dpx jpg ppm sgi tga webp; do
+    write_other -o scratch/a.$ending
+    cp scratch/a.$ending other/$ending
+done
+write_other --layer scratch/a.hdr --layer scratch/a.tif
+cp scratch/a.hdr other/hdr
+cp scratch/a.tif other/tiff-float
+for packing in none rle zip; do
+    write_other --compression $packing -o scratch/a.tif
+    cp scratch/a.tif other/tiff-$packing
+done
+printf 'P1\n# by hand\n4 3\n1 0 1 0\n0 1 1 0\n1 1 1 0\n' \
+    >other/pbm-text
+printf 'P2\n7 2 9\n1 2 3 4 5 6 7\n9 8 7 6 5 4 3\n' >other/pgm-text
+printf 'P5 3 2 65535\n\1\2\3\4\5\6\7\10\11\12\13\14' >other/pgm-16
+# Targa: runs of colour; a palette of two and runs of its codes
+printf '\0\0\12\0\0\0\0\0\0\0\0\0\7\0\2\0\30\0\206\1\2\3\3\1\1\1\2\2\2\3\3\3\4\4\4\202\7\7\7' \
+    >other/tga-runs
+printf '\0\1\11\0\0\2\0\30\0\0\0\0\4\0\2\0\10\0\0\0\0\377\377\377\203\1\3\0\1\0\1' \
+    >other/tga-palette
 
 # every option once, with a value of each shape
 "$glarepp" --help | sed -n 's/^.*--\([a-z][-a-z]*\).*$/\1/p' | sort -u |
