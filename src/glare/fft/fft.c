@@ -19,6 +19,8 @@ struct fft_state {
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
     struct gp_fft_matrix work;     // of one channel: three leave the cache
     size_t work_rows;
+    unsigned long runs_kernel; // serial of the runs'
+    struct gp_fft_runs runs[3];
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
     int core_taps_radius;
@@ -56,6 +58,8 @@ static void close_state(void **state)
             gp_fft_plan_free(&s->plan[i]);
         gp_fft_matrix_free(&s->spectrum);
         gp_fft_matrix_free(&s->work);
+        for (int c = 0; c < 3; c++)
+            gp_fft_runs_free(&s->runs[c]);
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
         gp_bound_cache_free(&s->least);
@@ -178,6 +182,7 @@ out:
 
 /* Rows of the frame that hold light, in order, and where they stand. */
 struct light_rows {
+    bool negative; // the kernel is, somewhere
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
@@ -210,6 +215,8 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
         row[x] = z[2 * (x - p->out.x0 + first)];
     for (int x = seam; x < p->out.x1; x++)
         row[x] = z[2 * (x - seam)];
+    for (int x = p->out.x0; x < p->out.x1 && !r->negative; x++)
+        row[x] = row[x] > 0.0f ? row[x] : 0.0f;
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
@@ -221,13 +228,38 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
                (size_t) (to - from) * w * sizeof(float));
 }
 
+/* Clears what noise there is in channel c of the layer where no light is. */
+static gp_status clear_unreached(const struct gp_glare_job *job,
+    struct fft_state *s, const struct gp_sources *src,
+    const struct gp_fft_placing *p, int c)
+{
+    const struct gp_kernel *const k = job->kernel;
+    const int plane = k->grey ? 0 : c;
+    if (!is_known(s->runs_kernel, k)) {
+        for (int i = 0; i < 3; i++)
+            gp_fft_runs_free(&s->runs[i]);
+        s->runs_kernel = k->serial;
+    }
+    if (!s->runs[plane].row) {
+        gp_status st = gp_fft_kernel_runs(job->log, k, plane, &s->runs[plane]);
+        if (st)
+            return st;
+    }
+    const double most = fmin((double) src->brightest * k->norm1[c],
+                             sqrt(src->energy[c]) * k->norm2[c]);
+    const double noise = gp_fft_pixel_error(p, most);
+    return gp_fft_clear_unreached(job->log, src, k, &s->runs[plane], c, noise,
+                                  job->layer->c[c]);
+}
+
 /* Transforms `src` with the kernel less its core into the layer. */
 static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
     const struct gp_sources *src, const struct gp_fft_placing *p, int core)
 {
     gp_status st;
     struct gp_fft_job fft = {.log = job->log, .channels = 1};
-    struct light_rows light = {.src = src, .p = p, .layer = job->layer};
+    struct light_rows light = {.src = src, .p = p, .layer = job->layer,
+                               .negative = job->kernel->negative};
     const int count = gp_rect_h(p->out);
     GP_TRY(find_plan(job, s, p->ny, &fft.y));
     const struct gp_fft_plan_pair kept = *fft.y; // the list may move
@@ -259,6 +291,8 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
                                job->kernel->grey ? 1 : 3, first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
+        if (!job->kernel->negative)
+            GP_TRY(clear_unreached(job, s, src, p, fft.channel));
     }
 out:
     gp_free(light.y);

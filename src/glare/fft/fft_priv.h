@@ -41,6 +41,47 @@ double gp_fft_spectrum_ms(int channels, const struct gp_fft_placing *p,
 double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p);
 
+/* A limit of the error of any sample that transforms of a frame give, in one
+ * channel, where no sample of the layer on the torus is over `most` and neither
+ * light nor kernel is negative.
+ *
+ * Roundings count as independent and of mean 0, as for gp_fft_bound(). Those of
+ * a butterfly of value v (products, their sum, a root of unity, an addition)
+ * have together a variance of at most (2 2^-24 |v|)^2, in the sense of Hoeffding
+ * 1963. A stage that has folded n samples, nx ny / n apart, into each of its
+ * nodes meets a pixel with nodes of light v and of kernel g: by Parseval the
+ * sum of |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square of
+ * the circular convolution of both cosets. Summed over cosets, as nothing is
+ * negative, that is at most the mean square of the layer on n samples, so at
+ * most most^2. The kernel's transform is the same with light and kernel
+ * changed, the one back has the layer itself in its nodes. Two rows share a
+ * transform, which doubles the square. 3 transforms of log2(nx ny) stages stay
+ * under t sqrt(2 * 3 log2(nx ny)) 2 2^-24 most, but for a chance of 2
+ * exp(-t^2 / 2): 2.5e-14 a sample with t = 8. */
+double gp_fft_pixel_error(const struct gp_fft_placing *p, double most);
+
+// -- reach.c ------------------------------------------------------------------
+
+/* Runs [from, to) of values that are not 0, by rows: those of row y are
+ * [row[y], row[y + 1]). */
+struct gp_fft_runs {
+    uint32_t *row;
+    struct { int from, to; } *run;
+};
+void gp_fft_runs_free(struct gp_fft_runs *r);
+
+/* Those of channel c of a kernel, by offsets from its centre. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_fft_kernel_runs(const struct gp_log *log,
+    const struct gp_kernel *k, int c, struct gp_fft_runs *out);
+
+/* Makes samples of a w x h plane 0 that no source reaches by a sample of the
+ * kernel other than 0; those over `noise` are known to be reached. Errors:
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
+    const struct gp_sources *src, const struct gp_kernel *k,
+    const struct gp_fft_runs *kernel, int c, double noise, float *plane);
+
 // -- what goes direct --------------------------------------------------------
 
 /* Which part of the sum goes direct, so that float rounding stays unseen.

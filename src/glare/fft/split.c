@@ -132,6 +132,13 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
             (STAGE + 2.0 * ADDING) * sqrt(layer)) / least;
 }
 
+double gp_fft_pixel_error(const struct gp_fft_placing *p, double most)
+{
+    static const double T = 8.0, BUTTERFLY = 2.0;
+    return T * BUTTERFLY * 0x1p-24 *
+           sqrt(6.0 * log2((double) p->nx * p->ny)) * most;
+}
+
 // -- what goes direct --------------------------------------------------------
 
 const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};

@@ -3,6 +3,7 @@
 #include "unit.h"
 #include "glare/fft/fft.h"
 #include "glare/fft/fft_priv.h"
+#include "glare/glare_priv.h"
 #include "hard_cases.h"
 
 #include <unistd.h>
@@ -551,8 +552,76 @@ static void a_night_is_worth_more_than_a_sky(void **state)
     scene_free(&s);
 }
 
+/* -- reach ------------------------------------------------------------------*/
+
+/* Kernel n of the table below: with holes, to one side, dark in a channel. */
+static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
+{
+    static const char *const names[] = {"star", "circle", "ring", "eye"};
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    if (n < 4) {
+        p.source = names[n];
+        p.builtin_size = 67;
+        assert_ok(gp_kernel_builtin(NULL, &p, &k));
+        return k;
+    }
+    struct gp_frame f = scene_frame(31, 24, 0, 0, BLACK, 1u);
+    for (int i = 0; i < 31 * 24; i++) {
+        for (int c = 0; c < 3 - (n == 5); c++)
+            f.rgb.c[c][i] = scene_random(seed) < 0.05f ? scene_random(seed)
+                                                       : 0.0f;
+    }
+    p.centered = n == 5;
+    p.center[0] = -7.5;
+    p.center[1] = 60.5;
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    gp_frame_free(&f);
+    return k;
+}
+
+/* Light and kernel are not negative: the layer is not, and 0 where no source
+ * reaches, channel by channel. */
+static void no_light_where_no_light_reaches(void **state)
+{
+    static const struct { int lamps; float most; } light[] = {
+        {1, 1e6f}, {5, 1e4f}, {60, 30.0f}, {4000, 3.0f},
+    };
+    enum { W = 211, H = 134 };
+    for (uint32_t i = 0; i < 6 * COUNT(light); i++) {
+        uint32_t seed = 77u + i;
+        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1u);
+        for (int n = 0; n < light[i / 6].lamps; n++) {
+            const int at = (int) (W * H * scene_random(&seed));
+            for (int c = 0; c < 3; c++)
+                f.rgb.c[c][at] = scene_random(&seed) < 0.3f ? 0.0f
+                    : 2.0f + light[i / 6].most * scene_random(&seed);
+        }
+        struct scene s = scene_sense(f, reaching_kernel((int) i % 6, &seed),
+                                     &usual);
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        s.exact = scene_alloc(3 * W * H, sizeof *s.exact);
+        gp_glare_reference_direct(&s.src, &s.k, s.exact);
+        assert_ok(scene_run("fft", &s, &g, &stats));
+        long dark = 0, wrong = 0;
+        for (int j = 0; j < 3 * W * H; j++) {
+            const float v = s.f.layer.c[j / (W * H)][j % (W * H)];
+            dark += s.exact[j] == 0.0;
+            wrong += !(v >= 0.0f) || (s.exact[j] == 0.0 && v != 0.0f);
+        }
+        if (wrong || scene_rel_l2(&s) > 1e-6)
+            fail_msg("%d lamps, kernel %u: %ld of %ld dark samples are not "
+                     "dark, rel_l2 %g", light[i / 6].lamps, i % 6, wrong, dark,
+                     scene_rel_l2(&s));
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
 SUITE_OF(fft, ask_quick, NULL,
     lengths_are_the_cheapest, passes_go_round, transform_alone_holds,
     plans_outlive_each_other, choices_keep_the_rules, one_sun_goes_direct,
     tails_are_the_rest, predicted_rounding_is_kept,
-    a_night_is_worth_more_than_a_sky, measured_plans_hold)
+    a_night_is_worth_more_than_a_sky, measured_plans_hold,
+    no_light_where_no_light_reaches)
