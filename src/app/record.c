@@ -20,24 +20,23 @@ static const char *base_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* One word as a shell takes it back. */
-static void put_word(FILE *f, const char *word)
+/* One word as a shell takes it back: the first n bytes of `head`, and `word`. */
+static void put_word(FILE *f, const char *head, size_t n, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyz"
         "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
-    if (*word && !word[strspn(word, plain)]) {
-        fprintf(f, " %s", word);
-        return;
-    }
-    fputs(" '", f);
-    for (; *word; word++) {
-        if (*word == '\'')
+    const bool bare = n + strlen(word) > 0 && strspn(head, plain) >= n &&
+                      !word[strspn(word, plain)];
+    fputs(bare ? " " : " '", f);
+    for (size_t i = 0; i < n || *word; i++) {
+        const char c = i < n ? head[i] : *word++;
+        if (c == '\'')
             fputs("'\\''", f);
         else // a line break would be one in the file's listing too
-            fputc((unsigned char) *word < 0x20 || *word == 0x7f ? '?' : *word,
-                  f);
+            fputc((unsigned char) c < 0x20 || c == 0x7f ? '?' : c, f);
     }
-    fputc('\'', f);
+    if (!bare)
+        fputc('\'', f);
 }
 
 /* An option's value without folders of this machine. */
@@ -48,19 +47,11 @@ static void put_value(FILE *f, const struct gp_option *o, const char *value)
     if (config && (!*value || strcmp(value, "env") == 0) && getenv("OCIO"))
         value = getenv("OCIO");
     if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
-        put_word(f, base_name(value));
-    else if (is && is[1] == '/') { // NAME=/some/folder/file
-        const size_t n = (size_t) (is + 1 - value);
-        const char *const base = base_name(value);
-        char *const text = malloc(n + strlen(base) + 1);
-        if (text) {
-            memcpy(text, value, n);
-            strcpy(text + n, base);
-            put_word(f, text);
-        }
-        free(text);
-    } else
-        put_word(f, value);
+        put_word(f, "", 0, base_name(value));
+    else if (is && is[1] == '/') // NAME=/some/folder/file
+        put_word(f, value, (size_t) (is + 1 - value), base_name(value));
+    else
+        put_word(f, "", 0, value);
 }
 
 gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
@@ -89,7 +80,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
             put_value(f, o, value);
     }
     for (int i = 0; i < inputs; i++)
-        put_word(f, base_name(input[i]));
+        put_word(f, "", 0, base_name(input[i]));
     const bool full = ferror(f);
     json_t *const clean = fclose(f) == 0 && !full ? gp_json_name(text) : NULL;
     free(text);

@@ -542,7 +542,6 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     const struct gp_write_params *p, const struct gp_output *t,
     const char *name, struct gp_write_stats *stats)
 {
-    const size_t n = gp_frame_pixels(&fs->frame);
     const bool scene = untoned(r->s);
     const struct gp_planes *shown = scene ? &fs->frame.lit : &fs->frame.shown;
     const struct gp_map_picture *const map =
@@ -567,9 +566,9 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         break;
     case GP_TARGET_POLYGONS:
         // those of splat, over what -o shows
-        st = gp_planes_make(fs->log, "polygons", n, &own);
+        st = gp_planes_make(fs->log, "polygons", gp_frame_pixels(&f), &own);
         for (int c = 0; c < 3 && !st; c++)
-            memcpy(own.c[c], shown->c[c], n * sizeof(float));
+            memcpy(own.c[c], shown->c[c], gp_frame_pixels(&f) * sizeof(float));
         if (!st && fs->sources.n > 0)
             st = gp_polygons_outline(fs->log, &fs->sources, kernel_of(fs),
                                      &r->s->glare.splat, &own);
@@ -595,20 +594,17 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
 
 static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
 {
-    struct gp_write_stats stats = {0};
+    struct gp_write_stats stats = {.raw = r->raw}; // changes when ordered only
     struct gp_write_params p = r->s->write;
     const char *const input = fs->job->input;
     char *command = NULL;
-    gp_status st = GP_OK;
-    if (!r->s->no_provenance)
-        st = gp_command_text(fs->log, r->s, &input, 1, &command);
+    gp_status st = r->s->no_provenance
+        ? GP_OK : gp_command_text(fs->log, r->s, &input, 1, &command);
     p.command = command;
     if (r->ocio) {
         p.primaries = gp_ocio_output_primaries(r->ocio);
         memcpy(p.cicp, gp_ocio_code_points(r->ocio), sizeof p.cicp);
     }
-    if (r->ordered) // else no two frames share a stream
-        stats.raw = r->raw;
     for (int i = 0; i < r->jobs->targets && !st; i++) {
         const struct gp_output *const t = &r->jobs->target[i];
         if ((t->whole || t->hero) && fs->view > 0)
