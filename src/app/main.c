@@ -185,8 +185,8 @@ out:
 
 static int run_compare(const struct gp_log *log, const struct gp_settings *s)
 {
-    char *command = NULL; // of the heatmap
-    if (!s->no_provenance && s->compare.heatmap &&
+    char *command = NULL; // of the pictures
+    if (!s->no_provenance && (s->compare.heatmap || s->compare.difference) &&
         gp_command_text(log, s, s->inputs.at, s->inputs.n, &command))
         return GP_ERR_BUG;
     struct gp_write_params write = s->write;

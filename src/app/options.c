@@ -605,8 +605,9 @@ const struct gp_option gp_options[] = {
     OPT(compare.all_parts, .name = "all", .letter = 'a', COMPARE,
         .help = "Compare all parts; without it, the first of each file"),
     OPT(compare.difference, .name = "difference", .letter = 'o', COMPARE,
-        .arg = "FILE", .help = "Write the picture A - B; of a file with many "
-        "parts, of the first; the ending picks the format"),
+        .arg = "FILE", .aside = true,
+        .help = "Write the picture A - B; of a file with many parts, of the "
+                "first; the ending picks the format"),
     OPT(compare.only_different, .name = "od", COMPARE,
         .help = "Write --difference only where the images differ"),
     OPT(compare.absolute, .name = "abs", COMPARE,

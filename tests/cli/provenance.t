@@ -39,6 +39,8 @@ says made/o.png "glarepp 'it'\\''s $(printf '\303\244').exr'" 'a PNG: letters th
 says made/o.exr "glarepp 'it'\\''s $(printf '\303\244').exr'" 'an EXR: the same'
 run compare --heatmap made/heat.png --fail 1e9 in/f.exr "$tmp/in/f.exr"
 says made/heat.png 'glarepp compare --fail 1e9 f.exr f.exr' 'a heatmap'
+run compare -scale 2 -o made/minus.exr in/f.exr in/f.exr
+says made/minus.exr 'glarepp compare --scale 2 f.exr f.exr' 'a difference'
 "$glarepp" -o - in/f.exr >made/stdout.exr
 says made/stdout.exr 'glarepp f.exr' 'stdout'
 
