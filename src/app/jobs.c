@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static bool is_dash(const char *path)
@@ -23,12 +22,6 @@ static bool has_place(const struct gp_jobs *j)
             return true;
     }
     return false;
-}
-
-/* True for --views all, and where it says nothing. */
-static bool takes_all_views(const struct gp_settings *s)
-{
-    return !s->views || strcmp(s->views, "all") == 0;
 }
 
 // -- frames ------------------------------------------------------------------
@@ -82,14 +75,6 @@ static gp_status list_frames(const struct gp_log *log,
     return all->n ? GP_OK : gp_frames_on_disk(log, p, view->name[0], all);
 }
 
-/* Marks the outputs that hold all views of a frame. */
-static void mark_whole(struct gp_jobs *j)
-{
-    for (int i = 0; i < j->targets; i++)
-        j->target[i].whole = j->target[i].kind == GP_TARGET_HDR &&
-                             j->views > 1 && !j->target[i].name.views;
-}
-
 /* Makes the jobs of all inputs. *patterns: some input has a place for a frame
  * number; a file that has the pattern's very name has none. */
 static gp_status add_inputs(const struct gp_log *log,
@@ -125,18 +110,17 @@ static gp_status add_inputs(const struct gp_log *log,
                 "%s); make the two in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
-    if (in_names && s->views && takes_all_views(s))
+    if (in_names && s->views && gp_views_all(s))
         GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all are those that a file "
             "holds (found %%V or %%v in %s); name them, such as left,right",
             in[0].path));
-    if (in_names || !takes_all_views(s))
+    if (in_names || !gp_views_all(s))
         GP_TRY(gp_views_parse(log, s->views ? s->views : "left,right",
                               &j->view));
     for (int i = 0; i < s->inputs.n; i++)
         GP_TRY(gp_views_check(log, &in[i], &j->view));
     j->views = in_names ? 1 : gp_jobs_of_frame(j);
     j->views_inside = !in_names && j->view.n > 0;
-    mark_whole(j);
     // list the frames of each
     for (const struct gp_pattern *p = in; p < in + s->inputs.n; p++) {
         int frame = 0;
@@ -206,113 +190,6 @@ static gp_status read_stdin(const struct gp_log *log,
             st = gp_no_memory_bare(log, "frame list");
     }
     gp_frames_free(&f);
-    return st;
-}
-
-// -- views that the inputs name ----------------------------------------------
-
-/* Makes a job of each view in place of each job; takes `found` over. */
-static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
-                              struct gp_views *found)
-{
-    const int n = found->n;
-    struct gp_job *job;
-    j->view = *found;
-    *found = (struct gp_views) {0};
-    if (j->n > GP_FRAME_LIST_MAX / n)
-        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
-                       "them in several runs", j->job[0].input,
-                       GP_FRAME_LIST_MAX);
-    gp_status st = gp_alloc_zero(log, "frame list", (size_t) (j->n * n),
-                                 sizeof *job, &job);
-    for (int i = 0; i < j->n * n && !st; i++) {
-        job[i] = j->job[i / n];
-        job[i].view = j->view.name[i % n];
-        job[i].input = i % n ? gp_strdup(j->job[i / n].input) : job[i].input;
-        if (!job[i].input)
-            st = gp_no_memory_bare(log, "frame list");
-    }
-    if (st) { // the copies; the others are still j's
-        for (int i = 0; job && i < j->n * n; i++)
-            free(i % n ? job[i].input : NULL);
-        gp_free(job);
-        return st;
-    }
-    free(j->job);
-    j->job = job;
-    j->n *= n;
-    j->views = n;
-    j->views_inside = true;
-    mark_whole(j);
-    for (int i = 0; i < j->targets; i++)
-        j->target[i].hero = !j->target[i].whole && !j->target[i].name.views;
-    return GP_OK;
-}
-
-/* Finds the views of the first input that can be looked at; a pipe cannot.
- * Prints nothing: reading a file says what is wrong with it. */
-static gp_status find_views(const struct gp_settings *s,
-    const struct gp_jobs *j, struct gp_views *found, const char **input)
-{
-    *input = j->job[0].input;
-    if (j->members.n)
-        return gp_members_views(NULL, &s->read, &j->members, 0, found);
-    for (int i = 0; i < j->n; i++) {
-        struct stat info;
-        *input = j->job[i].input;
-        if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
-            continue;
-        const gp_status st = gp_read_views(NULL, &s->read, *input, found);
-        if (!st || st == GP_ERR_BUG)
-            return st;
-    }
-    return GP_OK;
-}
-
-/* Takes all views that the inputs name, where an output can hold them, and says
- * which were taken. */
-static gp_status look_inside(const struct gp_log *log,
-                             const struct gp_settings *s, struct gp_jobs *j)
-{
-    struct gp_views found = {0};
-    char list[512] = "";
-    const char *input;
-    bool places = false, hero = j->targets == 0;
-    j->views_found = j->targets == 0; // the report has a line for each
-    for (int i = 0; i < j->targets; i++) {
-        const struct gp_output *const t = &j->target[i];
-        places = places || t->name.views;
-        hero = hero || (t->kind != GP_TARGET_HDR && !t->name.views);
-        j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
-                         t->name.views;
-    }
-    gp_status st = find_views(s, j, &found, &input);
-    if (st == GP_ERR_BUG)
-        return gp_no_memory(log, input);
-    if (st || found.n == 0)
-        return GP_OK;
-    for (int i = 0; i < found.n; i++) {
-        const char *const name = found.name[i];
-        const size_t used = strlen(list);
-        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
-        if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
-                       strcmp(name, "..") == 0))
-            st = gp_fail(log, GP_ERR_DATA, "%s: holds a view whose name is no "
-                         "name of a file (found %s); choose others with "
-                         "--views", input, name);
-    }
-    if (!st && !j->views_found)
-        gp_say(log, GP_LEVEL_WARN, "%s: of its views %s only %s is made; write "
-               "%%V into a name to make them all, or choose with --views",
-               input, list, found.name[0]);
-    else if (!st)
-        gp_say(log, GP_LEVEL_WARN, "%s: its views %s all get glare%s%s; choose "
-               "with --views", input, list, hero && j->targets
-               ? ", names without %V show " : "",
-               hero && j->targets ? found.name[0] : "");
-    if (!st && j->views_found)
-        st = spread_views(log, j, &found);
-    gp_views_free(&found);
     return st;
 }
 
@@ -523,6 +400,18 @@ out:
 
 // -- all of it ---------------------------------------------------------------
 
+/* Marks the outputs that hold all views of a frame, and those that hold only
+ * the first. */
+static void mark_outputs(struct gp_jobs *j)
+{
+    for (int i = 0; i < j->targets; i++) {
+        struct gp_output *const t = &j->target[i];
+        const bool one = j->views > 1 && !t->name.views;
+        t->whole = one && t->kind == GP_TARGET_HDR;
+        t->hero = one && !t->whole && j->views_found;
+    }
+}
+
 /* Checks the names of all outputs, and what the first frame's would need.
  *   later  views are still to be found: names with %V are not whole yet */
 static gp_status check_outputs(const struct gp_log *log,
@@ -580,16 +469,18 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
     const bool piped = is_dash(j.job[0].input);
-    const bool looks = takes_all_views(s) && !j.view.n;
+    const bool looks = gp_views_all(s) && !j.view.n;
     if (looks && !piped)
-        GP_TRY(look_inside(log, s, &j));
+        GP_TRY(gp_jobs_find_views(log, s, &j));
+    mark_outputs(&j);
     // all that the outputs must meet, before stdin is read
     GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
     GP_TRY(check_missing(log, s, &j));
     if (piped) {
         GP_TRY(read_stdin(log, s, &j));
         if (looks)
-            GP_TRY(look_inside(log, s, &j));
+            GP_TRY(gp_jobs_find_views(log, s, &j));
+        mark_outputs(&j);
         GP_TRY(check_outputs(log, s, &j, patterns, false));
     }
     for (int i = 0; i < j.targets && s->write.alpha == GP_ALPHA_KEEP; i++) {

@@ -84,6 +84,24 @@ GP_MUST_CHECK gp_status gp_jobs_make(
     const struct gp_log *log, const struct gp_settings *s, struct gp_jobs *out);
 void gp_jobs_free(struct gp_jobs *j);
 
+/* True for --views all, and where it says nothing. */
+bool gp_views_all(const struct gp_settings *s);
+
+/* Takes all views that the first input names which can be looked at, where an
+ * output has a place for several, and says in one line which were taken; j has
+ * one job for each frame, and gets one for each view.
+ * Errors: GP_ERR_DATA a view is no name of a file, and outputs have %V;
+ * GP_ERR_USAGE too many frames; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_jobs_find_views(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j);
+
+/* Checks that a frame names no views but those of j->view, for runs whose
+ * views were found.
+ * Errors: GP_ERR_USAGE it has others; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_jobs_check_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_jobs *j,
+    const struct gp_frame *f);
+
 /* Jobs of one frame: one a view, 1 without views. */
 int gp_jobs_of_frame(const struct gp_jobs *j);
 

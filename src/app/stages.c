@@ -91,26 +91,6 @@ static bool suns_asked(const struct gp_settings *s)
     return gp_suns_wanted(&s->sun);
 }
 
-/* Checks that the frame names no views but those that all frames have. */
-static gp_status check_views(const struct gp_run *r, struct gp_frame_state *fs)
-{
-    const struct gp_views *const all = &r->jobs->view;
-    struct gp_views own;
-    gp_status st = gp_frame_views(fs->log, &r->s->read, &fs->frame, &own);
-    for (int i = 0; i < own.n && !st; i++) {
-        int k = 0;
-        while (k < all->n && strcmp(all->name[k], own.name[i]) != 0)
-            k++;
-        if (k == all->n)
-            st = gp_fail(fs->log, GP_ERR_USAGE, "%s: holds the view %s (the "
-                "first input that could be looked at has %s); choose with "
-                "--views, or make it in a run of its own", fs->job->input,
-                own.name[i], all->n ? "others" : "none");
-    }
-    gp_views_free(&own);
-    return st;
-}
-
 /* Grows the frame and the layers of its light groups to the window of the
  * outputs. */
 static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
@@ -166,7 +146,7 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
                                    &fs->frame)
                 : gp_read_frame(fs->log, &p, fs->job->input, &fs->frame));
     if (r->jobs->views_found && fs->view == 0)
-        GP_TRY(check_views(r, fs));
+        GP_TRY(gp_jobs_check_views(fs->log, &r->s->read, r->jobs, &fs->frame));
     if (groups->n) {
         GP_TRY(gp_alloc_zero(fs->log, "light groups", (size_t) groups->n,
                              sizeof *fs->group, &fs->group));

@@ -263,9 +263,9 @@ like "$(cat out)" '*--views LIST*' '--views is in --help'
 like "$("$glarepp" help --completion bash)" '*--views*' '--views is completed'
 grep -qF -- '\-views' "$root/man/glarepp.1"
 result $? '--views is in the man page'
-for command in bench compare; do
-    run $command --views left,right in.exr in.exr
-    status_is 2 "--views is not for $command"
+for row in 'bench 2' 'compare 64'; do
+    run "${row% *}" --views left,right in.exr in.exr
+    status_is "${row#* }" "--views is not for ${row% *}"
 done
 
 done_testing

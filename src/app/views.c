@@ -1,0 +1,135 @@
+/* The views of a run that the command line does not name: all that the first
+ * input holds. */
+#include "app/jobs.h"
+
+#include "core/memory.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+bool gp_views_all(const struct gp_settings *s)
+{
+    return !s->views || strcmp(s->views, "all") == 0;
+}
+
+/* Makes a job of each view in place of each job; takes `found` over. */
+static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
+                              struct gp_views *found)
+{
+    const int n = found->n;
+    struct gp_job *job;
+    j->view = *found;
+    *found = (struct gp_views) {0};
+    if (j->n > GP_FRAME_LIST_MAX / n)
+        return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
+                       "them in several runs", j->job[0].input,
+                       GP_FRAME_LIST_MAX);
+    gp_status st = gp_alloc_zero(log, "frame list", (size_t) (j->n * n),
+                                 sizeof *job, &job);
+    for (int i = 0; i < j->n * n && !st; i++) {
+        job[i] = j->job[i / n];
+        job[i].view = j->view.name[i % n];
+        job[i].input = i % n ? gp_strdup(j->job[i / n].input) : job[i].input;
+        if (!job[i].input)
+            st = gp_no_memory_bare(log, "frame list");
+    }
+    if (st) { // the copies; the others are still j's
+        for (int i = 0; job && i < j->n * n; i++)
+            free(i % n ? job[i].input : NULL);
+        gp_free(job);
+        return st;
+    }
+    free(j->job);
+    j->job = job;
+    j->n *= n;
+    j->views = n;
+    j->views_inside = true;
+    return GP_OK;
+}
+
+/* Finds the views of the first input that can be looked at; a pipe cannot.
+ * Prints nothing: reading a file says what is wrong with it. */
+static gp_status find_views(const struct gp_settings *s,
+    const struct gp_jobs *j, struct gp_views *found, const char **input)
+{
+    *input = j->job[0].input;
+    if (j->members.n)
+        return gp_members_views(NULL, &s->read, &j->members, 0, found);
+    for (int i = 0; i < j->n; i++) {
+        struct stat info;
+        *input = j->job[i].input;
+        if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
+            continue;
+        const gp_status st = gp_read_views(NULL, &s->read, *input, found);
+        if (!st || st == GP_ERR_BUG)
+            return st;
+    }
+    return GP_OK;
+}
+
+gp_status gp_jobs_find_views(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_jobs *j)
+{
+    struct gp_views found = {0};
+    char list[512] = "";
+    const char *input;
+    bool places = false, hero = j->targets == 0;
+    j->views_found = j->targets == 0; // the report has a line for each
+    for (int i = 0; i < j->targets; i++) {
+        const struct gp_output *const t = &j->target[i];
+        places = places || t->name.views;
+        hero = hero || (t->kind != GP_TARGET_HDR && !t->name.views);
+        j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
+                         t->name.views;
+    }
+    gp_status st = find_views(s, j, &found, &input);
+    if (st == GP_ERR_BUG)
+        return gp_no_memory(log, input);
+    if (st || found.n == 0)
+        return GP_OK;
+    for (int i = 0; i < found.n; i++) {
+        const char *const name = found.name[i];
+        const size_t used = strlen(list);
+        snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
+        if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
+                       strcmp(name, "..") == 0))
+            st = gp_fail(log, GP_ERR_DATA, "%s: holds a view whose name is no "
+                         "name of a file (found %s); choose others with "
+                         "--views", input, name);
+    }
+    if (!st && !j->views_found)
+        gp_say(log, GP_LEVEL_WARN, "%s: of its views %s only %s is made; write "
+               "%%V into a name to make them all, or choose with --views",
+               input, list, found.name[0]);
+    else if (!st)
+        gp_say(log, GP_LEVEL_WARN, "%s: its views %s all get glare%s%s; choose "
+               "with --views", input, list, hero && j->targets
+               ? ", names without %V show " : "",
+               hero && j->targets ? found.name[0] : "");
+    if (!st && j->views_found)
+        st = spread_views(log, j, &found);
+    gp_views_free(&found);
+    return st;
+}
+
+gp_status gp_jobs_check_views(const struct gp_log *log,
+    const struct gp_read_params *p, const struct gp_jobs *j,
+    const struct gp_frame *f)
+{
+    struct gp_views own;
+    gp_status st = gp_frame_views(log, p, f, &own);
+    for (int i = 0; i < own.n && !st; i++) {
+        int k = 0;
+        while (k < j->view.n && strcmp(j->view.name[k], own.name[i]) != 0)
+            k++;
+        if (k == j->view.n)
+            st = gp_fail(log, GP_ERR_USAGE, "%s: holds the view %s (the first "
+                "input that could be looked at has %s); choose with --views, "
+                "or make it in a run of its own", f->path, own.name[i],
+                j->view.n ? "others" : "none");
+    }
+    gp_views_free(&own);
+    return st;
+}
