@@ -116,7 +116,7 @@ double gp_fft_least(const struct gp_sources *s, const struct gp_fft_quarters *q)
 double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
                     double least, const struct gp_fft_placing *p)
 {
-    static const double STAGE = 5.42, ADDING = 1.0; // of 2^-24: see above
+    static const double STAGE = 0.75, ADDING = 0.45; // of 2^-24: see fft_priv.h
     static const double CERTAIN = 1e-6; // sums in double lose what is under it
     double noise = 0.0, layer = 0.0; // squares
     for (int c = 0; c < 3; c++) {
