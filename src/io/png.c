@@ -426,7 +426,9 @@ static void flush_nothing(png_structp png)
 static void on_write_error(png_structp png, png_const_charp message)
 {
     struct target *t = png_get_error_ptr(png);
-    if (!t->st)
+    if (!t->st && strstr(message, "memory"))
+        t->st = gp_no_memory(t->log, gp_file_path(t->file));
+    else if (!t->st)
         t->st = gp_fail(t->log, GP_ERR_IO,
                         "%s: libpng refuses it (%s); write another format",
                         gp_file_path(t->file), message);

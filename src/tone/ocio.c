@@ -17,7 +17,7 @@ struct gp_ocio {
     const struct gp_ocio_api *api;
     struct gp_ocio_made made;
     bool any_primaries;     // of the params
-    bool noted;             // gp_ocio_note() has said its line
+    bool noted, noted_output; // gp_ocio_note() has said its lines
     bool has_primaries;     // of the output space:
     float primaries[8];
 };
@@ -106,6 +106,11 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
 {
     const struct gp_ocio_made *const made = &ocio->made;
     double m[9];
+    if (made->names.output && !ocio->has_primaries && !ocio->noted_output)
+        gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
+               "linear, or %s has no role aces_interchange); --hdr gets no "
+               "chromaticities", made->names.output, made->names.config);
+    ocio->noted_output = true;
     if (ocio->any_primaries || ocio->noted || !f->names_chromaticities ||
         (made->input_light.known &&
          gp_rgb_to_rgb(f->chromaticities, made->input_light.of, m)))
@@ -157,10 +162,6 @@ gp_status gp_ocio_open(const struct gp_log *log,
     }
     o->any_primaries = p->any_primaries;
     o->has_primaries = name_primaries(&o->made.output_light, o->primaries);
-    if (p->output && !o->has_primaries)
-        gp_say(log, GP_LEVEL_WARN, "--output-space %s: primaries unknown (not "
-               "linear, or %s has no role aces_interchange); --hdr gets no "
-               "chromaticities", o->made.names.output, o->made.names.config);
     *out = o;
     return GP_OK;
 }
