@@ -1,7 +1,8 @@
 /* The command line.
  *
  * app/ as a room: argv in, exit status out.
- *   options   the one table of options: parse.c, check.c, help.c read it
+ *   options   the one table of options: lookup.c, parse.c, check.c, help.c,
+ *             record.c read it
  *   jobs      which frames are made, and under which names
  *   pipeline  frame after frame through the stages
  *   report    JSON lines; progress: the line on the terminal */
