@@ -4,17 +4,18 @@
 #include "app/stages.h"
 #include "core/colour.h"
 #include "core/clock.h"
+#include "core/limits.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
 #include <math.h>
 #include <string.h>
-#include <unistd.h>
 
 /* Stages that run, and what nobody needs after each. */
 struct schedule {
     bool on[GP_STAGES];
     unsigned dead[GP_STAGES];
+    size_t pixel_bytes; // of a frame's pixel at most, without other channels
 };
 
 /* An input file in flight: one frame, or the views that it holds. */
@@ -38,8 +39,34 @@ struct pipeline {
     struct unit *unit;               // one a slot, owned
     int slots;
     atomic_int kept;                 // frames, for the progress
-    atomic_size_t largest;           // frame so far, pixels
+    atomic_size_t largest;           // unit so far, bytes
+    size_t memory;                   // that the process may use; 0: unknown
 };
+
+/* Counts the bytes of a pixel that are there at once, at most. */
+static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
+{
+    enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
+           FFT = 8, // its rows and columns in the making
+           SPLAT = 4 * sizeof(float), // its target
+           REST = 9 }; // sources, 14 each, and files
+    const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
+                              GP_HAS_SHOWN};
+    const char *const name = r->s->glare.engine;
+    const size_t engine = strcmp(name, "direct") == 0 ? 0
+                          : strcmp(name, "fft") == 0 ? FFT : SPLAT;
+    unsigned alive = 0;
+    for (int i = 0; i < GP_STAGES; i++) {
+        const unsigned gives = p->on[i] ? gp_stages[i].gives : 0u;
+        size_t bytes = REST + (gives & GP_HAS_LAYER ? engine : 0) +
+                       (gives & GP_HAS_MEASURED ? EXACT : 0);
+        alive |= gives;
+        for (size_t k = 0; k < sizeof kinds / sizeof *kinds; k++)
+            bytes += alive & kinds[k] ? PLANES : 0;
+        p->pixel_bytes = bytes > p->pixel_bytes ? bytes : p->pixel_bytes;
+        alive &= p->on[i] ? ~p->dead[i] : ~0u;
+    }
+}
 
 /* Goes from the files that are wanted back to what they need. */
 static gp_status make_schedule(const struct gp_log *log,
@@ -70,6 +97,7 @@ static gp_status make_schedule(const struct gp_log *log,
                                         !gp_stages[i].asked(r->s));
         have |= there ? gp_stages[i].gives : 0u;
     }
+    count_pixel_bytes(r, p);
     return GP_OK;
 }
 
@@ -83,12 +111,37 @@ static void add_time(struct gp_frame_state *fs, int time, double ms)
     fs->facts.total_ms += ms;
 }
 
+/* Bytes of the channels of a frame that are not its colour. */
+static size_t carried_bytes(const struct gp_frame *f)
+{
+    size_t bytes = 0;
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const c = &f->channel[i];
+        bytes += c->data ? (size_t) c->w * (size_t) c->h * gp_type_size(c->type)
+                         : 0;
+    }
+    return bytes;
+}
+
+/* Memory that a frame takes in flight, at most and about. */
+static size_t frame_bytes(const struct pipeline *p,
+                          const struct gp_frame_state *fs)
+{
+    const size_t pixels = gp_frame_pixels(&fs->frame);
+    const size_t group = (p->s.hdr.n ? 6 : 3) * sizeof(float); // as read, as lit
+    size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->frame);
+    for (int i = 0; i < fs->groups; i++)
+        bytes += pixels * group + carried_bytes(&fs->group[i].frame);
+    return bytes;
+}
+
 static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
 {
     struct pipeline *const p = user;
     struct unit *const u = &p->unit[slot];
     const int views = p->jobs->views, first = unit * views;
     const struct gp_job *const job = &p->jobs->job[first];
+    size_t bytes = 0;
     gp_status st = GP_OK;
     if (phase == GP_PHASE_READ) {
         gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
@@ -123,15 +176,16 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
             gp_frame_state_release(fs, p->schedule.dead[i]);
         }
         if (phase == GP_PHASE_READ) {
-            const size_t n = gp_frame_pixels(&fs->frame);
-            size_t largest = atomic_load(&p->largest);
-            while (n > largest && !atomic_compare_exchange_weak(
-                                      &p->largest, &largest, n))
-                ;
+            fs->facts.bytes = frame_bytes(p, fs);
+            bytes += fs->facts.bytes;
         }
         if (phase == GP_PHASE_COMPUTE)
             gp_suns_end_frame(&p->run.suns);
     }
+    size_t largest = atomic_load(&p->largest);
+    while (bytes > largest &&
+           !atomic_compare_exchange_weak(&p->largest, &largest, bytes))
+        ;
     return st;
 }
 
@@ -192,22 +246,15 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 
 // -- how many in flight ------------------------------------------------------
 
-enum {
-    FLIGHT = 3,        // one is read, one computed, one written
-    PIXEL_BYTES = 64,  // most that a frame of three channels takes, a pixel
-};
+enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Left to itself, it takes no more than half of the machine's memory. */
+/* Left to itself, it takes no more than half of the memory. */
 static bool has_room(void *user, int in_flight)
 {
     const struct pipeline *const p = user;
-    const size_t frame = atomic_load(&p->largest) * PIXEL_BYTES *
-                         (size_t) p->jobs->views;
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    if (p->asked->frame_jobs || pages <= 0 || page <= 0)
-        return true;
-    return frame <
-           (size_t) pages / 2 * (size_t) page / (size_t) (in_flight + 1);
+    return p->asked->frame_jobs || p->memory == 0 ||
+           atomic_load(&p->largest) <
+               p->memory / 2 / (size_t) (in_flight + 1);
 }
 
 // -- the kernel ---------------------------------------------------------------
@@ -318,7 +365,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
                      : gp_threads() > 1 ? FLIGHT : 1;
     struct pipeline p = {
         .log = log, .asked = s, .s = *s, .jobs = jobs, .progress = progress,
-        .run = {.s = &p.s, .jobs = jobs},
+        .run = {.s = &p.s, .jobs = jobs}, .memory = gp_memory_limit(),
         .slots = most < units ? most : units > 0 ? units : 1,
     };
     const struct gp_flight_work work = {

@@ -392,6 +392,8 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     }
     json_object_set_new(times, "total", number(facts->total_ms, 1e-3));
     json_object_set_new(o, "times_ms", times);
+    json_object_set_new(o, "frame_mib",
+                        number((double) facts->bytes / (1 << 20), 0.1));
     json_object_set_new(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (facts->glare.gl || facts->sun_gl)

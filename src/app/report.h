@@ -65,6 +65,8 @@ struct gp_facts {
     const struct gp_settings *settings; // NULL: left out
     const char *warned;          // `warned_bytes` of lines, each with its null
     size_t warned_bytes;         // byte
+    size_t bytes;                // of memory that the frame is believed to
+                                 // take in flight
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;
 };

@@ -201,4 +201,31 @@ PY
 is $? 0 'memory: tried'
 verdicts verdicts
 
+# What a frame is believed to take, by which --frame-jobs finds how many fit, is
+# the peak within 1.3, with other channels too. Small frames that grow are fast to
+# make.
+many=$(seq -s , -f 'c%02.0f.X:float' 20)
+frame many.exr size=8x8 lights=9 "channels=R,G,B,$many"
+frame few.exr size=8x8 lights=9
+cat >believed.py <<'PY'
+import json, subprocess, sys
+for name in "few", "many":
+    for files in ("--hdr h.exr", "-o o.png -e fft",
+                  "--hdr h.exr -o o.exr --layer l.exr"):
+        subprocess.run([sys.argv[1], "--frame-jobs", "1", "--threads", "2",
+                        *files.split(), "--grow", "900", "--report", "r.json",
+                        name + ".exr"], check=True)
+        o = json.load(open("r.json"))
+        believed, peak = o["frame_mib"], o["peak_rss_mib"]
+        fits = believed / 1.3 < peak < believed * 1.3
+        print(f"{'' if fits else 'not '}ok memory of {name} channels, {files}: "
+              f"{peak:.0f} MiB, believed {believed}")
+PY
+if sanitized; then
+    skip 6 'a sanitizer takes memory of its own'
+else
+    "$python" believed.py "$glarepp" >verdicts 2>&1
+    verdicts verdicts
+fi
+
 done_testing

@@ -17,7 +17,7 @@ is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
 'engine', 'engine_why', 'sources', 'fft_size', 'flux_in', 'flux_out', \
 'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
-'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
+'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
 is "$(field r.json 'o["input"], o["outputs"]')" \
     "('in.exr', ['out.exr', 'out.png'])" 'input and outputs'

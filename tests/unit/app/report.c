@@ -60,7 +60,8 @@ static const char *const keys[] = {
     "height", "window", "window_read", "engine", "engine_why",
     "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
     "form", "fft_size", "flux_in", "flux_out", "bound", "measured",
-    "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "peak_rss_mib",
+    "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "frame_mib",
+    "peak_rss_mib",
     "threads", "gl", "warnings", "status", "version", "schema",
 };
 
