@@ -359,8 +359,9 @@ const struct gp_option gp_options[] = {
         .lo = -36000, .hi = 36000,
         .help = "Turn the kernel about its centre, counter-clockwise"),
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
-        .hi = 1e6, .help = "Scale the layer in the pictures; with --mix scatter 1 takes "
-        "all of a source's light, and more than 1 brightens the glare only"),
+        .hi = 1e6, .help = "Scale the layer in the pictures; with --mix "
+        "scatter 1 takes all of a source's light, and more than 1 brightens "
+        "the glare only"),
     CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
 

@@ -135,7 +135,8 @@ static gp_status set_choice(const struct use *u, void *field)
     const bool named = u->option->kind == GP_KIND_NAMED;
     const size_t n = named ? strcspn(u->value, "=") : strlen(u->value);
     const struct gp_option_choice *c = u->option->choices;
-    while (c->name && (strlen(c->name) != n || strncmp(c->name, u->value, n) != 0))
+    while (c->name &&
+           (strlen(c->name) != n || strncmp(c->name, u->value, n) != 0))
         c++;
     if (!c->name)
         return unknown_value(u);

@@ -263,8 +263,10 @@ gp_status gp_frames_parse(const struct gp_log *log, const char *text,
             s++;
             good = read_number(&s, &to);
             if (good && (*s == 'x' || *s == ':')) {
-                s++;
-                good = read_number(&s, &step) && step >= 1;
+                const bool down = *s++ == ':' && to < from;
+                good = read_number(&s, &step);
+                step = down && step < 0 ? -step : step;
+                good = good && step >= 1;
             }
         }
         if (!good || (*s != ',' && *s))

@@ -71,7 +71,8 @@ GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
     const struct gp_pattern *p, const char *view, struct gp_frames *out);
 
 /* Reads a list: items with commas between, an item is N, A-B, A-BxSTEP, or
- * A-B:STEP as Open Job Description writes it (section 3.4.1.1 there).
+ * A-B:STEP as Open Job Description writes it (template schemas of 2023-09,
+ * section 3.4.1.1.1), where a STEP < 0 counts down as well.
  * A-B counts down when B < A. Numbers may be negative. A frame that comes
  * again is dropped.
  * Errors: GP_ERR_USAGE says which item is wrong; more than GP_FRAME_LIST_MAX.
