@@ -275,6 +275,16 @@ fails_with 2 'o.%V.png' '%V for a file without views'
 empty_folder made '%V for a file without views: makes nothing'
 run --views all -o 'made/o.png' left.1.exr
 quiet_success '--views all of a file without views'
+frame slash.exr size=24x16 attr=multiView:stringvector:left,/x \
+    channels=R,G,B,/x.R,/x.G,/x.B
+run -o 'made/o.%V.png' slash.exr
+fails_with 4 slash.exr 'a view that is a path'
+is "$(ls made)" o.png 'a view that is a path: makes nothing'
+run -q --hdr made/h.exr slash.exr
+quiet_success 'a view that is a path: --hdr needs no name of it'
+rm made/h.exr
+run -q --report r.json s.1.exr
+is "$(wc -l <r.json)" 2 'only a report: a line for each view'
 mkfifo pipe
 cat s.1.exr >pipe &
 run --hdr made/h.exr pipe
