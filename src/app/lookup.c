@@ -1,5 +1,5 @@
-/* Finds options by name or letter, their values, and the nearest name to one that
- * is wrong. */
+/* Finds options by name or letter, their values, and the nearest name to one
+ * that is wrong. */
 #include "app/options.h"
 
 #include "core/minmax.h"

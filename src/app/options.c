@@ -3,7 +3,6 @@
 #include "app/flight.h"
 
 #include <float.h>
-#include <string.h>
 
 const struct gp_settings gp_defaults = {
     .read = GP_READ_DEFAULTS,

@@ -20,7 +20,8 @@ static const char *base_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* One word as a shell takes it back: the first n bytes of `head`, and `word`. */
+/* One word as a shell takes it back: the first n bytes of `head`, then
+ * `word`. */
 static void put_word(FILE *f, const char *head, size_t n, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyz"

@@ -103,9 +103,10 @@ enum gp_picture_kind {
  * nearest that its pixels hold (other_write.h); integer formats
  * clamp them to [0,1] and encode them with the sRGB curve, with the colour
  * chunks that say so; values of GP_PICTURE_ENCODED are the codes' fractions
- * already; of what, only a PNG says, with cICP. All but EXR show the display window:
- * pixels outside the data window are black. TIFF is float for scene-linear
- * pictures and where p->type says so. p->compression is for EXR and TIFF.
+ * already; of what, only a PNG says, with cICP. All but EXR show the display
+ * window: pixels outside the data window are black. TIFF is float for
+ * scene-linear pictures and where p->type says so. p->compression is for EXR
+ * and TIFF.
  *
  * With p->command EXR and PNG have it as glarepp:command, and the program's
  * version as glarepp:version: string attributes, or text chunks. Those of the

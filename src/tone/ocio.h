@@ -29,9 +29,9 @@ void gp_ocio_close(struct gp_ocio **ocio);
 const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
 
 /* Warns, once, of an output space whose chromaticities are not known; and, for
- * the first such frame, that a frame whose file names chromaticities is taken as
- * the input space all the same, as nothing says how the two compare. Call it for
- * one frame after the other. */
+ * the first such frame, that a frame whose file names chromaticities is taken
+ * as the input space all the same, as nothing says how the two compare. Call it
+ * for one frame after the other. */
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_frame *f);
 

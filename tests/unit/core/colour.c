@@ -67,7 +67,8 @@ static void primaries_to_primaries(void **state)
 {
     static const float ap0[8] = {0.7347f, 0.2653f, 0, 1, 0.0001f, -0.077f,
                                  0.32168f, 0.33767f};
-    static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f, 0.3f};
+    static const float flat[8] = {0.3f, 0.3f, 0.3f, 0.3f,
+                                  0.3f, 0.3f, 0.3f, 0.3f};
     static const double want[9] = {
         2.52169, -1.13413, -0.38756, -0.27648, 1.37272, -0.09624, -0.01538,
         -0.15298, 1.16835,
