@@ -437,6 +437,9 @@ const struct gp_option gp_options[] = {
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
         .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error: the "
         "norm of the layer's error over that of the exact layer"),
+    OPT(glare.tolerance_pixel, .name = "tolerance-pixel", BOTH(ENGINE),
+        .arg = "E", .lo = FLT_MIN, .hi = 1, .help = "Allow auto this error in "
+        "any pixel of the composite, of its own luminance; shown by --report"),
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
         "one polygon; a power of two, 1 for none"),

@@ -2,7 +2,6 @@
 
 #include "app/flight.h"
 #include "app/stages.h"
-#include "core/colour.h"
 #include "core/clock.h"
 #include "core/limits.h"
 #include "core/memory.h"
@@ -255,50 +254,6 @@ static bool has_room(void *user, int in_flight)
     return p->asked->frame_jobs || p->memory == 0 ||
            atomic_load(&p->largest) <
                p->memory / 2 / (size_t) (in_flight + 1);
-}
-
-// -- the kernel ---------------------------------------------------------------
-
-void gp_run_kernel_free(struct gp_run_kernel **k)
-{
-    if (*k && atomic_fetch_sub(&(*k)->holders, 1) == 1) {
-        gp_kernel_free(&(*k)->k);
-        gp_free(*k);
-    }
-    *k = NULL;
-}
-
-gp_status gp_run_kernel_make(const struct gp_log *log, struct gp_run *r,
-                             const struct gp_frame *frame)
-{
-    const struct gp_run_kernel *const old = r->kernel;
-    const bool file = r->kernel_image.rgb.c[0] != NULL;
-    const float *const primaries =
-        frame ? frame->chromaticities : gp_rec709_chromaticities;
-    const float aspect = gp_kernel_aspect(frame);
-    struct gp_kernel_params p = r->s->kernel;
-    struct gp_run_kernel *k;
-    if (old && old->aspect == aspect &&
-        (!old->tinted || memcmp(old->chromaticities, primaries,
-                                sizeof old->chromaticities) == 0))
-        return GP_OK;
-    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *k, &k);
-    if (st)
-        return st;
-    p.frame = frame;
-    st = file ? gp_kernel_from_frame(log, &p, &r->kernel_image, &k->k)
-              : gp_kernel_builtin(log, &p, &k->k);
-    if (st) {
-        gp_free(k);
-        return st;
-    }
-    memcpy(k->chromaticities, primaries, sizeof k->chromaticities);
-    k->aspect = aspect;
-    k->tinted = !file && !k->k.grey;
-    atomic_init(&k->holders, 1);
-    gp_run_kernel_free(&r->kernel);
-    r->kernel = k;
-    return GP_OK;
 }
 
 // -- all frames --------------------------------------------------------------

@@ -127,6 +127,8 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         put_rgb(o, "flux_out", f->flux_out);
     if (g->engine && f->sources)
         json_object_set_new(o, "bound", number(g->bound, 0.0));
+    if (g->engine && f->sources && g->bound_pixel > 0.0)
+        json_object_set_new(o, "bound_pixel", number(g->bound_pixel, 0.0));
     if (f->verified) {
         json_t *const m = json_object();
         json_object_set_new(m, "rel_l2", number(f->error.rel_l2, 0.0));

@@ -264,26 +264,6 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 
 // -- glare -------------------------------------------------------------------
 
-/* Kernels wait for light; only that of a file was looked at before. */
-static gp_status run_kernel(struct gp_run *r, struct gp_frame_state *fs)
-{
-    gp_status st = GP_OK;
-    if (fs->sources.n > 0 || gp_suns_glare(&r->suns))
-        st = gp_run_kernel_make(fs->log, r, &fs->frame);
-    if (!st && r->kernel) {
-        fs->kernel = r->kernel;
-        atomic_fetch_add(&fs->kernel->holders, 1);
-    }
-    return st;
-}
-
-/* The frame's kernel; empty where a dark frame needed none. */
-static const struct gp_kernel *kernel_of(const struct gp_frame_state *fs)
-{
-    static const struct gp_kernel none;
-    return fs->kernel ? &fs->kernel->k : &none;
-}
-
 /* Returns what the engines get: bright pixels, and lights whose share is
  * known. */
 static const struct gp_sources *all_light(const struct gp_frame_state *fs)
@@ -297,18 +277,20 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = gp_suns_join(fs->log, &r->suns, &fs->frame, &fs->sources,
                                 &fs->joined, &joined);
     if (!st)
-        st = gp_suns_spread(fs->log, &r->suns, kernel_of(fs), &fs->frame);
+        st = gp_suns_spread(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);
     fs->facts.sources = (long long) light->n;
     memcpy(fs->facts.flux_in, light->flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, light->faint, sizeof light->faint);
-    memcpy(fs->facts.kernel_faint, kernel_of(fs)->faint,
+    memcpy(fs->facts.kernel_faint, gp_run_kernel_of(fs)->faint,
            sizeof fs->facts.kernel_faint);
+    struct gp_glare_params p = r->s->glare;
+    p.taken = r->s->compose.mix == GP_MIX_SCATTER ? &fs->sources : NULL;
     if (light->n > 0)
-        return gp_glare_run(fs->log, &r->s->glare, &r->engines, light,
-                            kernel_of(fs), &fs->frame, &fs->facts.glare);
+        return gp_glare_run(fs->log, &p, &r->engines, light,
+                            gp_run_kernel_of(fs), &fs->frame, &fs->facts.glare);
     fs->facts.glare = (struct gp_glare_stats) {
         .engine = "none", .why = "no pixel is over the threshold",
     };
@@ -324,7 +306,7 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         3 * gp_frame_pixels(&fs->frame), sizeof *exact, &exact);
     if (st)
         return st;
-    st = gp_glare_reference(fs->log, all_light(fs), kernel_of(fs), exact);
+    st = gp_glare_reference(fs->log, all_light(fs), gp_run_kernel_of(fs), exact);
     if (!st) {
         gp_glare_measure(
             &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
@@ -342,7 +324,7 @@ static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = GP_OK;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, &r->suns, kernel_of(fs), &fs->frame);
+    return st ? st : gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
 }
 
 /* Sums by rows, so that threads cannot change the last bit. */
@@ -400,7 +382,7 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         const double start = gp_now_ms();
         if (g->sources.n > 0)
             st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
-                              &g->sources, kernel_of(fs), &g->frame, &stats);
+                              &g->sources, gp_run_kernel_of(fs), &g->frame, &stats);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         if (!st)
             st = gp_compose(fs->log, &p, &g->sources, &g->frame);
@@ -467,7 +449,9 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     case GP_TARGET_HDR:
         return GP_HAS_LIT;
     case GP_TARGET_LAYER:
-        return GP_HAS_LAYER | GP_HAS_FLARE;
+        // (the bound of a pixel is that of the composite)
+        return GP_HAS_LAYER | GP_HAS_FLARE |
+               (s->glare.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0);
     case GP_TARGET_PICTURE:
         return shown;
     case GP_TARGET_SENSORS:
@@ -550,7 +534,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         for (int c = 0; c < 3 && !st; c++)
             memcpy(own.c[c], shown->c[c], gp_frame_pixels(&f) * sizeof(float));
         if (!st && fs->sources.n > 0)
-            st = gp_polygons_outline(fs->log, &fs->sources, kernel_of(fs),
+            st = gp_polygons_outline(fs->log, &fs->sources, gp_run_kernel_of(fs),
                                      &r->s->glare.splat, &own);
         shown = &own;
         // fall through
@@ -619,7 +603,8 @@ const struct gp_stage gp_stages[GP_STAGES] = {
     {"sun", GP_PHASE_COMPUTE, GP_TIME_SUN, RGB, SUNS, run_suns, suns_asked},
     {"sensors", GP_PHASE_COMPUTE, GP_TIME_SENSORS, RGB, SOURCES, run_sensors,
      NULL},
-    {"kernel", GP_PHASE_COMPUTE, -1, SOURCES | SUNS, KERNEL, run_kernel, NULL},
+    {"kernel", GP_PHASE_COMPUTE, -1, SOURCES | SUNS, KERNEL,
+     gp_run_kernel_hold, NULL},
     {"glare", GP_PHASE_COMPUTE, GP_TIME_GLARE, SOURCES | KERNEL | SUNS, LAYER,
      run_glare, NULL},
     {"verify", GP_PHASE_COMPUTE, -1, RGB | SOURCES | KERNEL | LAYER,

@@ -120,6 +120,13 @@ struct gp_run {
 GP_MUST_CHECK gp_status gp_run_kernel_make(const struct gp_log *log,
     struct gp_run *r, const struct gp_frame *frame);
 
+/* The stage: the frame gets the kernel, which a dark one does not have made;
+ * the kernel of a file was looked at before. And that kernel, empty where a dark
+ * frame needed none. */
+GP_MUST_CHECK gp_status gp_run_kernel_hold(struct gp_run *r,
+                                           struct gp_frame_state *fs);
+const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);
+
 /* Files for the sun's stage: planes of depth and coverage, pictures of flare
  * elements, and what a frame's file says of its camera. `files` must stay as
  * long as what is returned; in sun_files.c. */

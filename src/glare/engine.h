@@ -57,6 +57,8 @@ struct gp_glare_params {
     const char *engine;        // "auto" or the name of an engine
     float gain;                // of the layer in the composite, >= 0
     float tolerance;           // of rel_l2, for auto, >= 0
+    float tolerance_pixel;     // of max_rel, for auto, > 0; 0: none
+    const struct gp_sources *taken; // as gp_glare_measure(), for its bound
     enum gp_gl_api gl;
     enum gp_fft_plan fft_plan;
     const char *wisdom;        // file for measured plans; NULL keeps none
@@ -79,6 +81,7 @@ struct gp_glare_stats {
     double polygon_pixels;  // area of all of them on the layer
     const char *form;       // "blended quads", "tiles, groups read back", ...
     double bound;           // of rel_l2, guaranteed before the run
+    double bound_pixel;     // of max_rel, the same; 0: no tolerance_pixel
     const char *gl;         // renderer string of the context
 };
 
@@ -93,6 +96,12 @@ struct gp_glare_job {
     double floor;  // that values under the range of float add to a bound
     double enough; // predict() may stop counting at more than this, where it
                    // is over 0: another engine takes less
+};
+
+/* What the error of a sample of the layer cannot exceed: a share of the sample,
+ * and a number of its channel more. */
+struct gp_pixel_error {
+    double share, of[3];
 };
 
 /* Milliseconds on one core: of this frame, and of one like it run again, when
@@ -117,6 +126,12 @@ struct gp_engine {
      * can be guaranteed. Errors: GP_ERR_BUG out of memory. */
     gp_status (*bound)(const struct gp_glare_job *job, void **state,
                        double *out);
+
+    /* Finds what the error of a pixel cannot exceed, before any drawing; share
+     * is INFINITY where nothing can be guaranteed. NULL: never can. Errors:
+     * GP_ERR_BUG out of memory. */
+    gp_status (*pixel)(const struct gp_glare_job *job, void **state,
+                       struct gp_pixel_error *out);
 
     /* Writes every sample of job->layer, and job->stats; a bound over 0 that
      * is there already may stay, as bound() gave it. *state is NULL at first,
@@ -147,7 +162,7 @@ struct gp_glare {
  * opened.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
- * whose bound is within the tolerance ; a warning says so when there is
+ * whose bounds are within the tolerances; a warning says so when there is
  * none. The choice may depend on the frames before, so a frame of a sequence
  * and the same frame by itself may come from different engines: their layers
  * then differ by no more than the tolerance, in rel_l2. An engine that is named

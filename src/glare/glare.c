@@ -47,8 +47,15 @@ gp_status gp_glare_run(const struct gp_log *log,
     st = gp_floor_find(&job, &g->floor, &job.floor);
     if (st)
         return st;
+    struct gp_pixel_floor floor = {0};
+    if (p->tolerance_pixel > 0.0f)
+        st = gp_pixel_floor_find(&job, f, &floor);
+    if (!st && p->tolerance_pixel > 0.0f && named >= 0)
+        st = gp_plan_pixel(&job, g, named, &floor, &taken.pixel);
+    if (st)
+        return st;
     if (named < 0) {
-        st = gp_plan(&job, g, path, &taken);
+        st = gp_plan(&job, g, path, &floor, &taken);
         if (st)
             return st;
         stats->bound = taken.bound;
@@ -71,6 +78,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     }
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;
+    stats->bound_pixel = taken.pixel;
     st = gp_engines[taken.engine]->run(&job, &g->state[taken.engine]);
     stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
     return st;

@@ -73,6 +73,26 @@ GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
 GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
                                    double aspect, struct gp_rotated *k);
 
+// -- pixel.c: --tolerance-pixel ----------------------------------------------
+
+/* What is known of the exact composite before it is made. */
+struct gp_pixel_floor {
+    double least, most;    // of its luminance, without the light that comes from
+                           // other pixels
+    double less;           // that such light can be negative in luminance
+    double weight[3];      // of luminance
+    double layer[3], lost[3]; // a sample's most; what is under FLT_MIN of it
+};
+GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
+    const struct gp_frame *f, struct gp_pixel_floor *out);
+
+/* Bounds max_rel: |error| / (Y + 1e-6 peak), where the error in luminance is at
+ * most share * gain * layer + gain * sum of weight * of, and the composite Y is
+ * at least its own part `least`, as kernel and light are not negative. The
+ * share's part is at most `share` where Y's own part is not negative. */
+double gp_pixel_bound(const struct gp_pixel_floor *f,
+                      const struct gp_pixel_error *e, double gain);
+
 // -- plan.c: `--engine auto` --------------------------------------------------
 //
 // A choice depends on the build (costs.h), the frame, the options and the
@@ -88,7 +108,9 @@ struct gp_candidate {
                                   // not set up yet; INFINITY: not to be taken
     double later_ms;              // predicted when all is set up, <= ms
     bool more;                    // it takes longer than that
-    double bound;                 // of rel_l2; NAN: not asked
+    double bound;                 // of rel_l2; NAN: not asked. More, over the
+                                  // tolerance, where `pixel` is too much
+    double pixel;                 // bound of max_rel; 0: not asked
 };
 
 /* The planner's choice. */
@@ -133,7 +155,14 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
  * a warning with `path`, that the tolerance cannot be kept.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
-    struct gp_glare *g, const char *path, struct gp_candidate *out);
+    struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,
+    struct gp_candidate *out);
+
+/* Bounds max_rel of engine i; INFINITY where nothing is guaranteed. Errors: its
+ * own. */
+GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
+    struct gp_glare *g, int engine, const struct gp_pixel_floor *floor,
+    double *bound);
 
 /* The excess of the layer's rel_l2 over an engine's bound, which is about
  * floats that never leave their range: where values leave it downwards.

@@ -330,13 +330,26 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
 struct plan {
     const struct gp_glare_job *job;
     struct gp_glare *g;
+    const struct gp_pixel_floor *floor;
+    double rel_l2[GP_CANDIDATES]; // bounds that were asked
     struct gp_candidate c[GP_CANDIDATES];
 };
 
+gp_status gp_plan_pixel(const struct gp_glare_job *job, struct gp_glare *g,
+    int engine, const struct gp_pixel_floor *floor, double *bound)
+{
+    const struct gp_engine *const e = gp_engines[engine];
+    struct gp_pixel_error error = {.share = INFINITY};
+    gp_status st = e->pixel ? e->pixel(job, &g->state[engine], &error) : GP_OK;
+    *bound = st ? INFINITY
+                : gp_pixel_bound(floor, &error, (double) job->params->gain);
+    return st;
+}
+
 static gp_status ask_engine(void *ctx, int i, double *bound)
 {
-    const struct plan *const p = ctx;
-    const struct gp_candidate *const c = &p->c[i];
+    struct plan *const p = ctx;
+    struct gp_candidate *const c = &p->c[i];
     struct gp_glare_params params = *p->job->params;
     struct gp_glare_job job = *p->job;
     params.splat = c->splat;
@@ -344,16 +357,24 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     *bound = INFINITY;
     if (!gp_engines[c->engine]->bound)
         return GP_OK;
-    const gp_status st = gp_engines[c->engine]->bound(
+    gp_status st = gp_engines[c->engine]->bound(
         &job, &p->g->state[c->engine], bound);
     *bound += job.floor;
+    p->rel_l2[i] = *bound;
+    const double most = (double) params.tolerance_pixel;
+    if (st || !(most > 0.0))
+        return st;
+    st = gp_plan_pixel(&job, p->g, c->engine, p->floor, &c->pixel);
+    if (c->pixel > most) // as much too much as the tolerance's bound would be
+        *bound = fmax(*bound, (double) params.tolerance * c->pixel / most);
     return st;
 }
 
 gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
-                  const char *path, struct gp_candidate *out)
+                  const char *path, const struct gp_pixel_floor *floor,
+                  struct gp_candidate *out)
 {
-    struct plan p = {.job = job, .g = g};
+    struct plan p = {.job = job, .g = g, .floor = floor};
     struct gp_choice choice;
     const double tolerance = (double) job->params->tolerance;
     const int n = gp_plan_candidates(job, g, p.c);
@@ -362,6 +383,8 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
     if (st)
         return st;
     *out = p.c[choice.taken];
+    const bool pixel = out->bound > p.rel_l2[choice.taken];
+    out->bound = p.rel_l2[choice.taken];
 
     // every candidate whose bound was asked, the exact engines, and the splat
     // of fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"
@@ -376,6 +399,8 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
     add_words(&w, " %.3g ms of bound %.2g", out->ms, out->bound);
     if (!choice.within)
         add_words(&w, ", the least there is, not %.2g", tolerance);
+    if (out->pixel > 0.0)
+        add_words(&w, ", %.2g in a pixel", out->pixel);
     if (choice.kept)
         add_words(&w, ", as before");
     const char *between = "; ";
@@ -387,13 +412,21 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
         add_words(&w, "%s", between);
         add_name(&w, c);
         add_words(&w, c->more ? " over %.3g" : " %.3g", c->ms);
-        if (!isnan(c->bound) && !(c->bound <= tolerance))
-            add_words(&w, " of bound %.2g", c->bound);
+        if (!isnan(c->bound) && !(p.rel_l2[i] <= tolerance))
+            add_words(&w, " of bound %.2g", p.rel_l2[i]);
+        if (c->pixel > (double) job->params->tolerance_pixel)
+            add_words(&w, " of bound %.2g in a pixel", c->pixel);
         between = ", ";
     }
     if (!choice.within && !g->past.warned) {
         g->past.warned = true;
-        gp_say(job->log, GP_LEVEL_WARN,
+        if (pixel)
+            gp_say(job->log, GP_LEVEL_WARN,
+                   "%s: no engine guarantees --tolerance-pixel %.3g (the least "
+                   "bound is %.2g, of %s, which is taken); give a larger one",
+                   path, (double) job->params->tolerance_pixel, out->pixel,
+                   gp_engines[out->engine]->name);
+        else gp_say(job->log, GP_LEVEL_WARN,
                "%s: no engine guarantees --tolerance %.3g (the least bound is "
                "%.2g, of %s, which is taken); a larger tolerance may be faster",
                path, tolerance, out->bound, gp_engines[out->engine]->name);

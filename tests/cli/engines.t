@@ -30,6 +30,32 @@ else
     skip 3 'no numpy and OpenImageIO'
 fi
 
+# -- lamps in the dark ----------------------------------------------------------
+
+# dark_lamps ARGUMENT...: engine, and whether the worst pixel is within its bound
+# and that within the tolerance
+dark_lamps()
+{
+    "$glarepp" -q -k kernel302.exr --verify --report dark.json --layer l.exr "$@" \
+        dark.exr && "$python" - <<'PY'
+import json
+j = json.load(open("dark.json"))
+bound, worst = j.get("bound_pixel"), j["measured"]["max_rel"]
+print(j["engine"], *[] if bound is None else [worst <= bound, bound <= 1e-5])
+PY
+}
+frame kernel302.exr kind=kernel size=302x203 type=float
+frame dark.exr lights=5000 dim=1e-6 size=640x460 type=float
+is "$(dark_lamps -t 0.1)" fft 'lamps in the dark: no bound of a pixel unasked'
+is "$(dark_lamps -e fft --tolerance-pixel 1e-5)" 'fft True False' \
+    'lamps in the dark: fft says that a pixel may be over 1e-5 of itself'
+is "$(dark_lamps --tolerance-pixel 1e-5)" 'direct True True' \
+    'lamps in the dark: --tolerance-pixel 1e-5 is kept'
+run -k kernel302.exr --tolerance-pixel 1e-9 --layer l.exr dark.exr
+like "$(cat err)" \
+    '*warning: dark.exr: no engine guarantees --tolerance-pixel 1e-09 *' \
+    '--tolerance-pixel that nothing keeps: one line says so'
+
 # -- turned kernels -------------------------------------------------------------
 
 frame lamps.exr lights=40 size=150x111 type=float

@@ -233,7 +233,7 @@ done
 refuses 2 builtin:nope 'an unknown kernel' -k builtin:nope in.exr
 for pair in threshold=x threshold=-1 threshold=nan knee=2 gain=inf threads=1.5 \
     threads=-1 exposure=99 kernel-center=3 gain= max-value=0 group=3 group=0 \
-    cluster=12 cluster=4 cluster-fill=0 shrink=1 tolerance=-1 rotate=nan; do
+    cluster=12 cluster=4 cluster-fill=0 shrink=1 tolerance=-1 tolerance-pixel=0 rotate=nan; do
     refuses 2 "--${pair%%=*}" "--$pair" "--$pair" in.exr
 done
 refuses 2 --knee 'a knee of the part over the threshold' --knee 0.5 in.exr

@@ -353,11 +353,20 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
     return GP_OK;
 }
 
+static gp_status pixel(const struct gp_glare_job *job, void **state,
+                       struct gp_pixel_error *out)
+{
+    (void) state;
+    out->share = gp_direct_bound(job->kernel, job->src->n);
+    return GP_OK;
+}
+
 const struct gp_engine gp_engine_direct = {
     .name = "direct",
     .text = "the sum as it is written; the fastest for a handful of sources",
     .predict = predict,
     .bound = bound,
+    .pixel = pixel,
     .run = run,
     .close = close_state,
 };

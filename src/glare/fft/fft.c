@@ -370,6 +370,50 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
     return st;
 }
 
+/* The most of a sample of channel c, where light that is no more than `hot`
+ * meets the kernel without its core: Young's inequality three times. */
+static double most_of(const struct gp_glare_job *job, int c, double hot,
+                      int core)
+{
+    const struct gp_kernel *const k = job->kernel;
+    double sum = 0.0, square = 0.0, most = 0.0;
+    for (int y = 0; y < k->h; y++) {
+        const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
+        for (int x = 0; x < k->w; x++) {
+            const double v =
+                abs(x - k->cx) <= core && abs(y - k->cy) <= core
+                    ? 0.0 : (double) row[x];
+            sum += v;
+            square += v * v;
+            most = fmax(most, v);
+        }
+    }
+    const double flux = job->src->flux[c];
+    const double energy = fmin(job->src->energy[c], hot * flux);
+    return fmin(fmin(hot * sum, flux * most), sqrt(energy * square));
+}
+
+/* Parts that go direct are within their share of what they add. */
+static gp_status pixel(const struct gp_glare_job *job, void **state,
+                       struct gp_pixel_error *out)
+{
+    struct gp_fft_placing p;
+    struct gp_fft_split split;
+    const size_t n = job->src->n;
+    gp_status st = place_and_split(job, state, &p, &split);
+    if (st)
+        return st;
+    const int parts = (split.core >= 0) + (split.hot_count > 0);
+    *out = (struct gp_pixel_error) {
+        .share = job->kernel->negative ? INFINITY
+                 : parts ? parts * gp_direct_bound(job->kernel, n) : 0.0,
+    };
+    const double hot = fmin((double) split.hot, (double) job->src->brightest);
+    for (int c = 0; c < 3 && p.nx && split.hot_count < n; c++)
+        out->of[c] = gp_fft_pixel_error(&p, most_of(job, c, hot, split.core));
+    return GP_OK;
+}
+
 static gp_status run(const struct gp_glare_job *job, void **state)
 {
     struct gp_sources hot = {0}, rest = {0};
@@ -496,6 +540,7 @@ const struct gp_engine gp_engine_fft = {
     .text = "exact convolution by fast Fourier transforms",
     .predict = predict,
     .bound = bound,
+    .pixel = pixel,
     .run = run,
     .close = close_state,
 };
