@@ -115,6 +115,10 @@ static gp_status check_needs(const struct gp_log *log,
         if (!name && bit == GP_NEED_LIGHT)
             name = s->debug[GP_DEBUG_SUNMAP]      ? "debug sunmap"
                    : s->debug[GP_DEBUG_INTENSITY] ? "debug intensity" : NULL;
+        if (name && !warns && bit == GP_NEED_CONFIG &&
+            strcmp(name, "view") == 0)
+            return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
+                           "for views of stereo use --views %s", s->ocio.view);
         if (name && !warns)
             return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
                            needs[i].text, needs[i].value, needs[i].end);

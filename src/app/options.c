@@ -194,17 +194,17 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
         "glarepp -t 2 -k builtin:streak --rotate 10 -o out.png frame.exr"},
     [GP_GROUP_SUN] = {"Suns, lamps and lens flare", "lights",
         "glarepp --sun 960,200,12 --sun-color 5e4 -o out.png frame.exr"},
-    [GP_GROUP_ENGINE] = {"How the glare is computed", "engines",
+    [GP_GROUP_ENGINE] = {"Engines", "engines",
         "glarepp --tolerance 1e-4 --threads 2 -o out.png frame.exr"},
     [GP_GROUP_TONE] = {"Tone mapping", "tone",
         "glarepp --tonemap agx --exposure -1 -o out.png frame.exr"},
     [GP_GROUP_FILE] = {"Files", "files",
         "glarepp --type half --compression piz --hdr lit.exr frame.exr"},
-    [GP_GROUP_REPORT] = {"What was done", "report",
+    [GP_GROUP_REPORT] = {"Reports and progress", "report",
         "glarepp --verify --report - --layer glare.exr frame.exr"},
-    [GP_GROUP_BENCH] = {"What glarepp bench measures and writes", "measuring",
+    [GP_GROUP_BENCH] = {"Tables and plots of glarepp bench", "measuring",
         "glarepp bench --runs 3 --csv speed.csv --plot speed.svg frame.exr"},
-    [GP_GROUP_COMPARE] = {"What glarepp compare allows and makes", "comparing",
+    [GP_GROUP_COMPARE] = {"Limits and pictures of glarepp compare", "comparing",
         "glarepp compare --fail 0.004 --heatmap diff.png a.exr b.exr"},
     [GP_GROUP_GENERAL] = {"General", "general", "glarepp help kernels"},
 };
@@ -323,7 +323,7 @@ const struct gp_option gp_options[] = {
         .help = "Read the frame from this layer: NAME.R,G,B, a part of that "
         "name, or right.NAME of one view; without it, the first colour"),
     OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
-        .help = "Look for the colour in this part of a multi-part file, by "
+        .help = "Read the colour from this part of a multi-part file, by "
                 "name or number from 0"),
     OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
         .help = "Take the light of this layer in place of the frame's own; may "
@@ -331,8 +331,8 @@ const struct gp_option gp_options[] = {
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
         .hi = 1LL << 40, .aside = true,
         .help = "Refuse files whose data or display window "
-        "claims more pixels; in files other than EXR each four channels count "
-        "as pixels of their own"),
+        "has more than N pixels; in files other than EXR each four channels "
+        "count as pixels of their own"),
 
     OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T", .hi = FLT_MAX,
@@ -608,9 +608,8 @@ const struct gp_option gp_options[] = {
     OPT(compare.all_parts, .name = "all", .letter = 'a', COMPARE,
         .help = "Compare all parts; without it, the first of each file"),
     OPT(compare.difference, .name = "difference", .letter = 'o', COMPARE,
-        .arg = "FILE", .aside = true,
-        .help = "Write the picture A - B; of a file with many parts, of the "
-                "first; the ending picks the format"),
+        .arg = "FILE", .aside = true, .help = "Write A - B as a picture, with "
+        "--all of the first part; the ending picks the format"),
     OPT(compare.only_different, .name = "od", COMPARE,
         .help = "Write --difference only where the images differ"),
     OPT(compare.absolute, .name = "abs", COMPARE,
@@ -619,10 +618,10 @@ const struct gp_option gp_options[] = {
         .hi = FLT_MAX, .help = "Multiply --difference by F"),
     OPT(compare.fail_rel, .name = "fail-rel", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Fail where rel_l2, the norm of A - B over "
-        "that of A, is over E; switches off the default of --fail"),
+        "that of A, is over E; --fail has no default then"),
     OPT(compare.fail_flip, .name = "fail-flip", COMPARE, .arg = "F", .hi = 1,
-        .help = "Fail where the mean FLIP is over F; switches off the default "
-                "of --fail"),
+        .help = "Fail where the mean FLIP is over F; --fail has no default "
+                "then"),
     OPT(compare.flip_exposures, .name = "flip-exposures", COMPARE,
         .arg = "START,STOP,COUNT", .least = 3, .most = 3, .lo = -64, .hi = 64,
         .help = "Exposures of HDR-FLIP in EV; without it, those that fit the "

@@ -31,6 +31,8 @@ void gp_settings_free(struct gp_settings *s)
 
 // -- values ------------------------------------------------------------------
 
+#define LETTERS "abcdefghijklmnopqrstuvwxyz"
+
 /* One option as it is on the command line. */
 struct use {
     const struct gp_log *log;
@@ -115,16 +117,37 @@ static gp_status set_list(const struct use *u, void *field)
     return GP_OK;
 }
 
-static gp_status unknown_value(const struct use *u)
+/* Names the nearest value, else all of them. `file`: the value is the name of
+ * no file, and may be that of a value without what comes before its colon;
+ * where it is not, GP_OK. */
+static gp_status unknown_value(const struct use *u, bool file)
 {
     const char *text, *name;
-    char line[512] = "";
+    char line[512] = "", nearest[64] = "";
     size_t at = 0;
+    const size_t length = strlen(u->value);
+    int most = length < 8 ? 1 : 2; // edits, ever fewer
     for (int i = 0; at < sizeof line &&
-                    (name = gp_option_value(u->option, i, &text)); i++)
+                    (name = gp_option_value(u->option, i, &text)); i++) {
+        struct gp_nearest near = gp_nearest_to(u->value, length,
+                                                      most);
+        const char *const colon = file ? strchr(name, ':') : NULL;
         at += (size_t) snprintf(line + at, sizeof line - at, "%s%s",
                                 i ? ", " : "", name);
-    return gp_fail(u->log, GP_ERR_USAGE,
+        gp_nearest_try(&near, colon ? colon + 1 : name);
+        if (near.name) {
+            most = near.most - 1;
+            snprintf(nearest, sizeof nearest, "%s", name);
+        }
+    }
+    if (nearest[0])
+        return gp_fail(u->log, GP_ERR_USAGE,
+                       "--%s: no such %s (found \"%s\"); did you mean %s?%s%s",
+                       u->option->name,
+                       file && strchr(nearest, ':') ? "file" : "value",
+                       u->value, nearest, file ? "" : " Else give one of ",
+                       file ? "" : line);
+    return file ? GP_OK : gp_fail(u->log, GP_ERR_USAGE,
                    "--%s: no such value (found \"%s\"); give one of %s",
                    u->option->name, u->value, line);
 }
@@ -139,7 +162,7 @@ static gp_status set_choice(const struct use *u, void *field)
            (strlen(c->name) != n || strncmp(c->name, u->value, n) != 0))
         c++;
     if (!c->name)
-        return unknown_value(u);
+        return unknown_value(u, false);
     if (!named) {
         memcpy(field, &c->value, sizeof c->value);
         return GP_OK;
@@ -157,11 +180,17 @@ static gp_status set_text(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
     const char *text, *name;
-    bool known = !o->list || (o->open && strncmp(u->value, "builtin:", 8) != 0);
+    bool known = !o->list;
     for (int i = 0; !known && (name = gp_option_value(o, i, &text)); i++)
         known = strcmp(name, u->value) == 0;
-    if (!known)
-        return unknown_value(u);
+    const bool file =
+        !known && o->open && strncmp(u->value, "builtin:", 8) != 0;
+    const bool word = *u->value && !u->value[strspn(u->value, LETTERS)];
+    if (!known && !(file && (!word || access(u->value, F_OK) == 0))) {
+        const gp_status st = unknown_value(u, file);
+        if (st)
+            return st;
+    }
     if (!*u->value && !o->blank)
         return gp_fail(u->log, GP_ERR_USAGE, "--%s: needs a value (found an "
                        "empty word); give %s", o->name, o->arg);
@@ -203,8 +232,6 @@ const char *gp_command_at(int i, enum gp_command *command)
 }
 
 // -- words -------------------------------------------------------------------
-
-#define LETTERS "abcdefghijklmnopqrstuvwxyz"
 
 /* Finds the option that `word` names. *value is what follows it in the word
  * ("--gain=2", "-g2"), or NULL. Options of compare may have one dash, as
@@ -273,7 +300,8 @@ static gp_status read_option(const struct gp_log *log, int argc,
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
                            word, arg);
         const char *const next = argv[++*i];
-        if (strncmp(next, "--", 2) == 0 && split_word(next, s->command, &of_next))
+        if (strncmp(next, "--", 2) == 0 &&
+            split_word(next, s->command, &of_next))
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value (found the "
                            "option %s); give %s", word, next, arg);
         u.value = next;

@@ -55,7 +55,7 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
 /* Opens picture `part` of a stream of any format, of EXR those with DWA, by its
  * first bytes;
  * the stream stays the caller's and must live until gp_image_close().
- * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, cut off, over
+ * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, truncated, over
  * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
@@ -145,7 +145,7 @@ void gp_quantize_linear_dither(const struct gp_quantizer *q, const float *value,
  * Memory is that of a block of rows, with interlacing of all rows, and what
  * libpng holds of other chunks, which is bounded.
  *
- * Errors, also of rows(): GP_ERR_DATA cut off, a chunk's checksum or data are
+ * Errors, also of rows(): GP_ERR_DATA truncated, a chunk's checksum or data are
  * wrong (the last rows() reads on to IEND), over max_pixels; GP_ERR_IO cannot
  * be read; GP_ERR_BUG out of memory.
  * Source: W3C PNG (third edition). */

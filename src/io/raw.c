@@ -109,7 +109,7 @@ static gp_status read_rows(const struct gp_log *log, struct gp_image *image,
             return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the "
                            "file", image->path);
         if ((uint64_t) got < 4 * n)
-            return gp_fail(log, GP_ERR_DATA, "%s: cut off (row %d); copy or "
+            return gp_fail(log, GP_ERR_DATA, "%s: truncated (row %d); copy or "
                            "render the file again", image->path, y);
         for (size_t i = 0; i < n && swap; i++) {
             const uint32_t turned = __builtin_bswap32(gp_bits_of(to[i]));
@@ -143,7 +143,7 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
     gp_status st = gp_window_check(log, path, "data", h.width, h.height,
                                    max_pixels);
     if (!st && !holds_rows(&h, stream->size))
-        st = gp_fail(log, GP_ERR_DATA, "%s: cut off (%llu bytes cannot hold "
+        st = gp_fail(log, GP_ERR_DATA, "%s: truncated (%llu bytes cannot hold "
                      "%d x %d pixels); copy or render the file again", path,
                      (unsigned long long) stream->size, h.width, h.height);
     if (!st)

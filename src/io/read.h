@@ -137,7 +137,7 @@ struct gp_members {
  *
  * EXR, PNG and PFM say where they end: EXR by its offset tables, PNG by IEND,
  * PFM by its header. Any other format has the stream for itself. An image
- * whose end cannot be told (damaged, cut off) reaches to the end of the
+ * whose end cannot be told (damaged, truncated) reaches to the end of the
  * stream, so that its reader reports what is wrong.
  * Zero bytes after an image are padding.
  *

@@ -309,7 +309,14 @@ f.exr => nothing to make; write glarepp -o out.png f.exr, or see glarepp --help
 -o a i --lights l --sun-color 1 => --sun-color: there is no sun; lights of --lights have flux of their own
 -o a i --flare f => --flare: there is no light; give --sun, --sun-dir, --camera or --lights
 -o a i --debug sunmap=f => --debug sunmap: there is no light; give --sun, --sun-dir, --camera or --lights
--o a i --view v => --view: there is no config; give --ocio CONFIG, or --ocio env
+-o a i --view left => --view: needs --ocio CONFIG; for views of stereo use --views left
+-o a i --display d => --display: there is no config; give --ocio CONFIG, or --ocio env
+-o a i -k builtin:sta => --kernel: no such value (found "builtin:sta"); did you mean builtin:star? Else give one of builtin:eye, builtin:streak, builtin:star, builtin:cross, builtin:circle, builtin:ring
+-o a i -k star => --kernel: no such file (found "star"); did you mean builtin:star?
+-o a i --tonemap agxx => --tonemap: no such value (found "agxx"); did you mean agx? Else give one of reinhard, reinhard-extended, aces, hable, agx, neutral, linear, none
+--layer diffuse in.exr => diffuse: --layer writes a file (ending is missing); end the name in .exr, or to choose an EXR layer use --layer-in diffuse
+compare -fial 1 a b => -fial: unknown option; did you mean --fail?
+compare a => compare: two images are compared (found 1); write glarepp compare A B
 --hdr h i --ocio c --view v => --view: there is no picture to show; give -o FILE
 -o a i --ocio c --output-space s => --output-space: there is no frame to convert; give --hdr FILE
 -o a i --ocio c --tonemap reinhard => --tonemap: --ocio takes its place; leave one of the two out

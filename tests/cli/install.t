@@ -150,7 +150,7 @@ dpkg_into_root()
         'install ok installed' 'it counts as installed'
     is "$(cd fresh && md5sum -c var/lib/dpkg/info/glarepp.md5sums 2>&1 |
         grep -vc ': OK$')" 0 'its sums hold'
-    like "$(fresh/usr/bin/glarepp help report)" 'What was done*' \
+    like "$(fresh/usr/bin/glarepp help report)" 'Reports and progress*' \
         'the program runs from there'
     ok 'dpkg removes it' dpkg --root="$tmp/fresh" --log=/dev/null \
         --force-script-chrootless -P glarepp

@@ -123,7 +123,7 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             return gp_exr_fault_print(log, cs->path, gp_exr_fault());
         if (wrong)
             return gp_fail(log, GP_ERR_DATA,
-                "%s: cut off or damaged (chunk %d of %d: %s); copy "
+                "%s: truncated or damaged (chunk %d of %d: %s); copy "
                 "or render the file again", cs->path, i + 1, cs->chunks, wrong);
         if (bytes > cs->largest)
             cs->largest = bytes;
@@ -185,7 +185,7 @@ gp_status gp_exr_chunks_find(const struct gp_log *log, const char *path,
     }
     if (n < 1 || n > all || (uint64_t) n > size / 8)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: cut off or damaged (%d chunks in a file of %llu "
+                       "%s: truncated or damaged (%d chunks in a file of %llu "
                        "bytes, %lld needed); copy or render the file again",
                        path, all, (unsigned long long) size, (long long) n);
     out->chunks = (int) n;

@@ -54,9 +54,9 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
  *           gp_input_free() as gp_frame.input_free
  *
  * `part` of the result is 0 until the reader has chosen.
- * Errors: GP_ERR_DATA the header is damaged, or the file is cut off before its
- * last chunk ends, whatever part or level that is of; GP_ERR_IO a read failed;
- * GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA the header is damaged, or the file is truncated before
+ * its last chunk ends, whatever part or level that is of; GP_ERR_IO a read
+ * failed; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log, const char *path,
     struct gp_stream *stream, struct gp_input **out);
 
@@ -153,7 +153,7 @@ struct gp_exr_sink {
  *
  *   out  written always; free with gp_exr_chunks_free()
  *
- * Errors: GP_ERR_DATA deep data, more than max_pixels, cut off or damaged. */
+ * Errors: GP_ERR_DATA deep data, more than max_pixels, truncated or damaged. */
 GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
     const char *path, const struct gp_input *in, int part, long long max_pixels,
     struct gp_exr_chunks *out);

@@ -146,8 +146,8 @@ bool gp_exr_offsets_read(const struct gp_input *in, int part, int first, int n,
                          uint64_t *offset);
 
 /* Bytes of the chunk at `offset`, leader included; offset and bytes together
- * are more than the file has where it is cut off. 0 when no chunk of that part
- * begins there, or a read failed. */
+ * are more than the file has where it is truncated. 0 when no chunk of that
+ * part begins there, or a read failed. */
 uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
                             uint64_t offset);
 

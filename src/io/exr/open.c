@@ -123,8 +123,8 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
         why = "its parts do not end";
     if (why)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR header is damaged or cut off (%s); copy or "
-                       "render the file again", path, why);
+                       "%s: the EXR header is damaged or truncated (%s); copy "
+                       "or render the file again", path, why);
     uint64_t at = index->tables;
     for (int i = 0; i < in->parts; i++) {
         struct gp_exr_index_part *const part = &index->part[i];
@@ -186,7 +186,7 @@ uint64_t gp_exr_chunk_bytes(const struct gp_input *in, int part,
     return size;
 }
 
-/* gp_input.end, or more where the file is cut off. */
+/* gp_input.end, or more where the file is truncated. */
 static uint64_t find_end(const struct gp_input *in)
 {
     enum { BLOCK = 512 };
@@ -238,10 +238,10 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     in->end = find_end(in);
     if (in->end > in->stream.size)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: cut off or damaged (its chunks end at byte %llu "
-                       "of %llu); copy or render the file again", path,
-                       (unsigned long long) in->end,
-                       (unsigned long long) in->stream.size));
+                       "%s: truncated (%llu bytes, its chunks need %llu); copy "
+                       "or render the file again", path,
+                       (unsigned long long) in->stream.size,
+                       (unsigned long long) in->end));
     *out = in;
     return GP_OK;
 out:
@@ -303,7 +303,7 @@ gp_status gp_exr_carried_read(const struct gp_log *log, const char *path,
     }
     if (!same)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: the EXR header cannot be read again (cut off or "
+                       "%s: the EXR header cannot be read again (truncated or "
                        "damaged); copy or render the file again", path));
     memcpy(&out->version, b + 4, 4);
     return GP_OK;

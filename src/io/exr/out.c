@@ -379,7 +379,7 @@ gp_status gp_exr_out_copy(struct gp_exr_out *out, int part, const char *path,
         st = gp_exr_fault_print(out->log, path, gp_exr_fault());
     else if (st == GP_ERR_DATA)
         (void) gp_fail(out->log, st,
-            "%s: part %d is cut off or damaged; copy or render the "
+            "%s: part %d is truncated or damaged; copy or render the "
             "file again, or give --hdr a file without it", path, part);
 out:
     gp_free(place);

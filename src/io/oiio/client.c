@@ -235,7 +235,7 @@ static gp_status call_failed(const struct gp_log *log, const char *path,
         return gp_fail(log, st, "%s: %s (glarepp-oiio %s); %s", path, what,
                        h->cause, hint);
     return gp_fail(log, st, "%s: %s (%s); %s", path, what,
-                   text[0] ? text : "cut off or damaged", hint);
+                   text[0] ? text : "truncated or damaged", hint);
 }
 
 /* A helper for this thread, one that runs first; give it back. */

@@ -95,13 +95,13 @@ void check_dpx(Bytes &bytes)
 {
     unsigned char head[36] = {0};
     if (bytes.pread(head, sizeof head, 0) != sizeof head)
-        throw std::runtime_error("cut off in its header");
+        throw std::runtime_error("truncated in its header");
     const bool big = head[0] == 'S';
     std::uint32_t user = 0;
     for (int i = 0; i < 4; i++)
         user = user << 8 | head[32 + (big ? i : 3 - i)];
     if (user != UINT32_MAX && user > bytes.size())
-        throw std::runtime_error("cut off in its user data");
+        throw std::runtime_error("truncated in its user data");
 }
 
 std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
@@ -123,7 +123,7 @@ std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
     if (format == "jpeg") {
         f->copy.resize(ask.size);
         if (f->bytes->pread(f->copy.data(), f->copy.size(), 0) != ask.size)
-            throw std::runtime_error("cut off");
+            throw std::runtime_error("truncated");
         f->memory = std::make_unique<OIIO::Filesystem::IOMemReader>(
             f->copy.data(), f->copy.size());
         proxy = f->memory.get();
@@ -244,7 +244,7 @@ void check_read(bool read)
     if (!read || file->input->has_error())
         throw std::runtime_error(file->input->geterror());
     if (file->bytes->was_short())
-        throw std::runtime_error("cut off");
+        throw std::runtime_error("truncated");
 }
 
 // -- the header ---------------------------------------------------------------

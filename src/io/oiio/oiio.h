@@ -36,7 +36,7 @@
  *   out  written only on GP_OK; rows from rows(), which the helper decodes
  *        ahead
  *
- * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, cut off, over
+ * Errors: GP_ERR_IO there is no helper; GP_ERR_DATA damaged, truncated, over
  * max_pixels, no format that is read, or the helper did not survive it;
  * GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
