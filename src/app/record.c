@@ -132,7 +132,8 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         for (int i = 0; i < texts->n; i++)
             json_array_append_new(v, gp_json_name(texts->at[i]));
         return v;
-    case GP_KIND_SET:
+    case GP_KIND_SET: // that it is set, or nothing
+        return *(const int *) at == o->set ? json_true() : NULL;
     case GP_KIND_NAMED:
         break;
     }

@@ -53,7 +53,9 @@ is "$(field r.json '{"knee", "mix", "rotate"} - set(o["settings"])')" 'set()' \
     'settings: all of light'
 is "$(field r.json '{"threads", "output", "no_provenance", "report", "layer_in", "sun_map", "sun_method", "ocio"} & set(o["settings"])')" \
     'set()' 'settings: none that did nothing, or changes no pixel'
-run -e direct --tonemap agx -o out.png --report r.json in.exr
+run -e direct --tonemap agx --no-dither -o out.png --report r.json in.exr
+is "$(field r.json '[o["settings"].get(k) for k in ("dither", "no_dither")]')" \
+    '[None, True]' 'settings: one of two words for one thing'
 is "$(field r.json '[k in o["settings"] for k in ("tolerance", "group", "white")], o["settings"]["engine"], o["settings"]["tonemap"]')" \
     "([False, False, False], 'direct', 'agx')" 'settings: those of what ran'
 
