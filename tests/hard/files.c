@@ -45,7 +45,7 @@ static const struct format {
 #undef AN_EXR
 #define OTHER(end, col, bits, how, by, ...)                                   \
     {end, col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,       \
-                __VA_ARGS__}, how, by, NULL}
+                .dither = GP_DITHER_NEVER, __VA_ARGS__}, how, by, NULL}
     OTHER(".png", 2, 8, CODE, hard_read_png, .type = GP_OUT_AUTO),
     OTHER(".png", 3, 16, CODE, hard_read_png, .type = GP_OUT_AUTO),
     OTHER(".tif", 4, 16, CODE, hard_read_16, .type = GP_OUT_AUTO),
@@ -54,7 +54,8 @@ static const struct format {
 #undef OTHER
 #define RAW(col, bits, how, kind, by)                                         \
     {"", col, {.compression = GP_COMPRESSION_AUTO, .depth_bits = bits,        \
-               .stdout_format = GP_STDOUT_RAW, .raw = GP_RAW_##kind},         \
+               .dither = GP_DITHER_NEVER, .stdout_format = GP_STDOUT_RAW,     \
+               .raw = GP_RAW_##kind},                                         \
      how, by, NULL}
     RAW(7, 8, CODE, RGB24, hard_read_rgb24),
     RAW(8, 16, CODE, RGB48LE, hard_read_rgb48le),

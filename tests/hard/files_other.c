@@ -58,6 +58,7 @@ static gp_status write_as(const char *path, int bits, const struct gp_frame *f)
     struct gp_write_params p = GP_WRITE_DEFAULTS;
     struct gp_write_stats stats = {0};
     p.depth_bits = bits;
+    p.dither = GP_DITHER_NEVER;
     return gp_write_picture(&said_log, &p, path, f, &f->lit,
                             GP_PICTURE_SHOWN, &stats);
 }
