@@ -271,20 +271,7 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     for (int i = 0; i < r->jobs->targets; i++)
         r->ordered = r->ordered ||
                      strcmp(r->jobs->target[i].name.path, "-") == 0;
-    // a bad kernel file is an error whatever the frames hold
-    if (strncmp(r->s->kernel.source, "builtin:", 8) != 0) {
-        const struct gp_read_params limits = gp_read_limits(&r->s->read);
-        GP_TRY(gp_read_frame(log, &limits, r->s->kernel.source,
-                             &r->kernel_image));
-        GP_TRY(gp_run_kernel_make(log, r, NULL));
-    } else if (r->s->grow_how == GP_GROW_KERNEL) { // frames grow by its reach
-        GP_TRY(gp_run_kernel_make(log, r, NULL));
-    }
-    if (r->kernel) {
-        const struct gp_kernel *const k = &r->kernel->k;
-        r->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
-                                     k->h - 1 - k->cy};
-    }
+    GP_TRY(gp_run_kernel_begin(log, r));
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));

@@ -4,6 +4,7 @@
 
 #include "core/colour.h"
 #include "core/memory.h"
+#include "io/read.h"
 
 #include <string.h>
 
@@ -16,7 +17,9 @@ void gp_run_kernel_free(struct gp_run_kernel **k)
     *k = NULL;
 }
 
-gp_status gp_run_kernel_make(const struct gp_log *log, struct gp_run *r,
+/* Makes the kernel for the frame's primaries and pixel aspect (NULL: BT.709,
+ * square), unless r->kernel is that. */
+static gp_status make_kernel(const struct gp_log *log, struct gp_run *r,
                              const struct gp_frame *frame)
 {
     const struct gp_run_kernel *const old = r->kernel;
@@ -53,7 +56,7 @@ gp_status gp_run_kernel_hold(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
     if (fs->sources.n > 0 || gp_suns_glare(&r->suns))
-        st = gp_run_kernel_make(fs->log, r, &fs->frame);
+        st = make_kernel(fs->log, r, &fs->frame);
     if (!st && r->kernel) {
         fs->kernel = r->kernel;
         atomic_fetch_add(&fs->kernel->holders, 1);
@@ -65,4 +68,25 @@ const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs)
 {
     static const struct gp_kernel none;
     return fs->kernel ? &fs->kernel->k : &none;
+}
+
+gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
+{
+    const char *const source = r->s->kernel.source;
+    const bool file = strncmp(source, "builtin:", 8) != 0;
+    gp_status st = GP_OK;
+    if (file) {
+        const struct gp_read_params limits = gp_read_limits(&r->s->read);
+        st = gp_read_frame(log, &limits, source, &r->kernel_image);
+    } else if (r->s->grow_how != GP_GROW_KERNEL) {
+        return GP_OK; // waits for light
+    }
+    if (!st)
+        st = make_kernel(log, r, NULL);
+    if (st)
+        return st;
+    const struct gp_kernel *const k = &r->kernel->k;
+    r->reach = (struct gp_rect) {k->cx, k->cy, k->w - 1 - k->cx,
+                                 k->h - 1 - k->cy};
+    return GP_OK;
 }

@@ -115,10 +115,11 @@ struct gp_run {
     struct gp_raw_size raw;        // of the frames that went to stdout raw
 };
 
-/* Makes the kernel for the frame's primaries and pixel aspect (NULL: BT.709,
- * square), unless r->kernel is that. Errors: those of making it. */
-GP_MUST_CHECK gp_status gp_run_kernel_make(const struct gp_log *log,
-    struct gp_run *r, const struct gp_frame *frame);
+/* Reads the kernel's file, as a bad one is an error whatever the frames hold, and
+ * makes the first kernel and r->reach of it; also of a builtin by whose reach
+ * frames grow. Errors: those of reading and making it. */
+GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
+                                            struct gp_run *r);
 
 /* The stage: the frame gets the kernel, which a dark one does not have made;
  * the kernel of a file was looked at before. And that kernel, empty where a dark

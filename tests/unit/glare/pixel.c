@@ -1,0 +1,179 @@
+/* glare/pixel.c, fft/reach.c: what every single pixel of a layer keeps. */
+#include "unit.h"
+#include "glare/glare_priv.h"
+#include "glare_scene.h"
+
+/* -- reach ------------------------------------------------------------------*/
+
+/* Kernel n of the table below: with holes, to one side, dark in a channel. */
+static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
+{
+    static const char *const names[] = {"star", "circle", "ring", "eye"};
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    if (n < 4) {
+        p.source = names[n];
+        p.builtin_size = 67;
+        assert_ok(gp_kernel_builtin(NULL, &p, &k));
+        return k;
+    }
+    struct gp_frame f = scene_frame(31, 24, 0, 0, BLACK, 1u);
+    for (int i = 0; i < 31 * 24; i++) {
+        for (int c = 0; c < 3 - (n == 5); c++)
+            f.rgb.c[c][i] = scene_random(seed) < 0.05f ? scene_random(seed)
+                                                       : 0.0f;
+    }
+    p.centered = n == 5;
+    p.center[0] = -7.5;
+    p.center[1] = 60.5;
+    assert_ok(gp_kernel_from_frame(NULL, &p, &f, &k));
+    gp_frame_free(&f);
+    return k;
+}
+
+/* Light and kernel are not negative: the layer is not, and 0 where no source
+ * reaches, channel by channel. */
+static void no_light_where_no_light_reaches(void **state)
+{
+    static const struct { int lamps; float most; } light[] = {
+        {1, 1e6f}, {5, 1e4f}, {60, 30.0f}, {4000, 3.0f},
+    };
+    enum { W = 211, H = 134 };
+    for (uint32_t i = 0; i < 6 * COUNT(light); i++) {
+        uint32_t seed = 77u + i;
+        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1u);
+        for (int n = 0; n < light[i / 6].lamps; n++) {
+            const int at = (int) (W * H * scene_random(&seed));
+            for (int c = 0; c < 3; c++)
+                f.rgb.c[c][at] = scene_random(&seed) < 0.3f ? 0.0f
+                    : 2.0f + light[i / 6].most * scene_random(&seed);
+        }
+        struct scene s = scene_sense(f, reaching_kernel((int) i % 6, &seed),
+                                     &usual);
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        s.exact = scene_alloc(3 * W * H, sizeof *s.exact);
+        gp_glare_reference_direct(&s.src, &s.k, s.exact);
+        assert_ok(scene_run("fft", &s, &g, &stats));
+        long dark = 0, wrong = 0;
+        for (int j = 0; j < 3 * W * H; j++) {
+            const float v = s.f.layer.c[j / (W * H)][j % (W * H)];
+            dark += s.exact[j] == 0.0;
+            wrong += !(v >= 0.0f) || (s.exact[j] == 0.0 && v != 0.0f);
+        }
+        if (wrong || scene_rel_l2(&s) > 1e-6)
+            fail_msg("%d lamps, kernel %u: %ld of %ld dark samples are not "
+                     "dark, rel_l2 %g", light[i / 6].lamps, i % 6, wrong, dark,
+                     scene_rel_l2(&s));
+        gp_glare_close(&g);
+        scene_free(&s);
+    }
+}
+
+/* -- the worst pixel --------------------------------------------------------*/
+
+/* A frame and a kernel of a search: few or many lamps in the dark, and a kernel
+ * that is flat, has a peak, or holds few samples. */
+static struct scene search_scene(uint32_t *seed)
+{
+    const int w = 8 + (int) (120.0f * scene_random(seed));
+    const int h = 8 + (int) (90.0f * scene_random(seed));
+    const float few = scene_random(seed);
+    const float hot = exp2f(24.0f * scene_random(seed));
+    const float dark = scene_random(seed) < 0.5f ? 0.0f : 1e-3f;
+    const int side = 1 + (int) (60.0f * scene_random(seed));
+    const float holes = scene_random(seed), peak = scene_random(seed);
+    struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 1u);
+    struct gp_frame image = scene_frame(side, side, 0, 0, BLACK, 1u);
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k;
+    for (int i = 0; i < w * h; i++) {
+        const bool lit = i == w * h / 3 || scene_random(seed) < few * few * few;
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][i] = lit ? 2.0f + hot * scene_random(seed) : dark;
+    }
+    for (int i = 0; i < side * side; i++) {
+        const bool on = i == side * side / 2 || scene_random(seed) > holes;
+        for (int c = 0; c < 3; c++)
+            image.rgb.c[c][i] = !on ? 0.0f
+                : (peak < 0.3f ? 1.0f : scene_random(seed)) +
+                  (i == side * side / 2 ? 1000.0f * (peak > 0.7f) : 0.0f);
+    }
+    assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
+    gp_frame_free(&image);
+    return scene_make(f, k, &usual);
+}
+
+/* From above: no pixel of the composite is further off than bound_pixel says,
+ * on frames found by a search; and from below: the bound is within 16 times of
+ * what the worst of them reaches. */
+static void no_pixel_is_over_its_bound(void **state)
+{
+    static const char *const engines[] = {"direct", "fft"};
+    double worst[2] = {0};
+    for (uint32_t i = 0; i < 150; i++) {
+        uint32_t seed = 9000u + i;
+        struct scene s = search_scene(&seed);
+        for (int scatter = 0; scatter < 2; scatter++) {
+            for (size_t e = 0; e < COUNT(engines); e++) {
+                struct gp_glare_params p = GP_GLARE_DEFAULTS;
+                struct gp_glare g = {0};
+                struct gp_glare_stats stats;
+                struct gp_glare_error error;
+                p.engine = engines[e];
+                p.tolerance_pixel = 1e-3f;
+                p.taken = scatter ? &s.src : NULL;
+                assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f,
+                                       &stats));
+                gp_glare_measure(&s.f, &s.f.layer, s.exact, p.gain, p.taken,
+                                 &error);
+                const double share = error.max_rel / stats.bound_pixel;
+                if (!(share <= 1.0))
+                    fail_msg("seed %u, %s: max_rel %g, bound %g", 9000u + i,
+                             p.engine, error.max_rel, stats.bound_pixel);
+                worst[e] = fmax(worst[e], share);
+                gp_glare_close(&g);
+            }
+        }
+        scene_free(&s);
+    }
+    print_message("worst of bound_pixel: direct %.3g, fft %.3g\n", worst[0],
+                  worst[1]);
+    for (size_t e = 0; e < COUNT(engines); e++)
+        assert_true(worst[e] * 16.0 > 1.0);
+}
+
+/* auto takes fft where its bound keeps the tolerance, direct where only that
+ * one does, and says so where none does. */
+static void auto_keeps_the_tolerance_of_a_pixel(void **state)
+{
+    uint32_t seed = 5u;
+    struct gp_frame f = scene_frame(200, 150, 0, 0, BLACK, 1u);
+    for (int i = 0; i < 200 * 150; i++) {
+        const bool lit = scene_random(&seed) < 0.2f;
+        for (int c = 0; c < 3; c++)
+            f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
+    }
+    struct scene s = scene_make(f, scene_kernel(90, 80, MID, 0, SPECKS), &usual);
+    double fft = 0.0;
+    for (int i = 0; i < 3; i++) {
+        struct gp_glare_params p = GP_GLARE_DEFAULTS;
+        struct gp_glare g = {0};
+        struct gp_glare_stats stats;
+        struct gp_glare_error error;
+        p.engine = i ? "auto" : "fft";
+        p.tolerance_pixel = i == 1 ? 1e-5f : (float) (2.0 * fft + 1e-9);
+        assert_ok(gp_glare_run(NULL, &p, &g, &s.src, &s.k, &s.f, &stats));
+        gp_glare_measure(&s.f, &s.f.layer, s.exact, p.gain, NULL, &error);
+        fft = i ? fft : stats.bound_pixel;
+        assert_true(error.max_rel <= stats.bound_pixel);
+        assert_string_equal(stats.engine, i == 1 ? "direct" : "fft");
+        assert_true(stats.bound_pixel <= (double) p.tolerance_pixel || !i);
+        gp_glare_close(&g);
+    }
+    scene_free(&s);
+}
+
+SUITE_OF(pixel, NULL, NULL,
+    no_light_where_no_light_reaches, no_pixel_is_over_its_bound,
+    auto_keeps_the_tolerance_of_a_pixel)
