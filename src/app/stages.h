@@ -115,15 +115,15 @@ struct gp_run {
     struct gp_raw_size raw;        // of the frames that went to stdout raw
 };
 
-/* Reads the kernel's file, as a bad one is an error whatever the frames hold, and
- * makes the first kernel and r->reach of it; also of a builtin by whose reach
- * frames grow. Errors: those of reading and making it. */
+/* Reads the kernel's file, as a bad one is an error whatever the frames hold,
+ * and makes the first kernel and r->reach of it; also of a builtin by whose
+ * reach frames grow. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
 
 /* The stage: the frame gets the kernel, which a dark one does not have made;
- * the kernel of a file was looked at before. And that kernel, empty where a dark
- * frame needed none. */
+ * the kernel of a file was looked at before. And that kernel, empty where a
+ * dark frame needed none. */
 GP_MUST_CHECK gp_status gp_run_kernel_hold(struct gp_run *r,
                                            struct gp_frame_state *fs);
 const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);

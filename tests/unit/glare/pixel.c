@@ -154,7 +154,8 @@ static void auto_keeps_the_tolerance_of_a_pixel(void **state)
         for (int c = 0; c < 3; c++)
             f.rgb.c[c][i] = lit ? 5e4f * scene_random(&seed) : 0.0f;
     }
-    struct scene s = scene_make(f, scene_kernel(90, 80, MID, 0, SPECKS), &usual);
+    struct scene s =
+        scene_make(f, scene_kernel(90, 80, MID, 0, SPECKS), &usual);
     double fft = 0.0;
     for (int i = 0; i < 3; i++) {
         struct gp_glare_params p = GP_GLARE_DEFAULTS;
