@@ -19,11 +19,15 @@ static void option_text(const struct gp_option *o, bool values, char *text,
 {
     const void *const field = (const char *) &gp_defaults + o->at;
     const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
-                        o->kind == GP_KIND_COUNT;
+                        o->kind == GP_KIND_COUNT ||
+                        o->kind == GP_KIND_THRESHOLD;
     char value[64] = ""; // the default
     const char *name = NULL, *line;
     const struct gp_option_choice *c = o->choices;
-    if (o->kind == GP_KIND_FLOAT)
+    const struct gp_sensor_params *const sensor = field;
+    if (o->kind == GP_KIND_THRESHOLD)
+        snprintf(value, sizeof value, "%g", (double) sensor->threshold);
+    else if (o->kind == GP_KIND_FLOAT)
         snprintf(value, sizeof value, "%g", (double) *(const float *) field);
     else if (o->kind == GP_KIND_INT)
         snprintf(value, sizeof value, "%d", *(const int *) field);

@@ -263,6 +263,7 @@ static const char *grow_word(int i, const char **text)
 /* A number, flag, pair or free text, as the field's type says. */
 #define OPT(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
+                    struct gp_sensor_params *: GP_KIND_THRESHOLD,             \
                     int *: GP_KIND_INT, long long *: GP_KIND_COUNT,           \
                     double (*)[2]: GP_KIND_PAIR,                              \
                     struct gp_numbers *: GP_KIND_NUMBERS,                     \
@@ -334,17 +335,18 @@ const struct gp_option gp_options[] = {
         "has more than N pixels; in files other than EXR each four channels "
         "count as pixels of their own"),
 
-    OPT(sensor.threshold, .name = "threshold", .letter = 't', BOTH(LIGHT),
-        .arg = "T", .hi = FLT_MAX,
-        .help = "Luminance over which a pixel is a light source"),
+    OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
+        .arg = "T|P%|EVev", .hi = FLT_MAX,
+        .help = "Luminance over which a pixel is a light source: a number, "
+                "99.9% of the pixels, or +3ev over the log-average"),
     CHOICE(sensor.mode, .name = "threshold-mode", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_threshold_modes,
         .help = "Spread this part of a pixel over the threshold"),
     OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
         .help = "Open --threshold-mode whole smoothly, from T(1-K) to T(1+K)"),
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
-        .lo = FLT_MIN, .hi = 1e30,
-        .help = "Clamp brighter and infinite values to V"),
+        .hi = FLT_MAX, .help = "Scale pixels with brighter values until their "
+        "largest is V; 0 leaves all as they are"),
     OPT(kernel.source, .name = "kernel", .letter = 'k', BOTH(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
         .help = "Point-spread function: an image file"),

@@ -23,6 +23,7 @@ enum gp_option_kind {
     GP_KIND_FLAG,    // bool: set true
     GP_KIND_SET,     // enum: set to `set`, takes no value
     GP_KIND_FLOAT,
+    GP_KIND_THRESHOLD, // struct gp_sensor_params: "1", "99.9%", "+3ev"
     GP_KIND_INT,
     GP_KIND_COUNT,   // long long
     GP_KIND_PAIR,    // double[2], "x,y"

@@ -3,8 +3,10 @@
 #include "core/memory.h"
 
 #include <errno.h>
+#include <float.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 // -- settings ----------------------------------------------------------------
@@ -83,6 +85,30 @@ static gp_status set_number(const struct use *u, void *field)
         *(int *) field = (int) n;
     else
         *(long long *) field = n;
+    return GP_OK;
+}
+
+/* A luminance, a percentile or EV over the average, into sensor params. */
+static gp_status set_threshold(const struct use *u, void *field)
+{
+    struct gp_sensor_params *const p = field;
+    const char *end = u->value;
+    double v;
+    const bool read = read_double(&end, &v);
+    const bool ev = read && strcasecmp(end, "ev") == 0;
+    const bool percent = read && strcmp(end, "%") == 0;
+    if (!read || (*end && !ev && !percent))
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: not a threshold (found "
+                       "\"%s\"); give a luminance such as 1, a percentile such "
+                       "as 99.9%%, or +3ev", u->option->name, u->value);
+    if (!(v >= (ev ? -64.0 : 0.0) &&
+          v <= (ev ? 64.0 : percent ? 100.0 : (double) FLT_MAX))) // NaN too
+        return gp_fail(u->log, GP_ERR_USAGE, "--%s: out of range (found %s); "
+                       "give 0 or more, 0%% to 100%%, or -64ev to 64ev",
+                       u->option->name, u->value);
+    p->threshold = (float) v;
+    p->unit = ev        ? GP_THRESHOLD_EV
+              : percent ? GP_THRESHOLD_PERCENT : GP_THRESHOLD_LUMINANCE;
     return GP_OK;
 }
 
@@ -322,6 +348,8 @@ static gp_status read_option(const struct gp_log *log, int argc,
     case GP_KIND_INT:
     case GP_KIND_COUNT:
         return set_number(&u, field);
+    case GP_KIND_THRESHOLD:
+        return set_threshold(&u, field);
     case GP_KIND_PAIR:
     case GP_KIND_NUMBERS:
         return set_list(&u, field);

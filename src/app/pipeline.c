@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 /* Stages that run, and what nobody needs after each. */
@@ -40,6 +41,8 @@ struct pipeline {
     atomic_int kept;                 // frames, for the progress
     atomic_size_t largest;           // unit so far, bytes
     size_t memory;                   // that the process may use; 0: unknown
+    int made, dark;                  // frames; those without any light
+    struct gp_facts brightest;       // of the dark ones
 };
 
 /* Counts the bytes of a pixel that are there at once, at most. */
@@ -214,6 +217,32 @@ static bool can_skip(void *user, int slot, gp_status st)
            (st == GP_ERR_IO || st == GP_ERR_DATA || st == GP_ERR_USAGE);
 }
 
+static void count_dark(struct pipeline *p, const struct gp_facts *f)
+{
+    if (f->dark && (!p->dark || f->peak > p->brightest.peak))
+        p->brightest = *f;
+    p->dark += f->dark;
+    p->made++;
+}
+
+/* Says so where no frame of the run had any light to spread: the pictures are
+ * what the frames were. */
+static void say_dark(const struct pipeline *p)
+{
+    const struct gp_facts *const f = &p->brightest;
+    char many[32] = "", peak[96] = "all are black";
+    if (!p->made || p->dark < p->made)
+        return;
+    if (p->made > 1)
+        snprintf(many, sizeof many, " of %d frames", p->made);
+    if (f->peak > 0.0f)
+        snprintf(peak, sizeof peak, "brightest %.3g at %d,%d",
+                 (double) f->peak, f->peak_at[0], f->peak_at[1]);
+    gp_say(p->log, GP_LEVEL_WARN, "%s: no pixel%s is over the threshold %.3g "
+           "(%s); %s", f->input, many, (double) f->threshold, peak,
+           f->peak > 0.0f ? "lower --threshold" : "check the frame");
+}
+
 static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 {
     struct pipeline *const p = user;
@@ -228,6 +257,8 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
         facts->warned = u->log.warned;
         facts->warned_bytes = u->log.warned_bytes;
         char line[1024];
+        if (!st)
+            count_dark(p, facts);
         if (st)
             gp_failures_add(&p->failures, unit * p->jobs->views + v);
         else if (p->log->level >= GP_LEVEL_INFO) {
@@ -328,6 +359,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
+    say_dark(&p);
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);

@@ -105,6 +105,7 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         put_name(o, "engine", g->engine);
         put_name(o, "engine_why", g->why);
     }
+    json_object_set_new(o, "threshold", number((double) f->threshold, 0.0));
     json_object_set_new(o, "sources", json_integer(f->sources));
     put_count(o, "groups", g->groups);
     put_count(o, "clusters", g->clusters);
@@ -139,6 +140,8 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     }
     json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
     json_object_set_new(o, "clamped", json_integer(f->clamped));
+    if (f->clamped)
+        put_rgb(o, "flux_clamped", f->flux_clamped);
     if (f->clamped_out)
         json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
 }

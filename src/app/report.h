@@ -47,6 +47,11 @@ struct gp_facts {
     bool has_flux_out;
     long long nonfinite;         // pixels of the input
     long long clamped;           // pixels of the input over --max-value
+    double flux_clamped[3];      // light that --max-value took, by channel
+    float threshold;             // as luminance
+    bool dark;                   // no light, where glare was wanted
+    float peak;                  // of a dark frame: its largest luminance,
+    int peak_at[2];              // and where, in EXR pixel space
     long long clamped_out;       // values that an output's type cannot hold
     struct gp_glare_stats glare; // engine NULL: no glare stage
     bool verified;

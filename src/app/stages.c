@@ -2,6 +2,7 @@
 
 #include "app/options.h"
 #include "core/clock.h"
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -205,17 +206,21 @@ static gp_status sense_light_groups(const struct gp_run *r,
     struct gp_sources none = {0}, all = {0};
     struct gp_source *list;
     size_t n = 0;
+    struct gp_sensor_params sensor = r->s->sensor;
+    sensor.threshold = src->threshold; // the frame's, for all of them
+    sensor.unit = GP_THRESHOLD_LUMINANCE;
     memset(src->faint, 0, sizeof src->faint);
     for (int i = 0; i < fs->groups; i++) {
         struct gp_sources *const own = &fs->group[i].sources;
-        gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->group[i].frame,
-                                own);
+        gp_status st = gp_sense(fs->log, &sensor, &fs->group[i].frame, own);
         if (st)
             return st;
         src->nonfinite += own->nonfinite;
         src->clamped += own->clamped;
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             src->faint[c] += own->faint[c];
+            src->flux_clamped[c] += own->flux_clamped[c];
+        }
         n += own->n;
     }
     gp_status st = gp_alloc(fs->log, "light of the groups", n,
@@ -257,6 +262,20 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
     fs->facts.sources = (long long) fs->sources.n;
     fs->facts.nonfinite = fs->sources.nonfinite;
     fs->facts.clamped = fs->sources.clamped;
+    memcpy(fs->facts.flux_clamped, fs->sources.flux_clamped,
+           sizeof fs->facts.flux_clamped);
+    fs->facts.threshold = fs->sources.threshold;
+    fs->facts.dark = fs->sources.n == 0 && !suns_asked(r->s) &&
+                     r->s->compose.gain > 0.0f;
+    for (int i = fs->groups ? 0 : -1; i < fs->groups && fs->facts.dark; i++) {
+        int at[2];
+        const float peak = gp_luminance_peak(
+            i < 0 ? &fs->frame : &fs->group[i].frame, at);
+        if (i <= 0 || peak > fs->facts.peak) {
+            fs->facts.peak = peak;
+            memcpy(fs->facts.peak_at, at, sizeof at);
+        }
+    }
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     return GP_OK;

@@ -6,6 +6,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 
+#include <float.h>
 #include <string.h>
 
 struct composing {
@@ -16,11 +17,17 @@ struct composing {
     float keep;   // share that the pupil lets through
 };
 
+/* Light that would be infinite stays the largest float. */
+static inline __attribute__((always_inline)) float finite(float v)
+{
+    return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);
+}
+
 GP_CLONES static void add_row(const float *in, const float *layer, float gain,
                               size_t n, float *restrict out)
 {
     for (size_t i = 0; i < n; i++)
-        out[i] = in[i] + gain * layer[i];
+        out[i] = finite(in[i] + gain * layer[i]);
 }
 
 /* One row: in + gain * layer, less what sources scatter, dimmed. */
@@ -46,8 +53,8 @@ static void compose_row(void *ctx, int y, int thread)
             const struct gp_sources *const src = m->src;
             for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
                 const int32_t x = src->x[i];
-                out[x] = (in[x] - m->taken * src->rgb[c][i]) +
-                         m->gain * layer[x];
+                out[x] = finite((in[x] - m->taken * src->rgb[c][i]) +
+                                m->gain * layer[x]);
             }
         }
         for (size_t x = 0; m->keep < 1.0f && x < w; x++)

@@ -20,6 +20,7 @@ struct gp_compose_params {
  *   scatter: lit = rgb - min(gain, 1) * source + gain * layer, which up to a
  *            gain of 1 conserves energy but for what leaves the frame
  * and then lit *= 1 - dim, the whole picture alike.
+ * Light over FLT_MAX becomes that.
  * f->layer may be empty when there was no light: then lit = rgb. f->lit is
  * made when it is empty, else it has the frame's size and is written over.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */

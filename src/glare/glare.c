@@ -1,7 +1,10 @@
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,6 +13,61 @@ static void clear_plane(void *ctx, int c, int thread)
     const struct gp_frame *const f = ctx;
     (void) thread;
     memset(f->layer.c[c], 0, gp_frame_pixels(f) * sizeof(float));
+}
+
+/* Light up to which no engine leaves the range of float: its sums, transforms
+ * of 2^30 points among them, are under 2^127. More is halved as often as it
+ * takes, which is exact, and the layer is doubled as often. */
+static const double MOST_LIGHT = 0x1p80;
+
+/* Returns how often light must be halved. */
+static int halvings(const struct gp_sources *src, const struct gp_kernel *k)
+{
+    double most = 0.0;
+    for (int c = 0; c < 3; c++)
+        most = fmax(most, src->flux[c] * fmax(k->norm1[c], 1.0));
+    return most > MOST_LIGHT ? ilogb(most / MOST_LIGHT) + 1 : 0;
+}
+
+struct doubling {
+    const struct gp_frame *f;
+    int times;
+    uint8_t *over; // one a row: a value was limited
+};
+
+static void double_row(void *ctx, int y, int thread)
+{
+    const struct doubling *const d = ctx;
+    const size_t w = (size_t) gp_frame_w(d->f);
+    (void) thread;
+    for (int c = 0; c < 3; c++) {
+        float *const v = d->f->layer.c[c] + (size_t) y * w;
+        for (size_t x = 0; x < w; x++) {
+            const float whole = ldexpf(v[x], d->times);
+            v[x] = gp_maxf(gp_minf(whole, FLT_MAX), -FLT_MAX);
+            d->over[y] |= v[x] != whole;
+        }
+    }
+}
+
+/* Doubles the layer, limited to FLT_MAX: then there is a warning, and no bound
+ * is kept. Errors: GP_ERR_BUG out of memory. */
+static gp_status double_layer(const struct gp_log *log, const char *path,
+    const struct gp_frame *f, int times, double *bound)
+{
+    struct doubling d = {f, times, NULL};
+    const int h = gp_frame_h(f);
+    gp_status st = gp_alloc_zero(log, "layer", (size_t) h, 1, &d.over);
+    if (st)
+        return st;
+    gp_parallel_do(h, double_row, &d);
+    if (memchr(d.over, 1, (size_t) h)) {
+        *bound = INFINITY;
+        gp_say(log, GP_LEVEL_WARN, "%s: the layer is limited to %.3g, the "
+               "largest float; give a --max-value", path, (double) FLT_MAX);
+    }
+    gp_free(d.over);
+    return GP_OK;
 }
 
 gp_status gp_glare_run(const struct gp_log *log,
@@ -38,26 +96,35 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, f);
         return GP_OK;
     }
+    const int times = halvings(src, kernel);
+    struct gp_sources less = {0};
+    if (times)
+        st = gp_sources_scale(log, src, ldexpf(1.0f, -times), &less);
+    if (st)
+        return st;
     struct gp_candidate taken = {.engine = named, .splat = p->splat};
     struct gp_glare_params params = *p;
     struct gp_glare_job job = {
-        .log = log, .params = &params, .src = src, .kernel = kernel,
+        .log = log, .params = &params, .src = times ? &less : src,
+        .kernel = kernel,
         .layer = &f->layer, .stats = stats,
     };
-    st = gp_floor_find(&job, &g->floor, &job.floor);
-    if (st)
-        return st;
+    GP_TRY(gp_floor_find(&job, &g->floor, &job.floor));
     struct gp_pixel_floor floor = {0};
-    if (p->tolerance_pixel > 0.0f)
-        st = gp_pixel_floor_find(&job, f, &floor);
-    if (!st && p->tolerance_pixel > 0.0f && named >= 0)
-        st = gp_plan_pixel(&job, g, named, &floor, &taken.pixel);
-    if (st)
-        return st;
+    if (p->tolerance_pixel > 0.0f) {
+        struct gp_glare_job whole = job; // as bright as the frame is
+        whole.src = src;
+        GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
+        floor.least = ldexp(floor.least, -times);
+        floor.most = ldexp(floor.most, -times);
+        floor.less = ldexp(floor.less, -times);
+        for (int c = 0; c < 3; c++)
+            floor.layer[c] = ldexp(floor.layer[c], -times);
+    }
+    if (p->tolerance_pixel > 0.0f && named >= 0)
+        GP_TRY(gp_plan_pixel(&job, g, named, &floor, &taken.pixel));
     if (named < 0) {
-        st = gp_plan(&job, g, path, &floor, &taken);
-        if (st)
-            return st;
+        GP_TRY(gp_plan(&job, g, path, &floor, &taken));
         stats->bound = taken.bound;
     } else {
         snprintf(stats->why, sizeof stats->why, "asked for");
@@ -79,8 +146,12 @@ gp_status gp_glare_run(const struct gp_log *log,
     params.splat = taken.splat;
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
-    st = gp_engines[taken.engine]->run(&job, &g->state[taken.engine]);
+    GP_TRY(gp_engines[taken.engine]->run(&job, &g->state[taken.engine]));
     stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
+    if (times)
+        GP_TRY(double_layer(log, path, f, times, &stats->bound));
+out:
+    gp_sources_free(&less);
     return st;
 }
 

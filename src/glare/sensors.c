@@ -1,4 +1,5 @@
 #include "core/cpu.h"
+#include "core/luminance.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
@@ -53,6 +54,10 @@ struct bright_piece {
 /* Found in one block of rows; added up in the order of the blocks. */
 struct block_sum {
     long long nonfinite, clamped;
+    double taken[3];   // light that max_value took
+    bool infinite;     // has +Inf
+    float largest;     // measure_block()
+    double light[3];
     wide flux[3], energy[3];
     narrow brightest;
     uint32_t count[GP_SOURCE_BINS];
@@ -60,6 +65,9 @@ struct block_sum {
 
 struct sense {
     const struct gp_sensor_params *p;
+    float most;                  // limit of a channel
+    float top;                   // stands for +Inf; 0: not known yet
+    bool again;                  // bad pixels were counted
     struct bright_rule rule;
     int w, h;
     float *rgb[3];
@@ -87,18 +95,6 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y)
     return t * t * (3.0f - 2.0f * t); // smoothstep: slope 0 at both ends
 }
 
-static inline __attribute__((always_inline)) float lit(float v)
-{
-    return v > 0.0f ? v : 0.0f;
-}
-
-/* Luminance of the non-negative part. */
-static inline __attribute__((always_inline)) float
-lit_luminance(const float weight[3], float r, float g, float b)
-{
-    return weight[0] * lit(r) + weight[1] * lit(g) + weight[2] * lit(b);
-}
-
 // -- bad pixels, counts, darkness --------------------------------------------
 
 /* Counts one row's bad pixels and, if there are none, its bright ones. No
@@ -119,52 +115,127 @@ GP_CLONES static void count_row(const float *restrict r,
                           ((vb > max) & (vb <= FLT_MAX));
         bad += !finite;
         over += large;
-        lit_up += lit_luminance(weight, vr, vg, vb) > open;
+        lit_up += gp_lit_luminance(weight, vr, vg, vb) > open;
     }
     *nonfinite = bad;
     *clamped = over;
     *bright = lit_up;
 }
 
+/* Cleans the pixels of a row; +Inf stays until the frame's largest finite value
+ * is known. */
+static void clean_row(const struct sense *s, struct block_sum *sum, size_t at)
+{
+    for (size_t i = at; i < at + (size_t) s->w; i++) {
+        float v[3], most = -FLT_MAX;
+        for (int k = 0; k < 3; k++) {
+            const float f = s->rgb[k][i];
+            v[k] = f != f || f < -FLT_MAX         ? 0.0f
+                   : f > FLT_MAX && s->top > 0.0f ? s->top : f;
+            most = gp_maxf(v[k], most);
+        }
+        sum->infinite = sum->infinite || most > FLT_MAX;
+        const bool over = most > s->most && most <= FLT_MAX;
+        const double less = over ? (double) s->most / (double) most : 1.0;
+        for (int k = 0; k < 3; k++) {
+            s->rgb[k][i] = over ? (float) ((double) v[k] * less) : v[k];
+            if (!s->again)
+                sum->taken[k] += (double) gp_lit(v[k]) -
+                                 (double) gp_lit(s->rgb[k][i]);
+        }
+    }
+}
+
 static void clean_block(void *ctx, int i, int thread)
 {
     struct sense *const s = ctx;
+    struct block_sum *const sum = &s->block[i];
     const int end = gp_min((i + 1) * BLOCK, s->h);
     for (int y = i * BLOCK; y < end; y++) {
         const size_t at = (size_t) y * (size_t) s->w;
-        float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
-        float *const b = s->rgb[2] + at;
-        const float max = s->p->max_value;
+        const float *const r = s->rgb[0] + at, *const g = s->rgb[1] + at;
+        const float *const b = s->rgb[2] + at;
         int bad, over, bright, none;
-        count_row(r, g, b, s->w, max, s->rule.weight, s->rule.open, &bad,
+        count_row(r, g, b, s->w, s->most, s->rule.weight, s->rule.open, &bad,
                   &over, &bright);
         if (bad || over) {
-            for (int k = 0; k < 3; k++) {
-                float *const v = s->rgb[k] + at;
-                for (int x = 0; x < s->w; x++) {
-                    const float f = v[x] != v[x] ? 0.0f : v[x];
-                    v[x] = f > max ? max : f < -FLT_MAX ? 0.0f : f;
-                }
-            }
-            count_row(r, g, b, s->w, max, s->rule.weight, s->rule.open, &none,
-                      &none, &bright);
+            clean_row(s, sum, at);
+            count_row(r, g, b, s->w, s->most, s->rule.weight, s->rule.open,
+                      &none, &none, &bright);
         }
         // the grid's pixels of the row, which is in the cache by now: every
         // k-th pixel of the frame, about GRID in all
         const size_t row_end = at + (size_t) s->w;
         for (size_t k = (at + s->step - 1) / s->step * s->step; k < row_end;
              k += s->step) {
-            const float lum = lit_luminance(s->rule.weight, s->rgb[0][k],
-                                            s->rgb[1][k], s->rgb[2][k]);
+            const float lum = gp_lit_luminance(s->rule.weight, s->rgb[0][k],
+                                               s->rgb[1][k], s->rgb[2][k]);
             uint32_t bits;
             memcpy(&bits, &lum, sizeof bits);
             if (lum > 0.0f)
                 s->dark[thread][bits >> DARK_SHIFT]++;
         }
         s->bright[y] = (uint32_t) bright;
-        s->block[i].nonfinite += bad;
-        s->block[i].clamped += over;
+        if (!s->again) {
+            sum->nonfinite += bad;
+            sum->clamped += over;
+        }
     }
+}
+
+/* Cleans and counts a frame whose bad pixels were counted. */
+static void clean_again(struct sense *s, int blocks)
+{
+    s->again = true;
+    memset(s->dark, 0, (size_t) gp_threads() * sizeof *s->dark);
+    gp_parallel_do(blocks, clean_block, s);
+}
+
+/* The largest finite value of a block, and its light. */
+static void measure_block(void *ctx, int i, int thread)
+{
+    struct sense *const s = ctx;
+    struct block_sum *const sum = &s->block[i];
+    const size_t w = (size_t) s->w;
+    const size_t end = w * (size_t) gp_min((i + 1) * BLOCK, s->h);
+    (void) thread;
+    for (int k = 0; k < 3; k++) {
+        sum->light[k] = 0.0;
+        for (size_t p = (size_t) i * BLOCK * w; p < end; p++) {
+            const float v = s->rgb[k][p];
+            if (v > 0.0f && v <= FLT_MAX) {
+                sum->largest = gp_maxf(v, sum->largest);
+                sum->light[k] += (double) v;
+            }
+        }
+    }
+}
+
+/* Says how much of the frame's light max_value took, where it is much. */
+static void warn_of_clamping(const struct gp_log *log, const char *path,
+                             struct sense *s, int blocks,
+                             const struct gp_sources *o)
+{
+    static const char *const name[3] = {"red", "green", "blue"};
+    double light[3] = {0.0, 0.0, 0.0}, share = 0.01;
+    int worst = -1;
+    if (!o->clamped)
+        return;
+    gp_parallel_do(blocks, measure_block, s);
+    for (int k = 0; k < 3; k++) {
+        for (int i = 0; i < blocks; i++)
+            light[k] += s->block[i].light[k];
+        const double taken = o->flux_clamped[k];
+        if (taken > share * (light[k] + taken)) {
+            share = taken / (light[k] + taken);
+            worst = k;
+        }
+    }
+    if (worst >= 0)
+        gp_say(log, GP_LEVEL_WARN, "%s: --max-value takes %.3g %% of the "
+               "frame's %s light (%lld pixels over %g); raise it, or leave it "
+               "out", path ? path : "frame", 100.0 * share, name[worst],
+               o->clamped, (double) s->p->max_value);
 }
 
 // -- the bright pixels of a row -----------------------------------------------
@@ -174,9 +245,9 @@ static int find_plain(const struct bright_rule *rule, const float *const rgb[3],
     int x0, int from, int n, int at, struct bright_piece *out)
 {
     for (int i = from; i < n; i++) {
-        const float c[3] = {lit(rgb[0][i]), lit(rgb[1][i]),
-                            lit(rgb[2][i])};
-        if (!(lit_luminance(rule->weight, c[0], c[1], c[2]) > rule->open))
+        const float c[3] = {gp_lit(rgb[0][i]), gp_lit(rgb[1][i]),
+                            gp_lit(rgb[2][i])};
+        if (!(gp_lit_luminance(rule->weight, c[0], c[1], c[2]) > rule->open))
             continue;
         for (int k = 0; k < 3; k++)
             out->rgb[k][at] = c[k];
@@ -249,7 +320,7 @@ GP_CLONES static void keep_excess(struct bright_piece *c, int n, float t,
                                   const float *restrict weight)
 {
     for (int i = 0; i < n; i++) {
-        const float y = lit_luminance(weight, c->rgb[0][i], c->rgb[1][i],
+        const float y = gp_lit_luminance(weight, c->rgb[0][i], c->rgb[1][i],
                                       c->rgb[2][i]);
         const float pass = y > FLT_MAX ? 1.0f : (y - t) / y;
         for (int k = 0; k < 3; k++)
@@ -316,7 +387,7 @@ static void list_block(void *ctx, int block, int thread)
                 keep_excess(&c, n, s->p->threshold, s->rule.weight);
             for (int i = 0; s->rule.ramp && i < n; i++) {
                 const float pass = gp_bright_pass(
-                    s->p, lit_luminance(s->rule.weight, c.rgb[0][i],
+                    s->p, gp_lit_luminance(s->rule.weight, c.rgb[0][i],
                                         c.rgb[1][i], c.rgb[2][i]));
                 for (int k = 0; k < 3; k++)
                     c.rgb[k][i] *= pass;
@@ -363,10 +434,52 @@ static double total(wide v)
     return (v[0] + v[1]) + (v[2] + v[3]);
 }
 
+/* Sets the rule for a threshold in luminance. */
+static void set_rule(const struct gp_sensor_params *p, struct bright_rule *r)
+{
+    r->ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
+    r->open = r->ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
+}
+
+/* Cleans the frame, finds its threshold and counts its bright pixels. Errors:
+ * GP_ERR_BUG out of memory. */
+static gp_status clean_frame(const struct gp_log *log, struct sense *s,
+    int blocks, const struct gp_frame *f, struct gp_sensor_params *p)
+{
+    gp_status st = GP_OK;
+    const bool relative = p->unit != GP_THRESHOLD_LUMINANCE;
+    bool infinite = false;
+    set_rule(p, &s->rule);
+    gp_parallel_do(blocks, clean_block, s);
+    for (int i = 0; i < blocks; i++)
+        infinite = infinite || s->block[i].infinite;
+    if (infinite) {
+        s->top = 65504.0f; // half's largest value
+        gp_parallel_do(blocks, measure_block, s);
+        for (int i = 0; i < blocks; i++)
+            s->top = gp_maxf(s->block[i].largest, s->top);
+        clean_again(s, blocks);
+    }
+    if (p->unit == GP_THRESHOLD_PERCENT)
+        st = gp_luminance_percentile(log, f, (double) p->threshold,
+                                     &p->threshold);
+    if (p->unit == GP_THRESHOLD_EV)
+        p->threshold = (float) fmin(exp2((double) p->threshold) *
+                                    gp_log_average(f, &f->rgb),
+                                    (double) FLT_MAX);
+    p->unit = GP_THRESHOLD_LUMINANCE;
+    if (relative && !st) {
+        set_rule(p, &s->rule);
+        clean_again(s, blocks);
+    }
+    return st;
+}
+
 gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
                    struct gp_frame *f, struct gp_sources *out)
 {
     gp_status st;
+    struct gp_sensor_params found = *p; // its threshold in luminance
     const struct gp_sources like = {
         .w = gp_frame_w(f), .h = gp_frame_h(f),
         .x0 = f->data.x0, .y0 = f->data.y0,
@@ -374,14 +487,12 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     };
     struct gp_sources o = {0};
     struct sense s = {
-        .p = p, .w = like.w, .h = like.h, .out = &o,
+        .p = &found, .w = like.w, .h = like.h, .out = &o,
         .rgb = {f->rgb.c[0], f->rgb.c[1], f->rgb.c[2]},
         .step = (size_t) like.w * (size_t) like.h / GRID + 1,
+        .most = p->max_value > 0.0f ? p->max_value : FLT_MAX,
     };
     const int blocks = (s.h + BLOCK - 1) / BLOCK, threads = gp_threads();
-    s.rule.ramp = p->mode == GP_THRESHOLD_WHOLE && p->knee > 0.0f;
-    s.rule.open =
-        s.rule.ramp ? p->threshold * (1.0f - p->knee) : p->threshold;
     memcpy(s.rule.weight, f->luminance, sizeof s.rule.weight);
     s.rule.avx2 = gp_cpu_has_avx2();
     for (int m = 0; m < 1 << LANES; m++) {
@@ -395,7 +506,7 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
     GP_TRY(gp_alloc_zero(log, "sensors", (size_t) threads, sizeof *s.dark,
                          &s.dark));
     GP_TRY(gp_alloc(log, "sensors", (size_t) s.h, sizeof *s.bright, &s.bright));
-    gp_parallel_do(blocks, clean_block, &s);
+    GP_TRY(clean_frame(log, &s, blocks, f, &found));
     size_t n = 0, faint = 0;
     for (int y = 0; y < s.h; y++)
         n += s.bright[y];
@@ -411,13 +522,16 @@ gp_status gp_sense(const struct gp_log *log, const struct gp_sensor_params *p,
         for (int k = 0; k < 3; k++) {
             o.flux[k] += total(b->flux[k]);
             o.energy[k] += total(b->energy[k]);
+            o.flux_clamped[k] += b->taken[k];
         }
         for (int k = 0; k < WIDE; k++)
             o.brightest = gp_maxf(b->brightest[k], o.brightest);
         for (int k = 0; k < GP_SOURCE_BINS; k++)
             o.count[k] += b->count[k];
     }
+    o.threshold = found.threshold;
     o.darkest = darkest(&s, threads);
+    warn_of_clamping(log, f->path, &s, blocks, &o);
     gp_sources_finish(&o);
     for (int b = 0; b < gp_source_bin(GP_FAINT); b++)
         faint += o.count[b];

@@ -32,7 +32,9 @@ gp_status gp_sources_make(const struct gp_log *log,
                       like->luminance[2]},
         .faint = {like->faint[0], like->faint[1], like->faint[2]},
         .nonfinite = like->nonfinite, .clamped = like->clamped,
-        .darkest = like->darkest,
+        .flux_clamped = {like->flux_clamped[0], like->flux_clamped[1],
+                         like->flux_clamped[2]},
+        .threshold = like->threshold, .darkest = like->darkest,
     };
     GP_TRY(gp_alloc_zero(log, "sources", (size_t) s.h + 1, sizeof *s.row,
                          &s.row));
@@ -94,6 +96,25 @@ void gp_sources_free(struct gp_sources *s)
     *s = (struct gp_sources) {0};
 }
 
+gp_status gp_sources_scale(const struct gp_log *log,
+    const struct gp_sources *src, float factor, struct gp_sources *out)
+{
+    gp_status st = gp_sources_make(log, src, src->n, out);
+    if (st)
+        return st;
+    out->darkest *= (double) factor;
+    for (int y = 0; y < src->h; y++) {
+        for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
+            const float rgb[3] = {factor * src->rgb[0][i],
+                                  factor * src->rgb[1][i],
+                                  factor * src->rgb[2][i]};
+            gp_sources_add(out, src->x[i], y, rgb);
+        }
+    }
+    gp_sources_finish(out);
+    return GP_OK;
+}
+
 // -- two lists to one ---------------------------------------------------------
 
 /* Row order; of one pixel, the darker first: sums do not depend on the order
@@ -134,7 +155,7 @@ gp_status gp_sources_join(const struct gp_log *log,
             continue;
         if (last && last->x == more[i].x && last->y == more[i].y) {
             for (int k = 0; k < 3; k++)
-                last->rgb[k] += more[i].rgb[k];
+                last->rgb[k] = gp_minf(last->rgb[k] + more[i].rgb[k], FLT_MAX);
         } else {
             more[kept++] = more[i];
         }
@@ -152,8 +173,8 @@ gp_status gp_sources_join(const struct gp_log *log,
             const int sx = i < src->row[y + 1] ? src->x[i] : src->w;
             float rgb[3];
             for (int k = 0; k < 3; k++)
-                rgb[k] = (sx <= mx ? src->rgb[k][i] : 0.0f) +
-                         (mx <= sx ? more[at].rgb[k] : 0.0f);
+                rgb[k] = gp_minf((sx <= mx ? src->rgb[k][i] : 0.0f) +
+                                 (mx <= sx ? more[at].rgb[k] : 0.0f), FLT_MAX);
             gp_sources_add(&all, sx < mx ? sx : mx, y, rgb);
             i += sx <= mx;
             at += mx <= sx;

@@ -51,13 +51,15 @@ struct gp_sources {
     uint32_t count[GP_SOURCE_BINS];
     long long nonfinite;  // pixels with NaN or Inf in rgb
     long long clamped;    // pixels with a finite value over max_value
+    double flux_clamped[3]; // light that max_value took, by channel
+    float threshold;      // T as luminance
     double darkest;       // a low percentile (0.1 %) of the cleaned frame's
                           // positive luminance; 0 when all is black
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
- * that of `like`: its sizes, window, weights, faint, nonfinite, clamped,
- * darkest. Written only on GP_OK; free with gp_sources_free().
+ * that of `like`: its sizes, window, weights, faint, what it says of
+ * the frame, darkest. Written only on GP_OK; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
@@ -70,6 +72,11 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 /* Completes row[] and box once all sources are in the list. */
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
+
+/* The same sources and darkest, times a factor. Written only on GP_OK; free
+ * with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_scale(const struct gp_log *log,
+    const struct gp_sources *src, float factor, struct gp_sources *out);
 
 /* `src` and `n` more sources together: where several have the same pixel,
  * their light adds up.

@@ -1,9 +1,10 @@
 /* The tone stage: exposure and primaries, then the operator, a block of pixels
  * at a time so that both work in the cache. */
-#include "tone/tone_priv.h"
+#include "tone/tone.h"
 
 #include "core/colour.h"
 #include "core/cpu.h"
+#include "core/luminance.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 
@@ -15,8 +16,7 @@
 enum {
     BLOCK = 4096,     // pixels mapped at a time: 96 KiB in and out
     SCRATCH = 512,    // pixels measured at a time, on the stack
-    PARTS = 256,      // of a frame, measured one by one; fixed, so that sums
-};                    // are the same for any number of threads
+};
 
 #define LIGHT_MAX 1e15f      // as in the operators: beyond, all is white
 #define SCALE_MAX 0x1p60f    // LIGHT_MAX times it stays finite
@@ -27,13 +27,9 @@ struct mapping {
     float scale, white;
     bool mixed;              // the primaries are not those of BT.709
     float matrix[9];         // primaries to BT.709, row-major
-    float peak[PARTS];       // largest luminance of each part
+    float peak[GP_FRAME_PARTS];       // largest luminance of each part
 };
 
-static size_t part_start(size_t pixels, int part)
-{
-    return pixels / PARTS * (size_t) part +
-           pixels % PARTS * (size_t) part / PARTS;
 }
 
 static inline float bounded(float x)
@@ -64,75 +60,16 @@ GP_CLONES static void make_light(const struct mapping *m, size_t at, size_t n,
 
 // -- measuring ---------------------------------------------------------------
 
-/* A sum of logarithms, as the product of mantissas and the sum of exponents:
- * one log() for many pixels, and nothing lost. */
-struct log_sum {
-    double sum;
-    long long count;
-};
-
-struct log_measure {
-    const struct gp_planes *p;
-    double weight[3];
-    size_t pixels;
-    struct log_sum part[PARTS];
-};
-
-static void measure_log(void *ctx, int part, int thread)
-{
-    enum { FOLD = 512 }; // mantissas are under 2: their product fits a double
-    struct log_measure *m = ctx;
-    const double delta = 1e-6; // Reinhard et al. leave its size open
-    const size_t end = part_start(m->pixels, part + 1);
-    struct log_sum s = {0};
-    (void) thread;
-    for (size_t at = part_start(m->pixels, part); at < end; at += FOLD) {
-        const size_t stop = end - at < FOLD ? end : at + FOLD;
-        double product = 1.0;
-        int64_t exponents = 0;
-        for (size_t i = at; i < stop; i++) {
-            double y = m->weight[0] * (double) m->p->c[0][i] +
-                       m->weight[1] * (double) m->p->c[1][i] +
-                       m->weight[2] * (double) m->p->c[2][i];
-            const bool counts = y > 0.0 && y < (double) INFINITY;
-            double v = counts ? y + delta : 1.0;
-            uint64_t bits;
-            memcpy(&bits, &v, sizeof bits);
-            exponents += (int64_t) (bits >> 52) - 1023;
-            bits = (bits & 0xfffffffffffffu) | (uint64_t) 1023 << 52;
-            memcpy(&v, &bits, sizeof v);
-            product *= v;
-            s.count += counts;
-        }
-        s.sum += log(product) + (double) exponents * 0.693147180559945309417;
-    }
-    m->part[part] = s;
-}
-
-double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
-{
-    struct log_measure m = {.p = p, .pixels = gp_frame_pixels(f)};
-    for (int c = 0; c < 3; c++)
-        m.weight[c] = (double) f->luminance[c];
-    gp_parallel_do(PARTS, measure_log, &m);
-    struct log_sum all = {0};
-    for (int i = 0; i < PARTS; i++) {
-        all.sum += m.part[i].sum;
-        all.count += m.part[i].count;
-    }
-    return all.count ? exp(all.sum / (double) all.count) : 0.0;
-}
-
 static void measure_peak(void *ctx, int part, int thread)
 {
     struct mapping *m = ctx;
     const size_t pixels = gp_frame_pixels(m->f);
-    const size_t end = part_start(pixels, part + 1);
+    const size_t end = gp_part_start(pixels, part + 1);
     float scratch[3][SCRATCH];
     double peak = 0.0; // shown as white exactly, so not to be off by a rounding
     float *const out[3] = {scratch[0], scratch[1], scratch[2]};
     (void) thread;
-    for (size_t at = part_start(pixels, part); at < end; at += SCRATCH) {
+    for (size_t at = gp_part_start(pixels, part); at < end; at += SCRATCH) {
         const size_t n = end - at < SCRATCH ? end - at : SCRATCH;
         make_light(m, at, n, out);
         for (size_t i = 0; i < n; i++) {
@@ -213,8 +150,8 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
         m.white = p->white;
     } else if (m.curve->reads_white) { // the largest; 1 for a black frame
         float peak = 0.0f;
-        gp_parallel_do(PARTS, measure_peak, &m);
-        for (int i = 0; i < PARTS; i++)
+        gp_parallel_do(GP_FRAME_PARTS, measure_peak, &m);
+        for (int i = 0; i < GP_FRAME_PARTS; i++)
             peak = gp_maxf(m.peak[i], peak);
         m.white = peak > 0.0f ? peak : 1.0f;
     }

@@ -15,7 +15,7 @@ run -k builtin:eye --engine fft --verify -o out.png --hdr out.exr \
 quiet_success '--report'
 is "$(wc -l <r.json)" 1 'one line a frame'
 is "$(field r.json 'list(o)')" "['input', 'outputs', 'width', 'height', 'window', \
-'engine', 'engine_why', 'sources', 'fft_size', 'flux_in', 'flux_out', \
+'engine', 'engine_why', 'threshold', 'sources', 'fft_size', 'flux_in', 'flux_out', \
 'bound', 'measured', 'nonfinite', 'clamped', 'depth', 'times_ms', \
 'frame_mib', 'peak_rss_mib', 'threads', 'settings', 'warnings', 'status', 'version', \
 'schema']" 'the fields of an fft run'
@@ -100,13 +100,22 @@ else
     skip 1 'no GL'
 fi
 run -o out.png --report r.json dark.exr
-quiet_success 'a dark frame is a success'
+status_is 0 'a dark frame is a success'
+like "$(cat err)" '*dark.exr: no pixel is over the threshold 1 (brightest 0.689 at 25,28)*' \
+    'a dark frame: one line'
 is "$(field r.json 'o["engine"], o["sources"], o["flux_in"], "bound" in o')" \
     "('none', 0, [0.0, 0.0, 0.0], False)" 'the fields of a dark frame'
 frame hot.exr kind=zeros size=9x9 type=float hot=1e6
-run -o out.png --report r.json hot.exr
+run -o out.png --max-value 65504 --report r.json hot.exr
 is "$(field r.json 'o["clamped"], o["nonfinite"], o["sources"]')" '(1, 0, 1)' \
     'a value over --max-value is counted'
+is "$(field r.json 'o["flux_clamped"]')" '[934496.0, 934496.0, 934496.0]' \
+    'light that --max-value takes is in the report'
+like "$(cat err)" '*hot.exr: --max-value takes 93.4 % of the frame*' \
+    'a warning: much light is taken'
+run -o out.png --report r.json hot.exr
+is "$(field r.json 'o["clamped"], "flux_clamped" in o')" '(0, False)' \
+    'no value is changed without --max-value'
 frame nan.exr kind=nan size=9x9 type=float
 run -o out.png -t 0.01 --report r.json nan.exr
 is "$(field r.json 'o["nonfinite"]')" 1 'a NaN is counted'

@@ -106,9 +106,9 @@ splits 1.exr 'one frame has a number too' s.0002.exr --hdr made/#.exr
 same made/1.exr h.2.exr 'one frame has a number too: as from its file'
 splits '' 'in and out' exrs --hdr -
 same out hdrs 'in and out: the bytes'
-splits '1.pfm 2.pfm 3.pfm' 'PNG frames in' pngs --tonemap none -o made/#.pfm
-splits '1.pfm 2.pfm 3.pfm' 'PFM frames in' pfms --tonemap none -o made/#.pfm
-"$glarepp" -e fft --tonemap none -o p.pfm o.3.pfm
+splits '1.pfm 2.pfm 3.pfm' 'PNG frames in' pngs --tonemap none -t 0.5 -o made/#.pfm
+splits '1.pfm 2.pfm 3.pfm' 'PFM frames in' pfms --tonemap none -t 0.5 -o made/#.pfm
+"$glarepp" -e fft -t 0.5 --tonemap none -o p.pfm o.3.pfm
 same made/3.pfm p.pfm 'PFM frames in: as from its file'
 cat s.0001.exr o.2.png o.3.pfm odd.0004.exr >mixed
 splits '1.png 2.png 3.png 4.png' 'formats mixed' mixed -o made/#.png

@@ -38,7 +38,7 @@ struct hard_case {
     int kw, kh, cx, cy; // cx MID: the middle
     enum shape shape;
     struct hard_bars bar;
-    float knee, max_value; // max_value 0: the default
+    float knee, max_value; // max_value 0: none
     bool all_light; // threshold 0, else 1
     int x0, y0;     // corner of the data window
     double own;     // bar of fft's error of a pixel over its own value; 0 none

@@ -69,7 +69,7 @@ static inline struct scene hard_sense_by(const struct hard_case *h, bool plain)
     struct gp_sensor_params p = GP_SENSOR_DEFAULTS;
     p.threshold = h->all_light ? 0.0f : 1.0f;
     p.knee = h->knee;
-    p.mode = GP_THRESHOLD_WHOLE;
+    p.mode = GP_THRESHOLD_WHOLE; // as the frames were made for
     if (h->max_value > 0.0f)
         p.max_value = h->max_value;
     struct scene s = scene_sense(hard_frame(h), hard_kernel(h), &p);

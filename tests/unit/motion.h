@@ -72,9 +72,7 @@ static inline struct gp_frame motion_frame(enum motion_shape shape, int step)
 }
 
 /* Whatever shines is a source: no threshold adds ripples of its own. */
-static const struct gp_sensor_params motion_sensors = {
-    .threshold = 0.0f, .max_value = 65504.0f,
-};
+static const struct gp_sensor_params motion_sensors = {.threshold = 0.0f};
 
 static inline struct gp_kernel motion_kernel(void)
 {

@@ -17,7 +17,7 @@ static void defaults_hold(void **state)
     assert_false(s.kernel.centered);
     assert_string_equal(s.glare.engine, "auto");
     assert_true(s.sensor.threshold == 1.0f && s.sensor.knee == 0.0f);
-    assert_true(s.sensor.max_value == 65504.0f);
+    assert_true(s.sensor.max_value == 0.0f);
     assert_true(s.compose.gain == 1.0f && s.glare.gain == 1.0f);
     assert_int_equal(s.sensor.mode, GP_THRESHOLD_EXCESS);
     assert_int_equal(s.compose.mix, GP_MIX_SCATTER);
@@ -64,6 +64,8 @@ static void check_stored(const struct gp_option *o, const char *value,
         o->kind == GP_KIND_FLAG      ? *(const bool *) at
         : o->kind == GP_KIND_SET     ? *(const int *) at == o->set
         : o->kind == GP_KIND_FLOAT   ? *(const float *) at == (float) v
+        : o->kind == GP_KIND_THRESHOLD
+            ? ((const struct gp_sensor_params *) at)->threshold == (float) v
         : o->kind == GP_KIND_INT     ? *(const int *) at == (int) v
         : o->kind == GP_KIND_COUNT   ? *(const long long *) at == (long long) v
         : o->kind == GP_KIND_PAIR    ? pair[0] == 1.0 && pair[1] == 2.0
@@ -94,6 +96,7 @@ static void every_option_is_stored(void **state)
             snprintf(value, sizeof value, "%.*s",
                      o->kind == GP_KIND_PAIR ? 3 : 2 * o->least - 1, "1,2,3");
         else if (o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
+                 o->kind == GP_KIND_THRESHOLD ||
                  o->kind == GP_KIND_COUNT)
             snprintf(value, sizeof value, "%.17g", v);
         if (!gp_option_value(o, 0, &text) || o->open)
@@ -152,6 +155,40 @@ static void forms_of_values(void **state)
     assert_string_equal(s.report, "-");
     assert_int_equal(s.level, GP_LEVEL_INFO);
     gp_settings_free(&s);
+}
+
+/* A threshold has three forms. */
+static void forms_of_thresholds(void **state)
+{
+    static const struct {
+        const char *word;
+        float v;
+        enum gp_threshold_unit unit;
+    } rows[] = {
+        {"2.5", 2.5f, GP_THRESHOLD_LUMINANCE}, {"0", 0, GP_THRESHOLD_LUMINANCE},
+        {"99.9%", 99.9f, GP_THRESHOLD_PERCENT}, {"0%", 0, GP_THRESHOLD_PERCENT},
+        {"+3ev", 3, GP_THRESHOLD_EV}, {"-1.5ev", -1.5f, GP_THRESHOLD_EV},
+        {"4EV", 4, GP_THRESHOLD_EV}, {"1e3", 1000, GP_THRESHOLD_LUMINANCE},
+        {"1e1ev", 10, GP_THRESHOLD_EV},
+    };
+    static const char *const wrong[] = {
+        "-1", "101%", "-1%", "65ev", "-65ev", "1ev%", "ev", "%", "1e%", "3e",
+        "nan", "inf%", "",
+    };
+    struct gp_settings s;
+    char line[64];
+    for (size_t i = 0; i < COUNT(rows) + COUNT(wrong); i++) {
+        const bool right = i < COUNT(rows);
+        snprintf(line, sizeof line, "-o a i --threshold=%s",
+                 right ? rows[i].word : wrong[i - COUNT(rows)]);
+        const gp_status st = parse(line, &s);
+        if (st != (right ? GP_OK : GP_ERR_USAGE) ||
+            (right && (s.sensor.threshold != rows[i].v ||
+                       s.sensor.unit != rows[i].unit)))
+            fail_msg("%s: status %d, %g", line, st,
+                     (double) s.sensor.threshold);
+        gp_settings_free(&s);
+    }
 }
 
 static void words_that_look_like_options(void **state)
@@ -327,5 +364,5 @@ static void warnings(void **state)
 
 SUITE_OF(options, NULL, NULL, defaults_hold, every_option_is_stored,
          commands_make_the_same_picture, forms_of_values,
-         words_that_look_like_options, clusters_follow_groups, commands,
-         errors_say_what_is_wrong, warnings)
+         forms_of_thresholds, words_that_look_like_options,
+         clusters_follow_groups, commands, errors_say_what_is_wrong, warnings)

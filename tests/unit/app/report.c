@@ -58,10 +58,11 @@ static char *reported(const struct gp_facts *facts, int n)
 static const char *const keys[] = {
     "frame", "view", "input", "part", "layer", "outputs", "width",
     "height", "window", "window_read", "engine", "engine_why",
-    "sources", "groups", "clusters", "polygons", "cores", "polygon_pixels",
+    "threshold", "sources", "groups", "clusters", "polygons", "cores",
+    "polygon_pixels",
     "form", "fft_size", "flux_in", "flux_out", "bound", "measured",
-    "nonfinite", "clamped", "clamped_out", "depth", "times_ms", "frame_mib",
-    "peak_rss_mib",
+    "nonfinite", "clamped", "flux_clamped", "clamped_out", "depth",
+    "times_ms", "frame_mib",    "peak_rss_mib",
     "threads", "gl", "warnings", "status", "version", "schema",
 };
 

@@ -136,13 +136,21 @@ static void sense_plainly(void *ctx, double *out)
 {
     const struct sensing *const p = ctx;
     const size_t n = gp_frame_pixels(&p->f);
+    const double limit = (double) p->params->max_value;
+    float top = 65504.0f; // +Inf counts as this
+    for (size_t i = 0; i < 3 * n; i++)
+        top = isfinite(p->plain[i]) ? fmaxf(top, p->plain[i]) : top;
     for (size_t i = 0; i < n; i++) {
         float rgb[3], y = 0.0f; // of the pixel's light: values over 0
+        float most = 0.0f;
         for (size_t c = 0; c < 3; c++) {
             const float v = p->plain[c * n + i];
-            rgb[c] = isnan(v) || v == -INFINITY ? 0.0f
-                     : v > p->params->max_value ? p->params->max_value
-                                                : v;
+            rgb[c] = isnan(v) || v == -INFINITY ? 0.0f : fminf(v, top);
+            most = fmaxf(most, rgb[c]);
+        }
+        for (size_t c = 0; c < 3; c++) {
+            if (limit > 0.0 && (double) most > limit)
+                rgb[c] = (float) ((double) rgb[c] * (limit / (double) most));
             y += p->f.luminance[c] * fmaxf(rgb[c], 0.0f);
         }
         float v[3];

@@ -12,21 +12,29 @@
 static void bad_pixels_stay_alone(void **state)
 {
     static const struct {
-        float rgb[3], want[3];
+        float limit, rgb[3], want[3];
         int nonfinite, clamped;
     } rows[] = {
-        {{NAN, 2, 3}, {0, 2, 3}, 1, 0}, {{NAN, NAN, -NAN}, {0, 0, 0}, 1, 0},
-        {{INFINITY, 2, 3}, {10, 2, 3}, 1, 0},
-        {{-INFINITY, 2, 3}, {0, 2, 3}, 1, 0}, {{11, 2, 3}, {10, 2, 3}, 0, 1},
-        {{11, FLT_MAX, 12}, {10, 10, 10}, 0, 1},
-        {{11, NAN, INFINITY}, {10, 0, 10}, 1, 1},
-        {{10, 2, 3}, {10, 2, 3}, 0, 0},
-        {{-5, -FLT_MAX, 3}, {-5, -FLT_MAX, 3}, 0, 0},
-        {{1e-42f, -1e-42f, 0}, {1e-42f, -1e-42f, 0}, 0, 0},
+        {0, {NAN, 2, 3}, {0, 2, 3}, 1, 0},
+        {0, {NAN, NAN, -NAN}, {0, 0, 0}, 1, 0},
+        {0, {INFINITY, 2, 3}, {65504, 2, 3}, 1, 0},
+        {0, {INFINITY, 7e4f, INFINITY}, {7e4f, 7e4f, 7e4f}, 1, 0},
+        {0, {-INFINITY, 2, 3}, {0, 2, 3}, 1, 0},
+        {0, {11, FLT_MAX, 12}, {11, FLT_MAX, 12}, 0, 0},
+        {0, {250000, 200000, 150000}, {250000, 200000, 150000}, 0, 0},
+        {0, {-5, -FLT_MAX, 3}, {-5, -FLT_MAX, 3}, 0, 0},
+        {0, {1e-42f, -1e-42f, 0}, {1e-42f, -1e-42f, 0}, 0, 0},
+        {10, {20, 2, -3}, {10, 1, -1.5f}, 0, 1},
+        {10, {250000, 200000, 150000}, {10, 8, 6}, 0, 1},
+        {10, {11, FLT_MAX, 12}, {11e1f / FLT_MAX, 10, 12e1f / FLT_MAX}, 0, 1},
+        {10, {INFINITY, 65504, 0}, {10, 10, 0}, 1, 1},
+        {10, {10, 2, 3}, {10, 2, 3}, 0, 0},
+        {10, {NAN, 2, 20}, {0, 1, 10}, 1, 1},
     };
     static const int sizes[][2] = {{1, 1}, {16, 16}, {37, 35}};
-    const struct gp_sensor_params limited = WHOLE(1.0f, 0.0f, 10.0f);
     for (size_t i = 0; i < 3 * COUNT(rows); i++) {
+        const struct gp_sensor_params limited =
+            WHOLE(1.0f, 0.0f, rows[i / 3].limit);
         const int w = sizes[i % 3][0], h = sizes[i % 3][1];
         struct gp_frame f = scene_frame(w, h, 0, 0, DARK, 9u);
         struct gp_frame was = scene_frame(w, h, 0, 0, DARK, 9u);

@@ -1,9 +1,10 @@
 /* tone/map.c: exposure, primaries, white, the stage as a whole. */
 #include "unit.h"
 #include "core/colour.h"
+#include "core/luminance.h"
 #include "core/parallel.h"
 #include "starved.h"
-#include "tone/tone_priv.h"
+#include "tone/tone.h"
 #include "tone_forms.h"
 
 #include <float.h>

@@ -1,0 +1,180 @@
+#include "core/luminance.h"
+
+#include "core/memory.h"
+#include "core/parallel.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+// -- the average -------------------------------------------------------------
+
+/* A sum of logarithms, as the product of mantissas and the sum of exponents:
+ * one log() for many pixels, and nothing lost. */
+struct log_sum {
+    double sum;
+    long long count;
+};
+
+struct log_measure {
+    const struct gp_planes *p;
+    double weight[3];
+    size_t pixels;
+    struct log_sum part[GP_FRAME_PARTS];
+};
+
+static void measure_log(void *ctx, int part, int thread)
+{
+    enum { FOLD = 512 }; // mantissas are under 2: their product fits a double
+    struct log_measure *m = ctx;
+    const double delta = 1e-6; // Reinhard et al. leave its size open
+    const size_t end = gp_part_start(m->pixels, part + 1);
+    struct log_sum s = {0};
+    (void) thread;
+    for (size_t at = gp_part_start(m->pixels, part); at < end; at += FOLD) {
+        const size_t stop = end - at < FOLD ? end : at + FOLD;
+        double product = 1.0;
+        int64_t exponents = 0;
+        for (size_t i = at; i < stop; i++) {
+            double y = m->weight[0] * (double) m->p->c[0][i] +
+                       m->weight[1] * (double) m->p->c[1][i] +
+                       m->weight[2] * (double) m->p->c[2][i];
+            const bool counts = y > 0.0 && y < (double) INFINITY;
+            double v = counts ? y + delta : 1.0;
+            uint64_t bits;
+            memcpy(&bits, &v, sizeof bits);
+            exponents += (int64_t) (bits >> 52) - 1023;
+            bits = (bits & 0xfffffffffffffu) | (uint64_t) 1023 << 52;
+            memcpy(&v, &bits, sizeof v);
+            product *= v;
+            s.count += counts;
+        }
+        s.sum += log(product) + (double) exponents * 0.693147180559945309417;
+    }
+    m->part[part] = s;
+}
+
+double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
+{
+    struct log_measure m = {.p = p, .pixels = gp_frame_pixels(f)};
+    for (int c = 0; c < 3; c++)
+        m.weight[c] = (double) f->luminance[c];
+    gp_parallel_do(GP_FRAME_PARTS, measure_log, &m);
+    struct log_sum all = {0};
+    for (int i = 0; i < GP_FRAME_PARTS; i++) {
+        all.sum += m.part[i].sum;
+        all.count += m.part[i].count;
+    }
+    return all.count ? exp(all.sum / (double) all.count) : 0.0;
+}
+
+// -- percentiles -------------------------------------------------------------
+
+/* Bits of a float >= 0 ascend with it: its rank is found by the upper half of
+ * them, then among those of that half by the lower one. */
+enum { HALF_BITS = 16, HALF_BINS = 1 << HALF_BITS };
+
+struct ranking {
+    const struct gp_frame *f;
+    uint32_t (*count)[HALF_BINS]; // of each thread
+    uint32_t upper;               // half that is looked into; HALF_BINS: none
+};
+
+static float luminance_at(const struct gp_frame *f, size_t i)
+{
+    const float y = gp_lit_luminance(f->luminance, f->rgb.c[0][i],
+                                     f->rgb.c[1][i], f->rgb.c[2][i]);
+    return y < FLT_MAX ? gp_lit(y) : FLT_MAX; // weights may be under 0
+}
+
+static void count_part(void *ctx, int part, int thread)
+{
+    const struct ranking *const r = ctx;
+    const size_t pixels = gp_frame_pixels(r->f);
+    const size_t end = gp_part_start(pixels, part + 1);
+    uint32_t *const count = r->count[thread];
+    for (size_t i = gp_part_start(pixels, part); i < end; i++) {
+        const float y = luminance_at(r->f, i);
+        uint32_t bits;
+        memcpy(&bits, &y, sizeof bits);
+        if (r->upper == HALF_BINS)
+            count[bits >> HALF_BITS]++;
+        else if (bits >> HALF_BITS == r->upper)
+            count[bits & (HALF_BINS - 1)]++;
+    }
+}
+
+/* The bin that holds the one of that rank, from 1; *rank becomes its rank in
+ * the bin. */
+static uint32_t find_bin(struct ranking *r, uint64_t *rank)
+{
+    const int threads = gp_threads();
+    memset(r->count, 0, (size_t) threads * sizeof *r->count);
+    gp_parallel_do(GP_FRAME_PARTS, count_part, r);
+    for (uint32_t b = 0; b < HALF_BINS - 1; b++) {
+        uint64_t n = 0;
+        for (int t = 0; t < threads; t++)
+            n += r->count[t][b];
+        if (*rank <= n)
+            return b;
+        *rank -= n;
+    }
+    return HALF_BINS - 1;
+}
+
+gp_status gp_luminance_percentile(const struct gp_log *log,
+    const struct gp_frame *f, double percent, float *out)
+{
+    const size_t pixels = gp_frame_pixels(f);
+    struct ranking r = {.f = f, .upper = HALF_BINS};
+    gp_status st = gp_alloc(log, "percentile", (size_t) gp_threads(),
+                            sizeof *r.count, &r.count);
+    if (st)
+        return st;
+    // (99.9 in binary is a little more: it must not lose a pixel of 1000)
+    const double k = percent / 100.0 * (double) pixels;
+    uint64_t rank = (uint64_t) ceil(k - 1e-9 * k);
+    rank = rank < 1 ? 1 : rank > pixels ? pixels : rank;
+    r.upper = find_bin(&r, &rank);
+    const uint32_t bits = r.upper << HALF_BITS | find_bin(&r, &rank);
+    memcpy(out, &bits, sizeof *out);
+    gp_free(r.count);
+    return GP_OK;
+}
+
+// -- the largest -------------------------------------------------------------
+
+struct peaks {
+    const struct gp_frame *f;
+    size_t at[GP_FRAME_PARTS]; // first of the largest of each part
+};
+
+static void find_peak(void *ctx, int part, int thread)
+{
+    struct peaks *const p = ctx;
+    const size_t pixels = gp_frame_pixels(p->f);
+    const size_t start = gp_part_start(pixels, part);
+    const size_t end = gp_part_start(pixels, part + 1);
+    float largest = -1.0f;
+    (void) thread;
+    for (size_t i = start; i < end; i++) {
+        const float y = luminance_at(p->f, i);
+        p->at[part] = y > largest ? i : p->at[part];
+        largest = y > largest ? y : largest;
+    }
+}
+
+float gp_luminance_peak(const struct gp_frame *f, int at[2])
+{
+    struct peaks p = {.f = f};
+    size_t first = 0;
+    gp_parallel_do(GP_FRAME_PARTS, find_peak, &p);
+    for (int i = 0; i < GP_FRAME_PARTS; i++) {
+        if (luminance_at(f, p.at[i]) > luminance_at(f, first))
+            first = p.at[i];
+    }
+    at[0] = f->data.x0 + (int) (first % (size_t) gp_frame_w(f));
+    at[1] = f->data.y0 + (int) (first / (size_t) gp_frame_w(f));
+    return luminance_at(f, first);
+}

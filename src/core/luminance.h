@@ -1,0 +1,52 @@
+/* The luminance of a frame as a whole: its average, percentiles, and largest.
+ * All are the same for any number of threads. */
+#ifndef GP_CORE_LUMINANCE_H
+#define GP_CORE_LUMINANCE_H
+
+#include "core/frame.h"
+#include "core/status.h"
+
+/* Parts of a frame that are measured one by one; fixed, so that sums are the
+ * same for any number of threads. */
+enum { GP_FRAME_PARTS = 256 };
+
+/* First pixel of a part; that of part GP_FRAME_PARTS is `pixels`. */
+static inline size_t gp_part_start(size_t pixels, int part)
+{
+    return pixels / GP_FRAME_PARTS * (size_t) part +
+           pixels % GP_FRAME_PARTS * (size_t) part / GP_FRAME_PARTS;
+}
+
+/* Light of a value: negative is none. */
+static inline __attribute__((always_inline)) float gp_lit(float v)
+{
+    return v > 0.0f ? v : 0.0f;
+}
+
+/* Luminance of the non-negative part of a pixel. */
+static inline __attribute__((always_inline)) float
+gp_lit_luminance(const float weight[3], float r, float g, float b)
+{
+    return weight[0] * gp_lit(r) + weight[1] * gp_lit(g) +
+           weight[2] * gp_lit(b);
+}
+
+/* exp(mean(log(delta + Y))) over pixels with Y > 0 is finite, Reinhard et al.
+ * 2002, eq. 1 (with the 1/N inside the exponent, as its erratum says);
+ * delta 1e-6. 0 when no pixel counts. `p` has the planes of f's size. */
+double gp_log_average(const struct gp_frame *f, const struct gp_planes *p);
+
+/* Finds the luminance that `percent` of the pixels are not over, the nearest
+ * rank: the k-th smallest of N, k = ceil(percent / 100 * N), at least the
+ * first. Of the non-negative part of f->rgb, which is finite.
+ *
+ *   percent  0 to 100
+ *   out      finite, >= 0; written only on GP_OK
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_luminance_percentile(const struct gp_log *log,
+    const struct gp_frame *f, double percent, float *out);
+
+/* The largest luminance of the same, and its first pixel in EXR pixel space. */
+float gp_luminance_peak(const struct gp_frame *f, int at[2]);
+
+#endif
