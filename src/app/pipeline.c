@@ -225,24 +225,6 @@ static void count_dark(struct pipeline *p, const struct gp_facts *f)
     p->made++;
 }
 
-/* Says so where no frame of the run had any light to spread: the pictures are
- * what the frames were. */
-static void say_dark(const struct pipeline *p)
-{
-    const struct gp_facts *const f = &p->brightest;
-    char many[32] = "", peak[96] = "all are black";
-    if (!p->made || p->dark < p->made)
-        return;
-    if (p->made > 1)
-        snprintf(many, sizeof many, " of %d frames", p->made);
-    if (f->peak > 0.0f)
-        snprintf(peak, sizeof peak, "brightest %.3g at %d,%d",
-                 (double) f->peak, f->peak_at[0], f->peak_at[1]);
-    gp_say(p->log, GP_LEVEL_WARN, "%s: no pixel%s is over the threshold %.3g "
-           "(%s); %s", f->input, many, (double) f->threshold, peak,
-           f->peak > 0.0f ? "lower --threshold" : "check the frame");
-}
-
 static gp_status end_unit(void *user, int slot, int unit, gp_status st)
 {
     struct pipeline *const p = user;
@@ -359,7 +341,8 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
     };
     GP_TRY(gp_flight_run(&params, &work, &p.flight));
     gp_progress_end(progress);
-    say_dark(&p);
+    if (p.made > 1 && p.dark == p.made)
+        gp_say_dark(log, &p.brightest, p.made);
     GP_TRY(gp_failures_report(log, &p.failures));
 out:;
     const gp_status closed = gp_report_close(st ? NULL : log, &p.run.report);

@@ -106,6 +106,12 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
     case GP_KIND_FLOAT: // as it was written: 0.001, not its nearest float
         snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
+    case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" as they were written too
+        snprintf(text, sizeof text, s->sensor.unit == GP_THRESHOLD_EV
+                     ? "%+.7gev" : s->sensor.unit == GP_THRESHOLD_PERCENT
+                     ? "%.7g%%" : "%.7g", (double) s->sensor.threshold);
+        return s->sensor.unit == GP_THRESHOLD_LUMINANCE
+                   ? json_real(strtod(text, NULL)) : json_string(text);
     case GP_KIND_INT:
         return json_integer(*(const int *) at);
     case GP_KIND_COUNT:

@@ -13,6 +13,7 @@
 #include "io/plane.h"
 #include "io/read.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -252,6 +253,20 @@ static gp_status sense_light_groups(const struct gp_run *r,
     return GP_OK;
 }
 
+void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
+                 int frames)
+{
+    char many[32] = "", peak[96] = "all are black";
+    if (frames > 1)
+        snprintf(many, sizeof many, " of %d frames", frames);
+    if (f->peak > 0.0f)
+        snprintf(peak, sizeof peak, "brightest %.3g at %d,%d",
+                 (double) f->peak, f->peak_at[0], f->peak_at[1]);
+    gp_say(log, GP_LEVEL_WARN, "%s: no pixel%s is over the threshold %.3g "
+           "(%s); %s", f->input, many, (double) f->threshold, peak,
+           f->peak > 0.0f ? "lower --threshold" : "check the frame");
+}
+
 static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
@@ -276,6 +291,9 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
             memcpy(fs->facts.peak_at, at, sizeof at);
         }
     }
+    // of a sequence, which may fade in, only where all are dark
+    if (fs->facts.dark && r->jobs->n == 1)
+        gp_say_dark(fs->log, &fs->facts, 1);
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     return GP_OK;

@@ -152,6 +152,11 @@ struct gp_stage {
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
+/* Says that no pixel of `frames` frames is over the threshold: the pictures are
+ * what the frames were. `f` is of the brightest. */
+void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
+                 int frames);
+
 /* Returns what must exist for a target to be written. */
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);
 

@@ -27,10 +27,8 @@ struct mapping {
     float scale, white;
     bool mixed;              // the primaries are not those of BT.709
     float matrix[9];         // primaries to BT.709, row-major
-    float peak[GP_FRAME_PARTS];       // largest luminance of each part
+    float peak[GP_FRAME_PARTS]; // largest luminance of each part
 };
-
-}
 
 static inline float bounded(float x)
 {

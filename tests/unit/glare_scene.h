@@ -298,6 +298,18 @@ static inline double scene_sample(const float *image, int w, int h,
     return sum;
 }
 
+/* Light as engines get it: gp_glare_run() halves what is over 2^80 in sum. */
+static inline void scene_limit(struct gp_sources *src)
+{
+    struct gp_sources less;
+    if (!(src->brightest > 0x1p60f))
+        return;
+    if (gp_sources_scale(NULL, src, 0x1p-68f, &less))
+        abort();
+    gp_sources_free(src);
+    *src = less;
+}
+
 /* Takes the frame and the kernel; senses. No exact layer. */
 static inline struct scene scene_sense(struct gp_frame f, struct gp_kernel k,
                                        const struct gp_sensor_params *p)

@@ -324,8 +324,8 @@ static struct chosen choose(const struct scene *s, double gain)
     gp_fft_tail_norms(&s->k, tail);
     gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, gain, &c.split);
     // what no eye could see is not split, and the rounding goes with the gain
-    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-80, &unseen);
-    c.plain = unseen.rounding * 1e80 * gain;
+    gp_fft_split_choose(&s->src, &s->k, tail, points, c.fft_ms, 1e-40, &unseen);
+    c.plain = unseen.rounding * 1e40 * gain;
     assert_int_equal(unseen.core, -1);
     assert_true(isinf(unseen.hot) && unseen.hot_count == 0);
     return c;
@@ -350,6 +350,7 @@ static void choices_keep_the_rules(void **state)
             scene_free(&s);
             continue;
         }
+        scene_limit(&s.src);
         for (size_t g = 0; g < COUNT(gains); g++) {
             const struct chosen c = choose(&s, gains[g]);
             const int none = c.split.core < 0 && c.split.hot_count == 0;
