@@ -1,0 +1,89 @@
+#!/bin/sh
+# What is light, and where it goes: no step at the threshold, no light made or
+# lost, no finite value changed, and a line where there is no light.
+. "$(dirname "$0")/lib.sh"
+need_python
+
+cat >light.py <<'PY'
+import array, sys
+
+def write(path, w, h, value):
+    v = array.array("f")
+    for y in range(h - 1, -1, -1):
+        for x in range(w):
+            v.extend(value(x, y))
+    with open(path, "wb") as f:
+        f.write(b"PF\n%d %d\n-1.0\n" % (w, h) + v.tobytes())
+
+def read(path):
+    b = open(path, "rb").read()
+    _, size, _, data = b.split(b"\n", 3)
+    v = array.array("f")
+    v.frombytes(data)
+    return v, int(size.split()[0])
+
+what, args = sys.argv[1], sys.argv[2:]
+if what == "make":
+    write("ramp.pfm", 400, 40, lambda x, y: [0.8 + 0.001 * x] * 3)
+    write("spot.pfm", 540, 540, lambda x, y: [70.] * 3
+          if 260 <= x < 270 and 265 <= y < 268 else [0.] * 3)
+    write("sun.pfm", 40, 40, lambda x, y: [250000., 200000., 150000.]
+          if x == 9 and y == 9 else [0.5] * 3)
+    write("huge.pfm", 40, 40, lambda x, y: [3e38] * 3
+          if x == 9 and y == 9 else [0.5] * 3)
+elif what == "step":  # largest jump of output over input between neighbours
+    (a, w), (b, _) = read(args[0]), read(args[1])
+    at = 3 * w * 20
+    r = [b[at + 3 * x] / a[at + 3 * x] for x in range(w)]
+    print(max(abs(q / p - 1) for p, q in zip(r[100:299], r[101:300])) < 0.02)
+elif what == "sum":
+    y = [sum(w * sum(v[c::3]) for c, w in enumerate((.2126, .7152, .0722)))
+         for v, _ in map(read, args)]
+    print(abs(y[1] / y[0] - 1) < 1e-5)
+elif what == "finite":
+    v = read(args[0])[0]
+    print(all(abs(n) <= 3.4028235e38 for n in v) and max(v) > 1e35)
+PY
+"$python" light.py make
+
+# out NAME INPUT OPTION...: the frame with glare, as a PFM
+out()
+{
+    out=$1 in=$2
+    shift 2
+    run --tonemap none "$@" -o "$out.pfm" "$in.pfm"
+}
+
+out plain ramp
+is "$("$python" light.py step ramp.pfm plain.pfm)" True 'no step at the threshold'
+out whole ramp --threshold-mode whole --mix add
+is "$("$python" light.py step ramp.pfm whole.pfm)" False \
+    'a step with --threshold-mode whole and --mix add'
+for kernel in eye star streak cross circle ring; do
+    out spot.$kernel spot -e direct -k builtin:$kernel
+    is "$("$python" light.py sum spot.pfm spot.$kernel.pfm)" True \
+        "builtin:$kernel: white light keeps its luminance"
+done
+out sun.0 sun -g 0
+same sun.0.pfm sun.pfm 'a float sun stays as it is'
+for engine in direct fft; do
+    out huge.$engine huge -e $engine
+    is "$status $("$python" light.py finite huge.$engine.pfm)" '0 True' \
+        "$engine: light of 3e38 stays finite"
+done
+run --report r.json -t 95% --layer l.exr ramp.pfm
+is "$(field r.json 'o["sources"], round(o["threshold"], 4)')" '(800, 1.179)' \
+    '--threshold 95%: the rest is over it'
+run --report r.json -t +0.1ev --layer l.exr ramp.pfm
+is "$(field r.json '1.06 < o["threshold"] < 1.075')" True '--threshold +0.1ev'
+run -t 5 --layer l.exr ramp.pfm
+like "$status $(cat err)" '0 *no pixel is over the threshold 5 (brightest 1.2 at 399,0)*' \
+    'no light: one line, status 0'
+if [ -n "$data" ]; then
+    f=$data/seq_foliage/foliage_f32.1001.exr
+    run -g 0 --report r.json --hdr h.exr "$f"
+    ok 'foliage_f32 keeps its light' "$glarepp" compare --fail 0 --no-flip "$f" h.exr
+else
+    skip 1 "$no_data"
+fi
+done_testing
