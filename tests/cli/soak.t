@@ -36,11 +36,11 @@ END_OF_SCRIPT
     ok "that says $fault" grep -q "^case $case: $fault[ :,]" found
 done <<END_OF_ROWS
 2 dwaa --max-value=2 stored layer
-32 b44 -g=0.5 stored hdr
-74 pxr24 --exposure=1 stored out
-48 half --max-value=1.1 stored layer
+2 b44 -g=0.5 stored hdr
+31 pxr24 --exposure=1 stored out
+1 half --max-value=1.1 stored layer
 48 all --max-value=1.1 layer
-129 all --max-value=0.6 lobes
+18 all --max-value=0.6 lobes
 74 all -g=0.5 hdr
 74 all --exposure=0.01 picture
 END_OF_ROWS

@@ -108,7 +108,8 @@ def write(path, names, planes, types, at, shown, compression, tile=0):
 
 def frame(rng, path, form, large_too=True):
     """Writes a frame. `form` is what a sequence's frames share: channels and
-    types. Returns a dict: size, content, at."""
+    types. Returns a dict: size, content, at, and the window that it grows to, as
+    x, y, h, w."""
     w, h, large = size(rng)
     while large and not large_too:
         w, h, large = size(rng)
@@ -135,7 +136,11 @@ def frame(rng, path, form, large_too=True):
         planes.append(depth(rng, w, h))
     write(path, names, planes, types, at, shown, rng.choice(COMPRESSIONS),
           rng.choice([0, 0, 0, 16, 64]))
-    return {"w": w, "h": h, "large": large, "content": kind, "at": at}
+    x, y = min(at[0], shown[0]), min(at[1], shown[1])
+    grown = (x, y, max(at[1] + h, shown[1] + shown[3]) - y,
+             max(at[0] + w, shown[0] + shown[2]) - x)
+    return {"w": w, "h": h, "large": large, "content": kind, "at": at,
+            "grown": grown}
 
 
 def form(rng):

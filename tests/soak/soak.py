@@ -86,7 +86,8 @@ class Case:
         light = options.light(rng, kernel, large) + \
             options.sun(rng, folder, self.frames[0], form, gl)
         self.tone = options.tone(rng)
-        self.shared = light + self.tone + options.files(rng)
+        self.grow = ["--grow", "none"] * (number % 2)
+        self.shared = light + self.tone + options.files(rng) + self.grow
         self.layers = options.layers(rng, form)
         self.shared += self.layers
         self.engine = options.engine(rng, gl)
@@ -169,7 +170,7 @@ class Case:
         path = "%s/%s.%s.%04d.%s" % (self.folder, name, what, i + 1, end)
         image, f = stored.read(path), self.frames[i]
         if what != "out" and (*image.at, *image.px.shape[:2]) != \
-                (*f["at"], f["h"], f["w"]):
+                ((*f["at"], f["h"], f["w"]) if self.grow else f["grown"]):
             raise Fault("read %s: another data window" % path)
         if what == "layer" and not np.isfinite(image.px).all():
             raise Fault("read %s: not finite" % path)
@@ -197,7 +198,7 @@ class Case:
             exr = what != "out" or self.ending == "exr"
             if exr:  # TIFF and PFM are float, PNG has integers
                 wanted = stored.expected(
-                    wanted, self.colour if what == "hdr" else "RGB", self.half,
+                    wanted, self.colour if what == "hdr" else "RGBA", self.half,
                     self.compression, self.folder + "/stored.exr")
             self.same("stored " + what, i, wanted, got)
             if exr and self.compression in stored.LOSSY:
@@ -252,7 +253,7 @@ class Case:
                 return
             norm = np.linalg.norm(self.read("e", "layer", i).px.astype(float))
             allowed += share * (sum(bounds) + FLOAT) * norm
-        values = 3 * self.frames[i]["w"] * self.frames[i]["h"]
+        values = self.read("e", "layer", i).px.size
         self.hold("lobes", row["rms"] * values ** 0.5, allowed + 1e-37)
         self.compared["layers"] += 1
 
@@ -288,7 +289,7 @@ class Case:
         that frame was."""
         one = ["-t", MOST, "-g", "0"]
         layer = self.layers if "--layer-in" in self.layers else []
-        self.report("d", self.tone + layer + one + WHOLE +
+        self.report("d", self.tone + self.grow + layer + one + WHOLE +
                     ["--engine", "direct"] + self.runs[1],
                     "%s/%s.hdr" % (self.folder, self.whole))
         for i in range(self.count):
