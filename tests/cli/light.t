@@ -86,4 +86,40 @@ if [ -n "$data" ]; then
 else
     skip 1 "$no_data"
 fi
+
+# Frames whose light crosses T = 1 smoothly: picture over frame, the median of
+# [1, 1.02) over that of [0.98, 1). What remains with T at 0.9, on the same
+# pixels, is the veil of other light, not the threshold.
+cat >step.py <<'PY'
+import subprocess, sys
+import numpy as np, OpenImageIO as oiio
+
+program, path, *words = sys.argv[1:]
+
+def picture(name, *more):
+    subprocess.run([program, "-q", "--tonemap", "none", "-e", "fft", "--type",
+                    "float", "-o", name, *more, path], check=True)
+    return np.maximum(oiio.ImageBuf(name).get_pixels(oiio.FLOAT)[..., :3], 0) \
+        @ np.array([.2126, .7152, .0722])
+
+y = picture("plain.exr", "-g", "0")
+over, under = (y >= 1) & (y < 1.02), (y >= 0.98) & (y < 1)
+step = []
+for t in "1", "0.9":
+    r = picture("lit.exr", "-t", t, *words) / np.where(y > 0, y, 1)
+    step.append(np.median(r[over]) / np.median(r[under]) - 1)
+print("%d pixels: %.4f" % (min(over.sum(), under.sum()), step[0] - step[1]))
+sys.exit(int(abs(step[0] - step[1]) > 0.02))
+PY
+if [ -n "$data" ] && [ -n "$oiio" ]; then
+    for f in sky/aristea_wreck_puresky_1k windows/Desk night/GoldenGate \
+        seq_foliage/foliage.1004 rendered/brightsky.1001 rendered/window.1001; do
+        ok "$f: no step at the threshold" "$python" step.py "$glarepp" \
+            "$data/$f.exr"
+    done
+    no 'the whole pixel, added: a step' "$python" step.py "$glarepp" \
+        "$data/sky/aristea_wreck_puresky_1k.exr" --threshold-mode whole --mix add
+else
+    skip 7 "no numpy and OpenImageIO, or $no_data"
+fi
 done_testing
