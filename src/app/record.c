@@ -83,7 +83,9 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     for (int i = 0; i < inputs; i++)
         put_word(f, "", 0, base_name(input[i]));
     const bool full = ferror(f);
-    json_t *const clean = fclose(f) == 0 && !full ? gp_json_name(text) : NULL;
+    // (glibc closes it well when its last block cannot be had)
+    const bool whole = fclose(f) == 0 && !full && text;
+    json_t *const clean = whole ? gp_json_name(text) : NULL;
     free(text);
     *out = clean ? strdup(json_string_value(clean)) : NULL;
     json_decref(clean);

@@ -26,18 +26,22 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
         return gp_fail(log, GP_ERR_USAGE, "%s: too many frames (over %d); make "
                        "them in several runs", j->job[0].input,
                        GP_FRAME_LIST_MAX);
-    gp_status st = gp_alloc_zero(log, "frame list", (size_t) (j->n * n),
-                                 sizeof *job, &job);
+    gp_status st = gp_alloc_zero(log, "frame list",
+                                 (size_t) j->n * (size_t) n, sizeof *job, &job);
     for (int i = 0; i < j->n * n && !st; i++) {
         job[i] = j->job[i / n];
         job[i].view = j->view.name[i % n];
-        job[i].input = i % n ? gp_strdup(j->job[i / n].input) : job[i].input;
+        if (i % n == 0)
+            continue;
+        job[i].input = gp_strdup(j->job[i / n].input);
         if (!job[i].input)
             st = gp_no_memory_bare(log, "frame list");
     }
     if (st) { // the copies; the others are still j's
-        for (int i = 0; job && i < j->n * n; i++)
-            free(i % n ? job[i].input : NULL);
+        for (int i = 0; job && i < j->n * n; i++) {
+            if (i % n)
+                free(job[i].input);
+        }
         gp_free(job);
         return st;
     }
@@ -50,23 +54,25 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
 }
 
 /* Finds the views of the first input that can be looked at; a pipe cannot.
- * Prints nothing: reading a file says what is wrong with it. */
-static gp_status find_views(const struct gp_settings *s,
-    const struct gp_jobs *j, struct gp_views *found, const char **input)
+ * `log` NULL: reading a file says what is wrong with it. */
+static gp_status find_views(const struct gp_log *log,
+    const struct gp_settings *s, const struct gp_jobs *j,
+    struct gp_views *found, const char **input)
 {
     *input = j->job[0].input;
     if (j->members.n)
-        return gp_members_views(NULL, &s->read, &j->members, 0, found);
+        return gp_members_views(log, &s->read, &j->members, 0, found);
+    gp_status st = GP_OK;
     for (int i = 0; i < j->n; i++) {
         struct stat info;
         *input = j->job[i].input;
         if (stat(*input, &info) != 0 || !S_ISREG(info.st_mode))
             continue;
-        const gp_status st = gp_read_views(NULL, &s->read, *input, found);
+        st = gp_read_views(log, &s->read, *input, found);
         if (!st || st == GP_ERR_BUG)
             return st;
     }
-    return GP_OK;
+    return st;
 }
 
 gp_status gp_jobs_find_views(const struct gp_log *log,
@@ -84,7 +90,10 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
         j->views_found = j->views_found || t->kind == GP_TARGET_HDR ||
                          t->name.views;
     }
-    gp_status st = find_views(s, j, &found, &input);
+    gp_status st = find_views(NULL, s, j, &found, &input);
+    // what reads the only input would not be asked: names have %V
+    if (st == GP_ERR_IO && places && j->n == 1)
+        GP_TRY(find_views(log, s, j, &found, &input));
     if (st == GP_ERR_BUG)
         return gp_no_memory(log, input);
     if (st || found.n == 0)
@@ -110,6 +119,7 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
                hero && j->targets ? found.name[0] : "");
     if (!st && j->views_found)
         st = spread_views(log, j, &found);
+out:
     gp_views_free(&found);
     return st;
 }

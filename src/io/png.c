@@ -439,16 +439,17 @@ static void on_write_error(png_structp png, png_const_charp message)
 static void set_texts(png_structp png, png_infop info, const char *command)
 {
     static char version[] = GP_VERSION;
-    static char keys[][16] = {"glarepp:version", "glarepp:command"};
+    static char version_key[] = "glarepp:version";
+    static char command_key[] = "glarepp:command";
     bool ascii = true;
     for (const char *s = command; *s; s++)
         ascii = ascii && !(*s & 0x80);
     png_text text[2] = {
-        {.compression = PNG_TEXT_COMPRESSION_NONE, .key = keys[0],
+        {.compression = PNG_TEXT_COMPRESSION_NONE, .key = version_key,
          .text = version},
         {.compression = ascii ? PNG_TEXT_COMPRESSION_NONE
                               : PNG_ITXT_COMPRESSION_NONE,
-         .key = keys[1], .text = (png_charp) (uintptr_t) command},
+         .key = command_key, .text = (png_charp) (uintptr_t) command},
     };
     png_set_text(png, info, text, 2);
 }

@@ -180,11 +180,11 @@ static void write_row(void *ctx, int i, int thread)
     const float sign = reversed ? -1.0f : 1.0f;
     float *const place = row ? out + 2 * (from - x0) : out;
     const int n = row ? to - from : 0;
-    for (int i = 0; exact && i < n; i++)
-        place[2 * i] = gp_is_surface(s, row[i]) ? sign * row[i] : GP_SUN_EMPTY;
-    for (int i = 0; !exact && i < n; i++) {
-        if (gp_is_surface(s, row[i]))
-            place[2 * i] = (float) fmin(gp_depth_place(o, row[i]), 3e38);
+    for (int k = 0; exact && k < n; k++)
+        place[2 * k] = gp_is_surface(s, row[k]) ? sign * row[k] : GP_SUN_EMPTY;
+    for (int k = 0; !exact && k < n; k++) {
+        if (gp_is_surface(s, row[k]))
+            place[2 * k] = (float) fmin(gp_depth_place(o, row[k]), 3e38);
     }
     if (!o->mask || !o->mask->v) {
         for (int k = 0; k < x1 - x0; k++)

@@ -63,7 +63,7 @@ needs_them 'others' "other/glarepp-o"
 # a folder that is not there: those beside the program are taken
 cp "$built"/glarepp-oiio bin/
 export GLAREPP_BRIDGES=$tmp/nowhere
-run -e direct -o beside.png in.tif
+run -e direct -t 0.5 -o beside.png in.tif
 quiet_success 'the bridge beside the program'
 
 done_testing

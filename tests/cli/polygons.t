@@ -17,14 +17,14 @@ is "$(png_size lines.png)" "$(png_size wide.png)" 'a PNG of the display window'
 run --tonemap none --type float -k kernel.exr -o lit.exr \
     --debug polygons=untoned.exr over.exr
 quiet_success 'polygons over the light itself'
-run -o dark.png --debug polygons=darklines.png dark.exr
+run -q -o dark.png --debug polygons=darklines.png dark.exr
 quiet_success 'no light, no polygons'
 same dark.png darklines.png 'no light: the picture alone'
 run --debug polygons=alone.exr over.exr
 quiet_success 'polygons alone'
 cp over.exr s.0001.exr
 cp over.exr s.0002.exr
-run --debug polygons=p.@.exr s.####.exr
+run --no-provenance --debug polygons=p.@.exr s.####.exr
 same p.1.exr p.2.exr 'polygons of a sequence'
 
 if [ -n "$oiio" ]; then

@@ -42,7 +42,7 @@ loaded --help
 ok '--help: no library that is heavy' without $heavy fftw3f.
 loaded -o out.png nowhere.exr
 ok 'an error: no library that is heavy' without $heavy fftw3f.
-loaded -o out.png --hdr out.exr dark.exr
+loaded -q -o out.png --hdr out.exr dark.exr
 quiet_success 'a dark frame'
 ok 'a dark frame: no FFT, no bridge, no GL' without $heavy fftw3
 loaded --engine direct -o out.png --hdr out.exr in.exr

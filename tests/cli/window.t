@@ -70,7 +70,7 @@ alike 'splat without groups' -e splat --group 1 --cluster 0 --shrink 0
 alike '--mix scatter, a turned kernel' --mix scatter --rotate 30
 alike '--auto-exposure' --auto-exposure
 alike '--alpha keep' --alpha keep
-alike 'none bright' -t 1e9
+alike 'none bright' -q -t 1e9
 alike 'one thread' --threads 1
 crops -1000,-77 -1010,-90,-950,-40 -1010,-90,-950,-40
 alike 'negative windows'
