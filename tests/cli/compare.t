@@ -537,14 +537,16 @@ statuses(4, "p.exr", "nowhere.exr")
 statuses(0, "-q", "-od", "-o", "od.exr", "p.exr", "p.exr")
 
 # pictures of the difference, pixel by pixel
-for name, of, *options in (
+# (files have a name each: OpenImageIO keeps what it has read)
+for row, (name, of, *options) in enumerate((
         ("noise", "noise", "-scale", "1"), ("-abs -scale", "noise", "-abs", "-scale", "3"),
         ("-scale -2", "half", "-scale", "-2"), ("grey", "grey", "-abs"),
-        ("windows", "windows that meet", "-abs"), ("alpha", "alpha", "-abs")):
+        ("windows", "windows that meet", "-abs"), ("alpha", "alpha", "-abs"))):
     for ending in ("exr", "png"):
         shown = []
-        for c, out in ((["idiff"], "i." + ending), ([glarepp, "compare", "--no-flip"],
-                                                    "o." + ending)):
+        for c, out in ((["idiff"], "i%d.%s" % (row, ending)),
+                       ([glarepp, "compare", "--no-flip"],
+                        "o%d.%s" % (row, ending))):
             subprocess.run(c + options + ["-o", out] + made[of], capture_output=True)
             shown.append(oiio.ImageBuf(out).get_pixels(oiio.FLOAT))
         most = 4 if ending == "exr" else min(s.shape[2] for s in shown)

@@ -96,7 +96,7 @@ import numpy as np, OpenImageIO as oiio
 
 program, path, *words = sys.argv[1:]
 
-def picture(name, *more):
+def picture(name, *more): # a name each: OpenImageIO keeps what it has read
     subprocess.run([program, "-q", "--tonemap", "none", "-e", "fft", "--type",
                     "float", "-o", name, *more, path], check=True)
     return np.maximum(oiio.ImageBuf(name).get_pixels(oiio.FLOAT)[..., :3], 0) \
@@ -106,7 +106,7 @@ y = picture("plain.exr", "-g", "0")
 over, under = (y >= 1) & (y < 1.02), (y >= 0.98) & (y < 1)
 step = []
 for t in "1", "0.9":
-    r = picture("lit.exr", "-t", t, *words) / np.where(y > 0, y, 1)
+    r = picture(t + ".exr", "-t", t, *words) / np.where(y > 0, y, 1)
     step.append(np.median(r[over]) / np.median(r[under]) - 1)
 print("%d pixels: %.4f" % (min(over.sum(), under.sum()), step[0] - step[1]))
 sys.exit(int(abs(step[0] - step[1]) > 0.02))
