@@ -88,6 +88,7 @@ struct clearing {
     float *plane;
     int w, h, words;
     float noise;
+    int *gap;          // the widest between the light's runs, of each row
     uint64_t *scratch; // 2 * words a thread
 };
 
@@ -114,10 +115,16 @@ static bool take_reached(const struct clearing *m, int sy, int ky,
 {
     bool changed = false;
     const struct gp_fft_runs *const s = m->light, *const k = m->kernel;
-    for (uint32_t i = s->row[sy]; i < s->row[sy + 1]; i++) {
-        for (uint32_t j = k->row[ky]; j < k->row[ky + 1]; j++) {
+    const uint32_t last = s->row[sy + 1] - 1;
+    for (uint32_t j = k->row[ky]; j < k->row[ky + 1]; j++) {
+        // a run of the kernel over every gap makes one of all the light's
+        const bool bridged =
+            k->run[j].to - k->run[j].from > m->gap[sy];
+        const uint32_t step = bridged ? last + 1 - s->row[sy] : 1;
+        for (uint32_t i = s->row[sy]; i <= last; i += step) {
+            const int end = s->run[i + step - 1].to;
             const int from = gp_max(s->run[i].from + k->run[j].from, 0);
-            const int to = gp_min(s->run[i].to - 1 + k->run[j].to, m->w);
+            const int to = gp_min(end - 1 + k->run[j].to, m->w);
             if (from >= to || (from >= *lo && to <= *hi))
                 continue;
             set_bits(reached, from, to);
@@ -192,7 +199,16 @@ gp_status gp_fft_clear_unreached(const struct gp_log *log,
         st = gp_alloc(log, "reach", 2 * (size_t) gp_threads(),
                       (size_t) m.words * sizeof *m.scratch, &m.scratch);
     if (!st)
+        st = gp_alloc_zero(log, "reach", (size_t) src->h, sizeof *m.gap,
+                           &m.gap);
+    for (int y = 0; y < src->h && !st; y++) {
+        for (uint32_t i = light.row[y] + 1; i < light.row[y + 1]; i++)
+            m.gap[y] = gp_max(m.gap[y],
+                              light.run[i].from - light.run[i - 1].to);
+    }
+    if (!st)
         gp_parallel_do(src->h, clear_row, &m);
+    gp_free(m.gap);
     gp_free(m.scratch);
     gp_fft_runs_free(&light);
     return st;
