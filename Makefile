@@ -215,7 +215,7 @@ check: ## installs what is missing, builds, runs every test
 	@$(MAKE) --no-print-directory -j$$(nproc) check-built
 	@$(MAKE) --no-print-directory check-all
 
-# What is built here serves both: no file of the clone is newer
+# Both use what is built here: no file of the clone is newer
 check-alone: check-built ## the tests, quickly, in a clone that has nothing beside it
 	@alone=$$(mktemp -d) && trap 'rm -rf "$$alone"' EXIT && \
 	    git clone -q . "$$alone/glarepp" && \
@@ -357,7 +357,7 @@ SHELLS := bash zsh fish
 BASH_PLACE := share/bash-completion/completions/glarepp
 ZSH_PLACE := share/zsh/site-functions/_glarepp
 FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
-# What a farm needs beside the program: templates, and what says how
+# Files for a farm, beside the program: templates, and what says how
 DOC_PLACE := share/doc/glarepp
 TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py)
 

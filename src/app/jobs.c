@@ -10,11 +10,6 @@
 #include <string.h>
 #include <unistd.h>
 
-static bool is_dash(const char *path)
-{
-    return strcmp(path, "-") == 0;
-}
-
 /* True when some output is a pattern. */
 static bool has_place(const struct gp_jobs *j)
 {
@@ -89,7 +84,7 @@ static gp_status add_inputs(const struct gp_log *log,
     for (int i = 0; i < s->inputs.n; i++) {
         const char *const path = s->inputs.at[i];
         in[i] = (struct gp_pattern) {.path = path};
-        if (!is_dash(path))
+        if (!gp_is_dash(path))
             st = gp_pattern_of_input(log, path, &in[i]);
         else if (s->inputs.n > 1)
             st = gp_fail(log, GP_ERR_USAGE, "-: stdin goes with no other input "
@@ -97,7 +92,7 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
-        else if (is_dash(s->kernel.source))
+        else if (gp_is_dash(s->kernel.source))
             st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot both "
                          "come from stdin; give one of them as a file");
         GP_TRY(st);
@@ -125,7 +120,7 @@ static gp_status add_inputs(const struct gp_log *log,
     // list the frames of each
     for (const struct gp_pattern *p = in; p < in + s->inputs.n; p++) {
         int frame = 0;
-        if (is_dash(p->path)) { // one frame until stdin is read
+        if (gp_is_dash(p->path)) { // one frame until stdin is read
             if (s->frames)
                 GP_TRY(gp_frames_parse(log, s->frames, &f));
             GP_TRY(add_frame(log, j, p, has_place(j) || s->frames,
@@ -226,7 +221,7 @@ static gp_status check_patterns(const struct gp_log *log,
     gp_status st = GP_OK;
     for (int t = 0; t < j->targets && !st; t++) {
         const struct gp_pattern *const p = &j->target[t].name;
-        const bool dash = is_dash(p->path);
+        const bool dash = gp_is_dash(p->path);
         if (!p->len && !dash && (patterns || frames > 1))
             return gp_fail(log, GP_ERR_USAGE, "%s: one name for a sequence "
                 "(found %d frame%s); write a pattern such as "
@@ -299,7 +294,7 @@ static gp_status check_missing(const struct gp_log *log,
         const char *const input = j->job[i].input;
         bool made = true;
         // (what cannot be looked at says why when it is read)
-        if (is_dash(input) || access(input, F_OK) == 0 ||
+        if (gp_is_dash(input) || access(input, F_OK) == 0 ||
             (errno != ENOENT && errno != ENOTDIR))
             continue;
         for (int k = i; k < i + j->views && made; k++)
@@ -369,12 +364,12 @@ gp_status gp_jobs_check_names(
         const struct gp_output *const target = &j->target[t];
         const struct gp_pattern *const p = &target->name;
         // a stream and a file of all views are one for several jobs
-        const int step = is_dash(p->path) ? j->n
+        const int step = gp_is_dash(p->path) ? j->n
                          : target->whole || target->hero ? j->views : 1;
         for (int i = 0; i < j->n; i += step) {
             char *const name = gp_job_name(&j->job[i], target);
             st = !name ? gp_no_memory(log, p->path)
-                 : p->views && is_dash(name)
+                 : p->views && gp_is_dash(name)
                      ? gp_fail(log, GP_ERR_USAGE, "%s: is - for a view, which "
                                "is stdout; write ./%s", p->path, p->path)
                      : gp_clobber_output(&c, name, t, i);
@@ -424,7 +419,7 @@ static gp_status check_outputs(const struct gp_log *log,
         st = check_numbers(log, j);
     for (int i = 0; i < j->targets && !st; i++) {
         const struct gp_output *const t = &j->target[i];
-        if (is_dash(t->name.path) && isatty(STDOUT_FILENO))
+        if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))
             return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
                            "it on, or give a file");
         for (int k = 0; k < gp_jobs_of_frame(j) && !st; k++) {
@@ -478,7 +473,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
             GP_TRY(add_target(log, &j, debug[i], s->debug[i]));
     }
     GP_TRY(add_inputs(log, s, &j, &patterns));
-    const bool piped = is_dash(j.job[0].input);
+    const bool piped = gp_is_dash(j.job[0].input);
     const bool looks = gp_views_all(s) && !j.view.n;
     if (looks && !piped)
         GP_TRY(gp_jobs_find_views(log, s, &j));

@@ -85,7 +85,7 @@ static void put_frame(json_t *o, const struct gp_facts *f)
         put_name(o, "layer", f->taken.layer);
 }
 
-/* How it went, in every line. */
+/* The outcome, in every line. */
 static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
 {
     json_t *const list = json_array();

@@ -49,7 +49,7 @@ enum gp_command {
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
-/* How far a frame grows beyond its data and display window (--grow). */
+/* The room that a frame gets beyond data and display window (--grow). */
 enum gp_grow_how {
     GP_GROW_PIXELS,  // by as many as are said
     GP_GROW_KERNEL,  // as far as the kernel reaches

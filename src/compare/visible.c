@@ -48,7 +48,7 @@ static double sensitivity(double cycles, double luminance)
     return a * cycles * exp(-b * cycles) * sqrt(1.0 + 0.06 * exp(b * cycles));
 }
 
-/* How much a pattern hides another (Daly 1993). */
+/* The share by which a pattern hides another (Daly 1993). */
 static double masking(double contrast)
 {
     const double a = pow(392.498 * contrast, 0.7);

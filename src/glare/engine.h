@@ -98,7 +98,7 @@ struct gp_glare_job {
                    // is over 0: another engine takes less
 };
 
-/* What the error of a sample of the layer cannot exceed: a share of the sample,
+/* The bound of the error of a sample of the layer: a share of the sample,
  * and a number of its channel more. */
 struct gp_pixel_error {
     double share, of[3];

@@ -75,7 +75,7 @@ GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
 
 // -- pixel.c: --tolerance-pixel ----------------------------------------------
 
-/* What is known of the exact composite before it is made. */
+/* Facts of the exact composite, known before it is made. */
 struct gp_pixel_floor {
     double least, most;    // of its luminance, without the light that comes from
                            // other pixels

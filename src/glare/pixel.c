@@ -1,4 +1,4 @@
-/* What an engine's error can be in the worst pixel of the composite. */
+/* The bound of an engine's error in the worst pixel of the composite. */
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"

@@ -435,7 +435,8 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* What made the picture: tEXt, or iTXt for letters that are not ASCII. */
+/* Sets the texts that say what made the picture: tEXt, or iTXt for letters that
+ * are not ASCII. */
 static void set_texts(png_structp png, png_infop info, const char *command)
 {
     static char version[] = GP_VERSION;
@@ -464,7 +465,7 @@ static bool are_real(const float c[8])
     return true;
 }
 
-/* What the chunks say of the colours. */
+/* The chunks that describe the colours. */
 struct tags {
     bool srgb;        // sRGB, gAMA and cHRM
     bool scene;       // else gAMA of 1 / 2.2, and cHRM

@@ -44,8 +44,8 @@ like "$? $(cat err)" '2 slurm.sh: 2 arguments; *' 'slurm.sh with too few words'
 # A bpy of one scene, whose camera and sun are those that Blender wrote beside
 # examples/foliage.####.exr: what the script makes of it is that file again.
 if "$python" -c 'import numpy' 2>/dev/null; then
-    mkdir stub
-    cat >stub/bpy.py <<'E_PY'
+    mkdir fake
+    cat >fake/bpy.py <<'E_PY'
 import json, os
 from types import SimpleNamespace as S
 import numpy
@@ -88,7 +88,7 @@ scene = S(camera=camera, objects=[S(type="MESH", data=S()), sun], frame_set=fram
 context = S(scene=scene, evaluated_depsgraph_get=lambda: graph)
 E_PY
     export TRUTH="$root/examples/foliage.camera.json"
-    ok 'blender_camera.py runs' env PYTHONPATH=stub "$python" \
+    ok 'blender_camera.py runs' env PYTHONPATH=fake "$python" \
         "$root/examples/blender_camera.py" -b shot.blend -- made.json
     "$python" - "$TRUTH" made.json >out 2>&1 <<'E_PY'
 import json, math, sys

@@ -201,9 +201,9 @@ PY
 is $? 0 'memory: tried'
 verdicts verdicts
 
-# What a frame is believed to take, by which --frame-jobs finds how many fit, is
-# the peak within 1.3, with other channels too. Small frames that grow are fast to
-# make.
+# The memory that a frame is believed to take, by which --frame-jobs finds how
+# many fit, is the peak within 1.3, with other channels too. Small frames that
+# grow are fast to make.
 many=$(seq -s , -f 'c%02.0f.X:float' 20)
 frame many.exr size=8x8 lights=9 "channels=R,G,B,$many"
 frame few.exr size=8x8 lights=9

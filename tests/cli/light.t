@@ -1,5 +1,5 @@
 #!/bin/sh
-# What is light, and where it goes: no step at the threshold, no light made or
+# Light, and the way it goes: no step at the threshold, no light made or
 # lost, no finite value changed, and a line where there is no light.
 . "$(dirname "$0")/lib.sh"
 need_python

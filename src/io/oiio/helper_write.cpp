@@ -92,7 +92,7 @@ void helper::write_file(int fd, const gp_oiio_ask &ask,
     limit_memory(4 * ask.size);
     ImageSpec spec = make_spec(ask, text);
     // Most writers do not look whether their last bytes got into the file.
-    // Where files may not grow, one whose bytes might not fit, packed as they
+    // While files may not grow, one whose bytes might not fit, packed as they
     // come out at worst, is not begun.
     const std::uint64_t most = 2 * static_cast<std::uint64_t>(
         spec.image_bytes(ask.spec.typed)) + (std::uint64_t(1) << 16);

@@ -145,7 +145,7 @@ static const struct {
     {"layer_least", 9, NULL, {0}},
 };
 
-/* What was measured over the bound; 0 where there is no layer. */
+/* The measured error over the bound; 0 where there is no layer. */
 static double measure(enum bound b, const struct toy *t)
 {
     struct scene s;
@@ -362,7 +362,7 @@ static void samples_places_are_in_the_bound(void **state)
     free(layer);
 }
 
-/* What float makes of the difference of sources and polygons is within what
+/* Rounding to float of the difference of sources and polygons is within what
  * is said of it. */
 static void residues_know_their_rounding(void **state)
 {

@@ -300,8 +300,8 @@ static void assert_headers(const struct gp_frame *a, const struct gp_frame *b)
     gp_exr_carried_free(&q);
 }
 
-/* What was read, written and read again is the same: colour, carried channels
- * and attributes. The folder is $GLAREPP_DATA, or ../shared/data; without it
+/* A frame that is read, written and read again is the same: colour, carried
+ * channels and attributes. The folder is $GLAREPP_DATA, or ../shared/data; without it
  * the test is skipped. */
 static void real_frames(void **state)
 {
