@@ -19,6 +19,7 @@ enum {
 };
 
 #define LIGHT_MAX 1e15f      // as in the operators: beyond, all is white
+#define SCALE_MIN 0x1p-140f  // FLT_MAX times it is under 1
 #define SCALE_MAX 0x1p60f    // LIGHT_MAX times it stays finite
 
 struct mapping {
@@ -88,7 +89,7 @@ float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f)
         double average = gp_log_average(f, &f->lit);
         scale *= average > 0.0 ? (double) p->key / average : 1.0;
     }
-    scale = scale > 1.0 / (double) SCALE_MAX ? scale : 1.0 / (double) SCALE_MAX;
+    scale = scale > (double) SCALE_MIN ? scale : (double) SCALE_MIN;
     return scale < (double) SCALE_MAX ? (float) scale : SCALE_MAX;
 }
 

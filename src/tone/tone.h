@@ -45,14 +45,14 @@ const struct gp_tone_curve *gp_tone_find(const char *name);  // or NULL
  * core/colour.h), exposure, operator. `none` copies f->lit as it is,
  * primaries and exposure untouched. f->shown is made when it is empty, else it
  * has the frame's size and is written over.
- *   scale   the factor that exposure and auto-exposure made, within 2^-60 and
+ *   scale   the factor that exposure and auto-exposure made, within 2^-140 and
  *           2^60, 1 for `none`; may be NULL
  * Errors: GP_ERR_USAGE unknown curve (lists them); GP_ERR_BUG no memory.
  */
 GP_MUST_CHECK gp_status gp_tone_map(const struct gp_log *log,
     const struct gp_tone_params *p, struct gp_frame *f, float *scale);
 
-/* The factor that exposure and auto-exposure of f->lit make, within 2^-60 and
+/* The factor that exposure and auto-exposure of f->lit make, within 2^-140 and
  * 2^60. Same value for any thread count. */
 float gp_tone_scale(const struct gp_tone_params *p, const struct gp_frame *f);
 

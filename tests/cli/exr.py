@@ -19,6 +19,7 @@ usage: exr.py FILE [key=value...]
                       stringvector (words with commas)
   part=NAME:Z:float   one more part, of one channel
   deep=1              a deep file without samples; deep=N of less than N a pixel
+  channels=BY:half,RY:half,Y:half   chroma holds every other pixel and row
   zips=1 more=X,Y     deep files: compressed; a pixel that has a sample more
 Keys attr and part may come more than once.
 """
@@ -29,6 +30,7 @@ import sys
 import zlib
 
 TYPES = {"uint": (0, "I"), "half": (1, "e"), "float": (2, "f")}
+CHROMA = "BY", "RY"
 
 
 def pixels(o, w, h):
@@ -61,7 +63,10 @@ def pixels(o, w, h):
         return v
 
     def value(name, x, y):
-        if name in ("R", "G", "B"):
+        if name in CHROMA:
+            return colour(0, x, y) % 0.25
+        if name in ("R", "G", "B", "Y"):
+            name = {"Y": "G"}.get(name, name)
             return colour("RGB".index(name), x, y)
         if name == "A":
             return (x % 5) / 4
@@ -116,7 +121,7 @@ class Part:
         shown = self.o["display"]
         shown = [int(n) for n in shown.split(",")] if shown else data
         chlist = b"".join(n.encode() + b"\0" +
-                          struct.pack("<iiii", TYPES[t][0], 0, 1, 1)
+                          struct.pack("<iiii", TYPES[t][0], 0, *[2 if n in CHROMA else 1] * 2)
                           for n, t in self.channels) + b"\0"
         h = attribute("channels", "chlist", chlist)
         h += attribute("compression", "compression", bytes([2 if self.o["zips"] else 0]))
@@ -166,10 +171,13 @@ class Part:
                 continue
             row = b""
             for name, kind in self.channels:
-                v = [value(name, x, y) for x in range(self.w)]
+                skip = 2 if name in CHROMA else 1
+                if (self.y + y) % skip:
+                    continue
+                v = [value(name, x, y) for x in range(0, self.w, skip)]
                 if kind == "half":
                     v = [min(n, 65504.0) if n == n else n for n in v]
-                row += struct.pack("<%d%s" % (self.w, TYPES[kind][1]), *v)
+                row += struct.pack("<%d%s" % (len(v), TYPES[kind][1]), *v)
             yield struct.pack("<ii", self.y + y, len(row)) + row
 
 

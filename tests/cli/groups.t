@@ -8,9 +8,9 @@ need_python
 
 # What the tests ask of files:
 #   make FILE HOW  beauty = key + rim + fill in floats, with A and Z; HOW is
-#                  plain, dark (rim has no light), nan (rim has one NaN), or
-#                  parts (rim and fill in parts of their own), window (rim's
-#                  part is smaller)
+#                  plain, dark (rim has no light), nan (rim has one NaN),
+#                  huge (a pixel of 3e38 in each), parts (rim and fill in parts
+#                  of their own), or window (rim's part is smaller)
 #   sums SUM A...  layer SUM is that of the others within 1e-6 rel_l2
 #   grown IN OUT   what OUT has more than IN: the colour has as much more as
 #                  the layers, key and rim have some, all else has its bits
@@ -46,7 +46,10 @@ def make(path, how):
     light = {"key": lamp(1, 6, 200), "rim": lamp(2, 4, 900), "fill": lamp(3, 5, 50)}
     if how == "dark":
         light["rim"] = lamp(2, 0, 0)
-    beauty = sum(light.values())
+    if how == "huge":
+        for v in light.values():
+            v[20, 30] = 3e38
+    beauty = numpy.minimum(sum(v.astype(float) for v in light.values()), 3.4e38)
     if how == "nan":
         light["rim"][20, 30] = numpy.nan
     rgb = dict(zip("RGB", numpy.moveaxis(beauty, 2, 0)))
@@ -125,7 +128,8 @@ def energy(before, after, most):
         a, b = colour(p, n).sum(), colour(q, n).sum()
         assert 0 < 1 - b / a < float(most), (n, 1 - b / a)
 
-def clean(path):
+def clean(path, most="inf"):
+    assert max(abs(v).max() for v in load(path).values()) <= float(most)
     assert all(numpy.isfinite(v).all() for v in load(path).values())
 
 globals()[sys.argv[1]](*sys.argv[2:])
@@ -134,7 +138,7 @@ light()
 {
     "$python" light.py "$@"
 }
-for how in plain dark nan parts window; do
+for how in plain dark nan huge parts window; do
     light make $how.exr $how || { echo "Bail out! no frames"; exit 1; }
 done
 both='--light-group key --light-group rim'
@@ -173,6 +177,14 @@ run -e fft $both --layer l.exr --report r.json nan.exr
 status_is 0 'NaN in a group'
 is "$(field r.json 'o["nonfinite"]')" 1 'NaN in a group: counted'
 ok 'NaN in a group: none in the layer' light clean l.exr
+for engine in direct fft splat; do
+    run -e $engine -k builtin:star $both --type float --hdr h.exr --layer l.exr \
+        --report r.json huge.exr
+    is "$status $(field r.json '2e38 < o["flux_in"][1] < 3.41e38')" '0 True' \
+        "$engine: groups whose sum is over the largest float"
+    ok "$engine: it stays finite" light clean h.exr 3.41e38
+    ok "$engine: so does the layer" light clean l.exr 3.41e38
+done
 run -e fft --report r.json --layer l.exr plain.exr
 is "$(field r.json '"light_groups" in o')" False 'no groups: not in the report'
 

@@ -31,6 +31,9 @@ if what == "make":
           if x == 9 and y == 9 else [0.5] * 3)
     write("huge.pfm", 40, 40, lambda x, y: [3e38] * 3
           if x == 9 and y == 9 else [0.5] * 3)
+    write("over.pfm", 40, 40, lambda x, y: [3.4e38] * 3)
+    write("lamps.pfm", 48, 48, lambda x, y: [2. ** 90 * (1 + x)] * 3
+          if (7 * x + 3 * y) % 29 == 0 else [0.] * 3)
 elif what == "step":  # largest jump of output over input between neighbours
     (a, w), (b, _) = read(args[0]), read(args[1])
     at = 3 * w * 20
@@ -43,8 +46,14 @@ elif what == "sum":
 elif what == "finite":
     v = read(args[0])[0]
     print(all(abs(n) <= 3.4028235e38 for n in v) and max(v) > 1e35)
+elif what == "largest":
+    v = read(args[0])[0]
+    print((min(v), max(v)))
+elif what == "near":
+    print(all(abs(n - float(args[0])) < 1e-4 for n in read(args[1])[0]))
 PY
 "$python" light.py make
+frame k.exr kind=kernel size=9x9 type=float
 
 # out NAME INPUT OPTION...: the frame with glare, as a PFM
 out()
@@ -71,6 +80,28 @@ for engine in direct fft; do
     is "$status $("$python" light.py finite huge.$engine.pfm)" '0 True' \
         "$engine: light of 3e38 stays finite"
 done
+for engine in direct fft splat; do # a kernel of sum over 1
+    run -e $engine -k k.exr --kernel-normalize none --layer over.l.pfm \
+        --report r.json over.pfm
+    like "$status $(cat err)" \
+        '0 *over.pfm: the layer is limited to 3.4e+38, the largest float; *' \
+        "$engine: a layer over the largest float: one line"
+    is "$("$python" light.py largest over.l.pfm) $(field r.json 'o["bound"]')" \
+        '(3.4028234663852886e+38, 3.4028234663852886e+38) None' \
+        "$engine: it is that float everywhere, and has no bound"
+done
+for engine in direct fft auto; do # light over 2^80 is halved on its way
+    run -e $engine --mix add -k builtin:star --tolerance-pixel 1e-4 --verify \
+        --layer l.pfm --report r.json lamps.pfm
+    is "$status $(field r.json \
+        'o["measured"]["max_rel"] <= o["bound_pixel"] < 1e9 * o["measured"]["max_rel"]')" \
+        '0 True' "$engine: light over 2^80 keeps bound_pixel"
+done
+is "$(field r.json 'o["bound_pixel"] <= 1e-4')" True \
+    'light over 2^80: auto keeps --tolerance-pixel'
+out metered over -g 0 --auto-exposure --tonemap linear
+is "$("$python" light.py near 0.18 metered.pfm)" True \
+    '--auto-exposure: an even 3.4e38 becomes the key'
 run --report r.json -t 95% --layer l.exr ramp.pfm
 is "$(field r.json 'o["sources"], round(o["threshold"], 4)')" '(800, 1.179)' \
     '--threshold 95%: the rest is over it'

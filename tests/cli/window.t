@@ -32,6 +32,21 @@ sys.exit(not 1.05 * cut < whole < 1000)
 PY
 result $? 'the halo outside of the data window is there'
 
+# luminance and chroma of 2x2 pixels grow as the RGB that they are
+frame yc.exr size=40x24 origin=10,8 display=0,0,62,46 lights=30 \
+    channels=BY:half,RY:half,Y:half
+run --no-provenance -g 0 --grow none --type float --hdr rgb.exr yc.exr
+for grow in none 0 5 kernel; do
+    for name in yc rgb; do
+        run --no-provenance -e direct -k builtin:star --grow $grow --type float \
+            --hdr $name.h.exr --layer $name.l.exr -o $name.o.png $name.exr
+        quiet_success "$name --grow $grow"
+    done
+    for kind in h.exr l.exr o.png; do
+        same yc.$kind rgb.$kind "luminance and chroma, --grow $grow: $kind"
+    done
+done
+
 # -- as if the frame had been as large before ------------------------------------
 
 # alike DESCRIPTION OPTION...: what is made of in.exr and large.exr is the same;

@@ -31,7 +31,7 @@ static const struct way {
 };
 
 /* Beyond, all is white; tone/map.c bounds light and factor so. */
-static const double light_max = 1e15, scale_max = 0x1p60;
+static const double light_max = 1e15, scale_min = 0x1p-140, scale_max = 0x1p60;
 
 // -- plain forms --------------------------------------------------------------
 
@@ -58,7 +58,7 @@ static double plain_scale(const struct way *w, const struct gp_frame *f)
     }
     if (count > 0.0)
         scale *= 0.18 / exp(sum / count);
-    return fmin(fmax(scale, 1.0 / scale_max), scale_max);
+    return fmin(fmax(scale, scale_min), scale_max);
 }
 
 /* What a curve sees of a pixel: negative light is none, but for those that
