@@ -155,7 +155,7 @@ gp_status gp_sources_join(const struct gp_log *log,
             continue;
         if (last && last->x == more[i].x && last->y == more[i].y) {
             for (int k = 0; k < 3; k++)
-                last->rgb[k] = gp_minf(last->rgb[k] + more[i].rgb[k], FLT_MAX);
+                last->rgb[k] += more[i].rgb[k]; // limited below
         } else {
             more[kept++] = more[i];
         }

@@ -32,7 +32,7 @@ if what == "make":
     write("huge.pfm", 40, 40, lambda x, y: [3e38] * 3
           if x == 9 and y == 9 else [0.5] * 3)
     write("over.pfm", 40, 40, lambda x, y: [3.4e38] * 3)
-    write("lamps.pfm", 48, 48, lambda x, y: [2. ** 90 * (1 + x)] * 3
+    write("lamps.pfm", 48, 48, lambda x, y: [2. ** 118 * (1 + x)] * 3
           if (7 * x + 3 * y) % 29 == 0 else [0.] * 3)
 elif what == "step":  # largest jump of output over input between neighbours
     (a, w), (b, _) = read(args[0]), read(args[1])
