@@ -55,10 +55,7 @@ static void describe(const struct gp_progress *p, double seconds, char *line,
                  p->done, p->total, rate >= 1.0 ? 1 : 3, rate, time, p->name,
                  p->stage);
     }
-    for (char *c = line; *c; c++) { // file names may hold anything
-        if ((unsigned char) *c < ' ' || *c == 127)
-            *c = '?';
-    }
+    gp_make_printable(line);
 }
 
 static void draw(struct gp_progress *p, double now)

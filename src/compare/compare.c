@@ -6,6 +6,7 @@
 #include "io/file.h"
 
 #include <errno.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,13 +56,26 @@ static const char *result_word(enum gp_compare_result r)
     return word[r];
 }
 
+/* Prints text with names of files or channels, which may hold any bytes. */
+GP_PRINTF(1, 2)
+static void print_names(const char *fmt, ...)
+{
+    char text[2 * GP_LINE_BYTES];
+    va_list args;
+    va_start(args, fmt);
+    vsnprintf(text, sizeof text, fmt, args);
+    va_end(args);
+    gp_make_printable(text);
+    fputs(text, stdout);
+}
+
 static void print_worst(const struct row *r)
 {
     const struct gp_compare_figures *const f = r->figures;
     printf("%g", f->max);
     if (f->max > 0.0)
-        printf(" @ (%d, %d, %s)", f->x, f->y,
-               gp_compare_name(r->match, f->channel));
+        print_names(" @ (%d, %d, %s)", f->x, f->y,
+                    gp_compare_name(r->match, f->channel));
 }
 
 /* The values of all channels of an image at the largest error. */
@@ -131,12 +145,16 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
                f->nonfinite);
     for (int i = 0; i < m->pairs; i++) {
         const struct gp_compare_pair *const at = &m->pair[i];
-        if (!at->a || !at->b)
-            printf("  channel %s is only in %s (0 in the other)\n",
-                   gp_compare_name(m, i), at->a ? "A" : "B");
-        else if (strcmp(at->a->name, at->b->name) != 0)
-            printf("  channel %s is compared with %s of B, by its number\n",
-                   at->a->name, at->b->name);
+        const bool both = at->a && at->b;
+        if (both && strcmp(at->a->name, at->b->name) == 0)
+            continue;
+        if (both)
+            print_names("  channel %s is compared with %s of B, by its number",
+                        at->a->name, at->b->name);
+        else
+            print_names("  channel %s is only in %s (0 in the other)",
+                        gp_compare_name(m, i), at->a ? "A" : "B");
+        putchar('\n');
     }
     if (memcmp(&a, &b, sizeof a) != 0)
         printf("  windows %dx%d at (%d, %d) and %dx%d at (%d, %d); 0 "
@@ -324,8 +342,10 @@ static gp_status compare_frame(struct run *r, int frame)
     r->row = (struct row) {.a = path[0], .b = path[1], .frame = frame,
                            .parts = 1};
     r->drawn = r->subtracted = false;
-    if (prints(r) && in_full(r) && !st)
-        printf("Comparing \"%s\" and \"%s\"\n", path[0], path[1]);
+    if (prints(r) && in_full(r) && !st) {
+        print_names("Comparing \"%s\" and \"%s\"", path[0], path[1]);
+        putchar('\n');
+    }
     for (int i = 0; i < 2 && !st; i++)
         st = gp_stored_open(r->log, r->job->read, path[i], &f[i]);
     const bool all = r->job->params->all_parts;

@@ -36,25 +36,6 @@ __attribute__((constructor)) static void set_allocator(void)
 
 // -- writing -----------------------------------------------------------------
 
-/* Bytes of the UTF-8 sequence at s, 0 when it is none (RFC 3629). */
-static size_t utf8_length(const unsigned char *s)
-{
-    if (s[0] < 0x80)
-        return 1;
-    size_t n = s[0] >= 0xc2 && s[0] <= 0xdf   ? 2
-               : s[0] >= 0xe0 && s[0] <= 0xef ? 3
-               : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
-    unsigned char least = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
-    unsigned char most = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
-    for (size_t i = 1; i < n; i++) {
-        if (s[i] < least || s[i] > most)
-            return 0;
-        least = 0x80;
-        most = 0xbf;
-    }
-    return n;
-}
-
 json_t *gp_json_name(const char *s)
 {
     static const char replacement[] = "\xef\xbf\xbd"; // U+FFFD
@@ -62,7 +43,7 @@ json_t *gp_json_name(const char *s)
     if (!clean)
         return NULL;
     while (*s) {
-        size_t n = utf8_length((const unsigned char *) s);
+        size_t n = gp_utf8_bytes(s);
         memcpy(to, n ? s : replacement, n ? n : 3);
         to += n ? n : 3;
         s += n ? n : 1;
@@ -89,19 +70,15 @@ struct words {
     char text[512];
 };
 
-/* Text of a file or a library as it may stand in a message: one short line
- * without control characters. */
-static struct words show(const char *text)
+/* Returns the start of a file's or a library's text. */
+static struct words cut_text(const char *text)
 {
     struct words s;
     size_t n = strnlen(text, 127);
     // no half of an UTF-8 character at the cut
     while (text[n] && n > 0 && ((unsigned char) text[n] & 0xc0) == 0x80)
         n--;
-    for (size_t i = 0; i < n; i++) {
-        unsigned char c = (unsigned char) text[i];
-        s.text[i] = c < 0x20 || c == 0x7f ? '?' : text[i];
-    }
+    memcpy(s.text, text, n);
     s.text[n] = '\0';
     return s;
 }
@@ -227,7 +204,7 @@ gp_status gp_json_read(const struct gp_log *log, const char *path, size_t most,
     if (!root)
         GP_TRY(gp_fail(log, GP_ERR_DATA, "%s: not JSON at line %d, column %d "
                        "(%s); correct it there", path, e.line, e.column,
-                       show(e.text).text));
+                       cut_text(e.text).text));
     *out = root;
 out:
     gp_free(block);
@@ -275,7 +252,7 @@ gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
     json_object_foreach (o, key, value) { // in the file's order
         if (!in_list(key, keys, &at))
             return fail_at(p, "unknown key (found \"%s\"); there are %s",
-                           show(key).text, names_text(keys).text);
+                           cut_text(key).text, names_text(keys).text);
     }
     return GP_OK;
 }
@@ -379,7 +356,7 @@ gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
         return st;
     if (!in_list(text, names, &at))
         return fail_at(p, "unknown \"%s\" (found \"%s\"); there are %s",
-                       key, show(text).text, names_text(names).text);
+                       key, cut_text(text).text, names_text(names).text);
     *out = at;
     return GP_OK;
 }

@@ -2,6 +2,46 @@
 
 #include <stdarg.h>
 #include <stdio.h>
+#include <string.h>
+
+// -- text of files and libraries ---------------------------------------------
+
+size_t gp_utf8_bytes(const char *text)
+{
+    const unsigned char *const s = (const unsigned char *) text;
+    if (s[0] < 0x80)
+        return 1;
+    size_t n = s[0] >= 0xc2 && s[0] <= 0xdf   ? 2
+               : s[0] >= 0xe0 && s[0] <= 0xef ? 3
+               : s[0] >= 0xf0 && s[0] <= 0xf4 ? 4 : 0;
+    unsigned char least = s[0] == 0xe0 ? 0xa0 : s[0] == 0xf0 ? 0x90 : 0x80;
+    unsigned char most = s[0] == 0xed ? 0x9f : s[0] == 0xf4 ? 0x8f : 0xbf;
+    for (size_t i = 1; i < n; i++) {
+        if (s[i] < least || s[i] > most)
+            return 0;
+        least = 0x80;
+        most = 0xbf;
+    }
+    return n;
+}
+
+void gp_make_printable(char *text)
+{
+    while (*text) {
+        const unsigned char *const s = (const unsigned char *) text;
+        const size_t n = gp_utf8_bytes(text);
+        // C1: U+0080 to U+009F, or in 8-bit terminals the bytes themselves
+        const bool c1 = n == 2 ? s[0] == 0xc2 && s[1] < 0xa0
+                               : n == 0 && s[0] < 0xa0;
+        if (strchr("\t\n\r", *text))
+            *text = ' ';
+        else if (s[0] < ' ' || s[0] == 127 || c1)
+            memset(text, '?', n ? n : 1);
+        text += n ? n : 1;
+    }
+}
+
+// -- messages ----------------------------------------------------------------
 
 static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
                 va_list args)
@@ -10,11 +50,7 @@ static void say(const struct gp_log *log, enum gp_level level, const char *fmt,
         return;
     char line[GP_LINE_BYTES];
     vsnprintf(line, sizeof line, fmt, args);
-    for (char *c = line; *c; c++) { // one message is one line that moves no
-        const unsigned char code = (unsigned char) *c; // cursor, whatever a
-        if (code < ' ' || code == 127) // file name or a library put into it
-            *c = ' ';
-    }
+    gp_make_printable(line);
     log->sink(log->user, level, line);
 }
 

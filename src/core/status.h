@@ -6,6 +6,9 @@
 #ifndef GP_CORE_STATUS_H
 #define GP_CORE_STATUS_H
 
+#include <stdbool.h>
+#include <stddef.h>
+
 #define GP_STATUS_LIST(X)                                                     \
     X(GP_OK, 0, "done")                                                       \
     X(GP_ERR_USAGE, 2, "the command line is wrong")                           \
@@ -75,6 +78,16 @@ void gp_say(const struct gp_log *log, enum gp_level level, const char *fmt,
 
 /* The text of a status; "unknown status" for a number not in the list. */
 const char *gp_status_text(gp_status status);
+
+/* Returns the bytes of the UTF-8 sequence at `text`, 0 when it is none
+ * (RFC 3629); 1 at the end of the text. */
+size_t gp_utf8_bytes(const char *text);
+
+/* Makes a name of a file, a channel or a library one line that moves no cursor,
+ * in place: tabs and line breaks become spaces, other control characters '?':
+ * C0, DEL, and C1 (ECMA-48) as UTF-8 or as single bytes. Names that are not
+ * UTF-8 keep their other bytes. Every message goes through it. */
+void gp_make_printable(char *text);
 
 /* Runs `expr`; when it fails, jumps to the label `out` with `st` set. */
 #define GP_TRY(expr)                                                          \

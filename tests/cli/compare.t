@@ -26,6 +26,14 @@ is "$(head -1 out)" 'Comparing "a.exr" and "a.exr"' 'an image and itself: their 
 ok 'an image and itself: no error' grep -q '^  Max error  = 0$' out
 ok 'an image and itself: FLIP is 0' grep -q '^  HDR-FLIP = 0\.000000 ' out
 is "$(tail -1 out)" PASS 'an image and itself: PASS'
+for escape in '\033[31m' '\302\233[31m' '\233[31m'; do
+    name=$(printf "$escape").exr
+    cp a.exr "$name"
+    run compare "$name" a.exr
+    is "$(LC_ALL=C tr -d '\n -~' <out | wc -c)" 0 "compare prints no $escape"
+    run compare "$name" none.exr "$(printf "$escape")"
+    is "$(LC_ALL=C tr -d '\n -~' <err | wc -c)" 0 "no line holds $escape"
+done
 run compare a.exr b.exr
 status_is 2 'two images: status 2'
 is "$(wc -c <err)" 0 'two images: no line on stderr'

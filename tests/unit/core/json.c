@@ -172,7 +172,7 @@ static void arrays_and_keys(void **state)
         {"{'a': 0, 'b': 0}", KEYS, "a.json: light 3: "},
         {"{'z': 0, 'y': 0}", KEYS, "\"z\""}, // the file's first
         {"{'A': 0}", KEYS, "\"A\""}, {"{'': 0}", KEYS, "(found \"\")"},
-        {"{'\\u001b[2J\\nx': 0}", KEYS, "\"?[2J?x\""},
+        {"{'\\u001b[2J\\nx': 0}", KEYS, "\"?[2J x\""},
         {"[0, 1]", KEYS, "(found an array of 2)"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {

@@ -82,6 +82,28 @@ static void messages_are_one_line(void **state)
     assert_int_equal(said_errors, 4);
 }
 
+static void names_move_no_cursor(void **state)
+{
+    static const char *const row[][2] = {
+        {"", ""}, {"a\tb\r\n", "a b  "}, {"\33[31m\7\177", "?[31m??"},
+        {"\xc2\x9b" "31m", "??31m"}, {"a\x9b" "31m\x80", "a?31m?"}, // C1
+        // letters, also whose last byte is that of a C1, and Latin-1
+        {"\xc3\x9b\xe2\x82\xac", "\xc3\x9b\xe2\x82\xac"},
+        {"\xc2\xa0\xf0\x9f\x8c\x9e", "\xc2\xa0\xf0\x9f\x8c\x9e"},
+        {"caf\xe9.exr", "caf\xe9.exr"},
+        {"\xe2\x82", "\xe2?"}, {"\xc2", "\xc2"}, // cut off
+    };
+    for (size_t i = 0; i < COUNT(row); i++) {
+        char text[32];
+        strcpy(text, row[i][0]);
+        gp_make_printable(text);
+        assert_string_equal(text, row[i][1]);
+    }
+    gp_fail(&(struct gp_log) {said_keep, NULL, GP_LEVEL_ERROR}, GP_ERR_IO,
+            "%s: \x9b", "\xc2\x9b");
+    assert_string_equal(said_line, "??: ?");
+}
+
 static void json_is_whole_or_null(void **state)
 {
     static const struct { const char *bytes, *text; } rows[] = {
@@ -186,6 +208,7 @@ static void cpu_can_be_told(void **state)
     unsetenv("GLAREPP_CPU");
 }
 
-SUITE_OF(small, NULL, NULL, json_is_whole_or_null, frames_own_what_they_hold,
+SUITE_OF(small, NULL, NULL, names_move_no_cursor,
+         json_is_whole_or_null, frames_own_what_they_hold,
          messages_are_one_line, statuses_have_texts, bridges_are_looked_for,
          cpu_can_be_told)
