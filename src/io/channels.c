@@ -85,6 +85,79 @@ static bool named_like_ids(const char *name)
     return len > 0 && looks_like_ids(name, len - 1);
 }
 
+/* -- depth by name -------------------------------------------------------- */
+
+/* The start of the last part of a layer's name of `len` bytes without its dot:
+ * 10 for "ViewLayer.Mist". */
+static size_t last_part(const char *layer, size_t len)
+{
+    while (len > 0 && layer[len - 1] != '.')
+        len--;
+    return len;
+}
+
+bool gp_is_mist(const char *layer, size_t len)
+{
+    const size_t start = last_part(layer, len);
+    return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
+}
+
+/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
+ * Y too or is named so, and of Blender's mist. */
+static bool is_no_depth(const struct gp_frame *f, const char *name)
+{
+    static const char *const vector[] = {
+        "N",        "normal",   "normals",  "Ng",       "Nn",
+        "P",        "Pref",     "Pworld",   "pos",      "position",
+        "world",    "velocity", "vector",   "motion",   "motionvector",
+        "tangent",  "T",        "dPdu",     "dPdv",     "uv",
+        "forward",  "backward", "XYZ",
+    };
+    char other[256];
+    const size_t with_dot = gp_layer_length(name);
+    const size_t layer = with_dot ? with_dot - 1 : 0;
+    const size_t start = last_part(name, layer);
+    for (size_t i = 0; i < sizeof vector / sizeof *vector; i++) {
+        if (strlen(vector[i]) == layer - start &&
+            strncasecmp(name + start, vector[i], layer - start) == 0)
+            return true;
+    }
+    if (gp_is_mist(name, layer))
+        return true;
+    for (const char *axis = "XY"; *axis; axis++) {
+        int n = snprintf(other, sizeof other, "%.*s%c", (int) with_dot, name,
+                         *axis);
+        if (n >= (int) sizeof other || channel_index(f, other) < 0)
+            return false;
+    }
+    return true;
+}
+
+enum { RANKS = 5 };
+
+/* 0 for the likeliest name of depth; RANKS for what is none. The first `skip`
+ * bytes are those of a layer that it is in with the colour. */
+static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
+{
+    static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
+    const char *const own = name + skip;
+    const size_t n = strlen(own);
+    int rank = RANKS;
+    for (int i = 0; i < 3 && rank == RANKS; i++)
+        rank = strcmp(own, exact[i]) == 0 ? i : RANKS;
+    if (n > 8 && strcmp(own + n - 8, ".Depth.Z") == 0)
+        rank = 3;
+    else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
+        rank = 4;
+    return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
+}
+
+/* True for a depth channel whose file has none of vectors. */
+static bool is_named_depth(const char *name)
+{
+    return depth_rank(&(struct gp_frame) {0}, name, 0) < RANKS;
+}
+
 /* -- colour --------------------------------------------------------------- */
 
 static const char *const letters[3] = {"R", "G", "B"};
@@ -227,7 +300,8 @@ bool gp_find_colour(const char *const *name, int n, bool lone,
         const char *const own = name[i] + gp_layer_length(name[i]);
         const bool alpha = strcmp(own, "A") == 0 ||
                            strcasecmp(own, "alpha") == 0;
-        if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]))
+        if ((n > 1 && alpha) || !name[i][0] || named_like_ids(name[i]) ||
+            is_named_depth(name[i]))
             continue;
         if (only >= 0)
             return false;
@@ -295,71 +369,6 @@ int gp_find_alpha(const struct gp_frame *f)
 }
 
 /* -- depth ---------------------------------------------------------------- */
-
-/* The start of the last part of a layer's name of `len` bytes without its dot:
- * 10 for "ViewLayer.Mist". */
-static size_t last_part(const char *layer, size_t len)
-{
-    while (len > 0 && layer[len - 1] != '.')
-        len--;
-    return len;
-}
-
-bool gp_is_mist(const char *layer, size_t len)
-{
-    const size_t start = last_part(layer, len);
-    return len - start == 4 && strncasecmp(layer + start, "mist", 4) == 0;
-}
-
-/* True for the Z of vectors, whose layer (or whose part, for plain Z) has X and
- * Y too or is named so, and of Blender's mist. */
-static bool is_no_depth(const struct gp_frame *f, const char *name)
-{
-    static const char *const vector[] = {
-        "N",        "normal",   "normals",  "Ng",       "Nn",
-        "P",        "Pref",     "Pworld",   "pos",      "position",
-        "world",    "velocity", "vector",   "motion",   "motionvector",
-        "tangent",  "T",        "dPdu",     "dPdv",     "uv",
-        "forward",  "backward", "XYZ",
-    };
-    char other[256];
-    const size_t with_dot = gp_layer_length(name);
-    const size_t layer = with_dot ? with_dot - 1 : 0;
-    const size_t start = last_part(name, layer);
-    for (size_t i = 0; i < sizeof vector / sizeof *vector; i++) {
-        if (strlen(vector[i]) == layer - start &&
-            strncasecmp(name + start, vector[i], layer - start) == 0)
-            return true;
-    }
-    if (gp_is_mist(name, layer))
-        return true;
-    for (const char *axis = "XY"; *axis; axis++) {
-        int n = snprintf(other, sizeof other, "%.*s%c", (int) with_dot, name,
-                         *axis);
-        if (n >= (int) sizeof other || channel_index(f, other) < 0)
-            return false;
-    }
-    return true;
-}
-
-enum { RANKS = 5 };
-
-/* 0 for the likeliest name of depth; RANKS for what is none. The first `skip`
- * bytes are those of a layer that it is in with the colour. */
-static int depth_rank(const struct gp_frame *f, const char *name, size_t skip)
-{
-    static const char *const exact[] = {"Z", "depth.Z", "Depth.Z"};
-    const char *const own = name + skip;
-    const size_t n = strlen(own);
-    int rank = RANKS;
-    for (int i = 0; i < 3 && rank == RANKS; i++)
-        rank = strcmp(own, exact[i]) == 0 ? i : RANKS;
-    if (n > 8 && strcmp(own + n - 8, ".Depth.Z") == 0)
-        rank = 3;
-    else if (rank == RANKS && n > 2 && strcmp(own + n - 2, ".Z") == 0)
-        rank = 4;
-    return (rank == 0 || rank == 4) && is_no_depth(f, name) ? RANKS : rank;
-}
 
 bool gp_channel_is_depth(const struct gp_frame *f, int channel)
 {

@@ -22,8 +22,7 @@ enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
 /* Finds the colour among n channel names, in the order that read.h gives;
  * false when there is none.
  *
- *   lone  also take the only channel there is (alpha does not count), which
- *         in a file of many parts is more likely depth than colour
+ *   lone  also take the only channel there is, alpha and depth aside
  *
  * Of several layers one that is called Combined, beauty or rgba comes before
  * the first: Blender's ambient occlusion pass comes before its picture.

@@ -48,13 +48,13 @@ void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
  *
  * Colour is, in this order: R,G,B; red,green,blue of any case; Y with RY or
  * BY; Y; LAYER.R,G,B of a layer called Combined, beauty or rgba, or else of
- * the first layer in file order; the only channel there is, alpha aside. The
- * first part of a multi-part file that has one of these (a lone channel
- * last, which is more likely depth) is the frame; the other parts pass
- * through to gp_write_hdr(). Missing colour channels of a set of three are 0.
- * `colour` of a grey file's channel is 0; RY, Y, BY have 0, 1, 2, and rgb
- * holds the RGB that OpenEXR's RgbaInputFile would give. Cryptomatte's ids
- * are no colour under any name.
+ * the first layer in file order; the only channel there is, alpha and depth
+ * (Z, as gp_find_depth() has it) aside. The first part of a multi-part file
+ * that has one of these (a lone channel last) is the frame; the other parts
+ * pass through to gp_write_hdr(). Missing colour channels of a set of three
+ * are 0. `colour` of a grey file's channel is 0; RY, Y, BY have 0, 1, 2, and
+ * rgb holds the RGB that OpenEXR's RgbaInputFile would give. Cryptomatte's ids
+ * are never colour.
  *
  * With p->layer colour is LAYER.R,G,B (or words, or LAYER.Y, with or without
  * chroma), or R,G,B of a part that is called LAYER; failing these, the channel

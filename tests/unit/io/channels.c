@@ -243,6 +243,12 @@ static void colour_of_names(void **state)
          {"smoke.density", NULL, NULL}},
         {{"smoke.A", "", "u"}, true, GP_COLOUR_GREY, {"u", NULL, NULL}},
         {{"A"}, true, GP_COLOUR_GREY, {"A", NULL, NULL}},
+        // depth is no light
+        {{"Z"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
+        {{"A", "Z"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
+        {{"A", "l.Depth.Z"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
+        {{"Z", "smoke"}, true, GP_COLOUR_GREY, {"smoke", NULL, NULL}},
+        {{"l.Mist.Z"}, true, GP_COLOUR_GREY, {"l.Mist.Z", NULL, NULL}},
         {{"u", "v"}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
         {{NULL}, true, GP_COLOUR_RGB, {NULL, NULL, NULL}},
     };
