@@ -257,20 +257,26 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
     struct gp_report r = {.path = path, .append = append};
     // a line goes out in one piece, after those of other tasks of a farm
     const int flags = O_CLOEXEC | (append ? O_RDWR | O_APPEND : O_WRONLY);
-    if (strcmp(path, "-") == 0) {
+    const int given = gp_file_descriptor(path);
+    int fd = -1;
+    r.given = given >= 0;
+    if (given == STDOUT_FILENO) {
         r.file = stdout;
+    } else if (r.given) {
+        fd = fcntl(given, F_DUPFD_CLOEXEC, 0);
     } else if (!create_dir || gp_file_make_folders(path) == 0) {
-        int fd = open(path, flags | O_CREAT | O_EXCL, 0666);
+        fd = open(path, flags | O_CREAT | O_EXCL, 0666);
         r.made = fd >= 0;
         if (!r.made && errno == EEXIST)
             fd = open(path, flags);
-        r.file = fd >= 0 ? fdopen(fd, append ? "a" : "w") : NULL;
-        if (fd >= 0 && !r.file) {
-            close(fd);
-            if (r.made)
-                unlink(path);
-            return gp_no_memory(log, path);
-        }
+    }
+    if (fd >= 0)
+        r.file = fdopen(fd, append ? "a" : "w");
+    if (fd >= 0 && !r.file) {
+        close(fd);
+        if (r.made)
+            unlink(path);
+        return gp_no_memory(log, path);
     }
     if (!r.file)
         return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); "
@@ -295,7 +301,7 @@ static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;
     const int fd = fileno(r->file);
-    if (r->file == stdout || size < 0 || fstat(fd, &s) != 0 ||
+    if (r->given || size < 0 || fstat(fd, &s) != 0 ||
         !S_ISREG(s.st_mode))
         return true;
     return ftruncate(fd, size) == 0;
@@ -307,7 +313,7 @@ static bool cut_half_line(const struct gp_report *r)
     struct stat s;
     const int fd = fileno(r->file);
     char last = '\n';
-    if (r->file == stdout || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
+    if (r->given || fstat(fd, &s) != 0 || !S_ISREG(s.st_mode))
         return true;
     off_t end = s.st_size;
     while (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')

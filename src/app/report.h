@@ -80,6 +80,7 @@ struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
     bool made;         // the file was not there before
+    bool given;        // an open descriptor's, whose file is never cut
     bool append;
     long long lines;
 };

@@ -4,6 +4,7 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,6 +18,24 @@ enum {
     LINKS = 40, // as many as the system follows
 };
 
+int gp_file_descriptor(const char *path)
+{
+    static const char *const folder[] = {"/dev/fd/", "/proc/self/fd/"};
+    if (gp_is_dash(path) || strcmp(path, "/dev/stdout") == 0)
+        return STDOUT_FILENO;
+    if (strcmp(path, "/dev/stderr") == 0)
+        return STDERR_FILENO;
+    for (int i = 0; i < 2; i++) {
+        const size_t n = strlen(folder[i]);
+        char *end;
+        if (strncmp(path, folder[i], n) != 0 || path[n] < '0' || path[n] > '9')
+            continue;
+        const long fd = strtol(path + n, &end, 10);
+        return *end || fd > INT_MAX ? -1 : (int) fd;
+    }
+    return -1;
+}
+
 bool gp_file_is_straight(const char *path)
 {
     struct stat s;
@@ -25,7 +44,7 @@ bool gp_file_is_straight(const char *path)
         if (strncmp(path, own[i], strlen(own[i])) == 0)
             return true;
     }
-    if (strcmp(path, "-") == 0)
+    if (gp_is_dash(path))
         return true;
     return stat(path, &s) == 0 && !S_ISREG(s.st_mode) && !S_ISDIR(s.st_mode);
 }
@@ -132,7 +151,6 @@ enum { BUFFER_BYTES = 1 << 20 }; // chunk leaders of 8 bytes are no writes
 struct gp_file {
     const struct gp_log *log;
     char *path;      // as the user gave it, "stdout" for "-": for messages
-    bool is_stdout;
     char *target;    // where the rename goes; NULL: straight to fd
     struct gp_temp temp; // while it is written; no name: straight to fd
     int fd;          // -1 when closed
@@ -183,7 +201,12 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
                         bool create_dir)
 {
     struct stat s;
-    if (gp_file_is_straight(path))
+    const bool straight = gp_file_is_straight(path);
+    if (straight && gp_file_descriptor(path) < 0 && gp_file_exists(path))
+        return gp_fail(log, GP_ERR_IO,
+                       "%s: cannot be written (a file under a name in /proc); "
+                       "give the name in its own folder", path);
+    if (straight)
         return GP_OK;
     bool there = stat(path, &s) == 0;
     if (there && S_ISDIR(s.st_mode))
@@ -212,7 +235,8 @@ gp_status gp_file_check(const struct gp_log *log, const char *path,
     return st;
 }
 
-/* Opens the temporary file with the permissions of the one it replaces. */
+/* Opens the temporary file with the permissions of the one it replaces; never,
+ * not even before fchmod(), with more. */
 static gp_status open_temp(struct gp_file *f, bool create_dir)
 {
     struct stat old;
@@ -223,13 +247,15 @@ static gp_status open_temp(struct gp_file *f, bool create_dir)
         return gp_no_memory(f->log, f->path);
     if (create_dir && gp_file_make_folders(f->target))
         return cannot_write(f->log, f->path, errno);
-    f->fd = gp_temp_make(&f->temp, f->target);
+    const bool replaces = stat(f->target, &old) == 0;
+    const mode_t mode = replaces ? old.st_mode & 0777 : 0666;
+    f->fd = gp_temp_make(&f->temp, f->target, mode);
     if (f->fd < 0 && errno == ENOMEM)
         return gp_no_memory(f->log, f->path);
     if (f->fd < 0)
         return cannot_write(f->log, f->path, errno);
     f->own_fd = true;
-    if (stat(f->target, &old) == 0 && fchmod(f->fd, old.st_mode & 0777))
+    if (replaces && fchmod(f->fd, mode)) // the bits that umask took
         return cannot_write(f->log, f->path, errno);
     return GP_OK;
 }
@@ -242,16 +268,17 @@ gp_status gp_file_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_file_check(log, path, create_dir));
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *f, &f));
     *f = (struct gp_file) {.log = log, .fd = -1};
-    f->is_stdout = strcmp(path, "-") == 0;
-    f->path = gp_strdup(f->is_stdout ? "stdout" : path);
+    f->path = gp_strdup(gp_is_dash(path) ? "stdout" : path);
     f->buffer = malloc(BUFFER_BYTES);
     f->room = BUFFER_BYTES;
     if (!f->path || !f->buffer)
         GP_TRY(gp_no_memory(log, path));
-    if (f->is_stdout) {
+    const int given = gp_file_descriptor(path);
+    if (gp_is_dash(path)) {
         f->fd = STDOUT_FILENO;
     } else if (gp_file_is_straight(path)) {
-        f->fd = open(f->path, O_WRONLY | O_CLOEXEC);
+        f->fd = given < 0 ? open(f->path, O_WRONLY | O_CLOEXEC)
+                          : fcntl(given, F_DUPFD_CLOEXEC, 0);
         f->own_fd = true;
         if (f->fd < 0)
             GP_TRY(cannot_write(log, f->path, errno));

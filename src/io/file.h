@@ -18,6 +18,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+#include <sys/types.h>
 
 struct gp_file;
 
@@ -67,7 +68,8 @@ GP_MUST_CHECK gp_status gp_file_save(const struct gp_log *log, const char *path,
                                      const void *data, size_t size);
 
 /* Checks before any work what gp_file_open() will need: the folder exists and
- * is writable (or may be made), the name is no folder. */
+ * is writable (or may be made), the name is no folder, and no regular file in
+ * /proc (of another process' descriptor), which could not be replaced whole. */
 GP_MUST_CHECK gp_status gp_file_check(const struct gp_log *log,
                                       const char *path, bool create_dir);
 
@@ -76,9 +78,15 @@ bool gp_file_exists(const char *path);
 
 /* -- names ----------------------------------------------------------------- */
 
+/* Returns the descriptor that a name stands for: 1 for "-" and /dev/stdout, 2
+ * for /dev/stderr, N for /dev/fd/N and /proc/self/fd/N; -1 for other names.
+ * It is written where it is, after what is there, and never opened again: that
+ * would begin at the file's start. */
+int gp_file_descriptor(const char *path);
+
 /* True for targets that are written to directly: "-", pipes, devices and
- * sockets that exist, and the names of open descriptors (/dev/fd/N,
- * /dev/stdout, /dev/stderr, /proc/...), whatever these stand for. */
+ * sockets that exist, and all names in /dev/fd, /dev/std* and /proc, whatever
+ * these stand for. */
 bool gp_file_is_straight(const char *path);
 
 /* Strings from malloc, NULL when memory is full: the folder a path is in
@@ -104,9 +112,9 @@ struct gp_temp {
     int live;   // where a signal finds the name, or -1
 };
 
-/* Makes the temporary file of `target`, open for writing; its descriptor, or
- * -1 with errno set and nothing made. */
-int gp_temp_make(struct gp_temp *temp, const char *target);
+/* Makes the temporary file of `target`, with `mode` less umask, open for
+ * writing; its descriptor, or -1 with errno set and nothing made. */
+int gp_temp_make(struct gp_temp *temp, const char *target, mode_t mode);
 
 /* Renames it to `target`, or removes it when that is NULL; 0, or -1 with
  * errno set: then it stays to be removed. Does nothing where there is none. */

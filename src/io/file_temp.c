@@ -144,7 +144,7 @@ char *gp_file_temp_name(const char *path, int nth)
     return name;
 }
 
-int gp_temp_make(struct gp_temp *temp, const char *target)
+int gp_temp_make(struct gp_temp *temp, const char *target, mode_t mode)
 {
     const int flags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
     int fd = -1, error = EEXIST;
@@ -152,7 +152,7 @@ int gp_temp_make(struct gp_temp *temp, const char *target)
     begin_naming(&before);
     for (int nth = 0; fd < 0 && error == EEXIST && nth < TRIES; nth++) {
         char *name = gp_file_temp_name(target, nth);
-        fd = name ? open(name, flags, 0666) : -1;
+        fd = name ? open(name, flags, mode) : -1;
         error = name ? errno : ENOMEM;
         if (fd >= 0)
             *temp = (struct gp_temp) {name, live_add(name)};

@@ -296,6 +296,25 @@ for claim in '\360\0\0\360' '\1\0\0\1'; do
     done
 done
 
+# every packing of DPX, cut off by a byte and by a third
+for bits in 8 10 12 16; do
+    oiiotool in.exr -d uint$bits -o bits.dpx >ok.log 2>&1
+    size=$(wc -c <bits.dpx)
+    for part in $((size - 1)) $((size * 2 / 3)); do
+        head -c $part bits.dpx >cut.dpx
+        run --layer refused.exr cut.dpx
+        fails_with 4 cut.dpx "a DPX of $bits bits, $part bytes of $size"
+    done
+done
+
+# a name that addresses and patterns of the shell could have
+for ending in bmp dpx hdr jpg pfm png ppm sgi tga tif webp; do
+    run -q -o "a?[b]=1.$ending" in.exr
+    quiet_success "writes a?[b]=1.$ending"
+    run -q --layer "a?.exr" "a?[b]=1.$ending"
+    quiet_success "reads a?[b]=1.$ending"
+done
+
 # all that a stream is taken for by its first bytes; Targa has no word there
 for ending in bmp dpx hdr jpg ppm sgi tga tif webp; do
     oiiotool in.exr --resize 64x40 -d uint8 -o s.$ending >ok.log 2>&1 || {

@@ -227,6 +227,40 @@ status=$?
 quiet_success 'one descriptor for two'
 kept 'the folder'
 
+# logs that others write too keep their lines, in front
+head -c 99999 /dev/zero | tr '\0' l >log
+"$glarepp" -q --no-provenance -o one.png w/i.exr 2>err
+for to in /dev/stdout /dev/fd/1 /proc/self/fd/1 -; do
+    cat log >logged
+    "$glarepp" -q --no-provenance -o $to --stdout-format png w/i.exr \
+        >>logged 2>err
+    cat log one.png | cmp - logged
+    result $? "$to, appended to a log"
+done
+cat log >logged
+"$glarepp" -q -o one.png --report /dev/stderr w/i.exr 2>>logged
+is "$(head -c 99999 logged | cmp - log; tail -n 1 logged | cut -c 1-100001 |
+    tr -d l | cut -c 1)" '{' 'a report by /dev/stderr, appended to a log'
+cp log w/log
+run -o /proc/self/cwd/w/log --stdout-format png w/i.exr
+fails_with 3 /proc/self/cwd/w/log 'a file by a name in /proc'
+same w/log log 'a file by a name in /proc: as it was'
+rm w/log
+
+# modes: those of a replaced file, else by umask
+for mask in 022 027 077; do
+    mkdir moded
+    (umask $mask && exec "$glarepp" -q -o moded/o.png --hdr moded/h.exr \
+        --layer moded/l.tif --report moded/r.json w/i.exr) >out 2>err
+    is "$(stat -c %a moded/* | sort -u)" $(printf %o $((0666 & ~0$mask))) \
+        "umask $mask: the mode of new files"
+    chmod 604 moded/*
+    (umask $mask && exec "$glarepp" -q -o moded/o.png --hdr moded/h.exr \
+        --layer moded/l.tif --report moded/r.json w/i.exr) >out 2>err
+    is "$(stat -c %a moded/* | sort -u)" 604 "umask $mask: replaced files"
+    rm -r moded
+done
+
 run -o w/loop.png w/i.exr
 fails_with 3 w/loop.png 'a link to itself'
 done_testing

@@ -17,6 +17,7 @@
 static _Atomic(enum fail_class) armed;
 static atomic_long calls, nth, blocks;
 struct fail_always fail_always;
+_Atomic mode_t fail_made_mode;
 
 void fail_at(enum fail_class class, long n)
 {
@@ -85,6 +86,8 @@ int __wrap_open(const char *path, int flags, ...)
     va_start(arguments, flags);
     const mode_t mode = flags & O_CREAT ? va_arg(arguments, mode_t) : 0;
     va_end(arguments);
+    if (flags & O_CREAT)
+        fail_made_mode = mode;
     return hits(FAIL_IO, EMFILE) ? -1 : __real_open(path, flags, mode);
 }
 

@@ -5,6 +5,7 @@
 #define GP_TESTS_FAIL_H
 
 #include <stdbool.h>
+#include <sys/types.h>
 
 enum fail_class {
     FAIL_NONE,
@@ -32,6 +33,9 @@ struct fail_always {
     const char *library, *symbol;  // the dlopen, dlsym of these names
 };
 extern struct fail_always fail_always;
+
+/* The mode that open() was last asked to make a file with. */
+extern _Atomic mode_t fail_made_mode;
 
 /* The calls themselves, for tests. */
 int __real_open(const char *path, int flags, ...);

@@ -116,6 +116,40 @@ static void links_and_permissions_stay(void **state)
     }
 }
 
+/* No file has more permissions than it is to keep, not even while it is
+ * written. */
+static void no_mode_is_wider(void **state)
+{
+    static const struct {
+        mode_t mask, old, want; // old 0: a new file
+    } row[] = {
+        {0022, 0, 0644},    {0077, 0, 0600},    {0002, 0, 0664},
+        {0, 0, 0666},       {0, 0600, 0600},    {0, 0640, 0640},
+        {0077, 0644, 0644}, {0077, 0666, 0666}, {0, 0400, 0400},
+    };
+    const mode_t before = umask(0);
+    for (size_t i = 0; i < COUNT(row); i++) {
+        struct stat s;
+        struct gp_file *f;
+        const char *const path = wf_path("moded");
+        remove(path);
+        if (row[i].old) {
+            put_file(path, "old");
+            assert_int_equal(chmod(path, row[i].old), 0);
+        }
+        umask(row[i].mask);
+        if (geteuid() == 0 || row[i].old != 0400) {
+            assert_ok(gp_file_open(&wf_log, path, false, &f));
+            assert_int_equal(fail_made_mode & ~row[i].mask & ~row[i].want, 0);
+            assert_ok(gp_file_commit(&f));
+            assert_int_equal(stat(path, &s), 0);
+            assert_int_equal(s.st_mode & 0777, row[i].want);
+        }
+        umask(0);
+    }
+    umask(before);
+}
+
 static void folders(void **state)
 {
     struct gp_file *f;
@@ -284,6 +318,39 @@ static void pipes(void **state)
     assert_int_equal(write_much(path), GP_ERR_IO);
     wf_assert_said(strerror(EPIPE));
     close(ends[1]);
+}
+
+/* A descriptor's file is written on from where it is. */
+static void descriptors(void **state)
+{
+    static const struct {
+        const char *name;
+        int fd;
+    } row[] = {
+        {"-", 1}, {"/dev/stdout", 1}, {"/dev/stderr", 2}, {"/dev/fd/07", 7},
+        {"/proc/self/fd/12", 12}, {"/dev/fd/", -1}, {"/dev/fd/-1", -1},
+        {"/dev/fd/1x", -1}, {"/dev/fd/99999999999", -1}, {"dev/fd/1", -1},
+        {"/proc/1/fd/1", -1}, {"stdout", -1},
+    };
+    for (size_t i = 0; i < COUNT(row); i++)
+        assert_int_equal(gp_file_descriptor(row[i].name), row[i].fd);
+    struct gp_file *f;
+    char path[512];
+    put_file(wf_path("log"), "a long old log;");
+    const int fd = open(wf_path("log"), O_WRONLY | O_APPEND);
+    for (int i = 0; i < 2; i++) {
+        snprintf(path, sizeof path, "/%s/fd/%d", i ? "proc/self" : "dev", fd);
+        assert_ok(gp_file_open(&wf_log, path, false, &f));
+        assert_ok(gp_file_write(f, "new", 3));
+        assert_ok(gp_file_commit(&f));
+    }
+    assert_text(wf_path("log"), "a long old log;newnew");
+    close(fd);
+    put_file(wf_path("f"), "old");
+    snprintf(path, sizeof path, "/proc/self/root%s", wf_path("f"));
+    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_ERR_IO);
+    wf_assert_said("own folder");
+    assert_text(wf_path("f"), "old");
 }
 
 /* A child that is ended in the middle of a file by `sig`. */
@@ -538,7 +605,8 @@ static void files_under_way_are_removed(void **state)
 }
 
 SUITE_OF_EACH(file, wf_start, wf_end, whole_or_nothing,
-              large_writes_and_patches, links_and_permissions_stay, folders,
+              large_writes_and_patches, links_and_permissions_stay,
+              no_mode_is_wider, folders, descriptors,
               names, taken_names, full_disk, a_close_that_fails, pipes,
               signals, checks,
               folders_that_are_none, folders_are_made_or_not,
