@@ -15,18 +15,41 @@ static void clear_plane(void *ctx, int c, int thread)
     memset(f->layer.c[c], 0, gp_frame_pixels(f) * sizeof(float));
 }
 
-/* Light up to which no engine leaves the range of float: its sums, transforms
- * of 2^30 points among them, are under 2^127. More is halved as often as it
- * takes, which is exact, and the layer is doubled as often. */
-static const double MOST_LIGHT = 0x1p80;
+/* Light and kernels up to which no engine leaves the range of float: its sums,
+ * transforms of 2^30 points among them, are under 2^127. More is halved as
+ * often as it takes, which is exact, and the layer is doubled as often. */
+static const double MOST = 0x1p80;
 
-/* Returns how often light must be halved. */
-static int halvings(const struct gp_sources *src, const struct gp_kernel *k)
+static int halvings(double sum)
 {
-    double most = 0.0;
-    for (int c = 0; c < 3; c++)
-        most = fmax(most, src->flux[c] * fmax(k->norm1[c], 1.0));
-    return most > MOST_LIGHT ? ilogb(most / MOST_LIGHT) + 1 : 0;
+    return sum > MOST ? ilogb(sum / MOST) + 1 : 0;
+}
+
+static double largest(const double v[3])
+{
+    return fmax(v[0], fmax(v[1], v[2]));
+}
+
+/* Makes a kernel whose samples are halved so often. Without a serial, so that
+ * no engine keeps what it makes of it. */
+static gp_status halve_kernel(const struct gp_log *log,
+    const struct gp_kernel *k, int times, struct gp_kernel *out)
+{
+    const size_t n = (size_t) k->w * (size_t) k->h;
+    *out = *k;
+    out->k = (struct gp_planes) {0};
+    out->unturned = NULL;
+    out->serial = 0;
+    gp_status st = gp_planes_make(log, "kernel", n, &out->k);
+    for (int c = 0; !st && c < 3; c++) {
+        out->sum[c] = ldexp(k->sum[c], -times);
+        out->norm1[c] = ldexp(k->norm1[c], -times);
+        out->norm2[c] = ldexp(k->norm2[c], -times);
+        out->faint[c] = ldexp(k->faint[c], -times);
+        for (size_t i = 0; i < n; i++)
+            out->k.c[c][i] = ldexpf(k->k.c[c][i], -times);
+    }
+    return st;
 }
 
 struct doubling {
@@ -63,8 +86,10 @@ static gp_status double_layer(const struct gp_log *log, const char *path,
     gp_parallel_do(h, double_row, &d);
     if (memchr(d.over, 1, (size_t) h)) {
         *bound = INFINITY;
-        gp_say(log, GP_LEVEL_WARN, "%s: the layer is limited to %.3g, the "
-               "largest float; give a --max-value", path, (double) FLT_MAX);
+        gp_say(log, GP_LEVEL_WARN,
+               "%s: the layer overflows and has no bound (limited to %.3g, the "
+               "largest float); lower --max-value or normalise the kernel",
+               path, (double) FLT_MAX);
     }
     gp_free(d.over);
     return GP_OK;
@@ -96,17 +121,22 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, f);
         return GP_OK;
     }
-    const int times = halvings(src, kernel);
+    const double norm = largest(kernel->norm1);
+    const int kernel_times = halvings(norm);
+    const int light_times = halvings(
+        largest(src->flux) * fmax(ldexp(norm, -kernel_times), 1.0));
+    const int times = kernel_times + light_times;
     struct gp_sources less = {0};
-    if (times)
-        st = gp_sources_scale(log, src, ldexpf(1.0f, -times), &less);
-    if (st)
-        return st;
+    struct gp_kernel small = {0};
+    if (kernel_times)
+        GP_TRY(halve_kernel(log, kernel, kernel_times, &small));
+    if (light_times)
+        GP_TRY(gp_sources_halve(log, src, light_times, &less));
     struct gp_candidate taken = {.engine = named, .splat = p->splat};
     struct gp_glare_params params = *p;
     struct gp_glare_job job = {
-        .log = log, .params = &params, .src = times ? &less : src,
-        .kernel = kernel,
+        .log = log, .params = &params, .src = light_times ? &less : src,
+        .kernel = kernel_times ? &small : kernel,
         .layer = &f->layer, .stats = stats,
     };
     GP_TRY(gp_floor_find(&job, &g->floor, &job.floor));
@@ -114,6 +144,7 @@ gp_status gp_glare_run(const struct gp_log *log,
     if (p->tolerance_pixel > 0.0f) {
         struct gp_glare_job whole = job; // as bright as the frame is
         whole.src = src;
+        whole.kernel = kernel;
         GP_TRY(gp_pixel_floor_find(&whole, f, &floor));
         floor.least = ldexp(floor.least, -times);
         floor.most = ldexp(floor.most, -times);
@@ -152,6 +183,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
 out:
     gp_sources_free(&less);
+    gp_kernel_free(&small);
     return st;
 }
 

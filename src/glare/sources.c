@@ -4,6 +4,7 @@
 #include "core/minmax.h"
 
 #include <float.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -96,18 +97,18 @@ void gp_sources_free(struct gp_sources *s)
     *s = (struct gp_sources) {0};
 }
 
-gp_status gp_sources_scale(const struct gp_log *log,
-    const struct gp_sources *src, float factor, struct gp_sources *out)
+gp_status gp_sources_halve(const struct gp_log *log,
+    const struct gp_sources *src, int times, struct gp_sources *out)
 {
     gp_status st = gp_sources_make(log, src, src->n, out);
     if (st)
         return st;
-    out->darkest *= (double) factor;
+    out->darkest = ldexp(out->darkest, -times);
     for (int y = 0; y < src->h; y++) {
         for (uint32_t i = src->row[y]; i < src->row[y + 1]; i++) {
-            const float rgb[3] = {factor * src->rgb[0][i],
-                                  factor * src->rgb[1][i],
-                                  factor * src->rgb[2][i]};
+            const float rgb[3] = {ldexpf(src->rgb[0][i], -times),
+                                  ldexpf(src->rgb[1][i], -times),
+                                  ldexpf(src->rgb[2][i], -times)};
             gp_sources_add(out, src->x[i], y, rgb);
         }
     }

@@ -73,10 +73,10 @@ void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 void gp_sources_finish(struct gp_sources *s);
 void gp_sources_free(struct gp_sources *s);
 
-/* The same sources and darkest, times a factor. Written only on GP_OK; free
- * with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_sources_scale(const struct gp_log *log,
-    const struct gp_sources *src, float factor, struct gp_sources *out);
+/* The same sources and darkest, halved so many times. Written only on GP_OK;
+ * free with gp_sources_free(). Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
+    const struct gp_sources *src, int times, struct gp_sources *out);
 
 /* `src` and `n` more sources together: where several have the same pixel,
  * their light adds up.

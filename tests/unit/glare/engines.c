@@ -112,6 +112,42 @@ static void bounds_know_the_range(void **state)
     assert_true(large > 0);
 }
 
+/* A layer over FLT_MAX is FLT_MAX, not 0 and not Inf, whatever the kernel sums
+ * to; it has no bound, and a line says so. */
+static void overflows_are_limited(void **state)
+{
+    static const struct {
+        float kernel, light;
+    } rows[] = {{3e38f, 3.0f}, {1e36f, 1e30f}, {1e20f, 1e30f}};
+    enum { SIDE = 33, W = 97, H = 61 };
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    p.normalize = GP_NORMALIZE_NONE;
+    for (size_t r = 0; r < COUNT(rows); r++) {
+        struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
+        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1);
+        struct gp_kernel k;
+        for (int i = 0; i < 3 * SIDE * SIDE; i++)
+            image.rgb.c[i % 3][i / 3] =
+                rows[r].kernel / (float) (1 + i / 3 % SIDE);
+        for (int i = 0; i < 3 * W * H; i++)
+            f.rgb.c[i % 3][i / 3] = rows[r].light;
+        assert_ok(gp_kernel_from_frame(NULL, &p, &image, &k));
+        gp_frame_free(&image);
+        struct scene s = scene_sense(f, k, &open_all);
+        for (int i = 0; gp_engines[i]; i++) {
+            struct gp_glare_stats stats;
+            said_nothing();
+            if (!ran_once(gp_engines[i]->name, &s, &stats, "overflow"))
+                continue;
+            assert_true(stats.bound == INFINITY);
+            assert_non_null(strstr(said_warning, "overflows"));
+            for (size_t x = 0; x < W * H; x++)
+                assert_true(s.f.layer.c[1][x] == FLT_MAX);
+        }
+        scene_free(&s);
+    }
+}
+
 /* Of direct and fft, whose bounds keep the tolerance, the one of the least
  * prediction; each engine is in the words. Threads do not decide, or the bytes
  * would depend on them. */
@@ -356,5 +392,5 @@ static void laws_hold(void **state)
 }
 
 SUITE_OF(engines, ask_quick, NULL,
-    bounds_hold, bounds_know_the_range, auto_takes_the_fastest,
-    names_are_checked, laws_hold)
+    bounds_hold, bounds_know_the_range, overflows_are_limited,
+    auto_takes_the_fastest, names_are_checked, laws_hold)
