@@ -80,8 +80,10 @@
 #define GP_COST_TILE_ENTRY 1e-4
 /* ms of planning, for one source */
 #define GP_COST_GL_SOURCE 0.000691
-/* ms of a pixel of the frame up, cleared and back */
+/* ms of a pixel of the frame up, cleared and back; of each field of the frame
+ * after the first, whatever its size */
 #define GP_COST_GL_TRANSFER 5.45e-06
+#define GP_COST_GL_FIELD 0.28
 
 /* -- memory -- */
 

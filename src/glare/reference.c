@@ -1,4 +1,5 @@
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft.h"
@@ -16,30 +17,49 @@ struct plain {
     double *layer;
 };
 
-/* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. */
+/* Returns the row of source i, which is in row `from` or below it. */
+static int row_of(const struct gp_sources *src, uint32_t i, int from)
+{
+    int low = from, high = src->h - 1;
+    while (low < high) {
+        const int mid = low + (high - low) / 2;
+        if (src->row[mid + 1] > i)
+            high = mid;
+        else
+            low = mid + 1;
+    }
+    return low;
+}
+
+/* layer(p) = sum over q of source(q) * kernel(p - q), one row of p. Only rows
+ * with sources within the kernel's reach are visited: a tall frame has more
+ * rows than sources. */
 static void plain_row(void *ctx, int y, int thread)
 {
     const struct plain *const s = ctx;
-    const int w = s->src->w;
+    const struct gp_sources *const src = s->src;
+    const struct gp_kernel *const k = s->k;
+    const int w = src->w;
+    const int first = gp_clamp_wide((long long) y + k->cy - k->h + 1, 0,
+                                    src->h);
+    const int end = gp_clamp_wide((long long) y + k->cy + 1, 0, src->h);
     (void) thread;
     for (int c = 0; c < 3; c++) {
-        double *const out = s->layer +
-                            ((size_t) c * (size_t) s->src->h + (size_t) y) *
-                                (size_t) w;
+        double *const out =
+            s->layer +
+            ((size_t) c * (size_t) src->h + (size_t) y) * (size_t) w;
         memset(out, 0, (size_t) w * sizeof *out);
-        for (int sy = 0; sy < s->src->h; sy++) {
-            const int ky = y - sy + s->k->cy;
-            if (ky < 0 || ky >= s->k->h)
-                continue;
+        int sy = first;
+        for (uint32_t i = src->row[first]; i < src->row[end]; i++) {
+            if (i >= src->row[sy + 1])
+                sy = row_of(src, i, sy + 1);
             const float *const row =
-                s->k->k.c[c] + (size_t) ky * (size_t) s->k->w;
-            for (uint32_t i = s->src->row[sy]; i < s->src->row[sy + 1]; i++) {
-                const int at = s->src->x[i] - s->k->cx; // of kernel column 0
-                for (int kx = 0; kx < s->k->w; kx++) {
-                    if (at + kx >= 0 && at + kx < w)
-                        out[at + kx] +=
-                            (double) s->src->rgb[c][i] * (double) row[kx];
-                }
+                k->k.c[c] + (size_t) (y - sy + k->cy) * (size_t) k->w;
+            const int at = src->x[i] - k->cx; // of kernel column 0
+            for (int kx = 0; kx < k->w; kx++) {
+                if (at + kx >= 0 && at + kx < w)
+                    out[at + kx] +=
+                        (double) src->rgb[c][i] * (double) row[kx];
             }
         }
     }

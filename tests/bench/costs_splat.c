@@ -27,7 +27,7 @@ static double first_ms(const struct gp_splat_params *p, int w, int h, int spots,
 void costs_splat(void)
 {
     struct gp_splat_params tile = GP_SPLAT_EXACT, quad = GP_SPLAT_EXACT;
-    double n, small, base, lamps, large, many;
+    double n, small, base, lamps, large, many, tall;
     if (!costs_wants("GP_COST_GL"))
         return;
     tile.primitive = GP_PRIMITIVE_TILE;
@@ -40,7 +40,11 @@ void costs_splat(void)
     COSTS_PRINT(GP_COST_GL_TRANSFER,
                   (base - small) / (1024.0 * 768 - 64 * 64));
     first_ms(&tile, 1024, 768, 2000, 6, 1, &many, &n);
-    COSTS_PRINT(GP_COST_GL_SOURCE, (many - base) / n);
+    const double source = (many - base) / n;
+    COSTS_PRINT(GP_COST_GL_SOURCE, source);
+    // 64 fields of as many pixels together as the one of `base`
+    first_ms(&tile, 12, 64 * 1024, 500, 1, 1, &tall, &n);
+    COSTS_PRINT(GP_COST_GL_FIELD, (tall - base - source * n) / 63.0);
     // kernels of 129 x 129 that hardly leave the frame
     first_ms(&tile, 1024, 768, 300, 1, 129, &large, &n);
     COSTS_PRINT(GP_COST_GL_TILE, (large - base) / (n * 129 * 129));

@@ -322,7 +322,10 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
                           polygons * (GP_COST_GL_POLYGON +
                                       GP_COST_GL_BLEND * area)
                     : polygons * GP_COST_GL_TILE * area;
-    ms = ms + GP_COST_GL_SOURCE * n + GP_COST_GL_TRANSFER * s->w * s->h;
+    const double fields = ((s->w - 1) / GP_TILE_FIELD + 1.0) *
+                          ((s->h - 1) / GP_TILE_FIELD + 1.0);
+    ms = ms + GP_COST_GL_SOURCE * n + GP_COST_GL_TRANSFER * s->w * s->h +
+         GP_COST_GL_FIELD * (fields - 1.0);
     if (p->method == GP_GROUP_CORE && (p->group > 1 || p->cluster))
         ms += n * GP_COST_DIRECT_TAP * CORE_SIDE * CORE_SIDE;
     return (struct gp_prediction) {.ms = start + ms, .later_ms = ms};

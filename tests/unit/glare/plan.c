@@ -287,6 +287,23 @@ static void candidates_are_whole(void **state)
     }
 }
 
+/* A frame of 879 fields costs splat more than a few sources cost direct. */
+static void fields_cost(void **state)
+{
+    enum { W = 2, H = 900000 };
+    struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 1);
+    for (int y = 0; y < H; y += 1000)
+        f.rgb.c[1][W * y] = 5.0f;
+    struct scene s =
+        scene_sense(f, scene_kernel(511, 511, MID, 0, PEAK), &usual);
+    struct gp_glare none = {0};
+    struct gp_candidate c[GP_CANDIDATES];
+    const int n = collect(&s, &none, c);
+    for (int k = 1; k < n; k++)
+        assert_true(c[k].ms > c[0].ms); // direct is the first
+    scene_free(&s);
+}
+
 /* Work that a run leaves in its state is not predicted again. */
 static void states_count(void **state)
 {
@@ -349,5 +366,5 @@ static void the_tolerance_is_kept_or_said(void **state)
 
 SUITE_OF(plan, NULL, NULL,
     one_frame, questions_may_fail, a_choice_is_kept, a_lost_bound_ends_it,
-    no_flicker, candidates_are_whole, states_count,
+    no_flicker, candidates_are_whole, fields_cost, states_count,
     the_tolerance_is_kept_or_said)
