@@ -237,8 +237,8 @@ gp_status gp_paper_frame(const struct gp_log *log, enum gp_paper_kind kind,
     const char *const name = gp_paper_rates[kind].name;
     if (w < W_MIN || h < H_MIN || w > SIDE_MAX || h > SIDE_MAX)
         return gp_fail(log, GP_ERR_USAGE,
-            "%s: no frame of this size (found %d x %d); give %d x "
-            "%d to %d x %d", name, w, h, W_MIN, H_MIN, SIDE_MAX, SIDE_MAX);
+            "%s: unusable frame size (%d x %d); give %d x %d to %d x %d", name,
+            w, h, W_MIN, H_MIN, SIDE_MAX, SIDE_MAX);
     gp_status st = make_frame(log, name, w, h, out);
     if (st)
         return st;
@@ -273,8 +273,8 @@ gp_status gp_paper_kernel(const struct gp_log *log, int size,
     struct streak s[STREAKS];
     if (size < LEAST || size > MOST)
         return gp_fail(log, GP_ERR_USAGE,
-                       "kernel: no kernel of this size (found %d); give %d to "
-                       "%d", size, LEAST, MOST);
+                       "kernel: unusable size (%d); give %d to %d", size, LEAST,
+                       MOST);
     gp_status st = make_frame(log, "kernel", size, size, out);
     if (st)
         return st;

@@ -235,7 +235,7 @@ gp_status gp_gnuplot(const struct gp_log *log, const char *script, char **out,
         char *const text = read_stream(fd[2], size);
         const char *line = text ? text + strspn(text, " \n\t^") : "";
         st = gp_fail(log, GP_ERR_IO,
-                     "gnuplot: made no picture (%.*s); check the Debian "
+                     "gnuplot: drew no picture (%.*s); check the Debian "
                      "package gnuplot-nox",
                      *line ? (int) strcspn(line, "\n") : 10,
                      *line ? line : "no reason");
@@ -280,8 +280,8 @@ gp_status gp_bench_plot(const struct gp_log *log,
     gp_status st = gp_gnuplot(log, script, &svg, &size);
     if (!st && !strstr(svg, "</svg>"))
         st = gp_fail(log, GP_ERR_IO,
-                     "gnuplot: made no SVG (%zu bytes); install the Debian "
-                     "package gnuplot-nox", size);
+                     "gnuplot: wrote no whole SVG (%zu bytes); install the "
+                     "Debian package gnuplot-nox", size);
     if (!st)
         st = gp_file_save(log, path, svg, size);
     free(script);

@@ -211,7 +211,7 @@ gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
     struct bench b = {.log = log, .job = job};
     if (p->plot)
         return gp_fail(log, GP_ERR_USAGE,
-            "--plot: not for the table of a sun; give --csv or --json");
+            "--plot: cannot plot the sun's table; use --csv or --json");
     GP_TRY(gp_suns_begin(log, job->sun, job->glare->gl, job->reader, &b.suns));
     GP_TRY(gp_read_frame(log, job->read, job->input, &b.frame));
     GP_TRY(gp_suns_place(log, job->reader, &b.frame, &b.suns));
@@ -220,7 +220,7 @@ gp_status gp_bench_sun(const struct gp_log *log, const struct gp_bench_job *job)
     GP_TRY(gp_alloc_zero(log, "times", (size_t) p->runs, sizeof *b.ms, &b.ms));
     if (!b.suns.n)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-               "%s: no light in it; add one, or give --sun", job->sun->lights));
+               "%s: no lights; add one, or give --sun", job->sun->lights));
     make_rows(&b);
     for (int i = 0; i < ROWS; i++)
         GP_TRY(measure_row(&b, &b.row[i]));

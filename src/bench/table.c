@@ -340,8 +340,8 @@ gp_status gp_bench_flush(const struct gp_log *log)
 {
     if (fflush(stdout) != 0 || ferror(stdout))
         return gp_fail(log, GP_ERR_IO,
-                       "-: cannot write to stdout (%s); check who reads it",
-                       strerror(errno));
+                       "-: cannot write to stdout (%s); check the program that "
+                       "reads it", strerror(errno));
     return GP_OK;
 }
 

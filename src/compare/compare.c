@@ -399,8 +399,8 @@ static gp_status compare_all(struct run *r)
     const bool sequence = n->in[0].len || n->in[1].len;
     if (job->frames && !sequence)
         return gp_fail(r->log, GP_ERR_USAGE, "%s: --frames needs a pattern "
-                       "(found plain names); write shot.####.exr, or leave "
-                       "--frames out", job->input[0]);
+                       "(found plain names); write a pattern, e.g. "
+                       "shot.####.exr, or leave --frames out", job->input[0]);
     if (job->frames)
         GP_TRY(gp_frames_parse(r->log, job->frames, &n->frames));
     for (int i = 0; i < 2 && !job->frames; i++) {
@@ -420,8 +420,9 @@ static gp_status compare_all(struct run *r)
             continue;
         GP_TRY(gp_pattern_find(r->log, picture, name));
         if (sequence && !name->len)
-            return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for a sequence; "
-                           "write a pattern such as heat.####.png", picture);
+            return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for all frames "
+                           "of a sequence; write a pattern, e.g. heat.####.png",
+                           picture);
         GP_TRY(gp_write_check(r->log, job->write, picture));
     }
     if (job->json && !gp_is_dash(job->json))
@@ -469,7 +470,7 @@ int gp_compare_run(const struct gp_log *log, const struct gp_compare_job *job)
     }
     if (fflush(stdout) != 0 || ferror(stdout))
         GP_TRY(gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
-                       "who reads it", strerror(errno)));
+                       "the program that reads it", strerror(errno)));
     if (job->json)
         GP_TRY(gp_file_save(log, job->json, text, size));
 out:
@@ -487,11 +488,12 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
 {
     const double *const e = p->flip_exposures.v;
     if (n != 2)
-        return gp_fail(log, GP_ERR_USAGE, "%s: two images are compared (found "
-            "%d); write glarepp compare A B", n > 2 ? inputs[2] : "compare", n);
+        return gp_fail(log, GP_ERR_USAGE, "%s: needs two images (found %d); "
+            "write glarepp compare A B", n > 2 ? inputs[2] : "compare", n);
     if (gp_is_dash(inputs[0]) && gp_is_dash(inputs[1]))
         return gp_fail(log, GP_ERR_USAGE,
-                       "-: stdin holds one image; give a file beside it");
+                       "-: stdin holds only one image; give a file as the "
+                       "other");
     if (p->flip_exposures.n &&
         !(e[2] >= 1.0 && e[2] <= GP_FLIP_EXPOSURES_MAX && e[2] == floor(e[2])))
         return gp_fail(log, GP_ERR_USAGE, "--flip-exposures: not a number of "
@@ -499,8 +501,8 @@ gp_status gp_compare_check(const struct gp_log *log, const char *const *inputs,
                        "count of 1 to %d", e[2], GP_FLIP_EXPOSURES_MAX);
     if (p->no_flip && (p->heatmap || p->flip_exposures.n))
         return gp_fail(log, GP_ERR_USAGE,
-                       "--no-flip: %s is made of FLIP; leave one of the two "
-                       "out", p->heatmap ? "--heatmap" : "--flip-exposures");
+                       "--no-flip: %s needs FLIP; leave one of the two out",
+                       p->heatmap ? "--heatmap" : "--flip-exposures");
     if (p->no_flip && isfinite(p->fail_flip))
         return gp_fail(log, GP_ERR_USAGE, "--no-flip: --fail-flip needs FLIP; "
                        "leave one of the two out");

@@ -39,9 +39,8 @@ static gp_status open_library(const struct gp_log *log,
         snprintf(why, sizeof why, "%s", text);
     }
     return gp_fail(log, GP_ERR_GL,
-                   "%s: the library does not open (%s); install the Debian "
-                   "package %s, or take --engine fft", list[0], why,
-                   system->package);
+                   "%s: cannot be loaded (%s); install the Debian package %s, "
+                   "or use --engine fft", list[0], why, system->package);
 }
 
 /* -- making a context current --------------------------------------------- */
@@ -62,8 +61,8 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
     let_go();
     if (!gl->system->make_current(gl->window))
         return gp_fail(log, GP_ERR_GL,
-                       "%s: the context cannot be made current; take the "
-                       "other of --gl osmesa|egl, or --engine fft",
+                       "%s: the context cannot be made current; use the other "
+                       "--gl (osmesa or egl), or --engine fft",
                        gl->system->name);
     current = gl;
     return GP_OK;
@@ -84,8 +83,8 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
         (PFNGLGETSTRINGPROC) gl->system->proc(gl->window, "glGetString");
     if (!get)
         return gp_fail(log, GP_ERR_GL,
-                       "%s: glGetString is missing; install a whole Mesa, or "
-                       "take --engine fft", gl->system->name);
+                       "%s: glGetString is missing; install a complete Mesa, "
+                       "or use --engine fft", gl->system->name);
     const char *version = (const char *) get(GL_VERSION);
     const char *renderer = (const char *) get(GL_RENDERER);
     // "4.5 (Core Profile) Mesa 22.3.6"
@@ -95,9 +94,9 @@ static gp_status check_version(const struct gp_log *log, struct gp_gl *gl)
     if (major < 1 || major > 99 || minor < 0 || minor > 9 || end == dot + 1 ||
         major * 10 + minor < GL_NEED)
         return gp_fail(log, GP_ERR_GL,
-                       "%s: OpenGL 4.5 is needed (%s found); install a newer "
-                       "Mesa or driver, or take --engine fft",
-                       gl->system->name, version ? version : "nothing");
+                       "%s: needs OpenGL 4.5 (found %s); install a newer Mesa "
+                       "or driver, or use --engine fft", gl->system->name,
+                       version ? version : "nothing");
     char *const name = gl->info.name;
     snprintf(name, sizeof gl->info.name, "%s: %s", gl->system->name,
              renderer ? renderer : "unnamed renderer");
@@ -141,7 +140,7 @@ static gp_status open_system(const struct gp_log *log,
     if (!gl->f.function)                                                      \
         GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
                        "%s: gl" #function " is missing; install a newer "     \
-                       "Mesa or driver, or take --engine fft", gl->info.name));
+                       "Mesa or driver, or use --engine fft", gl->info.name));
     GP_GL_FUNCTIONS(LOAD)
 #undef LOAD
 
@@ -240,6 +239,6 @@ gp_status gp_gl_check(const struct gp_log *log, const struct gp_gl *gl,
         name = names[i].flag == first ? names[i].name : name;
     for (int i = 0; i < FLAGS && gl->f.GetError() != GL_NO_ERROR; i++)
         continue;
-    return gp_fail(log, GP_ERR_GL, "%s: %s while %s; take --engine fft",
-                   gl->info.name, name, what);
+    return gp_fail(log, GP_ERR_GL, "%s: %s while %s; use --engine fft",
+        gl->info.name, name, what);
 }

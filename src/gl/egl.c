@@ -83,9 +83,9 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
     const char *extensions = e->f.query_string(EGL_NO_DISPLAY, EGL_EXTENSIONS);
     if (!e->f.get_display || !extensions)
         return gp_fail(log, GP_ERR_GL,
-                       "EGL: no platform extensions (EGL 1.5 or "
-                       "EGL_EXT_platform_base is needed); install the Debian "
-                       "package libegl-mesa0, or take --gl osmesa");
+                       "EGL: no platform extensions (needs EGL 1.5 or "
+                       "EGL_EXT_platform_base); install the Debian package "
+                       "libegl-mesa0, or use --gl osmesa");
     // the first device with a context that is neither Mesa's rasterizer nor
     // one that does not say
     EGLDeviceEXT device[MAX_DEVICES];
@@ -108,9 +108,9 @@ static gp_status find_display(const struct gp_log *log, struct egl *e)
                                         EGL_DEFAULT_DISPLAY, NULL)))
         return GP_OK;
     return gp_fail(log, GP_ERR_GL,
-                   "EGL: neither a GPU device nor Mesa's surfaceless platform "
-                   "gives a context; install the Debian packages libegl-mesa0 "
-                   "and libgl1-mesa-dri, or take --gl osmesa");
+                   "EGL: cannot make a context, neither on a GPU device nor on "
+                   "Mesa's surfaceless platform; install the Debian packages "
+                   "libegl-mesa0 and libgl1-mesa-dri, or use --gl osmesa");
 }
 
 static void close_egl(void *window)
@@ -135,7 +135,7 @@ static gp_status open_egl(const struct gp_log *log, void *library,
     if (!f->field || !f->proc)                                                \
         GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
                        "EGL: " name " is missing; install the Debian "        \
-                       "packages libegl1 and libegl-mesa0, or take --gl "     \
+                       "packages libegl1 and libegl-mesa0, or use --gl "     \
                        "osmesa"));
     EGL_FUNCTIONS(LOAD)
 #undef LOAD

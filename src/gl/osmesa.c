@@ -53,7 +53,7 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
     if (!o->field)                                                            \
         GP_TRY(gp_fail(log, GP_ERR_GL,                                        \
                        "OSMesa: " symbol " is missing; OSMesa 11.2 or newer " \
-                       "is needed (Debian package libosmesa6), or take --gl " \
+                       "is needed (Debian package libosmesa6), or use --gl " \
                        "egl"))
     LOAD(create, "OSMesaCreateContextAttribs");
     LOAD(make_current, "OSMesaMakeCurrent");
@@ -65,9 +65,9 @@ static gp_status open_osmesa(const struct gp_log *log, void *library,
         o->context = o->create(any, NULL);
     if (!o->context)
         GP_TRY(gp_fail(log, GP_ERR_GL,
-                       "OSMesa: no context can be made (4.5 core, nor any "
-                       "other); install the Debian package libosmesa6, or "
-                       "take --gl egl"));
+                       "OSMesa: cannot make a context (neither 4.5 core nor "
+                       "any other); install the Debian package libosmesa6, or "
+                       "use --gl egl"));
     *window = o;
     return GP_OK;
 out:

@@ -32,9 +32,8 @@ static gp_status compile(const struct gp_log *log, const struct gp_gl *gl,
         gl->f.GetShaderInfoLog(shader, sizeof text, NULL, text);
         gl->f.DeleteShader(shader);
         return gp_fail(log, GP_ERR_GL,
-                       "%s: shader %s does not compile (%s); report it with "
-                       "this line, or take --engine fft", gl->info.name,
-                       file->name, text);
+                       "%s: shader %s does not compile (%s); report this, and "
+                       "use --engine fft", gl->info.name, file->name, text);
     }
     *out = shader;
     return GP_OK;
@@ -59,9 +58,8 @@ gp_status gp_program_from_text(const struct gp_log *log, const struct gp_gl *gl,
         char text[LOG_BYTES] = "";
         gl->f.GetProgramInfoLog(p.id, sizeof text, NULL, text);
         GP_TRY(gp_fail(log, GP_ERR_GL,
-                       "%s: program %s does not link (%s); report it with "
-                       "this line, or take --engine fft", gl->info.name,
-                       vert->name, text));
+                       "%s: program %s does not link (%s); report this, and "
+                       "use --engine fft", gl->info.name, vert->name, text));
     }
     GP_TRY(gp_gl_check(log, gl, vert->name));
     *out = p;
@@ -80,7 +78,7 @@ gp_status gp_program_make(const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_shader_file *v = find_file(vert), *f = find_file(frag);
     if (!v || !f)
         return gp_fail(log, GP_ERR_BUG,
-                       "%s: no such shader file in this build; report it",
+                       "%s: no such shader file in this build; report this",
                        v ? frag : vert);
     return gp_program_from_text(log, gl, defines, v, f, out);
 }
@@ -115,7 +113,7 @@ gp_status gp_draw_run(const struct gp_log *log, const struct gp_gl *gl,
         const GLint at = (GLint) place;
         if (place == GL_INVALID_INDEX)
             return gp_fail(log, GP_ERR_BUG, "uniform %s: the program has none "
-                           "of that name; report it", u->name);
+                           "of this name; report this", u->name);
         if (u->block) {
             gl->f.UniformBlockBinding(program, place, block);
             gl->f.BindBufferBase(GL_UNIFORM_BUFFER, block++, u->block->id);

@@ -8,9 +8,9 @@ gp_status gp_texture_make(const struct gp_log *log, const struct gp_gl *gl,
     const int limit = gl->info.max_size;
     if (w < 1 || h < 1 || w > limit || h > limit)
         return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %dx%d texels do not go into one texture "
-                            "(1x1 to %dx%d is the limit); use --engine fft or "
-                            "direct", gl->info.name, what, w, h, limit, limit);
+                            "%s: %s: %dx%d texels do not fit into a texture "
+                            "(1x1 to %dx%d do); use --engine fft or direct",
+                            gl->info.name, what, w, h, limit, limit);
     const GLint filter = kind == GP_TEXEL_LINEAR ? GL_LINEAR : GL_NEAREST;
     struct gp_texture t = {.w = w, .h = h};
     gl->f.CreateTextures(GL_TEXTURE_2D, 1, &t.id);
@@ -66,9 +66,9 @@ gp_status gp_target_make(const struct gp_log *log, const struct gp_gl *gl,
                                                      GL_DRAW_FRAMEBUFFER);
     if (state != GL_FRAMEBUFFER_COMPLETE) {
         st = gp_fail_bare(log, GP_ERR_GL,
-                          "%s: %s: the driver does not draw to such a texture "
-                          "(framebuffer status 0x%04x); use --engine fft or "
-                          "direct", gl->info.name, what, state);
+                          "%s: %s: the driver cannot draw to this kind of "
+                          "texture (framebuffer status 0x%04x); use --engine "
+                          "fft or direct", gl->info.name, what, state);
         goto out;
     }
     GP_TRY(gp_gl_check(log, gl, what));
@@ -127,10 +127,10 @@ gp_status gp_buffer_make(const struct gp_log *log, const struct gp_gl *gl,
                             : gl->info.max_texel_buffer;
     if (n < 1 || n > limit)
         return gp_fail_bare(log, GP_ERR_GL,
-                            "%s: %s: %d entries do not go into one %s (1 to "
-                            "%d is the limit); use --engine fft or direct",
-                            gl->info.name, what, n,
-                            block ? "uniform block" : "buffer texture", limit);
+                            "%s: %s: %d entries do not fit into a %s (1 to %d "
+                            "do); use --engine fft or direct", gl->info.name,
+                            what, n, block ? "uniform block" : "buffer texture",
+                            limit);
     struct gp_buffer b = {0};
     gl->f.CreateBuffers(1, &b.id);
     gl->f.NamedBufferStorage(b.id, (GLsizeiptr) n * ENTRY_BYTES, NULL,

@@ -111,7 +111,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         named = -1;
     if (named < 0 && strcmp(p->engine, "auto") != 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: no engine has this name; use auto, direct, fft or "
+                       "%s: no engine of this name; use auto, direct, fft or "
                        "splat", p->engine);
     if (!f->layer.c[0])
         st = gp_planes_make(log, "layer", gp_frame_pixels(f), &f->layer);
@@ -158,7 +158,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         GP_TRY(gp_plan(&job, g, path, &floor, &taken));
         stats->bound = taken.bound;
     } else {
-        snprintf(stats->why, sizeof stats->why, "asked for");
+        snprintf(stats->why, sizeof stats->why, "named by --engine");
         // a job on a farm should not find out after an hour that another
         // engine takes less
         const double ms = gp_engines[named]->predict(&job, g->state[named]).ms;
@@ -169,9 +169,9 @@ gp_status gp_glare_run(const struct gp_log *log,
             best = c[i].exact && c[i].ms < c[best].ms ? i : best;
         if (n && c[best].engine != named)
             gp_say(log, GP_LEVEL_WARN,
-                   "%s: %s will take about %.0f s for %zu sources; --engine %s "
-                   "takes %.3g s, fewer sources come with a higher --threshold",
-                   path, gp_engines[named]->name, ms * 1e-3, src->n,
+                   "%s: --engine %s will take about %.0f s for %zu sources; "
+                   "use --engine %s (%.3g s), or raise --threshold", path,
+                   gp_engines[named]->name, ms * 1e-3, src->n,
                    gp_engines[c[best].engine]->name, c[best].ms * 1e-3);
     }
     params.splat = taken.splat;

@@ -101,10 +101,10 @@ static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
         if (r->bad_x >= 0) {
             const size_t at = (size_t) y * (size_t) raw->w + (size_t) r->bad_x;
             st = gp_fail(log, GP_ERR_DATA,
-                         "%s: the kernel has a value that is not finite (%g in "
-                         "channel %c, column %d, row %d); repair it", raw->name,
-                         (double) raw->in.c[r->bad_c][at], "RGB"[r->bad_c],
-                         r->bad_x, y);
+                         "%s: the kernel has a non-finite value (%g in channel "
+                         "%c, column %d, row %d); replace it by a finite one",
+                         raw->name, (double) raw->in.c[r->bad_c][at],
+                         "RGB"[r->bad_c], r->bad_x, y);
         }
         for (int c = 0; c < 3; c++)
             all->sum[c] += r->sum[c];
@@ -129,13 +129,13 @@ static gp_status find_factor(const struct gp_log *log,
     if (!(all->peak > 0.0f))
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the kernel is zero everywhere (%dx%d); use an "
-                       "image with light in it", raw->name, raw->w, raw->h);
+                       "image that has light", raw->name, raw->w, raw->h);
     if (normalize == GP_NORMALIZE_NONE) {
         if (all->peak >= FLT_MIN)
             return GP_OK;
         return gp_fail(log, GP_ERR_DATA,
                        "%s: the kernel is too faint (its largest value is %g, "
-                       "those under %.2g count as 0); normalise it", raw->name,
+                       "those under %.2g count as 0); scale it up", raw->name,
                        (double) all->peak, (double) FLT_MIN);
     }
     double sum = 0.0;
@@ -320,8 +320,8 @@ static gp_status find_center(const struct gp_log *log,
 {
     if (!isfinite(p->rotate))
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: the kernel cannot be turned (found the angle %g); "
-                       "give degrees", raw->name, (double) p->rotate);
+                       "%s: the kernel cannot be rotated by %g degrees; give a "
+                       "finite angle", raw->name, (double) p->rotate);
     raw->cx = raw->w / 2;
     raw->cy = raw->h / 2;
     if (!p->centered)
@@ -329,8 +329,8 @@ static gp_status find_center(const struct gp_log *log,
     for (int i = 0; i < 2; i++) {
         if (!(fabs(p->center[i]) <= MAX_CENTER))
             return gp_fail(log, GP_ERR_USAGE,
-                           "%s: the kernel's centre is out of reach (%g,%g); "
-                           "give pixels within %d of the image", raw->name,
+                           "%s: the kernel's centre is too far away (%g,%g); "
+                           "give pixels within %d of 0,0", raw->name,
                            p->center[0], p->center[1], MAX_CENTER);
     }
     raw->cx = (int) floor(p->center[0]) - window.x0;

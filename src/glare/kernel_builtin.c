@@ -359,12 +359,12 @@ gp_status gp_builtin_make(const struct gp_log *log,
     }
     if (!b->name)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: no builtin kernel has this name; use one of %s, or "
-                       "a file", name, names);
+                       "%s: no builtin kernel of this name; use %s, or an "
+                       "image file", name, names);
     if (size < 1 || size > MOST || size % 2 == 0)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: a builtin kernel cannot be %d pixels wide; use an "
-                       "odd number from 1 to %d", name, size, MOST);
+                       "%s: a builtin kernel of %d pixels is not possible; use "
+                       "an odd width from 1 to %d", name, size, MOST);
     double mix[9];
     struct sampling s = {b->formula, NULL, size, out};
     *coloured = b->coloured;

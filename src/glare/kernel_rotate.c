@@ -114,8 +114,9 @@ gp_status gp_rotate(const struct gp_log *log, const char *name,
     const double w = box[2] - box[0] + 1.0, h = box[3] - box[1] + 1.0;
     if (w * h > GP_ROTATED_PIXELS)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: the turned kernel is too large (%.0fx%.0f); turn "
-                       "it by right angles, or make it smaller", name, w, h);
+                       "%s: the rotated kernel is too large (%.0fx%.0f); use a "
+                       "smaller kernel, or --rotate 0, 90, 180 or 270", name, w,
+                       h);
     struct gp_rotated t = {
         .w = (int) w, .h = (int) h, .cx = -(int) box[0], .cy = -(int) box[1],
     };
@@ -173,7 +174,7 @@ gp_status gp_squeeze(const struct gp_log *log, const char *name, double aspect,
     if ((to - from + 1.0) * k->h > GP_ROTATED_PIXELS)
         return gp_fail(log, GP_ERR_USAGE,
                        "%s: the kernel is too large for pixels of aspect %g "
-                       "(%.0fx%d); make it smaller", name, aspect,
+                       "(%.0fx%d); use a smaller kernel", name, aspect,
                        to - from + 1.0, k->h);
     t.w = (int) (to - from) + 1;
     t.cx = (int) -from;

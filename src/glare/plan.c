@@ -398,7 +398,7 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
     add_name(&w, out);
     add_words(&w, " %.3g ms of bound %.2g", out->ms, out->bound);
     if (!choice.within)
-        add_words(&w, ", the least there is, not %.2g", tolerance);
+        add_words(&w, ", the lowest there is, over %.2g", tolerance);
     if (out->pixel > 0.0)
         add_words(&w, ", %.2g in a pixel", out->pixel);
     if (choice.kept)
@@ -422,13 +422,13 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
         g->past.warned = true;
         if (pixel)
             gp_say(job->log, GP_LEVEL_WARN,
-                   "%s: no engine guarantees --tolerance-pixel %.3g (the least "
-                   "bound is %.2g, of %s, which is taken); give a larger one",
-                   path, (double) job->params->tolerance_pixel, out->pixel,
+                   "%s: no engine guarantees --tolerance-pixel %.3g (the "
+                   "lowest bound is %.2g, of %s, which runs); raise it", path,
+                   (double) job->params->tolerance_pixel, out->pixel,
                    gp_engines[out->engine]->name);
         else gp_say(job->log, GP_LEVEL_WARN,
-               "%s: no engine guarantees --tolerance %.3g (the least bound is "
-               "%.2g, of %s, which is taken); a larger tolerance may be faster",
+               "%s: no engine guarantees --tolerance %.3g (the lowest bound is "
+               "%.2g, of %s, which runs); a larger tolerance may be faster",
                path, tolerance, out->bound, gp_engines[out->engine]->name);
     }
     return GP_OK;

@@ -121,7 +121,7 @@ gp_status gp_glare_reference(const struct gp_log *log,
                                    FFTW_ESTIMATE | FFTW_UNALIGNED);
         if (!plan[i])
             GP_TRY(gp_fail_bare(log, GP_ERR_BUG,
-                                "reference: FFTW makes no plan (length %d); "
+                                "reference: FFTW has no plan for length %d; "
                                 "verify a smaller frame", length));
     }
     for (int c = 0; c < 3; c++) {

@@ -71,8 +71,8 @@ static gp_status check_finite(const struct gp_log *log, const char *path,
     for (int i = 0; i < 16; i++) {
         if (!isfinite(m[i]))
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: %s is no matrix (row %d, column %d is %s); "
-                           "write the file anew or give --camera", path, name,
+                           "%s: %s is not finite (row %d, column %d is %s); "
+                           "repair the header or give --camera", path, name,
                            i / 4, i % 4, isnan(m[i]) ? "NaN" : "Inf");
     }
     return GP_OK;
@@ -103,13 +103,13 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
     if (!(largest(c.to_ndc, 16) <= 1e30 && 1e-9 * length(x_column) < 1.0 &&
           1e-9 * length(y_column) < 1.0))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToNDC has no view axis (column 3 is %g, %g, "
-                       "%g); only perspective cameras can place a light, give "
-                       "its pixel", path, a[0], a[1], a[2]);
+                       "%s: worldToNDC is not of a perspective camera (column "
+                       "3 is %g, %g, %g); give the light's pixel", path, a[0],
+                       a[1], a[2]);
     if (!spans(x_column, y_column, axis))
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: worldToNDC is singular (its x, y and w do not "
-                       "tell directions apart); write the file anew or give "
+                       "%s: worldToNDC is singular (its columns x, y and w are "
+                       "linearly dependent); repair the header or give "
                        "--camera", path);
 
     if (ndc == GP_NDC_AUTO) { // by where the view axis falls
@@ -119,9 +119,9 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         const double clip = fmax(fabs(x), fabs(y));
         if (!(fmin(spec, clip) <= reach))
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                "%s: cannot tell what worldToNDC maps to (the view "
-                "axis falls on %.3g, %.3g: neither near 0.5, 0.5 "
-                "nor near 0, 0); give --ndc spec or --ndc clip", path, x, y));
+                "%s: worldToNDC follows neither convention (it maps the view "
+                "axis to %.3g, %.3g: neither near 0.5, 0.5 nor near 0, 0); "
+                "give --ndc spec or --ndc clip", path, x, y));
         ndc = spec <= clip ? GP_NDC_SPEC : GP_NDC_CLIP;
     }
     // [-1, 1] with y up to [0, 1] with y down, before the division by w
@@ -136,8 +136,8 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
         if (most > 1e30 || !spans(column(to_camera, 0), column(to_camera, 1),
                                   column(to_camera, 2)))
             return gp_fail(log, GP_ERR_DATA,
-                "%s: worldToCamera is singular (its largest entry "
-                "is %g); write the file anew or give --camera", path, most);
+                "%s: worldToCamera is singular (its largest entry is %g); "
+                "repair the header or give --camera", path, most);
         memcpy(c.to_camera, to_camera, sizeof c.to_camera);
     }
     *out = c;
@@ -225,15 +225,15 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     bool found, has_camera, spec, clip;
     if (!json_is_object(o))
         return gp_fail(p->log, GP_ERR_DATA,
-            "%s: %s %d in order is no object; give {\"frame\": "
-            "..., \"worldToNDC_rowmajor\": [...]}", p->path, p->what, p->index);
+            "%s: %s %d in order is not an object; give {\"frame\": ..., "
+            "\"worldToNDC_rowmajor\": [...]}", p->path, p->what, p->index);
     // messages name a frame by its number once that is known
     GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number,
                           &found));
     if (!found || number != floor(number))
         return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d in order has no number (found %s); give "
-                       "\"frame\" a whole one", p->path, p->what, p->index,
+                       "%s: %s %d in order has no frame number (found %s); "
+                       "give \"frame\" an integer", p->path, p->what, p->index,
                        found ? "a fraction" : "no \"frame\"");
     out->frame = (long long) number;
     snprintf(frame, sizeof frame, "%s: frame %lld", p->path, out->frame);
@@ -263,8 +263,8 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
     const double *const d = out->sun_dir;
     if (out->has_sun && d[0] == 0.0 && d[1] == 0.0 && d[2] == 0.0)
         return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: \"sun_dir_world\" has no direction (found 0, 0, "
-                       "0); give one, or leave it out", frame);
+                       "%s: \"sun_dir_world\" is 0, 0, 0; give a vector that "
+                       "is not zero, or leave it out", frame);
 out:
     return st;
 }
@@ -299,8 +299,8 @@ gp_status gp_camera_read(const struct gp_log *log, const char *path,
     for (int i = 1; i < f.n; i++) {
         if (f.at[i].frame == f.at[i - 1].frame)
             GP_TRY(gp_fail(log, GP_ERR_DATA,
-                           "%s: frame %lld is there twice; leave one out",
-                           path, f.at[i].frame));
+                           "%s: frame %lld is listed twice; remove one", path,
+                           f.at[i].frame));
     }
     place.index = 0;
     if (json_is_object(root))

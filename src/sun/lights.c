@@ -57,8 +57,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     if (out->place == GP_PLACE_DIRECTION && at[0] == 0.0 && at[1] == 0.0 &&
         at[2] == 0.0)
         return gp_fail(p->log, GP_ERR_DATA,
-                       "%s: %s %d: \"direction\" has no direction (found 0, "
-                       "0, 0); give one", p->path, p->what, p->index);
+                       "%s: %s %d: \"direction\" is 0, 0, 0; give a vector "
+                       "that is not zero", p->path, p->what, p->index);
     // a direction's disc is seen under an angle, unless pixels are given
     GP_TRY(gp_json_number(p, o, "radius", 0.0, MOST_RADIUS, &out->radius,
                           &pixels));
@@ -66,8 +66,8 @@ static gp_status read_light(const struct gp_json_place *p, json_t *o,
     if (angle && (pixels || out->place != GP_PLACE_DIRECTION))
         return gp_fail(p->log, GP_ERR_DATA,
                        "%s: %s %d: \"degrees\" is for a \"direction\" without "
-                       "\"radius\" (found it with \"%s\"); give \"radius\" "
-                       "alone", p->path, p->what, p->index,
+                       "\"radius\" (found it with \"%s\"); give only "
+                       "\"radius\"", p->path, p->what, p->index,
                        pixels ? "radius" : places[out->place].key);
     if (out->place == GP_PLACE_DIRECTION && !pixels)
         out->radius = -1.0;
@@ -136,9 +136,9 @@ gp_status gp_light_place_in(const struct gp_log *log, const char *path,
     const bool own = isnan(spec->depth) && spec->place == GP_PLACE_WORLD;
     if (own && type == GP_DEPTH_NORMALIZED)
         return gp_fail(log, GP_ERR_DATA,
-                       "%s: a lamp's distance says nothing in normalized "
-                       "depth (found \"world\" without \"depth\"); give the "
-                       "light \"depth\", 0 near to 1 far", path);
+                       "%s: in normalized depth a light needs a \"depth\" "
+                       "(found \"world\" without one); give it, 0 near to 1 "
+                       "far", path);
     if (own) // its distance, counted as the frame's depth channel counts
         l.depth = type == GP_DEPTH_RAY ? at.ray : at.z;
     else if (!isnan(spec->depth))

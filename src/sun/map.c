@@ -66,16 +66,16 @@ gp_status gp_map_begin(const struct gp_log *log, const struct gp_gl *gl,
     gp_status st = GP_OK;
     if (n < 1 || n > GP_LIGHTS_MAX)
         return gp_fail_bare(log, GP_ERR_BUG,
-                            "sun map: %d lights (1 to %d can be drawn); "
-                            "report it", n, GP_LIGHTS_MAX);
+                            "sun map: cannot draw %d lights (1 to %d); report "
+                            "this", n, GP_LIGHTS_MAX);
     if (p->side < 2 || p->side > 256 || p->side % 2)
         return gp_fail_bare(log, GP_ERR_BUG,
-                            "sun map: %d texels wide (2 to 256, even, can be "
-                            "drawn); report it", p->side);
+                            "sun map: cannot draw %d texels wide (even, 2 to "
+                            "256); report this", p->side);
     if (n > limit)
         return gp_fail_bare(log, GP_ERR_GL,
-            "sun map: %d lights do not go into a texture (%d "
-            "texels wide is the limit); use --sun-method exact", n, limit);
+            "sun map: %d lights do not fit into a texture (the limit is %d "
+            "texels wide); use --sun-method exact", n, limit);
     if (!*state)
         st = gp_alloc_zero(log, "sun map", 1, sizeof **state, state);
     if (st)
@@ -186,10 +186,10 @@ gp_status gp_sun_map_draw(const struct gp_log *log, const struct gp_gl *gl,
     if (atlas_w > limit || atlas_h > limit ||
         (long long) atlas_w * atlas_h > MOST)
         return gp_fail_bare(log, GP_ERR_GL,
-            "sun map: %d maps of %dx%d texels do not go into "
-            "one texture (%d texels wide and high, and %d in "
-            "all, is the limit); use a smaller --sun-map or "
-            "--sun-method exact", n, p->side, p->side, limit, MOST);
+            "sun map: %d maps of %dx%d texels do not fit into a texture (the "
+            "limit is %d texels wide and high, and %d in all); use a smaller "
+            "--sun-map or --sun-method exact", n, p->side, p->side, limit,
+            MOST);
     s->map = p->side;
     const struct gp_texture *const to = &s->atlas.colour;
     if (to->w < atlas_w || to->h < atlas_h) {
@@ -254,7 +254,7 @@ gp_status gp_sun_map_read(const struct gp_log *log, const struct gp_gl *gl,
     if (!s || !n || s->n != n)
         return gp_fail_bare(log, GP_ERR_BUG,
                             "sun map: %d lights were drawn and %d are read; "
-                            "report it", s ? s->n : 0, n);
+                            "report this", s ? s->n : 0, n);
     gp_target_read(gl, &s->intensity, 0, (struct gp_rect) {0, 0, n, 1}, rgba);
     for (int i = 0; i < n; i++) {
         const double shown = (double) rgba[4 * i];

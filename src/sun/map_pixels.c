@@ -111,10 +111,10 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
     const bool frame_fits = frame_w <= most && frame_h <= most;
     if (w > EXACT_IN_FLOAT || h > EXACT_IN_FLOAT || (!fits && !frame_fits))
         return gp_fail_bare(log, GP_ERR_GL,
-                            "sun map: the pixels under %d lights in a frame "
-                            "of %dx%d do not go into one texture (%dx%d "
-                            "texels is the limit); use --sun-method exact",
-                            n, w, h, most, most);
+                            "sun map: the pixels under %d lights in a frame of "
+                            "%dx%d do not fit into a texture (the limit is "
+                            "%dx%d texels); use --sun-method exact", n, w, h,
+                            most, most);
     const bool less = (double) frame_w * frame_h < (double) used * high;
     *out = (struct gp_map_pixels) {!fits || (less && frame_fits), used, high};
     if (!out->whole)

@@ -107,8 +107,9 @@ static gp_status place_lights(const struct gp_log *log,
                            about->name);
         if (!entry)
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: %s has no frame number to look for; number it, "
-                           "or keep one camera", p->camera, about->name);
+                           "%s: %s has no frame number to find its camera by; "
+                           "add one to its name, or keep one camera in the "
+                           "file", p->camera, about->name);
         camera = entry->camera;
     } else if (needed && about->has_ndc) {
         found = true;
@@ -123,8 +124,8 @@ static gp_status place_lights(const struct gp_log *log,
                      (entry->has_sun || !p->lights);
     if (suns->specs + sun > GP_LIGHTS_MAX)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: too many lights with the sun (%d); %d are the "
-                       "most", p->lights, suns->specs + sun, GP_LIGHTS_MAX));
+                       "%s: too many lights with the sun (%d); the limit is %d",
+                       p->lights, suns->specs + sun, GP_LIGHTS_MAX));
     if (sun && !entry->has_sun)
         GP_TRY(gp_fail(log, GP_ERR_DATA,
                        "%s: frame %lld has no sun_dir_world; give --sun, "

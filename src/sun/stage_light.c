@@ -186,9 +186,9 @@ static gp_status find_sprite(const struct gp_log *log,
     struct gp_spread_kernel wide;
     if (radius > SPRITE_RADIUS)
         return gp_fail_bare(log, GP_ERR_DATA,
-            "a light of radius %g: too large for glare of its "
-            "own at the frame's edge (%d pixels at most); "
-            "give it no flux, or --sun-in-frame", radius, SPRITE_RADIUS);
+            "a light of radius %g pixels is too large for glare of its own at "
+            "the frame's edge (the limit is %d); leave its flux out, or add "
+            "--sun-in-frame", radius, SPRITE_RADIUS);
     radius = radius > 0.5 ? radius : 0.5;
     if (suns->sprite_kernel != k->serial)
         gp_suns_drop_sprites(suns);

@@ -127,8 +127,8 @@ gp_status gp_tone_map(const struct gp_log *log, const struct gp_tone_params *p,
                      used ? ", " : "", (*c)->name);
         }
         return gp_fail(log, GP_ERR_USAGE,
-                       "--tonemap: no operator has this name (%s); use one of "
-                       "%s", p->curve, names);
+                       "--tonemap: no operator of this name (%s); use %s",
+                       p->curve, names);
     }
     if (!f->shown.c[0]) {
         gp_status st = gp_planes_make(log, "shown frame", pixels, &f->shown);

@@ -116,10 +116,10 @@ void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
          gp_rgb_to_rgb(f->chromaticities, made->input_light.of, m)))
         return;
     ocio->noted = true;
-    gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored, it is "
-           "taken as %s, whose primaries are unknown (not linear, or %s has no "
-           "role aces_interchange); check --input-space", f->path,
-           made->names.input, made->names.config);
+    gp_say(log, GP_LEVEL_WARN, "%s: its chromaticities are ignored: it is read "
+           "as %s, whose primaries are unknown (not linear, or %s has no role "
+           "aces_interchange); check --input-space", f->path, made->names.input,
+           made->names.config);
 }
 
 const float *gp_ocio_output_primaries(const struct gp_ocio *ocio)
@@ -228,7 +228,7 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
         return st;
     if (!p->processor)
         return gp_fail_bare(log, GP_ERR_BUG,
-                            "OCIO: this transform was never asked for");
+                            "OCIO: this transform was not opened; report this");
     st = gp_parallel(blocks, pass_block, p, NULL);
     return !st ? GP_OK : gp_fail_bare(log, st,
         "OCIO: OpenColorIO failed on the pixels; free some memory");

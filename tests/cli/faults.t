@@ -105,7 +105,7 @@ if GLAREPP_OSMESA=$broken "$glarepp" -e splat --gl osmesa --layer gl.exr \
     MESA_GL_VERSION_OVERRIDE=2.1 "$glarepp" -e splat --gl osmesa --layer old.exr \
         in.exr >out 2>err
     status=$?
-    fails_with 5 'OpenGL 4.5 is needed' 'a Mesa of OpenGL 2.1'
+    fails_with 5 'needs OpenGL 4.5' 'a Mesa of OpenGL 2.1'
     echo 'no library' >text.so
     GLAREPP_OSMESA=$tmp/text.so "$glarepp" -e splat --gl osmesa \
         --layer old.exr in.exr >out 2>err

@@ -111,7 +111,7 @@ is "$(field r.json 'o["clamped"], o["nonfinite"], o["sources"]')" '(1, 0, 1)' \
     'a value over --max-value is counted'
 is "$(field r.json 'o["flux_clamped"]')" '[934496.0, 934496.0, 934496.0]' \
     'light that --max-value takes is in the report'
-like "$(cat err)" '*hot.exr: --max-value takes 93.4 % of the frame*' \
+like "$(cat err)" '*hot.exr: --max-value removes 93.4 % of the frame*' \
     'a warning: much light is taken'
 run -o out.png --report r.json hot.exr
 is "$(field r.json 'o["clamped"], "flux_clamped" in o')" '(0, False)' \

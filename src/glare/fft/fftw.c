@@ -147,7 +147,7 @@ gp_status gp_fft_plan_make(const struct gp_log *log, int n,
     if (!p.forward || !p.backward) {
         gp_fft_plan_free(&p);
         st = gp_fail_bare(log, GP_ERR_BUG,
-                          "transform: FFTW makes no plan (length %d); use "
+                          "transform: FFTW has no plan for length %d; use "
                           "--engine direct", n);
         goto out;
     }

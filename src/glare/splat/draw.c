@@ -396,16 +396,16 @@ gp_status gp_splat_draw(const struct gp_glare_job *job, struct gp_splat *s,
     k.field_side = gp_min(k.patch_side, gl->max_size - 2 * k.margin);
     if ((float) k.sprite > gl->max_point)
         return gp_fail_bare(job->log, GP_ERR_GL,
-                            "%s: point sprites of %d pixels are needed (%.0f "
-                            "is the limit); use --primitive quad or tile, a "
-                            "smaller kernel, or more --shrink", gl->name,
-                            k.sprite, (double) gl->max_point);
+                            "%s: the driver draws no point sprites of %d "
+                            "pixels (the limit is %.0f); use --primitive quad "
+                            "or tile, a smaller kernel, or a larger --shrink",
+                            gl->name, k.sprite, (double) gl->max_point);
     if (k.patch_side / span < 1 || k.field_side < 1)
         return gp_fail_bare(job->log, GP_ERR_GL,
-                            "%s: polygons of %d pixels, groups of %d, do not "
-                            "go into one texture (%d pixels are the limit); "
-                            "use --engine fft or direct", gl->name, k.sprite,
-                            span, k.patch_side);
+                            "%s: polygons of %d pixels in groups of %d do not "
+                            "fit into a texture (the limit is %d pixels); use "
+                            "--engine fft or direct", gl->name, k.sprite, span,
+                            k.patch_side);
     float reach[GP_SOURCE_BINS];
     gp_status st = GP_OK;
     if (!s->reaches.id)

@@ -152,7 +152,7 @@ static void gnuplot_gives_all_it_writes(void **state)
     said_nothing();
     assert_int_equal(gp_gnuplot(&said_log, "no such word\n", &out, &size),
                      GP_ERR_IO);
-    assert_non_null(strstr(said_line, "gnuplot: made no picture ("));
+    assert_non_null(strstr(said_line, "gnuplot: drew no picture ("));
     assert_null(strchr(said_line, '\n'));
 }
 

@@ -79,9 +79,9 @@ static int open_as_33(enum gp_gl_api api)
     struct gp_gl *gl = NULL;
     setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
     gp_status st = gp_gl_open(&said_log, api, &gl);
-    if (strstr(said_line, "does not open"))
+    if (strstr(said_line, "cannot be loaded"))
         return 77;
-    return st == GP_ERR_GL && !gl && strstr(said_line, "4.5 is needed (3.")
+    return st == GP_ERR_GL && !gl && strstr(said_line, "4.5 (found 3.")
                ? 0 : gl && !gp_gl_info(gl)->software ? 77 : 1;
 }
 
@@ -126,7 +126,7 @@ static void limit_can_only_be_lowered(void **state)
         assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT,
             1, rows[i].w, rows[i].h, &g), rows[i].want);
         if (rows[i].want)
-            assert_said("16x16 is the limit");
+            assert_said("1x1 to 16x16 do");
         gp_texture_free(gl, &t);
         gp_texture_free(gl, &t);
         gp_target_free(gl, &g);
@@ -258,9 +258,9 @@ static void blocks_and_lists_have_limits(void **state)
         const char *said;
     } rows[] = {
         {GP_BUFFER_BLOCK, gp_gl_info(gl)->max_block / 16, 1024,
-         "one uniform block"},
+         "a uniform block"},
         {GP_BUFFER_TEXELS, gp_gl_info(gl)->max_texel_buffer, 65536,
-         "one buffer texture"},
+         "a buffer texture"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         const int refused[] = {0, -1, rows[i].limit + 1};

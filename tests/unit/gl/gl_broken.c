@@ -66,7 +66,7 @@ static void refuse(enum gp_gl_api api, const char *variable,
             // Mesa's older contexts are of a version that may be enough, or not
             assert_true(rows[i].said || strcmp(rows[i].what, "core") == 0);
             assert_said(rows[i].what,
-                        rows[i].said ? rows[i].said : "4.5 is needed");
+                        rows[i].said ? rows[i].said : "needs OpenGL 4.5");
         }
         unsetenv(variable);
     }
@@ -76,11 +76,11 @@ static void refuse(enum gp_gl_api api, const char *variable,
 static void osmesa_refuses(void **state)
 {
     static const struct broken rows[] = {
-        {"context", "no context can be made"},
+        {"context", "cannot make a context"},
         {"current", "cannot be made current"},
-        {"old", "4.5 is needed (2.1 Mesa found)"},
-        {"words", "4.5 is needed (no number found)"},
-        {"silent", "4.5 is needed (nothing found)"},
+        {"old", "4.5 (found 2.1 Mesa)"},
+        {"words", "4.5 (found no number)"},
+        {"silent", "4.5 (found nothing)"},
         {"core", NULL}, {"unnamed", NULL},
     };
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
@@ -107,7 +107,7 @@ static void missing_functions_are_named(void **state)
 
 static void egl_refuses(void **state)
 {
-    static const char none[] = "neither a GPU device nor";
+    static const char none[] = "neither on a GPU device nor";
     static const struct broken rows[] = {
         {"client", "no platform extensions"},
         {"platform", "no platform extensions"},

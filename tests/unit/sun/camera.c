@@ -189,17 +189,17 @@ static void matrices_that_are_none(void **state)
         double to;
         const char *say; // NULL: fine
     } row[] = {
-        {-1, 0, "no view axis"}, {-1, 1, "singular"},
-        {-1, NAN, "worldToNDC is no matrix (row 0, column 0 is NaN)"},
+        {-1, 0, "not of a perspective"}, {-1, 1, "singular"},
+        {-1, NAN, "worldToNDC is not finite (row 0, column 0 is NaN)"},
         {-1, DBL_MAX, "singular"}, {-1, DBL_TRUE_MIN, "singular"},
         {14, NAN, "row 3, column 2 is NaN"},
         {7, INFINITY, "row 1, column 3 is Inf"},
-        {7, 0, "no view axis"},      // orthographic
-        {7, 1e-12, "no view axis"},  // but for rounding
-        {7, 1e-200, "no view axis"},
+        {7, 0, "not of a perspective"},      // orthographic
+        {7, 1e-12, "not of a perspective"},  // but for rounding
+        {7, 1e-200, "not of a perspective"},
         {0, 0, "singular"},          // flat
-        {0, 1e-12, "singular"}, {0, 1e300, "no view axis"},
-        {12, 1e40, "no view axis"}, {13, -DBL_MAX, "no view axis"},
+        {0, 1e-12, "singular"}, {0, 1e300, "not of a perspective"},
+        {12, 1e40, "not of a perspective"}, {13, -DBL_MAX, "not of a perspective"},
         {12, 1e9, NULL},             // far from the origin
     };
     for (size_t i = 0; i < COUNT(row); i++) {
@@ -344,7 +344,7 @@ static void files_by_content(void **state)
         {NINE SPEC ", 'worldToCamera_rowmajor': null}]", 0,
          "frame 9: \"worldToCamera"},
         {"[{'frame': 7, " SPEC "}, {'frame': 8, " SPEC "}, {'frame': 7, "
-         SPEC "}]", 0, "frame 7 is there twice"},
+         SPEC "}]", 0, "frame 7 is listed twice"},
         {NINE SPEC ", 'sun_dir_world': [0,0,0]}]", 0, "frame 9: \"sun_dir"},
         {NINE SPEC ", 'sun_dir_world': [0,1]}]", 0, "frame 9: \"sun_dir"},
         {NINE SPEC ", 'sun_radius_px': -1}]", 0, "frame 9: \"sun_radius"},

@@ -74,7 +74,7 @@ static void files_that_are_refused(void **state)
         {"[{'pixel': 1}]", "light 1: \"pixel\""},
         {"[{'pixel': [1, 1.1e9]}]", "light 1: \"pixel\" out of range"},
         {"[{'world': [1, 2]}]", "light 1: \"world\""},
-        {"[{'direction': [0, -0.0, 0]}]", "\"direction\" has no direction"},
+        {"[{'direction': [0, -0.0, 0]}]", "\"direction\" is 0, 0, 0"},
         {"[{'direction': [1, 2, 3], 'degrees': 1, 'radius': 1}]", "degrees"},
         {"[{'direction': [1, 2, 3], 'degrees': 91}]", "\"degrees\" out of"},
         // more of a light that has a pixel
