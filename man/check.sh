@@ -24,7 +24,7 @@ fi
 options_of()
 {
     "$glarepp" "$@" --help |
-        sed -n 's/^  *\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
+        sed -n 's/^ \{2,6\}\(-[a-z], \)\{0,1\}\(--[a-z-]*\).*/\1\2/p' | tr -d ,
 }
 help=$({ options_of; options_of bench; options_of compare; } | sort -u)
 man=$(sed -n '/^\.Sh OPTIONS/,/^\.Sh THE REPORT/p' "$page" |
@@ -53,7 +53,7 @@ done | grep . && fail "help names sections that $page does not have"
 
 for command in '' bench compare; do
     for option in $(options_of $command); do
-        # (an option out of range behind it: nothing that it asks for is run)
+        # (the option out of range after it keeps anything from running)
         line=$("$glarepp" $command "$option" --threads=-1 2>&1)
         case $line in
         *"unknown option"* | *": not for "*)

@@ -1,6 +1,6 @@
-/* Checks of settings that no single option can make. The option table has the
- * needs of each option, as bits (options.h); here is when a need is met, and
- * its message. */
+/* Checks settings that depend on each other. The option table has the needs of
+ * each option as bits (options.h); this file has their conditions and their
+ * messages. */
 #include "app/options.h"
 
 #include "compare/compare.h"
@@ -21,9 +21,9 @@ static bool open_ended(const char *path)
     return ending[0] == '\0';
 }
 
-/* Says which option has a need that is not met: `warns` for settings that are
- * right and do nothing, else an error. With `unmet` it says nothing, and adds
- * the bits of all needs that are not met. */
+/* Reports the first option with a need that is not met as an error, or with
+ * `warns` each option that does nothing as a warning. With `unmet` it reports
+ * nothing and adds the bits of all needs that are not met. */
 static gp_status check_needs(const struct gp_log *log,
                              const struct gp_settings *s, bool warns,
                              unsigned *unmet)
@@ -31,7 +31,7 @@ static gp_status check_needs(const struct gp_log *log,
     const struct gp_sun_params *const sun = &s->sun;
     const bool light = gp_suns_wanted(sun), config = s->ocio.config != NULL;
     const bool mask = sun->method == GP_SUN_MASK ||
-                      s->command == GP_COMMAND_BENCH; // measures them all
+                      s->command == GP_COMMAND_BENCH; // runs every method
     const bool polygons = s->debug[GP_DEBUG_POLYGONS] != NULL;
     const char *const engine = s->glare.engine, *const curve = s->tone.curve;
     const char *const input = s->inputs.n ? s->inputs.at[0] : "";
@@ -49,37 +49,37 @@ static gp_status check_needs(const struct gp_log *log,
         stream = stream || open_ended(s->debug[i]);
         files = files || s->debug[i];
     }
-    // in the order in which they are checked; a message comes after "--NAME: ",
-    // and where it has two parts, with the value that is in the way between
+    // in the order of the checks; a message follows "--NAME: ", and a value
+    // goes between its two parts
     const struct {
         unsigned bit;
         bool met;
         const char *text, *value, *end;
     } needs[] = {
-        {GP_NEED_OWN_FRAMES, s->inputs.n == 0, "brings its own frames (found ",
-         input, " as well); leave one of the two out"},
-        {GP_NEED_NO_LIGHT, !light, "its frames have no depth for a light; "
-         "leave one of the two out", "", ""},
-        {GP_NEED_REPORT, s->report || s->level >= GP_LEVEL_INFO, "its result "
-         "would be shown nowhere; add --report FILE or -v", "", ""},
-        {GP_NEED_RAW, raw, "--stdout-format says otherwise; leave one of the "
-         "two out", "", ""},
-        {GP_NEED_LIGHT, light, "there is no light; give --sun, --sun-dir, "
-         "--camera or --lights", "", ""},
-        {GP_NEED_NO_PLACE, !sun->at.n, "the sun has a place by --sun already; "
-         "leave one out", "", ""},
-        {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera, "there is no "
-         "sun; lights of --lights have flux of their own", "", ""},
-        {GP_NEED_FLUX, sun->color.n || sun->lights, "the sun has no flux to "
-         "make it of; give --sun-color", "", ""},
-        {GP_NEED_CONFIG, config, "there is no config; give --ocio CONFIG, or "
-         "--ocio env", "", ""},
-        {GP_NEED_NO_CONFIG, !config, "--ocio takes its place; leave one of "
-         "the two out", "", ""},
-        {GP_NEED_PICTURE, s->outputs.n || polygons, "there is no picture to "
-         "show; give -o FILE", "", ""},
-        {GP_NEED_HDR, s->hdr.n, "there is no frame to convert; give --hdr FILE",
+        {GP_NEED_OWN_FRAMES, s->inputs.n == 0, "measures frames of its own "
+         "(found input ", input, "); leave one of the two out"},
+        {GP_NEED_NO_LIGHT, !light, "its frames have no depth to hide a light; "
+         "leave --paper or the lights out", "", ""},
+        {GP_NEED_REPORT, s->report || s->level >= GP_LEVEL_INFO, "no output "
+         "shows its result; add --report FILE or -v", "", ""},
+        {GP_NEED_RAW, raw, "contradicts --stdout-format; leave one of the two "
+         "out", "", ""},
+        {GP_NEED_LIGHT, light, "needs a light; give --sun, --sun-dir, --camera "
+         "or --lights", "", ""},
+        {GP_NEED_NO_PLACE, !sun->at.n, "--sun already places the sun; leave "
+         "one of the two out", "", ""},
+        {GP_NEED_SUN, sun->at.n || sun->dir.n || sun->camera, "needs --sun, "
+         "--sun-dir or --camera; lights of --lights have flux of their own",
          "", ""},
+        {GP_NEED_FLUX, sun->color.n || sun->lights, "needs a light with flux; "
+         "give --sun-color, e.g. --sun-color 5e4", "", ""},
+        {GP_NEED_CONFIG, config, "needs --ocio; give --ocio CONFIG or --ocio "
+         "env", "", ""},
+        {GP_NEED_NO_CONFIG, !config, "--ocio replaces it; leave one of the two "
+         "out", "", ""},
+        {GP_NEED_PICTURE, s->outputs.n || polygons, "needs a picture; give -o "
+         "FILE", "", ""},
+        {GP_NEED_HDR, s->hdr.n, "converts only --hdr; give --hdr FILE", "", ""},
         {GP_NEED_MASK, mask, "does nothing with this --sun-method; use "
          "--sun-method mask", "", ""},
         {GP_NEED_MAP, mask || s->debug[GP_DEBUG_SUNMAP], "does nothing with "
@@ -95,12 +95,12 @@ static gp_status check_needs(const struct gp_log *log,
          "does nothing with --engine ", engine, "; use --engine splat"},
         {GP_NEED_AUTO, chosen, "does nothing with --engine ", engine,
          "; use --engine auto"},
-        {GP_NEED_STREAM, stream, "does nothing, as no output is -; write -o -",
-         "", ""},
+        {GP_NEED_STREAM, stream, "does nothing without an output to stdout; "
+         "write -o -", "", ""},
         {GP_NEED_REPORT_FILE, s->report, "does nothing without a report; give "
          "--report FILE", "", ""},
-        {GP_NEED_FILES, files, "does nothing, as no picture is written; leave "
-         "it out", "", ""},
+        {GP_NEED_FILES, files, "does nothing without an output file; leave it "
+         "out", "", ""},
     };
     for (size_t i = 0; i < sizeof needs / sizeof *needs; i++) {
         const unsigned bit = needs[i].bit;
@@ -118,7 +118,7 @@ static gp_status check_needs(const struct gp_log *log,
         if (name && !warns && bit == GP_NEED_CONFIG &&
             strcmp(name, "view") == 0)
             return gp_fail(log, GP_ERR_USAGE, "--view: needs --ocio CONFIG; "
-                           "for views of stereo use --views %s", s->ocio.view);
+                           "for stereo use --views %s", s->ocio.view);
         if (name && !warns)
             return gp_fail(log, GP_ERR_USAGE, "--%s: %s%s%s", name,
                            needs[i].text, needs[i].value, needs[i].end);
@@ -194,8 +194,8 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp bench "
                        "frame.exr, or glarepp bench --paper");
     if (bench && !s->bench.paper && s->inputs.n > 1)
-        return gp_fail(log, GP_ERR_USAGE, "%s: one frame at a time is "
-            "measured (found %d); give one", s->inputs.at[1], s->inputs.n);
+        return gp_fail(log, GP_ERR_USAGE, "%s: bench measures one frame "
+            "(found %d); give one", s->inputs.at[1], s->inputs.n);
     if (!bench && s->inputs.n == 0)
         return gp_fail(log, GP_ERR_USAGE, "no input; write glarepp -o out.png "
                        "frame.exr, or see glarepp --help");
@@ -204,7 +204,7 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "out.png %s, or see glarepp --help", s->inputs.at[0]);
     GP_TRY(check_needs(log, s, false, NULL));
     GP_TRY(check_grow(log, s));
-    // a cluster that was not asked for goes where groups are as large
+    // the default of --cluster must not refuse a larger --group
     if (!is_power_of_two(splat->group))
         return gp_fail(log, GP_ERR_USAGE, "--group: not a power of two (found "
                        "%d); give 1, 2, 4, 8, 16, 32 or 64", splat->group);
@@ -214,9 +214,9 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
         return gp_fail(log, GP_ERR_USAGE, "--cluster: not a power of two "
             "(found %d); give 0, 2, 4, 8, 16, 32 or 64", splat->cluster);
     if (splat->cluster != 0 && splat->cluster <= splat->group)
-        return gp_fail(log, GP_ERR_USAGE, "--cluster: no larger than --group "
-                       "(found %d and %d); give a larger one, or 0 for none",
-                       splat->cluster, splat->group);
+        return gp_fail(log, GP_ERR_USAGE, "--cluster: must be larger than "
+                       "--group (found %d and %d); give a larger one, or 0 "
+                       "for none", splat->cluster, splat->group);
     // lights
     if (sun->at.n == 3 && sun->at.v[2] < 0.0)
         return gp_fail(log, GP_ERR_USAGE, "--sun: a negative radius (found "
@@ -229,17 +229,17 @@ gp_status gp_settings_check(const struct gp_log *log, struct gp_settings *s)
                        "an even number", sun->map.side);
     if (sun->map.sum == GP_SUM_BYTE && sun->map.side > 16 &&
         sun->method == GP_SUN_MASK)
-        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: a map over 16 adds up to "
-               "nothing (found %d); use --sun-map 16", sun->map.side);
-    // the paper's frames are measured as the paper made them
+        gp_say(warn, GP_LEVEL_WARN, "--sun-sum 8bit: texels of a map over 16 "
+               "round to 0 (found %d); use --sun-map 16", sun->map.side);
+    // Ando et al. spread whole pixels and add the layer
     if (bench && s->bench.paper && !gp_option_given(s, "threshold-mode"))
         s->sensor.mode = GP_THRESHOLD_WHOLE;
     if (bench && s->bench.paper && !gp_option_given(s, "mix"))
         s->compose.mix = GP_MIX_ADD;
     if (s->sensor.mode == GP_THRESHOLD_EXCESS && gp_option_given(s, "knee"))
-        return gp_fail(log, GP_ERR_USAGE, "--knee: --threshold-mode excess "
-                       "has no ramp (found %g); add --threshold-mode whole, "
-                       "or leave --knee out", (double) s->sensor.knee);
+        return gp_fail(log, GP_ERR_USAGE, "--knee: needs --threshold-mode "
+                       "whole (found %g with excess); add it, or leave --knee "
+                       "out", (double) s->sensor.knee);
     GP_TRY(check_needs(warn, s, true, NULL));
     // what follows from several settings
     if (gp_option_given(s, "raw"))

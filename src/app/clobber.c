@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Plain names; where one is a pattern, its frames are the owner's to add. */
+/* Options with one file name; files of a pattern are added by the caller. */
 static const struct single {
     const char *what;
     size_t at;  // of its const char * in struct gp_settings
@@ -32,7 +32,7 @@ static const struct single {
 };
 enum { SINGLES = sizeof singles / sizeof singles[0] };
 
-/* Its name, or NULL when it is not given. */
+/* Returns the file of an option, or NULL when it is not given. */
 static const char *single_name(const struct gp_settings *s, int i)
 {
     const char *name;
@@ -54,10 +54,10 @@ static uint64_t hash_on(uint64_t h, const char *text, size_t n)
 }
 #define HASH_START 14695981039346656037u
 
-/* Identifies the file that will be made under a name that does not exist, by
- * its folder and the names below. The folder is kept in *c, as the next file is
- * often in it: its device and node, or where --create-dir would make it, those
- * of the deepest folder on its way that exists and the hash of the rest. */
+/* Identifies the file that will be made under a name that does not exist: by
+ * device and node of its folder, or of the deepest folder above that exists
+ * where --create-dir would make it, and a hash of the rest. The folder is kept
+ * in *c, as the next file is often in it. */
 static gp_status find_place(struct gp_clobber *c, const char *path,
                             struct gp_clobber_file *file)
 {
@@ -99,7 +99,7 @@ static gp_status find_place(struct gp_clobber *c, const char *path,
                                       (int) n, p);
         }
         c->folder.tail = hash_on(HASH_START, rest, left);
-        if (stat(way, &info) != 0) // taken away meanwhile
+        if (stat(way, &info) != 0) // removed meanwhile
             info.st_dev = info.st_ino = 0;
         gp_free(way);
     }
@@ -141,8 +141,8 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
     struct gp_clobber_file file = {.role = role, .item = item};
     struct stat info;
     bool exists, link = false;
-    if (strcmp(path, "-") == 0) { // itself, and the file that it may stand for
-        file.tail = 1; // of no folder: none has device 0 and node 0
+    if (gp_is_dash(path)) { // `-` itself, and the file that stdout may be
+        file.tail = 1; // no folder has device 0 and node 0
         gp_status st = add_file(c, file);
         if (st)
             return st;
@@ -166,8 +166,8 @@ gp_status gp_clobber_output(struct gp_clobber *c, const char *path, int role,
         c->exists = true;
         return add_file(c, file);
     }
-    // a link to nothing makes what it leads to; where it cannot be followed
-    // nothing is made, and opening it says why
+    // writing through a dangling link makes its target; a link that cannot be
+    // resolved is reported when it is opened
     char *const end = link ? gp_file_resolve(path) : NULL;
     if (link && !end && errno == ENOMEM)
         return gp_no_memory(c->log, path);
@@ -203,7 +203,7 @@ void gp_clobber_end(struct gp_clobber *c)
 
 // -- comparing ---------------------------------------------------------------
 
-/* Orders by the files themselves. */
+/* Orders by file identity. */
 static int by_file(const void *a, const void *b)
 {
     const struct gp_clobber_file *x = a, *y = b;
@@ -214,7 +214,7 @@ static int by_file(const void *a, const void *b)
     return (x->tail > y->tail) - (x->tail < y->tail);
 }
 
-/* Those of one file in the order of the command line's items. */
+/* Orders by file identity, then by the items of the command line. */
 static int by_file_and_owner(const void *a, const void *b)
 {
     const struct gp_clobber_file *x = a, *y = b;
@@ -260,8 +260,8 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
     (o).view ? (o).view : ""
         st = gp_fail(c->log, GP_ERR_USAGE, "%s: given for two outputs (%s "
             "%s%s%s%s%s and %s %s%s%s%s%s); %s", name, x.what, x.as, OF(x),
-            y.what, y.as, OF(y), strcmp(name, "-") == 0 ? "only one can "
-            "go to stdout" : "give each a name of its own");
+            y.what, y.as, OF(y), gp_is_dash(name) ? "only one can go to "
+            "stdout" : "give each a name of its own");
 #undef OF
         gp_free(x.name);
         gp_free(y.name);
@@ -278,8 +278,8 @@ gp_status gp_clobber_input(const struct gp_clobber *c, const char *what,
                            const char *path)
 {
     struct stat info;
-    if (!c->exists || (strcmp(path, "-") == 0 ? fstat(STDIN_FILENO, &info)
-                                              : stat(path, &info)) != 0)
+    if (!c->exists || (gp_is_dash(path) ? fstat(STDIN_FILENO, &info)
+                                        : stat(path, &info)) != 0)
         return GP_OK;
     const struct gp_clobber_file key = {.device = info.st_dev,
                                         .node = info.st_ino};

@@ -1,16 +1,15 @@
 /* Checks that no output of a run replaces an input or another output, before
  * the first file is opened.
  *
- * Files are compared as files and not by their names: those that exist by
- * device and inode, those that are still to be made by their folder's and the
- * name in it. So links, ./ and folders with two names hide nothing. What is
- * no regular file (pipes, devices) loses nothing by being written and may be
- * given any number of times. So may descriptors (stdout, /dev/fd/N), whatever
- * they stand for, but not for a file that is read; of `-` there is one.
+ * Files are compared by identity: files that exist by device and inode, files
+ * to be made by those of their folder and their name in it. So links, ./ and
+ * folders with two names hide nothing. Pipes and devices lose nothing by being
+ * written and may be given any number of times. So may descriptors (stdout,
+ * /dev/fd/N), unless they are of a file that is read; `-` may be given once.
  *
- * All outputs come first, then gp_clobber_settle(), then what is read. An
- * output costs one lstat() (and its folder one stat()), an input one stat(),
- * and none at all where no output exists yet. */
+ * All outputs are added first, then gp_clobber_settle(), then inputs. An output
+ * costs one lstat() (and its folder one stat()), an input one stat(), or none
+ * where no output exists yet. */
 #ifndef GP_APP_CLOBBER_H
 #define GP_APP_CLOBBER_H
 
@@ -22,13 +21,13 @@
 #include <stdint.h>
 #include <sys/types.h>
 
-/* A file that is written, and whose it is. */
+/* A file that is written, and its owner. */
 struct gp_clobber_file {
     dev_t device;
     ino_t node;      // the file's, or its folder's
-    uint64_t tail;   // of the name in the folder; 0: the file exists
+    uint64_t tail;   // hash of the name in the folder; 0: the file exists
     int role, item;  // the owner's, role >= 0; role < 0: a file of an option
-    bool open;       // by a descriptor that was given: others may have it too
+    bool open;       // a descriptor, which may be given several times
 };
 
 /* The output that writes a file, for messages. */
@@ -36,7 +35,7 @@ struct gp_clobber_owner {
     char *name;        // as written; from malloc, NULL: memory is full
     const char *what;  // "--hdr"
     const char *as;    // its value, which may be a pattern
-    const char *of;    // input that it is made of; NULL: goes without saying
+    const char *of;    // input that it is made of; NULL: the only one
     const char *view;  // of that input, or NULL
 };
 
@@ -48,20 +47,21 @@ struct gp_clobber {
     const void *user;
     struct gp_clobber_file *file; // owned
     size_t n, room;
-    bool exists;                  // some output does, and could be an input
+    bool exists;                  // some output exists: it may be an input
     struct {                      // folder of the last output
         char *path;               // owned
         dev_t device;
         ino_t node;
-        uint64_t tail;            // of folders that are still to be made
+        uint64_t tail;            // hash of folders that are to be made
     } folder;
 };
 
 /* Starts with the files that options with plain names write.
  *
- *   s      borrowed until the end
- *   owner  returns whose a file of gp_clobber_output() is; NULL: there is none
- *   out    ends with gp_clobber_end(), also after a failure
+ *   s      borrowed until gp_clobber_end()
+ *   owner  returns the owner of a file of gp_clobber_output(); NULL: none is
+ *          added
+ *   out    end with gp_clobber_end(), also after a failure
  *
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_clobber_begin(
@@ -74,15 +74,15 @@ GP_MUST_CHECK gp_status gp_clobber_begin(
 GP_MUST_CHECK gp_status gp_clobber_output(struct gp_clobber *c,
                                           const char *path, int role, int item);
 
-/* Compares the outputs, which are all there, with each other, and with the
- * files that options with plain names read.
- * Errors: GP_ERR_USAGE names the first that comes twice, or is read. */
+/* Compares all outputs with each other, and with the files that options with
+ * plain names read. Call it after the last gp_clobber_output().
+ * Errors: GP_ERR_USAGE names the first that is given twice, or is read. */
 GP_MUST_CHECK gp_status gp_clobber_settle(struct gp_clobber *c);
 
-/* Compares the outputs with a file that is read; one that does not exist loses
- * nothing. `-` is stdin.
- *   what  it is: "input"
- * Errors: GP_ERR_USAGE it would be replaced. */
+/* Compares the outputs with a file that is read; `-` is stdin. A file that does
+ * not exist is fine.
+ *   what  option of the file, or "input", for the message
+ * Errors: GP_ERR_USAGE an output would replace it. */
 GP_MUST_CHECK gp_status gp_clobber_input(const struct gp_clobber *c,
                                          const char *what, const char *path);
 

@@ -1,4 +1,4 @@
-/* Completions for shells, made from the option table. */
+/* Prints shell completions from the option table. */
 #include "app/options.h"
 
 #include <stdbool.h>
@@ -21,7 +21,7 @@ static const char *command_name(int i, enum gp_command *command)
     return word && !*word ? "main" : word;
 }
 
-/* A text inside single quotes: ' becomes '\'', and each of `escaped` gets a
+/* Prints a text for single quotes: ' becomes '\'', and each of `escaped` gets a
  * backslash. */
 static void print_quoted(FILE *f, const char *text, const char *escaped)
 {
@@ -34,7 +34,7 @@ static void print_quoted(FILE *f, const char *text, const char *escaped)
     }
 }
 
-/* The values of an option, a blank before each but the first. */
+/* Prints the values of an option, separated by blanks. */
 static void print_values(FILE *f, const struct gp_option *o,
                          const char *escaped)
 {
@@ -54,7 +54,7 @@ static bool has_values(const struct gp_option *o)
     return gp_option_value(o, 0, &text) != NULL;
 }
 
-/* Topics of help; options complete by themselves. */
+/* Prints the topics of help but the options, which shells complete already. */
 static void print_topics(FILE *f)
 {
     char name[GP_TOPIC_BYTES];
@@ -73,9 +73,9 @@ static void print_commands(FILE *f, const char *between)
 
 // -- bash --------------------------------------------------------------------
 
-/* The part of a function's head that does not come from the table. Readline
- * splits words at = and :, so they are put together first, and the text
- * before the last such sign is taken off the answers. */
+/* The fixed start and end of the function. Readline splits words at = and :, so
+ * they are joined first, and the text before the last such sign is removed from
+ * the completions. */
 static const char bash_head[] =
     "# bash completion of glarepp; made by: glarepp help --completion bash\n"
     "_glarepp()\n"
@@ -266,7 +266,7 @@ static void print_fish(FILE *f)
             fprintf(f, "'");
         }
         fprintf(f, " -d '");
-        // fish knows \' inside single quotes, and no other way out of them
+        // (inside single quotes fish reads \', unlike bash and zsh)
         for (const char *c = o->help; *c; c++)
             fprintf(f, *c == '\'' || *c == '\\' ? "\\%c" : "%c", *c);
         fprintf(f, "'\n");

@@ -11,7 +11,7 @@ enum state {
     BUSY,      // a step runs
     HAS_READ,  // waits to be computed
     COMPUTED,  // waits to be written
-    DONE,      // or failed; waits to be ended
+    DONE,      // written, or failed; waits to be ended
 };
 
 struct slot {
@@ -19,8 +19,8 @@ struct slot {
     gp_status st;
 };
 
-/* All under the lock, but for f->head, which others read. */
-struct sky {
+/* A flight, under its lock but for the atomic f->head. */
+struct scheduler {
     const struct gp_flight_params *p;
     const struct gp_flight_work *work;
     struct gp_flight *f;
@@ -30,23 +30,23 @@ struct sky {
     int head;          // ended next
     int next_compute;
     int next_read;
-    int limit;         // units from here on are not carried on
-    gp_status result;  // of the end that ended all
+    int limit;         // units from here on get no further steps
+    gp_status result;  // of work->end() that ended the flight
 };
 
-static struct slot *slot_of(struct sky *s, int unit)
+static struct slot *slot_of(struct scheduler *s, int unit)
 {
     return &s->slot[unit % s->p->slots];
 }
 
-// -- what to do next, under the lock -----------------------------------------
+// -- scheduling, under the lock ----------------------------------------------
 
 /* Chooses the next step of this thread; false when there is none. Writing
  * comes before reading: it frees what the unit holds. */
-static bool pick_step(struct sky *s, bool first_thread, int *unit,
+static bool pick_step(struct scheduler *s, bool first_thread, int *unit,
                       enum gp_phase *phase)
 {
-    // those that failed before need no computing
+    // pass units that failed
     while (first_thread &&
            (s->next_compute < s->head ||
             (s->next_compute < s->next_read &&
@@ -77,7 +77,7 @@ static bool pick_step(struct sky *s, bool first_thread, int *unit,
     return true;
 }
 
-static bool is_over(const struct sky *s)
+static bool is_over(const struct scheduler *s)
 {
     return s->result || s->head >= s->p->units;
 }
@@ -85,7 +85,7 @@ static bool is_over(const struct sky *s)
 // -- threads -----------------------------------------------------------------
 
 /* Runs steps until all units are ended. */
-static void fly(struct sky *s, bool first_thread)
+static void run_steps(struct scheduler *s, bool first_thread)
 {
     static const enum state next[] = {
         [GP_PHASE_READ] = HAS_READ, [GP_PHASE_COMPUTE] = COMPUTED,
@@ -112,14 +112,14 @@ static void fly(struct sky *s, bool first_thread)
         s->slot[at] = (struct slot) {st ? DONE : next[phase], st};
         if (!go && unit < s->limit)
             s->limit = unit;
-        // end what is done, in order
+        // end finished units, in order
         while (!is_over(s) && s->head < s->next_read &&
                slot_of(s, s->head)->state == DONE) {
             struct slot *const done = slot_of(s, s->head);
             s->result = s->work->end(s->work->user, s->head % s->p->slots,
                                      s->head, done->st);
             *done = (struct slot) {FREE, GP_OK};
-            if (s->result) // the units after it are not ended
+            if (s->result)
                 break;
             s->head++;
             atomic_store(&s->f->head, s->head);
@@ -129,10 +129,10 @@ static void fly(struct sky *s, bool first_thread)
     pthread_mutex_unlock(&s->lock);
 }
 
-static void *lane(void *arg)
+static void *run_thread(void *arg)
 {
     gp_parallel_enter();
-    fly(arg, false);
+    run_steps(arg, false);
     gp_parallel_leave();
     return NULL;
 }
@@ -141,23 +141,24 @@ gp_status gp_flight_run(const struct gp_flight_params *p,
                         const struct gp_flight_work *work, struct gp_flight *f)
 {
     pthread_t id[GP_FLIGHT_MOST];
-    struct sky s = {
+    struct scheduler s = {
         .p = p, .work = work, .f = f, .limit = INT_MAX,
         .lock = PTHREAD_MUTEX_INITIALIZER, .changed = PTHREAD_COND_INITIALIZER,
     };
     const int most = p->slots < p->units ? p->slots : p->units;
-    const int lanes = most < gp_threads() ? most : gp_threads();
+    const int threads = most < gp_threads() ? most : gp_threads();
     sigset_t all, before;
     int made = 0;
     atomic_store(&f->head, 0);
     // signals are for the first thread
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
-    while (made < lanes - 1 && pthread_create(&id[made], NULL, lane, &s) == 0)
+    while (made < threads - 1 &&
+           pthread_create(&id[made], NULL, run_thread, &s) == 0)
         made++;
     pthread_sigmask(SIG_SETMASK, &before, NULL);
-    fly(&s, true);
-    gp_parallel_leave(); // lanes that are at a step may need the place
+    run_steps(&s, true);
+    gp_parallel_leave(); // the other threads may still run a step
     for (int i = 0; i < made; i++)
         pthread_join(id[i], NULL);
     gp_parallel_enter();

@@ -1,10 +1,9 @@
-/* Several units of work in flight: while one is computed, others are read and
- * written, so that no core waits for a file.
+/* Keeps several units of work in flight: while one is computed, others are read
+ * and written, so that no core waits for a file.
  *
  * Each unit passes READ, COMPUTE, WRITE (stages.h) and is then ended. COMPUTE
- * runs on the caller's thread only, and units are computed and ended in their
- * order, whatever the number in flight: what they share may depend on the
- * units before, and never on threads. */
+ * runs on the caller's thread only, and units are computed and ended in order,
+ * so that shared state depends on the units before, never on threads. */
 #ifndef GP_APP_FLIGHT_H
 #define GP_APP_FLIGHT_H
 
@@ -22,21 +21,21 @@ enum { GP_FLIGHT_MOST = 64 }; // units in flight
 struct gp_flight_params {
     int units;    // >= 0
     int slots;    // units in flight, 1 to GP_FLIGHT_MOST
-    bool ordered; // a unit is written only when those before are
+    bool ordered; // units are written in order
 };
 
-/* The steps of a unit. A slot, [0, slots), is one unit's from its READ
+/* The steps of a unit. A slot, in [0, slots), belongs to one unit from its READ
  * to its end; no two steps of a slot run at once. */
 struct gp_flight_work {
     void *user;
     /* Runs a step. A unit whose step fails gets no further one. */
     gp_status (*step)(void *user, int slot, int unit, enum gp_phase phase);
-    /* True when units after one that failed with `st` go on. */
+    /* True when the run continues after a unit that failed with `st`. */
     bool (*goes_on)(void *user, int slot, gp_status st);
     /* True when one more may start while others are in flight. */
     bool (*has_room)(void *user, int in_flight);
-    /* In the order of units, one at a time: `st` is that of its steps. What it
-     * returns, unless GP_OK, ends the flight. */
+    /* Ends a unit, in order, one at a time; `st` is the status of its steps.
+     * Any other return than GP_OK ends the flight. */
     gp_status (*end)(void *user, int slot, int unit, gp_status st);
 };
 
@@ -48,7 +47,7 @@ struct gp_flight {
 /* Flies all units, on this thread and, for more than one slot, on up to
  * gp_threads() - 1 others beside; fewer threads are no error.
  *
- *   f  written by it; gp_flight_head() may be asked from steps
+ *   f  written by it; steps may call gp_flight_head()
  *
  * Returns the first status other than GP_OK of work->end; units after that
  * one may have run steps, and are not ended. */

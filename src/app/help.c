@@ -13,7 +13,7 @@ enum {
     INDENT = 28,  // where the texts of options start
 };
 
-/* An option's text, its values if wanted, range and default. */
+/* Formats an option's text, its values if wanted, range and default. */
 static void option_text(const struct gp_option *o, bool values, char *text,
                         size_t size)
 {
@@ -90,9 +90,9 @@ static void print_option(FILE *f, const struct gp_option *o)
     print_text(f, column, text);
 }
 
-/* Prints the heading of a group with its example, and those of its options
- * that one of the commands (bits) takes. False, and prints nothing, when there
- * are none. */
+/* Prints the heading of a group, its example, and those of its options that one
+ * of the commands (bits) takes; nothing, and returns false, when there are
+ * none. */
 static bool print_group(FILE *f, int group, unsigned commands)
 {
     const struct gp_option_heading *const head = &gp_option_groups[group];
@@ -106,7 +106,7 @@ static bool print_group(FILE *f, int group, unsigned commands)
         if (!headed)
             fprintf(f, "%s\n", head->title);
         headed = true;
-        // an example is of the command that it calls; help is of the main one
+        // print the example only for its own command (help: for the main one)
         for (int i = 0; !shown && (word = gp_command_at(i, &command)); i++) {
             const size_t n = strlen(word);
             shown = (commands & command) &&
@@ -130,8 +130,8 @@ void gp_help(FILE *f, enum gp_command command)
                    "  glarepp bench [options] --paper\n\n"
                    "INPUT is a file, or - for stdin (EXR).\n");
     else if (command == GP_COMMAND_COMPARE)
-        fprintf(f, "Measures how far two images, or two sequences, are "
-                   "apart.\n\n"
+        fprintf(f, "Measures the error between two images or two "
+                   "sequences.\n\n"
                    "  glarepp compare [options] A B\n\n"
                    "A, the reference, and B are files or patterns; one may be "
                    "- for stdin.\nidiff's command lines work unchanged, with "
@@ -149,7 +149,7 @@ void gp_help(FILE *f, enum gp_command command)
                    "  glarepp help [TOPIC]\n\n"
                    "INPUT and OUTPUT are files, - for stdin and stdout (EXR), "
                    "or patterns:\nshot.####.exr, shot.@.exr, shot.%%04d.exr; "
-                   "%%V in them is a view.\n");
+                   "%%V stands for a stereo view.\n");
     putc('\n', f);
     for (int g = 0; g < GP_GROUPS; g++) {
         if (print_group(f, g, command))
@@ -163,8 +163,7 @@ void gp_help(FILE *f, enum gp_command command)
 
 // -- the man page ------------------------------------------------------------
 
-/* Prints text as roff lines of at most 80 characters; no character of it is a
- * command. */
+/* Prints text as roff lines of at most 80 characters, without commands. */
 static void print_roff(FILE *f, const char *text)
 {
     for (int column = 0; *text;) {
@@ -181,7 +180,7 @@ static void print_roff(FILE *f, const char *text)
             if (text[i] == '\\')
                 fputs("\\e", f);
             else if (text[i] == '-' && isdigit((unsigned char) text[i + 1]))
-                fputs("\\-", f); // a minus
+                fputs("\\-", f);
             else
                 putc(text[i], f);
         }
@@ -227,7 +226,7 @@ void gp_help_man(FILE *f)
         }
         fprintf(f, ".El\n");
     }
-    // the options of pictures that bench takes too, in one sentence
+    // options that pictures and bench share
     fprintf(f, "@BENCH@\n");
     for (const struct gp_option *o = gp_options; o->name; o++) {
         if (o->hidden || (o->commands & both) != both)
@@ -246,8 +245,8 @@ void gp_help_man(FILE *f)
 
 // -- topics ------------------------------------------------------------------
 
-/* Sections of the man page that are topics: words that name one, the first
- * for the list, and its heading. check-man compares them with the page. */
+/* Sections of the man page that are topics: words for each, the first for the
+ * list of topics, and its heading. check-man compares them with the page. */
 static const struct section {
     const char *words, *title;
 } sections[] = {
@@ -288,7 +287,7 @@ static bool is_topic(const char *topic, const char *words)
     return false;
 }
 
-/* True when the section's first word is a group's too. */
+/* True when a group has the section's first word too. */
 static bool is_group(const struct section *s)
 {
     const size_t n = strcspn(s->words, " ");
@@ -330,7 +329,7 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
     char name[GP_TOPIC_BYTES], kept[GP_TOPIC_BYTES] = "";
     for (int i = 0; (word = gp_help_topic_at(i, name)); i++) {
         gp_nearest_try(&near, word);
-        if (near.name == name) // `name` is another topic's next
+        if (near.name == name) // the next topic overwrites `name`
             near.name = memcpy(kept, name, sizeof kept);
     }
     for (const struct gp_option *o = gp_options; o->name; o++) {
@@ -346,11 +345,11 @@ static gp_status unknown_topic(const struct gp_log *log, const char *topic)
                    "them", topic);
 }
 
-/* Shows a section of the manual by man(1), in place of this program. Returns
- * when it cannot: GP_ERR_IO, with a line that says where the page is. */
+/* Replaces this program by man(1) at a section of the manual. Returns only on
+ * failure: GP_ERR_IO, with the place of the page. */
 static gp_status show_section(const struct gp_log *log, const char *title)
 {
-    // beside an installed program, then beside its source
+    // of an installed program, then of its source tree
     static const char *const places[] = {
         "../share/man/man1/glarepp.1", "../share/man/man1/glarepp.1.gz",
         "../man/glarepp.1",
@@ -362,8 +361,8 @@ static gp_status show_section(const struct gp_log *log, const char *title)
         strcpy(slash + 1, places[i]);
         if (access(page, R_OK) != 0)
             continue;
-        // a pager starts at the heading; its pattern has no blank, at which
-        // some man(1) split the pager's command line
+        // the pager starts at the heading; some man(1) split its command at
+        // blanks, so the pattern has none
         snprintf(pager, sizeof pager, "less -R +/^[[:blank:]]*%s$", title);
         for (char *c = pager + strlen("less -R "); *c; c++)
             *c = *c == ' ' ? '.' : *c;
@@ -381,9 +380,8 @@ static gp_status show_section(const struct gp_log *log, const char *title)
                    "in man/glarepp.1 of the source", title);
 }
 
-/* Prints the options that the topic names, exactly or but for an "s", or of
- * which it names a value; each with a line for each of its values. Returns how
- * many. */
+/* Prints the options that the topic names, exactly, ignoring an "s", or by one
+ * of their values; each with its values. Returns their number. */
 enum match { EXACT, LOOSE, VALUE };
 static int print_options_of(FILE *f, const char *topic, enum match match)
 {
@@ -418,7 +416,7 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
     enum gp_command command;
     const char *word;
     bool found = false;
-    if (!topic) { // lists them
+    if (!topic) {
         fprintf(f, "Explains a part of glarepp.\n\n  glarepp help TOPIC\n\n"
                    "TOPIC is a command:\n");
         for (int i = 1; (word = gp_command_at(i, &command)); i++) {
@@ -463,7 +461,7 @@ gp_status gp_help_topic(const struct gp_log *log, FILE *f, const char *topic)
         return section ? show_section(log, section->title)
                        : unknown_topic(log, topic);
     if (section)
-        fprintf(f, "\nman glarepp says more in its section \"%s\".\n",
+        fprintf(f, "\nman glarepp has more in its section \"%s\".\n",
                 section->title);
     return GP_OK;
 }

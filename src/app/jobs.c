@@ -48,8 +48,8 @@ static gp_status add_frame(const struct gp_log *log, struct gp_jobs *j,
     return GP_OK;
 }
 
-/* Lists the frames of a pattern: those of --frames, or those on disk, of which
- * with views in the pattern any view is. */
+/* Lists the frames of a pattern: those of --frames, else those on disk; with
+ * views in the pattern, the frames of any view. */
 static gp_status list_frames(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_pattern *p,
     const struct gp_views *view, struct gp_frames *all)
@@ -67,12 +67,12 @@ static gp_status list_frames(const struct gp_log *log,
         if (st && st != GP_ERR_IO)
             return st;
     }
-    // the first view says why there is none
+    // reading the first view's again reports why there is none
     return all->n ? GP_OK : gp_frames_on_disk(log, p, view->name[0], all);
 }
 
-/* Makes the jobs of all inputs. *patterns: some input has a place for a frame
- * number; a file that has the pattern's very name has none. */
+/* Makes the jobs of all inputs. Sets *patterns when an input is a pattern; a
+ * file that has the pattern's own name is a plain input. */
 static gp_status add_inputs(const struct gp_log *log,
     const struct gp_settings *s, struct gp_jobs *j, bool *patterns)
 {
@@ -87,7 +87,7 @@ static gp_status add_inputs(const struct gp_log *log,
         if (!gp_is_dash(path))
             st = gp_pattern_of_input(log, path, &in[i]);
         else if (s->inputs.n > 1)
-            st = gp_fail(log, GP_ERR_USAGE, "-: stdin goes with no other input "
+            st = gp_fail(log, GP_ERR_USAGE, "-: stdin must be the only input "
                          "(found %d); give only -", s->inputs.n);
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
@@ -103,13 +103,13 @@ static gp_status add_inputs(const struct gp_log *log,
     for (int i = 1; i < s->inputs.n; i++) {
         if ((in[i].views > 0) != in_names)
             GP_TRY(gp_fail(log, GP_ERR_USAGE, "%s: no %%V or %%v (found in "
-                "%s); make the two in separate runs", in[in_names ? i : 0].path,
+                "%s); make them in separate runs", in[in_names ? i : 0].path,
                 in[in_names ? 0 : i].path));
     }
     if (in_names && s->views && gp_views_all(s))
-        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all are those that a file "
-            "holds (found %%V or %%v in %s); name them, such as left,right",
-            in[0].path));
+        GP_TRY(gp_fail(log, GP_ERR_USAGE, "--views: all means the views inside "
+            "a file (found %%V or %%v in %s); list them, e.g. --views "
+            "left,right", in[0].path));
     if (in_names || !gp_views_all(s))
         GP_TRY(gp_views_parse(log, s->views ? s->views : "left,right",
                               &j->view));
@@ -146,8 +146,8 @@ out:
     return st;
 }
 
-/* Reads stdin into j->members and makes the jobs of each image in it, in place
- * of those that j holds for stdin; numbered by --frames, or 1, 2, 3. */
+/* Reads stdin into j->members and makes the jobs of each image in it, which
+ * replace the placeholder; numbered by --frames, or 1, 2, 3. */
 static gp_status read_stdin(const struct gp_log *log,
                             const struct gp_settings *s, struct gp_jobs *j)
 {
@@ -163,7 +163,7 @@ static gp_status read_stdin(const struct gp_log *log,
     if (!grown)
         return gp_no_memory_bare(log, "frame list");
     j->job = grown;
-    for (; j->n < n; j->n++) // its views are those of the first
+    for (; j->n < n; j->n++) // all have the first one's views
         grown[j->n] = (struct gp_job) {.view = grown[j->n % j->views].view};
     struct gp_frames f = {0};
     if (s->frames)
@@ -211,9 +211,9 @@ static gp_status add_target(const struct gp_log *log, struct gp_jobs *j,
 
 // -- checks ------------------------------------------------------------------
 
-/* Several frames and patterns belong together, and several views and %V.
- *   patterns  some input has a place for a frame number
- *   later     the views are still to be found */
+/* Checks that several frames have patterns, and several views have %V.
+ *   patterns  some input is a pattern
+ *   later     the views are not known yet */
 static gp_status check_patterns(const struct gp_log *log,
     const struct gp_jobs *j, bool patterns, bool later)
 {
@@ -229,18 +229,18 @@ static gp_status check_patterns(const struct gp_log *log,
         for (int i = 0; i < j->n && p->len; i++) {
             if (!j->job[i].numbered)
                 return gp_fail(log, GP_ERR_USAGE, "%s: no frame number in this "
-                               "input (needed for %s); number it, or "
-                               "write plain names", j->job[i].input, p->path);
+                               "input (%s needs one); add one to its name, or "
+                               "give plain output names", j->job[i].input,
+                               p->path);
         }
         if (p->views && !j->view.n && !later)
-            return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v are views, and "
-                           "there are none (no %%V in %s, no views found in "
-                           "it); give --views left,right", p->path,
-                           j->job[0].input);
+            return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s "
+                           "has no %%V in its name and no views inside); give "
+                           "--views left,right", p->path, j->job[0].input);
         if (!p->views && !j->target[t].whole && !j->target[t].hero &&
             j->view.n > 1 && !dash)
             return gp_fail(log, GP_ERR_USAGE, "%s: one name for several views "
-                           "(found %d); write %%V or %%v into it, such as "
+                           "(found %d); write a name with %%V or %%v, such as "
                            "out.%%V.png, or -", p->path, j->view.n);
         st = gp_views_check(log, p, &j->view);
     }
@@ -257,7 +257,8 @@ static int by_frame(const void *a, const void *b)
     return order ? order : (x > y) - (x < y);
 }
 
-/* Two inputs with one number would write one file twice. */
+/* Checks that no two inputs of a view have the same number: they would write
+ * the same file. */
 static gp_status check_numbers(const struct gp_log *log,
                                const struct gp_jobs *j)
 {
@@ -272,16 +273,16 @@ static gp_status check_numbers(const struct gp_log *log,
     for (int i = 1; i < j->n && !st; i++) {
         if (order[i]->frame == order[i - 1]->frame &&
             order[i]->view == order[i - 1]->view)
-            st = gp_fail(log, GP_ERR_USAGE, "%s: frame %d comes twice (found "
-                         "it in %s); make the two in separate runs",
-                         order[i]->input, order[i]->frame, order[i - 1]->input);
+            st = gp_fail(log, GP_ERR_USAGE, "%s: the same frame number as %s "
+                         "(found %d); make them in separate runs",
+                         order[i]->input, order[i - 1]->input, order[i]->frame);
     }
     gp_free(order);
     return st;
 }
 
-/* Frames that were asked for by number, and views of a frame, that do not
- * exist and are needed cost no work. */
+/* Checks that the frames of --frames, and all views of a frame, exist where
+ * they are needed, before any is made. */
 static gp_status check_missing(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j)
 {
@@ -293,7 +294,7 @@ static gp_status check_missing(const struct gp_log *log,
     for (int i = 0; i < j->n; i += j->views) {
         const char *const input = j->job[i].input;
         bool made = true;
-        // (what cannot be looked at says why when it is read)
+        // (other failures are reported when the file is read)
         if (gp_is_dash(input) || access(input, F_OK) == 0 ||
             (errno != ENOENT && errno != ENOTDIR))
             continue;
@@ -306,8 +307,8 @@ static gp_status check_missing(const struct gp_log *log,
     }
     if (!first)
         return GP_OK;
-    return gp_fail(log, GP_ERR_IO, "%s: no such frame (the first of %d "
-        "missing, of %d in %s %s); render %s, or give --skip-bad-frames", first,
+    return gp_fail(log, GP_ERR_IO, "%s: no such frame (first of %d missing, "
+        "%d listed by %s %s); render %s, or give --skip-bad-frames", first,
         missing, j->n / j->views, s->frames ? "--frames" : "--views",
         s->frames  ? s->frames : s->views ? s->views : "left,right",
         missing == 1 ? "it" : "them");
@@ -316,8 +317,8 @@ static gp_status check_missing(const struct gp_log *log,
 // -- names -------------------------------------------------------------------
 
 /* The role is a target, the item a job. */
-static struct gp_clobber_owner owner(const void *user,
-                                     const struct gp_clobber_file *file)
+static struct gp_clobber_owner output_owner(const void *user,
+                                            const struct gp_clobber_file *file)
 {
     const struct gp_jobs *const j = user;
     const struct gp_output *const t = &j->target[file->role];
@@ -331,7 +332,7 @@ static struct gp_clobber_owner owner(const void *user,
     };
 }
 
-/* The files of --depth-file and --mask-file when these are patterns. */
+/* Checks the files of --depth-file and --mask-file when these are patterns. */
 static gp_status check_beside(const struct gp_log *log,
                               const struct gp_clobber *c, const char *what,
                               const char *path, const struct gp_jobs *j)
@@ -359,19 +360,19 @@ gp_status gp_jobs_check_names(
 {
     gp_status st;
     struct gp_clobber c;
-    GP_TRY(gp_clobber_begin(log, s, owner, j, &c));
+    GP_TRY(gp_clobber_begin(log, s, output_owner, j, &c));
     for (int t = 0; t < j->targets; t++) {
         const struct gp_output *const target = &j->target[t];
         const struct gp_pattern *const p = &target->name;
-        // a stream and a file of all views are one for several jobs
+        // jobs share a stream, and a file of all views
         const int step = gp_is_dash(p->path) ? j->n
                          : target->whole || target->hero ? j->views : 1;
         for (int i = 0; i < j->n; i += step) {
             char *const name = gp_job_name(&j->job[i], target);
             st = !name ? gp_no_memory(log, p->path)
                  : p->views && gp_is_dash(name)
-                     ? gp_fail(log, GP_ERR_USAGE, "%s: is - for a view, which "
-                               "is stdout; write ./%s", p->path, p->path)
+                     ? gp_fail(log, GP_ERR_USAGE, "%s: becomes - for a view, "
+                               "which is stdout; write ./%s", p->path, p->path)
                      : gp_clobber_output(&c, name, t, i);
             free(name);
             GP_TRY(st);
@@ -394,7 +395,7 @@ out:
     return st;
 }
 
-// -- all of it ---------------------------------------------------------------
+// -- all jobs ----------------------------------------------------------------
 
 /* Marks the outputs that hold all views of a frame, and those that hold only
  * the first. */
@@ -408,8 +409,8 @@ static void mark_outputs(struct gp_jobs *j)
     }
 }
 
-/* Checks the names of all outputs, and what the first frame's would need.
- *   later  views are still to be found: names with %V are not whole yet */
+/* Checks the names of all outputs, and that the first frame's can be written.
+ *   later  the views are not known yet: names with %V are left for then */
 static gp_status check_outputs(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j, bool patterns,
     bool later)
@@ -421,7 +422,7 @@ static gp_status check_outputs(const struct gp_log *log,
         const struct gp_output *const t = &j->target[i];
         if (gp_is_dash(t->name.path) && isatty(STDOUT_FILENO))
             return gp_fail(log, GP_ERR_USAGE, "-: stdout is a terminal; pipe "
-                           "it on, or give a file");
+                           "it into a program, or give a file");
         for (int k = 0; k < gp_jobs_of_frame(j) && !st; k++) {
             if (later && t->name.views)
                 continue;
@@ -478,7 +479,7 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
     if (looks && !piped)
         GP_TRY(gp_jobs_find_views(log, s, &j));
     mark_outputs(&j);
-    // all that the outputs must meet, before stdin is read
+    // outputs are checked before stdin is read, and again with its views
     GP_TRY(check_outputs(log, s, &j, patterns, looks && piped));
     GP_TRY(check_missing(log, s, &j));
     if (piped) {
@@ -493,8 +494,8 @@ gp_status gp_jobs_make(const struct gp_log *log, const struct gp_settings *s,
         if (t->kind == GP_TARGET_PICTURE &&
             !gp_write_has_alpha(&s->write, t->name.path))
             gp_say(log, GP_LEVEL_WARN, "%s: --alpha keep: this format has no "
-                   "alpha, the picture is over black; write .png, .tif or "
-                   ".exr", t->name.path);
+                   "alpha (the picture is composited over black); write .png, "
+                   ".tif or .exr", t->name.path);
     }
     *out = j;
     return GP_OK;

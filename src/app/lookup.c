@@ -1,5 +1,5 @@
-/* Finds options by name or letter, their values, and the nearest name to one
- * that is wrong. */
+/* Finds options by name or letter, their values, and the nearest name to a
+ * misspelt one. */
 #include "app/options.h"
 
 #include "core/minmax.h"
@@ -23,7 +23,7 @@ struct gp_range_text gp_option_range(const struct gp_option *o)
 {
     struct gp_range_text r;
     bool open_end = o->hi >= (double) FLT_MAX;
-    bool over_zero = o->lo == (double) FLT_MIN; // the least that is not 0
+    bool over_zero = o->lo == (double) FLT_MIN; // stands for > 0
     if (over_zero && open_end)
         snprintf(r.text, sizeof r.text, "more than 0");
     else if (over_zero)
@@ -60,11 +60,11 @@ const struct gp_option *gp_option_letter(char letter, unsigned commands)
     return NULL;
 }
 
-// -- slips of the finger -----------------------------------------------------
+// -- misspelt words ----------------------------------------------------------
 
 struct gp_nearest gp_nearest_to(const char *word, size_t length, int most)
 {
-    // a word of which half is wrong says nothing
+    // a word that is half wrong is no match
     const int half = length < 64 ? (int) length / 2 : 0;
     return (struct gp_nearest) {
         .word = word, .length = length, .most = gp_min(most, half),
@@ -76,7 +76,7 @@ void gp_nearest_try(struct gp_nearest *search, const char *name)
     enum { LONGEST = 31 };
     const char *const word = search->word;
     const size_t n = search->length, m = strlen(name);
-    int rows[3][LONGEST + 1]; // of the table of edits, in turn
+    int rows[3][LONGEST + 1]; // the last three of the table of distances
     if (n > LONGEST || m > LONGEST)
         return;
     for (size_t j = 0; j <= m; j++)

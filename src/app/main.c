@@ -23,14 +23,15 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* The user of the log. */
 struct voice {
     struct gp_progress *progress; // NULL: none is drawn
-    const char *file;  // the first input, for errors that name no file and are
-                       // about no frame; NULL before the command line is read
+    const char *file;  // the first input, put before errors that name no file
+                       // and are about no frame; NULL: not known yet
 };
 
-/* Every message is one line on stderr, and never in the middle of the
- * progress line. */
+/* Prints a message as one line on stderr, not in the middle of the progress
+ * line. */
 static void print_line(void *user, enum gp_level level, const char *line)
 {
     const struct voice *const voice = user;
@@ -45,7 +46,7 @@ static void print_line(void *user, enum gp_level level, const char *line)
         fprintf(stderr, "%s\n", whole);
 }
 
-/* Prints a text that was asked for: help, version, completions. */
+/* Prints help, versions or completions to stdout. */
 static gp_status print_text(const struct gp_log *log,
                             const struct gp_settings *s)
 {
@@ -69,7 +70,7 @@ static gp_status print_text(const struct gp_log *log,
         return st;
     if (fflush(stdout) != 0 || ferror(stdout))
         return gp_fail(log, GP_ERR_IO, "-: cannot write to stdout (%s); check "
-                       "who reads it", strerror(errno));
+                       "the program that reads it", strerror(errno));
     return GP_OK;
 }
 
@@ -116,7 +117,6 @@ static gp_status run_bench(const struct gp_log *log,
         .sun = &s->sun,
         .reader = &reader,
     };
-    // no file is written over another, or over what is measured
     gp_status st = gp_clobber_begin(log, s, NULL, NULL, &c);
     if (!st)
         st = gp_clobber_settle(&c);
@@ -128,14 +128,15 @@ static gp_status run_bench(const struct gp_log *log,
     return st ? st : gp_bench_run(log, &job);
 }
 
-/* The name that a pattern has for an item: a place in the list of frames. */
+/* Returns a pattern's name for item, an index into the list of frames; from
+ * malloc. */
 static char *frame_name(const struct gp_compare_names *n,
                         const struct gp_pattern *p, int item)
 {
     return gp_pattern_name(p, n->frames.n ? n->frames.number[item] : 0, NULL);
 }
 
-/* Pictures of compare: role 0 the heatmap, 1 the difference. */
+/* Names the picture of a file: role 0 is the heatmap, 1 the difference. */
 static struct gp_clobber_owner picture_owner(
     const void *user, const struct gp_clobber_file *file)
 {
@@ -149,7 +150,7 @@ static struct gp_clobber_owner picture_owner(
     };
 }
 
-/* Nothing is written over a file that is compared, or over another output. */
+/* Checks that no picture replaces a compared file or another output. */
 static gp_status check_compare_names(const struct gp_log *log, const void *user,
                                      const struct gp_compare_names *names)
 {
@@ -207,10 +208,10 @@ static int run_compare(const struct gp_log *log, const struct gp_settings *s)
     return status;
 }
 
-/* The path of `name` in $XDG_CACHE_HOME/glarepp, or ~/.cache/glarepp where
- * that variable is unset or no absolute path (XDG Base Directory Specification
- * 0.8); from malloc. Makes the folders, for the user only. NULL when there is
- * no such folder: the cache is a help, never a need. */
+/* Returns the path of `name` in $XDG_CACHE_HOME/glarepp, or in ~/.cache/glarepp
+ * where that variable is unset or not an absolute path (XDG Base Directory
+ * Specification 0.8); from malloc. Makes the folders with mode 0700. NULL when
+ * they cannot be made: a run without a cache is only slower. */
 static char *cache_file(const char *name)
 {
     const char *base = getenv("XDG_CACHE_HOME"), *below = "";
@@ -238,20 +239,20 @@ int main(int argc, char *argv[])
 {
     struct gp_settings s;
     char *wisdom = NULL;
-    int status = 0; // of what has exit statuses of its own
+    int status = 0;
     struct voice voice = {NULL, NULL};
     struct gp_log log = {print_line, &voice, GP_LEVEL_WARN};
-    // a standard stream that is closed must not become a picture's descriptor:
-    // opened the wrong way round, it gives an error to who uses it
+    // a picture must not get the descriptor of a closed standard stream; that
+    // is opened in the wrong direction, so that using it is an error
     for (int fd = STDIN_FILENO; fd <= STDERR_FILENO; fd++) {
         if (fcntl(fd, F_GETFD) < 0)
             (void) !open("/dev/null", fd ? O_RDONLY : O_WRONLY);
     }
     gp_keep_memory();
     gp_temp_cleanup_on_signal();
-    // a reader that leaves is an error with a line, not a silent death
+    // a write that fails is an error with a message, not a silent death
     signal(SIGPIPE, SIG_IGN);
-    signal(SIGXFSZ, SIG_IGN); // and so is a file that may not grow
+    signal(SIGXFSZ, SIG_IGN);
     gp_status st = gp_options_parse(&log, argc, argv, &s);
     log.level = s.level;
     voice.file = !st && s.inputs.n ? s.inputs.at[0] : NULL;

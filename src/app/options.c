@@ -20,14 +20,14 @@ const struct gp_settings gp_defaults = {
 };
 
 static const struct gp_option_choice gp_normalizes[] = {
-    {"luminance", GP_NORMALIZE_LUMINANCE, "the luminance of its sum is 1, the "
-     "ratios of its channels stay"},
-    {"none", GP_NORMALIZE_NONE, "as it is in the file"}, {0},
+    {"luminance", GP_NORMALIZE_LUMINANCE, "so that the luminance of its sum is "
+     "1; channels keep their ratios"},
+    {"none", GP_NORMALIZE_NONE, "not at all: use the values of the file"}, {0},
 };
 static const struct gp_option_choice gp_mixes[] = {
-    {"scatter", GP_MIX_SCATTER, "the light of the layer is taken from its "
+    {"scatter", GP_MIX_SCATTER, "add the layer and subtract its light from the "
      "sources, which conserves energy; a gain over 1 adds light"},
-    {"add", GP_MIX_ADD, "the layer comes on top of the frame"},
+    {"add", GP_MIX_ADD, "add the layer to the frame"},
     {0},
 };
 static const struct gp_option_choice gp_threshold_modes[] = {
@@ -38,35 +38,35 @@ static const struct gp_option_choice gp_threshold_modes[] = {
     {0},
 };
 static const struct gp_option_choice gp_gls[] = {
-    {"auto", GP_GL_AUTO, "the first that opens"},
+    {"auto", GP_GL_AUTO, "osmesa, or egl where OSMesa cannot be opened"},
     {"osmesa", GP_GL_OSMESA, "Mesa's off-screen library, on the CPU"},
-    {"egl", GP_GL_EGL, "a GPU's device where there is one, Mesa's surfaceless "
-     "platform else"},
+    {"egl", GP_GL_EGL, "a GPU where there is one, else Mesa's surfaceless "
+     "platform on the CPU"},
     {0},
 };
 static const struct gp_option_choice gp_methods[] = {
     {"centroid", GP_GROUP_CENTROID, "the kernel at the group's centroid: "
      "formula (1) of Ando et al."},
-    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by as much as the group "
-     "is wide"},
-    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each single sensor, "
-     "only its tail from groups"},
+    {"moments", GP_GROUP_MOMENTS, "the kernel blurred by the second moment of "
+     "the group's light"},
+    {"core", GP_GROUP_CORE, "the kernel's 17x17 core from each pixel, its tail "
+     "from the group"},
     {0},
 };
 static const struct gp_option_choice gp_primitives[] = {
-    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, quad else"},
+    {"auto", GP_PRIMITIVE_AUTO, "tile on a software context, else quad"},
     {"quad", GP_PRIMITIVE_QUAD, "blended quads"},
     {"point", GP_PRIMITIVE_POINT, "blended point sprites, up to the driver's "
      "limit of size"},
-    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile, summed over the "
-     "polygons that reach it"},
+    {"tile", GP_PRIMITIVE_TILE, "one pass for each tile of the frame, which "
+     "sums the polygons that reach it"},
     {0},
 };
 static const struct gp_option_choice gp_depth_types[] = {
     {"z", GP_DEPTH_Z, "distance along the view axis"},
     {"ray", GP_DEPTH_RAY, "distance from the camera"},
     {"inverse", GP_DEPTH_INVERSE, "1 / z; 0 is empty"},
-    {"normalized", GP_DEPTH_NORMALIZED, "0 near to 1 far, or the other way "
+    {"normalized", GP_DEPTH_NORMALIZED, "0 near to 1 far, or 1 near to 0 far "
      "where the background is 0"},
     {0},
 };
@@ -75,8 +75,8 @@ static const struct gp_option_choice gp_sun_methods[] = {
      "double, on the CPU; no GL"},
     {"mask", GP_SUN_MASK, "Maughan's texture masking on GL: sun map, intensity "
      "map, and flare that fetches it; nothing is read back before the layer"},
-    {"readback", GP_SUN_READBACK, "the region under the light is read back "
-     "from GL and counted"},
+    {"readback", GP_SUN_READBACK, "read the region under the light back from "
+     "GL and count its clear pixels"},
     {0},
 };
 static const struct gp_option_choice gp_patterns[] = {
@@ -91,50 +91,50 @@ static const struct gp_option_choice gp_sums[] = {
     {0},
 };
 static const struct gp_option_choice gp_outsides[] = {
-    {"ignore", GP_OUTSIDE_IGNORE, "the share is taken over the part inside"},
-    {"visible", GP_OUTSIDE_VISIBLE, "what is outside shows, glare and flare "
-     "included"},
-    {"hidden", GP_OUTSIDE_HIDDEN, "what is outside is hidden"}, {0},
+    {"ignore", GP_OUTSIDE_IGNORE, "measure only the part inside"},
+    {"visible", GP_OUTSIDE_VISIBLE, "as visible, with its glare and flare"},
+    {"hidden", GP_OUTSIDE_HIDDEN, "as hidden"}, {0},
 };
 static const struct gp_option_choice gp_sun_draws[] = {
-    {"auto", GP_DRAW_AUTO, "on GL with a GPU, on the CPU with a software "
+    {"auto", GP_DRAW_AUTO, "on GL with a GPU; on the CPU with a software "
      "context, where that takes a quarter of the time"},
-    {"gl", GP_DRAW_GL, "sprites and elements fetch the share on GL; nothing is "
-     "read back before the layer is done"},
-    {"cpu", GP_DRAW_CPU, "the shares are read first"}, {0},
+    {"gl", GP_DRAW_GL, "on GL: sprites and elements fetch the share, nothing "
+     "is read back before the layer is done"},
+    {"cpu", GP_DRAW_CPU, "on the CPU, after the shares are read back"}, {0},
 };
 static const struct gp_option_choice gp_ndcs[] = {
-    {"auto", GP_NDC_AUTO, "told apart by where the view axis falls"},
+    {"auto", GP_NDC_AUTO, "spec or clip, by the point that the view axis maps "
+     "to"},
     {"spec", GP_NDC_SPEC, "0 to 1, y down, as OpenEXR defines it"},
     {"clip", GP_NDC_CLIP, "-1 to 1, y up, as Arnold and Gaffer write it"}, {0},
 };
 static const struct gp_option_choice gp_plans[] = {
     {"estimate", GP_FFT_PLAN_ESTIMATE, "the same plan, so the same bytes, in "
      "every run"},
-    {"measure", GP_FFT_PLAN_MEASURE, "the fastest plan of a few tried; kept "
-     "in the cache folder for later runs"},
+    {"measure", GP_FFT_PLAN_MEASURE, "the fastest of a few measured plans, "
+     "kept in the cache folder; last bits may differ from run to run"},
     {0},
 };
 static const struct gp_option_choice gp_types[] = {
     {"auto", GP_OUT_AUTO, "as in the input"},
-    {"half", GP_OUT_HALF, "16 bits; values over 65504 become 65504; formats "
-     "that have none take float"},
+    {"half", GP_OUT_HALF, "16 bits, which clamp to 65504; formats other than "
+     "EXR get float"},
     {"float", GP_OUT_FLOAT, "32 bits"}, {0},
 };
 static const struct gp_option_choice gp_compressions[] = {
-    {"auto", GP_COMPRESSION_AUTO, "as in the input when that is lossless, "
-     "zip else"},
+    {"auto", GP_COMPRESSION_AUTO, "as in the input if that is lossless, else "
+     "zip"},
     {"none", GP_COMPRESSION_NONE, NULL}, {"rle", GP_COMPRESSION_RLE, NULL},
     {"zips", GP_COMPRESSION_ZIPS, NULL}, {"zip", GP_COMPRESSION_ZIP, NULL},
     {"piz", GP_COMPRESSION_PIZ, NULL},
-    {"pxr24", GP_COMPRESSION_PXR24, "32-bit floats lose 8 bits, depth too; "
-     "half keeps all"},
-    {"b44", GP_COMPRESSION_B44, "half loses, of alpha too, and NaN and "
-     "Inf become 0; float keeps all"},
-    {"b44a", GP_COMPRESSION_B44A, "the same"},
-    {"dwaa", GP_COMPRESSION_DWAA, "R, G, B and Y of every layer lose, and "
-     "NaN becomes 0; depth and alpha keep all"},
-    {"dwab", GP_COMPRESSION_DWAB, "the same"}, {0},
+    {"pxr24", GP_COMPRESSION_PXR24, "rounds 32-bit floats to 24 bits, depth "
+     "too; lossless for half"},
+    {"b44", GP_COMPRESSION_B44, "lossy for half, alpha too, where NaN and Inf "
+     "become 0; lossless for float"},
+    {"b44a", GP_COMPRESSION_B44A, "as b44"},
+    {"dwaa", GP_COMPRESSION_DWAA, "lossy for R, G, B and Y of every layer, "
+     "where NaN becomes 0; lossless for depth and alpha"},
+    {"dwab", GP_COMPRESSION_DWAB, "as dwaa"}, {0},
 };
 static const struct gp_option_choice gp_bits[] = {
     {"8", 8, NULL}, {"16", 16, NULL}, {0},
@@ -146,11 +146,11 @@ static const struct gp_option_choice gp_alphas[] = {
      "PNG, TIFF, EXR, WebP, Targa, SGI"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
-    {"exr", GP_STDOUT_EXR, "OpenEXR; with --hdr the only one"},
+    {"exr", GP_STDOUT_EXR, "OpenEXR; the only one for --hdr"},
     {"png", GP_STDOUT_PNG, NULL},
     {"pfm", GP_STDOUT_PFM, "portable float map: floats as they are"},
-    {"raw", GP_STDOUT_RAW, "no header: pixels from the top left on, for ffmpeg "
-     "-f rawvideo; all frames have one size"},
+    {"raw", GP_STDOUT_RAW, "pixels without a header, top left first, for "
+     "ffmpeg -f rawvideo; all frames must have one size"},
     {0},
 };
 static const struct gp_option_choice gp_raws[] = {
@@ -160,7 +160,7 @@ static const struct gp_option_choice gp_raws[] = {
     {"rgbf32le", GP_RAW_RGBF32LE, "floats as they are, low byte first"}, {0},
 };
 static const struct gp_option_choice gp_progresses[] = {
-    {"auto", GP_PROGRESS_AUTO, "on a terminal, for work over a second"},
+    {"auto", GP_PROGRESS_AUTO, "on a terminal, after one second"},
     {"always", GP_PROGRESS_ALWAYS, NULL}, {"never", GP_PROGRESS_NEVER, NULL},
     {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
     {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
@@ -170,14 +170,14 @@ static const struct gp_option_choice gp_progresses[] = {
     {0},
 };
 static const struct gp_option_choice gp_debugs[] = {
-    {"sensors", GP_DEBUG_SENSORS, "the light that the engines are given, "
+    {"sensors", GP_DEBUG_SENSORS, "the light that the engines spread, "
      "scene-linear"},
     {"polygons", GP_DEBUG_POLYGONS, "outlines of the polygons that splat "
      "draws, in green over the tone-mapped picture"},
     {"sunmap", GP_DEBUG_SUNMAP, "the sun maps of all lights, side by side: "
-     "white where a light shows"},
-    {"intensity", GP_DEBUG_INTENSITY, "the intensity map: a pixel for each "
-     "light, as bright as its visible share"},
+     "white where a light is visible"},
+    {"intensity", GP_DEBUG_INTENSITY, "the intensity map: one pixel per light, "
+     "as bright as its visible share"},
     {0},
 };
 static const struct gp_option_choice gp_shells[] = {
@@ -214,9 +214,8 @@ const struct gp_option_heading gp_option_groups[GP_GROUPS] = {
 static const char *engine_name(int i, const char **text)
 {
     if (i == 0) {
-        *text = "the engine and setting with the fewest predicted "
-                "milliseconds whose bound is within the tolerance, counted "
-                "anew for each frame";
+        *text = "the engine and setting with the shortest predicted time "
+                "whose bound is within the tolerance, chosen for each frame";
         return "auto";
     }
     const struct gp_engine *e = gp_engines[i - 1];
@@ -246,8 +245,7 @@ static const char *grow_word(int i, const char **text)
 {
     static const char *const words[][2] = {
         {"kernel", "as far as the kernel reaches"},
-        {"none", "not at all: outputs keep the data window, and glare ends "
-         "there"},
+        {"none", "outputs keep the data window, and glare ends at its edges"},
         {NULL, NULL},
     };
     *text = words[i][1];
@@ -260,7 +258,7 @@ static const char *grow_word(int i, const char **text)
 #define ROW(f, kind_of_f, ...)                                                \
     { .at = offsetof(struct gp_settings, f), .kind = kind_of_f, __VA_ARGS__ }
 
-/* A number, flag, pair or free text, as the field's type says. */
+/* A number, flag, pair or free text, by the field's type. */
 #define OPT(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), bool *: GP_KIND_FLAG, float *: GP_KIND_FLOAT,   \
                     struct gp_sensor_params *: GP_KIND_THRESHOLD,             \
@@ -272,15 +270,15 @@ static const char *grow_word(int i, const char **text)
                     const char *(*)[GP_DEBUG_KINDS]: GP_KIND_NAMED),          \
         __VA_ARGS__)
 
-/* An enum or int by the names of `choices`; an enum without a value at all:
- * it is set to `set`. */
+/* CHOICE: an enum or int by the names of `choices`. SET: an enum, set to `set`
+ * by an option without a value. */
 #define CHOICE(f, ...)                                                        \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_CHOICE,                     \
                     int *: GP_KIND_CHOICE), __VA_ARGS__)
 #define SET(f, ...)                                                           \
     ROW(f, _Generic(FIELD(f), unsigned *: GP_KIND_SET), __VA_ARGS__)
 
-/* Its heading, and which commands take it. */
+/* Heading and commands of an option. */
 #define IN(g) .group = GP_GROUP_##g, .commands = GP_COMMAND_MAIN
 #define BOTH(g) .group = GP_GROUP_##g,                                        \
     .commands = GP_COMMAND_MAIN | GP_COMMAND_BENCH
@@ -301,105 +299,110 @@ const struct gp_option gp_options[] = {
         .help = "Write the glare layer only, scene-linear; may be given more "
                 "than once"),
     OPT(grow, .name = "grow", IN(OUTPUT), .arg = "PIXELS", .list = grow_word,
-        .open = true, .help = "Extend outputs by PIXELS on each side of data "
-        "and display window, which they cover without it"),
+        .open = true, .help = "Extend outputs beyond the union of data and "
+        "display window, by PIXELS on each side"),
     OPT(debug, .name = "debug", IN(OUTPUT), .arg = "KIND=FILE",
-        .choices = gp_debugs, .help = "Write a picture of a step on the way"),
+        .choices = gp_debugs, .help = "Write a picture of an intermediate "
+        "step"),
 
     OPT(frames, .name = "frames", .letter = 'f', .group = GP_GROUP_INPUT,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .arg = "LIST",
         .aside = true,
-        .help = "Frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
-                "3,4,10-20x2 or 5-1; "
-                "without it, those on disk"),
+        .help = "Read these frames of a pattern: 1-100, 1-100x2 (or 1-100:2), "
+                "3,4,10-20x2 or 5-1; without it, all that exist on disk"),
     OPT(views, .name = "views", IN(INPUT), .arg = "LIST",
-        .help = "Views, e.g. left,right, for %V and %v (first letter) in "
-                "names; without %V or %v in the inputs, those in each file; "
-                "all (default): those that it names, of which outputs without "
-                "%V show the first"),
+        .help = "Make these stereo views: by %V or %v (first letter) in input "
+                "names, where the default is left,right; else views inside "
+                "each input, where the default is all, and outputs without %V "
+                "show the first"),
     OPT(skip_bad_frames, .name = "skip-bad-frames", IN(INPUT),
         .aside = true,
         .help = "Skip frames that fail, list them at the end, exit 6"),
     OPT(read.layer, .name = "layer-in", BOTH(INPUT), .arg = "NAME",
-        .help = "Read the frame from this layer: NAME.R,G,B, a part of that "
-        "name, or right.NAME of one view; without it, the first colour"),
+        .help = "Read the colour from this EXR layer: NAME.R,G,B, a part "
+        "called NAME, or right.NAME in the view right; without it, from the "
+        "first that has colour"),
     OPT(read.part, .name = "part", BOTH(INPUT), .arg = "NAME|N",
         .help = "Read the colour from this part of a multi-part file, by "
                 "name or number from 0"),
     OPT(light_groups, .name = "light-group", IN(INPUT), .arg = "NAME",
-        .help = "Take the light of this layer in place of the frame's own; may "
-        "be given more than once, and --hdr gives each its glare too"),
+        .help = "Spread the light of this EXR layer in place of the frame's "
+        "own; may be given more than once; --hdr adds to each layer its own "
+        "glare"),
     OPT(read.max_pixels, .name = "max-pixels", ALL(INPUT), .arg = "N", .lo = 1,
         .hi = 1LL << 40, .aside = true,
-        .help = "Refuse files whose data or display window "
-        "has more than N pixels; in files other than EXR each four channels "
-        "count as pixels of their own"),
+        .help = "Refuse files whose data or display window has more than N "
+        "pixels; in files other than EXR, every four channels of a pixel "
+        "count as one"),
 
     OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,
-        .help = "Luminance over which a pixel is a light source: a number, "
-                "99.9% of the pixels, or +3ev over the log-average"),
+        .help = "Treat pixels over this luminance as light sources: a number, "
+                "a percentile such as 99.9%, or EV over the log-average such "
+                "as +3ev"),
     CHOICE(sensor.mode, .name = "threshold-mode", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_threshold_modes,
-        .help = "Spread this part of a pixel over the threshold"),
+        .help = "Spread this part of a light source"),
     OPT(sensor.knee, .name = "knee", BOTH(LIGHT), .arg = "K", .hi = 1,
-        .help = "Open --threshold-mode whole smoothly, from T(1-K) to T(1+K)"),
+        .help = "Ramp --threshold-mode whole smoothly from T(1-K) to T(1+K)"),
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
-        .hi = FLT_MAX, .help = "Scale pixels with brighter values until their "
-        "largest is V; 0 leaves all as they are"),
+        .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
+        "their largest channel is V, which keeps their hue; 0 clamps none"),
     OPT(kernel.source, .name = "kernel", .letter = 'k', BOTH(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
         .help = "Point-spread function: an image file"),
     OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
-        .help = "Centre of the kernel in its own pixels, whose centres are "
-                "at halves; without it, pixel (w/2, h/2) rounded down"),
+        .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "
+                "centre of the first); without it, the centre of pixel "
+                "(w/2, h/2) rounded down"),
     CHOICE(kernel.normalize, .name = "kernel-normalize", BOTH(LIGHT),
         .arg = "HOW", .choices = gp_normalizes, .help = "Scale the kernel"),
     OPT(kernel.rotate, .name = "rotate", BOTH(LIGHT), .arg = "DEG",
         .lo = -36000, .hi = 36000,
-        .help = "Turn the kernel about its centre, counter-clockwise"),
+        .help = "Rotate the kernel about its centre, counter-clockwise"),
     OPT(compose.gain, .name = "gain", .letter = 'g', BOTH(LIGHT), .arg = "G",
-        .hi = 1e6, .help = "Scale the layer in the pictures; with --mix "
-        "scatter 1 takes all of a source's light, and more than 1 brightens "
-        "the glare only"),
+        .hi = 1e6, .help = "Scale the glare in pictures and --hdr, not in "
+        "--layer; with --mix scatter, 1 moves all light of the sources, and "
+        "more than 1 only brightens the glare"),
     CHOICE(compose.mix, .name = "mix", BOTH(LIGHT), .arg = "HOW",
         .choices = gp_mixes, .help = "Combine frame and layer this way"),
 
     OPT(sun.at, .name = "sun", BOTH(SUN), .arg = "X,Y[,R]", .least = 2,
         .most = 3, .lo = -1e6, .hi = 1e6,
-        .help = "Centre and radius of the sun in pixels (radius 0.5 when "
-                "left out); with bench, print the table of its visibility"),
+        .help = "Place the sun: centre and radius in pixels (radius 0.5 if "
+                "omitted); bench then prints its table of visibility"),
     OPT(sun.dir, .name = "sun-dir", BOTH(SUN), .arg = "X,Y,Z", .least = 3,
         .needs = GP_NEED_NO_PLACE, .most = 3, .lo = -1e9, .hi = 1e9,
-        .help = "Direction towards the sun in the world, placed by the "
-                "frame's worldToNDC matrix or --camera"),
+        .help = "Place the sun by its direction in the world, from the scene "
+                "to the sun, and the frame's worldToNDC matrix or --camera"),
     OPT(sun.size, .name = "sun-size", BOTH(SUN), .arg = "DEG", .lo = FLT_MIN,
         .hi = 90,
-        .help = "Diameter of the sun in degrees, for --sun-dir and --camera"),
+        .help = "Set the sun's diameter in degrees, for --sun-dir and "
+                "--camera"),
     OPT(sun.color, .name = "sun-color", IN(SUN), .arg = "R,G,B", .least = 1,
         .needs = GP_NEED_LIGHT | GP_NEED_SUN, .most = 3, .hi = 1e12,
-        .help = "Flux of the sun, scene-linear, summed over pixels: it gets "
-                "glare of its own and lights the flare; without it only the "
-                "frame's bright pixels glare"),
+        .help = "Set the sun's flux, scene-linear, summed over pixels (one "
+                "number: grey): it adds glare of its own and lights the "
+                "flare; without it, only the frame's bright pixels glare"),
     OPT(sun.in_frame, .name = "sun-in-frame", IN(SUN), .needs = GP_NEED_LIGHT,
-        .help = "Take lights as already in the frame's pixels, which glare "
-                "by themselves: flux lights the flare only"),
+        .help = "Treat lights as already drawn in the frame, whose bright "
+                "pixels glare: their flux lights only the flare"),
     CHOICE(sun.method, .name = "sun-method", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_sun_methods,
         .help = "Find the visible share of a light this way"),
     OPT(sun.map.side, .name = "sun-map", BOTH(SUN), .arg = "N", .lo = 2,
         .needs = GP_NEED_LIGHT | GP_NEED_MAP, .hi = 256,
-        .help = "mask: texels of a sun map's side; even"),
+        .help = "mask: make sun maps of NxN texels; even"),
     CHOICE(sun.map.pattern, .name = "sun-pattern", BOTH(SUN), .arg = "WHAT",
         .needs = GP_NEED_LIGHT | GP_NEED_MAP, .choices = gp_patterns,
-        .help = "mask: area that the texels sample"),
+        .help = "mask: sample this area"),
     CHOICE(sun.map.sum, .name = "sun-sum", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sums,
-        .help = "mask: how texels add up"),
+        .help = "mask: sum texels this way"),
     CHOICE(sun.draw, .name = "sun-draw", IN(SUN), .arg = "WHERE",
         .needs = GP_NEED_LIGHT | GP_NEED_MASK, .choices = gp_sun_draws,
-        .help = "mask: where glare and flare of the lights are drawn"),
+        .help = "mask: draw glare and flare of the lights here"),
     CHOICE(sun.map.outside, .name = "sun-outside", BOTH(SUN), .arg = "HOW",
         .needs = GP_NEED_LIGHT, .choices = gp_outsides,
         .help = "Count the part of a light outside the frame this way"),
@@ -407,10 +410,10 @@ const struct gp_option gp_options[] = {
         .needs = GP_NEED_LIGHT, .help = "Dim the picture by F times the "
         "visible share, as the pupil does"),
     OPT(sun.camera, .name = "camera", BOTH(SUN), .arg = "FILE",
-        .help = "Read a JSON file with a camera for each frame, and the "
-                "sun's direction"),
+        .help = "Read each frame's camera and the sun's direction from a JSON "
+                "file"),
     CHOICE(sun.ndc, .name = "ndc", BOTH(SUN), .arg = "HOW", .choices = gp_ndcs,
-        .help = "Range of the frame's worldToNDC matrix"),
+        .help = "Read the frame's worldToNDC matrix with this range"),
     OPT(sun.lights, .name = "lights", BOTH(SUN), .arg = "FILE",
         .help = "Read suns and lamps from a JSON file"),
     OPT(sun.flare, .name = "flare", IN(SUN), .arg = "FILE",
@@ -418,30 +421,31 @@ const struct gp_option gp_options[] = {
         .help = "Read lens-flare elements from a JSON file; each light that "
                 "has flux draws them, scaled by its visible share"),
     OPT(depth, .name = "depth", BOTH(SUN), .arg = "CH",
-        .help = "Depth channel, in any part; without it, Z, depth.Z, "
-                "Depth.Z, *.Depth.Z or *.Z is looked for, first in the layer "
-                "that the colour is in (B.Depth.Z with B.Combined)"),
+        .help = "Read depth from this channel, in any part; without it, from "
+                "the first of Z, depth.Z, Depth.Z, *.Depth.Z and *.Z, in the "
+                "layer of the colour first (B.Depth.Z with B.Combined)"),
     OPT(sun.depth_file, .name = "depth-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
-        .help = "Read the depth from this file (or pattern)"),
+        .help = "Read depth from this file (or pattern)"),
     CHOICE(sun.depth_type, .name = "depth-type", BOTH(SUN), .arg = "TYPE",
-        .choices = gp_depth_types, .help = "Meaning of the depth values"),
+        .choices = gp_depth_types, .help = "Read depth values as this"),
     OPT(sun.mask, .name = "mask", BOTH(SUN), .arg = "CH",
-        .needs = GP_NEED_LIGHT, .help = "Coverage channel of what hides the "
-        "lights, 0 clear to 1 opaque, e.g. A"),
+        .needs = GP_NEED_LIGHT, .help = "Hide lights by this coverage channel, "
+        "e.g. A: 0 clear to 1 opaque"),
     OPT(sun.mask_file, .name = "mask-file", BOTH(SUN), .arg = "FILE",
         .needs = GP_NEED_LIGHT,
-        .help = "Read the coverage from this file (or pattern)"),
+        .help = "Read coverage from this file (or pattern)"),
 
     OPT(glare.engine, .name = "engine", .letter = 'e', IN(ENGINE),
-        .arg = "NAME", .list = engine_name, .help = "Compute the glare by this "
-        "method; all give the same layer within their error"),
+        .arg = "NAME", .list = engine_name, .help = "Compute the glare layer "
+        "with this engine; all make the same layer within their bounds"),
     OPT(glare.tolerance, .name = "tolerance", BOTH(ENGINE), .arg = "E",
-        .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error: the "
-        "norm of the layer's error over that of the exact layer"),
+        .needs = GP_NEED_AUTO, .hi = 1, .help = "Allow auto this error in "
+        "rel_l2: the norm of the layer's error over that of the exact layer"),
     OPT(glare.tolerance_pixel, .name = "tolerance-pixel", BOTH(ENGINE),
         .arg = "E", .lo = FLT_MIN, .hi = 1, .help = "Allow auto this error in "
-        "any pixel of the composite, of its own luminance; shown by --report"),
+        "max_rel: of any pixel of the composite, relative to its luminance "
+        "plus 1e-6 of the largest; --report has the bound"),
     OPT(glare.splat.group, .name = "group", IN(ENGINE), .arg = "N", .lo = 1,
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw NxN pixels as "
         "one polygon; a power of two, 1 for none"),
@@ -450,61 +454,63 @@ const struct gp_option gp_options[] = {
         .help = "splat: how a group represents its pixels"),
     OPT(glare.splat.cluster, .name = "cluster", IN(ENGINE), .arg = "N",
         .needs = GP_NEED_SPLAT, .hi = 64, .help = "splat: draw filled areas of "
-        "NxN pixels as one polygon; a power of two over that of --group, 0 for "
+        "NxN pixels as one polygon; a power of two larger than --group, 0 for "
         "none; without it, none where --group is as large"),
     OPT(glare.splat.cluster_fill, .name = "cluster-fill", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "F", .lo = FLT_MIN, .hi = 1,
-        .help = "splat: share of bright pixels from which an area is filled"),
+        .help = "splat: call an area filled from this share of bright pixels"),
     OPT(glare.splat.shrink, .name = "shrink", IN(ENGINE), .arg = "E",
-        .needs = GP_NEED_SPLAT, .hi = 0.99, .help = "splat: leave out this "
-        "share of the light where the kernel is too dim to see; 0 for none"),
+        .needs = GP_NEED_SPLAT, .hi = 0.99, .help = "splat: crop polygons "
+        "where the kernel's edge is dim, by at most this share of the light; "
+        "0 for none"),
     CHOICE(glare.splat.primitive, .name = "primitive", IN(ENGINE),
         .needs = GP_NEED_SPLAT, .arg = "WHAT", .choices = gp_primitives,
-        .help = "splat: draw this for a polygon"),
+        .help = "splat: draw polygons as this"),
     CHOICE(glare.gl, .name = "gl", BOTH(ENGINE), .arg = "API",
-        .choices = gp_gls, .help = "Use this GL context for the engine on GL"),
+        .choices = gp_gls, .help = "Draw splat and sun maps in this GL "
+        "context"),
     CHOICE(glare.fft_plan, .name = "fft-plan", BOTH(ENGINE), .arg = "HOW",
-        .choices = gp_plans, .help = "Choose the plans of the FFT this way"),
+        .choices = gp_plans, .help = "Choose FFT plans this way"),
     OPT(threads, .name = "threads", ALL(ENGINE), .arg = "N", .hi = 1024,
         .aside = true,
         .help = "Use N threads, 0 for all processors; no output depends on it"),
     OPT(frame_jobs, .name = "frame-jobs", IN(INPUT), .arg = "N",
         .hi = GP_FLIGHT_MOST, .aside = true,
-        .help = "Keep N frames in flight, 1 for one "
-        "after the other, 0 for 3 or as many as fit into half of the memory; "
-        "no output depends on it"),
+        .help = "Keep N frames in flight, 1 for one after the other, 0 for 3 "
+        "or as many as fit into half of the memory; no output depends on it"),
 
     OPT(tone.curve, .name = "tonemap", BOTH(TONE), .arg = "NAME",
         .needs = GP_NEED_NO_CONFIG, .list = curve_name,
         .help = "Map tones with this operator"),
     OPT(tone.exposure, .name = "exposure", BOTH(TONE), .arg = "EV", .lo = -32,
         .needs = GP_NEED_CURVE, .hi = 32,
-        .help = "Scale the light by 2 to the EV first"),
+        .help = "Scale the light by 2^EV before the operator"),
     OPT(tone.auto_exposure, .name = "auto-exposure", BOTH(TONE),
-        .needs = GP_NEED_CURVE, .help = "Scale so that the frame's log-average "
-        "becomes middle grey; EV comes on top"),
+        .needs = GP_NEED_CURVE, .help = "Scale the frame so that its "
+        "log-average becomes middle grey, then by --exposure"),
     OPT(tone.white, .name = "white", BOTH(TONE), .arg = "W", .hi = FLT_MAX,
         .needs = GP_NEED_TONES | GP_NEED_EXTENDED,
-        .help = "Luminance that burns out with reinhard-extended, in scaled "
-                "units; 0 takes the frame's maximum"),
+        .help = "reinhard-extended: map this luminance, after exposure, to "
+                "white; 0 uses the frame's maximum"),
 
     OPT(ocio.config, .name = "ocio", IN(TONE), .arg = "CONFIG", .blank = true,
-        .help = "Use an OpenColorIO config, whose view takes the place of "
-        "--tonemap: a file, env for $OCIO, or ocio://NAME of a library that "
-        "has built-in ones; a config is trusted as a program is"),
+        .help = "Show pictures through a view of this OpenColorIO config, in "
+        "place of --tonemap: a file, env for $OCIO, or ocio://NAME for one "
+        "built into OpenColorIO 2.2 or later; trust a config as you would a "
+        "program"),
     OPT(ocio.input, .name = "input-space", IN(TONE), .arg = "S",
-        .needs = GP_NEED_CONFIG, .help = "Colour space or role of the config "
-        "that frames are in, or are converted to where their files name other "
-        "chromaticities; without it, scene_linear"),
+        .needs = GP_NEED_CONFIG, .help = "Read frames as this colour space or "
+        "role of the config; those whose files name other chromaticities are "
+        "converted to it; without it, scene_linear"),
     OPT(ocio.any_primaries, .name = "ignore-chromaticities", IN(TONE),
-        .needs = GP_NEED_CONFIG, .help = "Take frames as --input-space even "
+        .needs = GP_NEED_CONFIG, .help = "Read frames as --input-space even "
         "where their files name other chromaticities"),
     OPT(ocio.display, .name = "display", IN(TONE), .arg = "D",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
-        .help = "Display of the config; without it, its default"),
+        .help = "Use this display of the config; without it, its default"),
     OPT(ocio.view, .name = "view", IN(TONE), .arg = "V",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
-        .help = "OCIO view of the display; without it, its default"),
+        .help = "Use this OCIO view of the display; without it, its default"),
     OPT(ocio.look, .name = "look", IN(TONE), .arg = "L",
         .needs = GP_NEED_CONFIG | GP_NEED_PICTURE,
         .help = "Use these looks in place of those of the view: A, or -A,+B"),
@@ -523,11 +529,12 @@ const struct gp_option gp_options[] = {
         .choices = gp_compressions, .help = "Compress EXR files this way"),
     CHOICE(write.depth_bits, .name = "depth-bits", IN(FILE), .arg = "N",
         .choices = gp_bits,
-        .help = "Bits a sample of PNG and other integer formats"),
+        .help = "Write samples of PNG and other integer formats with N bits"),
     SET(write.dither, .name = "dither", IN(FILE), .set = GP_DITHER_ALWAYS,
         .help = "Dither integers of 16 bits too, not only those of 8"),
     SET(write.dither, .name = "no-dither", IN(FILE), .set = GP_DITHER_NEVER,
-        .help = "Round to the nearest integer; glows show bands in 8 bits"),
+        .help = "Round to the nearest integer; smooth glows then show bands "
+                "in 8 bits"),
     CHOICE(write.alpha, .name = "alpha", IN(FILE), .arg = "HOW",
         .choices = gp_alphas, .help = "Write alpha of -o pictures this way"),
     OPT(write.no_clobber, .name = "no-clobber", IN(FILE), .aside = true,
@@ -536,23 +543,23 @@ const struct gp_option gp_options[] = {
     CHOICE(write.stdout_format, .name = "stdout-format", IN(FILE),
         .aside = true, .needs = GP_NEED_STREAM, .arg = "FORMAT",
         .choices = gp_stdout_formats,
-        .help = "Write this format where - is an output"),
+        .help = "Write this format to an output that is -"),
     CHOICE(write.raw, .name = "raw", IN(FILE), .arg = "FORMAT",
         .needs = GP_NEED_RAW | GP_NEED_STREAM, .choices = gp_raws,
         .aside = true,
         .help = "Pixel format of raw output; implies --stdout-format raw"),
     OPT(write.create_dir, .name = "create-dir", IN(FILE), .aside = true,
-        .help = "Make the folders of output files that are missing"),
+        .help = "Make missing folders of output files"),
     OPT(no_provenance, .name = "no-provenance", .group = GP_GROUP_FILE,
         .commands = GP_COMMAND_MAIN | GP_COMMAND_COMPARE, .aside = true,
-        .help = "Leave glarepp:version and glarepp:command out of EXR and PNG "
-                "files, those of the input too"),
+        .help = "Write no glarepp:version and glarepp:command into EXR and "
+                "PNG files, and drop those of the input"),
 
     OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
         .help = "Write JSON, one object a line for each frame; - is stdout"),
     OPT(report_append, .name = "report-append", IN(REPORT),
-        .needs = GP_NEED_REPORT_FILE, .help = "Keep the lines that the report "
-        "has, as a resumed run needs; without it, it is made anew"),
+        .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
+        "resumed run should; without it, replace it"),
     OPT(verify, .name = "verify", IN(REPORT), .needs = GP_NEED_REPORT,
         .help = "Measure the layer's error against the exact sum in double; "
                 "slow; shown by --report and -v"),
@@ -575,8 +582,8 @@ const struct gp_option gp_options[] = {
                 "gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,
         .needs = GP_NEED_OWN_FRAMES | GP_NEED_NO_LIGHT,
-        .help = "Measure three frames after the paper, made here: few "
-                "points, windows, and a sky that fills the frame"),
+        .help = "Measure three generated frames like the paper's: few points, "
+                "windows, and a sky that fills the frame"),
     OPT(bench.runs, .name = "runs", BENCH, .arg = "N", .lo = 1, .hi = 1000,
         .help = "Time each row N times; the table has the median"),
 
@@ -591,7 +598,7 @@ const struct gp_option gp_options[] = {
     OPT(compare.allow_failures, .name = "allowfailures", COMPARE, .arg = "N",
         .hi = INT32_MAX, .help = "Allow N pixels to fail by any amount"),
     OPT(compare.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
-        .hi = INFINITY, .help = "Fail where one error is over E, whatever "
+        .hi = INFINITY, .help = "Fail if any error is over E, whatever "
         "--failpercent allows"),
     OPT(compare.warn, .name = "warn", COMPARE, .arg = "E", .hi = INFINITY,
         .help = "Warn of pixels with a value whose error is over E, where "
@@ -602,7 +609,7 @@ const struct gp_option gp_options[] = {
     OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
         .hi = 100, .help = "Allow this percentage of pixels to be over --warn"),
     OPT(compare.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
-        .hi = INFINITY, .help = "Warn where one error is over E, whatever "
+        .hi = INFINITY, .help = "Warn if any error is over E, whatever "
         "--warnpercent allows"),
     OPT(compare.perceptual, .name = "perceptual", .letter = 'p', COMPARE,
         .help = "Fail pixels whose difference an eye sees (Yee's metric), in "
@@ -626,8 +633,8 @@ const struct gp_option gp_options[] = {
                 "then"),
     OPT(compare.flip_exposures, .name = "flip-exposures", COMPARE,
         .arg = "START,STOP,COUNT", .least = 3, .most = 3, .lo = -64, .hi = 64,
-        .help = "Exposures of HDR-FLIP in EV; without it, those that fit the "
-                "first image"),
+        .help = "Compute HDR-FLIP at these exposures in EV; without it, at "
+                "those that fit the first image"),
     OPT(compare.no_flip, .name = "no-flip", COMPARE,
         .help = "Leave out FLIP, which takes most of the time"),
     OPT(compare.heatmap, .name = "heatmap", COMPARE, .arg = "FILE",

@@ -17,7 +17,7 @@ static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
         &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
-        &s->light_groups, &s->said,
+        &s->light_groups, &s->options,
     };
     return list[i];
 }
@@ -35,7 +35,7 @@ void gp_settings_free(struct gp_settings *s)
 
 #define LETTERS "abcdefghijklmnopqrstuvwxyz"
 
-/* One option as it is on the command line. */
+/* An option of the command line and its value. */
 struct use {
     const struct gp_log *log;
     const struct gp_option *option;
@@ -49,8 +49,8 @@ static gp_status out_of_range(const struct use *u)
                    u->value, gp_option_range(u->option).text);
 }
 
-/* Reads a number with a decimal point (nothing calls setlocale()), nothing
- * before it. Moves *s after it. */
+/* Reads a number, without blanks before it, and moves *s after it. (Its decimal
+ * point is a point: nothing calls setlocale().) */
 static bool read_double(const char **s, double *out)
 {
     if (**s == '\0' || strchr(" \t\n\v\f\r", **s))
@@ -88,7 +88,7 @@ static gp_status set_number(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* A luminance, a percentile or EV over the average, into sensor params. */
+/* Sets the threshold from "1", "99.9%" or "+3ev". */
 static gp_status set_threshold(const struct use *u, void *field)
 {
     struct gp_sensor_params *const p = field;
@@ -112,7 +112,7 @@ static gp_status set_threshold(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* "x,y" into two doubles, or a list into a struct gp_numbers. */
+/* Sets two doubles, or a struct gp_numbers, from "x,y,...". */
 static gp_status set_list(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
@@ -120,6 +120,7 @@ static gp_status set_list(const struct use *u, void *field)
     const int least = pair ? 2 : o->least, most = pair ? 2 : o->most;
     struct gp_numbers list = {0};
     const char *s = u->value;
+    char range[16] = "";
     bool whole = false;
     while (!whole && list.n < most && read_double(&s, &list.v[list.n])) {
         list.n++;
@@ -127,11 +128,12 @@ static gp_status set_list(const struct use *u, void *field)
         if (!whole && *s++ != ',')
             break;
     }
+    if (least < most)
+        snprintf(range, sizeof range, "%d to ", least);
     if (!whole || list.n < least)
         return gp_fail(u->log, GP_ERR_USAGE,
-                       "--%s: not %s (found \"%s\"); write %s", o->name,
-                       pair ? "two numbers" : "the numbers that it takes",
-                       u->value, o->arg);
+                       "--%s: not %s%d numbers (found \"%s\"); write %s",
+                       o->name, range, most, u->value, o->arg);
     for (int i = 0; i < list.n; i++) {
         if (!(list.v[i] >= o->lo && list.v[i] <= o->hi))
             return out_of_range(u);
@@ -143,20 +145,19 @@ static gp_status set_list(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* Names the nearest value, else all of them. `file`: the value is the name of
- * no file, and may be that of a value without what comes before its colon;
- * where it is not, GP_OK. */
+/* Fails with the nearest value, else with all of them. With `file`, for a value
+ * that no file has as its name, fails only when one is near, such as
+ * builtin:star to "star". */
 static gp_status unknown_value(const struct use *u, bool file)
 {
     const char *text, *name;
     char line[512] = "", nearest[64] = "";
     size_t at = 0;
     const size_t length = strlen(u->value);
-    int most = length < 8 ? 1 : 2; // edits, ever fewer
+    int most = length < 8 ? 1 : 2; // edits: each match must beat the last
     for (int i = 0; at < sizeof line &&
                     (name = gp_option_value(u->option, i, &text)); i++) {
-        struct gp_nearest near = gp_nearest_to(u->value, length,
-                                                      most);
+        struct gp_nearest near = gp_nearest_to(u->value, length, most);
         const char *const colon = file ? strchr(name, ':') : NULL;
         at += (size_t) snprintf(line + at, sizeof line - at, "%s%s",
                                 i ? ", " : "", name);
@@ -178,7 +179,8 @@ static gp_status unknown_value(const struct use *u, bool file)
                    u->option->name, u->value, line);
 }
 
-/* One of the option's choices, or with GP_KIND_NAMED "CHOICE=FILE". */
+/* Sets one of the option's choices, or the file of GP_KIND_NAMED's
+ * "CHOICE=FILE". */
 static gp_status set_choice(const struct use *u, void *field)
 {
     const bool named = u->option->kind == GP_KIND_NAMED;
@@ -201,7 +203,7 @@ static gp_status set_choice(const struct use *u, void *field)
     return GP_OK;
 }
 
-/* A word, or one more of a list; it lasts as long as argv. */
+/* Sets a word of argv, or appends it to a list. */
 static gp_status set_text(const struct use *u, void *field)
 {
     const struct gp_option *const o = u->option;
@@ -239,7 +241,7 @@ static const struct {
 };
 enum { COMMANDS = (int) (sizeof commands / sizeof *commands) };
 
-/* The word that asks for a command, for the first of several bits; "" for
+/* Returns the word of a command, of several bits the first; "" for
  * GP_COMMAND_MAIN. */
 static const char *word_of(unsigned command)
 {
@@ -259,10 +261,10 @@ const char *gp_command_at(int i, enum gp_command *command)
 
 // -- words -------------------------------------------------------------------
 
-/* Finds the option that `word` names. *value is what follows it in the word
+/* Finds the option that `word` names. *value is the rest of the word
  * ("--gain=2", "-g2"), or NULL. Options of compare may have one dash, as
- * idiff's have: "-fail"; "-foo" is none then, nor -f with a value. A letter
- * means the command's own option. */
+ * idiff's: "-fail"; "-foo" is then unknown, not -f with a value. A letter means
+ * the command's own option. */
 static const struct gp_option *split_word(const char *word, unsigned command,
                                           const char **value)
 {
@@ -315,28 +317,28 @@ static gp_status read_option(const struct gp_log *log, int argc,
                        "glarepp %s --%s, or leave it out", name,
                        word_of(u.option->commands), name);
     if (!(u.option->commands & s->command))
-        return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; glarepp "
-                       "%s --help lists its options", name, word_of(s->command),
+        return gp_fail(log, GP_ERR_USAGE, "--%s: not for glarepp %s; see "
+                       "glarepp %s --help", name, word_of(s->command),
                        word_of(s->command));
     if (!arg && u.value)
         return gp_fail(log, GP_ERR_USAGE, "%s: takes no "
                        "value (found \"%s\"); leave it out", word, u.value);
     if (arg && !u.value) {
         if (*i + 1 >= argc)
-            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; give %s",
-                           word, arg);
+            return gp_fail(log, GP_ERR_USAGE, "%s: needs a value; write %s %s",
+                           word, word, arg);
         const char *const next = argv[++*i];
         if (strncmp(next, "--", 2) == 0 &&
             split_word(next, s->command, &of_next))
             return gp_fail(log, GP_ERR_USAGE, "%s: needs a value (found the "
-                           "option %s); give %s", word, next, arg);
+                           "option %s); write %s %s", word, next, word, arg);
         u.value = next;
     }
     void *const field = (char *) s + u.option->at;
     const size_t row = (size_t) (u.option - gp_options);
     s->given[row / 64] |= UINT64_C(1) << row % 64;
-    s->said.at[s->said.n++] = name;
-    s->said.at[s->said.n++] = u.value;
+    s->options.at[s->options.n++] = name;
+    s->options.at[s->options.n++] = u.value;
     switch (u.option->kind) {
     case GP_KIND_FLAG:
         *(bool *) field = true;
@@ -377,7 +379,7 @@ gp_status gp_options_parse(const struct gp_log *log, int argc,
         if (st)
             return st;
     }
-    // a command, or a word that is nearly one and names no file
+    // a misspelt command must not be read as an input
     const char *const first = argc > 1 ? argv[1] : "";
     struct gp_nearest near = gp_nearest_to(first, strlen(first), 2);
     for (int c = 1; c < COMMANDS && i == 1; c++) {

@@ -6,30 +6,30 @@
 #include "core/limits.h"
 #include "core/memory.h"
 #include "core/parallel.h"
+#include "io/file.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-/* Stages that run, and what nobody needs after each. */
 struct schedule {
-    bool on[GP_STAGES];
-    unsigned dead[GP_STAGES];
-    size_t pixel_bytes; // of a frame's pixel at most, without other channels
+    bool on[GP_STAGES];       // the stage runs
+    unsigned dead[GP_STAGES]; // data that no later stage needs
+    size_t pixel_bytes;       // peak of a frame, without carried channels
 };
 
-/* An input file in flight: one frame, or the views that it holds. */
+/* An input file in flight: one frame, or the views inside it. */
 struct unit {
     struct gp_frame_log log;
     struct gp_frame_state *view; // jobs->views of them, owned
     int begun;                   // of these
-    bool kept;                   // its outputs exist: nothing to do
+    bool kept;                   // skipped: all its outputs exist
 };
 
 struct pipeline {
     const struct gp_log *log;
-    const struct gp_settings *asked; // as the command line says
-    struct gp_settings s;            // of the stages
+    const struct gp_settings *asked; // the command line's
+    struct gp_settings s;            // the stages'
     const struct gp_jobs *jobs;
     struct gp_progress *progress;
     struct schedule schedule;
@@ -38,19 +38,19 @@ struct pipeline {
     struct gp_flight flight;
     struct unit *unit;               // one a slot, owned
     int slots;
-    atomic_int kept;                 // frames, for the progress
-    atomic_size_t largest;           // unit so far, bytes
-    size_t memory;                   // that the process may use; 0: unknown
-    int made, dark;                  // frames; those without any light
-    struct gp_facts brightest;       // of the dark ones
+    atomic_int kept;                 // frames skipped, for the progress
+    atomic_size_t largest;           // bytes of the largest unit so far
+    size_t memory;                   // limit of the process; 0: unknown
+    int made, dark;                  // frames; of these without sources
+    struct gp_facts brightest;       // of the dark frames
 };
 
-/* Counts the bytes of a pixel that are there at once, at most. */
+/* Counts the peak bytes of a pixel. */
 static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
 {
     enum { PLANES = 3 * sizeof(float), EXACT = 3 * sizeof(double),
-           FFT = 8, // its rows and columns in the making
-           SPLAT = 4 * sizeof(float), // its target
+           FFT = 8, // rows and columns while they are made
+           SPLAT = 4 * sizeof(float), // render target
            REST = 9 }; // sources, 14 each, and files
     const unsigned kinds[] = {GP_HAS_RGB, GP_HAS_LAYER, GP_HAS_LIT,
                               GP_HAS_SHOWN};
@@ -70,7 +70,7 @@ static void count_pixel_bytes(const struct gp_run *r, struct schedule *p)
     }
 }
 
-/* Goes from the files that are wanted back to what they need. */
+/* Chooses the stages that the wanted files need, from the last to the first. */
 static gp_status make_schedule(const struct gp_log *log,
                                const struct gp_run *r, struct schedule *p)
 {
@@ -113,7 +113,7 @@ static void add_time(struct gp_frame_state *fs, int time, double ms)
     fs->facts.total_ms += ms;
 }
 
-/* Bytes of the channels of a frame that are not its colour. */
+/* Counts the bytes of a frame's channels other than its colour. */
 static size_t carried_bytes(const struct gp_frame *f)
 {
     size_t bytes = 0;
@@ -125,12 +125,12 @@ static size_t carried_bytes(const struct gp_frame *f)
     return bytes;
 }
 
-/* Memory that a frame takes in flight, at most and about. */
+/* Estimates the memory that a frame takes in flight, at most. */
 static size_t frame_bytes(const struct pipeline *p,
                           const struct gp_frame_state *fs)
 {
     const size_t pixels = gp_frame_pixels(&fs->frame);
-    const size_t group = (p->s.hdr.n ? 6 : 3) * sizeof(float); // as read, as lit
+    const size_t group = (p->s.hdr.n ? 6 : 3) * sizeof(float); // read, lit
     size_t bytes = pixels * p->schedule.pixel_bytes + carried_bytes(&fs->frame);
     for (int i = 0; i < fs->groups; i++)
         bytes += pixels * group + carried_bytes(&fs->group[i].frame);
@@ -147,7 +147,7 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
     gp_status st = GP_OK;
     if (phase == GP_PHASE_READ) {
         gp_frame_log_open(&u->log, p->log, &p->flight, unit, job->input);
-        u->kept = true; // all that it would write exists
+        u->kept = true;
         for (int v = 0; v < views && u->kept; v++)
             u->kept = gp_job_made(&p->asked->write, p->jobs, &job[v]);
         if (u->kept)
@@ -162,7 +162,7 @@ static gp_status run_step(void *user, int slot, int unit, enum gp_phase phase)
             const struct gp_stage *const stage = &gp_stages[i];
             if (!p->schedule.on[i] || stage->phase != phase)
                 continue;
-            // frames that are skipped count as if they had not been asked for
+            // skipped frames count neither as done nor in the total
             const int kept = atomic_load(&p->kept);
             gp_progress_update(p->progress,
                                gp_flight_head(&p->flight) * views - kept,
@@ -201,8 +201,8 @@ static void free_unit(struct unit *u)
     u->kept = false;
 }
 
-/* True for what may be wrong with one frame only; a lost context, a full
- * memory or a closed stdout would fail the others too. */
+/* True for errors that may be of one frame only; a lost context, a full memory
+ * or a closed stdout would fail the others too. */
 static bool can_skip(void *user, int slot, gp_status st)
 {
     const struct pipeline *const p = user;
@@ -210,7 +210,7 @@ static bool can_skip(void *user, int slot, gp_status st)
     for (int v = 0; v < u->begun && st == GP_ERR_IO; v++) {
         const struct gp_frame_state *const fs = &u->view[v];
         const char *const writing = fs->names[fs->facts.n_outputs];
-        if (writing && strcmp(writing, "-") == 0)
+        if (writing && gp_is_dash(writing))
             return false;
     }
     return p->asked->skip_bad_frames &&
@@ -256,11 +256,11 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     return st && !skipped ? st : reported;
 }
 
-// -- how many in flight ------------------------------------------------------
+// -- frames in flight --------------------------------------------------------
 
 enum { FLIGHT = 3 }; // one is read, one computed, one written
 
-/* Left to itself, it takes no more than half of the memory. */
+/* Without --frame-jobs, units in flight take half of the memory at most. */
 static bool has_room(void *user, int in_flight)
 {
     const struct pipeline *const p = user;
@@ -271,8 +271,7 @@ static bool has_room(void *user, int in_flight)
 
 // -- all frames --------------------------------------------------------------
 
-/* Makes what is made once; everything that can fail without a frame fails
- * here. */
+/* Makes what all frames share, so that errors of it come before any frame. */
 static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
 {
     struct gp_sun_files files = {.s = r->s};
@@ -280,15 +279,13 @@ static gp_status begin_run(const struct gp_log *log, struct gp_run *r)
     const struct gp_flare *const flare = &r->suns.flare;
     struct gp_texts also = {0};
     gp_status st;
-    // frames of one stream follow each other in it
     for (int i = 0; i < r->jobs->targets; i++)
-        r->ordered = r->ordered ||
-                     strcmp(r->jobs->target[i].name.path, "-") == 0;
+        r->ordered = r->ordered || gp_is_dash(r->jobs->target[i].name.path);
     GP_TRY(gp_run_kernel_begin(log, r));
     if (r->s->ocio.config)
         GP_TRY(gp_ocio_open(log, &r->s->ocio, &r->ocio));
     GP_TRY(gp_suns_begin(log, &r->s->sun, r->s->glare.gl, &reader, &r->suns));
-    // pictures of --flare and tables of --ocio are not written over either
+    // outputs must not replace pictures of --flare or tables of --ocio either
     const struct gp_ocio_names *const names =
         r->ocio ? gp_ocio_names(r->ocio) : NULL;
     const int tables = names ? names->files : 0;
@@ -327,7 +324,7 @@ gp_status gp_pipeline_run(const struct gp_log *log, const struct gp_settings *s,
         .user = &p, .step = run_step, .goes_on = can_skip,
         .has_room = has_room, .end = end_unit,
     };
-    p.s.write.no_clobber = false; // a set that is not whole is made anew
+    p.s.write.no_clobber = false; // a frame with missing outputs writes all
     GP_TRY(make_schedule(log, &p.run, &p.schedule));
     GP_TRY(begin_run(log, &p.run));
     GP_TRY(gp_failures_make(log, jobs, &p.failures));

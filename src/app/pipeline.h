@@ -1,12 +1,12 @@
-/* Frames through the stages, several in flight at once.
+/* Runs frames through the stages, several in flight at once.
  *
  *   read -> sun -> sensors -> glare -> compose -> tonemap -> write
  *
- * A stage runs only when a later one, or an output, needs what it gives.
- * Kernel, spectra, plans, OCIO processors and GL objects are made once for all
- * frames. Reading and writing run beside the computing of other frames; what
- * is computed, reported, printed or put into a stream comes in the order of
- * the jobs, so that nothing depends on how many are in flight. */
+ * A stage runs only when a later one, or an output, needs its result. Kernel,
+ * spectra, plans, OCIO processors and GL objects are made once for all frames.
+ * Reading and writing overlap the computing of other frames; computing,
+ * reports, messages and streams keep the order of the jobs, so that no result
+ * depends on how many are in flight. */
 #ifndef GP_APP_PIPELINE_H
 #define GP_APP_PIPELINE_H
 
@@ -16,9 +16,9 @@
 #include "core/status.h"
 
 /* Makes all frames of `jobs` but those for which gp_job_made() is true; ends at
- * the first that fails. With --skip-bad-frames it skips a frame that has bad
- * data or cannot be read or written, has a line in the report for it, and lists
- * them at the end. Files that were written before stay.
+ * the first that fails. With --skip-bad-frames it skips frames that have bad
+ * data or cannot be read or written, reports each, and lists them at the end.
+ * Files that were written before stay.
  *
  *   log       gets the errors, and with --verbose a line for each frame
  *   progress  open

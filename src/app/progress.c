@@ -13,13 +13,13 @@
 
 enum {
     PATIENCE_MS = 1000,  // shorter work needs no line
-    TICK_MS = 250,       // between two lines on a terminal
-    PIPE_MS = 100,       // least time between two lines in a pipe
+    TICK_MS = 250,       // between redraws on a terminal
+    PIPE_MS = 100,       // least time between lines in a pipe
 };
 
 // -- the line: under the lock ------------------------------------------------
 
-/* "45 s", "3 min 20 s", "2 h 5 min". */
+/* Formats "45 s", "3 min 20 s", "2 h 5 min". */
 static void print_duration(char *text, size_t size, double seconds)
 {
     long long s = (long long) (seconds + 0.5);
@@ -64,7 +64,7 @@ static void draw(struct gp_progress *p, double now)
     struct winsize w;
     describe(p, (now - p->start_ms) * 1e-3, line, sizeof line);
     wipe(p);
-    // a wrapped line could not be wiped
+    // a line that wraps could not be wiped
     const int columns = p->terminal &&
                                 ioctl(fileno(p->file), TIOCGWINSZ, &w) == 0 &&
                                 w.ws_col > 1 ? w.ws_col - 1 : 79;
@@ -82,19 +82,19 @@ static bool is_for_programs(const struct gp_progress *p)
     return p->when >= GP_PROGRESS_PERCENT;
 }
 
-/* Prints a line for programs where there is news, or at the end. */
+/* Prints a line for programs when the count has changed, or at the end. */
 static void print_news(struct gp_progress *p, double now, bool end)
 {
     const double seconds = (now - p->start_ms) * 1e-3;
     const double percent =
         end || p->total <= 0 ? 100.0 : 100.0 * p->done / p->total;
     const int news = p->when == GP_PROGRESS_PERCENT ? (int) percent : p->done;
-    const bool soon = p->when != GP_PROGRESS_PERCENT && p->said >= 0 && !end &&
-                      now - p->last_ms < PIPE_MS;
+    const bool soon = p->when != GP_PROGRESS_PERCENT && p->printed >= 0 &&
+                      !end && now - p->last_ms < PIPE_MS;
     char line[512];
-    if (soon || (news <= p->said && !(end && p->said < INT_MAX)))
+    if (soon || (news <= p->printed && !(end && p->printed < INT_MAX)))
         return;
-    if (p->when == GP_PROGRESS_PERCENT && news > p->said)
+    if (p->when == GP_PROGRESS_PERCENT && news > p->printed)
         fprintf(p->file, "%d%%\n", news);
     if (p->when == GP_PROGRESS_OPENJD) {
         describe(p, seconds, line, sizeof line);
@@ -122,7 +122,7 @@ static void print_news(struct gp_progress *p, double now, bool end)
         free(text);
     }
     fflush(p->file);
-    p->said = end ? INT_MAX : news;
+    p->printed = end ? INT_MAX : news;
     p->last_ms = now;
 }
 
@@ -134,7 +134,7 @@ static void *tick(void *arg)
     pthread_mutex_lock(&p->lock);
     while (p->ticking) {
         struct timespec t;
-        clock_gettime(CLOCK_REALTIME, &t); // what a condition waits by
+        clock_gettime(CLOCK_REALTIME, &t); // the clock of conditions
         long long ns = t.tv_nsec + TICK_MS * 1000000LL;
         t.tv_sec += (time_t) (ns / 1000000000);
         t.tv_nsec = (long) (ns % 1000000000);
@@ -158,7 +158,7 @@ void gp_progress_open(struct gp_progress *p, FILE *file,
         .file = draws ? file : NULL,
         .when = when,
         .stage = "",
-        .said = -1,
+        .printed = -1,
         .terminal = terminal,
         .patience_ms = when == GP_PROGRESS_ALWAYS ? 0.0 : PATIENCE_MS,
         .start_ms = gp_now_ms(),
@@ -236,9 +236,9 @@ static void print_message(const struct gp_frame_log *l, enum gp_level level,
         l->to->sink(l->to->user, level, line);
 }
 
-/* Prints a message of the unit that is ended next, and keeps others; prints
- * them too when memory is full. */
-static void take_message(void *user, enum gp_level level, const char *line)
+/* Prints a message of the unit that is ended next, and keeps others, which it
+ * prints too when memory is full. */
+static void log_message(void *user, enum gp_level level, const char *line)
 {
     struct gp_frame_log *const l = user;
     char named[GP_LINE_BYTES];
@@ -283,7 +283,7 @@ void gp_frame_log_open(struct gp_frame_log *l, const struct gp_log *to,
     const struct gp_flight *flight, int unit, const char *name)
 {
     *l = (struct gp_frame_log) {
-        .log = {take_message, l, to ? to->level : GP_LEVEL_ERROR},
+        .log = {log_message, l, to ? to->level : GP_LEVEL_ERROR},
         .to = to, .flight = flight, .unit = unit, .name = name,
     };
 }
@@ -302,7 +302,7 @@ void gp_frame_log_close(struct gp_frame_log *l)
     *l = (struct gp_frame_log) {0};
 }
 
-// -- which frames failed -----------------------------------------------------
+// -- frames that failed ------------------------------------------------------
 
 gp_status gp_failures_make(const struct gp_log *log, const struct gp_jobs *jobs,
                            struct gp_failures *out)
@@ -318,8 +318,8 @@ void gp_failures_free(struct gp_failures *f)
     *f = (struct gp_failures) {0};
 }
 
-/* The first of `n` jobs of which one failed, from `i` on, a multiple of n;
- * jobs->n when there is none. */
+/* Returns the first job of the next `n` of which one failed, from `i` on, a
+ * multiple of n; jobs->n when there is none. */
 static int next_failed(const struct gp_failures *f, int i, int n)
 {
     for (; i < f->jobs->n; i += n) {
@@ -338,9 +338,9 @@ void gp_failures_add(struct gp_failures *f, int index)
     f->failed[index] = true;
 }
 
-/* Prints the item of a list of numbers that starts at the failed frame whose
- * first job is *at, a frame or an evenly spaced run, moves *at after it and
- * returns how many frames it holds. */
+/* Prints one item of a frame list, a frame or an evenly spaced run, from the
+ * failed frame whose first job is *at. Moves *at after it and returns how many
+ * frames it has. */
 static int print_run(const struct gp_failures *f, int *at, char *text,
                      size_t size)
 {
@@ -385,8 +385,8 @@ gp_status gp_failures_report(const struct gp_log *log,
                jobs->n, views > 1 ? "view" : "frame", jobs->n == 1 ? "" : "s");
     if (!f->bad)
         return GP_OK;
-    // in the order of the jobs: numbers when all have one, else names; jobs
-    // that one item is for: a frame's, or in a list of names an input's
+    // numbers where all have one, else names; an item is for `step` jobs, those
+    // of a frame or, in a list of names, of an input
     for (int i = 0; i < jobs->n; i++)
         numbers = numbers && (!f->failed[i] || jobs->job[i].numbered);
     const int step = numbers ? views : jobs->views > 1 ? jobs->views : 1;
@@ -406,7 +406,7 @@ gp_status gp_failures_report(const struct gp_log *log,
         if (used + strlen(between) + strlen(word) + MORE >= sizeof list) {
             snprintf(list + used, sizeof list - used, "%s%d more",
                      used ? " and " : "", left);
-            numbers = false; // is no whole list
+            numbers = false; // a cut list is no value of --frames
             break;
         }
         used += (size_t) snprintf(list + used, sizeof list - used, "%s%s",
@@ -414,7 +414,7 @@ gp_status gp_failures_report(const struct gp_log *log,
         left -= n;
     }
     return gp_fail(log, GP_ERR_FRAMES, "--skip-bad-frames: %d of %d frame%s "
-                   "failed (%s); mend what the lines above say and make "
-                   "them again%s%s", f->bad, frames, frames == 1 ? "" : "s",
-                   list, numbers ? " with --frames " : "", numbers ? list : "");
+                   "failed (%s); fix the errors above, then make them "
+                   "again%s%s", f->bad, frames, frames == 1 ? "" : "s", list,
+                   numbers ? " with --frames " : "", numbers ? list : "");
 }

@@ -1,5 +1,5 @@
-/* Settings as text, for who looks at a picture later: glarepp:command of the
- * files that are written, and the settings of the report. */
+/* Records the settings that made a picture: glarepp:command of the files, and
+ * the settings of the report. */
 #include "app/options.h"
 
 #include "core/json.h"
@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* True when a pixel of some output may depend on the option. */
+/* True when pixels of an output may depend on the option. */
 static bool makes_pixels(const struct gp_option *o)
 {
     return !o->aside && o->group != GP_GROUP_OUTPUT &&
@@ -20,9 +20,8 @@ static const char *base_name(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
-/* One word as a shell takes it back: the first n bytes of `head`, then
- * `word`. */
-static void put_word(FILE *f, const char *head, size_t n, const char *word)
+/* Prints the first n bytes of `head`, then `word`, quoted for a shell. */
+static void print_word(FILE *f, const char *head, size_t n, const char *word)
 {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyz"
         "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-+=:,./@%";
@@ -33,26 +32,26 @@ static void put_word(FILE *f, const char *head, size_t n, const char *word)
         const char c = i < n ? head[i] : *word++;
         if (c == '\'')
             fputs("'\\''", f);
-        else // a line break would be one in the file's listing too
+        else // control characters would break listings of the file
             fputc((unsigned char) c < 0x20 || c == 0x7f ? '?' : c, f);
     }
     if (!bare)
         fputc('\'', f);
 }
 
-/* An option's value without folders of this machine. */
-static void put_value(FILE *f, const struct gp_option *o, const char *value)
+/* Prints an option's value without folders of this machine. */
+static void print_value(FILE *f, const struct gp_option *o, const char *value)
 {
     const bool config = strcmp(o->arg, "CONFIG") == 0;
     const char *const is = strchr(value, '=');
     if (config && (!*value || strcmp(value, "env") == 0) && getenv("OCIO"))
         value = getenv("OCIO");
     if ((config || strstr(o->arg, "FILE")) && !strstr(value, "://"))
-        put_word(f, "", 0, base_name(value));
+        print_word(f, "", 0, base_name(value));
     else if (is && is[1] == '/') // NAME=/some/folder/file
-        put_word(f, value, (size_t) (is + 1 - value), base_name(value));
+        print_word(f, value, (size_t) (is + 1 - value), base_name(value));
     else
-        put_word(f, "", 0, value);
+        print_word(f, "", 0, value);
 }
 
 gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
@@ -70,20 +69,20 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
         if (command == s->command)
             fprintf(f, "glarepp%s%s", *word ? " " : "", word);
     }
-    for (int i = 0; i + 1 < s->said.n; i += 2) {
-        const char *const name = s->said.at[i];
-        const char *const value = s->said.at[i + 1];
+    for (int i = 0; i + 1 < s->options.n; i += 2) {
+        const char *const name = s->options.at[i];
+        const char *const value = s->options.at[i + 1];
         const struct gp_option *const o = gp_option_find(name, strlen(name));
         if (!makes_pixels(o))
             continue;
         fprintf(f, " --%s", name);
         if (value)
-            put_value(f, o, value);
+            print_value(f, o, value);
     }
     for (int i = 0; i < inputs; i++)
-        put_word(f, "", 0, base_name(input[i]));
+        print_word(f, "", 0, base_name(input[i]));
     const bool full = ferror(f);
-    // (glibc closes it well when its last block cannot be had)
+    // (glibc's fclose() succeeds even when the last block cannot be allocated)
     const bool whole = fclose(f) == 0 && !full && text;
     json_t *const clean = whole ? gp_json_name(text) : NULL;
     free(text);
@@ -92,7 +91,7 @@ gp_status gp_command_text(const struct gp_log *log, const struct gp_settings *s,
     return *out ? GP_OK : gp_no_memory_bare(log, "command line");
 }
 
-/* A value as the table's kind stores it; NULL when it is unset. */
+/* Returns the value of an option as JSON; NULL when it is unset. */
 static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
 {
     const void *const at = (const char *) s + o->at;
@@ -105,10 +104,10 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
     switch (o->kind) {
     case GP_KIND_FLAG:
         return json_boolean(*(const bool *) at);
-    case GP_KIND_FLOAT: // as it was written: 0.001, not its nearest float
+    case GP_KIND_FLOAT: // 0.001 as written, not its nearest float
         snprintf(text, sizeof text, "%.7g", (double) *(const float *) at);
         return json_real(strtod(text, NULL)); // NULL when it is not finite
-    case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" as they were written too
+    case GP_KIND_THRESHOLD: // "99.9%" and "+3ev" too
         snprintf(text, sizeof text, s->sensor.unit == GP_THRESHOLD_EV
                      ? "%+.7gev" : s->sensor.unit == GP_THRESHOLD_PERCENT
                      ? "%.7g%%" : "%.7g", (double) s->sensor.threshold);
@@ -140,7 +139,7 @@ static json_t *value_of(const struct gp_settings *s, const struct gp_option *o)
         for (int i = 0; i < texts->n; i++)
             json_array_append_new(v, gp_json_name(texts->at[i]));
         return v;
-    case GP_KIND_SET: // that it is set, or nothing
+    case GP_KIND_SET:
         return *(const int *) at == o->set ? json_true() : NULL;
     case GP_KIND_NAMED:
         break;

@@ -28,7 +28,7 @@ static const char *const type_names[] = {
     [GP_UINT] = "uint", [GP_HALF] = "half", [GP_FLOAT] = "float",
 };
 
-/* A number rounded to `step`, null when JSON has no word for it. */
+/* A number rounded to `step`; null where it is not finite. */
 static json_t *number(double v, double step)
 {
     if (!isfinite(v))
@@ -36,14 +36,14 @@ static json_t *number(double v, double step)
     return json_real(step > 0.0 ? round(v / step) * step : v);
 }
 
-/* Raised when a field's meaning changes, or one goes. */
+/* Raised when the meaning of a field changes or a field is removed. */
 enum { SCHEMA = 2 };
 
 // -- one frame ---------------------------------------------------------------
 
 // (No call is checked here: when memory is full, gp_json_print() returns NULL.)
 
-/* A count; 0 was not needed. */
+/* Adds a count unless it is 0. */
 static void put_count(json_t *o, const char *key, size_t n)
 {
     if (n)
@@ -71,7 +71,6 @@ static void put_rgb(json_t *o, const char *key, const double v[3])
     json_object_set_new(o, key, list);
 }
 
-/* Names the frame. */
 static void put_frame(json_t *o, const struct gp_facts *f)
 {
     if (f->numbered)
@@ -85,7 +84,7 @@ static void put_frame(json_t *o, const struct gp_facts *f)
         put_name(o, "layer", f->taken.layer);
 }
 
-/* The outcome, in every line. */
+/* Adds the fields that end every line. */
 static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
 {
     json_t *const list = json_array();
@@ -97,7 +96,7 @@ static void put_end(json_t *o, const struct gp_facts *f, gp_status status)
     json_object_set_new(o, "schema", json_integer(SCHEMA));
 }
 
-/* The engine, its work and its result. */
+/* Adds the engine, its work and its result. */
 static void put_glare(json_t *o, const struct gp_facts *f)
 {
     const struct gp_glare_stats *g = &f->glare;
@@ -146,7 +145,7 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));
 }
 
-/* The depth channel, what of it counted as no surface, and the lights. */
+/* Adds the depth channel, its values that are no surface, and the lights. */
 static void put_lights(json_t *o, const struct gp_facts *f)
 {
     if (f->depth) {
@@ -183,7 +182,6 @@ static void put_lights(json_t *o, const struct gp_facts *f)
         put_name(o, "sun_method", f->sun_way);
 }
 
-/* The largest memory that the process ever held. */
 static double peak_rss_mib(void)
 {
     struct rusage u;
@@ -191,7 +189,7 @@ static double peak_rss_mib(void)
                                            : 0.0; // ru_maxrss is in KiB
 }
 
-// -- for readers -------------------------------------------------------------
+// -- the line of --verbose ---------------------------------------------------
 
 /* Appends to a line of `size` bytes that is full up to *at. */
 GP_PRINTF(4, 5)
@@ -255,7 +253,7 @@ gp_status gp_report_open(const struct gp_log *log, const char *path,
                          bool create_dir, bool append, struct gp_report *out)
 {
     struct gp_report r = {.path = path, .append = append};
-    // a line goes out in one piece, after those of other tasks of a farm
+    // O_APPEND: a line is written whole, after those of other tasks of a farm
     const int flags = O_CLOEXEC | (append ? O_RDWR | O_APPEND : O_WRONLY);
     const int given = gp_file_descriptor(path);
     int fd = -1;
@@ -293,10 +291,11 @@ static gp_status write_failed(const struct gp_log *log,
                               const struct gp_report *r)
 {
     return gp_fail(log, GP_ERR_IO, "%s: cannot write the report (%s); check "
-                   "the disk, or who reads the pipe", r->path, strerror(errno));
+                   "the disk, or the program that reads the pipe", r->path,
+                   strerror(errno));
 }
 
-/* Cuts a regular file to that size; others stay as they are. */
+/* Truncates a regular file to `size`; leaves others alone. */
 static bool cut_file(const struct gp_report *r, long size)
 {
     struct stat s;
@@ -307,7 +306,7 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
-/* Cuts a last line without an end off. */
+/* Removes a last line without a line feed, left by a killed run. */
 static bool cut_half_line(const struct gp_report *r)
 {
     struct stat s;
@@ -321,7 +320,7 @@ static bool cut_half_line(const struct gp_report *r)
     return end == s.st_size || ftruncate(fd, end) == 0;
 }
 
-/* Takes the object and writes its line. */
+/* Writes the line of an object, whose reference it takes. */
 static gp_status write_object(const struct gp_log *log, struct gp_report *r,
                               json_t *o)
 {
@@ -333,7 +332,8 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     if (fine && first && r->append)
         (void) fseek(r->file, 0, SEEK_END);
     const long before = ftell(r->file);
-    // what was in the file before goes with the first line
+    // old lines are removed with the first new one, so that a run that fails
+    // before keeps them
     fine = fine && (!first || r->append || cut_file(r, 0)) &&
                 fprintf(r->file, "%s\n", line) > 0 && fflush(r->file) == 0;
     free(line);
@@ -341,14 +341,14 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
         const gp_status st = write_failed(log, r);
         if (r->file != stdout)
             __fpurge(r->file); // or closing it would try again
-        (void) cut_file(r, before); // a line that did not fit stays not half
+        (void) cut_file(r, before); // leave no half line
         return st;
     }
     r->lines++;
     return GP_OK;
 }
 
-/* A window by its edges: left, top, right, bottom. */
+/* Adds a window by its edges: left, top, right, bottom. */
 static void put_window(json_t *o, const char *name, struct gp_rect r)
 {
     json_object_set_new(o, name, json_pack("[iiii]", r.x0, r.y0, r.x1, r.y1));
@@ -409,8 +409,10 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (facts->glare.gl || facts->sun_gl)
         put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);
+    if (facts->settings && !r->settings)
+        r->settings = gp_settings_json(facts->settings);
     if (facts->settings)
-        json_object_set_new(o, "settings", gp_settings_json(facts->settings));
+        json_object_set(o, "settings", r->settings);
     put_end(o, facts, GP_OK);
     return write_object(log, r, o);
 }
@@ -423,6 +425,7 @@ gp_status gp_report_close(const struct gp_log *log, struct gp_report *r)
     gp_status st = fine ? GP_OK : write_failed(log, r);
     if (r->made && r->lines == 0)
         unlink(r->path);
+    json_decref(r->settings);
     *r = (struct gp_report) {0};
     return st;
 }

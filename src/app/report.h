@@ -1,4 +1,4 @@
-/* The report: one JSON object a line, one line a frame. */
+/* Writes the report: JSON, one object a line for each frame. */
 #ifndef GP_APP_REPORT_H
 #define GP_APP_REPORT_H
 
@@ -9,6 +9,7 @@
 #include "sun/lights.h"
 #include "tone/ocio.h"
 
+#include <jansson.h>
 #include <stdbool.h>
 #include <stdio.h>
 
@@ -31,47 +32,46 @@ struct gp_facts {
     bool numbered;
     int frame;                   // when numbered
     const char *view;            // of stereo, or NULL
-    const char *const *light_group; // layers whose light it is
-    int light_groups;            // of these; 0: the frame's own
+    const char *const *light_group; // `light_groups` layers that glare
+    int light_groups;            // 0: the frame's own colour glares
     const char *input;
-    struct gp_taken taken;       // of the input
+    struct gp_taken taken;       // part, layer and view of the input
     char **outputs;              // `n_outputs` names
     int n_outputs;
     int width, height;           // of `window`
     struct gp_rect window, read; // data windows: of the outputs, of the file
-    long long sources;           // bright pixels, and those of lights
+    long long sources;           // bright pixels, and pixels of lights
     double flux_in[3];           // of the sources, by channel
     double flux_faint[3];        // light under FLT_MIN, which counts as 0
-    double kernel_faint[3];      // the same of the kernel: sums of magnitudes
+    double kernel_faint[3];      // magnitudes of the kernel under FLT_MIN
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
     long long nonfinite;         // pixels of the input
     long long clamped;           // pixels of the input over --max-value
-    double flux_clamped[3];      // light that --max-value took, by channel
+    double flux_clamped[3];      // light that --max-value removed, by channel
     float threshold;             // as luminance
-    bool dark;                   // no light, where glare was wanted
-    float peak;                  // of a dark frame: its largest luminance,
-    int peak_at[2];              // and where, in EXR pixel space
+    bool dark;                   // glare was wanted, no pixel is a source
+    float peak;                  // largest luminance of a dark frame
+    int peak_at[2];              // its pixel, in EXR pixel space
     long long clamped_out;       // values that an output's type cannot hold
     struct gp_glare_stats glare; // engine NULL: no glare stage
     bool verified;
     struct gp_glare_error error; // when verified
     const struct gp_light *light; // `lights` of them; NULL: none asked for
     int lights;
-    const char *sun_way;         // how the lights were seen and drawn
+    const char *sun_way;         // sun_method, and where lights were drawn
     const char *sun_gl;          // context of the lights, or NULL
     const char *depth;           // channel, or NULL
     enum gp_pixel_type depth_type;
-    char depth_empty[64];        // values that count as no surface; "": no
-                                 // light was there to be hidden
-    bool depth_reversed;         // counts the other way round
+    char depth_empty[64];        // values that count as no surface; "": the
+                                 // frame has no light
+    bool depth_reversed;         // larger is nearer
     const char *mask;            // coverage channel, or NULL
     const struct gp_ocio_names *ocio; // NULL: tone mapped
-    const struct gp_settings *settings; // NULL: left out
+    const struct gp_settings *settings; // of the run; NULL: left out
     const char *warned;          // `warned_bytes` of lines, each with its null
     size_t warned_bytes;         // byte
-    size_t bytes;                // of memory that the frame is believed to
-                                 // take in flight
+    size_t bytes;                // estimated memory of the frame in flight
     double ms[GP_TIMES];         // negative: the stage was not needed
     double total_ms;
 };
@@ -79,38 +79,38 @@ struct gp_facts {
 struct gp_report {
     FILE *file;        // NULL: closed
     const char *path;  // borrowed; "-" is stdout
-    bool made;         // the file was not there before
+    bool made;         // the file did not exist
     bool given;        // an open descriptor's, whose file is never cut
     bool append;
     long long lines;
+    json_t *settings;  // owned; made for the first frame, as all have the same
 };
 
-/* Opens the file, in folders that are made if `create_dir`; what stood in it
- * goes with the first line, not before. With `append` its lines stay, but for
- * a last one without an end, which a killed run left. Errors: GP_ERR_IO with
+/* Opens the file, in folders that are made if `create_dir`. Its old lines are
+ * removed with the first new one, not before; with `append` they stay, but for
+ * a last one without a line feed, left by a killed run. Errors: GP_ERR_IO with
  * the system's reason. */
 GP_MUST_CHECK gp_status gp_report_open(const struct gp_log *log,
     const char *path, bool create_dir, bool append, struct gp_report *out);
 
 /* Appends one line and flushes it. Fields that were not needed are left out;
- * numbers that JSON cannot say (NaN, Inf) are null; bytes of names that are
- * not UTF-8 become U+FFFD.
+ * NaN and Inf are null; bytes of names that are not UTF-8 become U+FFFD.
  * Errors: GP_ERR_IO (full disk, closed pipe); GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_report_frame(const struct gp_log *log,
     struct gp_report *r, const struct gp_facts *facts);
 
-/* The line of a frame that could not be made: frame (when numbered), view,
- * input, warnings, the status of its failure, not GP_OK, and error, the message
- * that was printed for it. Same errors. */
+/* Appends the line of a frame that failed: frame (when numbered), view, input,
+ * warnings, the status of its failure, not GP_OK, and error, the message that
+ * was printed for it. Same errors. */
 GP_MUST_CHECK gp_status gp_report_failed(const struct gp_log *log,
     struct gp_report *r, const struct gp_facts *facts, gp_status status,
     const char *error);
 
-/* Closes it; a file without a line that this run made is removed. A closed or
- * zeroed report is fine. Errors: GP_ERR_IO. */
+/* Closes the file, and removes it if this run made it and wrote no line. A
+ * closed or zeroed report is fine. Errors: GP_ERR_IO. */
 gp_status gp_report_close(const struct gp_log *log, struct gp_report *r);
 
-/* The same for a reader, in one line without its end: --verbose. */
+/* Formats the facts as one line of text without a line feed: --verbose. */
 void gp_facts_text(const struct gp_facts *facts, char *line, size_t size);
 
 #endif

@@ -1,5 +1,5 @@
-/* The kernel of a run: made for the frames that need it, and kept while one of
- * them is still on its way. */
+/* Makes the kernel of a run for the frames that need it, and keeps it while one
+ * of them is in flight. */
 #include "app/stages.h"
 
 #include "core/colour.h"
@@ -79,7 +79,7 @@ gp_status gp_run_kernel_begin(const struct gp_log *log, struct gp_run *r)
         const struct gp_read_params limits = gp_read_limits(&r->s->read);
         st = gp_read_frame(log, &limits, source, &r->kernel_image);
     } else if (r->s->grow_how != GP_GROW_KERNEL) {
-        return GP_OK; // waits for light
+        return GP_OK; // made for the first frame with light
     }
     if (!st)
         st = make_kernel(log, r, NULL);

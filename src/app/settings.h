@@ -1,5 +1,5 @@
 /* Settings of the command line: the params of every stage, and the app's own.
- * Stages never see this struct, only their part of it. */
+ * Stages get only their own params. */
 #ifndef GP_APP_SETTINGS_H
 #define GP_APP_SETTINGS_H
 
@@ -20,8 +20,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* Values of --progress. AUTO draws on a terminal only. The last three are
- * lines for programs, the same on a terminal and in a pipe. */
+/* Values of --progress. AUTO draws on a terminal only. The last three print
+ * lines for programs, on a terminal and in a pipe alike. */
 enum gp_progress_when {
     GP_PROGRESS_AUTO,
     GP_PROGRESS_ALWAYS,
@@ -40,8 +40,8 @@ enum gp_debug_kind {
     GP_DEBUG_KINDS,
 };
 
-/* Commands: the first word of the command line. Bits, by which an option says
- * which commands take it. */
+/* Commands: the first word of the command line. Bits, as options have sets of
+ * them. */
 enum gp_command {
     GP_COMMAND_MAIN = 1 << 0,   // no word: pictures
     GP_COMMAND_BENCH = 1 << 1,  // "bench": speed against error
@@ -49,14 +49,14 @@ enum gp_command {
     GP_COMMAND_HELP = 1 << 7,   // "help": explains a topic
 };
 
-/* The room that a frame gets beyond data and display window (--grow). */
+/* Growth of a frame beyond data and display window (--grow). */
 enum gp_grow_how {
-    GP_GROW_PIXELS,  // by as many as are said
+    GP_GROW_PIXELS,  // by grow_pixels
     GP_GROW_KERNEL,  // as far as the kernel reaches
     GP_GROW_NONE,    // outputs keep the data window
 };
 
-/* Shells that completions are made for. */
+/* Shells with completions. */
 enum gp_shell {
     GP_SHELL_NONE,
     GP_SHELL_BASH,
@@ -87,24 +87,24 @@ struct gp_settings {
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts hdr, layer;        // files of these options
-    struct gp_texts ocio_context;      // ocio.context once checked
-    struct gp_texts light_groups;      // layers whose light glares
-    struct gp_texts said;              // name and value (NULL: takes none) of
+    struct gp_texts ocio_context;      // becomes ocio.context
+    struct gp_texts light_groups;      // layers that glare
+    struct gp_texts options;           // name and value (NULL: takes none) of
                                        // each option given, in turn
     const char *debug[GP_DEBUG_KINDS]; // files
-    const char *grow;                  // as written; NULL: 0 pixels
+    const char *grow;                  // as given; NULL: 0 pixels
     enum gp_grow_how grow_how;         // ... as checked
     int grow_pixels;
     const char *report;
-    bool report_append;                // after the lines that it has
-    const char *frames;                // list as written
+    bool report_append;
+    const char *frames;                // list as given
     const char *views;                 // the same; NULL: not given
     const char *depth;                 // channel
     int threads;                       // 0: all processors
-    int frame_jobs;                    // frames in flight; 0: as fits
+    int frame_jobs;                    // frames in flight; 0: by memory
     bool verify;
-    bool no_provenance;                // files do not say what made them
-    bool skip_bad_frames;              // goes on after a frame that fails
+    bool no_provenance;                // no glarepp:command in files
+    bool skip_bad_frames;
     enum gp_level level;               // of messages
     enum gp_progress_when progress;
     bool help, help_man, version;
@@ -113,7 +113,7 @@ struct gp_settings {
     uint64_t given[2];                 // a bit for each option of the table
 };
 
-/* The values that hold where the command line says nothing. */
+/* The defaults of all options. */
 extern const struct gp_settings gp_defaults;
 
 /* Frees what gp_options_parse() made. */

@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-// -- a frame on its way ------------------------------------------------------
+// -- the state of a frame ----------------------------------------------------
 
 gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_jobs *jobs, int index, struct gp_frame_state *out)
@@ -75,7 +75,7 @@ void gp_frame_state_end(struct gp_frame_state *fs)
     *fs = (struct gp_frame_state) {0};
 }
 
-/* Makes frame.layer all 0, for frames without light. */
+/* Makes frame.layer all 0. */
 static gp_status make_dark_layer(struct gp_frame_state *fs)
 {
     struct gp_planes *const p = &fs->frame.layer;
@@ -120,7 +120,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         p.bottom = gp_max(r->reach.y1, 0);
     }
     window = gp_grow_window(&p, &fs->frame);
-    do { // one window, on the grids of all
+    do { // until the window is on the subsampling grids of all frames
         before = window;
         window = gp_grow_align(&fs->frame, window);
         for (int i = 0; i < fs->groups; i++)
@@ -168,8 +168,8 @@ static gp_status run_read(struct gp_run *r, struct gp_frame_state *fs)
     fs->facts.ocio = r->ocio ? gp_ocio_names(r->ocio) : NULL;
     if (suns_asked(r->s))
         return GP_OK;
-    // the report names the depth that nothing reads; only a channel that was
-    // asked for can be missing
+    // without lights nothing reads depth, but the report names the channel;
+    // only one that --depth asked for may not be missing
     st = gp_name_depth(asked ? fs->log : NULL, &fs->frame, asked, &fs->depth,
                        &fs->facts.depth_type);
     fs->facts.depth = fs->depth;
@@ -182,7 +182,7 @@ out:
 
 // -- light -------------------------------------------------------------------
 
-/* Finds the places of the lights, and how much of each shows. */
+/* Places the lights and measures their visible shares. */
 static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_sun_files files = {r->s, fs->job};
@@ -198,8 +198,8 @@ static gp_status run_suns(struct gp_run *r, struct gp_frame_state *fs)
     return GP_OK;
 }
 
-/* Finds the sources of each light group, and puts those of all in place of the
- * frame's own. */
+/* Finds the sources of each light group, and replaces the frame's own by their
+ * union. */
 static gp_status sense_light_groups(const struct gp_run *r,
                                     struct gp_frame_state *fs)
 {
@@ -238,7 +238,7 @@ static gp_status sense_light_groups(const struct gp_run *r,
                 };
         }
     }
-    // the frame's geometry and counts stay, its light goes
+    // keep the frame's geometry and counts, replace its light
     st = gp_sources_make(fs->log, src, 0, &none);
     if (!st) {
         gp_sources_finish(&none);
@@ -291,7 +291,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
             memcpy(fs->facts.peak_at, at, sizeof at);
         }
     }
-    // of a sequence, which may fade in, only where all are dark
+    // a sequence may fade in: it is reported at the end, if all are dark
     if (fs->facts.dark && r->jobs->n == 1)
         gp_say_dark(fs->log, &fs->facts, 1);
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
@@ -301,7 +301,7 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 
 // -- glare -------------------------------------------------------------------
 
-/* Returns what the engines get: bright pixels, and lights whose share is
+/* Returns the sources of the engines: bright pixels, and lights whose share is
  * known. */
 static const struct gp_sources *all_light(const struct gp_frame_state *fs)
 {
@@ -314,7 +314,8 @@ static gp_status run_glare(struct gp_run *r, struct gp_frame_state *fs)
     gp_status st = gp_suns_join(fs->log, &r->suns, &fs->frame, &fs->sources,
                                 &fs->joined, &joined);
     if (!st)
-        st = gp_suns_spread(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
+        st = gp_suns_spread(fs->log, &r->suns, gp_run_kernel_of(fs),
+                            &fs->frame);
     if (st)
         return st;
     const struct gp_sources *const light = all_light(fs);
@@ -343,7 +344,8 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
         3 * gp_frame_pixels(&fs->frame), sizeof *exact, &exact);
     if (st)
         return st;
-    st = gp_glare_reference(fs->log, all_light(fs), gp_run_kernel_of(fs), exact);
+    st = gp_glare_reference(fs->log, all_light(fs), gp_run_kernel_of(fs),
+                            exact);
     if (!st) {
         gp_glare_measure(
             &fs->frame, &fs->frame.layer, exact, r->s->compose.gain,
@@ -355,16 +357,17 @@ static gp_status run_verify(struct gp_run *r, struct gp_frame_state *fs)
     return st;
 }
 
-/* Adds lens flare, and the glare of lights that the engines were not given. */
+/* Adds lens flare, and the glare of lights that are not among the sources. */
 static gp_status run_flare(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = GP_OK;
     if (gp_suns_add_light(&r->suns) && !fs->frame.layer.c[0])
         st = make_dark_layer(fs);
-    return st ? st : gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs), &fs->frame);
+    return st ? st : gp_suns_draw(fs->log, &r->suns, gp_run_kernel_of(fs),
+                                  &fs->frame);
 }
 
-/* Sums by rows, so that threads cannot change the last bit. */
+/* Sums by rows, so that the number of threads changes no bit. */
 struct row_sums {
     const float *plane;
     int w;
@@ -404,8 +407,8 @@ static gp_status run_flux(struct gp_run *r, struct gp_frame_state *fs)
     return GP_OK;
 }
 
-/* Light groups get their own glare too, for --hdr: then they still sum up to
- * the lit frame, where they summed up to the frame. */
+/* Adds glare to the frame and, for --hdr, each light group's own to the group,
+ * so that groups which add up to the frame still do. */
 static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
 {
     struct gp_compose_params p = r->s->compose;
@@ -419,7 +422,8 @@ static gp_status run_compose(struct gp_run *r, struct gp_frame_state *fs)
         const double start = gp_now_ms();
         if (g->sources.n > 0)
             st = gp_glare_run(fs->log, &r->s->glare, &r->group_engines,
-                              &g->sources, gp_run_kernel_of(fs), &g->frame, &stats);
+                              &g->sources, gp_run_kernel_of(fs), &g->frame,
+                              &stats);
         fs->engine_ms += g->sources.n > 0 ? gp_now_ms() - start : 0.0;
         if (!st)
             st = gp_compose(fs->log, &p, &g->sources, &g->frame);
@@ -439,7 +443,7 @@ static gp_status run_tonemap(struct gp_run *r, struct gp_frame_state *fs)
                    : gp_tone_map(fs->log, &r->s->tone, &fs->frame, NULL);
 }
 
-/* Copies what is known of the lights, which are the next frame's soon, and
+/* Copies the facts about the lights, whose state the next frame reuses, and
  * makes their pictures. */
 static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 {
@@ -473,7 +477,7 @@ static gp_status run_shares(struct gp_run *r, struct gp_frame_state *fs)
 
 // -- writing -----------------------------------------------------------------
 
-/* True when -o gets the light itself. */
+/* True when -o gets linear light. */
 static bool untoned(const struct gp_settings *s)
 {
     return strcmp(s->tone.curve, "none") == 0;
@@ -486,7 +490,7 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     case GP_TARGET_HDR:
         return GP_HAS_LIT;
     case GP_TARGET_LAYER:
-        // (the bound of a pixel is that of the composite)
+        // (bound_pixel is of the composite, which needs the frame)
         return GP_HAS_LAYER | GP_HAS_FLARE |
                (s->glare.tolerance_pixel > 0.0f ? GP_HAS_RGB : 0);
     case GP_TARGET_PICTURE:
@@ -553,7 +557,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
     struct gp_planes own = {0};
     gp_status st = GP_OK;
     if (t->kind != GP_TARGET_PICTURE)
-        pictures.alpha = GP_ALPHA_BLACK; // a layer is light that is added
+        pictures.alpha = GP_ALPHA_BLACK; // light to be added has no alpha
     switch (t->kind) {
     case GP_TARGET_HDR:
         return write_hdr(r, fs, p, t->whole ? r->jobs->views : 1, name, stats);
@@ -566,13 +570,14 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
         shown = &own;
         break;
     case GP_TARGET_POLYGONS:
-        // those of splat, over what -o shows
+        // outlines over the picture of -o
         st = gp_planes_make(fs->log, "polygons", gp_frame_pixels(&f), &own);
         for (int c = 0; c < 3 && !st; c++)
             memcpy(own.c[c], shown->c[c], gp_frame_pixels(&f) * sizeof(float));
         if (!st && fs->sources.n > 0)
-            st = gp_polygons_outline(fs->log, &fs->sources, gp_run_kernel_of(fs),
-                                     &r->s->glare.splat, &own);
+            st = gp_polygons_outline(fs->log, &fs->sources,
+                                     gp_run_kernel_of(fs), &r->s->glare.splat,
+                                     &own);
         shown = &own;
         // fall through
     case GP_TARGET_PICTURE:
@@ -580,7 +585,7 @@ static gp_status write_target(const struct gp_run *r, struct gp_frame_state *fs,
                : scene ? GP_PICTURE_SCENE : GP_PICTURE_SHOWN;
         break;
     case GP_TARGET_SUNMAP:
-    case GP_TARGET_INTENSITY: // pictures of a size of their own
+    case GP_TARGET_INTENSITY: // have sizes of their own
         f.data = f.display = (struct gp_rect) {0, 0, map->w, map->h};
         shown = &map->planes;
         pictures.dither = GP_DITHER_NEVER; // each pixel is a share
@@ -609,7 +614,7 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     for (int i = 0; i < r->jobs->targets && !st; i++) {
         const struct gp_output *const t = &r->jobs->target[i];
         if ((t->whole || t->hero) && fs->view > 0)
-            continue; // is in the first view's file, or shows only that view
+            continue; // the first view writes it
         char *const name = gp_job_name(fs->job, t);
         if (!name) {
             st = gp_no_memory(fs->log, t->name.path);

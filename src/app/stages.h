@@ -1,4 +1,4 @@
-/* The stages of a frame, what they share, and the frame on its way through
+/* The stages of a frame, their shared data, and the state of a frame between
  * them. */
 #ifndef GP_APP_STAGES_H
 #define GP_APP_STAGES_H
@@ -27,8 +27,8 @@ enum {
     GP_HAS_MEASURED = 1 << 5,  // facts.error
     GP_HAS_LIT = 1 << 6,       // frame.lit
     GP_HAS_SHOWN = 1 << 7,     // frame.shown
-    GP_HAS_FILES = 1 << 8,     // all that is written
-    GP_HAS_SUNS = 1 << 9,      // suns placed, and seen or being seen
+    GP_HAS_FILES = 1 << 8,     // the outputs
+    GP_HAS_SUNS = 1 << 9,      // suns placed, and measured or being measured
     GP_HAS_FLARE = 1 << 10,    // frame.layer with lens flare and all lights
     GP_HAS_SHARES = 1 << 11,   // facts.light, and maps of --debug
 };
@@ -39,18 +39,18 @@ struct gp_map_picture {
     int w, h;
 };
 
-/* A layer of the frame's file that holds the light of some lamps only
- * (--light-group). Its frame borrows from the frame that it was read beside.
- * With light groups the glare is that of these layers, each compared with the
- * threshold by itself, and the frame gets their sum. */
+/* A layer of the frame's file that holds the light of some lamps
+ * (--light-group). Its frame borrows from the frame of the same file. With
+ * light groups only these layers glare, each compared with the threshold by
+ * itself, and the frame gets their sum. */
 struct gp_light_group {
     struct gp_frame frame;
     struct gp_sources sources;
 };
 
-/* A kernel, and the frames it was made for: those of this pixel aspect and,
- * where `tinted`, of these primaries. Frames are written while the next ones
- * have another: whoever holds it ends with gp_run_kernel_free(). */
+/* A kernel for frames of this pixel aspect and, where `tinted`, of these
+ * primaries. Frames may still be written when the next ones have another: each
+ * holder ends with gp_run_kernel_free(). */
 struct gp_run_kernel {
     struct gp_kernel k;
     float chromaticities[8], aspect;
@@ -59,13 +59,12 @@ struct gp_run_kernel {
 };
 void gp_run_kernel_free(struct gp_run_kernel **k);
 
-/* One frame on its way, and what is known of it. Zeroed is none. Planes and
- * lists belong to it. */
+/* One frame in flight and the facts about it. Zeroed is none. It owns its
+ * planes and lists. */
 struct gp_frame_state {
     const struct gp_log *log;      // for messages about this frame; borrowed
     const struct gp_job *job;      // borrowed
-    int view;                      // its place among the views of its input,
-                                   // which follow each other
+    int view;                      // index among the views of its input
     struct gp_frame frame;
     struct gp_light_group *group;  // `groups` of them
     int groups;
@@ -78,8 +77,8 @@ struct gp_frame_state {
     char **names;                  // files written: facts.n_outputs, then
                                    // the one being written, then NULL
     int targets;
-    struct gp_light *light;        // what facts.light points to
-    char *depth, *mask;            // ... and facts.depth, facts.mask
+    struct gp_light *light;        // owned facts.light
+    char *depth, *mask;            // owned facts.depth, facts.mask
     struct gp_facts facts;
 };
 
@@ -89,58 +88,57 @@ GP_MUST_CHECK gp_status gp_frame_state_begin(const struct gp_log *log,
     const struct gp_jobs *jobs, int index, struct gp_frame_state *out);
 void gp_frame_state_end(struct gp_frame_state *fs);
 
-/* Frees what the frame no longer needs; bits as above. */
+/* Frees data that no later stage needs; bits GP_HAS_*. */
 void gp_frame_state_release(struct gp_frame_state *fs, unsigned dead);
 
-/* Data that is made once for all frames. Stages of the COMPUTE phase change it,
- * which run on one thread, frame after frame. The write stage changes `raw`
- * only, and only when `ordered`: then frames are written one after the other.
- */
+/* Data that is made once for all frames. Stages of the COMPUTE phase, which run
+ * on one thread, frame after frame, may change it; the write stage changes only
+ * `raw`, and only when `ordered`. */
 struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
     struct gp_frame kernel_image;  // of a kernel file; empty: builtin
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
-    struct gp_rect reach;          // of the first kernel: pixels to its left,
+    struct gp_rect reach;          // pixels that the first kernel reaches left,
                                    // up, right and down
     struct gp_glare engines;
-    struct gp_glare group_engines; // of light groups: what engines keep
-                                   // depends on the frames before
+    struct gp_glare group_engines; // of light groups: auto's choice depends on
+                                   // the frames before
     struct gp_suns suns;
     struct gp_ocio *ocio;          // NULL: tone maps
     struct gp_report report;
-    bool ordered;                  // frames are written one after the other,
-                                   // as a stream of them must be
-    struct gp_raw_size raw;        // of the frames that went to stdout raw
+    bool ordered;                  // frames are written in order: some output
+                                   // is a stream
+    struct gp_raw_size raw;        // of raw frames on stdout
 };
 
-/* Reads the kernel's file, as a bad one is an error whatever the frames hold,
- * and makes the first kernel and r->reach of it; also of a builtin by whose
- * reach frames grow. Errors: those of reading and making it. */
+/* Reads the kernel's file, so that a bad one is an error even if no frame has
+ * light, and makes the first kernel and r->reach; also of a builtin kernel with
+ * --grow kernel. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
 
-/* The stage: the frame gets the kernel, which a dark one does not have made;
- * the kernel of a file was looked at before. And that kernel, empty where a
- * dark frame needed none. */
+/* The stage: makes the kernel for a frame with light, if need be, and holds it.
+ * gp_run_kernel_of() returns the frame's kernel, empty for a dark frame. */
 GP_MUST_CHECK gp_status gp_run_kernel_hold(struct gp_run *r,
                                            struct gp_frame_state *fs);
 const struct gp_kernel *gp_run_kernel_of(const struct gp_frame_state *fs);
 
-/* Files for the sun's stage: planes of depth and coverage, pictures of flare
- * elements, and what a frame's file says of its camera. `files` must stay as
- * long as what is returned; in sun_files.c. */
+/* Reads for the sun's stage: planes of depth and coverage, pictures of flare
+ * elements, the camera of a frame's file. `files` must outlive the reader; in
+ * sun_files.c. */
 struct gp_sun_files {
     const struct gp_settings *s;
-    const struct gp_job *job; // whose frame it is; NULL: pictures only
+    const struct gp_job *job; // of the frame; NULL: pictures only
 };
 struct gp_sun_reader gp_sun_reader_of(struct gp_sun_files *files);
 
-/* A step of a frame. `time` is an enum gp_time, -1 for steps that are no part
- * of the picture; steps of one time add up. What the last stage needs is what
- * the targets need. `asked`, where there is one, says whether the command line
- * gives the step anything to do; what it gives counts as there without it. */
+/* A step of a frame. `time` is an enum gp_time under which its milliseconds are
+ * added up, or -1 for steps that are not part of making the picture. The last
+ * stage also needs what the targets need. `asked`, if not NULL, is true when
+ * the command line gives the step anything to do; otherwise its data counts as
+ * present. */
 struct gp_stage {
     const char *name;
     enum gp_phase phase;
@@ -152,12 +150,12 @@ struct gp_stage {
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
-/* Says that no pixel of `frames` frames is over the threshold: the pictures are
- * what the frames were. `f` is of the brightest. */
+/* Warns that no pixel of `frames` frames is over the threshold. `f` is of the
+ * brightest frame. */
 void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
                  int frames);
 
-/* Returns what must exist for a target to be written. */
+/* Returns the data that a target needs, as bits GP_HAS_*. */
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);
 
 #endif

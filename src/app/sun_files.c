@@ -13,7 +13,7 @@ static gp_status read_picture(void *user, const struct gp_log *log,
     return gp_read_frame(log, &limits, path, out);
 }
 
-/* The frame's number: the job's, or that of its file. */
+/* Reads the frame's number: the job's, else the one in its file's name. */
 static bool number_of(const struct gp_job *job, int *number)
 {
     *number = job->frame;
@@ -35,7 +35,7 @@ static void describe_frame(void *user, const struct gp_frame *f,
     }
 }
 
-/* A plane from a file of its own, whose name may be a pattern. */
+/* Reads a plane from a file of its own, whose name may be a pattern. */
 static gp_status read_beside(
     const struct gp_sun_files *files, const struct gp_log *log,
     const char *path, const char *channel, bool depth, struct gp_plane *out)
@@ -47,11 +47,12 @@ static gp_status read_beside(
     if (st)
         return st;
     if (pattern.views && !job->view)
-        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v are views, and %s "
-            "has none; name the file, or give --views", path, job->input);
+        return gp_fail(log, GP_ERR_USAGE, "%s: %%V and %%v need views (%s has "
+            "none); give a plain file name, or --views", path, job->input);
     if (pattern.len && !number_of(job, &number))
-        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern, and %s has no frame "
-                       "number; name the file", path, job->input);
+        return gp_fail(log, GP_ERR_USAGE, "%s: a pattern needs frame numbers "
+                       "(%s has none); give a plain file name", path,
+                       job->input);
     char *const name = gp_pattern_name(&pattern, number, job->view);
     if (!name)
         return gp_no_memory(log, path);

@@ -1,5 +1,5 @@
-/* The views of a run that the command line does not name: all that the first
- * input holds. */
+/* Finds the views of a run that the command line does not name: all that the
+ * first input holds. */
 #include "app/jobs.h"
 
 #include "core/memory.h"
@@ -14,7 +14,7 @@ bool gp_views_all(const struct gp_settings *s)
     return !s->views || strcmp(s->views, "all") == 0;
 }
 
-/* Makes a job of each view in place of each job; takes `found` over. */
+/* Replaces each job by one for each view; takes over `found`. */
 static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
                               struct gp_views *found)
 {
@@ -37,7 +37,7 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
         if (!job[i].input)
             st = gp_no_memory_bare(log, "frame list");
     }
-    if (st) { // the copies; the others are still j's
+    if (st) { // each frame's first input is still owned by j
         for (int i = 0; job && i < j->n * n; i++) {
             if (i % n)
                 free(job[i].input);
@@ -53,8 +53,8 @@ static gp_status spread_views(const struct gp_log *log, struct gp_jobs *j,
     return GP_OK;
 }
 
-/* Finds the views of the first input that can be looked at; a pipe cannot.
- * `log` NULL: reading a file says what is wrong with it. */
+/* Finds the views of the first input that is a regular file: a pipe can be read
+ * only once. `log` is NULL where reading the frame will report the error. */
 static gp_status find_views(const struct gp_log *log,
     const struct gp_settings *s, const struct gp_jobs *j,
     struct gp_views *found, const char **input)
@@ -81,8 +81,8 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
     struct gp_views found = {0};
     char list[512] = "";
     const char *input;
-    bool places = false, hero = j->targets == 0;
-    j->views_found = j->targets == 0; // the report has a line for each
+    bool places = false, hero = false; // outputs: by view, of the first only
+    j->views_found = j->targets == 0;  // the report has a line for each
     for (int i = 0; i < j->targets; i++) {
         const struct gp_output *const t = &j->target[i];
         places = places || t->name.views;
@@ -91,7 +91,7 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
                          t->name.views;
     }
     gp_status st = find_views(NULL, s, j, &found, &input);
-    // what reads the only input would not be asked: names have %V
+    // names with %V cannot be made without views: report why there are none
     if (st == GP_ERR_IO && places && j->n == 1)
         GP_TRY(find_views(log, s, j, &found, &input));
     if (st == GP_ERR_BUG)
@@ -104,19 +104,19 @@ gp_status gp_jobs_find_views(const struct gp_log *log,
         snprintf(list + used, sizeof list - used, "%s%s", i ? ", " : "", name);
         if (places && (strchr(name, '/') || strcmp(name, ".") == 0 ||
                        strcmp(name, "..") == 0))
-            st = gp_fail(log, GP_ERR_DATA, "%s: holds a view whose name is no "
-                         "name of a file (found %s); choose others with "
-                         "--views", input, name);
+            st = gp_fail(log, GP_ERR_DATA, "%s: has a view whose name cannot "
+                         "be part of a file name (found %s); choose others "
+                         "with --views", input, name);
     }
     if (!st && !j->views_found)
-        gp_say(log, GP_LEVEL_WARN, "%s: of its views %s only %s is made; write "
-               "%%V into a name to make them all, or choose with --views",
-               input, list, found.name[0]);
+        gp_say(log, GP_LEVEL_WARN, "%s: makes only view %s of %s; write a name "
+               "with %%V to make all, or choose with --views", input,
+               found.name[0], list);
     else if (!st)
-        gp_say(log, GP_LEVEL_WARN, "%s: its views %s all get glare%s%s; choose "
-               "with --views", input, list, hero && j->targets
-               ? ", names without %V show " : "",
-               hero && j->targets ? found.name[0] : "");
+        gp_say(log, GP_LEVEL_WARN, "%s: makes all its views (%s)%s%s; choose "
+               "with --views", input, list,
+               hero ? ", names without %V show " : "",
+               hero ? found.name[0] : "");
     if (!st && j->views_found)
         st = spread_views(log, j, &found);
 out:
@@ -135,10 +135,9 @@ gp_status gp_jobs_check_views(const struct gp_log *log,
         while (k < j->view.n && strcmp(j->view.name[k], own.name[i]) != 0)
             k++;
         if (k == j->view.n)
-            st = gp_fail(log, GP_ERR_USAGE, "%s: holds the view %s (the first "
-                "input that could be looked at has %s); choose with --views, "
-                "or make it in a run of its own", f->path, own.name[i],
-                j->view.n ? "others" : "none");
+            st = gp_fail(log, GP_ERR_USAGE, "%s: has view %s (the first input "
+                "has %s); choose with --views, or make it in a run of its own",
+                f->path, own.name[i], j->view.n ? "others" : "none");
     }
     gp_views_free(&own);
     return st;

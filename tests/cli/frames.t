@@ -132,7 +132,7 @@ fi
 afresh
 run -e direct -f 1-9 -o made/o.#.png 'bad/s.####.exr'
 fails_with 3 bad/s.0005.exr 'frames that are missing'
-like "$(cat err)" '*the first of 4 missing, of 9*' 'frames that are missing: how many'
+like "$(cat err)" '*first of 4 missing, 9 listed*' 'frames that are missing: how many'
 empty_folder made 'frames that are missing: known before the first is made'
 
 # -- --no-clobber ---------------------------------------------------------------

@@ -13,7 +13,7 @@ static const char *list_said(bool *whole)
 {
     static char list[2 * GP_FAILURES_BYTES];
     const char *const from = strstr(said_line, "failed (");
-    const char *const end = from ? strstr(from, "); mend") : NULL;
+    const char *const end = from ? strstr(from, "); ") : NULL;
     snprintf(list, sizeof list, "%.*s", end ? (int) (end - from - 8) : 0,
              end ? from + 8 : "");
     *whole = strstr(said_line, " --frames ") != NULL;
