@@ -120,8 +120,8 @@ static double exr_error(const struct format *t, const char *path,
     const struct gp_read_params limits = GP_READ_DEFAULTS;
     struct gp_frame got;
     double worst = 0.0;
-    if (gp_read_frame(&said_log, &limits, path, &got))
-        hard_die(path, said_line);
+    if (gp_read_frame(&kept_log, &limits, path, &got))
+        hard_die(path, kept_line);
     if (memcmp(&got.data, &f->data, sizeof f->data) != 0 ||
         memcmp(&got.display, &f->display, sizeof f->display) != 0 ||
         got.colour_type != (t->p.type == GP_OUT_HALF ? GP_HALF : GP_FLOAT))
@@ -174,12 +174,12 @@ static void write_as(const struct format *t, const char *path,
 {
     struct gp_write_stats stats = {0};
     const gp_status st = t->ending[0]
-        ? gp_write_picture(&said_log, &t->p, path, f, &f->lit,
+        ? gp_write_picture(&kept_log, &t->p, path, f, &f->lit,
                            GP_PICTURE_SHOWN, &stats)
-        : gp_raw_write(&said_log, &t->p, path, f, &f->lit, GP_PICTURE_SHOWN,
+        : gp_raw_write(&kept_log, &t->p, path, f, &f->lit, GP_PICTURE_SHOWN,
                        &stats);
     if (st)
-        hard_die(path, said_line);
+        hard_die(path, kept_line);
 }
 
 // -- tables -------------------------------------------------------------------

@@ -59,7 +59,7 @@ static gp_status write_as(const char *path, int bits, const struct gp_frame *f)
     struct gp_write_stats stats = {0};
     p.depth_bits = bits;
     p.dither = GP_DITHER_NEVER;
-    return gp_write_picture(&said_log, &p, path, f, &f->lit,
+    return gp_write_picture(&kept_log, &p, path, f, &f->lit,
                             GP_PICTURE_SHOWN, &stats);
 }
 
@@ -134,14 +134,14 @@ static struct hard_picture by_itself(const struct format *t,
         .channel_name = names, .colour_space = "sRGB",
     };
     struct hard_picture out = {0};
-    if (gp_shared_make(&said_log, t->name, n * sizeof(float), &pixels))
-        hard_die(t->name, said_line);
+    if (gp_shared_make(&kept_log, t->name, n * sizeof(float), &pixels))
+        hard_die(t->name, kept_line);
     for (size_t i = 0; i < n; i++)
         ((float *) pixels.at)[i] = codes->v[i] / 255.0f;
     name_of("itself", t->ending, path);
-    if (gp_oiio_write(&said_log, &img, NULL, &pixels, t->ending, "uint8", "",
+    if (gp_oiio_write(&kept_log, &img, NULL, &pixels, t->ending, "uint8", "",
                       &file))
-        hard_die(t->name, said_line);
+        hard_die(t->name, kept_line);
     save(path, &file);
     gp_stream_close(&file);
     gp_shared_free(&pixels);
@@ -189,8 +189,8 @@ static bool is_too_large(const struct format *t, const struct gp_frame *f)
 /* Refused by a line about that file, with nothing under its name. */
 static bool is_refusal(gp_status st, const char *path)
 {
-    return st == GP_ERR_IO && strstr(said_line, path) &&
-           strstr(said_line, "cannot be written") &&
+    return st == GP_ERR_IO && strstr(kept_line, path) &&
+           strstr(kept_line, "cannot be written") &&
            access(path, F_OK) != 0;
 }
 
@@ -203,7 +203,7 @@ static void print_cell(const struct format *t, const struct gp_frame *f,
     if (is_too_large(t, f) && is_refusal(st, path))
         hard_refused();
     else if (st)
-        hard_die(path, said_line);
+        hard_die(path, kept_line);
     else
         hard_cell(is_too_large(t, f) ? HARD_NO_BAR
                                      : file_error(t, path, f, codes),
@@ -224,7 +224,7 @@ static void print_errors(const struct hard_column *columns)
         struct gp_frame f = hard_lit(&hard_cases[row]);
         name_of("codes", "png", path);
         if (write_as(path, 8, &f))
-            hard_die(path, said_line);
+            hard_die(path, kept_line);
         hard_read_png(path, &codes);
         unlink(path);
         hard_row(hard_cases[row].name);
@@ -245,7 +245,7 @@ static bool differs_by_threads(const struct format *t, int threads,
     for (int k = 0; k < 2; k++) {
         gp_set_threads(k ? threads : 1);
         if (write_as(path, t->bits, f))
-            hard_die(path, said_line);
+            hard_die(path, kept_line);
         hash[k] = hard_hash_file(path);
         unlink(path);
     }

@@ -140,9 +140,9 @@ static void read_image(const char *path, float largest,
     const struct gp_read_params limits = GP_READ_DEFAULTS;
     struct gp_stored_file file;
     struct gp_stored_image image;
-    if (gp_stored_open(&said_log, &limits, path, &file) ||
-        gp_stored_read(&said_log, &limits, &file, 0, &image))
-        hard_die(path, said_line);
+    if (gp_stored_open(&kept_log, &limits, path, &file) ||
+        gp_stored_read(&kept_log, &limits, &file, 0, &image))
+        hard_die(path, kept_line);
     if (image.channels < 3 || image.channels > 4)
         hard_die(path, "is not RGB");
     out->w = gp_rect_w(image.data);

@@ -47,13 +47,13 @@ static bool run(int way, struct scene *s, struct gp_glare *g,
     for (int c = 0; c < 3; c++) // every sample must be written
         memset(s->f.layer.c[c], 0xff, gp_frame_pixels(&s->f) * sizeof(float));
     const gp_status st =
-        gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, stats);
-    if (st == GP_ERR_GL && w->gl && strstr(said_line, "install the Debian")) {
+        gp_glare_run(&kept_log, &p, g, &s->src, &s->k, &s->f, stats);
+    if (st == GP_ERR_GL && w->gl && strstr(kept_line, "install the Debian")) {
         no_gl = 1;
         return false;
     }
     if (st)
-        hard_die(what, said_line);
+        hard_die(what, kept_line);
     return true;
 }
 

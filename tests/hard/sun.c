@@ -64,7 +64,7 @@ static struct {
 static void must(gp_status st, const char *what)
 {
     if (st)
-        hard_die(what, said_line);
+        hard_die(what, kept_line);
 }
 
 static void draw(const struct gp_occluders *o, const struct gp_map_params *p,
@@ -72,13 +72,13 @@ static void draw(const struct gp_occluders *o, const struct gp_map_params *p,
 {
     l->visibility = -1.0; // must be written
     if (way == READBACK) {
-        must(gp_sun_readback(&said_log, machine.gl, o, p, l, 1, &machine.map),
+        must(gp_sun_readback(&kept_log, machine.gl, o, p, l, 1, &machine.map),
              what);
         return;
     }
-    must(gp_sun_map_draw(&said_log, machine.gl, o, p, l, 1, &machine.map),
+    must(gp_sun_map_draw(&kept_log, machine.gl, o, p, l, 1, &machine.map),
          what);
-    must(gp_sun_map_read(&said_log, machine.gl, machine.map, l, 1), what);
+    must(gp_sun_map_read(&kept_log, machine.gl, machine.map, l, 1), what);
 }
 
 /* All GL methods of one light, into the largest errors. */
@@ -178,9 +178,9 @@ static void open_gl(void)
 {
     if (hard_quick)
         return;
-    const gp_status st = gp_gl_open(&said_log, GP_GL_AUTO, &machine.gl);
-    if (st && !strstr(said_line, "install the Debian"))
-        hard_die("GL", said_line);
+    const gp_status st = gp_gl_open(&kept_log, GP_GL_AUTO, &machine.gl);
+    if (st && !strstr(kept_line, "install the Debian"))
+        hard_die("GL", kept_line);
 }
 
 void hard_sun(void)

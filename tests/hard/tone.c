@@ -110,8 +110,8 @@ static void map(const struct way *w, struct gp_frame *f)
     p.curve = w->curve;
     p.exposure = w->exposure;
     p.auto_exposure = w->metered;
-    if (gp_tone_map(&said_log, &p, f, NULL))
-        hard_die(w->name, said_line);
+    if (gp_tone_map(&kept_log, &p, f, NULL))
+        hard_die(w->name, kept_line);
 }
 
 /* `none` must give the bytes back. */

@@ -5,8 +5,9 @@
 
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
-static char folder[] __attribute__((unused)) = "/tmp/glarepp-test-XXXXXX";
+static char folder[64] __attribute__((unused));
 static char path[256] __attribute__((unused));
 
 /* That name in the folder, which stays `path` until the next call. */
@@ -18,12 +19,13 @@ static inline const char *in_folder(const char *name)
 
 static inline int make_folder(void **state)
 {
+    strcpy(folder, "/tmp/glarepp-test-XXXXXX");
     return mkdtemp(folder) ? 0 : -1;
 }
 
 static inline int remove_folder(void **state)
 {
-    char command[64];
+    char command[96];
     snprintf(command, sizeof command, "rm -rf '%s'", folder);
     return system(command);
 }

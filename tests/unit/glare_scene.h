@@ -7,7 +7,7 @@
 #include "glare/engine.h"
 #include "glare/sensors.h"
 #include "hash.h"
-#include "said.h"
+#include "kept_log.h"
 #include "unit.h"
 
 #include <float.h>
@@ -395,7 +395,7 @@ static inline gp_status scene_run(const char *engine, struct scene *s,
     p.gain = scene_gain;
     p.splat = (struct gp_splat_params) GP_SPLAT_EXACT; // as other engines
     scene_clear_layer(s);
-    return gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, stats);
+    return gp_glare_run(&kept_log, &p, g, &s->src, &s->k, &s->f, stats);
 }
 
 /* FNV-1a of the layer's bytes. */

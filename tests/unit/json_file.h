@@ -1,9 +1,9 @@
-/* Small files for tests of JSON readers. Their log is said.h's. */
+/* Small files for tests of JSON readers. Their log is kept_log.h's. */
 #ifndef GP_TEST_JSON_FILE_H
 #define GP_TEST_JSON_FILE_H
 
 #include "folder.h"
-#include "said.h"
+#include "kept_log.h"
 #include "unit.h"
 
 /* Writes bytes into the one file, a.json, and returns its path. */
@@ -13,7 +13,7 @@ static inline const char *jf_write_bytes(const char *bytes, size_t n)
     if (!f || fwrite(bytes, 1, n, f) != n)
         abort();
     fclose(f);
-    said_nothing();
+    kept_clear();
     return path;
 }
 

@@ -1,11 +1,11 @@
-/* Reading for tests: errors go to said_line, files into a folder. */
+/* Reading for tests: errors go to kept_line, files into a folder. */
 #ifndef READING_H
 #define READING_H
 
 #include "core/frame.h"
 #include "folder.h"
 #include "io/read.h"
-#include "said.h"
+#include "kept_log.h"
 #include "unit.h"
 
 #include <unistd.h>
@@ -13,9 +13,9 @@
 static gp_status read_file(const char *name, struct gp_frame *f)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
-    said_nothing();
+    kept_clear();
     *f = (struct gp_frame) {0};
-    return gp_read_frame(&said_log, &p, name, f);
+    return gp_read_frame(&kept_log, &p, name, f);
 }
 
 /* One error line, of this status, that says `what`, and no frame. */
@@ -24,10 +24,10 @@ static inline void assert_refused(const char *name, gp_status want,
 {
     struct gp_frame f;
     assert_int_equal(read_file(name, &f), want);
-    assert_int_equal(said_errors, 1);
-    assert_non_null(strstr(said_line, what));
-    assert_ptr_equal(strstr(said_line, name), said_line);
-    assert_non_null(strstr(said_line, "; ")); // what to do
+    assert_int_equal(kept_errors, 1);
+    assert_kept(what);
+    assert_ptr_equal(strstr(kept_line, name), kept_line);
+    assert_kept("; "); // what to do
     assert_null(f.rgb.c[0]);
 }
 

@@ -11,39 +11,28 @@
 #include "io/read.h"
 #include "io/write.h"
 #include "bridge_here.h"
+#include "folder.h"
+#include "kept_log.h"
 
 #include <dirent.h>
 #include <unistd.h>
 
-static char wf_folder[64];
-
 /* Makes the folder; DWA finds OpenImageIO. */
 static inline int wf_start(void **state)
 {
-    if (find_bridges(state))
-        return -1;
-    strcpy(wf_folder, "/tmp/glarepp-test-XXXXXX");
-    return mkdtemp(wf_folder) ? 0 : -1;
+    return find_bridges(state) || make_folder(state);
 }
 
 /* Files in the folder, hidden ones too. */
 static inline int wf_names(void)
 {
     int n = 0;
-    DIR *d = opendir(wf_folder);
+    DIR *d = opendir(folder);
     for (struct dirent *e; d && (e = readdir(d));)
         n += strcmp(e->d_name, ".") != 0 && strcmp(e->d_name, "..") != 0;
     if (d)
         closedir(d);
     return n;
-}
-
-/* Removes the folder and what is in it. */
-static inline int wf_end(void **state)
-{
-    char command[128];
-    snprintf(command, sizeof command, "rm -rf '%s'", wf_folder);
-    return system(command);
 }
 
 /* The path of a file in the folder, good until the fourth next call. */
@@ -52,7 +41,7 @@ static inline const char *wf_path(const char *name)
     static char path[4][512];
     static int next;
     char *p = path[next++ % 4];
-    snprintf(p, sizeof path[0], "%s/%s", wf_folder, name);
+    snprintf(p, sizeof path[0], "%s/%s", folder, name);
     return p;
 }
 
@@ -81,22 +70,6 @@ static inline void wf_assert_same(const char *a, const char *b)
     assert_memory_equal(p, q, n);
     free(p);
     free(q);
-}
-
-/* Keeps the last line that was said. */
-static char wf_line[1024];
-static inline void wf_sink(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(wf_line, sizeof wf_line, "%s", line);
-}
-static const struct gp_log wf_log = {wf_sink, NULL, GP_LEVEL_INFO};
-
-static inline void wf_assert_said(const char *part)
-{
-    if (!strstr(wf_line, part))
-        fail_msg("\"%s\" is not in: %s", part, wf_line);
 }
 
 static inline uint32_t wf_hash(uint32_t a, uint32_t b, uint32_t c)
@@ -228,8 +201,8 @@ static inline const char *wf_output(const char *name)
 static inline gp_status wf_write_set(const struct gp_write_params *p,
     const char *name, const struct gp_hdr_colour *set, int n)
 {
-    wf_line[0] = '\0';
-    return gp_write_hdr(&wf_log, p ? p : &wf_defaults, wf_output(name), set, n,
+    kept_clear();
+    return gp_write_hdr(&kept_all, p ? p : &wf_defaults, wf_output(name), set, n,
                         &wf_stats);
 }
 
@@ -244,8 +217,8 @@ static inline gp_status wf_write_hdr(const struct gp_write_params *p,
 static inline gp_status wf_write(const struct gp_write_params *p,
     const char *name, const struct gp_frame *f, enum gp_picture_kind kind)
 {
-    wf_line[0] = '\0';
-    return gp_write_picture(&wf_log, p ? p : &wf_defaults, wf_output(name), f,
+    kept_clear();
+    return gp_write_picture(&kept_all, p ? p : &wf_defaults, wf_output(name), f,
                             &f->rgb, kind, &wf_stats);
 }
 
@@ -254,8 +227,8 @@ static inline struct gp_frame wf_read_back(const char *name)
 {
     static const struct gp_read_params params = GP_READ_DEFAULTS;
     struct gp_frame f;
-    if (gp_read_frame(&wf_log, &params, wf_path(name), &f))
-        fail_msg("%s", wf_line);
+    if (gp_read_frame(&kept_all, &params, wf_path(name), &f))
+        fail_msg("%s", kept_line);
     return f;
 }
 
@@ -267,7 +240,7 @@ static inline struct gp_frame wf_trip(const struct gp_frame *f,
     p.compression = compression;
     p.type = type;
     if (wf_write_hdr(&p, "a.exr", f))
-        fail_msg("%s", wf_line);
+        fail_msg("%s", kept_line);
     return wf_read_back("a.exr");
 }
 

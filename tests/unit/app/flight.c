@@ -151,7 +151,7 @@ static void clear(void)
 }
 
 /* The words that one thread alone would say. */
-static void assert_said(int units, int fail_every)
+static void assert_text(int units, int fail_every)
 {
     static char want[16384];
     want[0] = '\0';
@@ -178,7 +178,7 @@ static void all_in_order(void **state)
         assert_int_equal(gp_flight_head(&seen.flight), r->units);
         for (int i = 0; i < 3 * r->units; i++)
             assert_int_equal(seen.steps[i / 3][i % 3], 1);
-        assert_said(r->units, 0);
+        assert_text(r->units, 0);
     }
 }
 
@@ -195,7 +195,7 @@ static void failures_are_skipped(void **state)
         for (int i = 0; i < seen.fails; i++)
             assert_int_equal(seen.failed[i], 4 * i + 2);
         if (seen.fail_in == GP_PHASE_WRITE)
-            assert_said(r->units, 4);
+            assert_text(r->units, 4);
     }
 }
 

@@ -102,8 +102,8 @@ static void examples_are_right(void **state)
         assert_non_null(h->example);
         for (int k = 0; k < g; k++)
             assert_string_not_equal(h->word, gp_option_groups[k].word);
-        if (parse(h->example + strlen("glarepp "), &s) || said_line[0])
-            fail_msg("%s: %s", h->example, said_line);
+        if (parse(h->example + strlen("glarepp "), &s) || kept_line[0])
+            fail_msg("%s: %s", h->example, kept_line);
         char *help = printed(s.command == GP_COMMAND_HELP ? GP_COMMAND_MAIN
                                                           : s.command, false);
         if (!strstr(help, h->example))
@@ -136,8 +136,8 @@ static void slips_of_commands(void **state)
         struct gp_settings s;
         const gp_status st = parse(rows[i].line, &s);
         if (rows[i].part ? st != GP_ERR_USAGE ||
-                               !strstr(said_line, rows[i].part) : st != GP_OK)
-            fail_msg("%s: status %d: %s", rows[i].line, st, said_line);
+                               !strstr(kept_line, rows[i].part) : st != GP_OK)
+            fail_msg("%s: status %d: %s", rows[i].line, st, kept_line);
         gp_settings_free(&s);
     }
 }
@@ -185,9 +185,9 @@ static char *topic(const char *name)
 {
     char *text = NULL;
     size_t size;
-    said_nothing();
+    kept_clear();
     FILE *f = open_memstream(&text, &size);
-    const gp_status st = gp_help_topic(&said_all, f, name);
+    const gp_status st = gp_help_topic(&kept_all, f, name);
     fclose(f);
     if (st == GP_OK)
         return text;
@@ -201,7 +201,7 @@ static void topic_has(const char *name, const char *part)
 {
     char *text = topic(name);
     if (!text || !strstr(text, part))
-        fail_msg("help %s: no \"%s\": %s", name, part, text ? text : said_line);
+        fail_msg("help %s: no \"%s\": %s", name, part, text ? text : kept_line);
     free(text);
 }
 
@@ -236,10 +236,10 @@ static void every_topic_is_known(void **state)
     for (int i = 0; (word = gp_help_topic_at(i, name)); i++) {
         if (!strstr(list, word) && strcmp(word, "help") != 0)
             fail_msg("%s is not in the list", word);
-        const gp_status st = gp_help_topic(&said_all, null_file, word);
+        const gp_status st = gp_help_topic(&kept_all, null_file, word);
         assert_true(st == GP_OK || st == GP_ERR_IO ||
                     strcmp(word, "help") == 0);
-        sections += st == GP_ERR_IO && strstr(said_line, "man/glarepp.1");
+        sections += st == GP_ERR_IO && strstr(kept_line, "man/glarepp.1");
     }
     fclose(null_file);
     assert_true(sections >= 8);
@@ -267,8 +267,8 @@ static void unknown_topics_suggest(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         char *text = topic(rows[i].name);
-        if (text || !strstr(said_line, rows[i].part))
-            fail_msg("help %s: %s", rows[i].name, text ? text : said_line);
+        if (text || !strstr(kept_line, rows[i].part))
+            fail_msg("help %s: %s", rows[i].name, text ? text : kept_line);
     }
 }
 

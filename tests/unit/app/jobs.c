@@ -19,7 +19,7 @@ static gp_status make(
     const char *line, struct gp_settings *s, struct gp_jobs *j)
 {
     const gp_status st = parse(line, s);
-    return st ? st : gp_jobs_make(&said_all, s, j);
+    return st ? st : gp_jobs_make(&kept_all, s, j);
 }
 
 /* "input>output,output input>...", the input with # where numbered and its
@@ -48,10 +48,10 @@ static void check_row(const struct job_row *r, bool views, bool parts)
     char text[1024] = "";
     gp_status st = make(r->line, &s, &j);
     describe(&j, text, sizeof text);
-    bool same = st ? strncmp(said_line, r->text, strlen(r->text)) == 0
+    bool same = st ? strncmp(kept_line, r->text, strlen(r->text)) == 0
                    : strcmp(text, r->text) == 0;
     if (st != r->status || !same)
-        fail_msg("%s: status %d: %s%s", r->line, st, said_line, text);
+        fail_msg("%s: status %d: %s%s", r->line, st, kept_line, text);
     if (!st && j.views != (parts ? gp_jobs_of_frame(&j) : 1))
         fail_msg("%s: %d jobs of one input", r->line, j.views);
     if (!st && !views && (j.view.n || gp_jobs_of_frame(&j) != 1))
@@ -275,7 +275,7 @@ static void too_many_jobs(void **state)
     struct gp_jobs j = {0};
     assert_int_equal(make("--views a,b -f 1-500001 --skip-bad-frames -o - "
                           "v.%V.#.exr", &s, &j), GP_ERR_USAGE);
-    assert_int_equal(strncmp(said_line, "v.%V.#.exr:", 11), 0);
+    assert_int_equal(strncmp(kept_line, "v.%V.#.exr:", 11), 0);
     gp_settings_free(&s);
 }
 
@@ -312,7 +312,7 @@ static void what_is_made(void **state)
         struct gp_jobs j = {0};
         if (make(made_rows[i].line, &s, &j) ||
             gp_job_made(&s.write, &j, &j.job[0]) != made_rows[i].made)
-            fail_msg("%s: %s", made_rows[i].line, said_line);
+            fail_msg("%s: %s", made_rows[i].line, kept_line);
         gp_jobs_free(&j);
         gp_settings_free(&s);
     }

@@ -4,7 +4,7 @@
 
 #include "app/options.h"
 
-#include "said.h"
+#include "kept_log.h"
 
 enum { WORDS = 40 };
 
@@ -18,8 +18,8 @@ static inline gp_status parse(const char *line, struct gp_settings *s)
     for (char *w = strtok(copy, " "); w && argc < WORDS - 1;
          w = strtok(NULL, " "))
         argv[argc++] = strcmp(w, "''") == 0 ? "" : w;
-    said_nothing();
-    return gp_options_parse(&said_all, argc, argv, s);
+    kept_clear();
+    return gp_options_parse(&kept_all, argc, argv, s);
 }
 
 #endif

@@ -8,8 +8,8 @@
 static void defaults_hold(void **state)
 {
     struct gp_settings s;
-    assert_int_equal(parse("-o a.png in.exr", &s), GP_OK);
-    assert_int_equal(said_lines, 0);
+    assert_ok(parse("-o a.png in.exr", &s));
+    assert_int_equal(kept_lines, 0);
     assert_true(s.inputs.n == 1 && s.outputs.n == 1);
     assert_string_equal(s.inputs.at[0], "in.exr");
     assert_string_equal(s.outputs.at[0], "a.png");
@@ -54,7 +54,7 @@ static void check_stored(const struct gp_option *o, const char *value,
     snprintf(line + n, sizeof line - (size_t) n, " --%s %s%s", o->name, value,
              o->kind == GP_KIND_NAMED ? "=f" : "");
     if (parse(line, &s) != GP_OK)
-        fail_msg("%s: %s", line, said_line);
+        fail_msg("%s: %s", line, kept_line);
     const void *const at = (const char *) &s + o->at;
     const struct gp_numbers *const list = at;
     const struct gp_texts *const texts = at;
@@ -129,9 +129,9 @@ static void commands_make_the_same_picture(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
         char *text;
-        assert_int_equal(parse(rows[i].line, &s), GP_OK);
-        assert_int_equal(gp_command_text(&said_log, &s, s.inputs.at,
-                                         s.inputs.n, &text), GP_OK);
+        assert_ok(parse(rows[i].line, &s));
+        assert_ok(gp_command_text(&kept_log, &s, s.inputs.at,
+                                         s.inputs.n, &text));
         assert_string_equal(text, rows[i].want);
         free(text);
         gp_settings_free(&s);
@@ -142,9 +142,9 @@ static void commands_make_the_same_picture(void **state)
 static void forms_of_values(void **state)
 {
     struct gp_settings s;
-    assert_int_equal(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
+    assert_ok(parse("--output=a.png -ob.exr -t2.5 --knee .5 --layer=l "
                            "--threshold-mode whole i.exr --exposure -1.5 "
-                           "-k k.exr --kernel-center 3.5,-2 --report - -q -v", &s), GP_OK);
+                           "-k k.exr --kernel-center 3.5,-2 --report - -q -v", &s));
     assert_int_equal(s.outputs.n, 2);
     assert_string_equal(s.outputs.at[1], "b.exr");
     assert_int_equal(s.layer.n, 1);
@@ -194,23 +194,23 @@ static void forms_of_thresholds(void **state)
 static void words_that_look_like_options(void **state)
 {
     struct gp_settings s;
-    assert_int_equal(parse("-o - -", &s), GP_OK);
+    assert_ok(parse("-o - -", &s));
     assert_string_equal(s.outputs.at[0], "-");
     assert_string_equal(s.inputs.at[0], "-");
     gp_settings_free(&s);
-    assert_int_equal(parse("i -g 1 -o a -g 2 j -- -k --help", &s), GP_OK);
+    assert_ok(parse("i -g 1 -o a -g 2 j -- -k --help", &s));
     assert_int_equal(s.inputs.n, 4); // options stand anywhere before --
     assert_string_equal(s.inputs.at[3], "--help");
     assert_true(s.compose.gain == 2.0f); // the last one holds
     assert_false(s.help);
     gp_settings_free(&s);
-    assert_int_equal(parse("--output=--hdr i", &s), GP_OK);
+    assert_ok(parse("--output=--hdr i", &s));
     assert_string_equal(s.outputs.at[0], "--hdr");
     gp_settings_free(&s);
-    assert_int_equal(parse("--help", &s), GP_OK); // needs no input
+    assert_ok(parse("--help", &s)); // needs no input
     assert_true(s.help);
     gp_settings_free(&s);
-    assert_int_equal(parse("--version -o x", &s), GP_OK);
+    assert_ok(parse("--version -o x", &s));
     assert_true(s.version);
     gp_settings_free(&s);
 }
@@ -229,10 +229,10 @@ static void clusters_follow_groups(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
-        assert_int_equal(parse(rows[i].line, &s), GP_OK);
+        assert_ok(parse(rows[i].line, &s));
         assert_int_equal(s.glare.splat.group, rows[i].group);
         assert_int_equal(s.glare.splat.cluster, rows[i].cluster);
-        assert_int_equal(said_lines, 0);
+        assert_int_equal(kept_lines, 0);
         gp_settings_free(&s);
     }
 }
@@ -255,8 +255,8 @@ static void commands(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
-        assert_int_equal(parse(rows[i].line, &s), GP_OK);
-        assert_int_equal(said_lines, 0);
+        assert_ok(parse(rows[i].line, &s));
+        assert_int_equal(kept_lines, 0);
         assert_int_equal(s.command, rows[i].command);
         assert_int_equal(s.inputs.n, rows[i].inputs);
         assert_int_equal(s.help, rows[i].help);
@@ -312,9 +312,9 @@ static void check_wrong(const char *line, const char *part)
 {
     struct gp_settings s;
     gp_status st = parse(line, &s);
-    if (st != GP_ERR_USAGE || said_lines != 1 || !strstr(said_line, part))
-        fail_msg("\"%s\": status %d, %d lines: %s", line, st, said_lines,
-                 said_line);
+    if (st != GP_ERR_USAGE || kept_lines != 1 || !strstr(kept_line, part))
+        fail_msg("\"%s\": status %d, %d lines: %s", line, st, kept_lines,
+                 kept_line);
     gp_settings_free(&s);
 }
 
@@ -356,9 +356,9 @@ static void warnings(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_settings s;
-        assert_int_equal(parse(rows[i][0], &s), GP_OK);
-        if (rows[i][1] ? !strstr(said_line, rows[i][1]) : said_lines != 0)
-            fail_msg("%s: %s", rows[i][0], said_line);
+        assert_ok(parse(rows[i][0], &s));
+        if (rows[i][1] ? !strstr(kept_line, rows[i][1]) : kept_lines != 0)
+            fail_msg("%s: %s", rows[i][0], kept_line);
         gp_settings_free(&s);
     }
 }

@@ -3,7 +3,7 @@
 #include "unit.h"
 #include "app/progress.h"
 #include "core/clock.h"
-#include "said.h"
+#include "kept_log.h"
 
 // -- which frames failed -----------------------------------------------------
 
@@ -12,11 +12,11 @@
 static const char *list_said(bool *whole)
 {
     static char list[2 * GP_FAILURES_BYTES];
-    const char *const from = strstr(said_line, "failed (");
+    const char *const from = strstr(kept_line, "failed (");
     const char *const end = from ? strstr(from, "); ") : NULL;
     snprintf(list, sizeof list, "%.*s", end ? (int) (end - from - 8) : 0,
              end ? from + 8 : "");
-    *whole = strstr(said_line, " --frames ") != NULL;
+    *whole = strstr(kept_line, " --frames ") != NULL;
     return list;
 }
 
@@ -30,14 +30,14 @@ static const char *list_of(const struct gp_frames *f, bool *whole)
     for (int i = 0; i < j.n; i++)
         j.job[i] = (struct gp_job) {strdup("in.exr"), i % 2 == 0,
                                     i % 2 ? 0 : f->number[i / 2], NULL};
-    assert_int_equal(gp_failures_make(NULL, &j, &failed), GP_OK);
+    assert_ok(gp_failures_make(NULL, &j, &failed));
     for (int i = 0; i < j.n; i += 2) {
         gp_failures_add(&failed, i);
         gp_failures_add(&failed, i);
     }
     assert_int_equal(failed.bad, f->n);
-    said_nothing();
-    assert_int_equal(gp_failures_report(&said_log, &failed), GP_ERR_FRAMES);
+    kept_clear();
+    assert_int_equal(gp_failures_report(&kept_log, &failed), GP_ERR_FRAMES);
     gp_failures_free(&failed);
     gp_failures_free(&failed);
     gp_jobs_free(&j);
@@ -55,12 +55,12 @@ static void failed_lists(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frames f, back;
         bool whole;
-        assert_int_equal(gp_frames_parse(NULL, rows[i][0], &f), GP_OK);
+        assert_ok(gp_frames_parse(NULL, rows[i][0], &f));
         const char *const text = list_of(&f, &whole);
         assert_string_equal(text, rows[i][1]);
         assert_true(whole);
         // --frames reads the same frames from it
-        assert_int_equal(gp_frames_parse(NULL, text, &back), GP_OK);
+        assert_ok(gp_frames_parse(NULL, text, &back));
         assert_int_equal(back.n, f.n);
         assert_memory_equal(back.number, f.number,
                             (size_t) f.n * sizeof *f.number);
@@ -99,13 +99,13 @@ static void names_without_numbers(void **state)
     const struct gp_jobs j = {.job = job, .n = 3};
     struct gp_failures f;
     bool whole;
-    assert_int_equal(gp_failures_make(NULL, &j, &f), GP_OK);
+    assert_ok(gp_failures_make(NULL, &j, &f));
     gp_failures_add(&f, 1);
-    assert_int_equal(gp_failures_report(&said_log, &f), GP_ERR_FRAMES);
+    assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
     assert_string_equal(list_said(&whole), "7");
     assert_true(whole);
     gp_failures_add(&f, 0); // one without a number: names
-    assert_int_equal(gp_failures_report(&said_log, &f), GP_ERR_FRAMES);
+    assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
     assert_string_equal(list_said(&whole), "a.exr, b.0007.exr");
     assert_false(whole);
     gp_failures_free(&f);
@@ -143,12 +143,12 @@ static void failed_views(void **state)
             .job = job, .n = 10, .views = rows[i].views,
             .view = {.name = (const char **) views, .n = 2},
         };
-        assert_int_equal(gp_failures_make(NULL, &j, &f), GP_OK);
+        assert_ok(gp_failures_make(NULL, &j, &f));
         for (int k = 0; k < 10; k++) {
             if (rows[i].bad[k] == 'x')
                 gp_failures_add(&f, k);
         }
-        assert_int_equal(gp_failures_report(&said_log, &f), GP_ERR_FRAMES);
+        assert_int_equal(gp_failures_report(&kept_log, &f), GP_ERR_FRAMES);
         assert_int_equal(f.bad, rows[i].frames);
         assert_string_equal(list_said(&whole), rows[i].list);
         gp_failures_free(&f);

@@ -2,7 +2,7 @@
 #include "unit.h"
 #include "app/report.h"
 #include "folder.h"
-#include "said.h"
+#include "kept_log.h"
 
 #include <jansson.h>
 #include <locale.h>
@@ -42,16 +42,16 @@ static char *reported(const struct gp_facts *facts, int n)
 {
     in_folder("reported.json");
     struct gp_report r;
-    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
+    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
     for (int i = 0; i < n; i++)
-        assert_int_equal(gp_report_frame(&said_log, &r, facts), GP_OK);
+        assert_ok(gp_report_frame(&kept_log, &r, facts));
     char *text = calloc(1, 65536);
     FILE *f = fopen(path, "r"); // before the close: each line is flushed
     size_t size = fread(text, 1, 65535, f);
     fclose(f);
     text[size] = '\0';
-    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
-    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+    assert_ok(gp_report_close(&kept_log, &r));
+    assert_ok(gp_report_close(&kept_log, &r));
     return text;
 }
 
@@ -168,20 +168,20 @@ static void files_are_touched_with_the_first_line(void **state)
     in_folder("r.json");
     struct gp_facts facts = full_facts();
     struct gp_report r;
-    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
-    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), -1);
 
     FILE *f = fopen(path, "w");
     for (int i = 0; i < 4000; i++)
         fputs("old\n", f);
     fclose(f);
-    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
-    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_close(&kept_log, &r));
     assert_int_equal(size_of(path), 16000);
-    assert_int_equal(gp_report_open(&said_log, path, false, false, &r), GP_OK);
-    assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
-    assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+    assert_ok(gp_report_open(&kept_log, path, false, false, &r));
+    assert_ok(gp_report_frame(&kept_log, &r, &facts));
+    assert_ok(gp_report_close(&kept_log, &r));
     assert_in_range(size_of(path), 100, 2000);
 }
 
@@ -202,12 +202,11 @@ static void lines_are_appended(void **state)
         fclose(f);
         const size_t whole = strrchr(before[i], '\n')
             ? (size_t) (strrchr(before[i], '\n') - before[i]) + 1 : 0;
-        assert_int_equal(gp_report_open(&said_log, path, false, true, &r),
-                         GP_OK);
+        assert_ok(gp_report_open(&kept_log, path, false, true, &r));
         assert_int_equal(size_of(path), strlen(before[i]));
         for (int k = 0; k < 2; k++)
-            assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_OK);
-        assert_int_equal(gp_report_close(&said_log, &r), GP_OK);
+            assert_ok(gp_report_frame(&kept_log, &r, &facts));
+        assert_ok(gp_report_close(&kept_log, &r));
         f = fopen(path, "r");
         text[fread(text, 1, sizeof text - 1, f)] = '\0';
         fclose(f);
@@ -222,18 +221,16 @@ static void errors_of_files(void **state)
 {
     struct gp_facts facts = full_facts();
     struct gp_report r = {0};
-    assert_int_equal(gp_report_open(&said_log, "/no/such/r.json", false, false,
-                                    &r),
-                     GP_ERR_IO);
-    assert_non_null(strstr(said_line, "/no/such/r.json: "));
-    assert_int_equal(gp_report_open(&said_log, "/tmp", false, false, &r),
+    assert_int_equal(gp_report_open(&kept_log, "/no/such/r.json", false, false,
+                                    &r), GP_ERR_IO);
+    assert_kept("/no/such/r.json: ");
+    assert_int_equal(gp_report_open(&kept_log, "/tmp", false, false, &r),
                      GP_ERR_IO);
     if (access("/dev/full", W_OK) != 0)
         skip_for("no /dev/full");
-    assert_int_equal(gp_report_open(&said_log, "/dev/full", false, false, &r),
-                     GP_OK);
-    assert_int_equal(gp_report_frame(&said_log, &r, &facts), GP_ERR_IO);
-    assert_non_null(strstr(said_line, "No space left"));
+    assert_ok(gp_report_open(&kept_log, "/dev/full", false, false, &r));
+    assert_int_equal(gp_report_frame(&kept_log, &r, &facts), GP_ERR_IO);
+    assert_kept("No space left");
     (void) gp_report_close(NULL, &r);
 }
 

@@ -1,7 +1,7 @@
 /* bench: the Pareto front, parts of a frame, options, files. */
 #include "unit.h"
 #include "bench/bench_priv.h"
-#include "said.h"
+#include "kept_log.h"
 
 static const struct gp_sensor_params whole_pixels = {
     .threshold = 1.0f, .max_value = 1e9f,
@@ -144,16 +144,16 @@ static void gnuplot_gives_all_it_writes(void **state)
     char *end = stpcpy(script, start);
     for (int i = 0; i < N; i++)
         end = stpcpy(end, line);
-    assert_ok(gp_gnuplot(&said_log, script, &out, &size));
+    assert_ok(gp_gnuplot(&kept_log, script, &out, &size));
     assert_int_equal(size, N * 10);
     assert_memory_equal(out, "123456789\n123456789\n", 20);
     free(out);
     free(script);
-    said_nothing();
-    assert_int_equal(gp_gnuplot(&said_log, "no such word\n", &out, &size),
+    kept_clear();
+    assert_int_equal(gp_gnuplot(&kept_log, "no such word\n", &out, &size),
                      GP_ERR_IO);
-    assert_non_null(strstr(said_line, "gnuplot: drew no picture ("));
-    assert_null(strchr(said_line, '\n'));
+    assert_kept("gnuplot: drew no picture (");
+    assert_null(strchr(kept_line, '\n'));
 }
 
 SUITE_OF(bench, NULL, NULL, the_front_is_what_nothing_beats,

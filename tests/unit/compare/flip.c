@@ -356,13 +356,13 @@ static double found;
 
 static gp_status run_ldr(void)
 {
-    return gp_flip_ldr(&said_log, starved.w, starved.h, &starved.a, &starved.b,
+    return gp_flip_ldr(&kept_log, starved.w, starved.h, &starved.a, &starved.b,
                        67.0f, NULL, &found);
 }
 
 static gp_status run_hdr(void)
 {
-    return gp_flip_hdr(&said_log, starved.w, starved.h, &starved.a, &starved.b,
+    return gp_flip_hdr(&kept_log, starved.w, starved.h, &starved.a, &starved.b,
                        67.0f, NULL, NULL, &found);
 }
 

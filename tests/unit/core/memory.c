@@ -4,7 +4,7 @@
 #include "core/frame.h"
 #include "core/memory.h"
 #include "fail.h"
-#include "said.h"
+#include "kept_log.h"
 
 #include <malloc.h>
 #include <pthread.h>
@@ -14,7 +14,7 @@ enum { MIB = 1 << 20 };
 static void *get(size_t bytes)
 {
     void *p;
-    assert_int_equal(gp_alloc(NULL, "test", bytes, 1, &p), GP_OK);
+    assert_ok(gp_alloc(NULL, "test", bytes, 1, &p));
     assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
     memset(p, 0x5a, bytes);
     return p;
@@ -23,9 +23,9 @@ static void *get(size_t bytes)
 static void small_and_none(void **state)
 {
     void *p, *none;
-    assert_int_equal(gp_alloc(NULL, "t", 0, 8, &none), GP_OK);
+    assert_ok(gp_alloc(NULL, "t", 0, 8, &none));
     assert_non_null(none);
-    assert_int_equal(gp_alloc_zero(NULL, "t", 1000, 3, &p), GP_OK);
+    assert_ok(gp_alloc_zero(NULL, "t", 1000, 3, &p));
     for (int i = 0; i < 3000; i++)
         assert_int_equal(((uint8_t *) p)[i], 0);
     gp_free(none);
@@ -38,7 +38,7 @@ static void zero_of_a_used_block(void **state)
 {
     void *p;
     gp_free(get(40 * MIB));
-    assert_int_equal(gp_alloc_zero(NULL, "t", 40 * MIB, 1, &p), GP_OK);
+    assert_ok(gp_alloc_zero(NULL, "t", 40 * MIB, 1, &p));
     for (size_t i = 0; i < 40 * MIB; i += 4093)
         assert_int_equal(((uint8_t *) p)[i], 0);
     gp_free(p);
@@ -52,7 +52,7 @@ static void resized(void **state)
     void *p = NULL, *before;
     size_t held = 0;
     for (size_t i = 0; i < COUNT(size); i++) {
-        assert_int_equal(gp_resize(NULL, "t", size[i], &p), GP_OK);
+        assert_ok(gp_resize(NULL, "t", size[i], &p));
         for (size_t k = 0; k < held && k < size[i]; k += 997)
             assert_int_equal(((uint8_t *) p)[k], 0x5a);
         held = size[i];
@@ -156,14 +156,14 @@ static void sizes_are_checked(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         for (int zero = 0; zero < 2; zero++) {
             void *p = &p;
-            said_nothing();
+            kept_clear();
             const gp_status st = (zero ? gp_alloc_zero : gp_alloc)(
-                &said_log, "it", rows[i].count, rows[i].size, &p);
+                &kept_log, "it", rows[i].count, rows[i].size, &p);
             assert_int_equal(st, rows[i].said ? GP_ERR_BUG : GP_OK);
             assert_true((p != NULL) == !rows[i].said);
-            assert_int_equal(said_errors, rows[i].said ? 1 : 0);
+            assert_int_equal(kept_errors, rows[i].said ? 1 : 0);
             if (rows[i].said)
-                assert_non_null(strstr(said_line, rows[i].said));
+                assert_kept(rows[i].said);
             assert_int_equal((uintptr_t) p % GP_ALIGN, 0);
             GP_FREE(p);
             assert_null(p);

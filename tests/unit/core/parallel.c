@@ -82,7 +82,7 @@ static void each_i_once(void **state)
             memset(&s, 0, sizeof s);
             s.nested = 9;
             gp_set_threads(threads[t]);
-            assert_int_equal(gp_parallel(n[k], body, &s, NULL), GP_OK);
+            assert_ok(gp_parallel(n[k], body, &s, NULL));
             check_all_once(&s, n[k]);
         }
     }
@@ -171,7 +171,7 @@ static void child_has_its_own(void **state)
 {
     static struct seen s;
     gp_set_threads(4);
-    assert_int_equal(gp_parallel(100, body, &s, NULL), GP_OK);
+    assert_ok(gp_parallel(100, body, &s, NULL));
     const pid_t child = fork();
     assert_true(child >= 0);
     if (child == 0) {

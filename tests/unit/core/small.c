@@ -7,7 +7,7 @@
 #include "core/json.h"
 #include "core/memory.h"
 #include "fail.h"
-#include "said.h"
+#include "kept_log.h"
 
 #include <limits.h>
 #include <unistd.h>
@@ -28,13 +28,13 @@ static void frames_own_what_they_hold(void **state)
     struct gp_frame f = {0};
     gp_frame_free(&f); // an empty one
     assert_null(gp_frame_channel(&f, "Z"));
-    assert_int_equal(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
-                                   &f.channel), GP_OK);
+    assert_ok(gp_alloc_zero(NULL, "channels", 3, sizeof *f.channel,
+                                   &f.channel));
     f.channels = 3;
     for (int i = 0; i < 3; i++)
         f.channel[i].name = gp_strdup(names[i]);
-    assert_int_equal(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data), GP_OK);
-    assert_int_equal(gp_planes_make(NULL, "rgb", 4, &f.rgb), GP_OK);
+    assert_ok(gp_alloc(NULL, "Z", 4, 4, &f.channel[1].data));
+    assert_ok(gp_planes_make(NULL, "rgb", 4, &f.rgb));
     f.path = gp_strdup("a.exr");
     f.input = &origins;
     f.input_free = free_origin;
@@ -56,30 +56,30 @@ static void frames_own_what_they_hold(void **state)
 static void messages_are_one_line(void **state)
 {
     static const struct gp_log deaf = {NULL, NULL, GP_LEVEL_INFO};
-    const struct gp_log errors = {said_keep, NULL, GP_LEVEL_ERROR};
+    const struct gp_log errors = {kept_sink, NULL, GP_LEVEL_ERROR};
     char text[5000];
-    said_nothing();
+    kept_clear();
     assert_int_equal(gp_fail(NULL, GP_ERR_IO, "unheard"), GP_ERR_IO);
     assert_int_equal(gp_fail(&deaf, GP_ERR_GL, "unheard"), GP_ERR_GL);
     gp_say(NULL, GP_LEVEL_ERROR, "unheard");
     gp_say(&errors, GP_LEVEL_WARN, "unheard");
     gp_say(&errors, GP_LEVEL_INFO, "unheard");
-    assert_int_equal(said_errors, 0);
-    assert_string_equal(said_line, "");
+    assert_int_equal(kept_errors, 0);
+    assert_string_equal(kept_line, "");
     assert_int_equal(gp_fail(&errors, GP_ERR_DATA, "a\nb\r\nc: %d\n", 7),
                      GP_ERR_DATA);
-    assert_string_equal(said_line, "a b  c: 7 ");
+    assert_string_equal(kept_line, "a b  c: 7 ");
     memset(text, 'x', sizeof text);
     text[sizeof text - 1] = '\0';
     assert_int_equal(gp_fail(&errors, GP_ERR_USAGE, "%s", text), GP_ERR_USAGE);
-    assert_int_equal(strlen(said_line), sizeof said_line - 1);
+    assert_int_equal(strlen(kept_line), sizeof kept_line - 1);
     assert_int_equal(gp_no_memory(&errors, "a.exr"), GP_ERR_BUG);
-    assert_string_equal(said_line,
+    assert_string_equal(kept_line,
                         "a.exr: out of memory; close other programs");
     assert_int_equal(gp_no_memory_bare(&errors, "names"), GP_ERR_BUG);
-    assert_string_equal(said_line,
+    assert_string_equal(kept_line,
                         "names: out of memory; close other programs");
-    assert_int_equal(said_errors, 4);
+    assert_int_equal(kept_errors, 4);
 }
 
 static void names_move_no_cursor(void **state)
@@ -99,9 +99,9 @@ static void names_move_no_cursor(void **state)
         gp_make_printable(text);
         assert_string_equal(text, row[i][1]);
     }
-    gp_fail(&(struct gp_log) {said_keep, NULL, GP_LEVEL_ERROR}, GP_ERR_IO,
+    gp_fail(&(struct gp_log) {kept_sink, NULL, GP_LEVEL_ERROR}, GP_ERR_IO,
             "%s: \x9b", "\xc2\x9b");
-    assert_string_equal(said_line, "??: ?");
+    assert_string_equal(kept_line, "??: ?");
 }
 
 static void json_is_whole_or_null(void **state)

@@ -10,12 +10,6 @@
 
 static const enum gp_gl_api apis[] = {GP_GL_OSMESA, GP_GL_EGL, GP_GL_AUTO};
 
-static void assert_said(const char *part)
-{
-    if (!strstr(said_line, part))
-        fail_msg("\"%s\" is not in \"%s\"", part, said_line);
-}
-
 static void opens_and_closes(void **state)
 {
     for (int i = 0; i < 9; i++) {
@@ -47,10 +41,10 @@ static void bad_libraries_are_named(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_gl *gl = NULL;
         setenv(rows[i].env, rows[i].library, 1);
-        assert_int_equal(gp_gl_open(&said_log, rows[i].api, &gl), GP_ERR_GL);
+        assert_int_equal(gp_gl_open(&kept_log, rows[i].api, &gl), GP_ERR_GL);
         assert_null(gl);
-        assert_said(rows[i].said[0]);
-        assert_said(rows[i].said[1]);
+        assert_kept(rows[i].said[0]);
+        assert_kept(rows[i].said[1]);
         unsetenv(rows[i].env);
     }
 }
@@ -60,14 +54,14 @@ static void auto_falls_back(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_EGL);
     gp_gl_close(&gl);
     setenv("GLAREPP_OSMESA", "/nonexistent/lib.so", 1);
-    assert_ok(gp_gl_open(&said_log, GP_GL_AUTO, &gl));
+    assert_ok(gp_gl_open(&kept_log, GP_GL_AUTO, &gl));
     assert_ptr_equal(strstr(gp_gl_info(gl)->name, "EGL: "),
                      gp_gl_info(gl)->name);
     gp_gl_close(&gl);
     setenv("GLAREPP_EGL", "/nonexistent/lib.so", 1);
-    assert_int_equal(gp_gl_open(&said_log, GP_GL_AUTO, &gl), GP_ERR_GL);
-    assert_said("libosmesa6");
-    assert_said("libegl1");
+    assert_int_equal(gp_gl_open(&kept_log, GP_GL_AUTO, &gl), GP_ERR_GL);
+    assert_kept("libosmesa6");
+    assert_kept("libegl1");
     unsetenv("GLAREPP_OSMESA");
     unsetenv("GLAREPP_EGL");
 }
@@ -78,10 +72,10 @@ static int open_as_33(enum gp_gl_api api)
 {
     struct gp_gl *gl = NULL;
     setenv("MESA_GL_VERSION_OVERRIDE", "3.3", 1);
-    gp_status st = gp_gl_open(&said_log, api, &gl);
-    if (strstr(said_line, "cannot be loaded"))
+    gp_status st = gp_gl_open(&kept_log, api, &gl);
+    if (strstr(kept_line, "cannot be loaded"))
         return 77;
-    return st == GP_ERR_GL && !gl && strstr(said_line, "4.5 (found 3.")
+    return st == GP_ERR_GL && !gl && strstr(kept_line, "4.5 (found 3.")
                ? 0 : gl && !gp_gl_info(gl)->software ? 77 : 1;
 }
 
@@ -120,13 +114,13 @@ static void limit_can_only_be_lowered(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_texture t = {0};
         struct gp_target g = {0};
-        said_nothing();
-        assert_int_equal(gp_texture_make(&said_log, gl, "kernel",
+        kept_clear();
+        assert_int_equal(gp_texture_make(&kept_log, gl, "kernel",
             GP_TEXEL_FLOAT, rows[i].w, rows[i].h, &t), rows[i].want);
-        assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT,
+        assert_int_equal(gp_target_make(&kept_log, gl, "layer", GP_TEXEL_FLOAT,
             1, rows[i].w, rows[i].h, &g), rows[i].want);
         if (rows[i].want)
-            assert_said("1x1 to 16x16 do");
+            assert_kept("1x1 to 16x16 do");
         gp_texture_free(gl, &t);
         gp_texture_free(gl, &t);
         gp_target_free(gl, &g);
@@ -182,10 +176,10 @@ static void draw_in(struct gp_gl *gl)
         {all, unknown, GP_ERR_BUG},
     };
     fill(px, 20071u);
-    assert_ok(gp_gl_use(&said_log, gl));
-    assert_ok(gp_program_make(&said_log, gl, "", "add.vert", "add.frag", &p));
-    assert_ok(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, W, H, &from));
-    assert_ok(gp_target_make(&said_log, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to));
+    assert_ok(gp_gl_use(&kept_log, gl));
+    assert_ok(gp_program_make(&kept_log, gl, "", "add.vert", "add.frag", &p));
+    assert_ok(gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, W, H, &from));
+    assert_ok(gp_target_make(&kept_log, gl, "b", GP_TEXEL_FLOAT, 1, W, H, &to));
     gp_texture_write(gl, &from, (struct gp_rect) {0, 0, W, 9}, px);
     gp_texture_write(gl, &from, (struct gp_rect) {0, 9, W, H}, px + 4 * W * 9);
     gp_target_clear(gl, &to, (struct gp_rect) {-9, -9, 999, 999});
@@ -193,9 +187,9 @@ static void draw_in(struct gp_gl *gl)
         const struct gp_draw draw = {
             .program = &p, .target = &to, .cut = draws[i].cut,
             .uniform = draws[i].uniform, .vertices = 3, .instances = 1};
-        assert_int_equal(gp_draw_run(&said_log, gl, &draw), draws[i].st);
+        assert_int_equal(gp_draw_run(&kept_log, gl, &draw), draws[i].st);
     }
-    assert_said("absent");
+    assert_kept("absent");
     gp_target_read(gl, &to, 0, all, got);
     for (int i = 0; i < 4 * W * H; i++) { // bit for bit
         const int y = i / (4 * W);
@@ -210,7 +204,7 @@ static void draw_in(struct gp_gl *gl)
         assert_true(got[i] == 0.0f);
         assert_true(got[4 * W + i] == 2 * px[4 * W * 4 + i]);
     }
-    assert_ok(gp_gl_check(&said_log, gl, "test"));
+    assert_ok(gp_gl_check(&kept_log, gl, "test"));
     gp_program_free(gl, &p);
     gp_texture_free(gl, &from);
     gp_target_free(gl, &to);
@@ -239,12 +233,12 @@ static void errors_are_named_and_cleared(void **state)
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     struct gp_texture t = {0};
     const float px[4] = {0};
-    assert_ok(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t));
+    assert_ok(gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, 1, 1, &t));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, -1, 1}, px);
     gp_texture_write(gl, &t, (struct gp_rect) {5, 0, 6, 1}, px);
-    assert_int_equal(gp_gl_check(&said_log, gl, "writing"), GP_ERR_GL);
-    assert_said("GL_INVALID_VALUE while writing");
-    assert_ok(gp_gl_check(&said_log, gl, "writing"));
+    assert_int_equal(gp_gl_check(&kept_log, gl, "writing"), GP_ERR_GL);
+    assert_kept("GL_INVALID_VALUE while writing");
+    assert_ok(gp_gl_check(&kept_log, gl, "writing"));
     gp_texture_free(gl, &t);
     gp_gl_close(&gl);
 }
@@ -267,12 +261,12 @@ static void blocks_and_lists_have_limits(void **state)
         struct gp_buffer b = {0};
         assert_true(rows[i].limit >= rows[i].least);
         for (size_t k = 0; k < COUNT(refused); k++) {
-            assert_int_equal(gp_buffer_make(&said_log, gl, "a", rows[i].kind,
+            assert_int_equal(gp_buffer_make(&kept_log, gl, "a", rows[i].kind,
                                             refused[k], &b), GP_ERR_GL);
-            assert_said(rows[i].said);
+            assert_kept(rows[i].said);
             assert_int_equal(b.id, 0);
         }
-        assert_ok(gp_buffer_make(&said_log, gl, "a", rows[i].kind,
+        assert_ok(gp_buffer_make(&kept_log, gl, "a", rows[i].kind,
                                  rows[i].least, &b));
         gp_buffer_free(gl, &b);
         gp_buffer_free(gl, &b);
@@ -294,23 +288,23 @@ static void compiler_speaks_of_the_file(void **state)
     for (int i = 0; i < 2; i++) {
         struct gp_gl *gl = open_or_skip(i ? GP_GL_EGL : GP_GL_OSMESA);
         struct gp_program p = {0};
-        assert_int_equal(gp_program_from_text(&said_log, gl, "", &good_vert,
+        assert_int_equal(gp_program_from_text(&kept_log, gl, "", &good_vert,
                                               &bad, &p), GP_ERR_GL);
-        assert_said("bad.frag");
-        assert_said("nothing");
+        assert_kept("bad.frag");
+        assert_kept("nothing");
         if (strstr(gp_gl_info(gl)->name, "llvmpipe"))
-            assert_said("0:4"); // line 4 of the file, not of what is before
-        assert_int_equal(gp_program_from_text(&said_log, gl, "", &good_vert,
+            assert_kept("0:4"); // line 4 of the file, not of what is before
+        assert_int_equal(gp_program_from_text(&kept_log, gl, "", &good_vert,
                                               &unlinked, &p), GP_ERR_GL);
-        assert_said("absent");
+        assert_kept("absent");
         for (int k = 0; k < 2; k++) { // files that this build has not
             assert_int_equal(
-                gp_program_make(&said_log, gl, "", k ? "no.vert" : "add.vert",
+                gp_program_make(&kept_log, gl, "", k ? "no.vert" : "add.vert",
                                 k ? "add.frag" : "no.frag", &p), GP_ERR_BUG);
-            assert_said(k ? "no.vert" : "no.frag");
+            assert_kept(k ? "no.vert" : "no.frag");
         }
         assert_int_equal(p.id, 0);
-        assert_ok(gp_gl_check(&said_log, gl, "test"));
+        assert_ok(gp_gl_check(&kept_log, gl, "test"));
         gp_gl_close(&gl);
     }
 }
@@ -343,16 +337,16 @@ static void open_stage(const char *defines, const char *vert, const char *frag,
     const struct gp_shader_file v = {"test.vert", vert};
     const struct gp_shader_file f = {"test.frag", frag};
     gl = open_or_skip(GP_GL_AUTO);
-    if (gp_program_from_text(&said_log, gl, defines, &v, &f, &program) != GP_OK)
-        fail_msg("%s", said_line);
-    assert_ok(gp_target_make(&said_log, gl, "target", GP_TEXEL_FLOAT, n, w, h,
+    if (gp_program_from_text(&kept_log, gl, defines, &v, &f, &program) != GP_OK)
+        fail_msg("%s", kept_line);
+    assert_ok(gp_target_make(&kept_log, gl, "target", GP_TEXEL_FLOAT, n, w, h,
                              &target));
     assert_int_equal(target.n, n);
 }
 
 static void close_stage(void)
 {
-    assert_ok(gp_gl_check(&said_log, gl, "test"));
+    assert_ok(gp_gl_check(&kept_log, gl, "test"));
     gp_target_free(gl, &target);
     assert_int_equal(target.n, 0);
     gp_program_free(gl, &program);
@@ -366,7 +360,7 @@ static gp_status draw_once(const struct gp_uniform *uniform, bool replace)
         .program = &program, .target = &target, .cut = {0, 0, 999, 999},
         .uniform = uniform, .vertices = 3, .instances = 1, .replace = replace,
     };
-    return gp_draw_run(&said_log, gl, &draw);
+    return gp_draw_run(&kept_log, gl, &draw);
 }
 
 static const char eight[] = "uniform float first;\n"
@@ -436,11 +430,11 @@ static void uniforms_arrive(void **state)
     float got[12];
     open_stage("#define VALUE 13.0\n", good_vert.text, frag, 3, 1, 1);
     assert_ok(
-        gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
+        gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &sharp));
     assert_ok(
-        gp_texture_make(&said_log, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
-    assert_ok(gp_buffer_make(&said_log, gl, "c", GP_BUFFER_TEXELS, 3, &list));
-    assert_ok(gp_buffer_make(&said_log, gl, "d", GP_BUFFER_BLOCK, 2, &block));
+        gp_texture_make(&kept_log, gl, "b", GP_TEXEL_LINEAR, 2, 2, &smooth));
+    assert_ok(gp_buffer_make(&kept_log, gl, "c", GP_BUFFER_TEXELS, 3, &list));
+    assert_ok(gp_buffer_make(&kept_log, gl, "d", GP_BUFFER_BLOCK, 2, &block));
     gp_texture_write(gl, &sharp, square, texels);
     float rows[16] = {0};
     rows[8] = rows[12] = 12.0f; // 3/4 down is the lower texels' centre
@@ -465,7 +459,7 @@ static void uniforms_arrive(void **state)
     const struct gp_uniform absent[] = {{.name = "Absent", .block = &block},
                                         {0}};
     assert_int_equal(draw_once(absent, false), GP_ERR_BUG);
-    assert_said("Absent");
+    assert_kept("Absent");
     gp_texture_free(gl, &sharp);
     gp_texture_free(gl, &smooth);
     gp_buffer_free(gl, &list);
@@ -489,7 +483,7 @@ static void linear_textures_mix(void **state)
     struct gp_texture t = {0};
     float px[4];
     open_stage("", good_vert.text, frag, 1, 1, 1);
-    assert_ok(gp_texture_make(&said_log, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
+    assert_ok(gp_texture_make(&kept_log, gl, "t", GP_TEXEL_LINEAR, 2, 2, &t));
     gp_texture_write(gl, &t, (struct gp_rect) {0, 0, 2, 2}, texels);
     for (size_t i = 0; i < COUNT(rows); i++) {
         const struct gp_uniform u[] = {
@@ -539,7 +533,7 @@ static void points_are_squares(void **state)
             .view = {-more, -more, 8 + more, 8 + more}, .uniform = u,
             .vertices = 1, .instances = 1, .points = true};
         gp_target_clear(gl, &target, all);
-        assert_ok(gp_draw_run(&said_log, gl, &draw));
+        assert_ok(gp_draw_run(&kept_log, gl, &draw));
         gp_target_read(gl, &target, 0, all, px);
         for (int k = 0; k < 64; k++)
             found += px[4 * k] == 1.0f;
@@ -568,7 +562,7 @@ static void lists_wait_for_draws(void **state)
         const struct gp_uniform u[] = {{.name = "list", .texels = &list}, {0}};
         if (d % 2 == 0) {
             gp_buffer_free(gl, &list);
-            assert_ok(gp_buffer_make(&said_log, gl, "l", GP_BUFFER_TEXELS, 64,
+            assert_ok(gp_buffer_make(&kept_log, gl, "l", GP_BUFFER_TEXELS, 64,
                                      &list));
         }
         for (int i = 0; i < 4 * 64; i++)

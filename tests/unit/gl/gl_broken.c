@@ -9,20 +9,20 @@
 #include <limits.h>
 #include <unistd.h>
 
-static void assert_said(const char *row, const char *part)
+static void assert_line(const char *row, const char *part)
 {
-    if (said_errors != 1 || !strstr(said_line, part))
-        fail_msg("%s: %d lines; \"%s\" is not in \"%s\"", row, said_errors,
-                 part, said_line);
-    said_nothing();
+    if (kept_errors != 1 || !strstr(kept_line, part))
+        fail_msg("%s: %d lines; \"%s\" is not in \"%s\"", row, kept_errors,
+                 part, kept_line);
+    kept_clear();
 }
 
 /* Opens `api`; a context is closed again. */
 static gp_status try_open(enum gp_gl_api api)
 {
     struct gp_gl *gl = NULL;
-    said_nothing();
-    const gp_status st = gp_gl_open(&said_log, api, &gl);
+    kept_clear();
+    const gp_status st = gp_gl_open(&kept_log, api, &gl);
     assert_true((st == GP_OK) == (gl != NULL));
     gp_gl_close(&gl);
     return st;
@@ -42,7 +42,7 @@ static void use_broken(enum gp_gl_api api, const char *env, const char *file)
     strcpy(slash + 1, file);
     setenv(env, path, 1);
     if (try_open(api) != GP_OK) {
-        print_message("%s\n", said_line);
+        print_message("%s\n", kept_line);
         unsetenv(env);
         skip_for("no GL");
     }
@@ -65,7 +65,7 @@ static void refuse(enum gp_gl_api api, const char *variable,
             assert_int_equal(st, GP_ERR_GL);
             // Mesa's older contexts are of a version that may be enough, or not
             assert_true(rows[i].said || strcmp(rows[i].what, "core") == 0);
-            assert_said(rows[i].what,
+            assert_line(rows[i].what,
                         rows[i].said ? rows[i].said : "needs OpenGL 4.5");
         }
         unsetenv(variable);
@@ -99,7 +99,7 @@ static void missing_functions_are_named(void **state)
         snprintf(said, sizeof said, "%s is missing", names[i]);
         setenv("BROKEN_GL_MISSING", names[i], 1);
         assert_int_equal(try_open(GP_GL_OSMESA), GP_ERR_GL);
-        assert_said(names[i], said);
+        assert_line(names[i], said);
     }
     unsetenv("BROKEN_GL_MISSING");
     unsetenv("GLAREPP_OSMESA");
@@ -156,13 +156,13 @@ static void flags_have_names(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         flag = rows[i].flag;
         times = INT_MAX; // a lost context answers for ever
-        assert_int_equal(gp_gl_check(&said_log, gl, "looking"), GP_ERR_GL);
-        assert_said(rows[i].name, rows[i].name);
+        assert_int_equal(gp_gl_check(&kept_log, gl, "looking"), GP_ERR_GL);
+        assert_line(rows[i].name, rows[i].name);
         assert_true(times > INT_MAX - 64);
         times = 2; // flags of two calls are cleared at once
-        assert_int_equal(gp_gl_check(&said_log, gl, "looking"), GP_ERR_GL);
-        assert_said(rows[i].name, "while looking");
-        assert_ok(gp_gl_check(&said_log, gl, "looking"));
+        assert_int_equal(gp_gl_check(&kept_log, gl, "looking"), GP_ERR_GL);
+        assert_line(rows[i].name, "while looking");
+        assert_ok(gp_gl_check(&kept_log, gl, "looking"));
     }
     gl->f.GetError = real;
     gp_gl_close(&gl);
@@ -183,12 +183,12 @@ static void objects_are_refused(void **state)
         assert_int_equal(call, want);                                         \
         assert_int_equal(fail_end(), broken);                                 \
         if (broken)                                                           \
-            assert_said(#call, "GL_OUT_OF_MEMORY")
-        MAKES(gp_texture_make(&said_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
-        MAKES(gp_target_make(&said_log, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
-        MAKES(gp_buffer_make(&said_log, gl, "c", GP_BUFFER_TEXELS, 2, &l));
-        MAKES(gp_buffer_make(&said_log, gl, "d", GP_BUFFER_BLOCK, 1, &b));
-        MAKES(gp_program_make(&said_log, gl, "", "add.vert", "add.frag", &p));
+            assert_line(#call, "GL_OUT_OF_MEMORY")
+        MAKES(gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, 2, 2, &t));
+        MAKES(gp_target_make(&kept_log, gl, "b", GP_TEXEL_FLOAT, 1, 2, 2, &g));
+        MAKES(gp_buffer_make(&kept_log, gl, "c", GP_BUFFER_TEXELS, 2, &l));
+        MAKES(gp_buffer_make(&kept_log, gl, "d", GP_BUFFER_BLOCK, 1, &b));
+        MAKES(gp_program_make(&kept_log, gl, "", "add.vert", "add.frag", &p));
 #undef MAKES
         assert_true((t.id && g.framebuffer && l.id && l.texture && b.id &&
                      p.id) == !broken);
@@ -210,22 +210,22 @@ static void targets_are_refused(void **state)
         gl->f.CheckNamedFramebufferStatus;
     struct gp_target t = {0};
     gl->f.CheckNamedFramebufferStatus = broken_framebuffer;
-    assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 1,
+    assert_int_equal(gp_target_make(&kept_log, gl, "layer", GP_TEXEL_FLOAT, 1,
         2, 2, &t), GP_ERR_GL);
-    assert_said("unsupported", "framebuffer status 0x8cdd");
+    assert_line("unsupported", "framebuffer status 0x8cdd");
     gl->f.CheckNamedFramebufferStatus = check;
     // a byte target that memory cannot hold
     fail_at(FAIL_GL, 1);
-    assert_int_equal(gp_target_make(&said_log, gl, "layer", GP_TEXEL_BYTE, 1, 2,
+    assert_int_equal(gp_target_make(&kept_log, gl, "layer", GP_TEXEL_BYTE, 1, 2,
         2, &t), GP_ERR_GL);
-    assert_said("byte", "GL_OUT_OF_MEMORY");
+    assert_line("byte", "GL_OUT_OF_MEMORY");
     assert_true(fail_end());
     assert_int_equal(t.framebuffer, 0);
     assert_ok(
-        gp_target_make(&said_log, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t));
+        gp_target_make(&kept_log, gl, "layer", GP_TEXEL_FLOAT, 4, 2, 2, &t));
     const struct gp_rect nothing = {5, 5, 9, 9}; // outside: nothing to do
     gp_target_clear(gl, &t, nothing);
-    assert_ok(gp_gl_check(&said_log, gl, "clearing"));
+    assert_ok(gp_gl_check(&kept_log, gl, "clearing"));
     gp_target_free(gl, &t);
     gp_gl_close(&gl);
 }

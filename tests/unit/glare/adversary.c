@@ -108,8 +108,7 @@ static double group_ratio(const struct gp_splat_params *p, struct scene *s)
     assert_ok(gp_shrink_make(NULL, &s->k, p, &q, &shrink));
     assert_ok(gp_group_bound(NULL, &s->src, &s->k, p, &q, &shrink, 4.0,
                              &cache, &bound));
-    assert_ok(gp_group_reference(NULL, &s->src, &s->k, p, &q, &shrink,
-                                 layer));
+    assert_ok(gp_group_reference(NULL, &s->src, &s->k, p, &q, &shrink, layer));
     for (size_t i = 0; i < n; i++)
         layer[i] -= s->exact[i];
     const double wrong = norm_of(layer, n);

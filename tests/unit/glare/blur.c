@@ -436,9 +436,8 @@ static void no_light_no_line(void **state)
     scene_free(&s);
 }
 
-SUITE_OF(blur, NULL, NULL,
-    blurs_are_box_means, nothing_left_is_an_empty_blur,
-    no_memory_leaves_nothing, what_is_left_out_is_allowed,
-    reach_falls_with_the_share, no_light_draws_all,
-    single_sensors_have_the_kernels_box, all_that_are_drawn_have_one,
-    no_light_no_line)
+SUITE_OF(blur, NULL, NULL, blurs_are_box_means, nothing_left_is_an_empty_blur,
+         no_memory_leaves_nothing, what_is_left_out_is_allowed,
+         reach_falls_with_the_share, no_light_draws_all,
+         single_sensors_have_the_kernels_box, all_that_are_drawn_have_one,
+         no_light_no_line)

@@ -186,8 +186,7 @@ static void dim_takes_its_share(void **state)
     }
 }
 
-SUITE_OF(compose, NULL, NULL,
-    mixes_are_their_formulas, no_layer_means_no_light,
-    a_huge_source_leaves_nothing_behind, scatter_conserves_energy,
-    planes_are_made_once, sources_of_another_frame_are_refused,
-    dim_takes_its_share)
+SUITE_OF(compose, NULL, NULL, mixes_are_their_formulas, no_layer_means_no_light,
+         a_huge_source_leaves_nothing_behind, scatter_conserves_energy,
+         planes_are_made_once, sources_of_another_frame_are_refused,
+         dim_takes_its_share)

@@ -306,7 +306,6 @@ static void the_form_goes_with_the_light(void **state)
     }
 }
 
-SUITE_OF(direct, ask_quick, NULL,
-    taps_are_the_kernel, parts_add_up, work_is_counted,
-    equal_sources_do_not_drift, quads_hold_the_light, quads_sum_like_sources,
-    the_form_goes_with_the_light)
+SUITE_OF(direct, ask_quick, NULL, taps_are_the_kernel, parts_add_up,
+         work_is_counted, equal_sources_do_not_drift, quads_hold_the_light,
+         quads_sum_like_sources, the_form_goes_with_the_light)

@@ -273,7 +273,7 @@ static gp_status run_measured(struct scene *s, const char *wisdom)
     p.gain = 1e-30f; // all through the transform
     p.fft_plan = GP_FFT_PLAN_MEASURE;
     p.wisdom = wisdom;
-    const gp_status st = gp_glare_run(&said_log, &p, &g, &s->src, &s->k,
+    const gp_status st = gp_glare_run(&kept_log, &p, &g, &s->src, &s->k,
                                       &s->f, &stats);
     gp_glare_close(&g);
     return st;

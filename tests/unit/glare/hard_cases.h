@@ -31,13 +31,13 @@ static inline int ran(const char *engine, struct scene *s, struct gp_glare *g,
     if (is_gl && (quick || no_gl))
         return 0;
     const gp_status st = scene_run(engine, s, g, stats);
-    if (is_gl && st == GP_ERR_GL && strstr(said_line, "install the Debian")) {
-        print_message("splat is left out: %s\n", said_line);
+    if (is_gl && st == GP_ERR_GL && strstr(kept_line, "install the Debian")) {
+        print_message("splat is left out: %s\n", kept_line);
         no_gl = 1;
         return 0;
     }
     if (st)
-        fail_msg("%s, %s: %s", what, engine, said_line);
+        fail_msg("%s, %s: %s", what, engine, kept_line);
     return 1;
 }
 

@@ -372,9 +372,8 @@ static void eye_is_the_papers(void **state)
     }
 }
 
-SUITE_OF(kernel_builtin, NULL, NULL,
-    are_light, are_made_in_the_frames_primaries, end_softly,
-    have_their_colours, follow_their_formulas,
-    eye_is_integrated, eye_is_not_sampled, eye_is_symmetric_to_the_bit,
-    eye_falls_on_every_side, eye_keeps_all_light_of_its_square,
-    eye_is_the_papers)
+SUITE_OF(kernel_builtin, NULL, NULL, are_light,
+         are_made_in_the_frames_primaries, end_softly, have_their_colours,
+         follow_their_formulas, eye_is_integrated, eye_is_not_sampled,
+         eye_is_symmetric_to_the_bit, eye_falls_on_every_side,
+         eye_keeps_all_light_of_its_square, eye_is_the_papers)

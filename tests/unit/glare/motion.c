@@ -73,10 +73,10 @@ static bool draw_engine(const struct technique *t, struct scene *s,
     p.engine = t->engine;
     p.splat = t->splat;
     const gp_status st =
-        gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, &stats);
+        gp_glare_run(&kept_log, &p, g, &s->src, &s->k, &s->f, &stats);
     if (st == GP_ERR_GL)
         return false;
-    assert_int_equal(st, GP_OK);
+    assert_ok(st);
     for (size_t i = 0; i < 3 * pixels; i++)
         layer[i] = (double) s->f.layer.c[i / pixels][i % pixels];
     return true;

@@ -294,11 +294,11 @@ static void draw_by_splat(void *ctx, float *out)
     params.splat = *(const struct gp_splat_params *) p->pair->how;
     scene_clear_layer(&p->s);
     const struct gp_glare_job job = {
-        .log = &said_log, .params = &params, .src = &p->s.src,
+        .log = &kept_log, .params = &params, .src = &p->s.src,
         .kernel = &p->s.k, .layer = &p->s.f.layer, .stats = &stats,
     };
     if (gp_engine_splat.run(&job, &splat_state))
-        fail_msg("%s: %s", p->pair->name, said_line);
+        fail_msg("%s: %s", p->pair->name, kept_line);
     copy_layer(&p->s.f, out);
 }
 
@@ -458,9 +458,9 @@ SUITE(pairs)
     const bool only_time = argc > 1 && strcmp(argv[1], "--time") == 0;
     const char *const name = argc > 2 ? argv[2] : "";
     no_context = gp_splat_make(NULL, &splat_state) ||
-                 gp_splat_open(&said_log, splat_state, GP_GL_AUTO);
+                 gp_splat_open(&kept_log, splat_state, GP_GL_AUTO);
     if (no_context)
-        printf("no context: %s\n", said_line);
+        printf("no context: %s\n", kept_line);
     for (size_t i = 0; i < COUNT(pairs); i++) {
         const struct pair *const p = &pairs[i];
         if ((only_time || getenv("GLAREPP_TIME")) && !(p->gl && no_context) &&

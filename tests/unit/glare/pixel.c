@@ -175,6 +175,5 @@ static void auto_keeps_the_tolerance_of_a_pixel(void **state)
     scene_free(&s);
 }
 
-SUITE_OF(pixel, NULL, NULL,
-    no_light_where_no_light_reaches, no_pixel_is_over_its_bound,
-    auto_keeps_the_tolerance_of_a_pixel)
+SUITE_OF(pixel, NULL, NULL, no_light_where_no_light_reaches,
+         no_pixel_is_over_its_bound, auto_keeps_the_tolerance_of_a_pixel)

@@ -95,7 +95,7 @@ static void check_form(int row, struct drawn *d, enum gp_primitive primitive,
 {
     how.primitive = primitive;
     if (splat(GP_GL_AUTO, &d->s, state) != GP_OK)
-        fail_msg("row %d, primitive %d: %s", row, primitive, said_line);
+        fail_msg("row %d, primitive %d: %s", row, primitive, kept_line);
     const double error = splat_error(&d->s);
     struct scene plain = d->s;
     plain.exact = d->want;

@@ -137,7 +137,7 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     params.cluster_fill = p->fill;
     params.method = GP_GROUP_MOMENTS;
     struct gp_polygons want;
-    assert_ok(gp_polygons_make(&said_log, &src, &params, &want));
+    assert_ok(gp_polygons_make(&kept_log, &src, &params, &want));
 
     const struct gp_rect frame = {0, 0, p->w, p->h};
     const int span = p->cluster ? p->cluster : p->group;
@@ -145,14 +145,14 @@ static void run_pass(const struct pass *p, struct gp_splat *s)
     const struct gp_cells fine = {p->group, coarse.x, coarse.y,
                                   coarse.w * (span / p->group),
                                   coarse.h * (span / p->group)};
-    assert_ok(gp_splat_upload(&said_log, s, &src, frame));
+    assert_ok(gp_splat_upload(&kept_log, s, &src, frame));
     struct cells clusters = {0};
     if (p->cluster) {
-        assert_ok(gp_splat_group(&said_log, s, frame, &coarse, ~0u, p->fill,
+        assert_ok(gp_splat_group(&kept_log, s, frame, &coarse, ~0u, p->fill,
                                  NULL, 0, &s->clusters));
         clusters = read_cells(s, coarse, &s->clusters);
     }
-    assert_ok(gp_splat_group(&said_log, s, frame, &fine, ~0u, 0.0f,
+    assert_ok(gp_splat_group(&kept_log, s, frame, &fine, ~0u, 0.0f,
         p->cluster ? &s->clusters : NULL, p->cluster, &s->groups));
     struct cells groups = read_cells(s, fine, &s->groups);
     assert_int_equal(count_open(&clusters), want.clusters);
@@ -177,5 +177,4 @@ static void passes_equal_the_cpu(void **state)
     gp_engine_splat.close(&kept);
 }
 
-SUITE_OF(splat_group, NULL, NULL,
-    passes_equal_the_cpu)
+SUITE_OF(splat_group, NULL, NULL, passes_equal_the_cpu)

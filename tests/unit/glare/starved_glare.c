@@ -49,7 +49,7 @@ static gp_status run_with(const struct gp_kernel *k)
     p.splat = row->splat;
     p.tolerance = row->tolerance;
     gp_planes_free(&scene.f.layer);
-    const gp_status st = gp_glare_run(&said_log, &p, &glare, &scene.src, k,
+    const gp_status st = gp_glare_run(&kept_log, &p, &glare, &scene.src, k,
                                       &scene.f, &stats);
     hash = st ? 0 : scene_hash(&scene);
     return st;
@@ -66,7 +66,7 @@ static void forget(void)
 {
     fail_end();
     if (run_with(&other) != GP_OK)
-        fail_msg("%s: %s", row->name, said_line);
+        fail_msg("%s: %s", row->name, kept_line);
     gp_planes_free(&scene.f.layer);
 }
 
@@ -80,7 +80,7 @@ static gp_status run_bound(void)
     p.splat = row->splat;
     p.tolerance = row->tolerance;
     const struct gp_glare_job job = {
-        .log = &said_log, .params = &p, .src = &scene.src, .kernel = &scene.k,
+        .log = &kept_log, .params = &p, .src = &scene.src, .kernel = &scene.k,
         .layer = &none, .stats = &stats,
     };
     for (int i = 0; gp_engines[i]; i++) {
@@ -121,13 +121,13 @@ static gp_status run_sense(void)
 {
     const struct gp_sensor_params p = WHOLE(0.5f, 0.5f, 1e9f);
     struct gp_sources s = {0};
-    return hash_sources(gp_sense(&said_log, &p, &scene.f, &s), &s);
+    return hash_sources(gp_sense(&kept_log, &p, &scene.f, &s), &s);
 }
 
 static gp_status run_planes(void)
 {
     struct gp_planes p = {0};
-    const gp_status st = gp_sources_planes(&said_log, &scene.src, &p);
+    const gp_status st = gp_sources_planes(&kept_log, &scene.src, &p);
     return hash_planes(st, &p, gp_frame_pixels(&scene.f));
 }
 
@@ -136,7 +136,7 @@ static gp_status run_compose(void)
     const struct gp_compose_params p = GP_COMPOSE_DEFAULTS;
     gp_planes_free(&scene.f.layer);
     gp_planes_free(&scene.f.lit);
-    const gp_status st = gp_compose(&said_log, &p, &scene.src, &scene.f);
+    const gp_status st = gp_compose(&kept_log, &p, &scene.src, &scene.f);
     return hash_planes(st, &scene.f.lit, gp_frame_pixels(&scene.f));
 }
 
@@ -146,7 +146,7 @@ static gp_status run_extra(void)
                                {5, 6, {7, 8, 9}}};
     struct gp_sources s = {0};
     return hash_sources(
-        gp_sources_join(&said_log, &scene.src, extra, 3, &s), &s);
+        gp_sources_join(&kept_log, &scene.src, extra, 3, &s), &s);
 }
 
 static gp_status run_reference(void)
@@ -154,7 +154,7 @@ static gp_status run_reference(void)
     const size_t n = 3 * gp_frame_pixels(&scene.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     memset(layer, 0xff, n * sizeof *layer); // every sample must be written
-    const gp_status st = gp_glare_reference(&said_log, &scene.src, &scene.k,
+    const gp_status st = gp_glare_reference(&kept_log, &scene.src, &scene.k,
                                             layer);
     hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
     free(layer);
@@ -165,11 +165,11 @@ static gp_status run_outline(void)
 {
     struct gp_planes p = {0};
     const size_t n = gp_frame_pixels(&scene.f);
-    if (gp_planes_make(&said_log, "picture", n, &p))
+    if (gp_planes_make(&kept_log, "picture", n, &p))
         return GP_ERR_BUG;
     for (int c = 0; c < 3; c++)
         memset(p.c[c], 0, n * sizeof(float));
-    return hash_planes(gp_polygons_outline(&said_log, &scene.src, &scene.k,
+    return hash_planes(gp_polygons_outline(&kept_log, &scene.src, &scene.k,
                                            &row->splat, &p), &p, n);
 }
 
@@ -180,12 +180,12 @@ static gp_status run_group_reference(void)
     const size_t n = 3 * gp_frame_pixels(&scene.f);
     double *const layer = scene_alloc(n, sizeof *layer);
     gp_status st =
-        gp_polygons_make(&said_log, &scene.src, &row->splat, &polygons);
+        gp_polygons_make(&kept_log, &scene.src, &row->splat, &polygons);
     if (!st)
-        st = gp_shrink_make(&said_log, &scene.k, &row->splat, &polygons,
+        st = gp_shrink_make(&kept_log, &scene.k, &row->splat, &polygons,
                             &shrink);
     if (!st)
-        st = gp_group_reference(&said_log, &scene.src, &scene.k, &row->splat,
+        st = gp_group_reference(&kept_log, &scene.src, &scene.k, &row->splat,
                                 &polygons, &shrink, layer);
     hash = st ? 0 : hash_more(HASH_NONE, layer, n * sizeof *layer);
     gp_polygons_free(&polygons);
@@ -214,7 +214,7 @@ static gp_status run_builtins(void)
             p.source = b->name;
             p.builtin_size = size;
             p.rotate = angles[i];
-            const gp_status st = gp_kernel_builtin(&said_log, &p, &k);
+            const gp_status st = gp_kernel_builtin(&kept_log, &p, &k);
             if (hash_kernel(st, &k))
                 return st;
             all = hash_more(all, &hash, sizeof hash);
@@ -230,7 +230,7 @@ static gp_status run_from_frame(void)
     struct gp_frame image = {.data = {0, 0, size, 2 * size}};
     struct gp_kernel k = {0};
     memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
-    if (gp_planes_make(&said_log, "kernel", gp_frame_pixels(&image),
+    if (gp_planes_make(&kept_log, "kernel", gp_frame_pixels(&image),
                        &image.rgb))
         return GP_ERR_BUG;
     for (int c = 0; c < 3; c++) {
@@ -238,7 +238,7 @@ static gp_status run_from_frame(void)
             image.rgb.c[c][i] = i < size ? 0.0f : (float) (i + c); // a border
     }
     p.rotate = 12.0f;
-    const gp_status st = gp_kernel_from_frame(&said_log, &p, &image, &k);
+    const gp_status st = gp_kernel_from_frame(&kept_log, &p, &image, &k);
     gp_planes_free(&image.rgb);
     return hash_kernel(st, &k);
 }
@@ -326,19 +326,19 @@ static bool fail_once(const struct fault *f, long n, uint64_t want)
     const bool engine = row->run == run_engine;
     if (engine)
         forget();
-    said_nothing();
+    kept_clear();
     const long blocks = fail_blocks();
     fail_at(f->class, n);
     const gp_status st = row->run();
     const bool fired = fail_end();
     if (!fired) {
-        assert_int_equal(st, GP_OK);
+        assert_ok(st);
         assert_true(hash == want);
         return false;
     }
-    if (st != f->status || said_errors != 1 || !strstr(said_line, f->said))
+    if (st != f->status || kept_errors != 1 || !strstr(kept_line, f->said))
         fail_msg("%s, %ld: status %d, %d lines, \"%s\"", row->name, n,
-                 (int) st, said_errors, said_line);
+                 (int) st, kept_errors, kept_line);
     if (!engine) {
         assert_int_equal(fail_blocks(), blocks);
         return true;
@@ -402,11 +402,11 @@ static void faults_leave_nothing(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         begin(&rows[i], 1);
         const long blocks = fail_blocks();
-        said_nothing();
+        kept_clear();
         fail_end();
         const gp_status st = row->run();
         if (st == GP_ERR_GL && is_drawn(row)) {
-            print_message("%s: no context: %s\n", row->name, said_line);
+            print_message("%s: no context: %s\n", row->name, kept_line);
         } else {
             assert_ok(st);
             const uint64_t want = hash;

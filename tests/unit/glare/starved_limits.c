@@ -27,19 +27,19 @@ static void fftw_is_missing(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         fail_always.library = rows[i].library;
         fail_always.symbol = rows[i].symbol;
-        said_nothing();
-        assert_int_equal(gp_fft_plan_make(&said_log, 64, GP_FFT_PLAN_ESTIMATE,
+        kept_clear();
+        assert_int_equal(gp_fft_plan_make(&kept_log, 64, GP_FFT_PLAN_ESTIMATE,
                                           NULL, &pair), GP_ERR_IO);
-        assert_int_equal(said_errors, 1);
+        assert_int_equal(kept_errors, 1);
         assert_null(pair.forward);
     }
     const struct gp_fftwd *twice;
     fail_always.symbol = NULL;
     fail_always.library = "libfftw3.so.3";
-    assert_int_equal(gp_fftwd_open(&said_log, &twice), GP_ERR_IO);
+    assert_int_equal(gp_fftwd_open(&kept_log, &twice), GP_ERR_IO);
     fail_always.library = NULL;
-    assert_ok(gp_fftwf_open(&said_log, &lib));
-    assert_ok(gp_fftwd_open(&said_log, &twice));
+    assert_ok(gp_fftwf_open(&kept_log, &lib));
+    assert_ok(gp_fftwd_open(&kept_log, &twice));
 }
 
 static int plans;   // made since
@@ -85,14 +85,14 @@ static void fftw_makes_no_plan(void **state)
             struct gp_glare g = {0};
             struct gp_glare_stats stats;
             plans = 0;
-            said_nothing();
+            kept_clear();
             const gp_status st =
-                of_reference ? gp_glare_reference(&said_log, &s.src, &s.k,
+                of_reference ? gp_glare_reference(&kept_log, &s.src, &s.k,
                                                   layer)
                              : scene_run("fft", &s, &g, &stats);
             assert_int_equal(st, plans >= refused ? GP_ERR_BUG : GP_OK);
             assert_true((st != GP_OK) ==
-                        (strstr(said_line, "no plan for length") != NULL));
+                        (strstr(kept_line, "no plan for length") != NULL));
             assert_true(refused > 1 || st != GP_OK);
             gp_glare_close(&g);
         }
@@ -116,7 +116,7 @@ static void wisdom_is_not_kept(void **state)
     const char *const names[] = {longest, folder, "/nonexistent/wisdom"};
     for (int i = 0; i < 3; i++) {
         assert_ok(
-            gp_fft_plan_make(&said_log, 16, GP_FFT_PLAN_MEASURE, names[i], &p));
+            gp_fft_plan_make(&kept_log, 16, GP_FFT_PLAN_MEASURE, names[i], &p));
         assert_true(p.forward && p.backward);
         gp_fft_plan_free(&p);
         gp_fft_plan_free(&p);
@@ -139,7 +139,7 @@ static void kernels_that_reach_nothing(void **state)
         for (int k = 0; k < 3 * 200; k++)
             assert_true(s.f.layer.c[k % 3][k / 3] == 0.0f);
         const struct gp_glare_job job = {
-            .log = &said_log, .params = &p, .src = &s.src, .kernel = &s.k,
+            .log = &kept_log, .params = &p, .src = &s.src, .kernel = &s.k,
             .layer = &s.f.layer, .stats = &stats,
         };
         double bound = NAN;
@@ -150,7 +150,7 @@ static void kernels_that_reach_nothing(void **state)
         gp_engines[i]->close(&kept);
     }
     assert_int_equal(scene_run("none", &s, &g, &stats), GP_ERR_USAGE);
-    assert_non_null(strstr(said_line, "no engine of this name"));
+    assert_kept("no engine of this name");
     gp_glare_close(&g);
     scene_free(&s);
 }
@@ -194,12 +194,12 @@ static void patience_is_asked_for(void **state)
     for (int named = 0; named < 2; named++) {
         s.f.path = named ? name : NULL;
         fail_at(FAIL_ALLOC, 1);
-        assert_int_equal(gp_glare_run(&said_log, &p, &g, &s.src, &s.k, &s.f,
+        assert_int_equal(gp_glare_run(&kept_log, &p, &g, &s.src, &s.k, &s.f,
                                       &stats), GP_ERR_BUG);
         fail_end();
-        assert_non_null(strstr(said_warning, "direct will take about"));
-        assert_non_null(strstr(said_warning, "--engine fft"));
-        assert_true(strncmp(said_warning, named ? "lamp.exr: " : "frame: ",
+        assert_non_null(strstr(kept_warning, "direct will take about"));
+        assert_non_null(strstr(kept_warning, "--engine fft"));
+        assert_true(strncmp(kept_warning, named ? "lamp.exr: " : "frame: ",
                             named ? 10 : 7) == 0);
     }
     s.f.path = NULL;
@@ -219,7 +219,7 @@ static gp_status draw_points(struct scene *s, struct gp_glare *g,
         .group = 8, .cluster_fill = 0.9f, .method = GP_GROUP_MOMENTS,
         .primitive = form,
     };
-    return gp_glare_run(&said_log, &p, g, &s->src, &s->k, &s->f, &stats);
+    return gp_glare_run(&kept_log, &p, g, &s->src, &s->k, &s->f, &stats);
 }
 
 static void limits_are_named(void **state)
@@ -227,7 +227,7 @@ static void limits_are_named(void **state)
     struct scene s = make_scene(FEW, 40, 30, 25, MID);
     struct gp_glare g = {0};
     struct gp_splat *splat = NULL;
-    said_nothing();
+    kept_clear();
     if (draw_points(&s, &g, GP_PRIMITIVE_POINT) == GP_ERR_GL) {
         scene_free(&s);
         skip_for("no GL");
@@ -241,19 +241,18 @@ static void limits_are_named(void **state)
     const int size = splat->gl->info.max_size;
     splat->gl->info.max_point = 7.0f;
     assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_POINT), GP_ERR_GL);
-    assert_non_null(strstr(said_line, "(the limit is 7)"));
+    assert_kept("(the limit is 7)");
     splat->gl->info.max_point = point;
     splat->gl->info.max_size = 4; // less than a group
     assert_int_equal(draw_points(&s, &g, GP_PRIMITIVE_QUAD), GP_ERR_GL);
-    assert_non_null(strstr(said_line, "4 pixels are the limit"));
-    assert_int_equal(said_errors, 2);
+    assert_kept("4 pixels are the limit");
+    assert_int_equal(kept_errors, 2);
     splat->gl->info.max_size = size;
     assert_ok(draw_points(&s, &g, GP_PRIMITIVE_QUAD));
     gp_glare_close(&g);
     scene_free(&s);
 }
 
-SUITE_OF(starved_limits, NULL, NULL,
-    fftw_is_missing, fftw_makes_no_plan, wisdom_is_not_kept,
-    kernels_that_reach_nothing, cpus_agree, patience_is_asked_for,
-    limits_are_named)
+SUITE_OF(starved_limits, NULL, NULL, fftw_is_missing, fftw_makes_no_plan,
+         wisdom_is_not_kept, kernels_that_reach_nothing, cpus_agree,
+         patience_is_asked_for, limits_are_named)

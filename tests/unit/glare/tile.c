@@ -69,7 +69,7 @@ static gp_status draw(struct gp_splat *to, struct gathered *g,
                       struct gp_tiles **tiles, double *roundings)
 {
     scene_clear_layer(&g->s);
-    return gp_tiles_draw(&said_log, to->gl, &g->s.k, g->crop, g->tail,
+    return gp_tiles_draw(&kept_log, to->gl, &g->s.k, g->crop, g->tail,
         &g->polygons, &g->shrink, gp_frame_w(&g->s.f), gp_frame_h(&g->s.f),
         &g->s.f.layer, tiles, roundings);
 }
@@ -186,7 +186,7 @@ static void run_row(struct gp_splat *to, const struct row *r, int row)
     struct gathered g = gather(r, 2007u + (uint32_t) row);
     double roundings;
     if (draw(to, &g, &to->tiles, &roundings) != GP_OK)
-        fail_msg("row %d: %s", row, said_line);
+        fail_msg("row %d: %s", row, kept_line);
     assert_true(roundings <= gp_tiles_roundings(&g.polygons));
     for (int c = 0; c < 3; c++)
         check_channel(&g, c, roundings, row);
@@ -203,7 +203,7 @@ static void rows_equal_the_sum(enum gp_gl_api api)
     gp_tiles_free(s->gl, &s->tiles);
     assert_null(s->tiles);
     gp_tiles_free(s->gl, &s->tiles);
-    assert_ok(gp_gl_check(&said_log, s->gl, "test"));
+    assert_ok(gp_gl_check(&kept_log, s->gl, "test"));
     gp_engine_splat.close(&state);
 }
 
@@ -250,7 +250,7 @@ static void over_the_limit_fails_with_words(void **state)
     double roundings;
     struct gathered g = gather(&large, 5u);
     assert_int_equal(draw(to, &g, &to->tiles, &roundings), GP_ERR_GL);
-    assert_non_null(strstr(said_line, "kernel: 17x9"));
+    assert_kept("kernel: 17x9");
     free_gathered(&g);
     run_row(to, &fits, 0); // the state is whole
     gp_engine_splat.close(&kept);
@@ -276,7 +276,7 @@ static void batches_are_large(void **state)
         struct gathered g = gather(&sizes[i], 5u);
         struct gp_tile_pieces p;
         size_t next = 0, batches = 0;
-        assert_ok(gp_tile_pieces_make(&said_log, &g.s.k, g.crop, &g.polygons,
+        assert_ok(gp_tile_pieces_make(&kept_log, &g.s.k, g.crop, &g.polygons,
                                       &g.shrink, sizes[i].w, sizes[i].h, &p));
         batch.field = g.s.f.data;
         batch.side = gp_tile_side(&p, 1, batch.field);

@@ -53,7 +53,7 @@ static struct gp_exr_header make_header(struct gp_attribute *attribute,
     f.attributes = attribute != NULL;
     gp_exr_header_start(&h, flags);
     gp_exr_header_part(&h, &f, &img, raw, kept, NULL, &wf_defaults, 0);
-    assert_ok(gp_exr_header_done(&wf_log, "h.exr", &h));
+    assert_ok(gp_exr_header_done(&kept_all, "h.exr", &h));
     f.attribute = NULL;
     f.attributes = 0;
     gp_frame_free(&f);
@@ -173,8 +173,8 @@ static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
 {
     struct gp_file *file;
     assert_ok(gp_exr_header_done(NULL, path, h));
-    assert_ok(gp_file_open(&wf_log, path, false, &file));
-    assert_ok(gp_exr_out_begin(&wf_log, file, h->bytes, h->size, chunks, parts,
+    assert_ok(gp_file_open(&kept_all, path, false, &file));
+    assert_ok(gp_exr_out_begin(&kept_all, file, h->bytes, h->size, chunks, parts,
                                out));
     gp_exr_header_free(h);
     return file;
@@ -191,7 +191,7 @@ static void chunks_that_nobody_wrote(void **state)
     assert_ok(gp_exr_out_scanlines(&out, 1, 0, 0, "abc", 3));
     assert_ok(gp_exr_out_scanlines(&out, 1, 2, 0, "abc", 3));
     assert_int_equal(gp_exr_out_end(&out), GP_ERR_BUG);
-    wf_assert_said("chunk 1 of part 1");
+    assert_kept("chunk 1 of part 1");
     assert_ok(gp_exr_out_scanlines(&out, 1, 1, 0, "abc", 3));
     assert_ok(gp_exr_out_end(&out));
     gp_exr_out_free(&out);
@@ -352,7 +352,7 @@ static void make_parts(const char *path, const struct gp_frame *f,
 static struct gp_exr_carried header_of(const struct gp_frame *f)
 {
     struct gp_exr_carried raw;
-    assert_ok(gp_exr_carried_read(&wf_log, f->path, gp_input_of(f), &raw));
+    assert_ok(gp_exr_carried_read(&kept_all, f->path, gp_input_of(f), &raw));
     return raw;
 }
 
@@ -438,13 +438,13 @@ static void damaged_parts(void **state)
         char part[16];
         make_parts(wf_path("in.exr"), &made, &row[i]);
         struct gp_frame a;
-        assert_int_equal(gp_read_frame(&wf_log, &params, wf_path("in.exr"),
+        assert_int_equal(gp_read_frame(&kept_all, &params, wf_path("in.exr"),
                                        &a), row[i].cut ? GP_ERR_DATA : GP_OK);
         if (row[i].cut)
             continue;
         assert_int_equal(wf_write_hdr(NULL, "out.exr", &a), GP_ERR_DATA);
         snprintf(part, sizeof part, "part %d", row[i].part);
-        wf_assert_said(part);
+        assert_kept(part);
         assert_int_equal(wf_names(), 1); // in.exr
         // a picture does not need that part
         assert_ok(wf_write(NULL, "out.exr", &a, GP_PICTURE_SCENE));
@@ -530,6 +530,6 @@ static void primaries(void **state)
     gp_frame_free(&f);
 }
 
-SUITE_OF_EACH(exr_hdr, wf_start, wf_end, attributes_of_other_formats,
+SUITE_OF_EACH(exr_hdr, wf_start, remove_folder, attributes_of_other_formats,
               attributes_of_another_exr, linear_flag, chunks_that_nobody_wrote,
               other_parts, damaged_parts, attributes, primaries)

@@ -57,10 +57,10 @@ static void assert_refused_cheaply(const char *name, long long max_pixels)
         if (setrlimit(RLIMIT_AS, &limit))
             _exit(99);
 #endif
-        said_nothing();
+        kept_clear();
         gp_set_threads(1); // a team does not survive fork()
-        gp_status st = gp_read_frame(&said_log, &p, name, &f);
-        _exit(said_errors == 1 ? (int) st : 98);
+        gp_status st = gp_read_frame(&kept_log, &p, name, &f);
+        _exit(kept_errors == 1 ? (int) st : 98);
     }
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -145,12 +145,12 @@ static void display_windows_that_lie(void **state)
         };
         struct gp_frame frame = {0};
         struct gp_plane plane = {0};
-        said_nothing();
+        kept_clear();
         fixture_write_file(path, &f);
-        assert_int_equal(gp_read_frame(&said_log, &p, path, &frame),
+        assert_int_equal(gp_read_frame(&kept_log, &p, path, &frame),
                          row[i].read ? GP_OK : GP_ERR_DATA);
-        assert_int_equal(said_errors, !row[i].read);
-        assert_ok(gp_read_plane_file(&said_log, &p, path, "R", false, &plane));
+        assert_int_equal(kept_errors, !row[i].read);
+        assert_ok(gp_read_plane_file(&kept_log, &p, path, "R", false, &plane));
         gp_plane_free(&plane);
         gp_frame_free(&frame);
     }
@@ -170,11 +170,11 @@ static void assert_read_or_told(uint8_t *bytes, size_t size, size_t at,
         gp_set_threads(threads);
         gp_status st = read_file(path, &frame);
         assert_true(st == GP_OK || st == GP_ERR_DATA);
-        assert_int_equal(said_errors, st != GP_OK);
+        assert_int_equal(kept_errors, st != GP_OK);
         if (threads == 1)
-            memcpy(first, said_line, sizeof first);
+            memcpy(first, kept_line, sizeof first);
         else
-            assert_string_equal(said_line, first);
+            assert_string_equal(kept_line, first);
         gp_frame_free(&frame);
     }
     gp_set_threads(0);

@@ -104,7 +104,7 @@ static void black(void **state)
     assert_ok(wf_write_hdr(&p, "black.exr", &f));
     free(wf_read(wf_path("black.exr"), &size));
     assert_true(size < (size_t) LARGE * LINES * 12 / 800);
-    assert_ok(gp_read_frame(&wf_log, &q, wf_path("black.exr"), &got));
+    assert_ok(gp_read_frame(&kept_all, &q, wf_path("black.exr"), &got));
     assert_true(got.rgb.c[1][LARGE * LINES - 1] == 0.0f);
     free_frames(&f, &got);
 }
@@ -121,9 +121,9 @@ static void one_channel(void **state)
         memcpy(f.rgb.c[k], f.rgb.c[0], gp_frame_pixels(&f) * sizeof(float));
     for (int c = 0; c <= wf_last_compression(); c++) {
         const bool dwa = c >= GP_COMPRESSION_DWAA;
-        wf_line[0] = '\0';
+        kept_clear();
         struct gp_frame b = wf_trip(&f, c, c % 2 ? GP_OUT_HALF : GP_OUT_FLOAT);
-        assert_int_equal(strstr(wf_line, "written as zip") != NULL, dwa);
+        assert_int_equal(strstr(kept_line, "written as zip") != NULL, dwa);
         assert_int_equal(b.channels, 1);
         assert_samples(f.rgb.c[0], b.rgb.c[0], gp_frame_pixels(&f), dwa
             ? GP_COMPRESSION_ZIP : (enum gp_compression) c, b.colour_type, "Y");
@@ -341,9 +341,9 @@ static void dwa_keeps_ids(void **state)
     struct gp_frame f = wf_frame(r, r, wf_all);
     struct gp_frame b = wf_trip(&f, GP_COMPRESSION_DWAA, GP_OUT_AUTO);
     const struct gp_read_params limits = GP_READ_DEFAULTS;
-    assert_ok(gp_read_plane_file(&wf_log, &limits, wf_path("a.exr"), "id",
+    assert_ok(gp_read_plane_file(&kept_all, &limits, wf_path("a.exr"), "id",
                                  false, &ids));
-    assert_ok(gp_read_plane_file(&wf_log, &limits, wf_path("a.exr"), "Z", true,
+    assert_ok(gp_read_plane_file(&kept_all, &limits, wf_path("a.exr"), "Z", true,
                                  &depth));
     const float *const z = gp_frame_channel(&b, "Z")->data;
     const uint32_t *const was = gp_frame_channel(&f, "id")->data;
@@ -429,7 +429,7 @@ static void lossy_ids(void **state)
         if (st != (rows[i].fine ? GP_OK : GP_ERR_USAGE))
             fail_msg("row %zu: %d", i, st);
         if (!rows[i].fine) {
-            wf_assert_said(rows[i].name);
+            assert_kept(rows[i].name);
             assert_int_equal(wf_names(), 0);
         } else {
             assert_int_equal(remove(wf_path("a.exr")), 0);
@@ -438,7 +438,7 @@ static void lossy_ids(void **state)
     }
 }
 
-SUITE_OF_EACH(exr_write, wf_start, wf_end, every_compression, black,
+SUITE_OF_EACH(exr_write, wf_start, remove_folder, every_compression, black,
               one_channel, noise, zip_filter, automatic_type_and_compression, colour_models,
               subsampled_channels, half_overflow_is_counted,
               b44_keeps_what_is_far_below_0_finite, dwa_keeps_ids,

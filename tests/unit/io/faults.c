@@ -91,29 +91,29 @@ static const struct gp_read_params limits = GP_READ_DEFAULTS;
         return st;                                                            \
     }
 READER(read_any, struct gp_frame,
-       gp_read_frame(&said_log, &limits, wf_path(argument), &got), .rgb.c[0],
+       gp_read_frame(&kept_log, &limits, wf_path(argument), &got), .rgb.c[0],
        gp_frame_free(&got))
 READER(read_layer, struct gp_frame,
-       gp_read_layer(&said_log, &limits, &from_parts, argument, &got),
+       gp_read_layer(&kept_log, &limits, &from_parts, argument, &got),
        .rgb.c[0], gp_frame_free(&got))
 READER(read_mask, struct gp_plane,
-       gp_read_plane_file(&said_log, &limits, wf_path(argument), "G", false,
+       gp_read_plane_file(&kept_log, &limits, wf_path(argument), "G", false,
                           &got), .v, gp_plane_free(&got))
 READER(read_depth, struct gp_plane,
-       gp_read_plane_file(&said_log, &limits, wf_path(argument), NULL, true,
+       gp_read_plane_file(&kept_log, &limits, wf_path(argument), NULL, true,
                           &got), .v, gp_plane_free(&got))
 // in another part than the colour, subsampled
 READER(read_coverage, struct gp_plane,
-       gp_read_plane(&said_log, &limits, &from_parts, argument, false, &got),
+       gp_read_plane(&kept_log, &limits, &from_parts, argument, false, &got),
        .v, gp_plane_free(&got))
 
 static gp_status read_every_channel(const char *name)
 {
     struct gp_stored_file file;
-    gp_status st = gp_stored_open(&said_log, &limits, wf_path(name), &file);
+    gp_status st = gp_stored_open(&kept_log, &limits, wf_path(name), &file);
     for (int part = 0; !st && part < file.parts; part++) {
         struct gp_stored_image image = {0};
-        st = gp_stored_read(&said_log, &limits, &file, part, &image);
+        st = gp_stored_read(&kept_log, &limits, &file, part, &image);
         assert_true(!st || !image.channel);
         gp_stored_image_free(&image);
     }
@@ -128,10 +128,10 @@ static gp_status read_members(const char *name)
     const int was = dup(STDIN_FILENO);
     const int in = __real_open(wf_path(name), O_RDONLY);
     assert_true(in >= 0 && dup2(in, STDIN_FILENO) >= 0);
-    gp_status st = gp_members_read(&said_log, &limits, "-", &m);
+    gp_status st = gp_members_read(&kept_log, &limits, "-", &m);
     for (int i = 0; !st && i < 2; i++) {
         struct gp_frame f = {0};
-        st = gp_members_frame(&said_log, &limits, "-", &m, i, &f);
+        st = gp_members_frame(&kept_log, &limits, "-", &m, i, &f);
         gp_frame_free(&f);
     }
     gp_members_free(&m);
@@ -141,23 +141,22 @@ static gp_status read_members(const char *name)
     return st;
 }
 
-READER(frame_list, struct gp_frames,
-       gp_frames_parse(&said_log, argument, &got), .number,
-       gp_frames_free(&got))
-READER(view_list, struct gp_views, gp_views_parse(&said_log, argument, &got),
+READER(frame_list, struct gp_frames, gp_frames_parse(&kept_log, argument, &got),
+       .number, gp_frames_free(&got))
+READER(view_list, struct gp_views, gp_views_parse(&kept_log, argument, &got),
        .name, gp_views_free(&got))
 READER(flare, struct gp_flare,
-       gp_flare_read(&said_log, wf_path(argument), &got), .element,
+       gp_flare_read(&kept_log, wf_path(argument), &got), .element,
        gp_flare_free(&got))
 READER(camera, struct gp_camera_file,
-       gp_camera_read(&said_log, wf_path(argument), &got), .at,
+       gp_camera_read(&kept_log, wf_path(argument), &got), .at,
        gp_camera_file_free(&got))
 
 static gp_status lights(const char *name)
 {
     struct gp_light_spec *list = NULL;
     int n;
-    const gp_status st = gp_lights_read(&said_log, wf_path(name), &list, &n);
+    const gp_status st = gp_lights_read(&kept_log, wf_path(name), &list, &n);
     assert_true(!st || !list);
     gp_free(list);
     return st;
@@ -167,9 +166,9 @@ static gp_status on_disk(const char *name)
 {
     struct gp_pattern p;
     struct gp_frames list = {0};
-    gp_status st = gp_pattern_find(&said_log, wf_path(name), &p);
+    gp_status st = gp_pattern_find(&kept_log, wf_path(name), &p);
     if (!st)
-        st = gp_frames_on_disk(&said_log, &p, NULL, &list);
+        st = gp_frames_on_disk(&kept_log, &p, NULL, &list);
     assert_true(!st || !list.number);
     gp_frames_free(&list);
     return st;
@@ -186,7 +185,7 @@ static gp_status ended(gp_status st, const char *path)
 static gp_status picture(const char *name)
 {
     const char *const to = wf_path(name);
-    return ended(gp_write_picture(&said_log, &wf_defaults, to, &made,
+    return ended(gp_write_picture(&kept_log, &wf_defaults, to, &made,
                                   &made.rgb, GP_PICTURE_SHOWN, &wf_stats), to);
 }
 
@@ -197,7 +196,7 @@ static gp_status hdr_as(const char *name, const struct gp_frame *f,
     const char *const to = wf_path(name);
     const struct gp_hdr_colour set = {f, &f->rgb};
     p.compression = compression;
-    return ended(gp_write_hdr(&said_log, &p, to, &set, 1, &wf_stats), to);
+    return ended(gp_write_hdr(&kept_log, &p, to, &set, 1, &wf_stats), to);
 }
 
 static gp_status hdr(const char *name)
@@ -219,7 +218,7 @@ static gp_status file(const char *name)
     const bool straight = name[0] == '/';
     const char *path = straight ? name : wf_path(name);
     struct gp_file *f = NULL;
-    gp_status st = gp_file_open(&said_log, path, false, &f);
+    gp_status st = gp_file_open(&kept_log, path, false, &f);
     if (st)
         return st;
     for (int i = 0; i < 8; i++)
@@ -252,16 +251,16 @@ struct work {
 static bool one_point(const struct work *w, enum fail_class kind, int n)
 {
     const int files = wf_names();
-    said_nothing();
+    kept_clear();
     fail_at(kind, n);
     const gp_status st = w->run(w->argument);
     const bool fired = fail_end();
     const bool right = st == GP_OK || (fired && (kind == FAIL_ALLOC
         ? st == GP_ERR_BUG : st == GP_ERR_IO || st == GP_ERR_DATA));
-    if (!right || said_errors != (st != GP_OK))
+    if (!right || kept_errors != (st != GP_OK))
         fail_msg("%s %s, %s %d: status %d, %d lines: %s", w->what, w->argument,
-                 kind == FAIL_ALLOC ? "memory" : "files", n, st, said_errors,
-                 said_line);
+                 kind == FAIL_ALLOC ? "memory" : "files", n, st, kept_errors,
+                 kept_line);
     assert_int_equal(wf_names(), files);
     return !fired;
 }
@@ -344,7 +343,7 @@ static int start(void **state)
 static int end(void **state)
 {
     free_frames(&made, &from_parts);
-    return wf_end(state);
+    return remove_folder(state);
 }
 
 SUITE_OF(faults, start, end, own_work, helpers_work)

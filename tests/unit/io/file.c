@@ -33,7 +33,7 @@ static void assert_text(const char *path, const char *text)
 static void write_text(const char *path, const char *text)
 {
     struct gp_file *f;
-    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, &f));
     assert_ok(gp_file_write(f, text, strlen(text)));
     assert_ok(gp_file_commit(&f));
     assert_text(path, text);
@@ -43,7 +43,7 @@ static void whole_or_nothing(void **state)
 {
     struct gp_file *f;
     const char *path = wf_path("whole");
-    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, &f));
     assert_ok(gp_file_write(f, "abcdef", 6));
     assert_false(gp_file_exists(path));
     assert_int_equal(wf_names(), 1); // the temporary one
@@ -53,7 +53,7 @@ static void whole_or_nothing(void **state)
     assert_int_equal(wf_names(), 1);
     assert_text(path, "aXYdef");
 
-    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, &f));
     assert_ok(gp_file_write(f, "other", 5));
     gp_file_discard(&f);
     gp_file_discard(&f); // twice is fine
@@ -70,7 +70,7 @@ static void large_writes_and_patches(void **state)
     uint8_t *want = calloc(1, total), *block = calloc(1, total);
     struct gp_file *f;
     size_t n = 0;
-    assert_ok(gp_file_open(&wf_log, wf_path("big"), false, &f));
+    assert_ok(gp_file_open(&kept_all, wf_path("big"), false, &f));
     for (size_t i = 0; i < COUNT(sizes); i++) {
         for (size_t k = 0; k < sizes[i]; k++)
             block[k] = want[n + k] = (uint8_t) (wf_hash(1, (uint32_t) k,
@@ -139,7 +139,7 @@ static void no_mode_is_wider(void **state)
         }
         umask(row[i].mask);
         if (geteuid() == 0 || row[i].old != 0400) {
-            assert_ok(gp_file_open(&wf_log, path, false, &f));
+            assert_ok(gp_file_open(&kept_all, path, false, &f));
             assert_int_equal(fail_made_mode & ~row[i].mask & ~row[i].want, 0);
             assert_ok(gp_file_commit(&f));
             assert_int_equal(stat(path, &s), 0);
@@ -154,19 +154,19 @@ static void folders(void **state)
 {
     struct gp_file *f;
     char deep[512], inner[512];
-    snprintf(deep, sizeof deep, "%s/a/b/c", wf_folder);
-    snprintf(inner, sizeof inner, "%s/a/b", wf_folder);
-    assert_int_equal(gp_file_check(&wf_log, deep, false), GP_ERR_IO);
-    wf_assert_said(inner);
-    wf_assert_said("--create-dir");
-    assert_int_equal(gp_file_open(&wf_log, deep, false, &f), GP_ERR_IO);
-    assert_ok(gp_file_check(&wf_log, deep, true));
+    snprintf(deep, sizeof deep, "%s/a/b/c", folder);
+    snprintf(inner, sizeof inner, "%s/a/b", folder);
+    assert_int_equal(gp_file_check(&kept_all, deep, false), GP_ERR_IO);
+    assert_kept(inner);
+    assert_kept("--create-dir");
+    assert_int_equal(gp_file_open(&kept_all, deep, false, &f), GP_ERR_IO);
+    assert_ok(gp_file_check(&kept_all, deep, true));
     assert_int_equal(wf_names(), 0); // a check makes nothing
-    assert_ok(gp_file_open(&wf_log, deep, true, &f));
+    assert_ok(gp_file_open(&kept_all, deep, true, &f));
     assert_ok(gp_file_commit(&f));
     assert_true(gp_file_exists(deep));
-    assert_int_equal(gp_file_check(&wf_log, inner, false), GP_ERR_IO);
-    wf_assert_said("is a folder");
+    assert_int_equal(gp_file_check(&kept_all, inner, false), GP_ERR_IO);
+    assert_kept("is a folder");
     remove(deep);
     rmdir(inner);
 }
@@ -199,8 +199,8 @@ static void names(void **state)
 static void write_both(const char *one, const char *other, bool keep_other)
 {
     struct gp_file *a, *b;
-    assert_ok(gp_file_open(&wf_log, one, false, &a));
-    assert_ok(gp_file_open(&wf_log, other, false, &b));
+    assert_ok(gp_file_open(&kept_all, one, false, &a));
+    assert_ok(gp_file_open(&kept_all, other, false, &b));
     assert_ok(gp_file_write(a, "first", 5));
     assert_ok(gp_file_write(b, "second, longer", 14));
     if (!keep_other)
@@ -242,7 +242,7 @@ static gp_status write_much(const char *path)
 {
     struct gp_file *f;
     static uint8_t block[1 << 16];
-    gp_status st = gp_file_open(&wf_log, path, false, &f);
+    gp_status st = gp_file_open(&kept_all, path, false, &f);
     if (st)
         return st;
     for (int i = 0; i < 64 && !st; i++)
@@ -256,16 +256,15 @@ static void full_disk(void **state)
 {
     if (access("/dev/full", W_OK) == 0) {
         assert_int_equal(write_much("/dev/full"), GP_ERR_IO);
-        wf_assert_said(strerror(ENOSPC));
+        assert_kept(strerror(ENOSPC));
     }
-    if (geteuid() == 0 &&
-        mount("none", wf_folder, "tmpfs", 0, "size=1m") == 0) {
+    if (geteuid() == 0 && mount("none", folder, "tmpfs", 0, "size=1m") == 0) {
         put_file(wf_path("f"), "old");
         assert_int_equal(write_much(wf_path("f")), GP_ERR_IO);
-        wf_assert_said(strerror(ENOSPC));
+        assert_kept(strerror(ENOSPC));
         assert_int_equal(wf_names(), 1);
         assert_text(wf_path("f"), "old");
-        assert_int_equal(umount(wf_folder), 0);
+        assert_int_equal(umount(folder), 0);
     }
     // a limit on the size of files, for those who may not mount
     struct rlimit old, small = {1 << 20, 1 << 20};
@@ -276,7 +275,7 @@ static void full_disk(void **state)
     gp_status st = write_much(wf_path("limited"));
     assert_int_equal(setrlimit(RLIMIT_FSIZE, &old), 0);
     assert_int_equal(st, GP_ERR_IO);
-    wf_assert_said(strerror(EFBIG));
+    assert_kept(strerror(EFBIG));
     assert_int_equal(wf_names(), 0);
 }
 
@@ -286,14 +285,14 @@ static void a_close_that_fails(void **state)
     struct gp_file *f;
     put_file(wf_path("f"), "old");
     for (int straight = 0; straight < 2; straight++) {
-        assert_ok(gp_file_open(&wf_log, straight ? "/dev/null" : wf_path("f"),
+        assert_ok(gp_file_open(&kept_all, straight ? "/dev/null" : wf_path("f"),
                                false, &f));
         assert_ok(gp_file_write(f, "new", 3));
         fail_always.closes = true;
         const gp_status st = gp_file_commit(&f);
         fail_always.closes = false;
         assert_int_equal(st, GP_ERR_IO);
-        wf_assert_said(strerror(EIO));
+        assert_kept(strerror(EIO));
     }
     assert_int_equal(wf_names(), 1);
     assert_text(wf_path("f"), "old");
@@ -306,7 +305,7 @@ static void pipes(void **state)
     struct gp_file *f;
     assert_int_equal(pipe(ends), 0);
     snprintf(path, sizeof path, "/dev/fd/%d", ends[1]);
-    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, &f));
     assert_ok(gp_file_write(f, "abc", 3));
     assert_ok(gp_file_patch(f, 0, "A", 1));
     assert_ok(gp_file_commit(&f));
@@ -316,7 +315,7 @@ static void pipes(void **state)
     close(ends[0]);
     gp_temp_cleanup_on_signal(); // ignores SIGPIPE
     assert_int_equal(write_much(path), GP_ERR_IO);
-    wf_assert_said(strerror(EPIPE));
+    assert_kept(strerror(EPIPE));
     close(ends[1]);
 }
 
@@ -340,7 +339,7 @@ static void descriptors(void **state)
     const int fd = open(wf_path("log"), O_WRONLY | O_APPEND);
     for (int i = 0; i < 2; i++) {
         snprintf(path, sizeof path, "/%s/fd/%d", i ? "proc/self" : "dev", fd);
-        assert_ok(gp_file_open(&wf_log, path, false, &f));
+        assert_ok(gp_file_open(&kept_all, path, false, &f));
         assert_ok(gp_file_write(f, "new", 3));
         assert_ok(gp_file_commit(&f));
     }
@@ -348,8 +347,8 @@ static void descriptors(void **state)
     close(fd);
     put_file(wf_path("f"), "old");
     snprintf(path, sizeof path, "/proc/self/root%s", wf_path("f"));
-    assert_int_equal(gp_file_open(&wf_log, path, false, &f), GP_ERR_IO);
-    wf_assert_said("own folder");
+    assert_int_equal(gp_file_open(&kept_all, path, false, &f), GP_ERR_IO);
+    assert_kept("own folder");
     assert_text(wf_path("f"), "old");
 }
 
@@ -420,12 +419,12 @@ static void checks(void **state)
         struct gp_write_params p = GP_WRITE_DEFAULTS;
         p.compression = rows[i].compression;
         p.depth_bits = rows[i].bits;
-        wf_line[0] = '\0';
-        assert_int_equal(gp_write_check(&wf_log, &p, rows[i].path), rows[i].st);
-        wf_assert_said(rows[i].said);
+        kept_clear();
+        assert_int_equal(gp_write_check(&kept_all, &p, rows[i].path), rows[i].st);
+        assert_kept(rows[i].said);
         const bool exr = strstr(rows[i].path, ".exr") ||
                          strchr("-/", rows[i].path[0]);
-        assert_int_equal(gp_write_hdr_check(&wf_log, &p, rows[i].path),
+        assert_int_equal(gp_write_hdr_check(&kept_all, &p, rows[i].path),
                          exr ? rows[i].st : GP_ERR_USAGE);
     }
 }
@@ -444,15 +443,15 @@ static void assert_refused(const struct refused_row *row)
     struct gp_file *f = NULL;
     const char *const path = wf_path(row->name);
     const int had = wf_names();
-    assert_int_equal(gp_file_check(&wf_log, path, row->create_dir),
+    assert_int_equal(gp_file_check(&kept_all, path, row->create_dir),
                      row->checked ? GP_ERR_IO : GP_OK);
-    wf_line[0] = '\0';
-    assert_int_equal(gp_file_open(&wf_log, path, row->create_dir, &f),
+    kept_clear();
+    assert_int_equal(gp_file_open(&kept_all, path, row->create_dir, &f),
                      GP_ERR_IO);
     assert_null(f);
-    assert_ptr_equal(strstr(wf_line, path), wf_line);
-    wf_assert_said(strerror(row->why));
-    wf_assert_said("; ");
+    assert_ptr_equal(strstr(kept_line, path), kept_line);
+    assert_kept(strerror(row->why));
+    assert_kept("; ");
     assert_int_equal(wf_names(), had); // no temporary file stays
 }
 
@@ -501,7 +500,7 @@ static void without_permission(void **state)
     put_file(wf_path("sealed"), "old");
     assert_int_equal(mkdir(wf_path("closed"), 0555), 0);
     assert_int_equal(chmod(wf_path("sealed"), 0400), 0);
-    assert_int_equal(chmod(wf_folder, 0755), 0);
+    assert_int_equal(chmod(folder, 0755), 0);
     // root gives its rights up for a while
     const bool able = user != 0 || setresuid(65534, 65534, 0) == 0;
     for (size_t i = 0; able && i < COUNT(row); i++)
@@ -527,13 +526,13 @@ static void patches_stay_inside(void **state)
         {1, SIZE_MAX, GP_ERR_BUG},
     };
     struct gp_file *f;
-    assert_ok(gp_file_open(&wf_log, wf_path("p"), false, &f));
+    assert_ok(gp_file_open(&kept_all, wf_path("p"), false, &f));
     assert_ok(gp_file_write(f, "abcdef", 6));
     for (size_t i = 0; i < COUNT(row); i++) {
-        wf_line[0] = '\0';
+        kept_clear();
         assert_int_equal(gp_file_patch(f, row[i].at, "ABCDEF", row[i].size),
                          row[i].st);
-        wf_assert_said(row[i].st ? "outside" : "");
+        assert_kept(row[i].st ? "outside" : "");
     }
     assert_ok(gp_file_commit(&f)); // what was refused is undone
     assert_text(wf_path("p"), "ABCDEA");
@@ -555,7 +554,7 @@ static void no_name_is_left(void **state)
     char *last = gp_file_temp_name(path, TRIES - 1);
     struct gp_file *f;
     assert_int_equal(remove(last), 0);
-    assert_ok(gp_file_open(&wf_log, path, false, &f));
+    assert_ok(gp_file_open(&kept_all, path, false, &f));
     assert_int_equal(access(last, F_OK), 0);
     assert_ok(gp_file_commit(&f));
     free(last);
@@ -568,7 +567,7 @@ static void open_many(struct gp_file *f[OPEN])
     for (int i = 0; i < OPEN; i++) {
         char name[16];
         snprintf(name, sizeof name, "f%d", i);
-        assert_ok(gp_file_open(&wf_log, wf_path(name), false, &f[i]));
+        assert_ok(gp_file_open(&kept_all, wf_path(name), false, &f[i]));
         assert_ok(gp_file_write(f[i], name, strlen(name)));
     }
     assert_int_equal(wf_names(), OPEN);
@@ -604,7 +603,7 @@ static void files_under_way_are_removed(void **state)
     assert_int_equal(wf_names(), OPEN - LIVE);
 }
 
-SUITE_OF_EACH(file, wf_start, wf_end, whole_or_nothing,
+SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay,
               no_mode_is_wider, folders, descriptors,
               names, taken_names, full_disk, a_close_that_fails, pipes,

@@ -75,7 +75,7 @@ static void every_sample_keeps_its_place(void **state)
     const struct gp_rect window = gp_grow_align(&f, gp_grow_window(&p, &f));
     const struct gp_rect want = {-10, -4, 16, 14};
     assert_memory_equal(&window, &want, sizeof want);
-    assert_ok(gp_grow(&said_log, &p, window, &f));
+    assert_ok(gp_grow(&kept_log, &p, window, &f));
     assert_memory_equal(&f.data, &want, sizeof want);
     assert_memory_equal(&f.read, &was, sizeof was);
     float *const v = calloc(gp_frame_pixels(&f), sizeof *v);
@@ -104,7 +104,7 @@ static void every_sample_keeps_its_place(void **state)
     // planes beside it have the pixels of the file
     struct gp_plane alpha = {0};
     const struct gp_read_params limits = GP_READ_DEFAULTS;
-    assert_ok(gp_read_plane(&said_log, &limits, &f, "A", false, &alpha));
+    assert_ok(gp_read_plane(&kept_log, &limits, &f, "A", false, &alpha));
     assert_memory_equal(&alpha.window, &was, sizeof was);
     for (int i = 0; i < 48; i++)
         assert_float_equal(alpha.v[i],
@@ -121,14 +121,14 @@ static float empty_of(const char *name, enum gp_pixel_type type,
     float out[5];
     struct gp_frame f = {.data = {0, 0, 4, 1}, .display = {0, 0, 5, 1},
                          .path = gp_strdup("frame.exr"), .channels = 1};
-    assert_ok(gp_planes_make(&said_log, "rgb", 4, &f.rgb));
-    assert_ok(gp_alloc_zero(&said_log, "channels", 1, sizeof *f.channel,
+    assert_ok(gp_planes_make(&kept_log, "rgb", 4, &f.rgb));
+    assert_ok(gp_alloc_zero(&kept_log, "channels", 1, sizeof *f.channel,
                             &f.channel));
     *f.channel = (struct gp_channel) {
         .name = gp_strdup(name), .type = type, .xs = 1, .ys = 1, .w = 4,
         .h = 1, .colour = -1,
     };
-    assert_ok(gp_alloc(&said_log, "depth", 4, 4, &f.channel->data));
+    assert_ok(gp_alloc(&kept_log, "depth", 4, 4, &f.channel->data));
     for (int i = 0; i < 4; i++) {
         ((float *) f.channel->data)[i] = v[i];
         if (type == GP_UINT)
@@ -136,7 +136,7 @@ static float empty_of(const char *name, enum gp_pixel_type type,
     }
     if (type == GP_HALF)
         gp_float_to_half(v, f.channel->data, 4);
-    assert_ok(gp_grow(&said_log, p, f.display, &f));
+    assert_ok(gp_grow(&kept_log, p, f.display, &f));
     gp_channel_floats(&f, 0, out);
     gp_frame_free(&f);
     return out[4];
@@ -195,12 +195,12 @@ static void too_large_a_window_names_the_way_out(void **state)
         {{-(INT_MAX / 4), 0, 10, 10}, GP_ERR_DATA, "--grow none"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        said_nothing();
-        assert_int_equal(gp_grow_check(&said_log, &f, row[i].window, 20000000),
+        kept_clear();
+        assert_int_equal(gp_grow_check(&kept_log, &f, row[i].window, 20000000),
                          row[i].want);
-        assert_int_equal(said_lines, row[i].says != NULL);
+        assert_int_equal(kept_lines, row[i].says != NULL);
         if (row[i].says)
-            assert_non_null(strstr(said_errors ? said_line : said_warning,
+            assert_non_null(strstr(kept_errors ? kept_line : kept_warning,
                                    row[i].says));
     }
 }

@@ -15,8 +15,8 @@ static struct gp_frame read_as(const char *path, const char *view)
     struct gp_read_params p = read_params;
     struct gp_frame f;
     p.view = view;
-    if (gp_read_frame(&wf_log, &p, path, &f))
-        fail_msg("%s", wf_line);
+    if (gp_read_frame(&kept_all, &p, path, &f))
+        fail_msg("%s", kept_line);
     return f;
 }
 
@@ -83,7 +83,7 @@ static void assert_layer_lit(const struct gp_frame *f, const char *layer,
     const struct gp_planes *want, enum gp_colour_model model)
 {
     struct gp_frame c;
-    assert_ok(gp_read_layer(&wf_log, &read_params, f, layer, &c));
+    assert_ok(gp_read_layer(&kept_all, &read_params, f, layer, &c));
     assert_int_equal(c.model, model);
     assert_lit(&c, want);
     gp_frame_free(&c);
@@ -139,8 +139,8 @@ static void layers_in_one_part(void **state)
     struct gp_frame made = wf_frame(window, window, list);
     assert_ok(wf_write_hdr(NULL, "a.exr", &made));
     struct gp_frame a = read_as(wf_path("a.exr"), NULL), key, mask, b;
-    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "key", &key));
-    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "mask", &mask));
+    assert_ok(gp_read_layer(&kept_all, &read_params, &a, "key", &key));
+    assert_ok(gp_read_layer(&kept_all, &read_params, &a, "mask", &mask));
     assert_int_equal(key.channels, 3);
     assert_int_equal(key.colour_type, GP_FLOAT);
     assert_int_equal(mask.channels, 1);
@@ -184,21 +184,21 @@ static void layers_in_parts(void **state)
     fixture_write_file(wf_path("a.exr"), &file);
     struct gp_frame a, key, b, c;
     q.part = "beauty";
-    assert_ok(gp_read_frame(&wf_log, &q, wf_path("a.exr"), &a));
+    assert_ok(gp_read_frame(&kept_all, &q, wf_path("a.exr"), &a));
     assert_int_equal(a.part, 1);
-    assert_ok(gp_read_layer(&wf_log, &q, &a, "key", &key));
+    assert_ok(gp_read_layer(&kept_all, &q, &a, "key", &key));
     struct gp_planes pa = lit(&a, 1), pk = lit(&key, 2);
     const struct gp_hdr_colour set[2] = {{&a, &pa}, {&key, &pk}};
     for (int n = 1; n <= 2; n++) {
         assert_ok(wf_write_set(NULL, "b.exr", set, n));
-        assert_ok(gp_read_frame(&wf_log, &q, wf_path("b.exr"), &b));
+        assert_ok(gp_read_frame(&kept_all, &q, wf_path("b.exr"), &b));
         assert_int_equal(b.part, 1);
         assert_lit(&b, &pa);
         assert_carried(&a, &b);
         assert_chunks(&a, &b, 0);
         if (n == 1)
             assert_chunks(&a, &b, 2);
-        assert_ok(gp_read_layer(&wf_log, &q, &b, "key", &c));
+        assert_ok(gp_read_layer(&kept_all, &q, &b, "key", &c));
         assert_lit(&c, n == 1 ? &key.rgb : &pk);
         assert_carried(&key, &c);
         free_frames(&c, &b);
@@ -255,12 +255,12 @@ static void refused(void **state)
     struct gp_frame a, again, key;
     fixture_write_file(wf_path("a.exr"), &file);
     a = read_as(wf_path("a.exr"), NULL);
-    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "a", &again));
-    assert_ok(gp_read_layer(&wf_log, &read_params, &a, "key", &key));
+    assert_ok(gp_read_layer(&kept_all, &read_params, &a, "a", &again));
+    assert_ok(gp_read_layer(&kept_all, &read_params, &a, "key", &key));
     const struct gp_hdr_colour twice[2] = {{&a, &a.rgb}, {&again, &again.rgb}};
     const struct gp_hdr_colour lone[1] = {{&key, &key.rgb}};
     assert_int_equal(wf_write_set(NULL, "b.exr", twice, 2), GP_ERR_USAGE);
-    wf_assert_said("is the colour of 2 layers");
+    assert_kept("is the colour of 2 layers");
     assert_int_equal(wf_write_set(NULL, "b.exr", lone, 1), GP_ERR_BUG);
     assert_int_equal(wf_names(), 1);
     free_frames(&key, &again, &a);
@@ -282,8 +282,8 @@ static bool is_own(const char *name)
 static void assert_headers(const struct gp_frame *a, const struct gp_frame *b)
 {
     struct gp_exr_carried p, q;
-    assert_ok(gp_exr_carried_read(&wf_log, a->path, gp_input_of(a), &p));
-    assert_ok(gp_exr_carried_read(&wf_log, b->path, gp_input_of(b), &q));
+    assert_ok(gp_exr_carried_read(&kept_all, a->path, gp_input_of(a), &p));
+    assert_ok(gp_exr_carried_read(&kept_all, b->path, gp_input_of(b), &q));
     assert_int_equal(gp_input_of(a)->parts, gp_input_of(b)->parts);
     for (int i = 0; i < gp_input_of(a)->parts; i++) {
         for (int k = 0; k < p.part[i].attrs; k++) {
@@ -326,13 +326,13 @@ static void real_frames(void **state)
         if (access(path, R_OK) != 0)
             continue;
         tried++;
-        if (gp_read_frame(&wf_log, &read_params, path, &a))
-            fail_msg("%s", wf_line);
+        if (gp_read_frame(&kept_all, &read_params, path, &a))
+            fail_msg("%s", kept_line);
         // luminance-chroma comes back as RGB, of which half would lose bits
         p.type = a.model == GP_COLOUR_YC ? GP_OUT_FLOAT : GP_OUT_AUTO;
         if (wf_write_hdr(&p, "a.exr", &a) ||
-            gp_read_frame(&wf_log, &read_params, wf_path("a.exr"), &b))
-            fail_msg("%s", wf_line);
+            gp_read_frame(&kept_all, &read_params, wf_path("a.exr"), &b))
+            fail_msg("%s", kept_line);
         assert_memory_equal(&a.data, &b.data, sizeof a.data);
         assert_memory_equal(&a.display, &b.display, sizeof a.display);
         assert_memory_equal(a.chromaticities, b.chromaticities,
@@ -346,5 +346,5 @@ static void real_frames(void **state)
         skip_for(NO_DATA);
 }
 
-SUITE_OF_EACH(hdr_parts, wf_start, wf_end, carried_bits, layers_in_one_part,
+SUITE_OF_EACH(hdr_parts, wf_start, remove_folder, carried_bits, layers_in_one_part,
          layers_in_parts, views_in_one_part, refused, real_frames)

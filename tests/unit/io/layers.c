@@ -89,9 +89,9 @@ static gp_status read_as(const struct fixture *file, const char *layer,
     p.part = part;
     p.view = view;
     fixture_write_file(in_folder("in.exr"), file);
-    said_nothing();
+    kept_clear();
     *f = (struct gp_frame) {0};
-    return gp_read_frame(&said_log, &p, path, f);
+    return gp_read_frame(&kept_log, &p, path, f);
 }
 
 /* Every pixel of each colour is that of the named channel. */
@@ -139,8 +139,8 @@ static void assert_layer(const struct row *r)
     assert_int_equal(remove(path), 0);
     for (int c = 0; c < 3; c++)
         f.rgb.c[c][5] = -1.0f;
-    if (gp_read_layer(&said_log, &p, &f, r->layer, &layer))
-        fail_msg("layer %s: %s", r->layer, said_line);
+    if (gp_read_layer(&kept_log, &p, &f, r->layer, &layer))
+        fail_msg("layer %s: %s", r->layer, kept_line);
     assert_int_equal(layer.part, r->want);
     assert_memory_equal(&layer.data, &f.data, sizeof f.data);
     assert_memory_equal(&layer.display, &f.display, sizeof f.data);
@@ -200,7 +200,7 @@ static void found(void **state)
         const struct row *r = &rows[i];
         struct gp_frame f;
         if (read_as(r->file, r->layer, r->part, r->view, &f))
-            fail_msg("row %zu: %s", i, said_line);
+            fail_msg("row %zu: %s", i, kept_line);
         assert_int_equal(f.part, r->want);
         assert_int_equal(gp_input_of(&f)->part, r->want);
         assert_colour(&f, r->name);
@@ -249,9 +249,9 @@ static void not_found(void **state)
         struct gp_frame f;
         assert_int_equal(read_as(rows[i].file, rows[i].layer, rows[i].part,
                                  rows[i].view, &f), GP_ERR_USAGE);
-        if (said_errors != 1 || !strstr(said_line, rows[i].what) ||
-            !strstr(said_line, "; give one of "))
-            fail_msg("row %zu: %s", i, said_line);
+        if (kept_errors != 1 || !strstr(kept_line, rows[i].what) ||
+            !strstr(kept_line, "; give one of "))
+            fail_msg("row %zu: %s", i, kept_line);
         assert_null(f.rgb.c[0]);
     }
 }
@@ -272,9 +272,9 @@ static void long_lists(void **state)
     memset(layer, 'x', sizeof layer - 1);
     layer[sizeof layer - 1] = '\0';
     assert_int_equal(read_as(&many, layer, NULL, NULL, &f), GP_ERR_USAGE);
-    assert_int_equal(said_errors, 1);
-    assert_non_null(strstr(said_line, ", ...; parts"));
-    assert_non_null(strstr(said_line, "; give one of those"));
+    assert_int_equal(kept_errors, 1);
+    assert_kept(", ...; parts");
+    assert_kept("; give one of those");
     // the longest name that a channel can have is found
     name[3][253] = '\0';
     char own[256];
@@ -300,15 +300,15 @@ static void further_refused(void **state)
     struct gp_frame f, layer = {0};
     for (size_t i = 0; i < COUNT(rows); i++) {
         assert_ok(read_as(rows[i].file, NULL, NULL, NULL, &f));
-        assert_int_equal(gp_read_layer(&said_log, &p, &f, rows[i].layer,
+        assert_int_equal(gp_read_layer(&kept_log, &p, &f, rows[i].layer,
                                        &layer), rows[i].st);
-        assert_int_equal(said_errors, 1);
-        assert_non_null(strstr(said_line, rows[i].what));
+        assert_int_equal(kept_errors, 1);
+        assert_kept(rows[i].what);
         assert_null(layer.rgb.c[0]);
         gp_frame_free(&f);
     }
     f = (struct gp_frame) {.path = "made"};
-    assert_int_equal(gp_read_layer(&said_log, &p, &f, "a", &layer),
+    assert_int_equal(gp_read_layer(&kept_log, &p, &f, "a", &layer),
                      GP_ERR_USAGE);
 }
 

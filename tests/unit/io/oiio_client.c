@@ -211,14 +211,14 @@ static gp_status open_ppm(struct gp_image *image)
 {
     static struct gp_stream s;
     s = gp_stream_of(ppm, sizeof ppm - 1);
-    said_nothing();
+    kept_clear();
     *image = (struct gp_image) {0};
-    return gp_oiio_open(&said_log, "a.ppm", &s, "pnm", 0, MOST, image);
+    return gp_oiio_open(&kept_log, "a.ppm", &s, "pnm", 0, MOST, image);
 }
 
 static void assert_sound(struct gp_image *image)
 {
-    assert_ok(gp_image_load(&said_log, image));
+    assert_ok(gp_image_load(&kept_log, image));
     for (int y = 0; y < H; y++)
         assert_true(image->pixels[y * W] == image->pixels[0] +
                                                 (float) (y / BLOCK * BLOCK));
@@ -246,9 +246,9 @@ static void helpers_that_fail(void **state)
         const long blocks = fail_blocks();
         if (open_ppm(&image) != (lie < LIES ? GP_ERR_DATA : row[i].st))
             fail_msg("%s: %s", lie < LIES ? lies[lie].name : row[i].part,
-                     said_line);
-        assert_int_equal(said_errors, 1);
-        assert_ptr_equal(strstr(said_line, "a.ppm: "), said_line);
+                     kept_line);
+        assert_int_equal(kept_errors, 1);
+        assert_ptr_equal(strstr(kept_line, "a.ppm: "), kept_line);
         assert_null(image.own);
         assert_int_equal(fail_blocks(), blocks);
         await_end(); // the next one is started
@@ -256,8 +256,8 @@ static void helpers_that_fail(void **state)
     cast("ends in rows");
     struct gp_image image;
     assert_ok(open_ppm(&image));
-    assert_int_equal(gp_image_load(&said_log, &image), GP_ERR_DATA);
-    assert_int_equal(said_errors, 1);
+    assert_int_equal(gp_image_load(&kept_log, &image), GP_ERR_DATA);
+    assert_int_equal(kept_errors, 1);
     gp_image_close(&image);
 }
 
@@ -272,7 +272,7 @@ static void helpers_that_write_nothing(void **state)
         cast(part[i]);
         assert_int_equal(write_image("none/a", "tif", &image, "half", ""),
                          GP_ERR_IO);
-        assert_int_equal(said_errors, 1);
+        assert_int_equal(kept_errors, 1);
         await_end();
     }
 }
@@ -303,7 +303,7 @@ static void one_helper_each(void **state)
             assert_sound(&image[0]);
         float rows[W * BLOCK];
         if (i % 3 == 0 && i % 2 == 0)
-            assert_ok(image[0].rows(&said_log, &image[0], 0, rows));
+            assert_ok(image[0].rows(&kept_log, &image[0], 0, rows));
         bool known = i % 2 == 0;
         for (int k = 0; k < N && !known; k++)
             known = process[k] == image[0].pixels[0];
@@ -325,12 +325,12 @@ static void calls_that_fail(void **state)
             fail_at(class[c], n);
             gp_status st = open_ppm(&image);
             if (!st)
-                st = gp_image_load(&said_log, &image);
+                st = gp_image_load(&kept_log, &image);
             came = fail_end();
             gp_image_close(&image);
-            assert_int_equal(said_errors, st != GP_OK);
+            assert_int_equal(kept_errors, st != GP_OK);
             if (st && st != GP_ERR_BUG && st != GP_ERR_IO)
-                fail_msg("call %ld: %s", n, said_line);
+                fail_msg("call %ld: %s", n, kept_line);
             assert_int_equal(fail_blocks(), blocks);
             assert_true(n < 100);
         }

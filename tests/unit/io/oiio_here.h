@@ -5,7 +5,7 @@
 #include "io/io_priv.h"
 #include "io/oiio/oiio.h"
 #include "bridge_here.h"
-#include "said.h"
+#include "kept_log.h"
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -26,16 +26,16 @@ static inline int open_oiio(void **state)
     return 0;
 }
 
-/* Part 0 with its pixels; what is wrong goes to said_line. */
+/* Part 0 with its pixels; what is wrong goes to kept_line. */
 static inline gp_status read_stream(const char *path, const struct gp_stream *s,
     long long max_pixels, struct gp_image *out)
 {
-    said_nothing();
+    kept_clear();
     *out = (struct gp_image) {0};
     const struct gp_read_params p = {.max_pixels = max_pixels};
-    gp_status st = gp_read_image(&said_log, &p, path, s, 0, out);
+    gp_status st = gp_read_image(&kept_log, &p, path, s, 0, out);
     if (!st)
-        st = gp_image_load(&said_log, out);
+        st = gp_image_load(&kept_log, out);
     if (st)
         gp_image_close(out);
     return st;
@@ -64,10 +64,10 @@ static inline void refused(const char *name, const void *bytes, size_t n,
 {
     struct gp_image image;
     if (read_bytes(bytes, n, 1 << 20, &image) != GP_ERR_DATA || image.own)
-        fail_msg("%s was read: %s", name, said_line);
-    assert_int_equal(said_errors, 1);
-    if (said && !strstr(said_line, said))
-        fail_msg("%s: \"%s\" is not in: %s", name, said, said_line);
+        fail_msg("%s was read: %s", name, kept_line);
+    assert_int_equal(kept_errors, 1);
+    if (said && !strstr(kept_line, said))
+        fail_msg("%s: \"%s\" is not in: %s", name, said, kept_line);
 }
 
 /* image->pixels as a file of `format` at `path`. */
@@ -79,11 +79,11 @@ static inline gp_status write_image(const char *path, const char *format,
     const size_t n = sizeof(float) * (size_t) gp_rect_w(image->data) *
                      (size_t) gp_rect_h(image->data) *
                      (size_t) image->channels;
-    said_nothing();
-    gp_status st = gp_shared_make(&said_log, path, n, &pixels);
+    kept_clear();
+    gp_status st = gp_shared_make(&kept_log, path, n, &pixels);
     if (!st) {
         memcpy(pixels.at, image->pixels, n);
-        st = gp_oiio_write(&said_log, image, NULL, &pixels, format, type,
+        st = gp_oiio_write(&kept_log, image, NULL, &pixels, format, type,
                            compression, &s);
     }
     gp_shared_free(&pixels);

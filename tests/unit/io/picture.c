@@ -73,10 +73,10 @@ static void windows_that_are_no_picture(void **state)
     for (size_t i = 0; i < COUNT(display); i++) {
         struct gp_picture pic;
         f.display = display[i];
-        wf_line[0] = '\0';
-        assert_int_equal(gp_picture_make(&wf_log, &p, "p.png", &f, &f.rgb,
+        kept_clear();
+        assert_int_equal(gp_picture_make(&kept_all, &p, "p.png", &f, &f.rgb,
             GP_PICTURE_SCENE, false, &pic), GP_ERR_DATA);
-        wf_assert_said("p.png: no picture of this display window (");
+        assert_kept("p.png: no picture of this display window (");
         assert_int_equal(pic.channels, 0); // empty
     }
     gp_frame_free(&f);
@@ -92,7 +92,7 @@ static void floats_with_alpha(void **state)
     float to[4][4];
     struct gp_picture_row row = {.linear = {to[0], to[1], to[2], to[3]}};
     p.alpha = GP_ALPHA_KEEP;
-    assert_ok(gp_picture_make(&wf_log, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
+    assert_ok(gp_picture_make(&kept_all, &p, "p", &f, &f.rgb, GP_PICTURE_SCENE,
                               false, &pic));
     assert_int_equal(pic.channels, 4);
     for (int y = 0; y < 2; y++) {

@@ -13,21 +13,8 @@ static const struct gp_read_params limits = GP_READ_DEFAULTS;
 static inline gp_status read_plane(const char *name, bool depth,
                                    struct gp_plane *p)
 {
-    return gp_read_plane_file(&said_log, &limits, path, name, depth, p);
+    return gp_read_plane_file(&kept_log, &limits, path, name, depth, p);
 }
-
-/* The last line of any level, as warnings count here too. */
-static char said[4096];
-
-static inline void note(void *user, enum gp_level level, const char *line)
-{
-    (void) user;
-    (void) level;
-    snprintf(said, sizeof said, "%s", line);
-}
-
-static const struct gp_log notes __attribute__((unused)) = {note, NULL,
-                                                            GP_LEVEL_WARN};
 
 /* Every sample is what the fixture's formula gives for the channel. */
 static void assert_plane(const struct gp_plane *p,

@@ -66,11 +66,11 @@ static void put_pixels(struct made *m, const void *data, size_t n, int part)
 static gp_status load(const void *bytes, size_t size, struct gp_image *image)
 {
     const struct gp_stream s = gp_stream_of(bytes, size);
-    wf_line[0] = '\0';
+    kept_clear();
     *image = (struct gp_image) {0};
-    gp_status st = gp_png_open(&wf_log, "in", &s, 0, 1 << 20, image);
+    gp_status st = gp_png_open(&kept_all, "in", &s, 0, 1 << 20, image);
     if (!st)
-        st = gp_image_load(&wf_log, image);
+        st = gp_image_load(&kept_all, image);
     if (st)
         gp_image_close(image);
     return st;
@@ -189,7 +189,7 @@ static void kinds(void **state)
             put_pixels(&m, raw, n, 100);
             struct gp_image image;
             if (load(m.bytes, m.n, &image))
-                fail_msg("type %d, %d bits: %s", type, bits, wf_line);
+                fail_msg("type %d, %d bits: %s", type, bits, kept_line);
             assert_int_equal(image.bits, bits == 16 ? 16 : 8);
             assert_string_equal(image.colour_space, "sRGB");
             const float max = bits == 16 ? 65535.0f : 255.0f, *v = image.pixels;
@@ -256,7 +256,7 @@ static void chunks(void **state)
         put_chunk(&m, row[i].type, row[i].data, row[i].n);
         put_pixels(&m, "\0\x80", 2, 100);
         if (load(m.bytes, m.n, &image))
-            fail_msg("row %zu: %s", i, wf_line);
+            fail_msg("row %zu: %s", i, kept_line);
         assert_string_equal(image.colour_space, row[i].space);
         assert_int_equal(image.data.x0, row[i].x);
         assert_int_equal(image.data.y0, row[i].x ? -7 : 0);
@@ -288,7 +288,7 @@ static void chunks(void **state)
     assert_string_equal(image.attribute[0].text, "two");
     gp_image_close(&image);
     const struct gp_stream s = gp_stream_of(m.bytes, m.n);
-    assert_int_equal(gp_png_open(&wf_log, "in", &s, 1, 1, &image), GP_ERR_DATA);
+    assert_int_equal(gp_png_open(&kept_all, "in", &s, 1, 1, &image), GP_ERR_DATA);
 }
 
 /* Any byte changed, and any end but the last, is found; what follows IEND
@@ -346,9 +346,9 @@ static void rows_and_sizes(void **state)
         put_head(&m, rows[i].w, rows[i].h, 8, 0, rows[i].interlaced);
         put_pixels(&m, zeros, rows[i].rows, rows[i].part);
         if (check(m.bytes, m.n) != (rows[i].said ? GP_ERR_DATA : GP_OK))
-            fail_msg("row %zu: %s", i, wf_line);
+            fail_msg("row %zu: %s", i, kept_line);
         if (rows[i].said)
-            wf_assert_said(rows[i].said);
+            assert_kept(rows[i].said);
     }
 }
 
@@ -385,5 +385,5 @@ static void texts_are_bounded(void **state)
     free(raw);
 }
 
-SUITE_OF_EACH(png_read, wf_start, wf_end, kinds, chunks, damaged_bytes,
+SUITE_OF_EACH(png_read, wf_start, remove_folder, kinds, chunks, damaged_bytes,
               rows_and_sizes, texts_are_bounded)

@@ -16,9 +16,9 @@ static gp_status read_fixture(const struct fixture *f,
     struct gp_stored_file file;
     fixture_write_file(in_folder("a.exr"), f);
     *out = (struct gp_stored_image) {0};
-    gp_status st = gp_stored_open(&said_log, &limits, path, &file);
+    gp_status st = gp_stored_open(&kept_log, &limits, path, &file);
     if (!st)
-        st = gp_stored_read(&said_log, &limits, &file, 0, out);
+        st = gp_stored_read(&kept_log, &limits, &file, 0, out);
     gp_stored_close(&file);
     return st;
 }
@@ -153,9 +153,9 @@ static void dwa_that_is_none(void **state)
         call_dwaa(&row[i].f);
         const gp_status st = read_file(path, &f);
         assert_true(st == GP_ERR_DATA || (st == GP_ERR_IO && !row[i].says));
-        assert_int_equal(said_errors, 1);
-        if (!strstr(said_line, row[i].says ? row[i].says : "; "))
-            fail_msg("row %d: %s", (int) i, said_line);
+        assert_int_equal(kept_errors, 1);
+        if (!strstr(kept_line, row[i].says ? row[i].says : "; "))
+            fail_msg("row %d: %s", (int) i, kept_line);
         assert_null(f.rgb.c[0]);
     }
 }

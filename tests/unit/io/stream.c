@@ -167,9 +167,9 @@ static gp_status from_stdin(const char *file, struct gp_members *m)
 {
     const struct gp_read_params p = GP_READ_DEFAULTS;
     const int kept = borrow(STDIN_FILENO, file, O_RDONLY);
-    wf_line[0] = '\0';
+    kept_clear();
     *m = (struct gp_members) {0};
-    gp_status st = gp_members_read(&wf_log, &p, "-", m);
+    gp_status st = gp_members_read(&kept_all, &p, "-", m);
     give_back(STDIN_FILENO, kept);
     return st;
 }
@@ -261,7 +261,7 @@ static void raw_frames_have_one_size(void **state)
     p.stdout_format = GP_STDOUT_RAW;
     assert_ok(to_stdout(out, &p, &a, GP_PICTURE_SHOWN));
     assert_int_equal(to_stdout(out, &p, &b, GP_PICTURE_SHOWN), GP_ERR_DATA);
-    wf_assert_said("made: ");
+    assert_kept("made: ");
     assert_ok(to_stdout(out, &p, &c, GP_PICTURE_SHOWN));
     free(wf_read(out, &n));
     assert_int_equal(n, 2 * 4 * 3 * 3); // not a byte of the wrong one
@@ -346,7 +346,7 @@ static const struct {
 static size_t make_stream(const struct gp_frame *f, char path[64],
                           const char *letters, size_t at[16])
 {
-    snprintf(path, 64, "%.50s/stream", wf_folder);
+    snprintf(path, 64, "%.50s/stream", folder);
     FILE *file = fopen(path, "wb");
     size_t all = 0;
     assert_non_null(file);
@@ -385,8 +385,8 @@ static void streams_fall_into_images(void **state)
         make_stream(&f, path, letter, at);
         gp_status st = from_stdin(path, &m);
         if (st != (streams[i].n ? GP_OK : GP_ERR_DATA) ||
-            m.n != streams[i].n || !strstr(wf_line, streams[i].said))
-            fail_msg("%s: status %d, %d images: %s", letter, st, m.n, wf_line);
+            m.n != streams[i].n || !strstr(kept_line, streams[i].said))
+            fail_msg("%s: status %d, %d images: %s", letter, st, m.n, kept_line);
         for (int k = 0, piece = 0; k < m.n; k++, piece++) {
             while (k > 0 && strchr("019", letter[piece]))
                 piece++; // padding
@@ -413,7 +413,7 @@ static void frames_of_a_stream(void **state)
     for (int i = 3; i >= 0; i--) {
         char name[24];
         snprintf(name, sizeof name, "frame %d", i);
-        assert_ok(gp_members_frame(&wf_log, &p, name, &m, i, &got[i]));
+        assert_ok(gp_members_frame(&kept_all, &p, name, &m, i, &got[i]));
         assert_string_equal(got[i].path, name);
     }
     for (int i = 0; i < 4; i++) {
@@ -447,7 +447,7 @@ static void cut_streams(void **state)
         assert_int_equal(last.at + last.size, size);
         struct gp_frame got;
         const bool whole = size == at[1] || size == at[2];
-        gp_status st = gp_members_frame(&wf_log, &p, "cut", &m, m.n - 1, &got);
+        gp_status st = gp_members_frame(&kept_all, &p, "cut", &m, m.n - 1, &got);
         assert_int_equal(st, whole ? GP_OK : GP_ERR_DATA);
         if (!st)
             gp_frame_free(&got);
@@ -457,6 +457,6 @@ static void cut_streams(void **state)
     gp_frame_free(&f);
 }
 
-SUITE_OF_EACH(stream, wf_start, wf_end, pipes_to_their_limit, first_bytes,
+SUITE_OF_EACH(stream, wf_start, remove_folder, pipes_to_their_limit, first_bytes,
               raw_pixels, raw_frames_have_one_size, stdout_has_the_files_bytes,
               streams_fall_into_images, frames_of_a_stream, cut_streams)

@@ -35,13 +35,13 @@ static void draw(struct stage *s, struct picture *p, const struct gp_flare *f,
         rgba[4 * i] = (float) light[i].visibility * 0.5f;
         rgba[4 * i + 1] = 0.5f;
     }
-    assert_int_equal(gp_texture_make(&said_log, s->gl, "test", GP_TEXEL_FLOAT,
-                     n, 1, &t), GP_OK);
+    assert_ok(gp_texture_make(&kept_log, s->gl, "test", GP_TEXEL_FLOAT,
+                     n, 1, &t));
     gp_texture_write(s->gl, &t, (struct gp_rect) {0, 0, n, 1}, rgba);
-    assert_int_equal(gp_flare_draw(&said_log, s->gl, f, light, n, &t, p->frame,
-                                   p->display, &s->kept), GP_OK);
-    assert_int_equal(gp_flare_read_layer(&said_log, s->gl, s->kept, p->frame,
-                                         &p->layer), GP_OK);
+    assert_ok(gp_flare_draw(&kept_log, s->gl, f, light, n, &t, p->frame,
+                                   p->display, &s->kept));
+    assert_ok(gp_flare_read_layer(&kept_log, s->gl, s->kept, p->frame,
+                                         &p->layer));
     gp_texture_free(s->gl, &t);
     free(rgba);
 }

@@ -42,8 +42,8 @@ static void lights_by_text(void **state)
         int n = -1;
         snprintf(text, sizeof text, i % 2 ? "[%s]" : "{'lights': [%s]}",
                  row[i / 2].text);
-        if (gp_lights_read(&said_log, jf_write(text), &got, &n) || n != 1)
-            fail_msg("row %zu: %s", i, said_line);
+        if (gp_lights_read(&kept_log, jf_write(text), &got, &n) || n != 1)
+            fail_msg("row %zu: %s", i, kept_line);
         assert_int_equal(got->place, want->place);
         assert_memory_equal(got->at, want->at, sizeof got->at);
         assert_true(got->radius == want->radius);
@@ -87,22 +87,21 @@ static void files_that_are_refused(void **state)
         {"'name': 1", "name"},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_light_spec *const none = (struct gp_light_spec *) said_line;
+        struct gp_light_spec *const none = (struct gp_light_spec *) kept_line;
         struct gp_light_spec *got = none;
         int n = -1;
         char text[200];
-        snprintf(text, sizeof text,
-                 row[i].text[0] == '\'' ? "[{'pixel': [1, 2], %s}]" : "%s",
-                 row[i].text);
-        gp_status st = gp_lights_read(&said_log, jf_write(text), &got, &n);
-        if (st != GP_ERR_DATA || !strstr(said_line, row[i].say) ||
-            !strstr(said_line, "; ") || strstr(said_line, path) != said_line)
-            fail_msg("row %zu: status %d, %s", i, st, said_line);
+        snprintf(text, sizeof text, row[i].text[0] == '\''
+                 ? "[{'pixel': [1, 2], %s}]" : "%s", row[i].text);
+        gp_status st = gp_lights_read(&kept_log, jf_write(text), &got, &n);
+        if (st != GP_ERR_DATA || !strstr(kept_line, row[i].say) ||
+            !strstr(kept_line, "; ") || strstr(kept_line, path) != kept_line)
+            fail_msg("row %zu: status %d, %s", i, st, kept_line);
         assert_true(got == none && n == -1);
     }
     struct gp_light_spec *got;
     int n;
-    assert_int_equal(gp_lights_read(&said_log, folder, &got, &n), GP_ERR_IO);
+    assert_int_equal(gp_lights_read(&kept_log, folder, &got, &n), GP_ERR_IO);
 }
 
 static void counts_up_to_the_limit(void **state)
@@ -116,13 +115,13 @@ static void counts_up_to_the_limit(void **state)
             at += snprintf(text + at, sizeof text - (size_t) at,
                            "%s{'pixel': [%d, 7]}", i ? "," : "", i);
         snprintf(text + at, sizeof text - (size_t) at, "]");
-        gp_status st = gp_lights_read(&said_log, jf_write(text), &got, &n);
+        gp_status st = gp_lights_read(&kept_log, jf_write(text), &got, &n);
         if (counts[k] > GP_LIGHTS_MAX) {
             assert_int_equal(st, GP_ERR_DATA);
-            assert_non_null(strstr(said_line, "found 1025); at most 1024"));
+            assert_kept("found 1025); at most 1024");
             continue;
         }
-        assert_int_equal(st, GP_OK);
+        assert_ok(st);
         assert_int_equal(n, counts[k]);
         for (int i = 0; i < n; i++)
             assert_true(got[i].at[0] == i && got[i].at[1] == 7.0);
@@ -136,8 +135,8 @@ static struct gp_camera camera(void)
     static const double ndc[16] = {0.5, 0, 0, 0, 0.5, 0.5, 1, 1,
                                    0,   -1, 0, 0, 0, 0, -0.1, 0};
     struct gp_camera c;
-    if (gp_camera_make(&said_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
-        fail_msg("%s", said_line);
+    if (gp_camera_make(&kept_log, "a.exr", NULL, ndc, GP_NDC_AUTO, &c))
+        fail_msg("%s", kept_line);
     return c;
 }
 
@@ -181,9 +180,9 @@ static void places_by_kind(void **state)
         struct gp_light_spec spec = row[i].spec;
         spec.bias = 0.25;
         spec.flux[1] = 7;
-        if (gp_light_place_in(&said_log, "a.exr", &spec, &c, row[i].type,
+        if (gp_light_place_in(&kept_log, "a.exr", &spec, &c, row[i].type,
                               window, &l))
-            fail_msg("row %zu: %s", i, said_line);
+            fail_msg("row %zu: %s", i, kept_line);
         if (!(fabs(l.x - row[i].x) < 1e-9 && fabs(l.y - row[i].y) < 1e-9 &&
             fabs(l.radius - row[i].radius) < 1e-9 &&
             (l.depth == row[i].depth || fabs(l.depth - row[i].depth) < 1e-12)))
@@ -216,14 +215,14 @@ static void places_that_cannot_be(void **state)
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};
-        said_line[0] = '\0';
-        gp_status st = gp_light_place_in(&said_log, "a.exr", &row[i].spec,
+        kept_line[0] = '\0';
+        gp_status st = gp_light_place_in(&kept_log, "a.exr", &row[i].spec,
                                          row[i].has_camera ? &c : NULL,
                                          row[i].type, window, &l);
-        if (st != row[i].st || !strstr(said_line, row[i].say))
-            fail_msg("row %zu: status %d, %s", i, st, said_line);
+        if (st != row[i].st || !strstr(kept_line, row[i].say))
+            fail_msg("row %zu: status %d, %s", i, st, kept_line);
         assert_true(st == GP_OK || l.x == 99);
-        assert_true(st == GP_OK || strstr(said_line, "a.exr: ") == said_line);
+        assert_true(st == GP_OK || strstr(kept_line, "a.exr: ") == kept_line);
     }
 }
 

@@ -35,7 +35,7 @@ static void cases(struct gp_light l[CASES])
 static void assert_sums(const struct machine *m, const struct sun_frame *f,
     const struct gp_map_params *p, struct gp_light *l, int n)
 {
-    assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, l, n));
+    assert_ok(gp_sun_map_read(&kept_log, m->gl, m->map, l, n));
     for (int i = 0; i < n; i++) {
         const double want = gp_sun_map_reference(&f->o, p, &l[i], NULL);
         if (!(fabs(l[i].visibility - want) <= 1e-6))
@@ -50,7 +50,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
                        struct gp_map_params p, struct gp_light *l, int n)
 {
     const int side = p.side, texels = side * side;
-    assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
+    assert_ok(gp_sun_map_draw(&kept_log, m->gl, &f->o, &p, l, n, &m->map));
     const int columns = m->map->columns, w = columns * side;
     const int h = (n + columns - 1) / columns * side;
     float *const atlas = malloc(4 * (size_t) w * (size_t) h * sizeof *atlas);
@@ -76,7 +76,7 @@ static void try_lights(struct machine *m, const struct sun_frame *f,
     free(atlas);
     assert_sums(m, f, &p, l, n);
     p.sum = GP_SUM_BILINEAR;
-    assert_ok(gp_sun_map_draw(&said_log, m->gl, &f->o, &p, l, n, &m->map));
+    assert_ok(gp_sun_map_draw(&kept_log, m->gl, &f->o, &p, l, n, &m->map));
     assert_sums(m, f, &p, l, n);
 }
 
@@ -190,7 +190,7 @@ static void bytes_saturate(void **state)
         struct machine *const m = machine_at(i);
         const struct gp_light l = light_at(30.0, 70.0, 5.0);
         float texel[4];
-        assert_ok(gp_sun_map_draw(&said_log, m->gl, &clear, &p, &l, 1,
+        assert_ok(gp_sun_map_draw(&kept_log, m->gl, &clear, &p, &l, 1,
                                   &m->map));
         gp_target_read(m->gl, &m->map->byte_sums, 0,
                        (struct gp_rect) {0, 0, 1, 1}, texel);
@@ -237,7 +237,7 @@ static void points_may_be_small(void **state)
         const struct gp_map_params p = {.side = 8};
         const float limit = m->gl->info.max_point;
         m->gl->info.max_point = most[k % 3];
-        assert_ok(gp_sun_map_draw(&said_log, m->gl, &f.o, &p, l, N, &m->map));
+        assert_ok(gp_sun_map_draw(&kept_log, m->gl, &f.o, &p, l, N, &m->map));
         m->gl->info.max_point = limit;
         assert_sums(m, &f, &p, l, N);
     }
@@ -266,7 +266,7 @@ static void textures_may_be_small(void **state)
                                 light_at(45.3, 75.2, rows[k % 4].radius)};
         m->gl->info.max_size = rows[k % 4].most;
         gp_sun_map_close(m->gl, &m->map); // its textures may be larger
-        const gp_status st = gp_sun_map_draw(&said_log, m->gl, &f.o, &p, l, 2,
+        const gp_status st = gp_sun_map_draw(&kept_log, m->gl, &f.o, &p, l, 2,
                                              &m->map);
         m->gl->info.max_size = limit;
         assert_int_equal(st, rows[k % 4].want);
@@ -321,7 +321,7 @@ static void readback_is_a_plain_count(void **state)
         make_frame(&f, (struct gp_rect) {-40, 25, 120, 125}, k / 6 % 4, 2);
         for (int i = 0; i < N; i++)
             l[i] = light_at(at[i][0], at[i][1], at[i][2]);
-        assert_ok(gp_sun_readback(&said_log, m->gl, &f.o, &p, l, N, &m->map));
+        assert_ok(gp_sun_readback(&kept_log, m->gl, &f.o, &p, l, N, &m->map));
         for (int i = 0; i < N; i++) {
             const double want = plain_count(&f.o, &p, &l[i]);
             if (!(fabs(l[i].visibility - want) < 1e-6))
@@ -330,7 +330,7 @@ static void readback_is_a_plain_count(void **state)
         }
         struct gp_light again[N];
         memcpy(again, l, sizeof l);
-        assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, again, N));
+        assert_ok(gp_sun_map_read(&kept_log, m->gl, m->map, again, N));
         for (int i = 0; i < N; i++)
             assert_true(fabs(again[i].visibility - l[i].visibility) < 1e-7);
         assert_true(m->map->intensity.colour.w == N);
@@ -433,13 +433,13 @@ static void refused(struct machine *m, const struct gp_occluders *o, int map,
     static struct gp_light l[GP_LIGHTS_MAX];
     for (int i = 0; i < GP_LIGHTS_MAX; i++)
         l[i] = light_at(30.0, 60.0, 4.0);
-    said_nothing();
-    assert_int_equal(gp_sun_map_draw(&said_log, m->gl, o, &p, l, n, &m->map),
+    kept_clear();
+    assert_int_equal(gp_sun_map_draw(&kept_log, m->gl, o, &p, l, n, &m->map),
                      want);
-    if (!strstr(said_line, said))
-        fail_msg("\"%s\" is not in \"%s\"", said, said_line);
+    if (!strstr(kept_line, said))
+        fail_msg("\"%s\" is not in \"%s\"", said, kept_line);
     // nothing was drawn, so nothing is read
-    assert_int_equal(gp_sun_map_read(&said_log, m->gl, m->map, l, 1),
+    assert_int_equal(gp_sun_map_read(&kept_log, m->gl, m->map, l, 1),
                      GP_ERR_BUG);
 }
 
@@ -473,7 +473,7 @@ static void pictures(void **state)
         for (int k = 0; k < 5; k++)
             l[k] = light_at(20.0 * k, 70.0, 6.0);
         measure(m, &f.o, &p, false, l, 5);
-        assert_ok(gp_sun_map_picture(&said_log, m->gl, m->map, false, &w, &h,
+        assert_ok(gp_sun_map_picture(&kept_log, m->gl, m->map, false, &w, &h,
                                      &grey));
         assert_true(w == 24 && h == 16);
         assert_true(grey[8 * w + 16] == 0.0f && grey[16 * w - 1] == 0.0f);
@@ -482,14 +482,14 @@ static void pictures(void **state)
             sum += (double) grey[(8 + t / 8) * w + 8 + t % 8];
         assert_true(fabs(sum / 64.0 - l[4].visibility) < 1e-6);
         gp_free(grey);
-        assert_ok(gp_sun_map_picture(&said_log, m->gl, m->map, true, &w, &h,
+        assert_ok(gp_sun_map_picture(&kept_log, m->gl, m->map, true, &w, &h,
                                      &grey));
         assert_true(w == 5 && h == 1);
         for (int k = 0; k < 5; k++)
             assert_true(fabs((double) grey[k] - l[k].visibility) < 1e-6);
         gp_free(grey);
-        assert_ok(gp_sun_readback(&said_log, m->gl, &f.o, &p, l, 5, &m->map));
-        assert_int_equal(gp_sun_map_picture(&said_log, m->gl, m->map, false,
+        assert_ok(gp_sun_readback(&kept_log, m->gl, &f.o, &p, l, 5, &m->map));
+        assert_int_equal(gp_sun_map_picture(&kept_log, m->gl, m->map, false,
                                             &w, &h, &grey), GP_ERR_USAGE);
     }
     free_frame(&f);

@@ -6,7 +6,7 @@
 #include "unit.h"
 
 #include "core/memory.h"
-#include "said.h"
+#include "kept_log.h"
 #include "sun/sun_priv.h"
 
 enum { MODES = 3 }; // of enum gp_sun_outside
@@ -54,9 +54,8 @@ static inline struct gp_plane plane_of(struct gp_rect window)
 {
     struct gp_plane p = {.window = window};
     void *v;
-    assert_ok(gp_alloc_zero(&said_log, "test",
-              (size_t) gp_rect_w(window) * (size_t) gp_rect_h(window),
-              sizeof *p.v, &v));
+    assert_ok(gp_alloc_zero(&kept_log, "test", (size_t) gp_rect_w(window) *
+                            (size_t) gp_rect_h(window), sizeof *p.v, &v));
     p.v = v;
     return p;
 }
@@ -137,8 +136,8 @@ static inline int open_machines(void **state)
     static const enum gp_gl_api apis[2] = {GP_GL_OSMESA, GP_GL_EGL};
     machine_count = 0;
     for (int i = 0; i < 2; i++) {
-        if (gp_gl_open(&said_log, apis[i], &machines[machine_count].gl))
-            print_message("no context: %s\n", said_line);
+        if (gp_gl_open(&kept_log, apis[i], &machines[machine_count].gl))
+            print_message("no context: %s\n", kept_line);
         else
             machine_count++;
     }
@@ -148,7 +147,7 @@ static inline int open_machines(void **state)
 static inline int close_machines(void **state)
 {
     for (int i = 0; i < machine_count; i++) {
-        assert_ok(gp_gl_use(&said_log, machines[i].gl));
+        assert_ok(gp_gl_use(&kept_log, machines[i].gl));
         gp_sun_map_close(machines[i].gl, &machines[i].map);
         assert_null(machines[i].map);
         gp_sun_map_close(machines[i].gl, &machines[i].map);
@@ -162,7 +161,7 @@ static inline struct machine *machine_at(int i)
 {
     if (!machine_count)
         skip_for("no GL");
-    assert_ok(gp_gl_use(&said_log, machines[i].gl));
+    assert_ok(gp_gl_use(&kept_log, machines[i].gl));
     return &machines[i];
 }
 
@@ -170,10 +169,9 @@ static inline struct machine *machine_at(int i)
 static inline void measure(struct machine *m, const struct gp_occluders *o,
     const struct gp_map_params *p, bool readback, struct gp_light *l, int n)
 {
-    assert_ok(readback ? gp_sun_readback(&said_log, m->gl, o, p, l, n, &m->map)
-                       : gp_sun_map_draw(&said_log, m->gl, o, p, l, n,
-                                         &m->map));
-    assert_ok(gp_sun_map_read(&said_log, m->gl, m->map, l, n));
+    assert_ok(readback ? gp_sun_readback(&kept_log, m->gl, o, p, l, n, &m->map)
+              : gp_sun_map_draw(&kept_log, m->gl, o, p, l, n, &m->map));
+    assert_ok(gp_sun_map_read(&kept_log, m->gl, m->map, l, n));
 }
 
 // -- pictures ----------------------------------------------------------------
@@ -188,7 +186,7 @@ static inline struct picture picture_make(struct gp_rect frame,
 {
     struct picture p = {.frame = frame, .display = display};
     const size_t n = (size_t) gp_rect_w(frame) * (size_t) gp_rect_h(frame);
-    assert_int_equal(gp_planes_make(&said_log, "test", n, &p.layer), GP_OK);
+    assert_ok(gp_planes_make(&kept_log, "test", n, &p.layer));
     for (int c = 0; c < 3; c++)
         memset(p.layer.c[c], 0, n * sizeof(float));
     return p;
@@ -222,8 +220,8 @@ static inline double total(const struct picture *p, int c)
 static inline void add(struct picture *p, const struct gp_flare *f,
                        const struct gp_light *light, int n)
 {
-    assert_int_equal(gp_flare_add(&said_log, f, light, n, p->frame,
-                                  p->display, &p->layer), GP_OK);
+    assert_ok(gp_flare_add(&kept_log, f, light, n, p->frame,
+                                  p->display, &p->layer));
 }
 
 /* One element of one light. */
@@ -293,8 +291,8 @@ static inline struct gp_flare_image image_make(int w, int h, double cx,
     static unsigned long serial;
     struct gp_flare_image m = {.w = w, .h = h, .cx = cx, .cy = cy,
                                .serial = ++serial};
-    assert_int_equal(gp_planes_make(&said_log, "test",
-                                    (size_t) w * (size_t) h, &m.rgb), GP_OK);
+    assert_ok(gp_planes_make(&kept_log, "test",
+                                    (size_t) w * (size_t) h, &m.rgb));
     for (int c = 0; c < 3; c++) {
         for (int i = 0; i < w * h; i++) {
             const double x = (i % w + 0.5) / w - 0.5;

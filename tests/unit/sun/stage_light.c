@@ -12,7 +12,7 @@ static void a_disc_keeps_flux_and_place(void **state)
     static const struct gp_rect frame = {-3, 7, -3 + W, 7 + H};
     for (int r = 0; r < 7; r++) {
         struct gp_disc_pixels d;
-        assert_int_equal(gp_disc_pixels_make(NULL, radius[r], &d), GP_OK);
+        assert_ok(gp_disc_pixels_make(NULL, radius[r], &d));
         for (int step = 0; step < 64; step++) {
             struct gp_source list[MOST];
             size_t n = 0;
@@ -44,7 +44,7 @@ static void a_disc_is_cut_to_the_frame(void **state)
         {-90.0, 15.0, 0.0}, {1e300, 15.0, 0.0}, {-1e9, -1e9, 0.0},
     };
     struct gp_disc_pixels d;
-    assert_int_equal(gp_disc_pixels_make(NULL, 6.0, &d), GP_OK);
+    assert_ok(gp_disc_pixels_make(NULL, 6.0, &d));
     for (int i = 0; i < 6; i++) {
         struct gp_source list[MOST];
         size_t n = 0;

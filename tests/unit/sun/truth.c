@@ -129,7 +129,7 @@ static struct gp_plane channel_of(const struct gp_frame *f, const char *name)
 {
     struct gp_plane p = plane_of(f->data);
     int index;
-    assert_int_equal(gp_find_depth(&said_log, f, name, NULL, &index), GP_OK);
+    assert_ok(gp_find_depth(&kept_log, f, name, NULL, &index));
     gp_channel_floats(f, index, p.v);
     return p;
 }
@@ -165,7 +165,7 @@ static void frames_of_the_data(void **state)
             l.depth = json_number_value(json_array_get(at, 2));
             snprintf(name, sizeof name, "%s.%lld.exr", stem, (long long)
                      json_integer_value(json_object_get(frame, "frame")));
-            assert_int_equal(read_file(name, &f), GP_OK);
+            assert_ok(read_file(name, &f));
             struct gp_plane z = channel_of(&f, "Z"), a = channel_of(&f, "A");
             const struct gp_occluders by_z = occluders(&z, NULL, f.data);
             const struct gp_occluders by_a = occluders(NULL, &a, f.data);

@@ -184,14 +184,12 @@ static void reinhard_keeps_luminance_and_hue(void **state)
             // hue: the direction away from the grey axis
             double spread = x[0] + x[1] - 2.0 * x[2];
             double got_spread = got[0] + got[1] - 2.0 * got[2];
-            assert_true(fabs((got[0] - got[1]) * spread -
-                             (x[0] - x[1]) * got_spread) <=
-                        1e-6 * fabs(spread));
+            assert_true(fabs((got[0] - got[1]) * spread - (x[0] - x[1]) *
+                             got_spread) <= 1e-6 * fabs(spread));
         }
     }
 }
 
 SUITE_OF(curves, NULL, NULL, operators_are_their_equations,
          dark_light_keeps_its_digits, published_points, grey_ramps_rise,
-         output_is_always_in_range,
-         reinhard_keeps_luminance_and_hue)
+         output_is_always_in_range, reinhard_keeps_luminance_and_hue)

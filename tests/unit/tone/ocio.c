@@ -75,9 +75,9 @@ static struct gp_frame lit_frame(int w, int h, float first)
 static struct gp_ocio *opened(const struct gp_ocio_params *p)
 {
     struct gp_ocio *o;
-    wf_line[0] = '\0';
-    if (gp_ocio_open(&wf_log, p, &o))
-        fail_msg("%s", wf_line);
+    kept_clear();
+    if (gp_ocio_open(&kept_all, p, &o))
+        fail_msg("%s", kept_line);
     return o;
 }
 
@@ -107,7 +107,7 @@ static void view_of_every_pixel(void **state)
         const float scale = rows[i].automatic ? gp_tone_scale(&tone, &f)
                                               : exp2f(rows[i].ev);
         assert_true(scale > 0.0f && (scale != 1.0f || !rows[i].automatic));
-        assert_ok(gp_ocio_show(&wf_log, o, &tone, &f));
+        assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
         for (size_t k = 0; k < 3 * gp_frame_pixels(&f); k++) {
             const float x = f.lit.c[k % 3][k / 3];
             const float y = 0.5f * (x * scale) + 0.25f;
@@ -131,7 +131,7 @@ static void bad_pixels_stay_alone(void **state)
         struct gp_frame f = lit_frame(5, 5, bad[i]);
         struct gp_tone_params tone = GP_TONE_DEFAULTS;
         tone.exposure = 8;
-        assert_ok(gp_ocio_show(&wf_log, o, &tone, &f));
+        assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
         for (size_t k = 1; k < 25; k++)
             assert_true(f.shown.c[0][k] == 128.0f * f.lit.c[0][k] + 0.25f);
         assert_true(isnan(bad[i]) || isfinite(f.shown.c[0][0]));
@@ -155,8 +155,8 @@ static void same_for_any_threads(void **state)
     for (int threads = 1; threads <= 5; threads += 2) {
         struct gp_planes out = {0};
         gp_set_threads(threads);
-        assert_ok(gp_ocio_show(&wf_log, o, &tone, &f));
-        assert_ok(gp_ocio_convert(&wf_log, o, &f, &out));
+        assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
+        assert_ok(gp_ocio_convert(&kept_all, o, &f, &out));
         if (threads == 1)
             memcpy(first, f.shown.c[2], n * sizeof *first);
         assert_memory_equal(first, f.shown.c[2], n * sizeof *first);
@@ -179,8 +179,8 @@ static void only_what_was_asked(void **state)
     p.shows = false;
     struct gp_ocio *o = opened(&p);
     assert_null(gp_ocio_names(o)->view);
-    assert_int_equal(gp_ocio_show(&wf_log, o, &tone, &f), GP_ERR_BUG);
-    assert_int_equal(gp_ocio_convert(&wf_log, o, &f, &out), GP_ERR_BUG);
+    assert_int_equal(gp_ocio_show(&kept_all, o, &tone, &f), GP_ERR_BUG);
+    assert_int_equal(gp_ocio_convert(&kept_all, o, &f, &out), GP_ERR_BUG);
     assert_null(out.c[0]);
     gp_frame_free(&f);
     gp_ocio_close(&o);
@@ -192,7 +192,7 @@ static float shown_red(const struct gp_ocio_params *p, float light)
     struct gp_ocio *o = opened(p);
     struct gp_frame f = lit_frame(1, 1, light);
     const struct gp_tone_params tone = GP_TONE_DEFAULTS;
-    assert_ok(gp_ocio_show(&wf_log, o, &tone, &f));
+    assert_ok(gp_ocio_show(&kept_all, o, &tone, &f));
     const float red = f.shown.c[0][0];
     gp_frame_free(&f);
     gp_ocio_close(&o);
@@ -261,11 +261,11 @@ static void wrong_names_list_the_right_ones(void **state)
         struct gp_ocio_params p = rows[i].p;
         struct gp_ocio *o;
         p.config = wf_path("c.ocio");
-        assert_int_equal(gp_ocio_open(&wf_log, &p, &o), GP_ERR_USAGE);
+        assert_int_equal(gp_ocio_open(&kept_all, &p, &o), GP_ERR_USAGE);
         assert_null(o);
-        wf_assert_said(rows[i].option);
-        wf_assert_said(rows[i].offers);
-        assert_null(strchr(wf_line, '\n'));
+        assert_kept(rows[i].option);
+        assert_kept(rows[i].offers);
+        assert_null(strchr(kept_line, '\n'));
     }
 }
 
@@ -282,10 +282,10 @@ static void many_names_are_cut(void **state)
     free(text);
     struct gp_ocio_params p = {.config = wf_path("many.ocio"), .input = "x"};
     struct gp_ocio *o;
-    assert_int_equal(gp_ocio_open(&wf_log, &p, &o), GP_ERR_USAGE);
-    wf_assert_said("s0, s1, s2");
-    wf_assert_said(" more");
-    assert_true(strlen(wf_line) < 800);
+    assert_int_equal(gp_ocio_open(&kept_all, &p, &o), GP_ERR_USAGE);
+    assert_kept("s0, s1, s2");
+    assert_kept(" more");
+    assert_true(strlen(kept_line) < 800);
     p.input = NULL; // no scene_linear: the default
     o = opened(&p);
     assert_string_equal(gp_ocio_names(o)->input, "s0");
@@ -324,14 +324,14 @@ static void bad_configs(void **state)
         struct gp_ocio_params p = {.config = wf_path(rows[i].name),
                                    .shows = true};
         struct gp_ocio *o;
-        assert_int_equal(gp_ocio_open(&wf_log, &p, &o), rows[i].status);
-        wf_assert_said(p.config);
-        wf_assert_said(rows[i].said);
-        wf_assert_said("; ");
-        assert_null(strchr(wf_line, '\n'));
+        assert_int_equal(gp_ocio_open(&kept_all, &p, &o), rows[i].status);
+        assert_kept(p.config);
+        assert_kept(rows[i].said);
+        assert_kept("; ");
+        assert_null(strchr(kept_line, '\n'));
     }
 }
 
-SUITE_OF(ocio, start, wf_end, view_of_every_pixel, bad_pixels_stay_alone,
+SUITE_OF(ocio, start, remove_folder, view_of_every_pixel, bad_pixels_stay_alone,
          same_for_any_threads, only_what_was_asked, what_is_chosen,
          wrong_names_list_the_right_ones, many_names_are_cut, bad_configs)

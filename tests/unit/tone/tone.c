@@ -51,10 +51,10 @@ static void unknown_curve_is_refused(void **state)
 {
     struct gp_frame f = make_frame(2, 2);
     struct gp_tone_params p = {.curve = "filmic"};
-    assert_int_equal(gp_tone_map(&said_log, &p, &f, NULL), GP_ERR_USAGE);
-    assert_non_null(strstr(said_line, "filmic"));
-    assert_non_null(strstr(said_line, "reinhard, reinhard-extended"));
-    assert_non_null(strstr(said_line, "none"));
+    assert_int_equal(gp_tone_map(&kept_log, &p, &f, NULL), GP_ERR_USAGE);
+    assert_kept("filmic");
+    assert_kept("reinhard, reinhard-extended");
+    assert_kept("none");
     assert_null(f.shown.c[0]);
     gp_frame_free(&f);
 }
@@ -333,7 +333,7 @@ static double found;
 static gp_status run_map(void)
 {
     const struct gp_tone_params p = GP_TONE_DEFAULTS;
-    const gp_status st = gp_tone_map(&said_log, &p, &starved, NULL);
+    const gp_status st = gp_tone_map(&kept_log, &p, &starved, NULL);
     for (size_t i = 0; !st && i < gp_frame_pixels(&starved); i++)
         found += (double) starved.shown.c[i % 3][i];
     gp_planes_free(&starved.shown);
