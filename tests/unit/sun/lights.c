@@ -202,24 +202,21 @@ static void places_that_cannot_be(void **state)
         bool has_camera;
         enum gp_depth_type type;
         gp_status st;
-        const char *say;
     } row[] = {
         {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, false,
-         GP_DEPTH_Z, GP_ERR_USAGE, "no worldToNDC); give --camera"},
+         GP_DEPTH_Z, GP_ERR_USAGE},
         {{.place = GP_PLACE_DIRECTION, .at = {0, 1, 0}, .depth = 3}, false,
-         GP_DEPTH_Z, GP_ERR_USAGE, "\"direction\" needs a camera"},
+         GP_DEPTH_Z, GP_ERR_USAGE},
         {{.place = GP_PLACE_WORLD, .at = {0, 1, 0}, .depth = NAN}, true,
-         GP_DEPTH_NORMALIZED, GP_ERR_DATA, "give the light \"depth\""},
-        {{.place = GP_PLACE_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK,
-         ""},
+         GP_DEPTH_NORMALIZED, GP_ERR_DATA},
+        {{.place = GP_PLACE_PIXEL, .depth = NAN}, false, GP_DEPTH_Z, GP_OK},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
         struct gp_light l = {.x = 99};
-        kept_line[0] = '\0';
         gp_status st = gp_light_place_in(&kept_log, "a.exr", &row[i].spec,
                                          row[i].has_camera ? &c : NULL,
                                          row[i].type, window, &l);
-        if (st != row[i].st || !strstr(kept_line, row[i].say))
+        if (st != row[i].st)
             fail_msg("row %zu: status %d, %s", i, st, kept_line);
         assert_true(st == GP_OK || l.x == 99);
         assert_true(st == GP_OK || strstr(kept_line, "a.exr: ") == kept_line);
