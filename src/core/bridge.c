@@ -14,7 +14,7 @@
 bool gp_bridge_find(const char *name, char *path, size_t size)
 {
     char program[PATH_MAX];
-    // "" when the system does not say where the program is
+    // "" where /proc is not mounted
     const ssize_t at = readlink("/proc/self/exe", program, sizeof program - 1);
     program[at > 0 ? at : 0] = '\0';
     char *const slash = strrchr(program, '/');
@@ -41,7 +41,7 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
     char path[PATH_MAX];
     const void *(*function)(void) = NULL;
     if (!gp_bridge_find(name, path, sizeof path)) {
-        snprintf(why, why_size, "%s is not there", name);
+        snprintf(why, why_size, "%s not found", name);
         return NULL;
     }
     void *const library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
@@ -54,7 +54,7 @@ const void *gp_bridge_open(const char *name, const char *entry, char *why,
     memcpy(&function, &symbol, sizeof function);
     const void *const api = function ? function() : NULL;
     if (!api) {
-        snprintf(why, why_size, "%s is of another version", name);
+        snprintf(why, why_size, "%s has another version", name);
         dlclose(library);
     }
     return api;
@@ -65,7 +65,7 @@ gp_status gp_shared_make(const struct gp_log *log, const char *path,
 {
     struct gp_shared s = {.size = size};
     s.fd = memfd_create("glarepp", MFD_CLOEXEC | MFD_ALLOW_SEALING);
-    // sealed: who shares it cannot take pages from under this process
+    // sealed: a truncation by the helper would end this process by SIGBUS
     const bool sized =
         s.fd >= 0 && ftruncate(s.fd, (off_t) size) == 0 &&
         fcntl(s.fd, F_ADD_SEALS, F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_SEAL) ==

@@ -1,5 +1,5 @@
-/* JSON: files read strictly, with messages that name the place; and strings of
- * any bytes as JSON. */
+/* JSON: reads files strictly, with messages that name the place; makes JSON of
+ * strings of any bytes. */
 #include "core/json.h"
 
 #include "core/memory.h"
@@ -17,8 +17,8 @@
 
 // -- memory ------------------------------------------------------------------
 
-/* jansson leaves out what it cannot allocate, and reports some of it as bad
- * JSON: a failure counts on its thread until the next text or file. */
+/* jansson omits what it cannot allocate, and reports some of it as bad JSON: a
+ * failed allocation counts on its thread until the next text or file. */
 static _Thread_local bool full;
 
 static void *allocate(size_t size)
@@ -28,7 +28,7 @@ static void *allocate(size_t size)
     return p;
 }
 
-/* Before any value is made, by whatever program this is linked into. */
+/* Runs before any value is made, in every program that links this. */
 __attribute__((constructor)) static void set_allocator(void)
 {
     json_set_alloc_funcs(allocate, free);
@@ -83,7 +83,7 @@ static struct words cut_text(const char *text)
     return s;
 }
 
-/* Says what a value is: "a text", "an array of 2", "0.5". */
+/* Describes a value: "a string", "an array of 2", "0.5". */
 static struct words found_text(const json_t *v)
 {
     struct words t;
@@ -95,7 +95,7 @@ static struct words found_text(const json_t *v)
         snprintf(t.text, sizeof t.text, "an array of %zu", json_array_size(v));
         break;
     case JSON_STRING:
-        snprintf(t.text, sizeof t.text, "a text");
+        snprintf(t.text, sizeof t.text, "a string");
         break;
     case JSON_INTEGER:
     case JSON_REAL:
@@ -222,10 +222,10 @@ gp_status gp_json_array(const struct gp_json_place *p, json_t *root,
         return fail_at(p, "no \"%s\" (found an object without it); give "
                        "{\"%s\": [...]}", key, key);
     if (!json_is_array(a))
-        return fail_at(p, "\"%s\" is no array (found %s); give "
+        return fail_at(p, "\"%s\" is not an array (found %s); give "
                        "{\"%s\": [...]}", key, found_text(a).text, key);
     if (json_array_size(a) > most)
-        return fail_at(p, "too many in \"%s\" (found %zu); at most %zu",
+        return fail_at(p, "too many in \"%s\" (found %zu); give at most %zu",
                        key, json_array_size(a), most);
     *out = a;
     return GP_OK;
@@ -247,11 +247,11 @@ gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
     json_t *value;
     int at;
     if (!json_is_object(o))
-        return fail_at(p, "no object (found %s); give {...} with %s",
+        return fail_at(p, "not an object (found %s); give {...} with %s",
                        found_text(o).text, names_text(keys).text);
     json_object_foreach (o, key, value) { // in the file's order
         if (!in_list(key, keys, &at))
-            return fail_at(p, "unknown key (found \"%s\"); there are %s",
+            return fail_at(p, "unknown key (found \"%s\"); use one of %s",
                            cut_text(key).text, names_text(keys).text);
     }
     return GP_OK;
@@ -259,7 +259,7 @@ gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
 
 // -- values ------------------------------------------------------------------
 
-/* The value of a key, or NULL; tells *found where the caller asks. */
+/* Returns the value of a key, or NULL; sets *found unless that is NULL. */
 static json_t *value_of(json_t *o, const char *key, bool *found)
 {
     json_t *v = json_object_get(o, key);
@@ -272,7 +272,7 @@ static gp_status check_number(const struct gp_json_place *p, const char *key,
     const json_t *v, double lo, double hi, double *out)
 {
     if (!json_is_number(v))
-        return fail_at(p, "\"%s\" is no number (found %s); give %s",
+        return fail_at(p, "\"%s\" is not a number (found %s); give %s",
                        key, found_text(v).text, range_text(lo, hi).text);
     double d = json_number_value(v);
     if (!(isfinite(d) && d >= lo && d <= hi))
@@ -300,8 +300,8 @@ gp_status gp_json_int(const struct gp_json_place *p, json_t *o,
     if (st)
         return st;
     if (d != floor(d))
-        return fail_at(p, "\"%s\" is no whole number (found %s); give %d to "
-                       "%d", key, found_text(v).text, lo, hi);
+        return fail_at(p, "\"%s\" is not a whole number (found %s); give %d "
+                       "to %d", key, found_text(v).text, lo, hi);
     *out = (int) d;
     return GP_OK;
 }
@@ -314,12 +314,12 @@ gp_status gp_json_numbers(const struct gp_json_place *p, json_t *o,
     if (!v)
         return GP_OK;
     const bool lone = grey && !json_is_array(v);
-    if (!lone && json_array_size(v) != (size_t) count) // 0 of what is none
-        return fail_at(p, "\"%s\" is no array of %d numbers (found %s); give "
-                       "%d of them%s", key, count,
+    if (!lone && json_array_size(v) != (size_t) count) // 0 of no array
+        return fail_at(p, "\"%s\" is not an array of %d numbers (found %s); "
+                       "give %d of them%s", key, count,
                        found_text(v).text, count, grey ? ", or one" : "");
     double read = 0.0;
-    // all are looked at before any is written
+    // checks all before it writes any
     for (int pass = 0; pass < 2; pass++) {
         for (int i = 0; i < count; i++) {
             const json_t *item = lone ? v : json_array_get(v, (size_t) i);
@@ -340,7 +340,7 @@ gp_status gp_json_text(const struct gp_json_place *p, json_t *o,
     if (!v)
         return GP_OK;
     if (!json_is_string(v))
-        return fail_at(p, "\"%s\" is no text (found %s); put it in quotes",
+        return fail_at(p, "\"%s\" is not a string (found %s); put it in quotes",
                        key, found_text(v).text);
     *out = json_string_value(v);
     return GP_OK;
@@ -355,7 +355,7 @@ gp_status gp_json_choice(const struct gp_json_place *p, json_t *o,
     if (st || !text)
         return st;
     if (!in_list(text, names, &at))
-        return fail_at(p, "unknown \"%s\" (found \"%s\"); there are %s",
+        return fail_at(p, "unknown \"%s\" (found \"%s\"); use one of %s",
                        key, cut_text(text).text, names_text(names).text);
     *out = at;
     return GP_OK;

@@ -114,8 +114,8 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
     size_t bytes;
     if (__builtin_mul_overflow(count, size, &bytes) ||
         bytes > SIZE_MAX - HUGE_PAGE)
-        return gp_fail_bare(log, GP_ERR_BUG, "%s: more memory than there can "
-            "be (%zu x %zu bytes); use a smaller frame", what, count, size);
+        return gp_fail_bare(log, GP_ERR_BUG, "%s: size overflows (%zu x %zu "
+            "bytes); use a smaller frame", what, count, size);
     bytes += !bytes; // never none: NULL is only for failure
     const size_t align = bytes < LARGE ? GP_ALIGN : HUGE_PAGE;
     if (kept.on && bytes >= KEPT_LEAST) {

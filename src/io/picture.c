@@ -251,8 +251,9 @@ gp_status gp_picture_make(const struct gp_log *log,
     *out = (struct gp_picture) {0};
     if (w < 1 || h < 1 || w > edge_max || h > edge_max || w > pixels_max / h)
         return gp_fail(log, GP_ERR_DATA,
-            "%s: no picture of this display window (%lld x %lld "
-            "pixels); write .exr", path, (long long) w, (long long) h);
+            "%s: cannot make a picture of this display window "
+            "(%lld x %lld pixels); write .exr", path, (long long) w,
+            (long long) h);
     *out = (struct gp_picture) {
         .width = (int) w, .height = (int) h, .channels = channel >= 0 ? 4 : 3,
         .bits = p->depth_bits,

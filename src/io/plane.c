@@ -210,9 +210,9 @@ static gp_status search_depth(const struct gp_log *log,
             continue;
         if (list->view && part == first)
             gp_say(log, GP_LEVEL_WARN,
-                   "%s: depth %s of another view is taken for view %s, which "
-                   "has none; choose with --depth or --depth-file",
-                   list->path, part->channel[i].name, list->view);
+                   "%s: view %s has no depth: using %s of another view; choose "
+                   "with --depth or --depth-file", list->path, list->view,
+                   part->channel[i].name);
         *out = (struct gp_plane_place) {part, i};
     }
     return st;
@@ -264,22 +264,21 @@ gp_status gp_plane_pick(const struct gp_log *log,
         return gp_fail(log, GP_ERR_USAGE,
                        depth ? "%s: no channel is clearly depth (it has %s); "
                                "name one with --depth"
-                             : "%s: has no alpha, and not one channel only "
+                             : "%s: has neither alpha nor a single channel "
                                "(it has %s); name one with --mask",
                        list->path, names);
     // what was found beside a frame may not be what its user expects
     const char *const view = list->part[0].view;
     if (at.part && !own_file && at.part->deep) {
         gp_say(log, GP_LEVEL_WARN,
-               "%s: depth is only in part %d, which is deep and is not read; "
+               "%s: only part %d has depth, and deep parts are not read; "
                "flatten it, with e.g. oiiotool --flatten", list->path,
                at.part->part);
         at = (struct gp_plane_place) {0};
     } else if (at.part && !own_file && other_view(at.part->view, view)) {
         gp_say(log, GP_LEVEL_WARN,
-               "%s: depth of view %s is taken for colour of view %s, which "
-               "has none; choose with --depth or --depth-file", list->path,
-               at.part->view, view);
+               "%s: view %s has no depth: using that of view %s; choose with "
+               "--depth or --depth-file", list->path, view, at.part->view);
     }
     *out = at;
 out:

@@ -138,8 +138,8 @@ gp_status gp_pfm_open(const struct gp_log *log, const char *path,
         return gp_fail(log, GP_ERR_IO, "%s: cannot read (%m); check the file",
                        path);
     if (!parse_header(first, (size_t) n, &h))
-        return gp_fail(log, GP_ERR_DATA, "%s: its header is damaged; a PFM "
-                       "begins with PF or Pf, width, height and scale", path);
+        return gp_fail(log, GP_ERR_DATA, "%s: damaged PFM header; it must "
+                       "begin with PF or Pf, width, height and scale", path);
     gp_status st = gp_window_check(log, path, "data", h.width, h.height,
                                    max_pixels);
     if (!st && !holds_rows(&h, stream->size))
@@ -220,8 +220,8 @@ static gp_status write_samples(const struct gp_log *log,
     if (frames && frames->w &&
         (frames->w != pic.width || frames->h != pic.height))
         GP_TRY(gp_fail(log, GP_ERR_DATA,
-                       "%s: another size than the raw frames before it (found "
-                       "%d x %d after %d x %d); make it in a run of its own",
+                       "%s: size differs from the raw frames before (found %d "
+                       "x %d after %d x %d); make it in a run of its own",
                        f->path ? f->path : path, pic.width, pic.height,
                        frames->w, frames->h));
     if (frames)

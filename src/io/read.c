@@ -380,9 +380,9 @@ static gp_status find_members(const struct gp_log *log, const char *path,
             return gp_no_memory(log, path);
         if ((!r || !r->length) && m->n > 0)
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: what follows frame %d is no EXR, PNG or PFM "
-                           "(found %02x at byte %llu); give whole files, one "
-                           "after the other", path, m->n, data[0],
+                           "%s: no EXR, PNG or PFM follows frame %d (found "
+                           "%02x at byte %llu); give whole files, one after "
+                           "the other", path, m->n, data[0],
                            (unsigned long long) at);
         if (size == 0 || size > left)
             size = left;
@@ -410,7 +410,7 @@ gp_status gp_members_read(const struct gp_log *log,
     bool exr;
     GP_TRY(gp_read_open(log, p, path, &m.stream, &exr));
     if (!m.stream.data)
-        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: is no pipe", path));
+        GP_TRY(gp_fail(log, GP_ERR_BUG, "%s: is not a pipe", path));
     GP_TRY(find_members(log, path, &m));
     *out = m;
     return GP_OK;

@@ -122,8 +122,8 @@ gp_status gp_pattern_find(const struct gp_log *log, const char *path,
     }
     if (p.digits > GP_FRAME_DIGITS)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: frame numbers this long do not exist (%d digits); "
-                       "use at most %d", path, p.digits, GP_FRAME_DIGITS);
+                       "%s: frame number too long (%d digits); use at most %d"
+                       , path, p.digits, GP_FRAME_DIGITS);
     for (const char *c = path; *c; c++)
         p.views += view_token(c) > 0;
     *out = p;

@@ -144,7 +144,7 @@ gp_status gp_ocio_open(const struct gp_log *log,
     if (!api)
         api = gp_bridge_open("glarepp-ocio.so", "gp_ocio_api", why, sizeof why);
     if (api && api->version != GP_OCIO_API_VERSION) {
-        snprintf(why, sizeof why, "glarepp-ocio.so is of another version");
+        snprintf(why, sizeof why, "glarepp-ocio.so has another version");
         api = NULL;
     }
     if (!api)

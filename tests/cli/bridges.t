@@ -43,7 +43,7 @@ ROWS
     one_line_error in.tif "$1: compare, one line"
 }
 
-needs_them 'no bridges' 'is not there'
+needs_them 'no bridges' 'not found'
 
 mkdir none
 for name in glarepp-oiio glarepp-ocio.so; do

@@ -187,7 +187,7 @@ no 'nothing was written' ls no.exr no.png
 "$python" "$cli/exr.py" two.exr part=depth:Z:float part=more:id:uint
 ok 'a file of parts' "$glarepp" --part rgba --hdr out.exr two.exr
 ok 'whose other parts are the bytes they were' files parts two.exr out.exr 0
-ok 'a part of one channel' "$glarepp" --part 1 --hdr out.exr two.exr
+ok 'a part of one channel' "$glarepp" --part 1 --layer-in Z --hdr out.exr two.exr
 ok 'is made anew alone' files parts two.exr out.exr 1
 
 if [ -z "$data" ]; then

@@ -66,7 +66,7 @@ fi
 same one three 'the same bytes from three threads'
 
 run --raw rgb24 -o - s.0001.exr s.0002.exr odd.0004.exr
-fails_with 4 'odd.0004.exr: another size' 'a raw frame of another size'
+fails_with 4 'odd.0004.exr: size differs' 'a raw frame of another size'
 is "$(wc -c <out)" $((2 * 64 * 50 * 3)) 'a raw frame of another size: none of it'
 run --raw rgb24 --hdr - s.0001.exr
 fails_with 2 '--hdr keeps all channels' '--hdr is EXR alone'

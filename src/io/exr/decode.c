@@ -101,15 +101,15 @@ static gp_status read_chunks(const struct gp_log *log, struct gp_exr_chunks *cs)
             wrong = exr_get_default_error_message(r);
         else if (c->idx != i || (!cs->lines && c->start_x != x) ||
                  c->start_y != y || c->width != w || c->height != h)
-            wrong = "it is not where it belongs";
+            wrong = "it is out of place";
 
         uint64_t bytes = 0;
         if (!wrong && (!unpacked_bytes(cs, c, &bytes) ||
                        bytes != c->unpacked_size))
             return gp_fail(log, GP_ERR_DATA,
-                           "%s: channels are subsampled in a way that its "
-                           "blocks of lines do not hold (chunk %d); write the "
-                           "file without subsampling", cs->path, i + 1);
+                           "%s: a chunk is no whole number of the channels' "
+                           "subsampling steps (chunk %d); write the file "
+                           "without subsampling", cs->path, i + 1);
         // the 64 are for headers and for the last, unfinished unit
         if (!wrong && c->packed_size > size)
             wrong = "it ends after the file";
@@ -372,7 +372,7 @@ static gp_status decode_by_oiio(const struct gp_log *log,
         if (e->x_sampling != 1 || e->y_sampling != 1)
             return gp_fail(log, GP_ERR_DATA,
                            "%s: channel %s is subsampled and DWA compressed, "
-                           "which nothing here decodes; write the file with "
+                           "which glarepp cannot decode; write the file with "
                            "another compression", cs->path, e->name.str);
     }
     gp_status st = gp_oiio_open(log, cs->path, s, "openexr", cs->part,

@@ -96,7 +96,7 @@ static gp_status read_part(struct deep *d, long long max_pixels)
     const int all = l->input->index->part[l->part].chunks;
     l->chunks = n < all ? (int) n : all;
     if (n > all || (uint64_t) n > l->input->stream.size / sizeof *d->offset)
-        return damaged(d, l->chunks, "it is not there");
+        return damaged(d, l->chunks, "it is missing");
     GP_TRY(gp_alloc(d->log, l->path, (size_t) n, sizeof *d->offset,
                     &d->offset));
     if (!gp_exr_offsets_read(l->input, l->part, 0, l->chunks, d->offset))
@@ -135,7 +135,7 @@ static gp_status find_block(const struct deep *d, int i, struct block *b)
     const bool right = l->lines ? place[0] == l->y0 + b->y0
                                 : place[0] == tx && place[1] == ty &&
                                       place[2] == 0 && place[3] == 0;
-    return right ? GP_OK : damaged(d, i, "it is not where it belongs");
+    return right ? GP_OK : damaged(d, i, "it is out of place");
 }
 
 /* Reads and expands `packed` bytes at `from` into d->bytes, `size` of them. */

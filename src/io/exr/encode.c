@@ -267,9 +267,8 @@ static gp_status refused(const struct gp_log *log, const char *path,
     if (st == GP_ERR_BUG)
         return gp_exr_fault_print(log, path, st);
     return gp_fail(log, GP_ERR_USAGE,
-                   "%s: OpenEXR cannot put these channels into this "
-                   "compression (names or subsampling); use --compression "
-                   "zip", path);
+                   "%s: OpenEXR cannot compress these channels so (names or "
+                   "subsampling); use --compression zip", path);
 }
 
 static gp_status start_worker(const struct gp_log *log, const char *path,
@@ -401,8 +400,8 @@ static gp_status take_chunks(struct gp_exr_out *out, int part,
     // the library writes another compression where it does not trust its own
     if ((int) cs.compression != (int) img->compression)
         GP_TRY(gp_fail(out->log, GP_ERR_BUG,
-                       "%s: OpenImageIO writes these channels in another "
-                       "compression than DWA; use --compression zip", path));
+                       "%s: OpenImageIO did not compress these channels by "
+                       "DWA; use --compression zip", path));
     for (int i = 0; i < cs.chunks && i < out->table[part].chunks; i++) {
         const exr_chunk_info_t *c = &cs.chunk[i];
         GP_FREE(data);
@@ -412,7 +411,7 @@ static gp_status take_chunks(struct gp_exr_out *out, int part,
             GP_TRY(gp_exr_fault()
                        ? gp_exr_fault_print(out->log, path, gp_exr_fault())
                        : gp_fail(out->log, GP_ERR_BUG,
-                                 "%s: DWA chunk %d was not made", path, i));
+                                 "%s: no DWA chunk %d", path, i));
         GP_TRY(gp_exr_out_scanlines(out, part, i, c->start_y, data,
                                     c->packed_size));
     }
@@ -449,7 +448,7 @@ static gp_status encode_dwa(struct gp_exr_out *out, int part,
         if (s->xs != 1 || s->ys != 1)
             return gp_fail(log, GP_ERR_USAGE,
                            "%s: channel %s is subsampled, which DWA "
-                           "compression cannot hold here; use --compression "
+                           "compression does not take here; use --compression "
                            "zip", path, s->name);
         step += gp_type_size(s->type);
     }

@@ -277,8 +277,8 @@ static gp_status add_attribute(struct walk *walk,
         for (char *c = walk->type; *c; c++)
             *c = *c > ' ' && *c <= '~' ? *c : '?';
         GP_TRY(gp_fail(walk->log, GP_ERR_DATA,
-                       "%s: the attribute %s is damaged (its %u bytes are no "
-                       "%s); copy or render the file again", walk->path,
+                       "%s: attribute %s is damaged (its %u bytes are not a "
+                       "valid %s); copy or render the file again", walk->path,
                        walk->name, walk->at.size, must ? must : walk->type));
     }
     GP_TRY(grow_list(walk, &list, index->attrs, sizeof *index->attr));

@@ -75,8 +75,8 @@ static gp_status check_sampling(const struct reading *r)
             continue;
         }
         return gp_fail(r->log, GP_ERR_DATA,
-            "%s: channel %s is subsampled %d x %d, which no colour "
-            "has; write it at full resolution", r->path, e->name.str, xs, ys);
+            "%s: colour channel %s is subsampled (%d x %d); write it at "
+            "full resolution", r->path, e->name.str, xs, ys);
     }
     return GP_OK;
 }
@@ -289,7 +289,7 @@ gp_status gp_read_layer(const struct gp_log *log,
     gp_status st;
     if (!in || !in->exr)
         return gp_fail(log, GP_ERR_USAGE,
-                       "%s: layers beside the frame are read from EXR alone; "
+                       "%s: only EXR files have layers beside the frame; "
                        "convert it, with e.g. oiiotool", f->path);
     // in the view that is asked for; else in that of f's part first, since a
     // layer of the other eye is the last that is meant

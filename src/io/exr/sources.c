@@ -201,9 +201,9 @@ static gp_status add_frame(const struct group *g,
         out->new_name[out->new_names++] = name;
         if (is_taken(g, f, name))
             return gp_fail(g->log, GP_ERR_DATA,
-                           "%s: the glare has a colour that needs a channel "
-                           "%s, and the file has another one of that name; "
-                           "rename it", f->path, name);
+                           "%s: the coloured glare needs a new channel %s, and "
+                           "the file has another one of that name; rename "
+                           "that", f->path, name);
         add_plane(out, g->p, name, f, plane[c], like->linear);
     }
     return GP_OK;
@@ -233,7 +233,7 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
             (i > 0 && strcmp(out->source[i - 1].name, name) == 0))
             GP_TRY(gp_fail(log, GP_ERR_DATA,
                            "%s: EXR cannot hold its channels (name \"%.40s\" "
-                           "is empty, too long, or there twice); rename them",
+                           "is empty, too long, or used twice); rename them",
                            set[0].f->path, name));
     }
 out:

@@ -93,7 +93,7 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
         // the header has to say so too
         if (c >= GP_COMPRESSION_DWAA && part->sources.sources == 1) {
             gp_say(w->log, GP_LEVEL_WARN,
-                   "%s: one channel alone (%s) cannot be DWA; it is written as "
+                   "%s: a single channel (%s) cannot be DWA; it is written as "
                    "zip", w->path, part->sources.source[0].name);
             c = GP_COMPRESSION_ZIP;
         }

@@ -62,10 +62,10 @@ static void end_helper(struct helper *h, const char *why)
     if (why)
         snprintf(h->cause, sizeof h->cause, "%s", why);
     else if (h->killed)
-        snprintf(h->cause, sizeof h->cause, "was ended by signal %d, %s",
+        snprintf(h->cause, sizeof h->cause, "was killed by signal %d, %s",
                  WTERMSIG(status), strsignal(WTERMSIG(status)));
     else if (known)
-        snprintf(h->cause, sizeof h->cause, "ended with status %d",
+        snprintf(h->cause, sizeof h->cause, "exited with status %d",
                  WEXITSTATUS(status));
     else
         snprintf(h->cause, sizeof h->cause, "ended");
@@ -111,12 +111,12 @@ static bool receive_reply(struct helper *h, struct gp_oiio_reply *reply,
     if (!receive(h, reply, sizeof *reply))
         return false;
     if (reply->protocol != GP_OIIO_PROTOCOL || reply->bytes > MOST_TEXT) {
-        end_helper(h, "is of another version");
+        end_helper(h, "has another version");
         return false;
     }
     h->starved = gp_alloc(NULL, "text", reply->bytes + 1, 1, &block);
     if (h->starved) {
-        end_helper(h, "could not be heard");
+        end_helper(h, "sent more than memory can hold");
         return false;
     }
     *text = block;
@@ -180,7 +180,7 @@ static bool start_helper(struct helper *h)
     int pair[2], error;
     h->killed = false;
     if (!gp_bridge_find("glarepp-oiio", program, sizeof program)) {
-        snprintf(h->cause, sizeof h->cause, "glarepp-oiio is not there");
+        snprintf(h->cause, sizeof h->cause, "glarepp-oiio not found");
         return false;
     }
     error = socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, pair)
@@ -552,7 +552,7 @@ gp_status gp_oiio_open(const struct gp_log *log, const char *path,
         GP_TRY(call_failed(log, path, false, h, &reply, in->text));
     st = make_image(log, &reply, max_pixels, in, &image);
     if (st == GP_ERR_DATA) {
-        end_helper(h, "says what cannot be");
+        end_helper(h, "sent an invalid header");
         st = call_failed(log, path, false, h, NULL, "");
     }
 out:
@@ -607,8 +607,8 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
     ask.bytes = (uint32_t) (to - (char *) text);
     out->fd = memfd_create("glarepp", MFD_CLOEXEC);
     if (out->fd < 0)
-        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: no file in memory (%s); write "
-                       ".exr or .png", path, strerror(errno)));
+        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: cannot make a file in memory "
+                       "(%s); write .exr or .png", path, strerror(errno)));
     GP_TRY(take_helper(log, path, true, &h));
     const int fd[2] = {out->fd, pixels->fd};
     h->seconds = seconds_for(pixels->size);
@@ -617,7 +617,7 @@ gp_status gp_oiio_write(const struct gp_log *log, const struct gp_image *image,
     if (reply.end)
         GP_TRY(call_failed(log, path, true, h, &reply, why));
     if (fstat(out->fd, &s) || s.st_size <= 0)
-        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote nothing; write "
+        GP_TRY(gp_fail(log, GP_ERR_IO, "%s: OpenImageIO wrote no bytes; write "
                        "another format", path));
     out->size = (uint64_t) s.st_size;
 out:

@@ -191,7 +191,7 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
             gp_oiio_reply &reply, std::string &text)
 {
     if (ask.protocol != GP_OIIO_PROTOCOL)
-        throw std::runtime_error("glarepp-oiio is of another version");
+        throw std::runtime_error("glarepp-oiio has another version");
     // never fewer threads than before: OpenImageIO's pool keeps the stacks of
     // those that it ends, which count against the limit of memory
     static int threads = 0;
@@ -250,7 +250,7 @@ void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
     for (const char *word : memory) {
         if (why.find(word) == std::string::npos)
             continue;
-        text = "it wants more memory than its size explains";
+        text = "needs more memory than its size explains";
         if (limited)
             reply.end = GP_OIIO_MEMORY;
     }

@@ -299,8 +299,7 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     limit_memory(4 * ask.size);
     std::unique_ptr<File> f = open_bytes(fd, ask);
     if (!f->input->seek_subimage(ask.part, 0))
-        throw std::runtime_error("part " + std::to_string(ask.part) +
-                                 " is not there");
+        throw std::runtime_error("has no part " + std::to_string(ask.part));
     f->spec = f->input->spec();
     f->part = ask.part;
     check_size(f->spec, ask);
@@ -314,7 +313,7 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
 void helper::read_rows(int y, float *to)
 {
     if (!file)
-        throw std::runtime_error("its rows ended");
+        throw std::runtime_error("all rows were read");
     const int y1 = std::min(y + file->block, file->spec.height);
     const int n = file->spec.nchannels;
     check_read(read_block(y, y1, 0, n, TypeDesc::FLOAT, to));

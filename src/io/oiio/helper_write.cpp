@@ -100,8 +100,9 @@ void helper::write_file(int fd, const gp_oiio_ask &ask,
     if (!getrlimit(RLIMIT_FSIZE, &limit) && limit.rlim_cur != RLIM_INFINITY &&
         most > limit.rlim_cur)
         throw std::runtime_error(
-            "up to " + std::to_string(most) + " bytes, but files may have " +
-            std::to_string(limit.rlim_cur) + ", see ulimit -f");
+            "needs up to " + std::to_string(most) +
+            " bytes, over the limit of " + std::to_string(limit.rlim_cur) +
+            ", see ulimit -f");
     std::unique_ptr<ImageOutput> out = ImageOutput::create(ask.format);
     if (!out)
         throw std::runtime_error(OIIO::geterror());

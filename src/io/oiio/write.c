@@ -158,8 +158,8 @@ static gp_status copy_stream(const struct gp_log *log, struct gp_file *file,
     while (!st && at < s->size) {
         const int64_t n = gp_stream_read(s, block, BLOCK_BYTES, at);
         if (n <= 0)
-            st = gp_fail(log, GP_ERR_IO, "%s: the file in memory cannot be "
-                         "read (%s); write .exr or .png", gp_file_path(file),
+            st = gp_fail(log, GP_ERR_IO, "%s: cannot read the file in "
+                         "memory (%s); write .exr or .png", gp_file_path(file),
                          n < 0 ? strerror(errno) : "it is short");
         else
             st = gp_file_write(file, block, (size_t) n);

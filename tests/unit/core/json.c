@@ -203,7 +203,7 @@ static void long_names_are_cut(void **state)
         json_t *root = object(text);
         assert_int_equal(gp_json_keys(&place, root, keys), GP_ERR_DATA);
         assert_true(strlen(kept_line) < 250);
-        must_say(i, "\xc3\xa4\"); there are");
+        must_say(i, "\xc3\xa4\"); use one of");
         json_decref(root);
     }
 }
@@ -228,7 +228,7 @@ static void values(void **state)
         {NUMBER, "{'v': -1e308}", -DBL_MAX, DBL_MAX, {-1e308}, NULL},
         {NUMBER, "{'v': 1.0000001}", 0, 1, {9}, "(found 1.0000001)"},
         {NUMBER, "{'v': -1e-9}", 0, 1, {9}, "(found -1e-09); give 0 to 1"},
-        {NUMBER, "{'v': '1'}", 0, 1, {9}, "(found a text)"},
+        {NUMBER, "{'v': '1'}", 0, 1, {9}, "(found a string)"},
         {NUMBER, "{'v': true}", 0, 1, {9}, "(found true)"},
         {NUMBER, "{'v': false}", 0, 1, {9}, "(found false)"},
         {NUMBER, "{'v': null}", 0, 1, {9}, "(found null)"},
@@ -242,7 +242,7 @@ static void values(void **state)
         {INT, "{'v': 2147483648}", INT32_MIN, INT32_MAX, {9}, "range"},
         {INT, "{'v': 1e300}", INT32_MIN, INT32_MAX, {9}, "range"},
         {INT, "{'v': 3.5}", INT32_MIN, INT32_MAX, {9}, "(found 3.5)"},
-        {INT, "{'v': '3'}", INT32_MIN, INT32_MAX, {9}, "no number"},
+        {INT, "{'v': '3'}", INT32_MIN, INT32_MAX, {9}, "not a number"},
         {GREY, "{}", 0, 10, {9, 9, 9}, NULL},
         {ARRAY, "{'v': [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
         {GREY, "{'v': [1, 2, 3]}", 0, 10, {1, 2, 3}, NULL},
@@ -252,7 +252,7 @@ static void values(void **state)
         {GREY, "{'v': [1, 2]}", 0, 10, {9, 9, 9}, ", or one"},
         {ARRAY, "{'v': [1, 2, 3, 4]}", 0, 10, {9, 9, 9}, "array of 4"},
         {ARRAY, "{'v': [1, 2, 11]}", 0, 10, {9, 9, 9}, "(found 11)"},
-        {ARRAY, "{'v': [1, '2', 3]}", 0, 10, {9, 9, 9}, "(found a text)"},
+        {ARRAY, "{'v': [1, '2', 3]}", 0, 10, {9, 9, 9}, "(found a string)"},
         {GREY, "{'v': {'0': 1}}", 0, 10, {9, 9, 9}, "(found an object)"},
         {GREY, "{'v': 11}", 0, 10, {9, 9, 9}, "(found 11)"},
         {TEXT, "{}", 0, 0, {9}, NULL}, {TEXT, "{'v': ''}", 0, 0, {0}, NULL},
@@ -261,7 +261,7 @@ static void values(void **state)
         {CHOICE, "{}", 0, 0, {9}, NULL},
         {CHOICE, "{'v': 'disc'}", 0, 0, {0}, NULL},
         {CHOICE, "{'v': 'ring'}", 0, 0, {1}, NULL},
-        {CHOICE, "{'v': 'rin'}", 0, 0, {9}, "there are \"disc\", \"ring\""},
+        {CHOICE, "{'v': 'rin'}", 0, 0, {9}, "use one of \"disc\", \"ring\""},
         {CHOICE, "{'v': ''}", 0, 0, {9}, "(found \"\")"},
         {CHOICE, "{'v': 1}", 0, 0, {9}, "(found 1)"},
     };

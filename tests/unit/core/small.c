@@ -171,10 +171,10 @@ static void bridges_are_looked_for(void **state)
     longest[sizeof longest - 1] = '\0';
     const struct { const char *folder, *name, *said; } rows[] = {
         {folder, "odd.so", "odd.so"},         // there, but no library
-        {folder, "none.so", "none.so is not there"},
-        {"", "odd.so", "odd.so is not there"},
-        {NULL, "odd.so", "odd.so is not there"},
-        {longest, "odd.so", "odd.so is not there"},
+        {folder, "none.so", "none.so not found"},
+        {"", "odd.so", "odd.so not found"},
+        {NULL, "odd.so", "odd.so not found"},
+        {longest, "odd.so", "odd.so not found"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         if (rows[i].folder)

@@ -201,9 +201,9 @@ static void files(void **state)
     write_with(&one, 0, "shot", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
     assert_read_or_not(false);
     write_with(&one, 0, "\xff\x80 t", "preview", "\xff\xff\0\0\xff\xff\0\0", 8);
-    assert_refused(path, GP_ERR_DATA, "the attribute ???t is damaged (");
+    assert_refused(path, GP_ERR_DATA, "attribute ???t is damaged (");
     write_with(&two_parts, 1, "name", "v2f", bytes, 8); // the second of it
-    assert_refused(path, GP_ERR_DATA, "the attribute name is damaged (");
+    assert_refused(path, GP_ERR_DATA, "attribute name is damaged (");
     write_with(&two_parts, 1, "shot", "stringvector", "\5\0\0\0abc", 7);
     assert_read_or_not(false);
     write_with(&two_parts, 1, "shot", "mine", "\5\0\0\0abc", 7);

@@ -169,7 +169,7 @@ static void which_channels_are_colour(void **state)
         {{HALF_CH("Blue"), HALF_CH("GREEN"), HALF_CH("red")}, GP_COLOUR_RGB,
          {"red", "GREEN", "Blue"}},
         {{HALF_CH("A"), HALF_CH("Y")}, GP_COLOUR_GREY, {"Y", "Y", "Y"}},
-        {{HALF_CH("Z")}, GP_COLOUR_GREY, {"Z", "Z", "Z"}},
+        {{HALF_CH("u")}, GP_COLOUR_GREY, {"u", "u", "u"}},
         {{HALF_CH("L.AO.B"), HALF_CH("L.AO.G"), HALF_CH("L.AO.R"),
           HALF_CH("L.Combined.B"), HALF_CH("L.Combined.G"),
           HALF_CH("L.Combined.R")}, GP_COLOUR_RGB,

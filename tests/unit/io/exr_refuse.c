@@ -18,8 +18,9 @@ static void no_colour_of_a_pixel(void **state)
         const char *says;
     } row[] = {
         {{.channel = {HALF_CH("u"), HALF_CH("v")}, .data = W(3)}, "no colour"},
+        {{.channel = {HALF_CH("A"), FLOAT_CH("Z")}, .data = W(3)}, "no colour"},
         {{.channel = {{"R", HALVES, 3, 1}, HALF_CH("v")}, .data = W(3)},
-         "subsampled 3 x 1"},
+         "subsampled (3 x 1)"},
         {{.channel = {RGB(HALVES)}, .deep = true, .data = W(5),
           .compression = EXR_COMPRESSION_ZIPS}, "flatten"},
         {{.channel = {RGB(HALVES)}, .deep = true, .data = W(5), .tile = 16,

@@ -63,7 +63,8 @@ static void files_that_are_refused(void **state)
     } row[] = {
         {"", "empty"}, {"3", "not JSON"}, {"{}", "no \"lights\""},
         {"{'lights': [], 'sun': 1}", "unknown key (found \"sun\")"},
-        {"{'lights': {}}", "no array"}, {"[3]", "light 1: no object (found 3)"},
+        {"{'lights': {}}", "not an array"},
+        {"[3]", "light 1: not an object (found 3)"},
         {"[{}]", "light 1 needs one place (found 0)"},
         {"[{'pixel': [1, 2]}, {'flux': 1}]", "light 2 needs one place"},
         {"[{'pixel': [1, 2], 'world': [1, 2, 3]}]", "(found 2)"},
