@@ -1,4 +1,4 @@
-# Puts the parts that `glarepp --help-man` prints (first file, each behind a
+# Puts the parts that `glarepp --help-man` prints (first file, each after a
 # line @NAME@) where the page (second file) has the same line.
 NR == FNR {
     if (/^@[A-Z]+@$/)
