@@ -1,7 +1,7 @@
 # glarepp: build, test, install. `make help` lists the targets.
 #
-# Objects go to build/; nothing is written beside the sources but the man page
-# and compile_commands.json.
+# Objects are in build/; only the man page and compile_commands.json are written
+# beside the sources.
 
 VERSION := 0.1.0
 PREFIX ?= /usr/local
@@ -17,7 +17,7 @@ pc = $(shell $(PKG_CONFIG) $(1) $(2) 2>/dev/null)
 
 WARN := -Wall -Wextra -Wconversion -Werror
 OPT ?= -O3
-# no name of the build's folder gets into a binary: the same source is the same
+# binaries do not contain the build folder: the same source makes the same
 # program anywhere
 HERE := -fdebug-prefix-map=$(CURDIR)=. -fdebug-prefix-map=$(B)/=build/
 DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
@@ -25,32 +25,31 @@ DEFS := -D_GNU_SOURCE -DGP_VERSION='"$(VERSION)"' \
 CFLAGS ?= -g
 ALL_CFLAGS = -std=c11 $(OPT) -fno-trapping-math -fno-math-errno -Wno-psabi $(WARN) $(CFLAGS) $(HERE) $(HARDEN_CC) $(DEFS) -pthread -Isrc -I$(B) \
              $(call pc,--cflags,$(PACKAGES)) $(SAN)
-# OpenEXRCore alone: OpenEXR.pc would bring the C++ library along
+# only OpenEXRCore: OpenEXR.pc would link the C++ library too
 LIBS = -lOpenEXRCore $(call pc,--libs,libpng libdeflate jansson) -lm -ldl $(SAN_LIBS)
 LINK = -pthread -Wl,--as-needed $(SAN) $(HARDEN_LINK)
 
 # -- hardening ----------------------------------------------------------------
 
-# $(call takes,COMPILER,LANGUAGE,FLAGS): those that it takes, each tried alone
+# $(call takes,COMPILER,LANGUAGE,FLAGS): those that it accepts, each tried by itself
 takes = $(shell for f in $(3); do \
     echo 'int main(void) { return 0; }' | $(1) -Werror $(OPT) $$f \
         -include stdio.h -x $(2) -o /dev/null - >/dev/null 2>&1 && echo $$f; \
     done)
-# Fortified calls are for code that is optimised, and hide from sanitizers
-# what they look for. glibc says by an error of the preprocessor whether the
-# compiler is fit for level 3
+# Fortified calls need optimised code, and hide faults from sanitizers. With a
+# compiler that cannot do level 3, glibc's headers are an error of the preprocessor
 HARDEN_FLAGS := -fstack-protector-strong -fstack-clash-protection \
               -fcf-protection -mbranch-protection=standard
 FORTIFY = $(if $(filter -O0,$(OPT) $(CFLAGS)),,-U_FORTIFY_SOURCE \
     $(lastword -D_FORTIFY_SOURCE=2 $(call takes,$(1),$(2),-D_FORTIFY_SOURCE=3)))
 harden = $(if $(SAN),,$(call takes,$(1),$(2),$(HARDEN_FLAGS)) $(FORTIFY))
-# (asked once, by the first recipe that wants to know)
+# (the compiler is asked once, by the first recipe)
 HARDEN_CC = $(eval HARDEN_CC := $$(call harden,$$(CC),c) $(if $(SAN),,-fPIE))$(HARDEN_CC)
 HARDEN_CXX = $(eval HARDEN_CXX := $$(call harden,$$(CXX),c++))$(HARDEN_CXX)
 HARDEN_SO := $(if $(SAN),,-Wl,-z,relro,-z,now,-z,noexecstack)
 HARDEN_LINK = $(if $(SAN),,-pie $(HARDEN_SO))
 
-# -- what there is ------------------------------------------------------------
+# -- files --------------------------------------------------------------------
 
 SRC := $(sort $(shell find src -name '*.c'))
 HDR := $(sort $(shell find src -name '*.h'))
@@ -87,7 +86,7 @@ $(B)/%.o: src/%.c
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
-# GLSL stays in real files; this lists their bytes for the program
+# The bytes of the GLSL files, for the program
 $(B)/gl/shaders.c: $(SHADERS) Makefile
 	@mkdir -p $(@D)
 	@{ echo '#include "gl/gl_priv.h"'; \
@@ -100,9 +99,9 @@ $(B)/gl/shaders.c: $(SHADERS) Makefile
 $(B)/gl/shaders.o: $(B)/gl/shaders.c
 	$(CC) $(ALL_CFLAGS) -MMD -MP -c -o $@ $<
 
-# C++ lives in a program and a shared object of their own, which are started
-# and opened only when something needs them. No sanitizer looks at the program:
-# OpenImageIO's faults are what it is there for
+# C++ is in a helper program and a shared object, which are started and opened only
+# when needed. The helper is built without sanitizers: it exists to contain
+# OpenImageIO's faults
 $(B)/glarepp-oiio: $(BRIDGE_SRC) src/io/oiio/protocol.h
 	@mkdir -p $(@D)
 	$(CXX) -std=c++17 $(OPT) -Wall -Wextra -Werror $(filter-out $(COUNTED),$(CFLAGS)) $(HERE) $(HARDEN_CXX) -fPIE -pie \
@@ -152,13 +151,13 @@ $(B)/tests/obj/%_suites.o: $(B)/tests/obj/%_suites.c
 .SECONDARY: $(UNIT_OBJ)
 -include $(UNIT_OBJ:.o=.d) $(UNIT_COMMON:.o=.d)
 
-# What tests preload to make calls fail, and GL libraries that break
+# Libraries that tests preload to make calls fail, and GL libraries that break
 $(B)/tests/%.so: tests/faults/%.c
 	@mkdir -p $(@D)
 	$(CC) -std=c11 -O1 $(WARN) $(CFLAGS) -D_GNU_SOURCE -fPIC -shared -o $@ $< \
 	    -ldl
 
-# The hard cases: what runs them, a file a family
+# The hard cases: one program, a file for each family
 $(B)/tests/hardcases: $(HARD) $(wildcard tests/hard/*.h tests/unit/*.h) $(LIB_OBJ)
 	@mkdir -p $(@D)
 	$(CC) $(ALL_CFLAGS) -Itests/unit $(LINK) -o $@ $(filter %.c,$^) \
@@ -178,7 +177,7 @@ $(B)/glarepp.1: man/glarepp.1.in man/splice.awk $(B)/glarepp
 man: $(B)/glarepp.1 ## makes man/glarepp.1 from the option table and the .in file
 	cmp -s $< man/glarepp.1 || cp $< man/glarepp.1
 
-check-man: $(B)/glarepp.1 ## man page, --help and parser agree; the page is not stale
+check-man: $(B)/glarepp.1 ## checks that man page, --help and parser agree
 	man/check.sh $(B)/glarepp $< man/glarepp.1
 
 # -- measuring ----------------------------------------------------------------
@@ -194,10 +193,10 @@ $(B)/bench/costs: $(wildcard tests/bench/costs*.[ch]) $(LIB_OBJ)
 	$(CC) $(ALL_CFLAGS) $(LINK) -o $@ $(filter %.c,$^) $(LIB_OBJ) $(LIBS)
 
 FRAMES ?= $(B)/bench-frames
-bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures every figure of README and manual on this machine
+bench: all $(B)/bench/stage $(B)/bench/plain $(B)/bench/pair $(B)/bench/auto $(B)/bench/costs ## measures all speeds of README and manual on this machine
 	tests/bench/run.sh $(B) $(FRAMES)
 
-# The whole process' peer: OpenEXR's C++ library and plain FFTW
+# A program to compare whole processes with: OpenEXR's C++ library and plain FFTW
 $(B)/bench/plain: tests/bench/plain.cpp
 	@mkdir -p $(@D)
 	$(CXX) -std=c++17 -O3 $(CFLAGS) -fopenmp -o $@ $< \
@@ -205,18 +204,19 @@ $(B)/bench/plain: tests/bench/plain.cpp
 
 # -- the two commands ---------------------------------------------------------
 
-demo: ## installs what is missing, builds, renders the example frames
+demo: ## installs missing packages, builds, renders the example frames
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory -j$$(nproc) all
 	@examples/demo.sh $(B)/glarepp $(B)/demo
 
-check: ## installs what is missing, builds, runs every test
+check: ## installs missing packages, builds, runs every test
 	@$(MAKE) --no-print-directory deps
 	@$(MAKE) --no-print-directory -j$$(nproc) check-built
 	@$(MAKE) --no-print-directory check-all
 
-# Both use what is built here: no file of the clone is newer
-check-alone: check-built ## the tests, quickly, in a clone that has nothing beside it
+# The clone uses the binaries built here: its files get an old date, so that make
+# builds nothing
+check-alone: check-built ## runs the quick tests in a clone without data beside it
 	@alone=$$(mktemp -d) && trap 'rm -rf "$$alone"' EXIT && \
 	    git clone -q . "$$alone/glarepp" && \
 	    find "$$alone/glarepp" -type f -exec touch -d 2000-01-01 {} + && \
@@ -228,10 +228,10 @@ check-built: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-build compile_co
 check-all: check-built
 	@tests/run.sh $(B) "$(UNIT_BIN)" "$(CHECKS)"
 
-hardcases: $(B)/tests/hardcases $(BRIDGES) ## the hard cases: the largest error of each cell, as tables
+hardcases: $(B)/tests/hardcases $(BRIDGES) ## prints the largest error of each hard case, as tables
 	@$(B)/tests/hardcases
 
-# What the manual keeps of it
+# Writes these tables into the manual
 hardcases-manual: $(B)/tests/hardcases $(BRIDGES)
 	@$(B)/tests/hardcases >$(B)/hardcases.md
 	@sed -i -e '/^<!-- make hardcases -->/,/^<!-- end -->/{//!d}' \
@@ -240,23 +240,23 @@ hardcases-manual: $(B)/tests/hardcases $(BRIDGES)
 # The same tests in builds that look for errors of memory and of arithmetic
 SAN_MAKE = $(MAKE) --no-print-directory B=$(B)/$(1) OPT=-O1 \
            SAN="-fsanitize=$(2) -fno-omit-frame-pointer -fno-sanitize-recover=all"
-# (AddressSanitizer must know C++ exceptions before a bridge throws one. Before
-# gcc 14 its leak finder mistakes a thread's late-loaded storage for one of an
-# old glibc and dies: google/sanitizers issue 1322; it is told not to look)
-check-asan: ## the tests under AddressSanitizer
+# (AddressSanitizer must load C++ exceptions before a bridge throws one. Before gcc
+# 14 its leak finder mistakes a thread's late-loaded storage for one of an old glibc
+# and dies: google/sanitizers issue 1322; intercept_tls_get_addr=0 avoids it)
+check-asan: ## runs the tests under AddressSanitizer
 	@SAN_LIBS="-Wl,--no-as-needed -lstdc++" \
 	    ASAN_OPTIONS=allocator_may_return_null=1:intercept_tls_get_addr=0 \
 	    LSAN_OPTIONS=suppressions=$(CURDIR)/tests/lsan.supp:print_suppressions=0 \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,asan,address) check-san
 
-# (division by zero is meant, where Inf is the answer)
-check-ubsan: ## the tests under UndefinedBehaviorSanitizer
+# (float division by zero is not checked: it gives Inf, on purpose)
+check-ubsan: ## runs the tests under UndefinedBehaviorSanitizer
 	@GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,ubsan,undefined \
 	    -fsanitize=float-cast-overflow) check-san
 
-# What runs several threads: all but the hard cases, which would take hours
+# The tests that run several threads, but the hard cases, which would take hours
 TSAN_CLI := threads sequence stream farm flight layers views groups sun
-check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
+check-tsan: ## runs the tests of code with threads under ThreadSanitizer
 	@TSAN_OPTIONS="suppressions=$(CURDIR)/tests/tsan.supp die_after_fork=0 \
 	    allocator_may_return_null=1" \
 	    GLAREPP_TEST_QUICK=1 $(call SAN_MAKE,tsan,thread) \
@@ -266,19 +266,19 @@ check-tsan: ## the tests whose code uses threads, under ThreadSanitizer
 check-san: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS)
 	@tests/run.sh $(B) "$(UNIT_BIN)" "" "$(SAN_CLI)"
 
-# Branches as the source has them, once: nothing optimised, built for one CPU
-# alone, not inlined here and there. kill.t would tear the counters of runs
-# that it kills; harden.t and determinism.t ask what only the default build has
+# Each branch of the source counts once: no optimisation, no copies for other CPUs,
+# no inlining. kill.t would damage the counters of runs that it kills; harden.t and
+# determinism.t test the default build
 COUNTED = --coverage -fprofile-update=atomic -DGP_NO_CLONES \
           -Dalways_inline=unused
-coverage: ## branch and line coverage of src/ by all tests (python3, gcov)
+coverage: ## measures branch and line coverage of src/ by all tests (python3, gcov)
 	@$(MAKE) --no-print-directory B=$(B)/cov OPT=-O0 CFLAGS="-g $(COUNTED)" \
 	    SAN="$(COUNTED)" FUZZ_MAIN="-fsanitize=address tests/fuzz/run_corpus.c" \
 	    coverage-run
 
 FLOORS := 85 core=90 glare=90 io=90
 coverage-run: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(FAULTS) fuzz-bin
-	@mkdir -p $(B)/fuzz && cp $(FUZZ_BIN) $(B)/fuzz # away from the bridges
+	@mkdir -p $(B)/fuzz && cp $(FUZZ_BIN) $(B)/fuzz # a folder without bridges
 	@find $(B) -name '*.gcda' -delete
 	@GCOV_ERROR_FILE=$(abspath $(B))/gcov.log GLAREPP_TEST_QUICK=1 FAULT_MANY=1 \
 	    tests/run.sh $(B) "$(UNIT_BIN)" "" -kill -harden -determinism; ran=$$?; \
@@ -289,13 +289,13 @@ VALGRIND = valgrind -q --error-exitcode=99 --leak-check=full \
            --errors-for-leak-kinds=definite --show-leak-kinds=definite \
            --suppressions=$(CURDIR)/tests/valgrind.supp
 VALGRIND_CLI := errors layers report stream
-check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## the tests under valgrind
+check-valgrind: $(B)/glarepp $(BRIDGES) $(UNIT_BIN) $(B)/valgrind/glarepp ## runs the tests under valgrind
 	@GLAREPP_TEST_QUICK=1 GLAREPP_TEST_SKIP=io/data GLAREPP_RUN="$(VALGRIND)" \
 	    GLAREPP_PROGRAM=$(abspath $(B))/valgrind/glarepp tests/run.sh $(B) \
 	    "$(filter-out %/hardcases,$(UNIT_BIN))" \
 	    "" $(VALGRIND_CLI)
 
-# The program as the command-line tests start it
+# A script in place of the program, for the command-line tests
 $(B)/valgrind/glarepp: Makefile
 	@mkdir -p $(@D)
 	@printf '#!/bin/sh\nexec %s %s "$$@"\n' "$(VALGRIND)" \
@@ -304,42 +304,42 @@ $(B)/valgrind/glarepp: Makefile
 
 # -- rules of the house -------------------------------------------------------
 
-check-headers: ## each header compiles alone
+check-headers: ## compiles each header by itself
 	@for h in $(HDR:src/%=%); do \
 	    echo "#include \"$$h\"" | $(CC) $(ALL_CFLAGS) -fsyntax-only -xc - || \
 	    exit 1; done
 
-check-house: $(OBJ) ## rooms, circles, private headers, sizes, subjects
+check-house: $(OBJ) ## checks rooms, circles, private headers, sizes, subjects
 	@tests/tools/house.py . $(B)
 
-check-symbols: $(LIB_OBJ) ## every global symbol starts with gp_
+check-symbols: $(LIB_OBJ) ## checks that every global symbol starts with gp_
 	@! nm -g --defined-only $(LIB_OBJ) | \
 	    awk 'NF == 3 && $$3 !~ /^(gp_|\.)/ { print $$3; n++ } END { exit !n }'
 
-check-manual: $(B)/tests/hardcases ## the manual keeps every hard case
+check-manual: $(B)/tests/hardcases ## checks that the manual has every hard case
 	@$(B)/tests/hardcases names | while read -r name; do \
 	    grep -qF "| $$name |" man/hardcases.md || \
 	    { echo "man/hardcases.md: no '$$name'; make hardcases-manual"; exit 1; }; \
 	done
 
-# Two readers of the source. `make lint` asks for all that they know; CI leaves
-# out clang's analyzer, which takes ten times as long as the rest
+# clang-tidy and cppcheck. `make lint` runs all checks; `make check` leaves out
+# clang's analyzer, which takes ten times as long as the rest
 LINT_SRC := $(SRC) $(BRIDGE_SRC) $(OCIO_SRC)
 LINT = @command -v $(1) >/dev/null || { echo "skipped: no $(1)"; exit 0; }; \
        tests/tools/lint.sh
-lint: compile_commands.json ## clang-tidy and cppcheck find nothing in src
+lint: compile_commands.json ## runs clang-tidy and cppcheck over src
 	$(call LINT,clang-tidy) tidy $(LINT_SRC)
 	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 
-check-tidy: compile_commands.json ## clang-tidy's quick checks find nothing
+check-tidy: compile_commands.json ## runs clang-tidy's quick checks over src
 	$(call LINT,clang-tidy) quick $(SRC)
 
-check-cppcheck: ## cppcheck finds nothing
+check-cppcheck: ## runs cppcheck over src
 	$(call LINT,cppcheck) cppcheck $(LINT_SRC)
 
-# -- tools and places ---------------------------------------------------------
+# -- tools and installing -----------------------------------------------------
 
-# ("command" is split as a shell splits: the quotes of -DX='"..."' stay)
+# ("command" is split as by a shell: the quotes of -DX='"..."' stay)
 COMMAND = $(CC) $(ALL_CFLAGS) -c
 CXX_COMMAND = $(CXX) -std=c++17 -Isrc $(call pc,--cflags,OpenImageIO OpenEXR OpenColorIO) -c
 define json_entry
@@ -352,12 +352,12 @@ compile_commands.json: Makefile $(SRC) $(UNIT)
 	$(foreach f,$(BRIDGE_SRC) $(OCIO_SRC),$(file >>$@,$(call json_entry,$(f),$(CXX_COMMAND))))
 	@sed -i '$$s/,$$/\n]/' $@
 
-# Where each shell looks for a program's completions
+# Each shell's folder of completions
 SHELLS := bash zsh fish
 BASH_PLACE := share/bash-completion/completions/glarepp
 ZSH_PLACE := share/zsh/site-functions/_glarepp
 FISH_PLACE := share/fish/vendor_completions.d/glarepp.fish
-# Files for a farm, beside the program: templates, and what says how
+# Documents, and templates for farms
 DOC_PLACE := share/doc/glarepp
 TEMPLATES := $(addprefix examples/,slurm.sh openjd.yaml parallel.sh blender_camera.py)
 
@@ -365,7 +365,7 @@ $(B)/completions.%: $(B)/glarepp
 	$(B)/glarepp help --completion $* > $@.tmp
 	mv $@.tmp $@
 
-install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, manual, templates and completions under PREFIX (DESTDIR is put before)
+install: all $(SHELLS:%=$(B)/completions.%) ## installs program, bridges, manual, templates and completions under DESTDIR and PREFIX
 	install -d '$(DESTDIR)$(PREFIX)/bin' '$(DESTDIR)$(PREFIX)/lib/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/share/man/man1'
 	install -D -m 644 $(B)/completions.bash '$(DESTDIR)$(PREFIX)/$(BASH_PLACE)'
@@ -380,7 +380,7 @@ install: all $(SHELLS:%=$(B)/completions.%) ## puts program, bridges, manual, te
 	install -m 644 man/*.md '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/man/'
 	install -m 644 $(TEMPLATES) '$(DESTDIR)$(PREFIX)/$(DOC_PLACE)/examples/'
 
-uninstall: ## takes away what install put
+uninstall: ## removes the files of install
 	rm -f '$(DESTDIR)$(PREFIX)/bin/glarepp' \
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-oiio' \
 	    '$(DESTDIR)$(PREFIX)/lib/glarepp/glarepp-ocio.so' \
@@ -397,7 +397,7 @@ deb: all ## makes a Debian package in build/
 	    DESTDIR=$(abspath $(B))/deb install
 	.ci/deb.sh $(B)/deb $(VERSION) $(B)
 
-# What a fresh Debian 12 lacks: to build and run, and to test
+# Packages that a fresh Debian 12 lacks, to build, run and test
 DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libdeflate-dev libjansson-dev libfftw3-dev libopenimageio-dev \
           libopencolorio-dev \
@@ -406,12 +406,12 @@ DEBIAN := gcc g++ make pkg-config libc6-dev libopenexr-dev libpng-dev \
           libcmocka-dev openimageio-tools openexr mandoc valgrind perl procps \
           dpkg-dev gnuplot-nox \
           python3 python3-numpy python3-scipy python3-openimageio
-# What only a few tests use, which are skipped without it
+# Packages of a few tests, which are skipped without them
 EXTRA := zsh fish parallel slurm-wlm munge python3-yaml clang libclang-rt-14-dev \
          clang-tidy cppcheck
 deps: ## installs the Debian packages that are missing
 	@command -v dpkg-query >/dev/null || { \
-	    echo "deps: this is no Debian; install what these Debian packages hold:"; \
+	    echo "deps: this is not Debian; install the equivalents of these packages:"; \
 	    echo $(DEBIAN) | fold -s; exit 1; }
 	@missing=; for p in $(DEBIAN); do \
 	    dpkg-query -W -f '$${Status}' $$p 2>/dev/null | grep -q 'ok installed' || \

@@ -1,4 +1,4 @@
-"""Writes what glarepp --camera reads: camera and sun of each frame of a scene.
+"""Writes the JSON of glarepp --camera: camera and sun of each frame of a scene.
 
 Usage: blender -b shot.blend -P blender_camera.py -- shot.camera.json
        glarepp --camera shot.camera.json --sun-color 5e4 -o out.####.png shot.####.exr
@@ -24,7 +24,7 @@ for number in range(scene.frame_start, scene.frame_end + 1, scene.frame_step):
     ndc = lens @ view
     frame = {
         "frame": number,
-        # for row vectors, and z grows away from the camera as in OpenEXR
+        # for row vectors, with z positive in front of the camera as in OpenEXR
         "worldToCamera_rowmajor": [(-1 if c == 2 else 1) * view[c][r]
                                    for r in range(4) for c in range(4)],
         "worldToNDC_blender_colvec": [ndc[r][c] for r in range(4) for c in range(4)],

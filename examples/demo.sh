@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: demo.sh GLAREPP FOLDER
-# Renders the example frames to FOLDER and prints what was made, how fast and
-# how wrong. `make demo` calls it.
+# Renders the example frames to FOLDER and prints files, times and errors.
+# `make demo` calls it.
 glarepp=$1 out=$2
 here=$(dirname "$0")
 set -eu
@@ -9,7 +9,7 @@ mkdir -p "$out"
 report=$out/report.jsonl
 : > "$report"
 
-# render NAME FRAME OPTIONS...: a picture and the frame with glare
+# render NAME FRAME OPTIONS...: makes a picture, and the frame with glare
 render()
 {
     name=$1 frame=$2
@@ -49,4 +49,4 @@ BEGIN {
         field("bound")
 }' "$report"
 echo "rel_l2: error of the glare layer against the exact one, computed in double;"
-echo "bound: what the engine promised before it ran. All of it: $report"
+echo "bound: its upper limit, known before the engine ran. All fields: $report"

@@ -1,9 +1,9 @@
 #!/bin/sh
 # Usage: flare.sh [GLAREPP [FRAMES [CAMERA [FOLDER]]]]
 # A sequence with lens flare that dims as leaves hide the sun: FRAMES is a
-# pattern with depth, CAMERA tells where the sun is. Without them, two frames
-# beside this script. The frames show the sun, so its flux lights the flare
-# alone (--sun-in-frame).
+# pattern of frames with depth, CAMERA a file for --camera. Without them, two
+# frames beside this script. The frames already show the sun, so its flux lights
+# only the flare (--sun-in-frame).
 here=$(dirname "$0")
 frames=${2:-$here/foliage.####.exr}
 camera=${3:-$here/foliage.camera.json}

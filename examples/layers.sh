@@ -1,7 +1,7 @@
 #!/bin/sh
 # Usage: layers.sh [GLAREPP]
-# For a compositor: the frame with glare and all its channels, the glare alone
-# as float, and what the sensors saw. No tone mapping.
+# For a compositor: the frame with glare and all its channels, the glare layer,
+# and the light sources, all as float and without tone mapping.
 here=$(dirname "$0")
 exec "${1:-glarepp}" -t 4 --hdr foliage.lit.exr --layer foliage.glare.exr \
     --debug sensors=foliage.light.exr --type float --report foliage.json \

@@ -1,8 +1,8 @@
 #!/bin/sh
 # Usage: movie.sh [GLAREPP [MOVIE [PATTERN SIZE]]]
-# Frames into ffmpeg as 16-bit pixels, with no file in between. A name in .mp4 gets
-# what browsers and QuickTime play: H.264 in 4:2:0, an even size, BT.709 in its
-# matrix and its tags. Any other name gets FFV1, which keeps every code.
+# Pipes frames into ffmpeg as 16-bit pixels. A MOVIE that ends in .mp4 plays in
+# browsers and QuickTime: H.264 in 4:2:0, an even size, BT.709 matrix and tags. Any
+# other is FFV1, which is lossless.
 glarepp=${1:-glarepp} movie=${2:-foliage.mkv}
 frames=${3:-$(dirname "$0")/foliage.####.exr} size=${4:-640x360}
 case $movie in

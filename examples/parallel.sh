@@ -1,9 +1,9 @@
 #!/bin/sh
 # Usage: parallel.sh [GLAREPP [FOLDER [PATTERN RANGE...]]]
-# A sequence by ranges of frames under GNU parallel: a job for each processor,
-# each on one thread. The first job that fails ends the others; --no-clobber
-# lets the same command go on where it was stopped. One engine for all: auto
-# looks at the frame before, which another job may have made.
+# A sequence by ranges of frames (or frames) under GNU parallel: a job for each
+# processor, each on one thread. The first job that fails ends the others; with
+# --no-clobber the same command resumes where it was stopped. The engine is named,
+# as auto's choice depends on the frame before, which another job may make.
 set -eu
 glarepp=${1:-glarepp} folder=${2:-lit}
 frames=${3:-$(dirname "$0")/foliage.####.exr}

@@ -4,18 +4,18 @@
 # Usage: sbatch --array=0-9 [SBATCH OPTIONS] slurm.sh FIRST LAST N INPUT OUTPUT
 #               [GLAREPP OPTIONS]
 #
-# FIRST to LAST are the frames, N is how many a task makes; the array counts
-# tasks from 0, so that 100 frames by 10 are --array=0-9. INPUT and OUTPUT are
-# patterns on a folder that all nodes see:
+# FIRST to LAST are the frames, N is the number of frames of a task; the array
+# counts tasks from 0, so that 100 frames by 10 are --array=0-9. INPUT and OUTPUT
+# are patterns in a folder that all nodes share:
 #
 #   sbatch --array=0-9 --cpus-per-task=4 slurm.sh 1001 1100 10 \
 #       /show/shot.####.exr /show/lit.####.exr --engine fft
 #
-# A task that is killed and queued again goes on after the last frame that it
-# finished: frames that exist are skipped, and a frame is renamed to its name
-# when it is whole. Exit status 6 (with --skip-bad-frames) is a failed
-# task, whose log ends with the frames to make again. GLAREPP names the program
-# where it is not in the PATH.
+# A task that is killed and queued again continues after the last frame that it
+# finished: frames that exist are skipped, and a frame gets its name only when it
+# is complete. Exit status 6 (with --skip-bad-frames) means that some frames
+# failed; the log ends with their list. GLAREPP names the program if it is not in
+# the PATH.
 #
 #SBATCH --job-name=glarepp
 #SBATCH --requeue
@@ -28,8 +28,8 @@ usage='sbatch --array=0-9 slurm.sh FIRST LAST N INPUT OUTPUT [OPTIONS]'
     exit 2
 }
 [ -n "${SLURM_ARRAY_TASK_ID-}" ] || {
-    echo "slurm.sh: no task of an array (SLURM_ARRAY_TASK_ID is not set):" \
-        "nothing would say which frames to make; write $usage" >&2
+    echo "slurm.sh: not a task of an array (SLURM_ARRAY_TASK_ID is not set);" \
+        "write $usage" >&2
     exit 2
 }
 number() { # without the zeros that would make it octal

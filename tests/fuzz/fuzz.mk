@@ -12,7 +12,7 @@ CLANG ?= $(firstword $(foreach c,clang clang-14,$(shell command -v $(c))))
 fuzz: fuzz-build ## runs each fuzz target TIME seconds (needs clang), two at a time
 	@tests/fuzz/run.sh $(B)/fuzz $(TIME)
 
-# libFuzzer comes in a package of its own, so it is asked for, not assumed
+# clang may be installed without libFuzzer, which is a package of its own
 FUZZ_CC = $(shell echo 'int LLVMFuzzerTestOneInput(const char *d, long n) \
             { return !d && n; }' | $(or $(CLANG),false) -fsanitize=fuzzer -xc \
             -o /dev/null - 2>/dev/null && echo $(CLANG) || echo $(CC))

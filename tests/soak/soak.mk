@@ -1,5 +1,5 @@
-# Numbers that take long: random frames against the exact engine, and what
-# differs between processors. Both need python3 with numpy and OpenImageIO.
+# Measurements that take long: random frames against the exact engine, and
+# differences between processors. Both need python3 with numpy and OpenImageIO.
 
 SEED ?= 1
 SOAK_FRAMES = $(if $(filter file,$(origin FRAMES)),2000,$(FRAMES))
@@ -7,10 +7,10 @@ PYTHON ?= /usr/bin/python3
 
 .PHONY: soak determinism
 
-soak: $(B)/glarepp $(BRIDGES) ## random frames and options against --engine direct: SEED=1 FRAMES=2000 [ONLY=case]
+soak: $(B)/glarepp $(BRIDGES) ## compares random frames and options with --engine direct: SEED=1 FRAMES=2000 [ONLY=case]
 	@$(PYTHON) tests/soak/soak.py $(B)/glarepp --seed $(SEED) \
 	    --frames $(SOAK_FRAMES) --folder $(B)/soak $(if $(ONLY),--only $(ONLY))
 
-determinism: $(B)/glarepp $(BRIDGES) ## what differs between processors and build folders, as tables
+determinism: $(B)/glarepp $(BRIDGES) ## measures differences between processors and build folders
 	@tests/soak/twin.sh $(B)
 	@$(PYTHON) tests/soak/families.py $(B)/glarepp $(B)/families

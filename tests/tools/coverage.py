@@ -7,13 +7,13 @@ BUILD is a folder built with --coverage -O0 whose tests have run. -u lists the
 branches not taken and the lines not run, as FILE:LINE. Ends with status 1
 when the branches taken in src/, or in ROOM, are under FLOOR percent.
 
-What counts: every branch that gcov reports for a file of src/, the C++ bridges
-too, but those that only an exception takes. -O0, so that no branch is the
-optimiser's. The build makes each function once, not for several CPUs
-(target_clones) nor inlined in several places; one of a header, which is in
-several objects, counts once: its branch is taken when it is taken in any. Code
-for other CPUs behind #if is not compiled and so does not count. A file that no
-test reached counts with nothing taken.
+Counts every branch that gcov reports for a file of src/, C++ bridges included,
+except those that only an exception takes. The build uses -O0, so that no branch
+is the optimiser's, and makes each function once: no copies for several CPUs
+(target_clones), no inlining. A function of a header, which is in several objects,
+counts once: its branch is taken if it is taken in any. Code for other CPUs in
+#if is not compiled and does not count. A file that no test reached counts as not
+taken.
 """
 import json
 import os

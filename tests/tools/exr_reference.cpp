@@ -1,12 +1,12 @@
-// Says whether OpenEXR's C++ library reads a file whole, and what it reads: a
-// line a part (its data window) and a line a channel (type, hash of its
-// samples). Status 0 when whole, else 4 and a line that says why not.
+// Prints what OpenEXR's C++ library reads of a file: a line for each part (its
+// data window) and each channel (type, hash of its samples). Status 0 if the file
+// is whole, else 4 and a line with the reason.
 //
-// Whole is: opened, every part complete (no chunk is missing from a table),
-// every line of every part read without exception (of mipmaps, the largest),
-// and every sample from the file. The last is found by reading again with fresh
-// memory filled otherwise: a chunk that holds less than its lines leaves the
-// rest of OpenEXR's buffer as it was, and no exception tells.
+// A file is whole if every part is complete (no chunk is missing from a table),
+// every line of every part is read without exception (of mipmaps, the largest),
+// and every sample is from the file. The last is found by a second reading with
+// memory filled otherwise: a chunk that holds less than its lines leaves the rest
+// of OpenEXR's buffer unchanged without an exception.
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
@@ -33,13 +33,13 @@ struct Channel {
     std::uint64_t hash = 14695981039346656037u;
 };
 
-// The quotient rounded down, d > 0.
+// Returns the quotient rounded down, d > 0.
 int below(int n, int d)
 {
     return n >= 0 ? n / d : -((d - 1 - n) / d);
 }
 
-// FNV-1a, by 8 bytes: rows may be long
+// FNV-1a, 8 bytes at a time for speed
 void add(Channel &c)
 {
     for (std::size_t i = 0; i < c.row.size(); i += sizeof c.hash) {

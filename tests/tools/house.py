@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""Checks the rules of the house: who includes whom, no circles, no name twice.
+"""Checks the rules of the house: includes between rooms, circles of calls, tags,
+private headers, sizes, globals, subjects of commits.
 
-Usage: house.py ROOT BUILD     the objects of BUILD must be made
+Usage: house.py ROOT BUILD     BUILD must have its objects
 
-Prints a line for each rule that is broken, and exits 1 if there is one.
+Prints a line for each broken rule, and exits 1 if there is one.
 """
 import os
 import re
@@ -13,8 +14,8 @@ import sys
 ROOT, BUILD = sys.argv[1], sys.argv[2]
 SRC = os.path.join(ROOT, "src")
 
-# A room may include its own headers and those of the rooms named here; a
-# header named alone is the only one of its room.
+# A room may include its own headers, those of the rooms named here, and the
+# single headers named here.
 MIDDLE = ["glare", "sun", "scene", "tone", "io"]
 ROOMS = {
     "core": [],
@@ -28,7 +29,7 @@ ROOMS = {
     "bench": MIDDLE + ["gl", "core", "compare/flip.h"],
     "app": ["bench", "compare"] + MIDDLE + ["gl", "core"],
 }
-# A library is seen by one room.
+# Only one room may include a library's headers.
 LIBRARIES = [
     (r"openexr|Imf|OpenEXR|OpenImageIO|png|libdeflate", "io"),
     (r"OpenColorIO", "tone"),
@@ -38,13 +39,13 @@ LIBRARIES = [
 SHORT, LONG = 80, 700
 SIZES = {
     "core/colour.c": "primaries and the sRGB curve; nothing else belongs there",
-    "core/cpu.c": "what the CPU has; nothing else belongs there",
+    "core/cpu.c": "features of the CPU; nothing else belongs there",
     "core/frame.c": "the frame is its header: shapes, owners, units",
     "core/status.c": "the error line; the list of statuses is its header",
 }
 SUBJECT = re.compile(
     r"^[a-z][a-z0-9_-]*(/[a-z0-9_-]+)*(, [a-z0-9_/-]+)*: \S.*[^.]$")
-SINCE = "8c81615"  # subjects are held to the form from here on
+SINCE = "8c81615"  # later commits must have subjects of this form
 
 broken = 0
 
@@ -107,8 +108,8 @@ def check_sizes(files):
                            "tests/tools/house.py")
     for path in SIZES:
         if path not in files:
-            fault("sizes", f"tests/tools/house.py excuses {path}, which is "
-                           "not there")
+            fault("sizes", f"tests/tools/house.py excuses {path}, which does "
+                           "not exist")
     for folder, _, names in os.walk(os.path.join(ROOT, "tests")):
         for name in names:
             if name.endswith((".c", ".h", ".cpp")):
@@ -124,7 +125,7 @@ def check_sizes(files):
 
 
 def symbols(files):
-    """For each .c: the gp_ symbols that it defines, and those it takes."""
+    """For each .c: the gp_ symbols that it defines, and those it uses."""
     defined, taken = {}, {}
     for path in files:
         if not path.endswith(".c"):

@@ -1,10 +1,9 @@
 #!/bin/sh
 # Usage: lint.sh TOOL FILE...
-# One of the two readers of source over these files, two at a time where it
-# cannot do so itself; status 0 when it has nothing to say.
-#   tidy      clang-tidy, all checks of .clang-tidy; wants compile_commands.json
+# Runs a linter over these files on two cores; status 0 if it finds nothing.
+#   tidy      clang-tidy, all checks of .clang-tidy; needs compile_commands.json
 #   quick     the same without the analyzer, which takes most of the time
-#   cppcheck  with the list of what it says wrongly, tests/tools/cppcheck.supp
+#   cppcheck  cppcheck, without the messages of tests/tools/cppcheck.supp
 tool=$1
 shift
 case $tool in
@@ -19,6 +18,6 @@ cppcheck)
 quick) checks=-clang-analyzer-* ;;
 tidy) checks= ;;
 esac
-# (the compiler's own warnings are gcc's; what is counted on stderr is nobody's)
+# (compiler warnings are left to gcc; clang-tidy counts them on stderr)
 printf '%s\n' "$@" | xargs -P2 -n6 clang-tidy -p . --quiet --checks="$checks" \
     --extra-arg=-Wno-everything 2>/dev/null

@@ -1,7 +1,7 @@
-// Writes what OpenEXR's RgbaInputFile reads from a file: to stdout, as raw
-// floats, R, G, B of each pixel of the data window. For tests of formats that
-// OpenImageIO cannot witness: luminance-chroma (not read) and DWA (read by
-// the same bridge that is tested).
+// Writes the pixels that OpenEXR's RgbaInputFile reads from a file to stdout: raw
+// floats, R, G, B of each pixel of the data window. It is the reference for
+// formats where OpenImageIO cannot be: luminance-chroma, which it does not read,
+// and DWA, which the tested bridge reads by it.
 #include <ImfRgbaFile.h>
 
 #include <cstddef>

@@ -5,11 +5,11 @@ Usage: same_bytes.py OLD NEW [DATA [PATTERN]]
 
 OLD and NEW are programs, DATA a folder of frames (else GLAREPP_DATA, else
 ../shared/data beside the repository); the examples are always used. PATTERN
-chooses frames whose path holds it. Each frame goes through both programs to
---hdr, --layer and -o, some of them through every engine, light, layer option
+chooses runs whose arguments contain it. Each frame goes through both programs to
+--hdr, --layer and -o, two also through every engine, light, layer option
 and output format, compare and bench; statuses, messages, outputs and the
-report's fields are held against each other. Prints what differs, and exits 1
-if anything does.
+report's fields are compared. Prints the differences, and exits 1 if there is
+one.
 """
 import json
 import os
@@ -26,12 +26,12 @@ DATA = os.path.abspath(
     sys.argv[3] if len(sys.argv) > 3 and sys.argv[3] else
     os.environ.get("GLAREPP_DATA", os.path.join(ROOT, "../shared/data")))
 PATTERN = sys.argv[4] if len(sys.argv) > 4 else ""
-# what says of the report how long or with what it was made
+# fields of the report that differ from run to run or build to build
 VARIES = {"times_ms", "peak_rss_mib", "version", "threads", "engine_why"}
 EXAMPLES = os.path.join(ROOT, "examples")
 
-# On examples/foliage.1004.exr (colour, depth) and night.1001.exr: options, and
-# the outputs that they are to make
+# Options and outputs for examples/foliage.1004.exr (colour, depth) and
+# night.1001.exr
 SUN = ["--sun", "415,93,2.5", "--sun-color", "2e6,1.9e6,1.6e6"]
 MANY = [
     *(["-e", e, "--layer", "l.exr", "--hdr", "h.exr"]
@@ -59,7 +59,7 @@ MANY = [
      "-o", "p.png"],
     ["--raw", "rgb48le", "-o", "p.raw"],
 ]
-# made by OLD from the night frame, then read by both
+# formats that OLD makes of the night frame and both read
 OTHER = ["a.tif", "a.dpx", "a.jpg", "a.bmp", "a.ppm", "a.hdr", "a.sgi",
          "a.tga", "a.webp", "a.pfm", "a.png"]
 
@@ -84,7 +84,7 @@ def fields(folder):
 
 
 def different(work, number, args, keep=()):
-    """What differs between both programs' outputs, as a list of words."""
+    """Lists the differences between both programs' outputs."""
     folders = [os.path.join(work, f"{number}.{which}") for which in "ab"]
     old, new = (run(p, f, args) for p, f in zip((OLD, NEW), folders))
     found = []
