@@ -19,8 +19,8 @@ struct fft_state {
     struct gp_fft_matrix spectrum; // the kernel's, transposed, scaled
     struct gp_fft_matrix work;     // of one channel: three leave the cache
     size_t work_rows;
-    unsigned long runs_kernel; // serial of the runs'
-    struct gp_fft_runs runs[3];
+    unsigned long shape_kernel; // serial of the shapes'
+    struct gp_fft_shape shape[3];
     unsigned long taps_kernel; // serial of the taps'
     struct gp_taps core_taps, all_taps;
     int core_taps_radius;
@@ -59,7 +59,7 @@ static void close_state(void **state)
         gp_fft_matrix_free(&s->spectrum);
         gp_fft_matrix_free(&s->work);
         for (int c = 0; c < 3; c++)
-            gp_fft_runs_free(&s->runs[c]);
+            gp_fft_shape_free(&s->shape[c]);
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
         gp_bound_cache_free(&s->least);
@@ -186,6 +186,7 @@ struct light_rows {
     const struct gp_sources *src;
     const struct gp_fft_placing *p;
     struct gp_planes *layer;
+    struct gp_fft_noise *noise;
     int n;
     int *y, *place;
 };
@@ -197,6 +198,17 @@ static void load_light_row(const void *ctx, int c, int j, float *z)
     const int y = r->y[j];
     for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++)
         z[2 * (s->x[i] - r->p->in.x0)] = s->rgb[c][i];
+}
+
+/* Makes samples under 0 black. Returns whether some are in (0, noise]. */
+GP_CLONES static bool clean_row(float *row, int n, float noise)
+{
+    int some = 0;
+    for (int x = 0; x < n; x++) {
+        row[x] = row[x] > 0.0f ? row[x] : 0.0f;
+        some |= (row[x] > 0.0f) & (row[x] <= noise);
+    }
+    return some;
 }
 
 /* Output row j back to the layer: places start at the box's corner, modulo
@@ -215,8 +227,9 @@ static void store_layer_row(const void *ctx, int c, int j, const float *z)
         row[x] = z[2 * (x - p->out.x0 + first)];
     for (int x = seam; x < p->out.x1; x++)
         row[x] = z[2 * (x - seam)];
-    for (int x = p->out.x0; x < p->out.x1 && !r->negative; x++)
-        row[x] = row[x] > 0.0f ? row[x] : 0.0f;
+    if (!r->negative)
+        r->noise->row[c][p->out.y0 + j] = clean_row(
+            row + p->out.x0, gp_rect_w(p->out), r->noise->most[c]);
     memset(row + p->out.x1, 0, (size_t) (w - p->out.x1) * sizeof *row);
 }
 
@@ -228,28 +241,28 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
                (size_t) (to - from) * w * sizeof(float));
 }
 
-/* Clears what noise there is in channel c of the layer where no light is. */
+/* Clears what noise there is in the layer where no light is. */
 static gp_status clear_unreached(const struct gp_glare_job *job,
     struct fft_state *s, const struct gp_sources *src,
-    const struct gp_fft_placing *p, int c)
+    const struct gp_fft_noise *noise)
 {
     const struct gp_kernel *const k = job->kernel;
-    const int plane = k->grey ? 0 : c;
-    if (!is_known(s->runs_kernel, k)) {
-        for (int i = 0; i < 3; i++)
-            gp_fft_runs_free(&s->runs[i]);
-        s->runs_kernel = k->serial;
+    const struct gp_fft_shape *shape[3];
+    if (!is_known(s->shape_kernel, k)) {
+        for (int c = 0; c < 3; c++)
+            gp_fft_shape_free(&s->shape[c]);
+        s->shape_kernel = k->serial;
     }
-    if (!s->runs[plane].row) {
-        gp_status st = gp_fft_kernel_runs(job->log, k, plane, &s->runs[plane]);
+    for (int c = 0; c < 3; c++) {
+        struct gp_fft_shape *const own = &s->shape[k->grey ? 0 : c];
+        gp_status st = GP_OK;
+        if (!own->row)
+            st = gp_fft_shape_make(job->log, k, c, own);
         if (st)
             return st;
+        shape[c] = own;
     }
-    const double most = fmin((double) src->brightest * k->norm1[c],
-                             sqrt(src->energy[c]) * k->norm2[c]);
-    const double noise = gp_fft_pixel_error(p, most);
-    return gp_fft_clear_unreached(job->log, src, k, &s->runs[plane], c, noise,
-                                  job->layer->c[c]);
+    return gp_fft_clear_unreached(job->log, src, k, shape, noise, job->layer);
 }
 
 /* Transforms `src` with the kernel less its core into the layer. */
@@ -258,7 +271,9 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
 {
     gp_status st;
     struct gp_fft_job fft = {.log = job->log, .channels = 1};
+    struct gp_fft_noise noise = {0};
     struct light_rows light = {.src = src, .p = p, .layer = job->layer,
+                               .noise = &noise,
                                .negative = job->kernel->negative};
     const int count = gp_rect_h(p->out);
     GP_TRY(find_plan(job, s, p->ny, &fft.y));
@@ -284,6 +299,14 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
     }
     clear_rows(job, 0, p->out.y0);
     clear_rows(job, p->out.y1, src->h);
+    for (int c = 0; c < 3; c++) {
+        const double most =
+            fmin((double) src->brightest * job->kernel->norm1[c],
+                 sqrt(src->energy[c]) * job->kernel->norm2[c]);
+        noise.most[c] = (float) gp_fft_pixel_error(p, most);
+        GP_TRY(gp_alloc_zero(job->log, "transform", (size_t) src->h,
+                             sizeof(bool), &noise.row[c]));
+    }
     const int first = wrap(p->out.y0 - p->in.y0, p->ny);
     for (fft.channel = 0; fft.channel < 3; fft.channel++) {
         struct gp_fft_matrix m = one_channel(&s->work, fft.channel);
@@ -291,10 +314,12 @@ static gp_status transform(const struct gp_glare_job *job, struct fft_state *s,
         GP_TRY(gp_fft_multiply(&fft, &m, light.n, light.place, &s->spectrum,
                                job->kernel->grey ? 1 : 3, first, count));
         GP_TRY(gp_fft_rows_out(&fft, &m, count, store_layer_row, &light));
-        if (!job->kernel->negative)
-            GP_TRY(clear_unreached(job, s, src, p, fft.channel));
     }
+    if (!job->kernel->negative)
+        GP_TRY(clear_unreached(job, s, src, &noise));
 out:
+    for (int c = 0; c < 3; c++)
+        gp_free(noise.row[c]);
     gp_free(light.y);
     gp_free(light.place);
     return st;

@@ -5,6 +5,8 @@
 
 #include "glare/fft/fft.h"
 
+#include <stdbool.h>
+
 /* The places of sources, kernel and outputs on the torus of nx * ny
  * samples. The smallest on which no wrapped light reaches an output. */
 struct gp_fft_placing {
@@ -68,25 +70,46 @@ double gp_fft_pixel_error(const struct gp_fft_placing *p, double most);
 
 // -- reach.c ------------------------------------------------------------------
 
-/* Runs [from, to) of values that are not 0, by rows: those of row y are
- * [row[y], row[y + 1]). */
-struct gp_fft_runs {
-    uint32_t *row;
-    struct { int from, to; } *run;
+/* The support of one channel of a kernel: where it is not 0, by offsets from
+ * its centre. */
+struct gp_fft_run {
+    int from, to; // half-open; empty where to <= from
 };
-void gp_fft_runs_free(struct gp_fft_runs *r);
+struct gp_fft_node {
+    struct gp_fft_run least, most; // what each of its rows holds; what all of
+                                   // its rows' runs are in
+    bool full;                     // each row is one run, and all are equal
+};
+struct gp_fft_shape {
+    uint32_t *row;            // runs of row y are [row[y], row[y + 1])
+    struct gp_fft_run *run;
+    struct gp_fft_node *node; // of all rows; after that of n rows, more than 1,
+                              // follow those of the first n / 2 rows and those
+                              // of the others
+};
 
-/* Those of channel c of a kernel, by offsets from its centre. Errors:
- * GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_fft_kernel_runs(const struct gp_log *log,
-    const struct gp_kernel *k, int c, struct gp_fft_runs *out);
+/* Those of channel c; free with gp_fft_shape_free(). Errors: GP_ERR_BUG out of
+ * memory. */
+GP_MUST_CHECK gp_status gp_fft_shape_make(const struct gp_log *log,
+    const struct gp_kernel *k, int c, struct gp_fft_shape *out);
+void gp_fft_shape_free(struct gp_fft_shape *s);
 
-/* Makes samples of a w x h plane 0 that no source reaches by a sample of the
- * kernel other than 0; those over `noise` are known to be reached. Errors:
- * GP_ERR_BUG out of memory. */
+/* Which samples of a layer may be noise where no light is. */
+struct gp_fft_noise {
+    float most[3]; // of noise, by channels
+    bool *row[3];  // whether a row may hold samples in (0, most]
+};
+
+/* Makes samples of a layer in (0, noise->most] 0 that no source reaches by a
+ * sample of the kernel other than 0, in the rows marked.
+ *
+ *   shape  of the kernel's channels; may be the same ones
+ *   layer  of the sources' frame
+ * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
-    const struct gp_fft_runs *kernel, int c, double noise, float *plane);
+    const struct gp_fft_shape *const shape[3],
+    const struct gp_fft_noise *noise, const struct gp_planes *layer);
 
 // -- what goes direct --------------------------------------------------------
 

@@ -1,5 +1,12 @@
 /* The sources' reach: pixels where a float transform leaves rounding noise and
- * the sum itself has no term. */
+ * the sum itself has no term. It is the support of the light dilated by the
+ * support of the kernel, by bits of rows.
+ *
+ * A row of the frame is reached through each row of the kernel by another row
+ * of light. Rows of the kernel are taken together where that decides: what
+ * all of them hold reaches at least that far, and what one of them holds at
+ * most that far, from all their rows of light in one. Only where both differ,
+ * the rows are halved. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/minmax.h"
@@ -8,208 +15,458 @@
 
 #include <string.h>
 
-void gp_fft_runs_free(struct gp_fft_runs *r)
+// -- bits ---------------------------------------------------------------------
+
+static int lowest(uint64_t v)
 {
-    gp_free(r->row);
-    gp_free(r->run);
-    *r = (struct gp_fft_runs) {0};
+    return __builtin_ctzll(v);
 }
 
-/* Room for `most` runs in h rows. */
-static gp_status make_runs(const struct gp_log *log, int h, size_t most,
-                           struct gp_fft_runs *out)
+static int highest(uint64_t v)
 {
-    struct gp_fft_runs r = {0};
-    gp_status st = gp_alloc(log, "reach", (size_t) h + 1, sizeof *r.row,
-                            &r.row);
-    if (!st)
-        st = gp_alloc(log, "reach", most + 1, sizeof *r.run, &r.run);
-    if (st)
-        gp_fft_runs_free(&r);
-    else
-        *out = r;
-    return st;
+    return 63 - __builtin_clzll(v);
 }
 
-gp_status gp_fft_kernel_runs(const struct gp_log *log,
-    const struct gp_kernel *k, int c, struct gp_fft_runs *out)
+/* Sets bits [from, to), those in words [first, end). */
+static void set_bits(uint64_t *bits, int first, int end, int from, int to)
 {
-    size_t n = 0;
-    const float *v = k->k.c[c];
-    for (int y = 0; y < k->h; y++) {
-        for (int x = 0; x < k->w; x++, v++)
-            n += *v != 0.0f && (x == 0 || v[-1] == 0.0f);
-    }
-    struct gp_fft_runs r;
-    gp_status st = make_runs(log, k->h, n, &r);
-    if (st)
-        return st;
-    n = 0;
-    for (int y = 0; y < k->h; y++) {
-        r.row[y] = (uint32_t) n;
-        v = k->k.c[c] + (size_t) y * (size_t) k->w;
-        for (int x = 0; x < k->w; x++) {
-            if (v[x] == 0.0f)
-                continue;
-            if (x == 0 || v[x - 1] == 0.0f)
-                r.run[n++].from = x - k->cx;
-            r.run[n - 1].to = x + 1 - k->cx;
+    from = gp_max(from, 64 * first);
+    to = gp_min(to, 64 * end);
+    if (from >= to)
+        return;
+    const int a = from / 64, b = (to - 1) / 64;
+    const uint64_t head = ~0ull << from % 64;
+    const uint64_t tail = ~0ull >> (63 - (to - 1) % 64);
+    bits[a] |= a == b ? head & tail : head;
+    for (int i = a + 1; i < b; i++)
+        bits[i] = ~0ull;
+    if (b > a)
+        bits[b] |= tail;
+}
+
+/* Sets bits x + o, those in words [first, end) of `out`, for all bits x of
+ * `light` and o in `run`. */
+static void dilate(const uint64_t *light, int words, struct gp_fft_run run,
+                   uint64_t *out, int first, int end)
+{
+    const int length = run.to - run.from;
+    const int start = gp_max(64 * first - run.to + 1, 0) / 64;
+    const int past = gp_min((gp_max(64 * end - run.from, 0) + 63) / 64, words);
+    int from = 0, to = 0; // found and not set yet
+    for (int i = start; i < past; i++) {
+        if (!light[i])
+            continue;
+        if (length >= 64) { // bridges every gap of a word
+            const int next = 64 * i + lowest(light[i]) + run.from;
+            if (next > to) {
+                set_bits(out, first, end, from, to);
+                from = next;
+            }
+            to = 64 * i + highest(light[i]) + run.to;
+            continue;
+        }
+        uint64_t part[3] = {light[i]};
+        for (int n = 1, s; n < length; n += s) {
+            s = gp_min(n, length - n);
+            part[1] |= part[1] << s | part[0] >> (64 - s);
+            part[0] |= part[0] << s;
+        }
+        const int at = 64 * i + run.from, shift = at & 63;
+        const int word = (at - shift) / 64;
+        if (shift) {
+            part[2] = part[1] >> (64 - shift);
+            part[1] = part[1] << shift | part[0] >> (64 - shift);
+            part[0] <<= shift;
+        }
+        for (int j = 0; j < 3; j++) {
+            if (word + j >= first && word + j < end)
+                out[word + j] |= part[j];
         }
     }
-    r.row[k->h] = (uint32_t) n;
-    *out = r;
+    set_bits(out, first, end, from, to);
+}
+
+// -- the kernel's support -----------------------------------------------------
+
+void gp_fft_shape_free(struct gp_fft_shape *s)
+{
+    gp_free(s->row);
+    gp_free(s->run);
+    gp_free(s->node);
+    *s = (struct gp_fft_shape) {0};
+}
+
+/* Fills in the node of rows [from, to) and, behind it, those of its halves. */
+static void make_node(const struct gp_fft_shape *s, int from, int to,
+                      struct gp_fft_node *node)
+{
+    struct gp_fft_node n = {{0, 0}, {0, 0}, true};
+    if (to - from > 1) {
+        const int half = (from + to) / 2;
+        struct gp_fft_node *const a = node + 1;
+        struct gp_fft_node *const b = node + 2 * (half - from);
+        make_node(s, from, half, a);
+        make_node(s, half, to, b);
+        n.most = a->most.to <= a->most.from   ? b->most
+                 : b->most.to <= b->most.from ? a->most
+                     : (struct gp_fft_run) {gp_min(a->most.from, b->most.from),
+                                            gp_max(a->most.to, b->most.to)};
+        n.least.from = gp_max(a->least.from, b->least.from);
+        n.least.to = gp_min(a->least.to, b->least.to);
+        n.full = n.least.from == n.most.from && n.least.to == n.most.to;
+    } else if (s->row[from] < s->row[to]) {
+        n.most.from = s->run[s->row[from]].from;
+        n.most.to = s->run[s->row[to] - 1].to;
+        for (uint32_t i = s->row[from]; i < s->row[to]; i++) {
+            if (s->run[i].to - s->run[i].from > n.least.to - n.least.from)
+                n.least = s->run[i];
+        }
+        n.full = s->row[to] - s->row[from] == 1;
+    }
+    *node = n;
+}
+
+/* Runs of a row of w samples, the first of them at offset x0, from `run` on;
+ * returns how many. They are w / 2 + 1 at most. */
+GP_CLONES static uint32_t row_runs(const float *v, int w, int x0,
+                                   struct gp_fft_run *run)
+{
+    enum { BLOCK = 32 };
+    uint32_t n = 0;
+    int on = 0; // before sample x
+    for (int x = 0; x < w;) {
+        int lit = 0;
+        for (int i = 0; i < BLOCK && x + BLOCK <= w; i++)
+            lit += v[x + i] != 0.0f;
+        if (x + BLOCK <= w && lit == on * BLOCK) {
+            x += BLOCK;
+            continue;
+        }
+        for (const int end = gp_min(x + BLOCK, w); x < end; x++) {
+            if ((v[x] != 0.0f) == on)
+                continue;
+            if (on)
+                run[n++].to = x0 + x;
+            else
+                run[n].from = x0 + x;
+            on = !on;
+        }
+    }
+    if (on)
+        run[n++].to = x0 + w;
+    return n;
+}
+
+gp_status gp_fft_shape_make(const struct gp_log *log, const struct gp_kernel *k,
+                            int c, struct gp_fft_shape *out)
+{
+    struct gp_fft_shape s = {0};
+    void *runs = NULL; // grows
+    size_t room = 0, n = 0;
+    const size_t w = (size_t) k->w, h = (size_t) k->h;
+    gp_status st = gp_alloc(log, "reach", h + 1, sizeof *s.row, &s.row);
+    if (!st)
+        st = gp_alloc(log, "reach", 2 * h, sizeof *s.node, &s.node);
+    for (size_t y = 0; y < h && !st; y++) {
+        if (n + w / 2 + 1 > room) {
+            room = 2 * n + w / 2 + 1;
+            st = gp_resize(log, "reach", room * sizeof *s.run, &runs);
+            s.run = runs;
+        }
+        s.row[y] = (uint32_t) n;
+        if (!st)
+            n += row_runs(k->k.c[c] + y * w, k->w, -k->cx, s.run + n);
+    }
+    if (st) {
+        gp_fft_shape_free(&s);
+        return st;
+    }
+    s.row[h] = (uint32_t) n;
+    make_node(&s, 0, k->h, s.node);
+    *out = s;
     return GP_OK;
 }
 
-/* The same of the sources' light in channel c, by columns of the frame. */
-static gp_status source_runs(const struct gp_log *log,
-    const struct gp_sources *s, int c, struct gp_fft_runs *out)
+static bool same_shape(const struct gp_fft_shape *a,
+                       const struct gp_fft_shape *b, int h)
 {
-    size_t n = 0;
-    gp_status st = make_runs(log, s->h, s->n, out);
-    for (int y = 0; y < s->h && !st; y++) {
-        out->row[y] = (uint32_t) n;
-        for (uint32_t i = s->row[y]; i < s->row[y + 1]; i++) {
-            if (!(s->rgb[c][i] > 0.0f))
-                continue;
-            if (n == out->row[y] || out->run[n - 1].to != s->x[i])
-                out->run[n++].from = s->x[i];
-            out->run[n - 1].to = s->x[i] + 1;
-        }
-    }
-    if (!st)
-        out->row[s->h] = (uint32_t) n;
-    return st;
+    return a == b || (memcmp(a->row, b->row,
+                             ((size_t) h + 1) * sizeof *a->row) == 0 &&
+                      memcmp(a->run, b->run, a->row[h] * sizeof *a->run) == 0);
 }
 
-struct clearing {
-    const struct gp_kernel *k;
-    const struct gp_fft_runs *kernel, *light;
-    float *plane;
-    int w, h, words;
-    float noise;
-    int *gap;          // the widest between the light's runs, of each row
-    uint64_t *scratch; // 2 * words a thread
+// -- the light's support ------------------------------------------------------
+
+/* Rows of bits of the light of one channel, those of the sources' box, of
+ * which level l has 2^l in one from each row on. */
+enum { LEVELS = 32 };
+struct light {
+    const struct gp_sources *src;
+    int c, y0, h, words, levels;
+    int *dark;             // rows without light over each row, h + 1
+    uint64_t *bits;        // of level 0; others follow
 };
 
-/* Sets bits [from, to). */
-static void set_bits(uint64_t *bits, int from, int to)
+static uint64_t *bits_at(const struct light *s, int level, int row)
 {
-    const int first = from / 64, last = (to - 1) / 64;
-    const uint64_t head = ~0ull << from % 64;
-    const uint64_t tail = ~0ull >> (63 - (to - 1) % 64);
-    if (first == last) {
-        bits[first] |= head & tail;
-        return;
-    }
-    bits[first] |= head;
-    for (int i = first + 1; i < last; i++)
-        bits[i] = ~0ull;
-    bits[last] |= tail;
+    return s->bits + ((size_t) level * (size_t) s->h + (size_t) row) *
+                         (size_t) s->words;
 }
 
-/* Takes what row `sy` of the light reaches by row `ky` of the kernel out of
- * `left`; [*lo, *hi) is known to be out. False when nothing is left. */
-static bool take_reached(const struct clearing *m, int sy, int ky,
-                         uint64_t *reached, uint64_t *left, int *lo, int *hi)
+/* Sets the bits of n sources in a row, 64 at most, one beside another. */
+GP_CLONES static uint64_t lit_bits(const float *v, int n)
 {
-    bool changed = false;
-    const struct gp_fft_runs *const s = m->light, *const k = m->kernel;
-    const uint32_t last = s->row[sy + 1] - 1;
-    for (uint32_t j = k->row[ky]; j < k->row[ky + 1]; j++) {
-        // a run of the kernel over every gap makes one of all the light's
-        const bool bridged =
-            k->run[j].to - k->run[j].from > m->gap[sy];
-        const uint32_t step = bridged ? last + 1 - s->row[sy] : 1;
-        for (uint32_t i = s->row[sy]; i <= last; i += step) {
-            const int end = s->run[i + step - 1].to;
-            const int from = gp_max(s->run[i].from + k->run[j].from, 0);
-            const int to = gp_min(end - 1 + k->run[j].to, m->w);
-            if (from >= to || (from >= *lo && to <= *hi))
-                continue;
-            set_bits(reached, from, to);
-            if (to - from > *hi - *lo) {
-                *lo = from;
-                *hi = to;
-            }
-            changed = true;
+    int lit = 0;
+    for (int i = 0; i < n; i++)
+        lit += v[i] > 0.0f;
+    if (lit == n)
+        return ~0ull >> (64 - n);
+    uint64_t bits = 0;
+    for (int i = 0; i < n; i++)
+        bits |= (uint64_t) (v[i] > 0.0f) << i;
+    return bits;
+}
+
+static void make_bits(void *ctx, int row, int thread)
+{
+    const struct light *const m = ctx;
+    const struct gp_sources *const s = m->src;
+    const int32_t *const x = s->x;
+    const float *const v = s->rgb[m->c];
+    uint64_t *const bits = bits_at(m, 0, row);
+    uint64_t any = 0;
+    const uint32_t end = s->row[m->y0 + row + 1];
+    (void) thread;
+    memset(bits, 0, (size_t) m->words * sizeof *bits);
+    for (uint32_t i = s->row[m->y0 + row]; i < end;) {
+        const uint32_t rest = end - i, room = 64u - (uint32_t) x[i] % 64u;
+        const uint32_t most = rest < room ? rest : room;
+        const uint32_t n = x[i + most - 1] == x[i] + (int) most - 1 ? most : 1;
+        const uint64_t lit = n == 1 ? v[i] > 0.0f : lit_bits(v + i, (int) n);
+        bits[x[i] / 64] |= lit << x[i] % 64;
+        any |= lit;
+        i += n;
+    }
+    m->dark[row + 1] = !any;
+}
+
+/* Words [8 i, 8 i + 8) of all levels. */
+static void join_rows(void *ctx, int i, int thread)
+{
+    const struct light *const m = ctx;
+    const int end = gp_min(8 * i + 8, m->words);
+    (void) thread;
+    for (int level = 1; level < m->levels; level++) {
+        for (int row = 0; row < m->h; row++) {
+            const uint64_t *const a = bits_at(m, level - 1, row);
+            const uint64_t *const b = bits_at(
+                m, level - 1, gp_min(row + (1 << (level - 1)), m->h - 1));
+            uint64_t *const out = bits_at(m, level, row);
+            for (int j = 8 * i; j < end; j++)
+                out[j] = a[j] | b[j];
         }
     }
-    uint64_t any = !changed;
-    for (int i = 0; i < m->words && changed; i++) {
-        left[i] &= ~reached[i];
-        any |= left[i];
-    }
-    return any != 0;
 }
 
-/* Returns whether a row holds samples over 0 that may be noise. */
-GP_CLONES static int has_faint(const float *row, int w, float noise)
+static gp_status make_light(const struct gp_log *log,
+    const struct gp_sources *src, int c, int kernel_h, struct light *out)
 {
-    int some = 0;
-    for (int x = 0; x < w; x++)
-        some |= (row[x] > 0.0f) & (row[x] <= noise);
-    return some;
+    struct light m = {
+        .src = src, .c = c, .y0 = src->box.y0, .h = gp_rect_h(src->box),
+        .words = (src->w + 63) / 64, .levels = 1,
+    };
+    while (m.levels < LEVELS && 1 << m.levels <= gp_min(m.h, kernel_h))
+        m.levels++;
+    const size_t rows = (size_t) m.levels * (size_t) m.h;
+    gp_status st = gp_alloc_zero(log, "reach", (size_t) m.h + 1,
+                                 sizeof *m.dark, &m.dark);
+    if (!st)
+        st = gp_alloc(log, "reach", rows, (size_t) m.words * sizeof *m.bits,
+                      &m.bits);
+    if (st) {
+        gp_free(m.dark);
+        return st;
+    }
+    gp_parallel_do(m.h, make_bits, &m);
+    for (int row = 0; row < m.h; row++)
+        m.dark[row + 1] += m.dark[row];
+    gp_parallel_do((m.words + 7) / 8, join_rows, &m);
+    *out = m;
+    return GP_OK;
+}
+
+/* Whether the channels' sources are lit alike. */
+GP_CLONES static bool same_light(const float *a, const float *b, size_t n)
+{
+    int differ = 0;
+    for (size_t i = 0; i < n; i++)
+        differ |= (a[i] > 0.0f) ^ (b[i] > 0.0f);
+    return !differ;
+}
+
+// -- the reach ----------------------------------------------------------------
+
+/* Channels whose light and kernel have the same support. */
+struct clearing {
+    const struct gp_kernel *k;
+    const struct gp_fft_shape *shape;
+    struct light light;
+    const struct gp_fft_noise *noise;
+    const struct gp_planes *layer;
+    bool in[3];        // channels
+    uint64_t *scratch; // 3 * words a thread
+};
+
+/* A row of the frame: what is reached of it by what was looked at. */
+struct row {
+    const struct clearing *m;
+    int y;
+    uint64_t *reached, *maybe, *joined;
+};
+
+/* All of light rows [from, to) in one; in r->joined, or where it is known. */
+static const uint64_t *joined_rows(const struct row *r, int from, int to)
+{
+    const struct light *const s = &r->m->light;
+    const int level = highest((uint64_t) (to - from));
+    const uint64_t *const a = bits_at(s, level, from);
+    const uint64_t *const b = bits_at(s, level, to - (1 << level));
+    if (a == b)
+        return a;
+    for (int i = 0; i < s->words; i++)
+        r->joined[i] = a[i] | b[i];
+    return r->joined;
+}
+
+/* Adds what kernel rows [from, to) reach of words [first, end) of a row; `node`
+ * is theirs. */
+static void look(const struct row *r, const struct gp_fft_node *node, int from,
+                 int to, int first, int end)
+{
+    static const int FEW = 2; // rows that cost less than all of them in one
+    const struct gp_fft_shape *const k = r->m->shape;
+    const struct light *const s = &r->m->light;
+    const int above = r->y + r->m->k->cy - s->y0; // light of kernel row 0
+    const int start = gp_max(above - to + 1, 0);
+    const int past = gp_min(above - from + 1, s->h);
+    if (start >= past || node->most.from >= node->most.to)
+        return;
+    const int lit = past - start - (s->dark[past] - s->dark[start]);
+    if (!lit)
+        return;
+    while (first < end && r->reached[first] == ~0ull)
+        first++;
+    while (first < end && r->reached[end - 1] == ~0ull)
+        end--;
+    if (first == end)
+        return;
+    if (lit <= FEW || to - from == 1) {
+        for (int row = start; row < past; row++) {
+            const uint32_t *const runs = k->row + (above - row);
+            if (s->dark[row + 1] > s->dark[row])
+                continue;
+            for (uint32_t i = runs[0]; i < runs[1]; i++)
+                dilate(bits_at(s, 0, row), s->words, k->run[i], r->reached,
+                       first, end);
+        }
+        return;
+    }
+    const uint64_t *const light = joined_rows(r, start, past);
+    if (node->least.from < node->least.to) {
+        dilate(light, s->words, node->least, r->reached, first, end);
+        if (node->full)
+            return;
+    }
+    memset(r->maybe + first, 0, (size_t) (end - first) * sizeof *r->maybe);
+    dilate(light, s->words, node->most, r->maybe, first, end);
+    while (first < end && !(r->maybe[first] & ~r->reached[first]))
+        first++;
+    while (first < end && !(r->maybe[end - 1] & ~r->reached[end - 1]))
+        end--;
+    if (first == end)
+        return;
+    // the half that surely reaches further is first
+    const int half = (from + to) / 2;
+    const struct gp_fft_node *const a = node + 1;
+    const struct gp_fft_node *const b = node + 2 * (half - from);
+    if (a->least.to - a->least.from >= b->least.to - b->least.from) {
+        look(r, a, from, half, first, end);
+        look(r, b, half, to, first, end);
+    } else {
+        look(r, b, half, to, first, end);
+        look(r, a, from, half, first, end);
+    }
+}
+
+/* Clears n samples, 64 at most, that are not reached and `noise` at most. */
+GP_CLONES static void clear_bits(float *v, int n, uint64_t reached, float noise)
+{
+    if (!reached) {
+        for (int x = 0; x < n; x++)
+            v[x] = v[x] <= noise ? 0.0f : v[x];
+        return;
+    }
+    for (uint64_t left = ~reached; left; left &= left - 1) {
+        const int x = lowest(left);
+        v[x] = v[x] <= noise ? 0.0f : v[x];
+    }
 }
 
 static void clear_row(void *ctx, int y, int thread)
 {
     const struct clearing *const m = ctx;
-    const struct gp_kernel *const k = m->k;
-    uint64_t *const left = m->scratch + 2 * (size_t) thread * (size_t) m->words;
-    uint64_t *const reached = left + m->words;
-    float *const row = m->plane + (size_t) y * (size_t) m->w;
-    bool some = true;
-    int lo = 0, hi = 0;
-    if (!has_faint(row, m->w, m->noise))
+    const int w = m->light.src->w, words = m->light.words;
+    uint64_t *const scratch = m->scratch + 3 * (size_t) thread * (size_t) words;
+    const struct row r = {m, y, scratch, scratch + words, scratch + 2 * words};
+    bool some = false;
+    for (int c = 0; c < 3; c++)
+        some |= m->in[c] && m->noise->row[c][y];
+    if (!some)
         return;
-    memset(left, 0, 2 * (size_t) m->words * sizeof *left);
-    for (int x = 0; x < m->w; x++) {
-        const bool faint = row[x] > 0.0f && row[x] <= m->noise;
-        left[x / 64] |= (uint64_t) faint << x % 64;
-    }
-    // the kernel's rows from its centre on: the widest first
-    const int middle = gp_max(0, gp_min(k->cy, k->h - 1));
-    const int steps = 2 * gp_max(middle, k->h - 1 - middle);
-    for (int i = 0; i <= steps && some; i++) {
-        const int ky = middle + (i % 2 ? (i + 1) / 2 : -i / 2);
-        const int sy = y - (ky - k->cy);
-        if (ky >= 0 && ky < k->h && sy >= 0 && sy < m->h &&
-            m->light->row[sy] < m->light->row[sy + 1])
-            some = take_reached(m, sy, ky, reached, left, &lo, &hi);
-    }
-    for (int x = 0; x < m->w && some; x++) {
-        if (left[x / 64] >> x % 64 & 1)
-            row[x] = 0.0f;
+    memset(r.reached, 0, (size_t) words * sizeof *r.reached);
+    if (w % 64) // no pixels
+        r.reached[words - 1] = ~0ull << w % 64;
+    look(&r, m->shape->node, 0, m->k->h, 0, words);
+    for (int c = 0; c < 3; c++) {
+        float *const row = m->layer->c[c] + (size_t) y * (size_t) w;
+        if (!m->in[c] || !m->noise->row[c][y])
+            continue;
+        for (int i = 0; i < words; i++)
+            clear_bits(row + 64 * i, gp_min(w - 64 * i, 64), r.reached[i],
+                       m->noise->most[c]);
     }
 }
 
 gp_status gp_fft_clear_unreached(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k,
-    const struct gp_fft_runs *kernel, int c, double noise, float *plane)
+    const struct gp_fft_shape *const shape[3],
+    const struct gp_fft_noise *noise, const struct gp_planes *layer)
 {
-    struct gp_fft_runs light = {0};
-    struct clearing m = {
-        .k = k, .kernel = kernel, .light = &light, .plane = plane,
-        .w = src->w, .h = src->h, .words = src->w / 64 + 1,
-        .noise = (float) noise,
-    };
-    gp_status st = source_runs(log, src, c, &light);
-    if (!st)
-        st = gp_alloc(log, "reach", 2 * (size_t) gp_threads(),
-                      (size_t) m.words * sizeof *m.scratch, &m.scratch);
-    if (!st)
-        st = gp_alloc_zero(log, "reach", (size_t) src->h, sizeof *m.gap,
-                           &m.gap);
-    for (int y = 0; y < src->h && !st; y++) {
-        for (uint32_t i = light.row[y] + 1; i < light.row[y + 1]; i++)
-            m.gap[y] = gp_max(m.gap[y],
-                              light.run[i].from - light.run[i - 1].to);
+    bool left[3];
+    gp_status st = GP_OK;
+    for (int c = 0; c < 3; c++)
+        left[c] = memchr(noise->row[c], true, (size_t) src->h) != NULL;
+    for (int c = 0; c < 3 && !st; c++) {
+        struct clearing m = {
+            .k = k, .shape = shape[c], .noise = noise, .layer = layer,
+        };
+        if (!left[c])
+            continue;
+        for (int i = c; i < 3; i++) {
+            m.in[i] = left[i] && same_shape(shape[c], shape[i], k->h) &&
+                      (i == c || same_light(src->rgb[c], src->rgb[i], src->n));
+            left[i] &= !m.in[i];
+        }
+        st = make_light(log, src, c, k->h, &m.light);
+        if (!st)
+            st = gp_alloc(log, "reach", 3 * (size_t) gp_threads(),
+                          (size_t) m.light.words * sizeof *m.scratch,
+                          &m.scratch);
+        if (!st)
+            gp_parallel_do(src->h, clear_row, &m);
+        gp_free(m.scratch);
+        gp_free(m.light.bits);
+        gp_free(m.light.dark);
     }
-    if (!st)
-        gp_parallel_do(src->h, clear_row, &m);
-    gp_free(m.gap);
-    gp_free(m.scratch);
-    gp_fft_runs_free(&light);
     return st;
 }

@@ -71,22 +71,25 @@ void gp_fft_find_quarters(const struct gp_kernel *k, int w, int h,
     const int reach_y = k->h - 1 <= h ? INT_MAX / 2 : h / 2;
     *out = (struct gp_fft_quarters) {0};
     for (int c = 0; c < 3 && !k->negative; c++) {
+        if (c > 0 && k->grey) {
+            out->square[c] = out->square[0];
+            out->sum[c] = out->sum[0];
+            continue;
+        }
         // above the centre and below, left and right of it, which all hold the
         // centre's own row and column
         double square[2][2] = {{0}}, sum[2][2] = {{0}};
         for (int y = 0; y < k->h; y++) {
             const float *const row = k->k.c[c] + (size_t) y * (size_t) k->w;
             double side[4] = {0}; // squares left and right, samples alike
-            for (int x = 0; x < k->w; x++) {
-                const double v = (double) row[x];
-                const double left =
-                    x <= k->cx && x >= k->cx - reach_x ? v : 0.0;
-                const double right =
-                    x >= k->cx && x <= k->cx + reach_x ? v : 0.0;
-                side[0] += left * left;
-                side[1] += right * right;
-                side[2] += left;
-                side[3] += right;
+            for (int i = 0; i < 2; i++) {
+                const int from = gp_max(i ? k->cx : k->cx - reach_x, 0);
+                const int last = gp_min(i ? k->cx + reach_x : k->cx, k->w - 1);
+                for (int x = from; x <= last; x++) {
+                    const double v = (double) row[x];
+                    side[i] += v * v;
+                    side[2 + i] += v;
+                }
             }
             const bool in[2] = {y <= k->cy && y >= k->cy - reach_y,
                                 y >= k->cy && y <= k->cy + reach_y};

@@ -1,5 +1,6 @@
 /* glare/pixel.c, fft/reach.c: what every single pixel of a layer keeps. */
 #include "unit.h"
+#include "glare/fft/fft_priv.h"
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 
@@ -68,6 +69,122 @@ static void no_light_where_no_light_reaches(void **state)
         gp_glare_close(&g);
         scene_free(&s);
     }
+}
+
+enum support { FULL, DISC, HOLLOW, SPECKLED, ROWS, SUPPORTS };
+
+/* Whether a kernel of n x m samples is not 0 at (x, y). */
+static bool in_support(enum support s, int x, int y, int n, int m, float dense,
+                       uint32_t *seed)
+{
+    const float dx = 2.0f * (float) x / (float) n - 1.0f;
+    const float dy = 2.0f * (float) y / (float) m - 1.0f;
+    const float r2 = dx * dx + dy * dy;
+    switch (s) {
+    case DISC:
+        return r2 < 1.0f;
+    case HOLLOW:
+        return r2 < 1.0f && r2 > dense;
+    case SPECKLED:
+        return scene_random(seed) < dense;
+    case ROWS: // some are empty, some have a gap
+        return scene_noise(y) < dense && (x < n / 3 || scene_noise(-y) < 0.5f);
+    default:
+        return true;
+    }
+}
+
+/* Of random light, kernels (centres outside too) and layers: samples of marked
+ * rows in (0, noise] become 0 where a sum over all sources and samples of the
+ * kernel has no term; all others stay. */
+static void only_noise_out_of_reach_is_cleared(void **state)
+{
+    long cleared = 0;
+    for (uint32_t seed, i = 0; i < 200; i++) {
+        seed = 31u * i;
+        const enum support support = i % SUPPORTS;
+        const bool alike = scene_random(&seed) < 0.5f;
+        const float lit = powf(scene_random(&seed), 8.0f);
+        const float dense = powf(scene_random(&seed), 3.0f);
+        struct gp_sources like = {
+            .w = 1 + (int) (280.0f * scene_random(&seed)),
+            .h = 1 + (int) (60.0f * scene_random(&seed)),
+        };
+        struct gp_kernel k = {
+            .w = 1 + (int) (250.0f * scene_random(&seed)),
+            .h = 1 + (int) (70.0f * scene_random(&seed)),
+        };
+        k.cx = (int) ((float) k.w * (2.0f * scene_random(&seed) - 0.5f));
+        k.cy = (int) ((float) k.h * (2.0f * scene_random(&seed) - 0.5f));
+        const int w = like.w, h = like.h, n = w * h, area = k.w * k.h;
+        struct gp_sources src;
+        struct gp_planes layer;
+        struct gp_fft_shape shape[3];
+        struct gp_fft_noise noise;
+        assert_ok(gp_sources_make(NULL, &like, (size_t) n, &src));
+        for (int j = 0; j < n; j++) {
+            float rgb[3];
+            for (int c = 0; c < 3; c++)
+                rgb[c] = alike || scene_random(&seed) < 0.7f ? 1.0f : 0.0f;
+            if (scene_random(&seed) < lit || (!j && lit < 0.01f))
+                gp_sources_add(&src, j % w, j / w, rgb);
+        }
+        gp_sources_finish(&src);
+        assert_ok(gp_planes_make(NULL, "kernel", (size_t) area, &k.k));
+        assert_ok(gp_planes_make(NULL, "layer", (size_t) n, &layer));
+        float *const was = scene_alloc(3 * (size_t) n, sizeof *was);
+        bool *const reached = scene_alloc(3 * (size_t) n, sizeof *reached);
+        for (int c = 0; c < 3; c++) {
+            for (int j = 0; j < area; j++)
+                k.k.c[c][j] = alike && c ? k.k.c[0][j]
+                    : in_support(support, j % k.w, j / k.w, k.w, k.h, dense,
+                                 &seed) ? 0.5f : 0.0f;
+            assert_ok(gp_fft_shape_make(NULL, &k, c, &shape[c]));
+            noise.most[c] = 0.5f;
+            noise.row[c] = scene_alloc((size_t) h, sizeof(bool));
+            for (int y = 0; y < h; y++)
+                noise.row[c][y] = scene_random(&seed) < 0.8f;
+            for (int j = 0; j < n; j++)
+                layer.c[c][j] = was[c * n + j] =
+                    scene_random(&seed) < 0.2f ? 0.0f : scene_random(&seed);
+        }
+        for (int y = 0; y < h; y++) {
+            for (uint32_t s = src.row[y]; s < src.row[y + 1]; s++) {
+                for (int j = 0; j < 3 * area; j++) {
+                    const int c = j / area;
+                    const int px = src.x[s] + j % k.w - k.cx;
+                    const int py = y + j % area / k.w - k.cy;
+                    if (src.rgb[c][s] * k.k.c[c][j % area] > 0.0f && px >= 0 &&
+                        px < w && py >= 0 && py < h)
+                        reached[c * n + py * w + px] = true;
+                }
+            }
+        }
+        const struct gp_fft_shape *const shapes[] = {shape, shape + 1,
+                                                     shape + 2};
+        assert_ok(gp_fft_clear_unreached(NULL, &src, &k, shapes, &noise,
+                                         &layer));
+        for (int j = 0; j < 3 * n; j++) {
+            const int c = j / n;
+            const bool clear = !reached[j] && was[j] <= noise.most[c] &&
+                               noise.row[c][j % n / w];
+            if (layer.c[c][j % n] != (clear ? 0.0f : was[j]))
+                fail_msg("run %u, channel %d, pixel %d %d: %g of %g", i, c,
+                         j % w, j % n / w, (double) layer.c[c][j % n],
+                         (double) was[j]);
+            cleared += clear;
+        }
+        for (int c = 0; c < 3; c++) {
+            gp_fft_shape_free(&shape[c]);
+            free(noise.row[c]);
+        }
+        gp_planes_free(&k.k);
+        gp_planes_free(&layer);
+        gp_sources_free(&src);
+        free(was);
+        free(reached);
+    }
+    assert_true(cleared > 0);
 }
 
 /* -- the worst pixel --------------------------------------------------------*/
@@ -176,4 +293,5 @@ static void auto_keeps_the_tolerance_of_a_pixel(void **state)
 }
 
 SUITE_OF(pixel, NULL, NULL, no_light_where_no_light_reaches,
-         no_pixel_is_over_its_bound, auto_keeps_the_tolerance_of_a_pixel)
+         only_noise_out_of_reach_is_cleared, no_pixel_is_over_its_bound,
+         auto_keeps_the_tolerance_of_a_pixel)
