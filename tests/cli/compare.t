@@ -487,7 +487,8 @@ for name, b in (("equal", plain), ("stored", dict(kind="none")), ("RLE", dict(ki
                 ("another value", dict(kind="rle", change=(50, 1, 0, 7.5))),
                 ("tiles, another value", dict(kind="zips", tile=7, change=(50, 4, 0, -7.5)))):
     pair("deep, " + name, plain, b)
-    pair("deep, " + name + ", other way", b, plain, "-warn", "1")
+    if "value" in name:
+        pair("deep, " + name + ", other way", b, plain, "-warn", "1")
 print("#", count, "pairs")
 
 # where idiff 2.4 answers otherwise than its own documents, compare does not

@@ -176,25 +176,25 @@ done
 # and never over what the man page says a frame takes, 60 bytes a pixel.
 cat >flat.py <<'PY'
 import json, subprocess, sys
-program, count = sys.argv[1], int(sys.argv[2])
+program, count, some = sys.argv[1], int(sys.argv[2]), 300
 
-def peaks(jobs, name):
+def peaks(jobs, name, count):
     subprocess.run([program, "--frame-jobs", str(jobs), "--threads", "2",
                     "--raw", "rgb24", "-o", "-", "--report", "r.json",
-                    f"long/{name}.####.exr"], stdout=subprocess.DEVNULL, check=True)
+                    "-f", f"1-{count}", f"long/{name}.####.exr"], stdout=subprocess.DEVNULL, check=True)
     peak = [json.loads(line)["peak_rss_mib"] for line in open("r.json")]
     assert len(peak) == count, len(peak)
     return peak
 
-one = peaks(1, "m")
+one = peaks(1, "m", count)
 print(f"{'' if one[-1] <= 1.02 * one[99] else 'not '}ok {count} frames, one in "
       f"flight: {one[99]:.1f} MiB at frame 100, {one[-1]:.1f} at the end")
-small = peaks(1, "s")
+small = peaks(1, "s", some)
 for jobs in (3, 7):
-    some = peaks(jobs, "s")
+    peak = peaks(jobs, "s", some)
     most = small[-1] + (jobs - 1) * 60 * 320 * 180 / 2**20
-    print(f"{'' if some[-1] <= most else 'not '}ok {count} frames, {jobs} in "
-          f"flight: {some[99]:.1f} MiB at frame 100, {some[-1]:.1f} at the end, "
+    print(f"{'' if peak[-1] <= most else 'not '}ok {some} frames, {jobs} in "
+          f"flight: {peak[99]:.1f} MiB at frame 100, {peak[-1]:.1f} at the end, "
           f"of {most:.1f} that they may take")
 PY
 "$python" flat.py "$glarepp" $count >verdicts 2>&1
