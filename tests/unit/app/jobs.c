@@ -15,7 +15,7 @@ struct job_row {
     const char *text;  // the error's start, or "input>outputs" of each frame
 };
 
-static gp_status make(
+static gp_status make_jobs(
     const char *line, struct gp_settings *s, struct gp_jobs *j)
 {
     const gp_status st = parse(line, s);
@@ -46,7 +46,7 @@ static void check_row(const struct job_row *r, bool views, bool parts)
     struct gp_settings s;
     struct gp_jobs j = {0};
     char text[1024] = "";
-    gp_status st = make(r->line, &s, &j);
+    gp_status st = make_jobs(r->line, &s, &j);
     describe(&j, text, sizeof text);
     bool same = st ? strncmp(kept_line, r->text, strlen(r->text)) == 0
                    : strcmp(text, r->text) == 0;
@@ -273,7 +273,7 @@ static void too_many_jobs(void **state)
 {
     struct gp_settings s;
     struct gp_jobs j = {0};
-    assert_int_equal(make("--views a,b -f 1-500001 --skip-bad-frames -o - "
+    assert_int_equal(make_jobs("--views a,b -f 1-500001 --skip-bad-frames -o - "
                           "v.%V.#.exr", &s, &j), GP_ERR_USAGE);
     assert_int_equal(strncmp(kept_line, "v.%V.#.exr:", 11), 0);
     gp_settings_free(&s);
@@ -310,7 +310,7 @@ static void what_is_made(void **state)
     for (size_t i = 0; i < COUNT(made_rows); i++) {
         struct gp_settings s;
         struct gp_jobs j = {0};
-        if (make(made_rows[i].line, &s, &j) ||
+        if (make_jobs(made_rows[i].line, &s, &j) ||
             gp_job_made(&s.write, &j, &j.job[0]) != made_rows[i].made)
             fail_msg("%s: %s", made_rows[i].line, kept_line);
         gp_jobs_free(&j);

@@ -17,7 +17,7 @@ static uint64_t hash(const struct gp_frame *f)
     return h;
 }
 
-static struct gp_frame make(enum gp_paper_kind kind, int w, int h)
+static struct gp_frame paper_scene(enum gp_paper_kind kind, int w, int h)
 {
     struct gp_frame f = {0};
     assert_ok(gp_paper_frame(NULL, kind, w, h, &f));
@@ -33,7 +33,7 @@ static void bytes_are_the_same_everywhere(void **state)
     for (int i = 0; i <= GP_PAPER_KINDS; i++) {
         struct gp_frame f = {0};
         if (i < GP_PAPER_KINDS)
-            f = make((enum gp_paper_kind) i, GP_PAPER_W, GP_PAPER_H);
+            f = paper_scene((enum gp_paper_kind) i, GP_PAPER_W, GP_PAPER_H);
         else
             assert_ok(gp_paper_kernel(NULL, GP_PAPER_KERNEL, &f));
         if (hash(&f) != want[i])
@@ -59,7 +59,7 @@ static void light_is_as_it_is_named(void **state)
         const struct gp_sensor_params p = {
             .threshold = 1.0f, .max_value = 1e9f,
         };
-        struct gp_frame f = make(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
+        struct gp_frame f = paper_scene(rows[i].kind, GP_PAPER_W, GP_PAPER_H);
         struct gp_sources s = {0};
         assert_ok(gp_sense(NULL, &p, &f, &s));
         const double share = (double) s.n / (double) gp_frame_pixels(&f);
@@ -88,7 +88,7 @@ static double luminance(const struct gp_frame *f, int x, int y)
 /* No polygon of the paper's may be exact by luck: windows differ inside. */
 static void windows_are_not_constant(void **state)
 {
-    struct gp_frame f = make(GP_PAPER_WINDOWS, GP_PAPER_W, GP_PAPER_H);
+    struct gp_frame f = paper_scene(GP_PAPER_WINDOWS, GP_PAPER_W, GP_PAPER_H);
     int lit = 0, pairs = 0, same = 0;
     for (int y = 0; y < GP_PAPER_H; y++) {
         for (int x = 1; x < GP_PAPER_W; x++) {
@@ -105,7 +105,7 @@ static void windows_are_not_constant(void **state)
 static void dim_pixels_stay_dim(void **state)
 {
     for (int kind = 0; kind < GP_PAPER_KINDS; kind++) {
-        struct gp_frame f = make((enum gp_paper_kind) kind, 300, 200);
+        struct gp_frame f = paper_scene((enum gp_paper_kind) kind, 300, 200);
         int dim = 0;
         for (int y = 0; y < 200; y++) {
             for (int x = 0; x < 300; x++) {
@@ -155,7 +155,7 @@ static void sizes_out_of_range_are_refused(void **state)
         assert_null(f.rgb.c[0]);
     }
     for (int kind = 0; kind < GP_PAPER_KINDS; kind++) { // the smallest
-        struct gp_frame f = make((enum gp_paper_kind) kind, 64, 48);
+        struct gp_frame f = paper_scene((enum gp_paper_kind) kind, 64, 48);
         assert_string_equal(f.path, gp_paper_rates[kind].name);
         gp_frame_free(&f);
     }

@@ -18,7 +18,8 @@ struct image {
 };
 
 /* A channel for each letter of `names`, all 0; light where R, G and B are. */
-static void make(struct image *m, const char *names, struct gp_rect window)
+static void image_make(struct image *m, const char *names,
+                       struct gp_rect window)
 {
     memset(m, 0, sizeof *m);
     m->raw.data = m->raw.display = window;
@@ -39,11 +40,11 @@ static struct image a, b;
 
 static void make_both(const char *names, int x0, int y0, int x1, int y1)
 {
-    make(&a, names, (struct gp_rect) {x0, y0, x1, y1});
-    make(&b, names, (struct gp_rect) {x0, y0, x1, y1});
+    image_make(&a, names, (struct gp_rect) {x0, y0, x1, y1});
+    image_make(&b, names, (struct gp_rect) {x0, y0, x1, y1});
 }
 
-static void fill(struct image *m, unsigned seed)
+static void image_random(struct image *m, unsigned seed)
 {
     const size_t n = (size_t) gp_rect_w(m->raw.data) *
                      (size_t) gp_rect_h(m->raw.data);
@@ -205,9 +206,9 @@ static void limits_of_our_own(void **state)
 
 static void names_decide(void **state)
 {
-    make(&a, "ABGR", (struct gp_rect) {0, 0, 5, 4});
-    fill(&a, 1);
-    make(&b, "RAGB", (struct gp_rect) {0, 0, 5, 4});
+    image_make(&a, "ABGR", (struct gp_rect) {0, 0, 5, 4});
+    image_random(&a, 1);
+    image_make(&b, "RAGB", (struct gp_rect) {0, 0, 5, 4});
     // a: A B G R at 0..3; b: R A G B
     memcpy(b.v[0], a.v[3], sizeof *a.v);
     memcpy(b.v[1], a.v[0], sizeof *a.v);
@@ -229,8 +230,8 @@ static void numbers_decide_where_no_name_does(void **state)
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_compare_match m;
         char text[64] = "";
-        make(&a, rows[i].a, (struct gp_rect) {0, 0, 5, 4});
-        make(&b, rows[i].b, (struct gp_rect) {0, 0, 5, 4});
+        image_make(&a, rows[i].a, (struct gp_rect) {0, 0, 5, 4});
+        image_make(&b, rows[i].b, (struct gp_rect) {0, 0, 5, 4});
         assert_ok(gp_compare_match_make(NULL, &a.raw, &b.raw, &m));
         for (int k = 0; k < m.pairs; k++) {
             const struct gp_compare_pair p = m.pair[k];
@@ -306,8 +307,8 @@ static void contrasts_hide(void **state)
 
 static void windows_are_joined(void **state)
 {
-    make(&a, "R", (struct gp_rect) {-5, -5, -3, -4}); // 2 x 1
-    make(&b, "R", (struct gp_rect) {2, 3, 3, 5});     // 1 x 2
+    image_make(&a, "R", (struct gp_rect) {-5, -5, -3, -4}); // 2 x 1
+    image_make(&b, "R", (struct gp_rect) {2, 3, 3, 5});     // 1 x 2
     for (int i = 0; i < 2; i++)
         a.v[0][i] = b.v[0][i] = 1.0f;
     b.v[0][1] = 2.0f;
@@ -332,10 +333,10 @@ static void threads_do_not_matter(void **state)
 {
     struct gp_compare_figures f[2];
     memset(f, 0, sizeof f);
-    make(&a, "RGB", (struct gp_rect) {0, 0, 61, 53});
-    make(&b, "RGB", (struct gp_rect) {3, -2, 60, 51});
-    fill(&a, 3);
-    fill(&b, 4);
+    image_make(&a, "RGB", (struct gp_rect) {0, 0, 61, 53});
+    image_make(&b, "RGB", (struct gp_rect) {3, -2, 60, 51});
+    image_random(&a, 3);
+    image_random(&b, 4);
     for (int i = 0; i < 2; i++) {
         gp_set_threads(i ? 5 : 1);
         f[i] = measure(&defaults);
@@ -362,10 +363,10 @@ static struct gp_compare_flip flip(const struct gp_compare_params *s)
 static void flip_fits_the_files(void **state)
 {
     struct gp_compare_params s = defaults;
-    make(&a, "RGB", (struct gp_rect) {0, 0, 20, 20});
-    make(&b, "RGB", (struct gp_rect) {2, 1, 22, 21});
-    fill(&a, 1);
-    fill(&b, 2);
+    image_make(&a, "RGB", (struct gp_rect) {0, 0, 20, 20});
+    image_make(&b, "RGB", (struct gp_rect) {2, 1, 22, 21});
+    image_random(&a, 1);
+    image_random(&b, 2);
     struct gp_compare_flip f = flip(&s);
     assert_true(f.known && f.hdr && f.mean > 0.0 && f.mean <= 1.0);
     gp_compare_flip_free(&f);
@@ -414,5 +415,6 @@ static void magma_is_magma(void **state)
 SUITE_OF(figures, NULL, NULL, two_pixels, luminance_is_relative,
          values_that_are_no_numbers, limits_are_idiffs, limits_of_our_own,
          names_decide, numbers_decide_where_no_name_does, an_eye_sees,
-         contrasts_hide, windows_are_joined, whole_numbers_are_exact, threads_do_not_matter,
-         flip_fits_the_files, black_has_flip, magma_is_magma)
+         contrasts_hide, windows_are_joined, whole_numbers_are_exact,
+         threads_do_not_matter, flip_fits_the_files, black_has_flip,
+         magma_is_magma)

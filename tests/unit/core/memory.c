@@ -11,7 +11,7 @@
 
 enum { MIB = 1 << 20 };
 
-static void *get(size_t bytes)
+static void *alloc_block(size_t bytes)
 {
     void *p;
     assert_ok(gp_alloc(NULL, "test", bytes, 1, &p));
@@ -37,7 +37,7 @@ static void small_and_none(void **state)
 static void zero_of_a_used_block(void **state)
 {
     void *p;
-    gp_free(get(40 * MIB));
+    gp_free(alloc_block(40 * MIB));
     assert_ok(gp_alloc_zero(NULL, "t", 40 * MIB, 1, &p));
     for (size_t i = 0; i < 40 * MIB; i += 4093)
         assert_int_equal(((uint8_t *) p)[i], 0);
@@ -84,13 +84,13 @@ static void same_blocks_again(void **state)
     void *block[8];
     need_kept_blocks();
     for (int i = 0; i < 8; i++)
-        block[i] = get(33 * MIB + 100);
+        block[i] = alloc_block(33 * MIB + 100);
     const size_t most = mapped();
     for (int frame = 0; frame < 20; frame++) {
         for (int i = 0; i < 8; i++)
             gp_free(block[i]);
         for (int i = 0; i < 8; i++)
-            block[i] = get(33 * MIB + 100);
+            block[i] = alloc_block(33 * MIB + 100);
         assert_true(mapped() <= most);
     }
     for (int i = 0; i < 8; i++)
@@ -102,11 +102,11 @@ static void never_more_than_was_in_use(void **state)
 {
     static const int mib[] = {300, 20, 64, 17, 200, 35, 16, 128};
     need_kept_blocks();
-    gp_free(get((size_t) 400 * MIB)); // what earlier tests left gives way
+    gp_free(alloc_block((size_t) 400 * MIB)); // earlier tests' blocks give way
     const size_t most = mapped();
     for (int round = 0; round < 50; round++) {
-        void *a = get((size_t) mib[round % 8] * MIB);
-        void *b = get((size_t) mib[(round + 3) % 8] / 4 * MIB + MIB);
+        void *a = alloc_block((size_t) mib[round % 8] * MIB);
+        void *b = alloc_block((size_t) mib[(round + 3) % 8] / 4 * MIB + MIB);
         gp_free(a);
         gp_free(b);
         assert_true(mapped() <= most + (size_t) 20 * MIB);
@@ -117,7 +117,7 @@ static void *use_blocks(void *arg)
 {
     for (int i = 0; i < 60; i++) {
         const size_t bytes = (size_t) (17 + (i + *(int *) arg) % 3) * MIB;
-        uint8_t *p = get(bytes);
+        uint8_t *p = alloc_block(bytes);
         p[0] = (uint8_t) i;
         p[bytes - 1] = (uint8_t) *(int *) arg;
         if (p[0] != (uint8_t) i || p[bytes - 1] != (uint8_t) *(int *) arg)

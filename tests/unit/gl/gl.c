@@ -143,7 +143,7 @@ static void limit_can_only_be_lowered(void **state)
 
 enum { W = 37, H = 23 };
 
-static void fill(float *px, unsigned seed)
+static void random_texels(float *px, unsigned seed)
 {
     static const float special[] = {0.0f,  -0.0f, 1e30f, -1e-30f,
                                     1e38f, 65504.0f, -7.5f, 0x1p-120f};
@@ -175,7 +175,7 @@ static void draw_in(struct gp_gl *gl)
         {{W, 0, W + 4, H}, addend, GP_OK}, // wholly outside
         {all, unknown, GP_ERR_BUG},
     };
-    fill(px, 20071u);
+    random_texels(px, 20071u);
     assert_ok(gp_gl_use(&kept_log, gl));
     assert_ok(gp_program_make(&kept_log, gl, "", "add.vert", "add.frag", &p));
     assert_ok(gp_texture_make(&kept_log, gl, "a", GP_TEXEL_FLOAT, W, H, &from));

@@ -77,10 +77,8 @@ static void osmesa_refuses(void **state)
 {
     static const struct broken rows[] = {
         {"context", "cannot make a context"},
-        {"current", "cannot be made current"},
-        {"old", "4.5 (found 2.1 Mesa)"},
-        {"words", "4.5 (found no number)"},
-        {"silent", "4.5 (found nothing)"},
+        {"current", "cannot be made current"}, {"old", "4.5 (found 2.1 Mesa)"},
+        {"words", "4.5 (found no number)"}, {"silent", "4.5 (found nothing)"},
         {"core", NULL}, {"unnamed", NULL},
     };
     use_broken(GP_GL_OSMESA, "GLAREPP_OSMESA", "broken_gl.so");
@@ -147,8 +145,7 @@ static void flags_have_names(void **state)
         {GL_INVALID_OPERATION, "GL_INVALID_OPERATION"},
         {GL_INVALID_FRAMEBUFFER_OPERATION, "GL_INVALID_FRAMEBUFFER_OPERATION"},
         {GL_OUT_OF_MEMORY, "GL_OUT_OF_MEMORY"},
-        {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"},
-        {0x1234, "an unknown GL error"},
+        {GL_CONTEXT_LOST, "GL_CONTEXT_LOST"}, {0x1234, "an unknown GL error"},
     };
     struct gp_gl *gl = open_or_skip(GP_GL_AUTO);
     const PFNGLGETERRORPROC real = gl->f.GetError;

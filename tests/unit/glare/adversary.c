@@ -178,7 +178,7 @@ static int pick(uint32_t *seed, int n)
     return (int) (scene_random(seed) * (float) n);
 }
 
-static void fill(char *to, int n, uint32_t *seed)
+static void random_letters(char *to, int n, uint32_t *seed)
 {
     const int dark = pick(seed, 4), from = 1 + pick(seed, LEVELS - 1);
     const int wide = 1 + pick(seed, LEVELS - from);
@@ -202,8 +202,8 @@ static struct toy make_toy(int side, uint32_t *seed)
     t.kh = 1 + pick(seed, side);
     t.cx = pick(seed, t.kw + 2) - 1;
     t.cy = pick(seed, t.kh + 2) - 1;
-    fill(t.light, t.w * t.h, seed);
-    fill(t.taps, t.kw * t.kh, seed);
+    random_letters(t.light, t.w * t.h, seed);
+    random_letters(t.taps, t.kw * t.kh, seed);
     return t;
 }
 

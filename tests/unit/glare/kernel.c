@@ -44,7 +44,8 @@ static struct gp_frame blank(int x0, int y0, int w, int h)
     return f;
 }
 
-static void put(struct gp_frame *f, int x, int y, float r, float g, float b)
+static void set_sample(struct gp_frame *f, int x, int y, float r, float g,
+                       float b)
 {
     const float v[3] = {r, g, b};
     for (int c = 0; c < 3; c++)
@@ -69,9 +70,9 @@ static struct gp_kernel kernel_of(const struct gp_frame *f, float degrees,
 static void image_keeps_the_ratios_of_its_channels(void **state)
 {
     struct gp_frame f = blank(0, 0, 3, 3);
-    put(&f, 0, 0, 4, 1, -1);
-    put(&f, 1, 1, 4, 5, 4);
-    put(&f, 2, 2, 0, 2, 1);
+    set_sample(&f, 0, 0, 4, 1, -1);
+    set_sample(&f, 1, 1, 4, 5, 4);
+    set_sample(&f, 2, 2, 0, 2, 1);
     struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
     assert_false(k.grey);
     assert_close(k.sum[1] / k.sum[0], 1.0, 1e-6);
@@ -120,7 +121,7 @@ static void image_borders_are_cut(void **state)
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = blank(rows[i].x0, rows[i].y0, rows[i].w, rows[i].h);
-        put(&f, rows[i].x, rows[i].y, 0, 0, 3);
+        set_sample(&f, rows[i].x, rows[i].y, 0, 0, 3);
         struct gp_kernel k =
             kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE,
                       rows[i].centered ? rows[i].center : NULL);
@@ -138,10 +139,10 @@ static void image_borders_are_cut(void **state)
 static void image_is_cut_to_the_union_of_its_channels(void **state)
 {
     struct gp_frame f = blank(0, 0, 9, 8);
-    put(&f, 1, 5, 1, -0.0f, 0);
-    put(&f, 6, 2, 0, 2, 0);
-    put(&f, 3, 6, 0, 0, -3);
-    put(&f, 8, 7, -0.0f, 0, 0);
+    set_sample(&f, 1, 5, 1, -0.0f, 0);
+    set_sample(&f, 6, 2, 0, 2, 0);
+    set_sample(&f, 3, 6, 0, 0, -3);
+    set_sample(&f, 8, 7, -0.0f, 0, 0);
     struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_int_equal(k.w, 6);
     assert_int_equal(k.h, 5);
@@ -161,8 +162,8 @@ static void image_of_any_size_is_normalised(void **state)
                                   FLT_MAX};
     for (size_t i = 0; i < COUNT(peaks); i++) {
         struct gp_frame f = blank(0, 0, 2, 1);
-        put(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
-        put(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
+        set_sample(&f, 0, 0, peaks[i], peaks[i], peaks[i]);
+        set_sample(&f, 1, 0, peaks[i], peaks[i], peaks[i]);
         struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_LUMINANCE, NULL);
         assert_close(k.sum[0], 1.0, 1e-6);
         assert_true(k.grey);
@@ -194,8 +195,8 @@ static void bad_images_are_refused(void **state)
         struct gp_kernel k = {.w = 77};
         const float v = rows[i].other;
         p.normalize = rows[i].normalize;
-        put(&f, 0, 0, v, v, v);
-        put(&f, 2, 1, rows[i].r, rows[i].g, rows[i].b);
+        set_sample(&f, 0, 0, v, v, v);
+        set_sample(&f, 2, 1, rows[i].r, rows[i].g, rows[i].b);
         kept_clear();
         assert_int_equal(gp_kernel_from_frame(&kept_log, &p, &f, &k),
                          GP_ERR_DATA);
@@ -213,9 +214,9 @@ static void bad_images_are_refused(void **state)
 static void faint_samples_are_zero(void **state)
 {
     struct gp_frame f = blank(0, 0, 3, 1);
-    put(&f, 0, 0, 1e-39f, -1e-39f, 0);
-    put(&f, 1, 0, 1, FLT_MIN, 2);
-    put(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
+    set_sample(&f, 0, 0, 1e-39f, -1e-39f, 0);
+    set_sample(&f, 1, 0, 1, FLT_MIN, 2);
+    set_sample(&f, 2, 0, 1e-40f, 0, -FLT_MIN);
     struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_true(k.k.c[0][0] == 0.0f && k.k.c[1][0] == 0.0f);
     assert_true(k.k.c[1][1] == FLT_MIN && k.k.c[2][2] == -FLT_MIN);
@@ -229,7 +230,7 @@ static void faint_samples_are_zero(void **state)
 static void negative_kernels_pass_unnormalised(void **state)
 {
     struct gp_frame f = blank(0, 0, 1, 1);
-    put(&f, 0, 0, -2, -2, -2);
+    set_sample(&f, 0, 0, -2, -2, -2);
     struct gp_kernel k = kernel_of(&f, 0, GP_NORMALIZE_NONE, NULL);
     assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
     gp_kernel_free(&k);
@@ -436,7 +437,7 @@ static void halos_are_round_on_the_screen(void **state)
             for (int j = 0; j < 61 * 61 && !names[n]; j++) { // a disc
                 const int x = j % 61 - 30, y = j / 61 - 30;
                 const float v = x * x + y * y < 800 ? 1.0f : 0.0f;
-                put(&f, j % 61, j / 61, v, 2.0f * v, v);
+                set_sample(&f, j % 61, j / 61, v, 2.0f * v, v);
             }
             p.source = names[n];
             p.builtin_size = 201;

@@ -5,7 +5,7 @@
 #include "glare/glare_priv.h"
 #include "glare_scene.h"
 
-static struct gp_kernel make(const char *name, int size)
+static struct gp_kernel builtin_of(const char *name, int size)
 {
     struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
@@ -34,7 +34,7 @@ static void are_light(void **state)
     static const int sizes[] = {1, 3, 5, 31, 65, 255, 511};
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
         for (size_t i = 0; i < COUNT(sizes); i++) {
-            struct gp_kernel k = make(b->name, sizes[i]);
+            struct gp_kernel k = builtin_of(b->name, sizes[i]);
             assert_true(fabs(luminance(&k) - 1.0) < 1e-6);
             assert_true(k.norm1[1] == k.sum[1] && k.norm2[1] <= k.norm1[1]);
             assert_false(k.negative);
@@ -65,7 +65,7 @@ static void are_made_in_the_frames_primaries(void **state)
         {0.68f, 0.32f, 0.265f, 0.69f, 0.15f, 0.06f, 0.3127f, 0.329f}, // P3
     };
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
-        struct gp_kernel rec709 = make(b->name, 65);
+        struct gp_kernel rec709 = builtin_of(b->name, 65);
         assert_true(rec709.grey != b->coloured);
         for (size_t i = 0; i < COUNT(primaries); i++) {
             struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
@@ -74,8 +74,8 @@ static void are_made_in_the_frames_primaries(void **state)
             double back[9], sum = 0.0;
             memcpy(f.chromaticities, primaries[i], sizeof f.chromaticities);
             gp_luminance_weights(f.chromaticities, f.luminance);
-            assert_true(gp_rgb_to_rgb(f.chromaticities, gp_rec709_chromaticities,
-                                      back));
+            assert_true(gp_rgb_to_rgb(f.chromaticities,
+                                      gp_rec709_chromaticities, back));
             p.source = b->name;
             p.builtin_size = 65;
             p.frame = &f;
@@ -113,7 +113,7 @@ static void are_made_in_the_frames_primaries(void **state)
 static void end_softly(void **state)
 {
     for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
-        struct gp_kernel k = make(b->name, 511);
+        struct gp_kernel k = builtin_of(b->name, 511);
         double peak = 0.0, border = 0.0;
         for (int y = 0; y < k.h; y++) {
             for (int x = 0; x < k.w; x++) {
@@ -141,14 +141,14 @@ static void have_their_colours(void **state)
     } rows[] = {{"eye", true}, {"streak", false}, {"star", false},
                 {"cross", true}, {"circle", true}, {"ring", false}};
     for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_kernel k = make(rows[i].name, 255);
+        struct gp_kernel k = builtin_of(rows[i].name, 255);
         assert_int_equal(k.grey, rows[i].grey);
         gp_kernel_free(&k);
     }
-    struct gp_kernel k = make("streak", 511);
+    struct gp_kernel k = builtin_of("streak", 511);
     assert_true(k.sum[2] > 2.0 * k.sum[1] && k.sum[1] > k.sum[0]);
     gp_kernel_free(&k);
-    k = make("ring", 511); // by the sequence of wavelengths, from within
+    k = builtin_of("ring", 511); // by the sequence of wavelengths, from within
     for (int c = 0; c < 3; c++) {
         static const int radius[3] = {113, 102, 86};
         for (int other = 0; other < 3; other++)
@@ -164,7 +164,7 @@ static void follow_their_formulas(void **state)
 {
     const double r = 511 / 2.0;
     static const double l[3] = {0.15, 0.2, 0.3};
-    struct gp_kernel k = make("builtin:streak", 511);
+    struct gp_kernel k = builtin_of("builtin:streak", 511);
     for (int c = 0; c < 3; c++) {
         const double got = at(&k, c, 100, 0) / at(&k, c, 0, 0);
         assert_true(fabs(got / exp(-100.0 / (l[c] * r)) - 1.0) < 1e-5);
@@ -172,12 +172,12 @@ static void follow_their_formulas(void **state)
         assert_true(at(&k, c, 100, 6) == 0.0);
     }
     gp_kernel_free(&k);
-    k = make("cross", 511);
+    k = builtin_of("cross", 511);
     assert_true(fabs(at(&k, 0, 100, 0) / at(&k, 0, 50, 0) /
                      exp(-50.0 / (0.2 * r)) - 1.0) < 1e-5);
     assert_true(at(&k, 0, 100, 0) == at(&k, 0, 0, -100));
     gp_kernel_free(&k);
-    k = make("star", 511); // its rays stand at 90, 30 and 150 degrees
+    k = builtin_of("star", 511); // its rays stand at 90, 30 and 150 degrees
     const double u = 100.0 / (r / 40.0), v = 50.0 / (r / 40.0);
     assert_true(fabs(at(&k, 1, 0, 100) / at(&k, 1, 0, 50) /
                      ((1.0 + v * v) / (1.0 + u * u)) - 1.0) < 1e-5);
@@ -185,7 +185,7 @@ static void follow_their_formulas(void **state)
     assert_true(at(&k, 1, 87, 50) > 0.5 * at(&k, 1, 0, 100));
     assert_true(at(&k, 1, 100, 0) == 0.0);
     gp_kernel_free(&k);
-    k = make("circle", 511);
+    k = builtin_of("circle", 511);
     assert_true(at(&k, 0, 0, 0) == at(&k, 0, 111, 0));
     assert_true(fabs(at(&k, 0, 120, 0) / at(&k, 0, 0, 0) - 0.4774) < 1e-2);
     assert_true(at(&k, 0, 128, 0) == 0.0);
@@ -306,7 +306,7 @@ static void eye_is_symmetric_to_the_bit(void **state)
 
 static void eye_falls_on_every_side(void **state)
 {
-    struct gp_kernel k = make("eye", 511);
+    struct gp_kernel k = builtin_of("eye", 511);
     for (int y = 0; y <= 255; y++) {
         for (int x = 0; x < 255; x++) {
             const double v = at(&k, 0, x, y), next = at(&k, 0, x + 1, y);

@@ -75,8 +75,7 @@ static void transform_is_the_sum(void **state)
         int w, h, kw, kh, cx, cy;
         enum shape shape;
     } rows[] = {
-        {401, 397, 89, 91, MID, 0, TINTED},
-        {401, 397, 89, 90, MID, 0, LOBES},
+        {401, 397, 89, 91, MID, 0, TINTED}, {401, 397, 89, 90, MID, 0, LOBES},
         {300, 211, 601, 423, MID, 0, PEAK},    // larger than the frame
         {401, 397, 101, 99, -20, 110, TINTED}, // centre outside
     };

@@ -14,8 +14,8 @@ static const char long_name[] = "an/attribute/whose/name/has/more/than/31";
 // -- headers ------------------------------------------------------------------
 
 /* The attribute of that name, and how many there are. */
-static struct gp_exr_attr find(const struct gp_exr_header *h, const char *name,
-                               int *count)
+static struct gp_exr_attr attr_of(const struct gp_exr_header *h,
+                                  const char *name, int *count)
 {
     struct gp_exr_attr found = {0};
     *count = 0;
@@ -92,7 +92,7 @@ static void attributes_of_other_formats(void **state)
             struct gp_exr_header h = make_header(&a, NULL, shown
                 ? GP_EXR_KEEP_SHOWN : GP_EXR_KEEP_ALL, 0, GP_COMPRESSION_ZIP);
             int count;
-            const struct gp_exr_attr got = find(&h, a.name, &count);
+            const struct gp_exr_attr got = attr_of(&h, a.name, &count);
             const bool want = row[i].type && (!shown || row[i].shown);
             if (count != want)
                 fail_msg("%s: %d of it", a.name, count);
@@ -137,7 +137,7 @@ static void attributes_of_another_exr(void **state)
             struct gp_exr_header h = make_header(NULL, &raw,
                 (enum gp_exr_kept) kept, row[i].flags, GP_COMPRESSION_PIZ);
             int count;
-            const struct gp_exr_attr got = find(&h, a.name, &count);
+            const struct gp_exr_attr got = attr_of(&h, a.name, &count);
             if (count != row[i].count[kept])
                 fail_msg("%s: %d where %d is kept", a.name, count, kept);
             if (wide)
@@ -161,7 +161,7 @@ static void linear_flag(void **state)
         int count;
         struct gp_exr_header h = make_header(NULL, NULL, GP_EXR_KEEP_ALL, 0,
                                              row[i].compression);
-        const struct gp_exr_attr list = find(&h, "channels", &count);
+        const struct gp_exr_attr list = attr_of(&h, "channels", &count);
         assert_int_equal(list.size, 2 + 4 + 4 + 8 + 1);
         assert_int_equal(list.data[6], row[i].linear);
         gp_exr_header_free(&h);
@@ -174,8 +174,8 @@ static struct gp_file *begin_file(const char *path, struct gp_exr_header *h,
     struct gp_file *file;
     assert_ok(gp_exr_header_done(NULL, path, h));
     assert_ok(gp_file_open(&kept_all, path, false, &file));
-    assert_ok(gp_exr_out_begin(&kept_all, file, h->bytes, h->size, chunks, parts,
-                               out));
+    assert_ok(gp_exr_out_begin(&kept_all, file, h->bytes, h->size, chunks,
+                               parts, out));
     gp_exr_header_free(h);
     return file;
 }
@@ -471,7 +471,8 @@ static void make_attributes(const char *path, const struct gp_frame *f)
     struct gp_exr_header h;
     struct gp_exr_out out;
     gp_exr_header_start(&h, 0);
-    gp_exr_header_part(&h, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults, 0);
+    gp_exr_header_part(&h, f, &img, &own, GP_EXR_KEEP_ALL, "only", &wf_defaults,
+                       0);
     h.size -= 1; // its end
     gp_exr_header_put(&h, "chromaticities", "chromaticities", ap0, 32);
     gp_exr_header_put(&h, "whiteLuminance", "float", &width, 4);

@@ -13,23 +13,18 @@
 
 static void no_colour_of_a_pixel(void **state)
 {
-    static const struct {
-        struct fixture_part part;
-        const char *says;
-    } row[] = {
-        {{.channel = {HALF_CH("u"), HALF_CH("v")}, .data = W(3)}, "no colour"},
-        {{.channel = {HALF_CH("A"), FLOAT_CH("Z")}, .data = W(3)}, "no colour"},
-        {{.channel = {{"R", HALVES, 3, 1}, HALF_CH("v")}, .data = W(3)},
-         "subsampled (3 x 1)"},
-        {{.channel = {RGB(HALVES)}, .deep = true, .data = W(5),
-          .compression = EXR_COMPRESSION_ZIPS}, "flatten"},
-        {{.channel = {RGB(HALVES)}, .deep = true, .data = W(5), .tile = 16,
-          .compression = EXR_COMPRESSION_ZIPS}, "flatten"},
+    static const struct fixture_part row[] = {
+        {.channel = {HALF_CH("u"), HALF_CH("v")}, .data = W(3)},
+        {.channel = {{"R", HALVES, 3, 1}, HALF_CH("v")}, .data = W(3)},
+        {.channel = {RGB(HALVES)}, .deep = true, .data = W(5),
+         .compression = EXR_COMPRESSION_ZIPS},
+        {.channel = {RGB(HALVES)}, .deep = true, .data = W(5), .tile = 16,
+         .compression = EXR_COMPRESSION_ZIPS},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        const struct fixture f = {.part = {row[i].part}};
+        const struct fixture f = {.part = {row[i]}};
         fixture_write_file(in_folder("none.exr"), &f);
-        assert_refused(path, GP_ERR_DATA, row[i].says);
+        assert_refused(path, GP_ERR_DATA, path);
     }
 }
 

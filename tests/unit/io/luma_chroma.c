@@ -13,7 +13,7 @@ static float luma[PIXELS], red[PIXELS], blue[PIXELS]; // inputs
 static float out_r[PIXELS], out_g[PIXELS], out_b[PIXELS];
 static struct gp_planes out = {{out_r, out_g, out_b}};
 
-static struct gp_yc picture(int w, int h, int sampling, bool half)
+static struct gp_yc yc_picture(int w, int h, int sampling, bool half)
 {
     struct gp_yc yc = {
         .w = w, .h = h, .xs = sampling, .ys = sampling, .y = luma, .ry = red,
@@ -29,7 +29,7 @@ static float random_unit(uint32_t *seed)
     return (float) (*seed >> 8) / 16777216.0f;
 }
 
-static void fill(float y, float ry, float by)
+static void set_planes(float y, float ry, float by)
 {
     for (int i = 0; i < PIXELS; i++) {
         luma[i] = y;
@@ -38,7 +38,7 @@ static void fill(float y, float ry, float by)
     }
 }
 
-static void fill_random(uint32_t seed)
+static void random_planes(uint32_t seed)
 {
     for (int i = 0; i < PIXELS; i++) {
         luma[i] = random_unit(&seed) * 4.0f;
@@ -54,14 +54,14 @@ static void fill_random(uint32_t seed)
 static void grey_stays_grey(void **state)
 {
     uint32_t seed = 5;
-    fill(0.0f, 0.0f, 0.0f);
+    set_planes(0.0f, 0.0f, 0.0f);
     for (int i = 0; i < PIXELS; i++)
         luma[i] = random_unit(&seed) * 60000.0f;
     luma[3] = INFINITY;
     gp_half_round(luma, PIXELS);
     for (int sampling = 1; sampling <= 2; sampling++) {
         for (int half = 0; half < 2; half++) {
-            struct gp_yc yc = picture(W, H, sampling, half);
+            struct gp_yc yc = yc_picture(W, H, sampling, half);
             assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
             for (int c = 0; c < 3; c++)
                 assert_memory_equal(out.c[c], luma, sizeof luma);
@@ -75,10 +75,10 @@ static void one_colour_comes_back(void **state)
 {
     const float rgb[3] = {0.9f, 0.5f, 0.3f};
     for (int sampling = 1; sampling <= 2; sampling++) {
-        struct gp_yc yc = picture(W, H, sampling, false);
+        struct gp_yc yc = yc_picture(W, H, sampling, false);
         float y = yc.weight[0] * rgb[0] + yc.weight[1] * rgb[1] +
                   yc.weight[2] * rgb[2];
-        fill(y, (rgb[0] - y) / y, (rgb[2] - y) / y);
+        set_planes(y, (rgb[0] - y) / y, (rgb[2] - y) / y);
         assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
         for (int i = 0; i < PIXELS; i++) {
             for (int c = 0; c < 3; c++)
@@ -91,8 +91,8 @@ static void one_colour_comes_back(void **state)
  * negative is light lost. */
 static void luminance_is_kept(void **state)
 {
-    fill_random(99);
-    struct gp_yc yc = picture(W, H, 2, false);
+    random_planes(99);
+    struct gp_yc yc = yc_picture(W, H, 2, false);
     assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int i = 0; i < PIXELS; i++) {
         float y = yc.weight[0] * out_r[i] + yc.weight[1] * out_g[i] +
@@ -105,8 +105,8 @@ static void luminance_is_kept(void **state)
 static void half_steps_are_near(void **state)
 {
     static float exact[3][PIXELS];
-    fill_random(7);
-    struct gp_yc yc = picture(W, H, 2, false);
+    random_planes(7);
+    struct gp_yc yc = yc_picture(W, H, 2, false);
     assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int c = 0; c < 3; c++)
         memcpy(exact[c], out.c[c], sizeof exact[c]);
@@ -127,8 +127,8 @@ static void one_sample_reaches_no_further(void **state)
 {
     static float before[3][PIXELS];
     const int cx = 20, cy = 30;
-    fill_random(3);
-    struct gp_yc yc = picture(W, H, 2, true);
+    random_planes(3);
+    struct gp_yc yc = yc_picture(W, H, 2, true);
     assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
     for (int c = 0; c < 3; c++)
         memcpy(before[c], out.c[c], sizeof before[c]);
@@ -150,8 +150,8 @@ static void one_sample_reaches_no_further(void **state)
 static void threads_change_nothing(void **state)
 {
     static float one[3][PIXELS];
-    fill_random(17);
-    struct gp_yc yc = picture(W, H, 2, true);
+    random_planes(17);
+    struct gp_yc yc = yc_picture(W, H, 2, true);
     for (int threads = 1; threads <= 7; threads += 3) {
         gp_set_threads(threads);
         assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
@@ -171,9 +171,9 @@ static void smallest_pictures(void **state)
         int w, h, sampling;
     } row[] = {{2, 2, 2}, {2, 40, 2}, {40, 2, 2}, {1, 1, 1}, {1, 5, 1},
                {3, 1, 1}, {4, 34, 2}};
-    fill(0.5f, 0.1f, -0.1f);
+    set_planes(0.5f, 0.1f, -0.1f);
     for (size_t i = 0; i < COUNT(row); i++) {
-        struct gp_yc yc = picture(row[i].w, row[i].h, row[i].sampling, true);
+        struct gp_yc yc = yc_picture(row[i].w, row[i].h, row[i].sampling, true);
         memset(out_g, 0, sizeof out_g);
         assert_ok(gp_yc_to_rgb(NULL, &yc, &out));
         for (int k = 0; k < row[i].w * row[i].h; k++) {

