@@ -2,6 +2,7 @@
 
 #include <ctype.h>
 #include <errno.h>
+#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,14 +22,16 @@ static void option_text(const struct gp_option *o, bool values, char *text,
     const bool number = o->kind == GP_KIND_FLOAT || o->kind == GP_KIND_INT ||
                         o->kind == GP_KIND_COUNT ||
                         o->kind == GP_KIND_THRESHOLD;
-    char value[64] = ""; // the default
+    char value[64] = ""; // the default; "" for none
     const char *name = NULL, *line;
     const struct gp_option_choice *c = o->choices;
     const struct gp_sensor_params *const sensor = field;
+    const float *const single = field;
     if (o->kind == GP_KIND_THRESHOLD)
         snprintf(value, sizeof value, "%g", (double) sensor->threshold);
-    else if (o->kind == GP_KIND_FLOAT)
-        snprintf(value, sizeof value, "%g", (double) *(const float *) field);
+    else if (o->kind == GP_KIND_FLOAT && (double) *single >= o->lo &&
+             isfinite(*single)) // others stand for an option that is not given
+        snprintf(value, sizeof value, "%g", (double) *single);
     else if (o->kind == GP_KIND_INT)
         snprintf(value, sizeof value, "%d", *(const int *) field);
     else if (o->kind == GP_KIND_COUNT)
@@ -44,8 +47,8 @@ static void option_text(const struct gp_option *o, bool values, char *text,
                     (name = gp_option_value(o, i, &line)); i++)
         at += (size_t) snprintf(text + at, size - at, "%s%s",
                                 i ? ", " : o->open ? ", or " : ": ", name);
-    if (value[0] && at < size && number)
-        snprintf(text + at, size - at, " (%s; default %s)",
+    if (at < size && number)
+        snprintf(text + at, size - at, value[0] ? " (%s; default %s)" : " (%s)",
                  gp_option_range(o).text, value);
     else if (value[0] && at < size)
         snprintf(text + at, size - at, " (default %s)", value);

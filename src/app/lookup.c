@@ -24,7 +24,9 @@ struct gp_range_text gp_option_range(const struct gp_option *o)
     struct gp_range_text r;
     bool open_end = o->hi >= (double) FLT_MAX;
     bool over_zero = o->lo == (double) FLT_MIN; // stands for > 0
-    if (over_zero && open_end)
+    if (o->lo <= -(double) FLT_MAX && open_end)
+        snprintf(r.text, sizeof r.text, "any number");
+    else if (over_zero && open_end)
         snprintf(r.text, sizeof r.text, "more than 0");
     else if (over_zero)
         snprintf(r.text, sizeof r.text, "more than 0, up to %g", o->hi);

@@ -333,7 +333,7 @@ const struct gp_option gp_options[] = {
         .hi = 1LL << 40, .aside = true,
         .help = "Refuse files whose data or display window has more than N "
         "pixels; in files other than EXR, every four channels of a pixel "
-        "count as one"),
+        "count as one pixel"),
 
     OPT(sensor, .name = "threshold", .letter = 't', BOTH(LIGHT),
         .arg = "T|P%|EVev", .hi = FLT_MAX,

@@ -109,7 +109,7 @@ extern const struct gp_option gp_options[];  // NULL name at the end
 const char *gp_option_value(const struct gp_option *o, int i,
                             const char **text);
 
-/* The range of a number in words: "0 to 1", "0 or more", "more than 0". */
+/* The range of a number in words: "0 to 1", "0 or more", "any number". */
 struct gp_range_text {
     char text[48];
 };

@@ -31,7 +31,7 @@ static void print_duration(char *text, size_t size, double seconds)
         snprintf(text, size, "%lld h %lld min", s / 3600, s / 60 % 60);
 }
 
-static void wipe(struct gp_progress *p)
+static void wipe_line(struct gp_progress *p)
 {
     if (p->drawn)
         fputs("\r\033[K", p->file);
@@ -39,8 +39,8 @@ static void wipe(struct gp_progress *p)
 }
 
 /* Describes frames done, rate and time left. */
-static void describe(const struct gp_progress *p, double seconds, char *line,
-                     size_t size)
+static void describe_progress(const struct gp_progress *p, double seconds,
+                              char *line, size_t size)
 {
     const double rate = seconds > 0.0 ? p->done / seconds : 0.0;
     char time[32];
@@ -58,12 +58,12 @@ static void describe(const struct gp_progress *p, double seconds, char *line,
     gp_make_printable(line);
 }
 
-static void draw(struct gp_progress *p, double now)
+static void draw_line(struct gp_progress *p, double now)
 {
     char line[512];
     struct winsize w;
-    describe(p, (now - p->start_ms) * 1e-3, line, sizeof line);
-    wipe(p);
+    describe_progress(p, (now - p->start_ms) * 1e-3, line, sizeof line);
+    wipe_line(p);
     // a line that wraps could not be wiped
     const int columns = p->terminal &&
                                 ioctl(fileno(p->file), TIOCGWINSZ, &w) == 0 &&
@@ -97,7 +97,7 @@ static void print_news(struct gp_progress *p, double now, bool end)
     if (p->when == GP_PROGRESS_PERCENT && news > p->printed)
         fprintf(p->file, "%d%%\n", news);
     if (p->when == GP_PROGRESS_OPENJD) {
-        describe(p, seconds, line, sizeof line);
+        describe_progress(p, seconds, line, sizeof line);
         fprintf(p->file, "openjd_progress: %.1f\nopenjd_status: %s\n",
                 floor(percent * 10.0) / 10.0, line);
     }
@@ -141,7 +141,7 @@ static void *tick(void *arg)
         pthread_cond_timedwait(&p->wake, &p->lock, &t);
         double now = gp_now_ms();
         if (p->ticking && p->name[0] && now - p->start_ms >= p->patience_ms)
-            draw(p, now);
+            draw_line(p, now);
     }
     pthread_mutex_unlock(&p->lock);
     return NULL;
@@ -181,7 +181,7 @@ void gp_progress_close(struct gp_progress *p)
     if (ticking)
         pthread_join(p->clock, NULL);
     if (p->file) {
-        wipe(p);
+        wipe_line(p);
         fflush(p->file);
     }
     pthread_cond_destroy(&p->wake);
@@ -204,7 +204,7 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
     if (is_for_programs(p))
         print_news(p, now, false);
     else if (!p->terminal && now - p->last_ms >= PIPE_MS)
-        draw(p, now);
+        draw_line(p, now);
     pthread_mutex_unlock(&p->lock);
 }
 
@@ -222,7 +222,7 @@ void gp_progress_say(struct gp_progress *p, FILE *file, const char *line)
 {
     pthread_mutex_lock(&p->lock);
     if (p->file)
-        wipe(p);
+        wipe_line(p);
     fprintf(file, "%s\n", line);
     pthread_mutex_unlock(&p->lock);
 }

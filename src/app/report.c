@@ -29,7 +29,7 @@ static const char *const type_names[] = {
 };
 
 /* A number rounded to `step`; null where it is not finite. */
-static json_t *number(double v, double step)
+static json_t *rounded(double v, double step)
 {
     if (!isfinite(v))
         return json_null();
@@ -50,6 +50,11 @@ static void put_count(json_t *o, const char *key, size_t n)
         json_object_set_new(o, key, json_integer((json_int_t) n));
 }
 
+static void put_number(json_t *o, const char *key, double v, double step)
+{
+    json_object_set_new(o, key, rounded(v, step));
+}
+
 static void put_name(json_t *o, const char *key, const char *name)
 {
     json_object_set_new(o, key, gp_json_name(name));
@@ -67,7 +72,7 @@ static void put_rgb(json_t *o, const char *key, const double v[3])
 {
     json_t *const list = json_array();
     for (int c = 0; c < 3; c++)
-        json_array_append_new(list, number(v[c], 0.0));
+        json_array_append_new(list, rounded(v[c], 0.0));
     json_object_set_new(o, key, list);
 }
 
@@ -104,15 +109,14 @@ static void put_glare(json_t *o, const struct gp_facts *f)
         put_name(o, "engine", g->engine);
         put_name(o, "engine_why", g->why);
     }
-    json_object_set_new(o, "threshold", number((double) f->threshold, 0.0));
+    put_number(o, "threshold", (double) f->threshold, 0.0);
     json_object_set_new(o, "sources", json_integer(f->sources));
     put_count(o, "groups", g->groups);
     put_count(o, "clusters", g->clusters);
     put_count(o, "polygons", g->polygons);
     put_count(o, "cores", g->cores);
     if (g->polygons)
-        json_object_set_new(o, "polygon_pixels",
-                            number(g->polygon_pixels, 0.0));
+        put_number(o, "polygon_pixels", g->polygon_pixels, 0.0);
     if (g->form)
         put_name(o, "form", g->form);
     if (g->fft_w)
@@ -126,15 +130,15 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     if (f->has_flux_out)
         put_rgb(o, "flux_out", f->flux_out);
     if (g->engine && f->sources)
-        json_object_set_new(o, "bound", number(g->bound, 0.0));
+        put_number(o, "bound", g->bound, 0.0);
     if (g->engine && f->sources && g->bound_pixel > 0.0)
-        json_object_set_new(o, "bound_pixel", number(g->bound_pixel, 0.0));
+        put_number(o, "bound_pixel", g->bound_pixel, 0.0);
     if (f->verified) {
         json_t *const m = json_object();
-        json_object_set_new(m, "rel_l2", number(f->error.rel_l2, 0.0));
-        json_object_set_new(m, "max_rel", number(f->error.max_rel, 0.0));
-        json_object_set_new(m, "max_abs", number(f->error.max_abs, 0.0));
-        json_object_set_new(m, "flux_error", number(f->error.flux_error, 0.0));
+        put_number(m, "rel_l2", f->error.rel_l2, 0.0);
+        put_number(m, "max_rel", f->error.max_rel, 0.0);
+        put_number(m, "max_abs", f->error.max_abs, 0.0);
+        put_number(m, "flux_error", f->error.flux_error, 0.0);
         json_object_set_new(o, "measured", m);
     }
     json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
@@ -170,11 +174,11 @@ static void put_lights(json_t *o, const struct gp_facts *f)
         if (l->behind)
             json_object_set_new(one, "behind", json_true());
         else {
-            json_object_set_new(one, "x", number(l->x, 1e-4));
-            json_object_set_new(one, "y", number(l->y, 1e-4));
-            json_object_set_new(one, "radius", number(l->radius, 1e-4));
+            put_number(one, "x", l->x, 1e-4);
+            put_number(one, "y", l->y, 1e-4);
+            put_number(one, "radius", l->radius, 1e-4);
         }
-        json_object_set_new(one, "visibility", number(l->visibility, 1e-6));
+        put_number(one, "visibility", l->visibility, 1e-6);
         json_array_append_new(list, one);
     }
     json_object_set_new(o, "lights", list);
@@ -398,14 +402,12 @@ gp_status gp_report_frame(const struct gp_log *log, struct gp_report *r,
     json_t *const times = json_object();
     for (int i = 0; i < GP_TIMES; i++) {
         if (facts->ms[i] >= 0.0)
-            json_object_set_new(times, time_names[i],
-                                number(facts->ms[i], 1e-3));
+            put_number(times, time_names[i], facts->ms[i], 1e-3);
     }
-    json_object_set_new(times, "total", number(facts->total_ms, 1e-3));
+    put_number(times, "total", facts->total_ms, 1e-3);
     json_object_set_new(o, "times_ms", times);
-    json_object_set_new(o, "frame_mib",
-                        number((double) facts->bytes / (1 << 20), 0.1));
-    json_object_set_new(o, "peak_rss_mib", number(peak_rss_mib(), 0.1));
+    put_number(o, "frame_mib", (double) facts->bytes / (1 << 20), 0.1);
+    put_number(o, "peak_rss_mib", peak_rss_mib(), 0.1);
     json_object_set_new(o, "threads", json_integer(gp_threads()));
     if (facts->glare.gl || facts->sun_gl)
         put_name(o, "gl", facts->glare.gl ? facts->glare.gl : facts->sun_gl);

@@ -76,6 +76,9 @@ static void help_is_complete(void **state)
             lists(man, "Fl \\-%s", o, !o->hidden);
         }
         assert_true(widest(help) < 80);
+        assert_null(strstr(help, "default inf")); // of options not given
+        assert_null(strstr(help, "up to 1; default 0)"));
+        assert_null(strstr(help, "e+38"));
         if (c == GP_COMMAND_MAIN || c == GP_COMMAND_BENCH) {
             assert_non_null(strstr(help, "0 or more; default 1)"));
             assert_non_null(strstr(help, "(default builtin:eye)"));
