@@ -45,6 +45,14 @@ static inline const char *wf_path(const char *name)
     return p;
 }
 
+static inline void wf_write_text(const char *path, const char *text)
+{
+    FILE *const f = fopen(path, "wb");
+    assert_non_null(f);
+    assert_true(fputs(text, f) >= 0);
+    assert_int_equal(fclose(f), 0);
+}
+
 /* All bytes of a file; the caller frees. */
 static inline uint8_t *wf_read(const char *path, size_t *size)
 {

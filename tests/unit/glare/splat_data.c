@@ -5,6 +5,7 @@
  * holds GL to it. The folder is $GLAREPP_DATA, or ../shared/data; without it
  * the test is skipped. */
 #include "unit.h"
+#include "data_frames.h"
 #include "glare_scene.h"
 #include "core/memory.h"
 #include "glare/sensors.h"
@@ -13,49 +14,7 @@
 #include "glare/engine.h"
 #include "io/read.h"
 
-#include <ftw.h>
-#include <libgen.h>
-#include <limits.h>
-#include <unistd.h>
-
-enum { FILES = 1000, WIDEST = 1300 };
-
-static char *file[FILES];
-static int files;
-
-static int collect(const char *found, const struct stat *info, int type,
-                   struct FTW *at)
-{
-    const char *dot = strrchr(found + at->base, '.');
-    (void) info;
-    if (type == FTW_F && dot && strcmp(dot, ".exr") == 0 && files < FILES &&
-        !strstr(found, "/damaged/") && !strstr(found, "/deep/"))
-        file[files++] = strdup(found);
-    return 0;
-}
-
-static int by_name(const void *a, const void *b)
-{
-    return strcmp(*(char *const *) a, *(char *const *) b);
-}
-
-static int setup(void **state)
-{
-    char self[PATH_MAX] = "", beside[PATH_MAX];
-    nftw(data_path(""), collect, 16, FTW_PHYS);
-    qsort(file, (size_t) files, sizeof *file, by_name);
-    if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
-        return -1;
-    snprintf(beside, sizeof beside, "%.3000s/..", dirname(self));
-    return setenv("GLAREPP_BRIDGES", beside, 0);
-}
-
-static int teardown(void **state)
-{
-    for (int i = 0; i < files; i++)
-        free(file[i]);
-    return 0;
-}
+enum { WIDEST = 1300 };
 
 /* Largest rel_l2 and bound over rel_l2 so far. */
 struct worst {
@@ -107,15 +66,15 @@ static void every_frame_of_the_data_is_within_a_hundredth(void **state)
     const struct gp_kernel_params eye = GP_KERNEL_DEFAULTS;
     struct gp_kernel k;
     struct worst worst = {0};
-    if (!files)
+    if (!data_frames)
         skip_for(NO_DATA);
     assert_ok(gp_kernel_builtin(NULL, &eye, &k));
     const int step = getenv("GLAREPP_TEST_QUICK") ? 9 : 1;
-    for (int i = 0; i < files; i += step) {
+    for (int i = 0; i < data_frames; i += step) {
         struct gp_frame f = {0};
         struct gp_sources src = {0};
         // (what cannot be read, or has no colour, is for io's suite data)
-        if (gp_read_frame(NULL, &read, file[i], &f) == GP_OK &&
+        if (gp_read_frame(NULL, &read, data_frame[i], &f) == GP_OK &&
             gp_frame_w(&f) <= WIDEST &&
             gp_sense(NULL, &sense, &f, &src) == GP_OK && src.n) {
             scene_limit(&src);
@@ -130,5 +89,5 @@ static void every_frame_of_the_data_is_within_a_hundredth(void **state)
     gp_kernel_free(&k);
 }
 
-SUITE_OF(splat_data, setup, teardown,
+SUITE_OF(splat_data, list_data_frames, free_data_frames,
     every_frame_of_the_data_is_within_a_hundredth)

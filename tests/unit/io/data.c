@@ -7,29 +7,14 @@
 #include "core/bytes.h"
 #include "io/channels.h"
 #include "io/exr/exr.h"
+#include "data_frames.h"
 #include "oiio_here.h"
 #include "reading.h"
 
-#include <ftw.h>
 #include <libgen.h>
 #include <limits.h>
 
-enum { FILES = 1000 };
-
-static char *file[FILES];
-static int files;
 static char reference[PATH_MAX]; // the RgbaInputFile program, "" without
-
-static int collect(const char *found, const struct stat *info, int type,
-                   struct FTW *at)
-{
-    (void) info;
-    const char *name = found + at->base, *dot = strrchr(name, '.');
-    if (type == FTW_F && !strstr(found, "/damaged/") && dot &&
-        strcmp(dot, ".exr") == 0 && files < FILES)
-        file[files++] = strdup(found);
-    return 0;
-}
 
 /* Builds the program beside this one when there is a compiler. */
 static void make_reference(const char *beside)
@@ -48,18 +33,10 @@ static void make_reference(const char *beside)
 static int setup(void **state)
 {
     char self[PATH_MAX] = "";
-    nftw(data_path(""), collect, 16, FTW_PHYS);
     if (readlink("/proc/self/exe", self, sizeof self - 1) < 0)
         return -1;
     make_reference(dirname(self));
-    return find_bridges(state);
-}
-
-static int teardown(void **state)
-{
-    for (int i = 0; i < files; i++)
-        free(file[i]);
-    return 0;
+    return list_data_frames(state);
 }
 
 static bool same(float a, float b)
@@ -99,12 +76,12 @@ static void assert_frame_is(const struct gp_frame *f,
 static void every_frame_as_openimageio_reads_it(void **state)
 {
     int compared = 0, deep = 0, chroma = 0;
-    if (!files || open_oiio(state) || !has_oiio)
-        skip_for(files ? "no OpenImageIO" : NO_DATA);
-    for (int i = 0; i < files; i++) {
+    if (!data_frames || open_oiio(state) || !has_oiio)
+        skip_for(data_frames ? "no OpenImageIO" : NO_DATA);
+    for (int i = 0; i < data_frames; i++) {
         struct gp_frame f;
         struct gp_image image;
-        if (read_file(file[i], &f)) {
+        if (read_file(data_frame[i], &f)) {
             assert_kept("deep data");
             assert_int_equal(kept_errors, 1);
             deep++;
@@ -114,9 +91,10 @@ static void every_frame_as_openimageio_reads_it(void **state)
             chroma++;
         } else {
             struct gp_stream s;
-            assert_ok(gp_stream_open(NULL, file[i], 1, &s));
-            if (gp_oiio_open(&kept_log, file[i], &s, "openexr", f.part, INT_MAX,
-                &image) || gp_image_load(&kept_log, &image))
+            assert_ok(gp_stream_open(NULL, data_frame[i], 1, &s));
+            if (gp_oiio_open(&kept_log, data_frame[i], &s, "openexr", f.part,
+                             INT_MAX, &image) || gp_image_load(&kept_log,
+                                                               &image))
                 fail_msg("%s", kept_line);
             gp_stream_close(&s);
             assert_frame_is(&f, &image);
@@ -162,11 +140,12 @@ static void assert_rgb_is_openexrs(const struct gp_frame *f)
 static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
 {
     int compared = 0;
-    if (!files || !reference[0])
-        skip_for(files ? "no compiler for OpenEXR's C++ library" : NO_DATA);
-    for (int i = 0; i < files; i++) {
+    if (!data_frames || !reference[0])
+        skip_for(data_frames ? "no compiler for OpenEXR's C++ library"
+                 : NO_DATA);
+    for (int i = 0; i < data_frames; i++) {
         struct gp_frame f;
-        if (read_file(file[i], &f))
+        if (read_file(data_frame[i], &f))
             continue;
         if (needs_openexr(&f)) {
             assert_rgb_is_openexrs(&f);
@@ -177,5 +156,5 @@ static void luminance_chroma_and_dwa_as_openexr_reads_them(void **state)
     print_message("%d equal\n", compared);
 }
 
-SUITE_OF(data, setup, teardown, every_frame_as_openimageio_reads_it,
+SUITE_OF(data, setup, free_data_frames, every_frame_as_openimageio_reads_it,
          luminance_chroma_and_dwa_as_openexr_reads_them)

@@ -15,6 +15,7 @@ static void no_colour_of_a_pixel(void **state)
 {
     static const struct fixture_part row[] = {
         {.channel = {HALF_CH("u"), HALF_CH("v")}, .data = W(3)},
+        {.channel = {HALF_CH("A"), FLOAT_CH("Z")}, .data = W(3)},
         {.channel = {{"R", HALVES, 3, 1}, HALF_CH("v")}, .data = W(3)},
         {.channel = {RGB(HALVES)}, .deep = true, .data = W(5),
          .compression = EXR_COMPRESSION_ZIPS},

@@ -14,14 +14,6 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 
-static void put_file(const char *path, const char *text)
-{
-    FILE *f = fopen(path, "wb");
-    assert_non_null(f);
-    fputs(text, f);
-    fclose(f);
-}
-
 static void assert_text(const char *path, const char *text)
 {
     size_t n;
@@ -95,7 +87,7 @@ static void large_writes_and_patches(void **state)
 static void links_and_permissions_stay(void **state)
 {
     struct stat s;
-    put_file(wf_path("real"), "old");
+    wf_write_text(wf_path("real"), "old");
     assert_int_equal(chmod(wf_path("real"), 0751), 0); // execute bits too
     assert_int_equal(symlink("real", wf_path("link")), 0);
     write_text(wf_path("link"), "new");
@@ -134,7 +126,7 @@ static void no_mode_is_wider(void **state)
         const char *const path = wf_path("moded");
         remove(path);
         if (row[i].old) {
-            put_file(path, "old");
+            wf_write_text(path, "old");
             assert_int_equal(chmod(path, row[i].old), 0);
         }
         umask(row[i].mask);
@@ -226,7 +218,7 @@ static void taken_names(void **state)
     assert_text(same, "second, longer");
     write_both(same, same, false);
     char *stranger = gp_file_temp_name(same, 0);
-    put_file(stranger, "another run's");
+    wf_write_text(stranger, "another run's");
     write_both(same, a, false);
     assert_text(stranger, "another run's");
     char *const made[] = {a, b, same, stranger};
@@ -259,7 +251,7 @@ static void full_disk(void **state)
         assert_kept(strerror(ENOSPC));
     }
     if (geteuid() == 0 && mount("none", folder, "tmpfs", 0, "size=1m") == 0) {
-        put_file(wf_path("f"), "old");
+        wf_write_text(wf_path("f"), "old");
         assert_int_equal(write_much(wf_path("f")), GP_ERR_IO);
         assert_kept(strerror(ENOSPC));
         assert_int_equal(wf_names(), 1);
@@ -283,7 +275,7 @@ static void full_disk(void **state)
 static void a_close_that_fails(void **state)
 {
     struct gp_file *f;
-    put_file(wf_path("f"), "old");
+    wf_write_text(wf_path("f"), "old");
     for (int straight = 0; straight < 2; straight++) {
         assert_ok(gp_file_open(&kept_all, straight ? "/dev/null" : wf_path("f"),
                                false, &f));
@@ -335,7 +327,7 @@ static void descriptors(void **state)
         assert_int_equal(gp_file_descriptor(row[i].name), row[i].fd);
     struct gp_file *f;
     char path[512];
-    put_file(wf_path("log"), "a long old log;");
+    wf_write_text(wf_path("log"), "a long old log;");
     const int fd = open(wf_path("log"), O_WRONLY | O_APPEND);
     for (int i = 0; i < 2; i++) {
         snprintf(path, sizeof path, "/%s/fd/%d", i ? "proc/self" : "dev", fd);
@@ -345,7 +337,7 @@ static void descriptors(void **state)
     }
     assert_text(wf_path("log"), "a long old log;newnew");
     close(fd);
-    put_file(wf_path("f"), "old");
+    wf_write_text(wf_path("f"), "old");
     snprintf(path, sizeof path, "/proc/self/root%s", wf_path("f"));
     assert_int_equal(gp_file_open(&kept_all, path, false, &f), GP_ERR_IO);
     assert_kept("own folder");
@@ -383,7 +375,7 @@ static void end_child(int sig)
 
 static void signals(void **state)
 {
-    put_file(wf_path("killed"), "old");
+    wf_write_text(wf_path("killed"), "old");
     static const int ending[] = {SIGINT,  SIGTERM, SIGQUIT, SIGXCPU,
                                  SIGALRM, SIGUSR1, SIGUSR2, SIGKILL};
     const struct rlimit no_core = {0, 0};
@@ -420,7 +412,8 @@ static void checks(void **state)
         p.compression = rows[i].compression;
         p.depth_bits = rows[i].bits;
         kept_clear();
-        assert_int_equal(gp_write_check(&kept_all, &p, rows[i].path), rows[i].st);
+        assert_int_equal(gp_write_check(&kept_all, &p, rows[i].path),
+                         rows[i].st);
         assert_kept(rows[i].said);
         const bool exr = strstr(rows[i].path, ".exr") ||
                          strchr("-/", rows[i].path[0]);
@@ -464,7 +457,7 @@ static void folders_that_are_none(void **state)
         {"dangling/x", true, false, EEXIST}, {"round/x", false, true, ELOOP},
         {"round/x", true, true, ELOOP}, {"round", false, false, ELOOP},
     };
-    put_file(wf_path("plain"), "text");
+    wf_write_text(wf_path("plain"), "text");
     assert_int_equal(symlink("nowhere", wf_path("dangling")), 0);
     assert_int_equal(symlink("round", wf_path("round")), 0);
     for (size_t i = 0; i < COUNT(row); i++)
@@ -474,7 +467,7 @@ static void folders_that_are_none(void **state)
 static void folders_are_made_or_not(void **state)
 {
     struct stat s;
-    put_file(wf_path("plain"), "text");
+    wf_write_text(wf_path("plain"), "text");
     errno = 0;
     assert_int_equal(gp_file_make_folders(wf_path("plain/x")), -1);
     assert_int_equal(errno, EEXIST);
@@ -497,7 +490,7 @@ static void without_permission(void **state)
         {"closed/new/x", true, false, EACCES}, // cannot be made
     };
     const uid_t user = geteuid();
-    put_file(wf_path("sealed"), "old");
+    wf_write_text(wf_path("sealed"), "old");
     assert_int_equal(mkdir(wf_path("closed"), 0555), 0);
     assert_int_equal(chmod(wf_path("sealed"), 0400), 0);
     assert_int_equal(chmod(folder, 0755), 0);
@@ -545,7 +538,7 @@ static void no_name_is_left(void **state)
     const char *const path = wf_path("many");
     for (int i = 0; i < TRIES; i++) {
         char *name = gp_file_temp_name(path, i);
-        put_file(name, "");
+        wf_write_text(name, "");
         free(name);
     }
     assert_refused(&(struct refused_row) {"many", false, false, EEXIST});
@@ -605,9 +598,8 @@ static void files_under_way_are_removed(void **state)
 
 SUITE_OF_EACH(file, wf_start, remove_folder, whole_or_nothing,
               large_writes_and_patches, links_and_permissions_stay,
-              no_mode_is_wider, folders, descriptors,
-              names, taken_names, full_disk, a_close_that_fails, pipes,
-              signals, checks,
+              no_mode_is_wider, folders, descriptors, names, taken_names,
+              full_disk, a_close_that_fails, pipes, signals, checks,
               folders_that_are_none, folders_are_made_or_not,
               without_permission, patches_stay_inside, no_name_is_left,
               more_files_than_a_signal_removes, files_under_way_are_removed)

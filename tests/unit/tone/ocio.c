@@ -38,20 +38,12 @@ static const char config_text[] =
     "  - !<ColorSpace>\n    name: shot\n"
     "    from_scene_reference: !<FileTransform> {src: $SHOT.spimtx}\n";
 
-static void put_file(const char *name, const char *text)
-{
-    FILE *f = fopen(wf_path(name), "wb");
-    assert_non_null(f);
-    assert_true(fputs(text, f) >= 0);
-    assert_int_equal(fclose(f), 0);
-}
-
 static int start(void **state)
 {
     if (wf_start(state))
         return -1;
-    put_file("c.ocio", config_text);
-    put_file("four.spimtx", "4 0 0 0\n0 4 0 0\n0 0 4 0\n");
+    wf_write_text(wf_path("c.ocio"), config_text);
+    wf_write_text(wf_path("four.spimtx"), "4 0 0 0\n0 4 0 0\n0 0 4 0\n");
     return 0;
 }
 
@@ -278,7 +270,7 @@ static void many_names_are_cut(void **state)
                    "colorspaces:\n");
     for (int i = 0; i < 400; i++)
         end += sprintf(end, "  - !<ColorSpace> {name: s%d}\n", i);
-    put_file("many.ocio", text);
+    wf_write_text(wf_path("many.ocio"), text);
     free(text);
     struct gp_ocio_params p = {.config = wf_path("many.ocio"), .input = "x"};
     struct gp_ocio *o;
@@ -299,13 +291,13 @@ static void bad_configs(void **state)
     strcpy(deep, "ocio_profile_version: ");
     memset(deep + 22, '[', 10000);
     deep[10022] = '\0';
-    put_file("deep.ocio", deep);
+    wf_write_text(wf_path("deep.ocio"), deep);
     free(deep);
-    put_file("empty.ocio", "");
-    put_file("text.ocio", "not a config\n");
-    put_file("bytes.ocio", "\x7f\x45\xff\xfe\x01: {{{\n\t- ]");
-    put_file("future.ocio", "ocio_profile_version: 99\n");
-    put_file("huge.ocio", "ocio_profile_version: 2\n");
+    wf_write_text(wf_path("empty.ocio"), "");
+    wf_write_text(wf_path("text.ocio"), "not a config\n");
+    wf_write_text(wf_path("bytes.ocio"), "\x7f\x45\xff\xfe\x01: {{{\n\t- ]");
+    wf_write_text(wf_path("future.ocio"), "ocio_profile_version: 99\n");
+    wf_write_text(wf_path("huge.ocio"), "ocio_profile_version: 2\n");
     assert_int_equal(truncate(wf_path("huge.ocio"), 1LL << 40), 0);
     static const struct {
         const char *name;
