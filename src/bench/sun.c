@@ -11,7 +11,8 @@
 #include <string.h>
 
 enum {
-    MASK = 2, ROWS = 32, // the first row of a mask; all
+    MASK = 2, ROWS = 33, // the first row of a mask; all
+    PLAIN = ROWS - 1,    // gp_sun_map_reference()
     FLIGHT = 8,          // frames that a row has under way at once
 };
 
@@ -36,7 +37,8 @@ struct bench {
     struct row row[ROWS];
 };
 
-/* Exact and readback, then masks by side, pattern and sum. */
+/* Exact and readback, then masks by side, pattern and sum, and the plain form
+ * of one of them. */
 static void make_rows(struct bench *b)
 {
     static const char *const sums[] = {
@@ -54,6 +56,12 @@ static void make_rows(struct bench *b)
             strcpy(r->name, i ? "readback" : "exact");
             continue;
         }
+        if (i == PLAIN) {
+            m->side = 16;
+            m->pattern = GP_PATTERN_DISC;
+            strcpy(r->name, "mask 16x16 disc, CPU");
+            continue;
+        }
         m->side = 4 << (i - MASK) / 6;
         m->pattern = (i - MASK) / 3 % 2 ? GP_PATTERN_SQUARE : GP_PATTERN_DISC;
         snprintf(r->name, sizeof r->name, "mask %dx%d %s %s", m->side, m->side,
@@ -64,6 +72,14 @@ static void make_rows(struct bench *b)
 
 // -- measuring ---------------------------------------------------------------
 
+/* The masks of all lights on the CPU. */
+static void measure_plain(struct bench *b, const struct gp_map_params *p)
+{
+    for (int i = 0; i < b->suns.n; i++)
+        b->suns.light[i].visibility = gp_sun_map_reference(
+            &b->suns.occluders, p, &b->suns.light[i], NULL);
+}
+
 /* The median of some runs of `frames` frames, the last of which is waited for:
  * *ms of a frame. b->ms holds them sorted. */
 static gp_status time_runs(struct bench *b, const struct gp_log *log,
@@ -73,9 +89,13 @@ static gp_status time_runs(struct bench *b, const struct gp_log *log,
     b->suns.p = &r->p;
     for (int run = 0; run < runs && !st; run++) {
         const double start = gp_now_ms();
-        for (int i = 0; i < frames && !st; i++)
-            st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
-        if (!st && r->p.method == GP_SUN_MASK)
+        for (int i = 0; i < frames && !st; i++) {
+            if (r == &b->row[PLAIN])
+                measure_plain(b, &r->p.map);
+            else
+                st = gp_suns_measure(log, &b->suns); // the mask's stay on GL
+        }
+        if (!st && r->p.method == GP_SUN_MASK && r != &b->row[PLAIN])
             st = gp_sun_map_read(log, b->suns.gl, b->suns.map, b->suns.light,
                                  b->suns.n);
         b->ms[run] = (gp_now_ms() - start) / frames;

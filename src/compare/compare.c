@@ -224,8 +224,8 @@ static bool in_full(const struct run *r)
 }
 
 /* Reports r->row, on stdout and in the JSON. */
-static void report(struct run *r, enum gp_compare_result result,
-                   const char *why)
+static void report_pair(struct run *r, enum gp_compare_result result,
+                        const char *why)
 {
     struct row *const row = &r->row;
     const bool numbered = r->names.frames.n > 0;
@@ -312,14 +312,15 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     if (p->perceptual && m.lit)
         GP_TRY(gp_compare_see(r->log, &m, &figures.seen));
     if (!m.lit && (p->perceptual || isfinite(p->fail_flip))) {
-        report(r, GP_COMPARE_DIFFERENT, "one has no colour, which --perceptual "
-                                        "and --fail-flip need");
+        report_pair(r, GP_COMPARE_DIFFERENT,
+                    "one has no colour, which --perceptual and --fail-flip "
+                    "need");
         goto out;
     }
     r->row.match = &m;
     r->row.figures = &figures;
     r->row.flip = &flip;
-    report(r, gp_compare_judge(p, &figures, &flip), NULL);
+    report_pair(r, gp_compare_judge(p, &figures, &flip), NULL);
 out:
     free(name);
     gp_compare_flip_free(&flip);
@@ -358,7 +359,8 @@ static gp_status compare_frame(struct run *r, int frame)
         for (int i = 0; i < 2 && !st; i++)
             st = gp_stored_read(r->log, r->job->read, &f[i], part, &image[i]);
         if (!st && image[0].deep != image[1].deep)
-            report(r, GP_COMPARE_DIFFERENT, "one is deep, the other is not");
+            report_pair(r, GP_COMPARE_DIFFERENT,
+                        "one is deep, the other is not");
         else if (!st)
             st = compare_images(r, &image[0], &image[1]);
         gp_stored_image_free(&image[0]);
@@ -368,14 +370,14 @@ static gp_status compare_frame(struct run *r, int frame)
         char why[64];
         snprintf(why, sizeof why, "%d parts and %d", f[0].parts, f[1].parts);
         r->row.part = both;
-        report(r, GP_COMPARE_FAILURE, why);
+        report_pair(r, GP_COMPARE_FAILURE, why);
     }
     if (!st && !all && prints(r) && in_full(r) &&
         (f[0].parts > 1 || f[1].parts > 1))
         printf("Only compared the first part (of %d and %d, respectively); -a "
                "compares all\n", f[0].parts, f[1].parts);
     if (st && st != GP_ERR_BUG) {
-        report(r, GP_COMPARE_FILE, "a file cannot be read or written");
+        report_pair(r, GP_COMPARE_FILE, "a file cannot be read or written");
         st = GP_OK;
     }
     for (int i = 0; i < 2; i++) {

@@ -112,9 +112,10 @@ GP_MUST_CHECK gp_status gp_compare_heatmap(
     const struct gp_log *log, const struct gp_write_params *p, const char *path,
     const struct gp_compare_match *m, const struct gp_compare_flip *f);
 
-/* Writes a - b of flat images, or |a - b|, times p->scale, over the union of the windows: all
- * channels as floats to .exr; to other formats R, G and B, or the first channel
- * as grey, of which integer ones keep [0,1] without a curve.
+/* Writes a - b of flat images, or |a - b|, times p->scale, over the union of
+ * the windows: all channels as floats to .exr; to other formats R, G and B, or
+ * the first channel as grey, of which integer ones keep [0,1] without a
+ * curve.
  * Errors: as gp_write_picture(); GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_compare_subtract(const struct gp_log *log,
     const struct gp_write_params *write, const struct gp_compare_params *p,

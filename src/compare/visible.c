@@ -107,7 +107,8 @@ static void make_levels(const struct view *v, int x0, int y0, struct tile *t)
                 const size_t i = (size_t) from * (size_t) v->w + (size_t) at;
                 const float lum = 0.2126f * light[0][i] +
                                   0.7152f * light[1][i] + 0.0722f * light[2][i];
-                level[0][y][x] = lum > 0.0f ? (float) DISPLAY_WHITE * lum : 0.0f;
+                level[0][y][x] =
+                    lum > 0.0f ? (float) DISPLAY_WHITE * lum : 0.0f;
             }
         }
         for (int n = 1; n < LEVELS; n++) {

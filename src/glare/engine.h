@@ -26,7 +26,8 @@ enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
  *             sensor; only its tail from groups, by moments */
 enum gp_group_method { GP_GROUP_CENTROID, GP_GROUP_MOMENTS, GP_GROUP_CORE };
 
-/* Forms in which a polygon is drawn. AUTO: TILE on a software context, QUAD else.
+/* Forms in which a polygon is drawn. AUTO: TILE on a software context, else
+ * QUAD.
  *   QUAD   a blended quad, opened by the vertex shader
  *   POINT  a blended point sprite, up to the driver's limit of size
  *   TILE   no primitive at all: for each tile, one fragment pass sums over

@@ -73,12 +73,11 @@ GP_MUST_CHECK gp_status gp_rotate(const struct gp_log *log, const char *name,
 GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
                                    double aspect, struct gp_rotated *k);
 
-// -- pixel.c: --tolerance-pixel ----------------------------------------------
+// -- plan.c: --tolerance-pixel -----------------------------------------------
 
 /* Facts of the exact composite, known before it is made. */
 struct gp_pixel_floor {
-    double least, most;    // of its luminance, without the light that comes from
-                           // other pixels
+    double least, most;    // of its luminance, without light from other pixels
     double less;           // that such light can be negative in luminance
     double weight[3];      // of luminance
     double layer[3], lost[3]; // a sample's most; what is under FLT_MIN of it

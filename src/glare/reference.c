@@ -175,8 +175,8 @@ static double worse(double a, double b)
     return b != b ? INFINITY : fmax(a, b);
 }
 
-/* Luminance of the exact composite in pixel i, as gp_glare_measure() says. *next
- * is the first of the sources that no pixel before i had. */
+/* Returns the luminance of the exact composite in pixel i. *next is the first
+ * source at or after that pixel. */
 static double composite_at(const struct gp_frame *f, const double *exact,
     double gain, const struct gp_sources *taken, size_t i, size_t *next)
 {

@@ -37,9 +37,10 @@ struct gp_sensor_params {
 /* Cleans f->rgb in place: NaN and -Inf become 0, +Inf the largest finite value
  * of the frame or 65504, whichever is more; finite values stay, but where a
  * channel is over max_value its pixel is scaled until the largest is that.
- * Then finds T, and lists the sources: pixels whose luminance Y of the non-negative part is over T, with
- * the part of the colour that the mode says; the knee's ramp is a smoothstep, 1
- * when knee is 0. What is under FLT_MIN then counts as 0 (gp_sources.faint).
+ * Then finds T, and lists the sources: pixels whose luminance Y, of the
+ * non-negative part, is over T, with the part of the colour that the mode
+ * keeps; the knee's ramp is a smoothstep, 1 when knee is 0. Light under FLT_MIN
+ * then counts as 0 (gp_sources.faint).
  *
  * A warning says so when max_value takes over 1 % of a channel's light.
  *

@@ -180,7 +180,7 @@ const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio)
 
 // -- pixels ------------------------------------------------------------------
 
-struct pass {
+struct ocio_pass {
     const struct gp_ocio_api *api;
     const void *processor;
     const struct gp_planes *in;
@@ -193,7 +193,7 @@ struct pass {
 
 static gp_status pass_block(void *ctx, int block, int thread)
 {
-    const struct pass *p = ctx;
+    const struct ocio_pass *p = ctx;
     const size_t at = (size_t) block * BLOCK, left = p->pixels - at;
     const size_t n = left < BLOCK ? left : BLOCK;
     (void) thread;
@@ -215,7 +215,7 @@ static gp_status pass_block(void *ctx, int block, int thread)
 /* Makes `out` where it is empty, named `what` in errors, and runs the pass. */
 static gp_status run_pass(const struct gp_log *log, const char *what,
                           const struct gp_ocio *ocio, const struct gp_frame *f,
-                          struct pass *p)
+                          struct ocio_pass *p)
 {
     p->api = ocio->api;
     p->in = &f->lit;
@@ -237,7 +237,7 @@ static gp_status run_pass(const struct gp_log *log, const char *what,
 gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
                        const struct gp_tone_params *p, struct gp_frame *f)
 {
-    return run_pass(log, "shown frame", ocio, f, &(struct pass) {
+    return run_pass(log, "shown frame", ocio, f, &(struct ocio_pass) {
         .processor = ocio->made.view, .out = &f->shown,
         .scale = gp_tone_scale(p, f),
     });
@@ -246,7 +246,8 @@ gp_status gp_ocio_show(const struct gp_log *log, const struct gp_ocio *ocio,
 gp_status gp_ocio_convert(const struct gp_log *log, const struct gp_ocio *ocio,
                           const struct gp_frame *f, struct gp_planes *out)
 {
-    gp_status st = run_pass(log, "converted frame", ocio, f, &(struct pass) {
+    const char *const what = "converted frame";
+    gp_status st = run_pass(log, what, ocio, f, &(struct ocio_pass) {
         .processor = ocio->made.output, .out = out, .scale = 1.0f,
     });
     if (st)

@@ -28,7 +28,7 @@ struct drawn {
     struct gp_bound_rings rings;
 };
 
-struct state {
+struct bound_state {
     int channels;           // 1 for a grey kernel
     bool has_least;
     double *square[3];      // integral images of k^2
@@ -39,7 +39,7 @@ struct state {
     struct drawn drawn[2][2]; // [tail][wide border]
 };
 
-static void drop_drawn(struct state *s)
+static void drop_drawn(struct bound_state *s)
 {
     for (int i = 0; i < 4; i++) {
         struct drawn *const d = &s->drawn[i / 2][i % 2];
@@ -50,7 +50,7 @@ static void drop_drawn(struct state *s)
     }
 }
 
-static void drop_least(struct state *s)
+static void drop_least(struct bound_state *s)
 {
     for (int c = 0; c < 3; c++) {
         GP_FREE(s->square[c]);
@@ -71,12 +71,14 @@ void gp_bound_cache_free(struct gp_bound_cache *c)
 
 /* The state of this kernel, made when the cache holds another's. */
 static gp_status fit_state(const struct gp_log *log, const struct gp_kernel *k,
-                           struct gp_bound_cache *cache, struct state **out)
+                           struct gp_bound_cache *cache,
+                           struct bound_state **out)
 {
     gp_status st = GP_OK;
     if (!cache->data || !k->serial || cache->kernel != k->serial) {
         gp_bound_cache_free(cache);
-        st = gp_alloc_zero(log, "bound", 1, sizeof(struct state), &cache->data);
+        st = gp_alloc_zero(log, "bound", 1, sizeof(struct bound_state),
+                           &cache->data);
         if (st)
             return st;
         cache->kernel = k->serial;
@@ -151,10 +153,10 @@ static gp_status make_means(const struct gp_log *log, const struct gp_kernel *k,
 
 /* -- the least of the layer: by sources, and by cells ---------------------- */
 
-struct layer {
+struct least_layer {
     const struct gp_sources *src;
     const struct gp_kernel *k;
-    const struct state *s;
+    const struct bound_state *s;
     double (*alone)[3];      // of each row: squares of single sources
     int w, h;                // near cells that hold any of the frame
     int whole;               // columns of them that the frame does not cut
@@ -167,7 +169,7 @@ struct layer {
 /* Squares of what each source of a row adds to the frame. */
 static void diagonal_row(void *ctx, int y, int thread)
 {
-    const struct layer *const d = ctx;
+    const struct least_layer *const d = ctx;
     const struct gp_sources *const src = d->src;
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -190,7 +192,7 @@ static void diagonal_row(void *ctx, int y, int thread)
 /* Fills back[c] of one row of far cells. */
 static void far_row(void *ctx, int y, int thread)
 {
-    const struct layer *const m = ctx;
+    const struct least_layer *const m = ctx;
     const int reach = m->s->far_reach, n = 2 * reach + 1;
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -215,7 +217,7 @@ static void far_row(void *ctx, int y, int thread)
 /* Sums squares of the layer over one row of near cells, at least. */
 static void near_row(void *ctx, int y, int thread)
 {
-    const struct layer *const m = ctx;
+    const struct least_layer *const m = ctx;
     enum { N = 2 * NEAR_REACH + 1 };
     (void) thread;
     for (int c = 0; c < 3; c++) {
@@ -243,13 +245,13 @@ static void near_row(void *ctx, int y, int thread)
 
 /* gp_layer_least() with the kernel's state. */
 static gp_status find_layer_least(const struct gp_log *log,
-    const struct gp_sources *src, const struct gp_kernel *k, struct state *s,
-    double *least)
+    const struct gp_sources *src, const struct gp_kernel *k,
+    struct bound_state *s, double *least)
 {
     gp_status st = GP_OK;
     const int rows = src->h / NEAR; // a cell that the frame cuts is not counted
     double *integral = NULL, all = 0.0;
-    struct layer m = {
+    struct least_layer m = {
         .src = src, .k = k, .s = s, .whole = src->w / NEAR,
         .w = (src->w + NEAR - 1) / NEAR, .h = (src->h + NEAR - 1) / NEAR,
         .far_w = (src->w + FAR - 1) / FAR, .far_h = (src->h + FAR - 1) / FAR,
@@ -322,7 +324,7 @@ out:
 gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_kernel *kernel, struct gp_bound_cache *cache, double *least)
 {
-    struct state *s;
+    struct bound_state *s;
     gp_status st = fit_state(log, kernel, cache, &s);
     return st ? st : find_layer_least(log, src, kernel, s, least);
 }
@@ -335,7 +337,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     double roundings, struct gp_bound_cache *cache, double *out)
 {
     gp_status st;
-    struct state *s;
+    struct bound_state *s;
     struct gp_residue residue = {0};
     double wrong[3] = {0}, most[3], sum[3], norm[3], least;
     *out = INFINITY;

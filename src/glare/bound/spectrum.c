@@ -44,8 +44,8 @@ GP_CLONES static double sum_squares(const float *v, int n)
 
 /* -- the kernel's power ---------------------------------------------------- */
 
-/* The kernel that counts. */
-struct part {
+/* The part of the kernel that can reach the frame. */
+struct reaching {
     const struct gp_kernel *k;
     struct gp_rect crop;
     bool tail;
@@ -53,7 +53,7 @@ struct part {
 
 static void load_kernel(const void *ctx, int c, int j, float *z)
 {
-    const struct part *const p = ctx;
+    const struct reaching *const p = ctx;
     for (int x = p->crop.x0; x < p->crop.x1; x++)
         z[2 * (x - p->crop.x0)] =
             gp_bound_sample(p->k, p->tail, c, x, p->crop.y0 + j);
@@ -75,7 +75,7 @@ gp_status gp_power_make(const struct gp_log *log,
 {
     const struct gp_fftwf *lib;
     const struct gp_rect crop = gp_bound_crop(kernel, w - 1 + pad, h - 1 + pad);
-    const struct part part = {.k = kernel, .tail = tail, .crop = crop};
+    const struct reaching part = {.k = kernel, .tail = tail, .crop = crop};
     struct gp_power p = {.channels = kernel->grey ? 1 : 3};
     struct gp_fft_matrix in = {0}, spectrum = {0};
     const struct gp_fft_job job = {log, &p.x, &p.y, 0, p.channels};

@@ -231,12 +231,12 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 }
 
 /* The state is the laid-out kernel and what it was made from. */
-struct state {
+struct direct_state {
     unsigned long kernel; // serial
     struct gp_taps taps;
 };
 
-static bool is_laid_out(const struct state *s, const struct gp_kernel *k)
+static bool is_laid_out(const struct direct_state *s, const struct gp_kernel *k)
 {
     return s && s->kernel && s->kernel == k->serial;
 }
@@ -253,8 +253,8 @@ static double cost_at(const double value[3], double size, double first)
     return value[i] + (at - i) * (value[i + 1] - value[i]);
 }
 
-static struct gp_prediction predict(const struct gp_glare_job *job,
-                                    const void *state)
+static struct gp_prediction predict_direct(const struct gp_glare_job *job,
+                                           const void *state)
 {
     static const double near_row[3] = GP_COST_DIRECT_NEAR_ROW;
     static const double far_row[3] = GP_COST_DIRECT_FAR_ROW;
@@ -319,19 +319,19 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
     return (struct gp_prediction) {.ms = ms, .later_ms = later};
 }
 
-static void close_state(void **state)
+static void close_direct(void **state)
 {
-    struct state *const s = *state;
+    struct direct_state *const s = *state;
     if (s)
         gp_taps_free(&s->taps);
     GP_FREE(*state);
 }
 
-static gp_status run(const struct gp_glare_job *job, void **state)
+static gp_status run_direct(const struct gp_glare_job *job, void **state)
 {
-    struct state *s = *state;
+    struct direct_state *s = *state;
     if (!is_laid_out(s, job->kernel)) {
-        close_state(state);
+        close_direct(state);
         gp_status st = gp_alloc_zero(job->log, "direct", 1, sizeof *s, state);
         if (st)
             return st;
@@ -345,16 +345,16 @@ static gp_status run(const struct gp_glare_job *job, void **state)
     return gp_direct_sum(job->log, job->src, &s->taps, false, job->layer);
 }
 
-static gp_status bound(const struct gp_glare_job *job, void **state,
-                       double *out)
+static gp_status bound_direct(const struct gp_glare_job *job, void **state,
+                              double *out)
 {
     (void) state;
     *out = gp_direct_bound(job->kernel, job->src->n);
     return GP_OK;
 }
 
-static gp_status pixel(const struct gp_glare_job *job, void **state,
-                       struct gp_pixel_error *out)
+static gp_status pixel_direct(const struct gp_glare_job *job, void **state,
+                              struct gp_pixel_error *out)
 {
     (void) state;
     out->share = gp_direct_bound(job->kernel, job->src->n);
@@ -364,9 +364,9 @@ static gp_status pixel(const struct gp_glare_job *job, void **state,
 const struct gp_engine gp_engine_direct = {
     .name = "direct",
     .text = "the sum as it is written; the fastest for a handful of sources",
-    .predict = predict,
-    .bound = bound,
-    .pixel = pixel,
-    .run = run,
-    .close = close_state,
+    .predict = predict_direct,
+    .bound = bound_direct,
+    .pixel = pixel_direct,
+    .run = run_direct,
+    .close = close_direct,
 };

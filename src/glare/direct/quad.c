@@ -179,8 +179,8 @@ GP_CLONES static void list_row(const int32_t *restrict x, uint32_t first,
     }
 }
 
-/* A part of the list, as the sums read it. */
-struct part {
+/* A range of the list, as the sums read it. */
+struct quad_range {
     const int32_t *at;
     const uint32_t *quad;
     uint32_t n;
@@ -188,7 +188,7 @@ struct part {
 
 /* sum[row] = sum over quads of light * taps, four rows of a strip: each sample
  * of the kernel serves all four. */
-GP_FUSED static void sum_quads(struct part p, const float *light,
+GP_FUSED static void sum_quads(struct quad_range p, const float *light,
     const float *k, ptrdiff_t row, float sum[GP_QUAD * STRIP])
 {
     gp_vec total[GP_QUAD][2], lost[GP_QUAD][2];
@@ -266,7 +266,7 @@ static void run_task(void *ctx, int task, int thread)
         for (int y = y0; y < y1; y += GP_QUAD) {
             rows_of(s, y, &from, &to);
             const uint32_t start = l->row[from - first];
-            const struct part p = {
+            const struct quad_range p = {
                 l->at + start, l->quad + start, l->row[to - first] - start,
             };
             if (s->add && !p.n)

@@ -55,8 +55,8 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
  *
  * Roundings count as independent and of mean 0, as for gp_fft_bound(). Those of
  * a butterfly of value v (products, their sum, a root of unity, an addition)
- * have together a variance of at most (2 2^-24 |v|)^2, in the sense of Hoeffding
- * 1963. A stage that has folded n samples, nx ny / n apart, into each of its
+ * have together a variance of at most (2 2^-24 |v|)^2, in the sense of
+ * Hoeffding 1963. A stage that has folded n samples, nx ny / n apart, into each of its
  * nodes meets a pixel with nodes of light v and of kernel g: by Parseval the
  * sum of |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square of
  * the circular convolution of both cosets. Summed over cosets, as nothing is

@@ -195,17 +195,17 @@ static size_t row_floats(int n)
 
 /* One task: its channel, its first row or column, and its thread's scratch, a
  * line of `pitch` floats and one or more after it. */
-struct part {
+struct pass_task {
     int c, first;
     size_t pitch;
     float *line, *next;
 };
 
-/* Part i of lines of n numbers, `step` rows or columns a task. */
-static struct part part_of(const struct pass *s, int i, int thread, int step,
-                           int n)
+/* Task i of lines of n numbers, `step` rows or columns a task. */
+static struct pass_task task_of(const struct pass *s, int i, int thread,
+                                int step, int n)
 {
-    struct part p = {
+    struct pass_task p = {
         .c = s->job->channel + i / s->tasks, .first = i % s->tasks * step,
         .pitch = row_floats(n),
         .line = s->buffer + s->scratch * (size_t) thread,
@@ -218,7 +218,7 @@ static void rows_in(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
     const int nx = s->job->x->n;
-    const struct part t = part_of(s, i, thread, ROWS, nx);
+    const struct pass_task t = task_of(s, i, thread, ROWS, nx);
     for (int p = 0; p < PAIRS; p++) {
         float *const out = t.next + (size_t) p * t.pitch;
         const int j = t.first + 2 * p;
@@ -271,7 +271,7 @@ static void columns_forward(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
     const int ny = s->job->y->n;
-    const struct part t = part_of(s, i, thread, COLUMNS, ny);
+    const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
     const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
     for (int k = t.first; k < end; k++) {
         column_forward(s, s->m->z[t.c] + 2 * (size_t) k * s->m->pitch, t.line,
@@ -299,7 +299,7 @@ static void columns_multiply(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
     const int ny = s->job->y->n;
-    const struct part t = part_of(s, i, thread, COLUMNS, ny);
+    const struct pass_task t = task_of(s, i, thread, COLUMNS, ny);
     const int end = gp_min(t.first + COLUMNS, s->job->x->n / 2 + 1);
     const float *const kernel = s->kernel->z[s->kernel_channels == 1 ? 0 : t.c];
     const int upper = gp_min(s->count, ny - s->first);
@@ -336,7 +336,7 @@ static void rows_out(void *ctx, int i, int thread)
 {
     struct pass *const s = ctx;
     const int nx = s->job->x->n;
-    const struct part t = part_of(s, i, thread, ROWS, nx);
+    const struct pass_task t = task_of(s, i, thread, ROWS, nx);
     float *in = t.next;
     pack(s->m->z[t.c] + 2 * (size_t) t.first, s->m->pitch, nx, in, t.pitch);
     for (int j = t.first; j < t.first + ROWS && j < s->rows; j += 2) {

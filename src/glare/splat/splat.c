@@ -295,8 +295,8 @@ static double mean_overlap(int from, int to, int low, int high, int limit)
     return to > from ? sum / (to - from) : 0.0;
 }
 
-static struct gp_prediction predict(const struct gp_glare_job *job,
-                                    const void *state)
+static struct gp_prediction predict_splat(const struct gp_glare_job *job,
+                                          const void *state)
 {
     const struct gp_splat *const kept = state;
     const struct gp_sources *const s = job->src;
@@ -417,7 +417,7 @@ out:
 const struct gp_engine gp_engine_splat = {
     .name = "splat",
     .text = "glare polygons for bright pixels and groups of them, on GL",
-    .predict = predict,
+    .predict = predict_splat,
     .bound = find_plan_bound,
     .run = run_splat,
     .close = close_splat,
