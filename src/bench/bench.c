@@ -16,7 +16,7 @@ static const double LONG_MS = 6e3;  // a run over this is extrapolated
 static const double PART_MS = 10e3; // a tenth over this is made a hundredth
 static const double ROW_MS = 15e3;  // no further run is started after this
 
-/* A frame, and what every row of it is compared with. */
+/* A frame, and the exact layer that its rows are compared with. */
 struct bench {
     const struct gp_log *log;
     const struct gp_bench_job *job;
@@ -161,7 +161,7 @@ static gp_status time_row(struct trial *t)
             st = t->engine->bound(&job, &t->glare.state[t->state], &row->bound);
         return st;
     }
-    row->extrapolated = false; // it takes less than was expected
+    row->extrapolated = false; // faster than predicted
     struct run r;
     st = run_once(t, b->f, &r);
     double total = row->ms_first = t->ms[0] = r.ms;
@@ -182,7 +182,7 @@ static gp_status time_row(struct trial *t)
     return GP_OK;
 }
 
-/* Composes and tone maps what f->layer holds. */
+/* Composes and tone maps f->layer. */
 static gp_status show_layer(const struct bench *b)
 {
     gp_status st = gp_compose(b->log, b->job->compose, &b->src, b->f);
@@ -222,7 +222,7 @@ static gp_status run_technique(const struct bench *b, double *ms,
     row->stats.gl = row->gl;
     gp_glare_close(&t.glare);
     if (!st)
-        row->why[0] = '\0'; // of a context that another replaced
+        row->why[0] = '\0'; // written for a context that another replaced
     else if (!row->why[0])
         snprintf(row->why, sizeof row->why, "%s", gp_status_text(st));
     // a technique that cannot run here is a row, not an error of bench
@@ -261,7 +261,7 @@ static gp_status measure_frame(struct bench *b, struct gp_bench_frame *out)
         GP_TRY(gp_glare_reference(b->log, &b->src, b->kernel, b->exact));
         GP_TRY(gp_planes_make(b->log, "layer", n, &b->f->layer));
     }
-    // its composite as it is shown; light itself is no picture that FLIP judges
+    // FLIP judges the tone-mapped composite, not light
     if (b->src.n > 0 && strcmp(b->job->tone->curve, "none") != 0) {
         for (size_t i = 0; i < 3 * n; i++)
             b->f->layer.c[i / n][i % n] = (float) b->exact[i];
@@ -309,7 +309,8 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
     struct gp_bench_table table = {.runs = p->runs};
     char *answer;
-    // minutes of measuring should not end at a name that cannot be written
+    // first check the names: minutes of measuring must not end at one that
+    // cannot be written
     for (int i = 0; i < 3; i++) {
         if (files[i] && !gp_is_dash(files[i]))
             GP_TRY(gp_file_check(log, files[i], false));
@@ -319,13 +320,13 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
         (n < 4 || strcasecmp(p->plot + n - 4, ".svg") != 0))
         return gp_fail(log, GP_ERR_USAGE,
             "%s: the plot is an SVG; give a name that ends in .svg", p->plot);
-    if (p->plot) { // is there a gnuplot
+    if (p->plot) { // check that gnuplot runs
         GP_TRY(gp_gnuplot(log, "exit\n", &answer, &n));
         free(answer);
     }
     if (gp_suns_wanted(job->sun))
         return gp_bench_sun(log, job);
-    // the kernel that was asked for; the paper's own where none was
+    // the kernel given, else the paper's own
     if (!own && strncmp(source, "builtin:", 8) == 0) {
         GP_TRY(gp_kernel_builtin(log, job->kernel, &kernel));
     } else {

@@ -13,7 +13,7 @@
 
 #include <stdbool.h>
 
-/* The table, and where it goes; files are NULL when not wanted. */
+/* Options of the table; files are NULL when not wanted. */
 struct gp_bench_params {
     const char *csv, *json, *plot;
     bool paper;  // the paper's three frames instead of an input
@@ -25,7 +25,7 @@ struct gp_bench_params {
 struct gp_bench_job {
     const struct gp_bench_params *params;
     const char *input;         // not with params->paper
-    bool default_kernel;       // none was asked for: --paper brings its own
+    bool default_kernel;       // no --kernel: --paper brings its own
     const struct gp_read_params *read;
     const struct gp_sensor_params *sensor;
     const struct gp_kernel_params *kernel;
@@ -41,10 +41,10 @@ struct gp_bench_job {
  * technique's time goes from cleaned frame to layer: bright pass and glare
  * stage. With `-` as a file, only that file goes to stdout.
  *
- * Where the sun's params name a light, the table is of the ways to find how
- * much of it shows: exact, readback, and masks of 4 to 64 texels a side, disc
- * and square, summed in float, in 8 bits and by bilinear quarters; the error is
- * the difference to exact over all lights. Without a plot.
+ * With a light in the sun's params the table compares methods of measuring its
+ * visibility: exact, readback, masks of 4 to 64 texels a side, disc and square,
+ * summed in float, in 8 bits and by bilinear quarters, and one mask on the CPU;
+ * the error is the difference to exact over all lights. Without a plot.
  *
  * A technique that cannot run here (no GL) is a row that says so.
  * Errors: as reading, writing and gp_glare_reference(); GP_ERR_IO also when

@@ -43,7 +43,7 @@ GP_MUST_CHECK gp_status gp_paper_frame(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_paper_kernel(const struct gp_log *log, int size,
                                         struct gp_frame *out);
 
-// -- table.c: techniques, and what bench found out about them ----------------
+// -- table.c: techniques, and their measurements -----------------------------
 
 /* A technique: an engine and its settings. */
 struct gp_bench_technique {
@@ -54,7 +54,7 @@ struct gp_bench_technique {
 extern const struct gp_bench_technique gp_bench_techniques[];  // NULL name ends
 enum { GP_BENCH_ROWS = 15 };  // of gp_bench_techniques
 
-/* The options that ask the main command for that technique. */
+/* Writes the main command's options for that technique. */
 void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
                       char *line, size_t size);
 
@@ -62,7 +62,7 @@ void gp_bench_options(const struct gp_bench_technique *t, float tolerance,
 struct gp_bench_row {
     const char *name;          // of the technique
     char options[128];
-    char why[512];             // why it could not run; "" when it ran
+    char why[512];             // reason that it could not run; "": it ran
 
     double ms, ms_min, ms_max; // median and range of `runs` with state kept
     double ms_first;           // of the first run, which makes the state
@@ -73,7 +73,7 @@ struct gp_bench_row {
     struct gp_glare_stats stats; // its gl is `gl`
     char gl[128];              // renderer; "": no GL
     double polygons, polygon_pixels; // of stats, extrapolated too
-    double bound;              // NaN: not known; INFINITY: none is guaranteed
+    double bound;              // NaN: not known; INFINITY: no guarantee
     bool measured;             // `error` is known; never when extrapolated
     struct gp_glare_error error;
     double flip;               // mean LDR-FLIP; NaN: not defined
@@ -95,7 +95,7 @@ struct gp_bench_frame {
 struct gp_bench_table {
     struct gp_bench_frame frame[GP_PAPER_KINDS];
     int frames;
-    int runs;                  // asked for
+    int runs;                  // as --runs
 };
 void gp_bench_table_free(struct gp_bench_table *t);
 
@@ -118,7 +118,7 @@ GP_MUST_CHECK gp_status gp_bench_write(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_bench_save_json(const struct gp_log *log, json_t *o,
                                            const char *path);
 
-/* Ends what was printed on stdout. Errors: GP_ERR_IO who reads it has left. */
+/* Flushes stdout. Errors: GP_ERR_IO its reader has closed it. */
 GP_MUST_CHECK gp_status gp_bench_flush(const struct gp_log *log);
 
 // -- bench.c -----------------------------------------------------------------
@@ -145,8 +145,8 @@ GP_MUST_CHECK gp_status gp_bench_plot(
 /* Runs gnuplot as a child, without any shell and without the user's start-up
  * file, with `script` as its standard input.
  *
- *   out   what it wrote to its standard output; owned, free(); one more byte,
- *         0, follows the `size`. Written only on GP_OK.
+ *   out   its standard output; owned, free(); a byte of 0 follows the `size`.
+ *         Written only on GP_OK.
  *
  * Errors: GP_ERR_IO no gnuplot (names the package), or it failed (its first
  * line); GP_ERR_BUG out of memory. */

@@ -21,7 +21,7 @@ enum {
     LEFT = 90, RIGHT = 20, BOTTOM = 60, TOP = 40,
     LETTER = 7, LINE = 14,  // of a label
 };
-static const double LEAST = 1e-10; // what an error of 0 is drawn as
+static const double LEAST = 1e-10; // an error of 0 is drawn as this
 
 struct box {
     double x0, y0, x1, y1;
@@ -46,8 +46,8 @@ static bool meet(const struct box *a, const struct box *b)
     return a->x0 < b->x1 && b->x0 < a->x1 && a->y0 < b->y1 && b->y0 < a->y1;
 }
 
-/* Beside its point where there is room, else further up or down: where it
- * covers the fewest points, labels before it, and borders. */
+/* Places a label beside its point if that is free, else further up or down,
+ * where it covers the fewest points, earlier labels, and borders. */
 static void place_label(struct panel *p, int i)
 {
     struct point *const at = &p->at[i];
@@ -156,8 +156,7 @@ static void write_panel(const struct gp_bench_frame *f, double height,
 
 // -- gnuplot -----------------------------------------------------------------
 
-/* The child's standard streams are files in memory: nothing can block, however
- * much is written. */
+/* The child's standard streams are files in memory, so that no write blocks. */
 enum { STREAMS = 3 };
 
 /* All of a stream, and a 0 after it; NULL when it cannot be read. */

@@ -1,5 +1,5 @@
-/* The techniques, and the table of what they cost and how wrong they are: for
- * readers, as CSV and as JSON. */
+/* The techniques, and the table of their cost and error: as text, CSV and
+ * JSON. */
 #include "bench/bench_priv.h"
 
 #include "core/json.h"
@@ -293,7 +293,7 @@ static gp_status save_json(const struct gp_log *log,
             json_t *const row = json_object();
             struct cell c[CELLS];
             make_cells(f, r, c);
-            for (int n = 1; n < CELLS; n++) { // the input is said once, below
+            for (int n = 1; n < CELLS; n++) { // the input is named once, below
                 const double v = c[n].number;
                 if (!c[n].text && isnan(v))
                     continue;

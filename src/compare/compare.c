@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One part of one pair of files, and what came out; all is borrowed. */
+/* One part of one pair of files, and its result; all is borrowed. */
 struct row {
     const char *a, *b;   // files
     int frame;           // of a sequence
@@ -24,13 +24,13 @@ struct row {
     const struct gp_compare_flip *flip;
 };
 
-/* A run, and the pair it is at. */
+/* A run, and its present pair. */
 struct run {
     const struct gp_log *log;
     const struct gp_compare_job *job;
     struct gp_compare_names names;
     FILE *json;                    // NULL: not wanted
-    bool full;                     // a line of it was lost
+    bool full;                     // a line of it could not be written
     enum gp_compare_result worst;
     int count[GP_COMPARE_FILE + 1];
 
@@ -97,7 +97,7 @@ static void print_count(long long n, long long of, double limit)
            100.0 * (double) n / (double) of, limit);
 }
 
-/* The figures of a part: idiff's lines, then those that it has not. */
+/* Prints the figures of a part: idiff's lines, then our own. */
 static void print_block(const struct row *r, const struct gp_compare_params *p)
 {
     const struct gp_compare_figures *const f = r->figures;
@@ -162,7 +162,7 @@ static void print_block(const struct row *r, const struct gp_compare_params *p)
                gp_rect_w(b), gp_rect_h(b), b.x0, b.y0);
 }
 
-/* The line that ends the text. */
+/* Prints the last line. */
 static const char *last_word(enum gp_compare_result worst)
 {
     return worst == GP_COMPARE_MATCH     ? "PASS"
@@ -281,7 +281,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     char *name = NULL;
     const struct gp_compare_params *const p = r->job->params;
     GP_TRY(gp_compare_match_make(r->log, a, b, &m));
-    // windows far apart would make a union that neither file asked for
+    // windows far apart would make a union much larger than both files
     const long long w = (long long) m.window.x1 - m.window.x0;
     const long long h = (long long) m.window.y1 - m.window.y0;
     const long long most = r->job->read->max_pixels;
@@ -413,7 +413,7 @@ static gp_status compare_all(struct run *r)
             GP_TRY(gp_no_memory(r->log, job->input[i]));
         gp_frames_free(&more);
     }
-    // before any work: may the outputs be written
+    // before any work: check that the outputs may be written
     for (int i = 0; i < 2; i++) {
         const char *const picture = i ? job->params->difference
                                       : job->params->heatmap;

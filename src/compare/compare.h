@@ -1,4 +1,4 @@
-/* glarepp compare: how far two images, or two sequences, are apart. */
+/* glarepp compare: differences of two images, or of two sequences. */
 #ifndef GP_COMPARE_COMPARE_H
 #define GP_COMPARE_COMPARE_H
 
@@ -11,9 +11,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Limits, as in idiff, those of our own, and what is made. A value counts when
- * it is over an absolute limit and the relative one; errors are of stored
- * values. */
+/* Limits, idiff's and our own, and pictures to write. A value counts when it is
+ * over an absolute limit and the relative one; errors are of stored values. */
 struct gp_compare_params {
     float fail, warn;                   // absolute
     float fail_relative, warn_relative; // of the mean of both magnitudes

@@ -13,7 +13,7 @@ struct gp_compare_pair {
     const struct gp_stored_channel *a, *b;
 };
 
-/* Two images laid over each other. What it borrows must live longer. */
+/* Two images over each other, both borrowed: they must outlive it. */
 struct gp_compare_match {
     const struct gp_stored_image *a, *b;
     struct gp_rect window;         // union of the data windows
@@ -31,7 +31,7 @@ GP_MUST_CHECK gp_status gp_compare_match_make(
     const struct gp_stored_image *b, struct gp_compare_match *m);
 void gp_compare_match_free(struct gp_compare_match *m);
 
-/* The name of a pair's channel, and its value in a or b; 0 outside. */
+/* Returns the name of a pair's channel; its value in a or b, 0 outside. */
 const char *gp_compare_name(const struct gp_compare_match *m, int pair);
 double gp_compare_value(const struct gp_compare_match *m, bool of_b, int pair,
                         int x, int y);
@@ -55,7 +55,7 @@ struct gp_compare_figures {
     long long uneven;       // deep pixels with other numbers of samples, which
     int uneven_x, uneven_y; // fail; the first of them
     long long warned, failed; // pixels over a limit in some channel
-    long long seen;         // pixels whose difference an eye sees; -1: unasked
+    long long seen;         // pixels of visible difference; -1: not counted
     long long pixels;       // of a: what percentages refer to, as in idiff
 };
 
@@ -75,7 +75,7 @@ GP_MUST_CHECK gp_status gp_compare_light(
     const struct gp_log *log, const struct gp_compare_match *m,
     const struct gp_stored_image *image, bool hdr, struct gp_planes *out);
 
-/* Counts the pixels whose difference an eye sees; NaN against a number is
+/* Counts the pixels whose difference is visible; NaN against a number is
  * seen. Primaries are taken as BT.709. Both images must be lit; the same for
  * any number of threads. Errors: GP_ERR_BUG out of memory.
  * Source: Yee 2004, as visible.c has it. */

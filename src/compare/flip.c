@@ -16,8 +16,8 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* The filters of FLIP: what an eye at some distance resolves, and what it
- * takes for edges and points. All are separable; of one dimension they have
+/* The filters of FLIP: the eye's resolution at some distance, and its detectors
+ * of edges and points. All are separable; of one dimension they have
  * at most 2 * RADIUS_MAX + 1 taps, from the left. */
 enum { RADIUS_MAX = 136 };
 struct taps {
@@ -133,7 +133,7 @@ enum { TILE_W = 128, TILE_H = 64, TILE = TILE_W * TILE_H };
 /* Lines of a tile that are filtered along x: colours, then features. */
 enum { LINES = COLOURS + FEATURES };
 
-/* A picture as an eye has it: Hunt-adjusted L*a*b*, and the magnitudes of
+/* Planes of a filtered picture: Hunt-adjusted L*a*b*, and the magnitudes of
  * edges and points. */
 enum { L, A, B, EDGE, POINT, SEEN };
 
@@ -343,7 +343,7 @@ gp_status gp_flip_ldr(const struct gp_log *log, int w, int h,
         m.to_xyz[i] = (float) xyz[i];
         m.to_rgb[i] = (float) rgb[i];
     }
-    // no two colours are further apart than green and blue
+    // green and blue are the two colours farthest apart
     static const float green[3] = {0.0f, 1.0f, 0.0f}, blue[3] = {0, 0, 1.0f};
     float lab[2][3];
     to_hunt_lab(&m, green, lab[0]);
@@ -376,7 +376,7 @@ static const float ACES_A = 0.6f * 0.6f * 2.51f, ACES_B = 0.6f * 0.03f;
 static const float ACES_C = 0.6f * 0.6f * 2.43f, ACES_D = 0.6f * 0.59f;
 static const float ACES_E = 0.14f;
 
-#define TARGET 0.85     // what the largest and the median luminance become
+#define TARGET 0.85     // the largest and the median luminance map to this
 #define LIGHT_MAX 1e15f // beyond, all is white; its square is finite
 
 /* Light as the curve takes it. */

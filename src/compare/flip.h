@@ -51,8 +51,8 @@ struct gp_flip_exposures {
  *
  *   reference  `pixels` samples, scene-linear BT.709; negative and NaN are 0
  *
- * Where the median is 0, which the paper leaves open, that of the pixels over 0
- * is taken; a black frame gives exposure 0, once.
+ * A median of 0, which the paper leaves open, is replaced by that of the pixels
+ * over 0; a black frame gives exposure 0, once.
  * Errors: GP_ERR_USAGE no pixels; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_flip_exposures_find(
     const struct gp_log *log, size_t pixels, const struct gp_planes *reference,

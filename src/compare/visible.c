@@ -1,7 +1,7 @@
-/* The pixels whose difference an eye sees.
+/* Counts the pixels whose difference is visible.
  *
  * Yee, A Perceptual Metric for Production Testing, journal of graphics tools
- * 9(4), 2004: what idiff -p counts. A difference of luminance is seen over a
+ * 9(4), 2004, as idiff -p counts them. A difference of luminance is seen over a
  * threshold, which light around and details that mask it raise; then one of
  * colour. Both pictures are looked at with 1.0 shown as 100 cd/m2, over a
  * field of view of 45 degrees. */
@@ -15,7 +15,7 @@
 #include <string.h>
 
 /* Luminance at full resolution, blurred once more from level to level by a
- * kernel of 5x5; the levels stand for octaves of spatial frequency. A tile is
+ * kernel of 5x5; the levels are octaves of spatial frequency. A tile is
  * made with the surroundings that its last level needs. */
 enum { LEVELS = 8, BANDS = LEVELS - 2, REACH = 2, TILE = 64 };
 enum { MARGIN = REACH * (LEVELS - 1), SIDE = TILE + 2 * MARGIN };
@@ -172,7 +172,7 @@ static void see_tile(void *ctx, int index, int thread)
     struct tile *const t = &v->tile[thread];
     const int across = (v->w + TILE - 1) / TILE;
     const int x0 = index % across * TILE, y0 = index / across * TILE;
-    bool made = false; // of most tiles of two pictures no pixel differs
+    bool made = false; // most tiles of two pictures are equal
     for (int y = y0; y < gp_min(y0 + TILE, v->h); y++) {
         for (int x = x0; x < gp_min(x0 + TILE, v->w); x++) {
             const size_t i = (size_t) y * (size_t) v->w + (size_t) x;

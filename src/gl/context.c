@@ -56,8 +56,8 @@ gp_status gp_gl_use(const struct gp_log *log, const struct gp_gl *gl)
 {
     if (current == gl)
         return GP_OK;
-    // Mesa's two front ends share one dispatch table: the old context must
-    // go before the new one comes, or a later return to it is not noticed
+    // Mesa's two front ends share one dispatch table: release the old context
+    // before the new one is made current, or a later return to it is missed
     let_go();
     if (!gl->system->make_current(gl->window))
         return gp_fail(log, GP_ERR_GL,
@@ -189,7 +189,7 @@ gp_status gp_gl_open(const struct gp_log *log, enum gp_gl_api api,
     char why[2][LINE_BYTES] = {"", ""};
     if (api != GP_GL_AUTO)
         return open_system(log, systems[api == GP_GL_EGL], out);
-    // only when both fail is there an error, with both reasons
+    // an error only when both fail, with both reasons
     for (int i = 0; i < 2; i++) {
         struct gp_log quiet = {keep_line, why[i], GP_LEVEL_ERROR};
         if (open_system(&quiet, systems[i], out) == GP_OK)

@@ -38,7 +38,8 @@ struct egl {
     EGLContext context;
 };
 
-/* Is `name` one of the words in `list`? Names may begin one another. */
+/* Returns true when `name` is a whole word of `list`: names may begin one
+ * another. */
 static bool has(const char *list, const char *name)
 {
     size_t n = strlen(name);
@@ -50,7 +51,7 @@ static bool has(const char *list, const char *name)
     return false;
 }
 
-/* Takes the display when a context can be made on it. Displays are never
+/* Uses the display when a context can be made on it. Displays are never
  * terminated: that would take them from every context of the process, and
  * unload a driver that does not survive it. */
 static bool try_display(struct egl *e, EGLDisplay display)

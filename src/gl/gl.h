@@ -1,13 +1,13 @@
 /* gl: headless OpenGL 4.5 core: contexts, textures, programs, draws.
  *
  * Float planes in, float planes out; nothing here knows what is drawn.
- *   context.c  opens a context          osmesa.c, egl.c: where it comes from
+ *   context.c  opens a context          osmesa.c, egl.c: the systems it uses
  *   texture.c  textures, targets, buffers
  *   program.c  shaders (files of shaders/), and the one way to draw
  * Libraries come by dlopen, functions by the context's own GetProcAddress.
  *
  * A context belongs to the thread that opened it. Several may live at once;
- * gp_gl_use() says which one the calls that follow are for.
+ * gp_gl_use() selects the one for the calls that follow.
  *
  * Environment:
  *   GLAREPP_OSMESA, GLAREPP_EGL  file to open in place of libOSMesa / libEGL
@@ -28,15 +28,15 @@
 
 struct gp_gl; // a context with its function table
 
-/* AUTO takes OSMesa, and EGL where there is no OSMesa: frames then come out
- * with the same bytes on every machine of a farm, with or without a GPU. A
- * GPU is used when it is asked for, by EGL. */
+/* AUTO takes OSMesa, and EGL only where OSMesa is missing: frames then have the
+ * same bytes on every machine of a farm, with or without a GPU. A GPU is used
+ * when EGL is selected. */
 enum gp_gl_api { GP_GL_AUTO, GP_GL_OSMESA, GP_GL_EGL };
 
 /* Sets the variables that Mesa reads, where the user did not: after
  * gp_set_threads() and before any other thread, since one that asks for a
- * variable while another is added may read freed memory. Without it Mesa takes
- * as many threads as there are processors, and warns on stderr. */
+ * variable while another is added may read freed memory. Without it Mesa starts
+ * a thread for each processor, and warns on stderr. */
 void gp_gl_prepare(void);
 
 /* Makes a context and makes it current on the calling thread.
@@ -74,8 +74,8 @@ struct gp_gl_info {
 };
 const struct gp_gl_info *gp_gl_info(const struct gp_gl *gl);
 
-/* GP_ERR_GL with a line that says what GL's error flag holds and while doing
- * `what`; clears the flag. */
+/* Returns GP_ERR_GL with a line that names GL's error flag and `what` was being
+ * done; clears the flag. */
 GP_MUST_CHECK gp_status gp_gl_check(const struct gp_log *log,
                                     const struct gp_gl *gl, const char *what);
 
@@ -143,7 +143,7 @@ void gp_target_free(const struct gp_gl *gl, struct gp_target *t);
 
 /* Entries of four floats.
  *   BLOCK   a uniform block: faster than a texture. Shaders declare it std140;
- *           arrays of vec4 lie there as in C
+ *           arrays of vec4 have C's layout
  *   TEXELS  a buffer texture: RGBA32F texels in one row, more than a texture
  *           or a uniform block holds, read by imageLoad */
 enum gp_buffer_kind { GP_BUFFER_BLOCK, GP_BUFFER_TEXELS };
@@ -161,7 +161,7 @@ GP_MUST_CHECK gp_status gp_buffer_make(const struct gp_log *log,
     struct gp_buffer *out);
 
 /* Writes entries [first, first + n), which the buffer has, from 4 * n floats;
- * draws that were asked for before see what was there then. */
+ * earlier draws read the old values. */
 void gp_buffer_write(const struct gp_gl *gl, const struct gp_buffer *b,
                      int first, int n, const float *entry);
 void gp_buffer_free(const struct gp_gl *gl, struct gp_buffer *b);
@@ -218,8 +218,8 @@ struct gp_draw {
                  // max_point; pixels know theirs by gl_FragCoord
 };
 
-/* Errors: GP_ERR_BUG a uniform that the program does not use. The caller looks
- * at GL's own error flag, once for many draws. */
+/* Errors: GP_ERR_BUG a uniform that the program does not use. The caller checks
+ * GL's own error flag, once for many draws. */
 GP_MUST_CHECK gp_status gp_draw_run(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_draw *draw);
 

@@ -98,9 +98,9 @@ struct gp_gl {
     struct gp_gl_info info;
 };
 
-/* Makes `gl` current before its objects are deleted: their names may be those
- * of another context's. False where the system refuses it; objects end with
- * their context all the same. */
+/* Makes `gl` current before its objects are deleted, as another context may
+ * have objects of the same names. False where the system refuses it; objects
+ * end with their context anyway. */
 bool gp_gl_reach(const struct gp_gl *gl);
 
 /* The files of src/gl/shaders, byte for byte; the Makefile makes the list. */

@@ -6,7 +6,7 @@
 
 #include <dlfcn.h>
 
-/* From Mesa's GL/osmesa.h, which newer Mesa no longer brings. */
+/* From Mesa's GL/osmesa.h, which newer Mesa does not install. */
 typedef struct osmesa_context *OSMesaContext;
 typedef void (*OSMESAproc)(void);
 enum {

@@ -1,5 +1,5 @@
-/* Composing: rows share nothing, so threads take them in any order, and the
- * result is the same for any number of threads. */
+/* Adds the layer to the frame. Rows share nothing, so the result is the same
+ * for any number of threads. */
 #include "glare/compose.h"
 
 #include "core/cpu.h"
@@ -17,7 +17,7 @@ struct composing {
     float keep;   // share that the pupil lets through
 };
 
-/* Light that would be infinite stays the largest float. */
+/* Clamps infinite light to the largest float. */
 static inline __attribute__((always_inline)) float finite(float v)
 {
     return gp_maxf(gp_minf(v, FLT_MAX), -FLT_MAX);

@@ -1,4 +1,4 @@
-/* The frame and its glare, put together. */
+/* Composes the frame and its glare layer. */
 #ifndef GP_GLARE_COMPOSE_H
 #define GP_GLARE_COMPOSE_H
 
@@ -20,9 +20,9 @@ struct gp_compose_params {
  *   scatter: lit = rgb - min(gain, 1) * source + gain * layer, which up to a
  *            gain of 1 conserves energy but for what leaves the frame
  * and then lit *= 1 - dim, the whole picture alike.
- * Light over FLT_MAX becomes that.
- * f->layer may be empty when there was no light: then lit = rgb. f->lit is
- * made when it is empty, else it has the frame's size and is written over.
+ * Values over FLT_MAX are clamped to it.
+ * f->layer may be empty when no pixel is a source: then lit = rgb. f->lit is
+ * made when it is empty, else it has the frame's size and is overwritten.
  * Errors: GP_ERR_BUG out of memory, or sources of another frame's size. */
 GP_MUST_CHECK gp_status gp_compose(const struct gp_log *log,
     const struct gp_compose_params *p, const struct gp_sources *src,

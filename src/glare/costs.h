@@ -1,8 +1,8 @@
-/* Costs on one core: the numbers behind the predictions.
+/* Costs on one core, from which engines predict their time.
  *
- * Measured at 2.5 GHz with AVX2; `make bench` prints what they are on another
- * machine. What `auto` takes depends on them, so they are part of the build and
- * never measured by the program itself.
+ * Measured at 2.5 GHz with AVX2; `make bench` measures them on another machine.
+ * The choice of `auto` depends on them, so they are part of the build, and the
+ * program never measures them itself.
  *
  * {a, b, c} are values at sizes a factor of 16 apart (named by each); between
  * them the logarithm of the size decides, beyond them they stay. One core: all
@@ -13,17 +13,17 @@
 
 /* -- direct -- */
 
-/* ms of any run: tasks handed out, scratch taken */
+/* ms of any run: starting tasks, allocating scratch */
 #define GP_COST_DIRECT_RUN 0.00188
 /* ms of one row of one strip of the layer, however few sources reach it, for
  * layers of 512 KiB, 8 MiB, 128 MiB */
 #define GP_COST_DIRECT_STRIP_ROW {6.42e-05, 0.000132, 0.000125}
 /* ms of one row of one strip of one source's kernel, for laid-out kernels of
- * 48 KiB, 768 KiB, 12 MiB: beside a source that used the same taps, and where
- * they have to be fetched */
+ * 48 KiB, 768 KiB, 12 MiB: where a neighbour just used the same taps, and where
+ * they are fetched from memory */
 #define GP_COST_DIRECT_NEAR_ROW {5.43e-06, 5.33e-06, 6.38e-06}
 #define GP_COST_DIRECT_FAR_ROW {7.58e-06, 9.96e-06, 2.83e-05}
-/* ms of one tile of one quad of sources, its listing and making included */
+/* ms of one tile of one quad of sources, with listing and making it */
 #define GP_COST_DIRECT_QUAD_TILE (3.0 * 3.2e-6)
 /* ms of one tap of all three channels, where sources share nothing: one 512 x
  * 512 source takes 0.063 ms */
@@ -32,7 +32,7 @@
 #define GP_COST_DIRECT_PIXEL 2.5e-6
 /* ms of one source listed for one strip */
 #define GP_COST_DIRECT_LIST 3.93e-05
-/* ms of one kernel sample laid out, beside the memory's own */
+/* ms of laying out one kernel sample, without the memory's first touch */
 #define GP_COST_DIRECT_LAYOUT 8.05e-07
 
 /* -- fft -- */
@@ -57,13 +57,13 @@
 #define GP_COST_FFT_PLAN_ESTIMATE 0.274
 /* ms to plan one length by measuring, where no file keeps plans */
 #define GP_COST_FFT_PLAN_MEASURE 265
-/* ms of one kernel sample whose norms are found */
+/* ms of finding the norms, for one kernel sample */
 #define GP_COST_FFT_NORMS 1.59e-06
 
 /* -- splat --
  *
- * On the context there was. What a GPU takes shows only once a context is open,
- * which no prediction does. */
+ * Measured on OSMesa. A GPU's costs would show only once its context is open,
+ * and no prediction opens one. */
 
 /* ms of the first frame: libraries, context, programs */
 #define GP_COST_GL_START 75.5
@@ -73,7 +73,7 @@
 /* ms of a pixel of a polygon, blended; and gathered by tiles */
 #define GP_COST_GL_BLEND 4.03e-05
 #define GP_COST_GL_TILE 3.68e-06
-/* ms of a pixel of a tile's entry, and what an entry costs beside; the side of
+/* ms of a pixel of a tile's entry, and of the entry itself; the side of
  * tiles follows from these, and with it the last bits of a layer. Mesa 22.3's
  * llvmpipe on two cores; `build/tests/glare pairs --time splat` */
 #define GP_COST_TILE_PIXEL 1.3e-6
@@ -87,7 +87,7 @@
 
 /* -- memory -- */
 
-/* ms of one byte that is touched for the first time: page faults */
+/* ms of touching one byte for the first time: page faults */
 #define GP_COST_FRESH_BYTE 6.41e-07
 
 #endif

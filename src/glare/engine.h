@@ -18,7 +18,7 @@
 
 enum gp_fft_plan { GP_FFT_PLAN_ESTIMATE, GP_FFT_PLAN_MEASURE };
 
-/* Forms in which a group stands for its pixels.
+/* Forms in which a group replaces its pixels.
  *   CENTROID  the paper's formula (1): one kernel at the centroid
  *   MOMENTS   the kernel blurred by as much as the group is wide (its second
  *             moment), at the centroid
@@ -94,13 +94,12 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
-    double floor;  // that values under the range of float add to a bound
-    double enough; // predict() may stop counting at more than this, where it
-                   // is over 0: another engine takes less
+    double floor;  // added to a bound for values under the range of float
+    double enough; // ms; where over 0, predict() may stop counting beyond it,
+                   // as another engine takes less
 };
 
-/* The bound of the error of a sample of the layer: a share of the sample,
- * and a number of its channel more. */
+/* Bounds the error of a sample of the layer: share * sample + of[channel]. */
 struct gp_pixel_error {
     double share, of[3];
 };
@@ -109,28 +108,28 @@ struct gp_pixel_error {
  * plans, spectra and layouts are made. later_ms <= ms. */
 struct gp_prediction {
     double ms, later_ms;
-    bool more; // counting stopped: it takes longer than that
+    bool more; // counting stopped early: ms is a lower limit
 };
 
 struct gp_engine {
     const char *name, *text;
 
-    /* Predicts what `run` will take, from counted work and from what `state`
-     * (may be NULL) already holds. Cheap: no pass over pixels. Never from the
-     * number of threads: what `auto` picks would then depend on it, and the
-     * bytes with it. */
+    /* Predicts the time of `run` from counted work and from what `state` (may
+     * be NULL) already holds. Cheap: no pass over pixels. Independent of the
+     * number of threads, else the choice of `auto`, and with it the bytes,
+     * would depend on it. */
     struct gp_prediction (*predict)(const struct gp_glare_job *job,
                                     const void *state);
 
-    /* Finds what rel_l2 cannot exceed, before any drawing. May cost a few
-     * milliseconds and keep what it makes in *state. INFINITY where nothing
-     * can be guaranteed. Errors: GP_ERR_BUG out of memory. */
+    /* Bounds rel_l2 before any drawing. May cost a few milliseconds and keep
+     * its work in *state. INFINITY where nothing can be guaranteed.
+     * Errors: GP_ERR_BUG out of memory. */
     gp_status (*bound)(const struct gp_glare_job *job, void **state,
                        double *out);
 
-    /* Finds what the error of a pixel cannot exceed, before any drawing; share
-     * is INFINITY where nothing can be guaranteed. NULL: never can. Errors:
-     * GP_ERR_BUG out of memory. */
+    /* Bounds the error of a pixel before any drawing; share is INFINITY where
+     * nothing can be guaranteed. NULL: the engine never guarantees one.
+     * Errors: GP_ERR_BUG out of memory. */
     gp_status (*pixel)(const struct gp_glare_job *job, void **state,
                        struct gp_pixel_error *out);
 
@@ -149,7 +148,7 @@ struct gp_plan_past {
     int last;    // candidate taken, from 1; 0 none
     int rival;   // candidate that would have been faster, from 1
     double lost; // milliseconds lost to it since
-    bool warned; // that the tolerance cannot be kept
+    bool warned; // the warning that no engine keeps the tolerance was printed
 };
 
 /* The glare stage over a sequence. */
@@ -163,11 +162,11 @@ struct gp_glare {
  * opened.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
- * whose bounds are within the tolerances; a warning says so when there is
- * none. The choice may depend on the frames before, so a frame of a sequence
- * and the same frame by itself may come from different engines: their layers
- * then differ by no more than the tolerance, in rel_l2. An engine that is named
- * gives a frame the same bytes wherever it stands.
+ * whose bounds are within the tolerances, and warns when no engine's is. The
+ * choice may depend on the frames before, so a frame in a sequence and the same
+ * frame on its own may come from different engines: their layers then differ by
+ * no more than the tolerance, in rel_l2. A named engine gives a frame the same
+ * bytes anywhere in a sequence.
  * Errors: GP_ERR_USAGE unknown engine; GP_ERR_GL from splat. */
 GP_MUST_CHECK gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,

@@ -55,7 +55,7 @@ static gp_status halve_kernel(const struct gp_log *log,
 struct doubling {
     const struct gp_frame *f;
     int times;
-    uint8_t *over; // one a row: a value was limited
+    uint8_t *over; // one a row: a sample overflowed
 };
 
 static void double_row(void *ctx, int y, int thread)
@@ -73,8 +73,9 @@ static void double_row(void *ctx, int y, int thread)
     }
 }
 
-/* Doubles the layer, limited to FLT_MAX: then there is a warning, and no bound
- * is kept. Errors: GP_ERR_BUG out of memory. */
+/* Doubles the layer. Samples that overflow are clamped to FLT_MAX; then a
+ * warning is printed and the bound is INFINITY. Errors: GP_ERR_BUG out of
+ * memory. */
 static gp_status double_layer(const struct gp_log *log, const char *path,
     const struct gp_frame *f, int times, double *bound)
 {
@@ -159,8 +160,7 @@ gp_status gp_glare_run(const struct gp_log *log,
         stats->bound = taken.bound;
     } else {
         snprintf(stats->why, sizeof stats->why, "named by --engine");
-        // a job on a farm should not find out after an hour that another
-        // engine takes less
+        // on a farm, a slow choice should be known before the hour is spent
         const double ms = gp_engines[named]->predict(&job, g->state[named]).ms;
         struct gp_candidate c[GP_CANDIDATES];
         const int n = ms > LONG_MS ? gp_plan_candidates(&job, g, c) : 0;

@@ -12,10 +12,10 @@
 
 // -- sensors.c, reference.c: declared for tests ------------------------------
 
-/* Share of a pixel of luminance y that is light: 0 shut, 1 whole. */
+/* Returns the share of a pixel of luminance y that is light, 0 to 1. */
 float gp_bright_pass(const struct gp_sensor_params *p, float y);
 
-/* gp_glare_reference() by plain loops. */
+/* gp_glare_reference() by plain loops, in time of sources times taps. */
 void gp_glare_reference_direct(const struct gp_sources *src,
                                const struct gp_kernel *kernel, double *layer);
 
@@ -75,12 +75,12 @@ GP_MUST_CHECK gp_status gp_squeeze(const struct gp_log *log, const char *name,
 
 // -- plan.c: --tolerance-pixel -----------------------------------------------
 
-/* Facts of the exact composite, known before it is made. */
+/* Limits of the exact composite, known before it is made. */
 struct gp_pixel_floor {
     double least, most;    // of its luminance, without light from other pixels
-    double less;           // that such light can be negative in luminance
+    double less;           // most negative luminance of such light, as >= 0
     double weight[3];      // of luminance
-    double layer[3], lost[3]; // a sample's most; what is under FLT_MIN of it
+    double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
     const struct gp_frame *f, struct gp_pixel_floor *out);
@@ -103,12 +103,12 @@ struct gp_candidate {
     int engine;                   // index in gp_engines
     struct gp_splat_params splat; // its settings, where it is a splat
     bool exact;                   // rounding is its only error
-    double ms;                    // predicted for this frame, with what is
-                                  // not set up yet; INFINITY: not to be taken
-    double later_ms;              // predicted when all is set up, <= ms
-    bool more;                    // it takes longer than that
-    double bound;                 // of rel_l2; NAN: not asked. More, over the
-                                  // tolerance, where `pixel` is too much
+    double ms;                    // predicted for this frame, set-up included;
+                                  // INFINITY: not a candidate
+    double later_ms;              // predicted without set-up, <= ms
+    bool more;                    // ms is a lower limit
+    double bound;                 // of rel_l2; NAN: not asked. Raised over the
+                                  // tolerance where `pixel` exceeds its own
     double pixel;                 // bound of max_rel; 0: not asked
 };
 
@@ -116,10 +116,10 @@ struct gp_candidate {
 struct gp_choice {
     int taken;   // index of the candidate
     bool within; // its bound keeps the tolerance
-    bool kept;   // another is predicted faster, but not worth the change
+    bool kept;   // another is predicted faster, but too little for a change
 };
 
-/* Bound of candidate i: *bound is INFINITY or NAN where there is none. */
+/* Finds the bound of candidate i: INFINITY or NAN where it has none. */
 typedef gp_status (*gp_plan_ask)(void *ctx, int i, double *bound);
 
 /* Chooses among `n` candidates, n > 0, one of them exact and of finite ms, and
@@ -143,15 +143,15 @@ GP_MUST_CHECK gp_status gp_plan_choose(struct gp_candidate *c, int n,
     double tolerance, struct gp_plan_past *past, gp_plan_ask ask, void *ctx,
     struct gp_choice *out);
 
-/* The candidates for a job, predicted with g's states: each engine, splat with
- * the settings given, exact, and with coarser and coarser groups, with and
- * without shrinking by half the tolerance. Their order is fixed. Returns how
- * many; no context is opened. */
+/* Lists the candidates for a job, predicted with g's states: each engine, and
+ * splat as given, exact, and with coarser and coarser groups, with and without
+ * shrinking by half the tolerance. Their order is fixed. Returns their number;
+ * opens no context. */
 int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
                        struct gp_candidate c[GP_CANDIDATES]);
 
-/* Candidates and choice for a job, and stats->why. Says once in a sequence, as
- * a warning with `path`, that the tolerance cannot be kept.
+/* Chooses the candidate for a job and writes stats->why. Warns once in a
+ * sequence, naming `path`, when no candidate keeps the tolerance.
  * Errors: an engine's bound. */
 GP_MUST_CHECK gp_status gp_plan(const struct gp_glare_job *job,
     struct gp_glare *g, const char *path, const struct gp_pixel_floor *floor,
@@ -163,11 +163,11 @@ GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
     struct gp_glare *g, int engine, const struct gp_pixel_floor *floor,
     double *bound);
 
-/* The excess of the layer's rel_l2 over an engine's bound, which is about
- * floats that never leave their range: where values leave it downwards.
- * INFINITY where nothing can be said. 1e-20 in ordinary frames, and found at
- * once; else by gp_layer_least(). *keep is NULL at first and kept from frame
- * to frame. Errors: GP_ERR_BUG out of memory. */
+/* Finds the error that underflow adds to an engine's bound of rel_l2, which
+ * assumes floats that never leave their range; INFINITY where nothing can be
+ * guaranteed. 1e-20 in ordinary frames, and cheap; else by gp_layer_least().
+ * *keep is NULL at first and kept from frame to frame.
+ * Errors: GP_ERR_BUG out of memory. */
 struct gp_floor;
 GP_MUST_CHECK gp_status gp_floor_find(const struct gp_glare_job *job,
                                       struct gp_floor **keep, double *floor);

@@ -1,4 +1,4 @@
-/* Making kernels: checked, rotated, normalised, cut to what is not zero. */
+/* Makes kernels: checks, rotates, normalises, and cuts off zero borders. */
 #include "glare/kernel.h"
 
 #include "core/colour.h"
@@ -22,10 +22,10 @@ struct raw_kernel {
     int cx, cy;                  // the centre's pixel
 };
 
-// -- what is in it ------------------------------------------------------------
+// -- sums of the samples ------------------------------------------------------
 
-/* Rows are summed by themselves and added up in order, so that the sum is the
- * same for any number of threads. */
+/* Sums of one row. The rows' sums are added up in order, so that the total is
+ * the same for any number of threads. */
 struct row_sums {
     double sum[3];
     float peak;                  // largest magnitude
@@ -83,7 +83,7 @@ static void sum_raw_row(void *ctx, int y, int thread)
 }
 
 /* Adds all rows up into *all, whose x0, x1 are not used; *box gets the
- * smallest rectangle that holds all that is not zero.
+ * smallest rectangle that holds all samples that are not zero.
  * Errors: GP_ERR_DATA a sample is not finite. */
 static gp_status sum_raw(const struct gp_log *log, const struct raw_kernel *raw,
                          struct row_sums *all, struct gp_rect *box)
@@ -166,7 +166,7 @@ struct cutting {
     struct row_norms *row;
 };
 
-/* Samples that lie in the raw kernel's own memory are scaled in place. */
+/* Scales a row, in place where the planes are the raw kernel's own. */
 static void cut_row(void *ctx, int y, int thread)
 {
     const struct cutting *const m = ctx;
@@ -310,7 +310,7 @@ out:
     return st;
 }
 
-// -- the two ways in ----------------------------------------------------------
+// -- from a builtin, from a frame ---------------------------------------------
 
 /* Finds the pixel of the centre, counted from a window that starts at x0, y0,
  * and checks the angle. */

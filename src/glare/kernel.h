@@ -1,4 +1,4 @@
-/* The glare kernel: what one bright pixel becomes. */
+/* The glare kernel: the point-spread function of one bright pixel. */
 #ifndef GP_GLARE_KERNEL_H
 #define GP_GLARE_KERNEL_H
 
@@ -25,7 +25,7 @@ struct gp_kernel_params {
 #define GP_KERNEL_DEFAULTS                                                    \
     { .source = "builtin:eye", .builtin_size = 511 }
 
-/* The kernel before it was turned, scaled by the same factor, so that
+/* The kernel before --rotate, scaled by the same factor, so that
  *   kernel(dx, dy) = bilinear(unturned, (cos * dx - sin * dy,
  *                                        sin * dx + cos * dy))
  * for whole offsets dx, dy from the centre, with zero outside. */
@@ -53,7 +53,7 @@ struct gp_kernel {
     bool negative;        // a sample is under 0
     unsigned long serial; // gp_serial_next() of this making; 0 (made by hand)
                           // is never taken for known
-    struct gp_unturned *unturned; // NULL when the kernel was not turned, or
+    struct gp_unturned *unturned; // NULL when the kernel was not rotated, or
                           // by right angles, which need no sampling; owned
 };
 
@@ -67,14 +67,14 @@ struct gp_builtin_kernel {
 };
 extern const struct gp_builtin_kernel gp_builtin_kernels[];
 
-/* The width of a pixel over its height, where that is from 1/16 to 16; else 1,
- * as of files that say nothing that can be true. */
+/* Returns the width of a pixel over its height; 1 where the file says less than
+ * 1/16 or more than 16, which cannot be true. */
 float gp_kernel_aspect(const struct gp_frame *frame);
 
 /* Makes the builtin kernel that p->source names, with or without "builtin:",
  * normalised: coloured ones in the primaries of p->frame, luminance sum 1 by
  * its weights. Where its pixels are not square, the kernel (and that of a file)
- * is resampled after it was turned, each row by areas, so that it is round on
+ * is resampled after its rotation, each row by areas, so that it is round on
  * the screen and each channel's sum stays.
  * Written only on GP_OK; free with gp_kernel_free().
  * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is

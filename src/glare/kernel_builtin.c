@@ -1,4 +1,4 @@
-/* Builtin kernels: the eye, and what lenses do to a point of light. */
+/* Builtin kernels: the point-spread functions of the eye and of lenses. */
 #include "core/colour.h"
 #include "core/cpu.h"
 #include "core/memory.h"
@@ -292,7 +292,7 @@ static void sample_row(void *ctx, int y, int thread)
         s->formula(x - s->size / 2, y - s->size / 2, s->size / 2.0, v);
         for (int c = 0; c < 3; c++) {
             const double *const m = s->mix ? s->mix + 3 * c : NULL;
-            // no light is negative, where the primaries cannot say its colour
+            // clamp: the primaries may not span the colour
             const double mixed =
                 m ? fmax(m[0] * v[0] + m[1] * v[1] + m[2] * v[2], 0.0) : v[c];
             s->k->c[c][at + (size_t) x] = (float) mixed;
@@ -314,9 +314,9 @@ const struct gp_builtin_kernel gp_builtin_kernels[] = {
 
 // -- by name ------------------------------------------------------------------
 
-/* A builtin kernel has to end somewhere, and where it ends at once a square
- * shows around every lamp at night: from half the radius on it fades to 0 at
- * the edge, by a smoothstep of the distance from the centre. */
+/* Fades a kernel to 0 at its edge, from half the radius on, by a smoothstep of
+ * the distance from the centre: a sudden end shows as a square around every
+ * lamp at night. */
 static void fade_row(void *ctx, int y, int thread)
 {
     const struct sampling *const f = ctx;

@@ -1,5 +1,5 @@
-/* Rotating a kernel about its centre's pixel, and fitting it to pixels that are
- * not square. */
+/* Rotates a kernel about its centre's pixel, and resamples it for pixels that
+ * are not square. */
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
 
@@ -26,7 +26,7 @@ bool gp_rotate_angle(float degrees, struct gp_unturned *u)
 
 // -- one sample ---------------------------------------------------------------
 
-/* Returns the place in the unturned kernel of a sample of the turned one. */
+/* The place in the unturned kernel of a sample of the rotated one. */
 struct spot {
     int x, y;       // of the upper left of four samples; may lie outside
     double fx, fy;  // from there, in [0, 1)

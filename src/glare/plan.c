@@ -15,12 +15,11 @@ const struct gp_engine *const gp_engines[] = {
     &gp_engine_direct, &gp_engine_fft, &gp_engine_splat, NULL,
 };
 
-/* Another technique is worth a change from this share of the old one's time
- * on. */
+/* A technique that takes less than this share of the old one's time is worth a
+ * change. */
 static const double GAIN = 0.8;
 
-/* An engine that takes this many times as long as another is not counted out
- * to the end. */
+/* Counting an engine's work stops at this many times another's time. */
 static const double ENOUGH = 2.0;
 
 // -- the choice ---------------------------------------------------------------
@@ -45,7 +44,7 @@ static gp_status ask_bound(struct asking *a, int i)
     return st;
 }
 
-/* The first in order that keeps the tolerance, or -1. */
+/* Finds the first in order that keeps the tolerance; -1: none. */
 static gp_status first_within(struct asking *a, bool exact, int *found)
 {
     *found = -1;
@@ -62,7 +61,8 @@ static gp_status first_within(struct asking *a, bool exact, int *found)
     return GP_OK;
 }
 
-/* Finds whether candidate i may follow `last`, for what it changes. */
+/* Sets *may when a change from `last` to candidate i stays within the
+ * tolerance. */
 static gp_status may_follow(struct asking *a, int last, int i, bool *may)
 {
     gp_status st = ask_bound(a, i);
@@ -70,8 +70,8 @@ static gp_status may_follow(struct asking *a, int last, int i, bool *may)
     return st;
 }
 
-/* `last` keeps the tolerance and `fastest` does too: which of them, or the
- * rival that staying has lost enough to. */
+/* Chooses between `last` and `fastest`, which both keep the tolerance, and the
+ * rival that would have saved enough time by now. */
 static gp_status stay_or_go(struct asking *a, int last, int fastest,
                             struct gp_plan_past *past, int *taken)
 {
@@ -127,7 +127,8 @@ gp_status gp_plan_choose(struct gp_candidate *c, int n, double tolerance,
             a.order[at] = a.order[at - 1];
         a.order[at] = i;
     }
-    // an approximation rounds as well: it is not asked when that is too much
+    // approximations round too: where no exact engine keeps the tolerance, none
+    // of them does
     gp_status st = first_within(&a, true, &fastest);
     const bool within = fastest >= 0;
     if (!st && within)
@@ -200,11 +201,10 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
         };
         least = fmin(least, p.ms);
     }
-    // the splat, last of the engines, as it was asked for, and its settings
-    // from the coarsest to the exact one. Finer groups are more polygons: where
-    // the coarsest setting takes longer than another engine, so do the rest,
-    // which are not counted out then. A context is never opened in hope of
-    // frames to come: what it takes counts in full until it is open
+    // splat, last of the engines: as given, then from the coarsest setting to
+    // the exact one. Finer groups are more polygons: where the coarsest takes
+    // longer than another engine, so do the rest, which are then not counted.
+    // Opening a context counts in full: frames to come may not repay it
     const int splat = n;
     for (int i = 0; i <= SETTINGS; i++) {
         struct gp_splat_params s = asked->splat;
@@ -258,7 +258,7 @@ static void add_name(struct words *w, const struct gp_candidate *c)
         add_words(w, "%s", gp_engines[c->engine]->name);
 }
 
-// -- what is lost below the range of float ------------------------------------
+// -- underflow ----------------------------------------------------------------
 
 struct gp_floor {
     struct gp_fft_quarters quarters; // of this kernel, for frames of w x h
@@ -274,9 +274,9 @@ void gp_floor_free(struct gp_floor **f)
     GP_FREE(*f);
 }
 
-/* A value under 2^-126 is lost: of the kernel it costs a pixel up to that much
- * of all light, of the light that much of the kernel's sum, of the products and
- * sums that much each. 2^6 of them: engines have more steps than one. */
+/* Values under 2^-126 are lost. A lost kernel sample costs a pixel up to 2^-126
+ * of all light, a lost source that of the kernel's sum, products and sums that
+ * each. Times 2^6, as engines have more steps than one. */
 gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
                         double *floor)
 {
@@ -288,11 +288,11 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
     const double enough = lost / NEGLIGIBLE;
-    double least = 0.0; // that the layer's norm can be
+    double least = 0.0; // lower limit of the layer's norm
     *floor = 0.0;
     if (k->negative) // no engine guarantees anything
         return GP_OK;
-    // what each source leaves in its own pixel
+    // light of each source in its own pixel
     if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h) {
         const size_t at = (size_t) k->cy * (size_t) k->w + (size_t) k->cx;
         for (int c = 0; c < 3; c++)
@@ -300,7 +300,7 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
                      (double) k->k.c[c][at];
         least = sqrt(least);
     }
-    if (least < enough) { // what sources anywhere leave
+    if (least < enough) { // light of sources, wherever they are
         if (!*keep) {
             gp_status st =
                 gp_alloc_zero(job->log, "bound", 1, sizeof **keep, keep);
@@ -317,7 +317,7 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
         }
         least = gp_fft_least(src, &f->quarters);
     }
-    if (least < enough) { // what these do
+    if (least < enough) { // light of these sources
         gp_status st =
             gp_layer_least(job->log, src, k, &(*keep)->least, &least);
         if (st)
@@ -399,7 +399,7 @@ gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
         if (k->cx >= 0 && k->cx < k->w && k->cy >= 0 && k->cy < k->h)
             m.centre[c] = (double) k->k.c[c][(size_t) k->cy * (size_t) k->w +
                                              (size_t) k->cx];
-        // of unreal primaries, whose light can be of less luminance than none
+        // primaries outside the visible colours have negative luminance
         o.less += fmax(-o.weight[c], 0.0) * o.layer[c] *
                   (double) job->params->gain;
         o.lost[c] = 0x1p-120 * (job->src->flux[c] + k->norm1[c] +
@@ -472,7 +472,7 @@ static gp_status ask_engine(void *ctx, int i, double *bound)
     if (st || !(most > 0.0))
         return st;
     st = gp_plan_pixel(&job, p->g, c->engine, p->floor, &c->pixel);
-    if (c->pixel > most) // as much too much as the tolerance's bound would be
+    if (c->pixel > most) // over the tolerance by the same factor
         *bound = fmax(*bound, (double) params.tolerance * c->pixel / most);
     return st;
 }
@@ -493,8 +493,8 @@ gp_status gp_plan(const struct gp_glare_job *job, struct gp_glare *g,
     const bool pixel = out->bound > p.rel_l2[choice.taken];
     out->bound = p.rel_l2[choice.taken];
 
-    // every candidate whose bound was asked, the exact engines, and the splat
-    // of fewest ms: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"
+    // names every candidate whose bound was asked, the exact engines, and the
+    // fastest splat: "fft 9.8 ms of bound 2e-05; direct 31, splat 8/16 5.2e+03"
     struct words w = {job->stats->why, sizeof job->stats->why};
     int splat = -1;
     for (int i = 0; i < n; i++) {

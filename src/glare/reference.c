@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Taps over which the plain loops would take minutes. */
+/* Beyond so many taps the plain loops would take minutes. */
 static const double MOST_TAPS = 3e9;
 
 struct plain {
@@ -169,7 +169,7 @@ out:
 
 // -- errors against the truth ------------------------------------------------
 
-/* The larger; a layer that is not a number is as wrong as can be. */
+/* Returns the larger; NaN counts as infinitely wrong. */
 static double worse(double a, double b)
 {
     return b != b ? INFINITY : fmax(a, b);
@@ -214,7 +214,7 @@ void gp_glare_measure(const struct gp_frame *f, const struct gp_planes *layer,
         peak = fmax(peak, composite_at(f, exact, (double) gain, taken, i,
                                        &next));
     }
-    // relative to a pixel's own value, for which the peak must be known
+    // a second pass: max_rel needs the composite's peak
     for (size_t i = 0, next = 0; i < n; i++) {
         const double composite =
             composite_at(f, exact, (double) gain, taken, i, &next);

@@ -17,7 +17,7 @@
 enum {
     BLOCK = 16,  // rows a task takes
     WIDE = 4,    // doubles summed side by side
-    TABLES = 4,  // that neighbours are counted in: a sky has them in one bin
+    TABLES = 4,  // histograms, by turns: a sky's neighbours share one bin
     PIECE = 256, // pixels of a row at a time: they stay in the L1 cache
     LANES = 8,   // pixels looked at together with AVX2
 };
@@ -27,14 +27,14 @@ typedef float narrow
     __attribute__((vector_size(4 * WIDE), aligned(4), may_alias));
 typedef int32_t ints __attribute__((vector_size(4 * WIDE)));
 
-/* Darkness is found to within a sixteenth, on a fixed grid. */
+/* The dark percentile is found to within a sixteenth, on a fixed grid. */
 enum {
     GRID = 16384,    // pixels, about
     DARK_SHIFT = 19, // leaves sign, exponent and 4 bits of mantissa
     DARK_BINS = 1 << 13,
 };
 
-/* Which pixels are bright: luminance of the non-negative part over `open`. */
+/* Bright pixels: those whose non-negative part has luminance over `open`. */
 struct bright_rule {
     float open;
     bool ramp;       // of a knee
@@ -44,17 +44,17 @@ struct bright_rule {
                                       // bits, lowest first
 };
 
-/* The bright pixels of a piece, moved together. Vectors are stored whole: what
- * is after the last pixel has no meaning. */
+/* The bright pixels of a piece, packed. Vectors are stored whole: values after
+ * the last pixel are undefined. */
 struct bright_piece {
     float rgb[3][PIECE + LANES]; // non-negative part
     int32_t x[PIECE + LANES];
 };
 
-/* Found in one block of rows; added up in the order of the blocks. */
+/* Sums of one block of rows; added up in the order of the blocks. */
 struct block_sum {
     long long nonfinite, clamped;
-    double taken[3];   // light that max_value took
+    double taken[3];   // light that max_value removed
     bool infinite;     // has +Inf
     float largest;     // measure_block()
     double light[3];
@@ -66,7 +66,7 @@ struct block_sum {
 struct sense {
     const struct gp_sensor_params *p;
     float most;                  // limit of a channel
-    float top;                   // stands for +Inf; 0: not known yet
+    float top;                   // replaces +Inf; 0: not known yet
     bool again;                  // bad pixels were counted
     struct bright_rule rule;
     int w, h;
@@ -183,7 +183,7 @@ static void clean_block(void *ctx, int i, int thread)
     }
 }
 
-/* Cleans and counts a frame whose bad pixels were counted. */
+/* Cleans and counts a frame in which a first pass found bad pixels. */
 static void clean_again(struct sense *s, int blocks)
 {
     s->again = true;
@@ -211,7 +211,7 @@ static void measure_block(void *ctx, int i, int thread)
     }
 }
 
-/* Says how much of the frame's light max_value took, where it is much. */
+/* Warns when max_value removed over 1 % of the frame's light. */
 static void warn_of_clamping(const struct gp_log *log, const char *path,
                              struct sense *s, int blocks,
                              const struct gp_sources *o)
@@ -358,8 +358,7 @@ GP_CLONES static void sum_row(struct bright_piece *c, int n, float *largest,
     sum->brightest = brightest;
 }
 
-/* Writes the sources of a block's rows; their places in the list are known by
- * now. */
+/* Writes the sources of a block's rows at their places in the list. */
 static void list_block(void *ctx, int block, int thread)
 {
     struct sense *const s = ctx;
@@ -407,7 +406,7 @@ static void list_block(void *ctx, int block, int thread)
     }
 }
 
-/* The luminance under which 0.1 % of the grid's pixels with light lie. */
+/* Returns the 0.1 % percentile of luminance of the grid's lit pixels. */
 static double darkest(const struct sense *s, int threads)
 {
     uint32_t total = 0, below = 0;

@@ -74,7 +74,7 @@ void gp_sources_finish(struct gp_sources *s)
 {
     struct gp_rect box = {s->w, s->h, 0, 0};
     for (int y = 0; y < s->h; y++) {
-        if (s->row[y + 1] <= s->row[y]) { // a row that got no source
+        if (s->row[y + 1] <= s->row[y]) { // a row without sources
             s->row[y + 1] = s->row[y];
             continue;
         }

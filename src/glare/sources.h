@@ -22,8 +22,8 @@ static inline int gp_source_bin(float v)
 }
 float gp_source_bin_start(int bin);
 
-/* 2^26 times FLT_MIN, 1.2e-38: beside a channel from here up, one under FLT_MIN
- * makes no difference. */
+/* 2^26 times FLT_MIN, 1.2e-38: next to a channel of at least this, one under
+ * FLT_MIN is below its rounding. */
 #define GP_FAINT 0x1p-100f
 
 /* Light on one pixel of the frame. */
@@ -51,22 +51,22 @@ struct gp_sources {
     uint32_t count[GP_SOURCE_BINS];
     long long nonfinite;  // pixels with NaN or Inf in rgb
     long long clamped;    // pixels with a finite value over max_value
-    double flux_clamped[3]; // light that max_value took, by channel
+    double flux_clamped[3]; // light that max_value removed, by channel
     float threshold;      // T as luminance
     double darkest;       // a low percentile (0.1 %) of the cleaned frame's
                           // positive luminance; 0 when all is black
 };
 
 /* Makes a list without sources, with room for `room` of them, for a frame like
- * that of `like`: its sizes, window, weights, faint, what it says of
- * the frame, darkest. Written only on GP_OK; free with gp_sources_free().
+ * that of `like`, of which it copies sizes, window, weights, faint, the facts
+ * of the frame, darkest. Written only on GP_OK; free with gp_sources_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_make(const struct gp_log *log,
     const struct gp_sources *like, size_t room, struct gp_sources *out);
 
-/* Appends a source that stands after all others in row order, and counts it
- * into flux, energy, brightest and count. What counts as 0 goes to `faint`, and
- * a source without light is left out. There must be room. */
+/* Appends a source that comes after all others in row order, and adds it to
+ * flux, energy, brightest and count. Channels that count as 0 are added to
+ * `faint`; a source without light is left out. There must be room. */
 void gp_sources_add(struct gp_sources *s, int x, int y, const float rgb[3]);
 
 /* Completes row[] and box once all sources are in the list. */
@@ -78,18 +78,16 @@ void gp_sources_free(struct gp_sources *s);
 GP_MUST_CHECK gp_status gp_sources_halve(const struct gp_log *log,
     const struct gp_sources *src, int times, struct gp_sources *out);
 
-/* `src` and `n` more sources together: where several have the same pixel,
- * their light adds up.
+/* Joins `src` and `n` more sources; light of the same pixel is added.
  *
- *   more  put into row order, equal ones together; the sums do not depend on
- *         the order given
+ *   more  is sorted into row order; sums do not depend on the order given
  *   out   as gp_sources_make() of src
  * Errors: GP_ERR_BUG out of memory, or a pixel outside the frame. */
 GP_MUST_CHECK gp_status gp_sources_join(const struct gp_log *log,
     const struct gp_sources *src, struct gp_source *more, size_t n,
     struct gp_sources *out);
 
-/* Parts the sources into those with a channel of at least `hot` and the rest,
+/* Splits the sources into those with a channel of at least `hot` and the rest,
  * two lists as gp_sources_make() of src. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_sources_split(const struct gp_log *log,
     const struct gp_sources *src, float hot, struct gp_sources *hottest,

@@ -1,4 +1,4 @@
-/* Cameras: from matrices, from JSON, and where they put a place or a disc. */
+/* Makes cameras from matrices and JSON; projects points and discs. */
 #include "sun/camera.h"
 #include "core/json.h"
 
@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A picture's far side: places beyond count as beside the camera, so that
- * every pixel position fits an int. */
+/* Places farther away than this count as beside the camera, so that every pixel
+ * position fits an int. */
 static const double FAR_PIXEL = 1e9;
 
 static const double MOST_RADIUS = 1e6; // pixels
@@ -22,7 +22,7 @@ struct v3 {
     double x, y, z;
 };
 
-/* The upper three of column c: what that coordinate measures in directions. */
+/* The upper three of column c: the gradient of that coordinate. */
 static struct v3 column(const double m[16], int c)
 {
     return (struct v3) {m[c], m[4 + c], m[8 + c]};
@@ -112,7 +112,7 @@ gp_status gp_camera_make(const struct gp_log *log, const char *path,
                        "linearly dependent); repair the header or give "
                        "--camera", path);
 
-    if (ndc == GP_NDC_AUTO) { // by where the view axis falls
+    if (ndc == GP_NDC_AUTO) { // by the image of the view axis
         static const double reach = 0.2;
         const double x = dot(axis, x_column), y = dot(axis, y_column);
         const double spec = fmax(fabs(x - 0.5), fabs(y - 0.5));
@@ -152,7 +152,7 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
 {
     static const struct gp_projected behind = {.behind = true};
     const double *m = c->to_ndc;
-    // a direction's length says nothing: none may overflow or vanish
+    // a direction's length is arbitrary: none may overflow or vanish
     const double scale = w == 0.0 ? largest(world, 3) : 1.0;
     const struct v3 p = {world[0] / scale, world[1] / scale, world[2] / scale};
     const double pw = dot(p, column(m, 3)) + w * m[15];
@@ -227,7 +227,7 @@ static gp_status read_frame(const struct gp_json_place *p, json_t *o,
         return gp_fail(p->log, GP_ERR_DATA,
             "%s: %s %d in order is not an object; give {\"frame\": ..., "
             "\"worldToNDC_rowmajor\": [...]}", p->path, p->what, p->index);
-    // messages name a frame by its number once that is known
+    // from here messages name the frame by its number
     GP_TRY(gp_json_number(p, o, "frame", -MOST_FRAME, MOST_FRAME, &number,
                           &found));
     if (!found || number != floor(number))

@@ -1,4 +1,4 @@
-/* From the world to the frame. */
+/* Cameras: project points and directions of the world into the frame. */
 #ifndef GP_SUN_CAMERA_H
 #define GP_SUN_CAMERA_H
 
@@ -9,7 +9,7 @@
 
 /* Range that a worldToNDC matrix maps the picture to. */
 enum gp_ndc {
-    GP_NDC_AUTO, // found by where the view axis falls
+    GP_NDC_AUTO, // found by the image of the view axis
     GP_NDC_SPEC, // [0, 1], y down (ImfStandardAttributes.h)
     GP_NDC_CLIP, // [-1, 1], y up (Arnold, Gaffer; worldToScreen)
 };
@@ -25,7 +25,7 @@ struct gp_camera {
 };
 
 /* A camera from a frame's matrices. The view axis v is the direction in which
- * w grows fastest, the upper three of column 3; it falls on the middle of the
+ * w grows fastest, the upper three of column 3; its image is the middle of the
  * picture, (1/2, 1/2) or (0, 0), give or take a lens shift. GP_NDC_AUTO takes
  * the nearer of the two when it is within 0.2 of it in both axes.
  *   to_camera  may be NULL
@@ -33,7 +33,7 @@ struct gp_camera {
  *   out        written on GP_OK only
  * Errors: GP_ERR_DATA a matrix with NaN or Inf; to_ndc that is no projection
  * (column 3 has no axis, as of an orthographic camera; singular; entries over
- * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO cannot tell (names
+ * 1e30 times the axis); a singular to_camera; GP_NDC_AUTO near neither (names
  * --ndc). */
 GP_MUST_CHECK gp_status gp_camera_make(
     const struct gp_log *log, const char *path, const double *to_camera,
@@ -50,8 +50,8 @@ struct gp_projected {
 struct gp_projected gp_camera_project(const struct gp_camera *c,
     struct gp_rect display, const double world[3], double w);
 
-/* Radius in pixels, at the place where direction `dir` falls, of a disc of
- * `degrees` across: the geometric mean of the half-axes of the ellipse that its
+/* Returns the radius in pixels of a disc `degrees` across, seen in direction
+ * `dir`: the geometric mean of the half-axes of the ellipse that its
  * cone cuts from the picture, at most 1e6. It grows off the axis, about as
  * cos^-1.5. 0 when behind, or where the cone reaches beside the camera and the
  * cut is no ellipse. */
@@ -89,7 +89,8 @@ GP_MUST_CHECK gp_status gp_camera_read(
     const struct gp_log *log, const char *path, struct gp_camera_file *out);
 void gp_camera_file_free(struct gp_camera_file *f);
 
-/* That of frame `number`; of a file with one frame, that one; else NULL. */
+/* Returns the camera of frame `number`, or the only one of the file; else
+ * NULL. */
 const struct gp_camera_frame *
 gp_camera_frame_find(const struct gp_camera_file *f, long long number);
 

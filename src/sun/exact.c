@@ -1,5 +1,5 @@
-/* Discs: equal-area samples, the area in a rectangle, and the share of a light
- * by the area of each pixel under it. */
+/* Discs: equal-area samples, the area inside a rectangle, and the visible share
+ * of a light by the area of each pixel under it. */
 #include "sun/sun_priv.h"
 
 #include "core/parallel.h"
@@ -85,9 +85,9 @@ static double depth_of_line(const struct circle *c, struct split centre,
                : (c->r.whole + m) + (c->r.rest - centre.rest);
 }
 
-/* The part [*s, *t] of [0, length] within the disc, on the line that starts at
- * a point of power `g`, `u` along from the centre's foot, and lies `depth`
- * inside of the circle; false when there is none. */
+/* Finds the part [*s, *t] of [0, length] within the disc, on the line that
+ * starts at a point of power `g`, `u` along from the centre's foot, and is
+ * `depth` inside the circle; false when it is empty. */
 static bool clip(const struct circle *c, double g, double u, double depth,
                  double length, double *s, double *t)
 {
@@ -193,7 +193,7 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
 /* A disc of no area has no share. */
 static const double least_radius = 1e-3;
 
-/* Larger than any frame, and small enough for its square to be a number. */
+/* Larger than any frame, and small enough for a finite square. */
 static const double most_radius = 1e9;
 
 double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
@@ -202,7 +202,7 @@ double gp_disc_pixel_area(double cx, double cy, double r, int x, int y)
                              (double) y + 1.0);
 }
 
-/* Areas in square pixels: of the disc, and of it that shows. */
+/* Areas in square pixels: of the disc, and of its visible part. */
 struct sums {
     double area, shown;
 };
@@ -228,7 +228,7 @@ static int within(double v, int lo, int hi)
     return !(v > (double) lo) ? lo : v < (double) hi ? (int) v : hi;
 }
 
-/* Half of the chord at a distance from the centre; under 0: none. */
+/* Returns half the chord at a distance from the centre; under 0: none. */
 static double half_chord(double r, double distance)
 {
     return distance < r ? sqrt((r - distance) * (r + distance)) : -1.0;
@@ -295,7 +295,7 @@ static struct sums sum_rect(const struct gp_occluders *o,
     b.n = h < BANDS ? h : BANDS;
     if ((int64_t) h * gp_rect_w(b.rect) > ALONE) {
         gp_parallel_do(b.n, add_band, &b);
-    } else { // waking threads takes longer
+    } else { // waking threads would take longer
         for (int i = 0; i < b.n; i++)
             add_band(&b, i, 0);
     }
@@ -332,7 +332,7 @@ void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
     const struct gp_rect both = gp_rect_meet(mask, depth);
     const bool apart = gp_rect_empty(both);
     const int parts = apart ? 2 : 5;
-    // the mask's, less what the depth has: some may be empty
+    // the mask's window without that of the depth: parts may be empty
     const struct gp_rect part[5] = {
         depth,
         apart ? mask : (struct gp_rect) {mask.x0, mask.y0, mask.x1, both.y0},

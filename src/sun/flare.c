@@ -30,7 +30,8 @@ struct shape {
     double radius, inner, area;
 };
 
-/* Nothing is under a pixel across, nor rings and streaks under a pixel wide. */
+/* Clamps sizes: no element is under a pixel across, no ring or streak under a
+ * pixel wide. */
 static struct shape shape_of(const struct gp_flare_element *e, double radius)
 {
     const double n = e->sides, half = pi / n;
@@ -132,7 +133,7 @@ static int to_pixel(double v)
     return v < -FAR ? -FAR : v > FAR ? FAR : (int) v;
 }
 
-/* All pixels that the element may reach, in the frame or not. */
+/* Finds all pixels that the element may reach, inside the frame or not. */
 static struct gp_rect whole_reach(const struct gp_flare_element *e,
     const struct gp_light *l, struct gp_rect display)
 {
@@ -238,7 +239,7 @@ static void place_quad(struct gp_flare_quad *q, struct gp_rect rect)
     }
 }
 
-/* Sum over all pixels of what channel c draws with an amount of 1. */
+/* Returns the sum over all pixels of channel c drawn with an amount of 1. */
 static double sum_of(const struct gp_flare_quad *quad, struct gp_rect whole,
                      int c)
 {
@@ -319,7 +320,7 @@ static void add_quad(struct gp_flare_quads *quads, const struct pair *p,
         quads->at[quads->n++] = q;
 }
 
-/* Quads that an element of a light needs; `clear`: hidden lights need none. */
+/* Counts the quads of an element of a light; `clear`: none for hidden ones. */
 static int quads_of(const struct gp_flare_element *e, const struct gp_light *l,
                     bool clear, struct gp_rect frame, struct gp_rect display)
 {

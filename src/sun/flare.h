@@ -2,13 +2,13 @@
  *
  * An element's total over all pixels (of an unbounded picture) is colour *
  * flux * visibility in each channel, so that it looks the same at every
- * resolution and dims by just the share that is hidden. Its place is
+ * resolution and dims by exactly the hidden share. Its place is
  *   light + at * (centre - light)       at 0 the light, 1 the centre, 2 beyond
  * its diameter `size` times the frame's height (an image's longer side), each
  * channel's times its `scale` (dispersion: the total stays). Coverage of a
  * pixel is by its distance to the edge, a pixel wide, so that edges are smooth
- * and a step of 1/8 pixel is a small change. Nothing is drawn smaller, and no
- * ring or streak thinner, than a pixel.
+ * and a step of 1/8 pixel is a small change. No element is smaller, and no ring
+ * or streak thinner, than a pixel.
  *
  * JSON, an array or {"elements": [...]}; every key has a default but shape:
  *   {"shape": "disc" | "ring" | "polygon" | "streak" | "image",
@@ -82,16 +82,16 @@ GP_MUST_CHECK gp_status gp_flare_add(const struct gp_log *log,
 /* The same on GL, where visibility is texel (i, 0) of `intensity` (r / g, 0
  * where g is 0) and the vertex shader fetches it: a hidden light's polygons
  * stay shut. Draws, blended, into a float target of what the elements reach
- * together; nothing is waited for. *state keeps programs and textures.
- * `intensity` must stay as it is until gp_flare_read_layer(), which draws what
- * lies beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG memory. */
+ * together, and does not wait for it. *state keeps programs and textures.
+ * `intensity` must not change until gp_flare_read_layer(), which draws the part
+ * beyond a target's 4096 pixels. Errors: GP_ERR_GL, GP_ERR_BUG memory. */
 struct gp_flare_gl;
 GP_MUST_CHECK gp_status gp_flare_draw(
     const struct gp_log *log, const struct gp_gl *gl, const struct gp_flare *f,
     const struct gp_light *light, int n, const struct gp_texture *intensity,
     struct gp_rect frame, struct gp_rect display, struct gp_flare_gl **state);
 
-/* Waits, reads what the last draw left, and adds it to `layer`. */
+/* Waits for the last draw, reads it back, and adds it to `layer`. */
 GP_MUST_CHECK gp_status gp_flare_read_layer(const struct gp_log *log,
     const struct gp_gl *gl, const struct gp_flare_gl *state,
     struct gp_rect frame, struct gp_planes *layer);

@@ -23,7 +23,7 @@ struct image_slot {
     struct gp_texture texture;
 };
 
-/* Quads that one draw draws: one shape's, or one image's. */
+/* The quads of one draw: one shape's, or one image's. */
 struct batch {
     enum flare_program program;
     int first, n; // in the quads' texture
@@ -102,8 +102,8 @@ static void free_slots(const struct gp_gl *gl, struct gp_flare_gl *s)
     s->slots = 0;
 }
 
-/* A slot for each batch of an image, with what an earlier draw left where it
- * can be; slots that none uses any more are freed. */
+/* Gives each batch of an image a slot, that of an earlier draw where it has
+ * one; frees slots that no batch uses. */
 static gp_status fit_images(const struct gp_log *log, const struct gp_gl *gl,
                             struct gp_flare_gl *s)
 {
@@ -251,7 +251,7 @@ out:
     return st;
 }
 
-/* The pixels that are reached among the rows of a tile from y0 on. */
+/* Finds the pixels reached in the rows of a tile from y0 on. */
 static struct gp_rect band_of(const struct gp_flare_gl *s,
                               struct gp_rect tile, int y0)
 {

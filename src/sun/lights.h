@@ -1,9 +1,9 @@
-/* sun: lights, what hides them, and the flare they make in a lens.
+/* sun: lights, their occluders, and their flare in a lens.
  *
  *   lights    suns and lamps: from JSON, their places in a frame (this file)
  *   camera    from a direction or a place in the world to the frame
- *   occluder  depth and coverage, and the share of a light that they leave, by
- *             area, in double (exact.c)
+ *   occluder  depth and coverage, and the visible share of a light, by area, in
+ *             double (exact.c)
  *   map       the same share after Maughan: sun map and intensity map on GL
  *   flare     lens-flare elements, on the CPU and on GL
  */
@@ -30,7 +30,7 @@ enum gp_depth_type {
 struct gp_light {
     double x, y;       // centre, EXR pixel space; y down
     double radius;     // pixels, >= 0
-    double depth;      // what is nearer hides it: in scene units as the depth
+    double depth;      // nearer surfaces hide it: in scene units as the depth
                        // channel counts them (along the view axis or along
                        // the ray; for normalized depth in its 0 to 1);
                        // INFINITY: a sun, beyond everything
@@ -42,7 +42,7 @@ struct gp_light {
 #define GP_LIGHT_DEFAULTS \
     { .radius = 0.5, .depth = INFINITY, .bias = 1e-3, .visibility = 1.0 }
 
-/* Returns whether it has light to give: glare of its own, flare. */
+/* Returns true when it has flux: glare of its own, flare. */
 static inline bool gp_light_has_flux(const struct gp_light *l)
 {
     return !l->behind && (l->flux[0] > 0.0f || l->flux[1] > 0.0f ||
@@ -51,7 +51,7 @@ static inline bool gp_light_has_flux(const struct gp_light *l)
 
 enum gp_light_place { GP_PLACE_PIXEL, GP_PLACE_WORLD, GP_PLACE_DIRECTION };
 
-/* A light as it was asked for, before a frame gives it a place. */
+/* A light as specified, before a frame gives it a place. */
 struct gp_light_spec {
     enum gp_light_place place;
     double at[3];      // pixel x, y; world; direction

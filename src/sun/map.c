@@ -1,5 +1,5 @@
-/* The sun map and the intensity map on GL: what a context keeps, drawing,
- * reading back. */
+/* The sun map and the intensity map on GL: their state, drawing, reading
+ * back. */
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
@@ -290,7 +290,7 @@ gp_status gp_sun_map_picture(const struct gp_log *log, const struct gp_gl *gl,
     *w = gp_rect_w(r);
     *h = gp_rect_h(r);
     for (size_t i = 0; i < n; i++) {
-        // cells of the atlas after the last light's hold what was there before
+        // cells of the atlas after the last light's hold old maps
         const int x = (int) (i % (size_t) *w), y = (int) (i / (size_t) *w);
         const bool drawn = intensity ||
                            y / s->map * s->columns + x / s->map < s->n;

@@ -26,7 +26,7 @@
 
 enum gp_sun_pattern { GP_PATTERN_DISC, GP_PATTERN_SQUARE };
 
-/* The way that the intensity map is summed. */
+/* Forms of summing the intensity map. */
 enum gp_sun_sum {
     GP_SUM_FLOAT,    // every texel, in float, times 1 / count
     GP_SUM_BYTE,     // in 8 bits, as in the paper: times 1 / 255, saturating
@@ -44,7 +44,8 @@ struct gp_map_params {
 /* Programs, textures and targets on a context; kept from frame to frame. */
 struct gp_sun_map;
 
-/* *state is made at the first call. Nothing is waited for or read back.
+/* Draws the maps; waits for nothing and reads nothing back. *state is made at
+ * the first call.
  *   n  1 to GP_LIGHTS_MAX; lights behind the camera come out 0
  * Errors: GP_ERR_GL sizes over the context's, GL's own; GP_ERR_BUG memory. */
 GP_MUST_CHECK gp_status gp_sun_map_draw(
@@ -52,12 +53,12 @@ GP_MUST_CHECK gp_status gp_sun_map_draw(
     const struct gp_occluders *o, const struct gp_map_params *p,
     const struct gp_light *light, int n, struct gp_sun_map **state);
 
-/* Waits, and reads what the last draw left into light[].visibility. */
+/* Waits for the last draw and reads light[].visibility. */
 GP_MUST_CHECK gp_status gp_sun_map_read(
     const struct gp_log *log, const struct gp_gl *gl,
     const struct gp_sun_map *s, struct gp_light *light, int n);
 
-/* The paper's other way: the region under each light is drawn at the frame's
+/* The paper's other method: the region under each light is drawn at the frame's
  * own pixels (r shown, g counts), read back, and counted on the CPU: every
  * pixel whose centre is in the disc; the nearest one when there is none. Sets
  * visibility, and writes it to the intensity map too. */
@@ -74,8 +75,9 @@ GP_MUST_CHECK gp_status gp_sun_map_picture(
     const struct gp_sun_map *s, bool intensity, int *w, int *h, float **out);
 void gp_sun_map_close(const struct gp_gl *gl, struct gp_sun_map **state);
 
-/* The plain form on the CPU of one light: its map (p->side squared texels of r
- * and g, may be NULL) and visibility, summed in double whatever p->sum. */
+/* Returns the visibility of one light on the CPU, the plain form of the map,
+ * summed in double whatever p->sum; `map` gets p->side squared texels of r and
+ * g, or is NULL. */
 double gp_sun_map_reference(const struct gp_occluders *o,
     const struct gp_map_params *p, const struct gp_light *light, float *map);
 

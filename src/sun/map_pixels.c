@@ -43,7 +43,7 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
                               ? l->depth : l->depth * (1.0 - l->bias);
     const float limit = nearer > -3e38 && nearer < 3e38 ? (float) nearer : 0.0f;
     struct gp_map_light s = {
-        .limit = isnan(nearer) || nearer < -3e38 ? -GP_SUN_EMPTY // none is
+        .limit = isnan(nearer) || nearer < -3e38 ? -GP_SUN_EMPTY // no surface
                  : isinf(nearer)          ? GP_SUN_EMPTY
                  : nearer > 3e38          ? 3e38f
                  : (double) limit < nearer ? nextafterf(limit, FLT_MAX) : limit,
@@ -130,10 +130,10 @@ gp_status gp_map_pack(const struct gp_log *log, const struct gp_occluders *o,
 
 // -- pixels under the lights -------------------------------------------------
 //
-// One rule does for every pair of planes: a pixel is hidden by its coverage,
-// where a surface is nearer or where there is none.
+// One rule for every pair of planes: a pixel is hidden by its coverage where a
+// surface is nearer and where it has no surface.
 
-/* Pixels under which threads cost more than they save. */
+/* Under so many pixels threads cost more than they save. */
 enum { ALONE = 1 << 15 };
 
 /* The samples of a plane in columns [*x0, *x1) of EXR pixel row y, which are

@@ -1,6 +1,6 @@
-/* The shares counted on the CPU: of a drawn region, which is the paper's other
- * way ("lens flare occlusion") and must wait for the drawing; and the plain
- * form of the sun map. */
+/* Counts visible shares on the CPU: of a region that is drawn and waited for,
+ * the paper's other method ("lens flare occlusion"); and the plain form of the
+ * sun map. */
 #include "sun/sun_priv.h"
 
 #include "core/memory.h"
@@ -19,8 +19,8 @@ static double half_width(const struct gp_map_light *l,
     return pattern == GP_PATTERN_DISC ? sqrt(r * r - down * down) : r;
 }
 
-/* The share of a light that shows: over the pixels whose centres are in it, or
- * in the pixel that it falls in when there are none.
+/* Returns the visible share of a light: over the pixels whose centres are in
+ * it, or in the pixel under its centre when it holds none.
  *   rgba  the region of l->box; NULL when none of it is in the frame */
 static double count_region(const struct gp_map_light *l,
                            const struct gp_occluders *o,

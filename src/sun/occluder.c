@@ -1,5 +1,5 @@
-/* Depth and coverage: which samples are surfaces, what they leave of a light,
- * and the kinds of samples that a plane holds. */
+/* Depth and coverage: finds the samples that are surfaces, the visible share of
+ * a light behind them, and the kinds of samples that a plane holds. */
 #include "sun/sun_priv.h"
 
 #include "core/cpu.h"
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-// -- which samples are surfaces, and where -----------------------------------
+// -- surfaces and their places ------------------------------------------------
 
 struct gp_depth_range gp_depth_range_of(enum gp_depth_type type, bool reversed)
 {
@@ -60,7 +60,7 @@ double gp_depth_place(const struct gp_occluders *o, float v)
     return place_of(o->type, reversed, v);
 }
 
-/* Returns whether a surface at `place` hides the light. */
+/* Returns true when a surface at `place` hides the light. */
 static bool hides(const struct gp_light *l, double place)
 {
     return isinf(l->depth) ? l->depth > 0.0
@@ -111,9 +111,9 @@ double gp_occluders_show(const struct gp_occluders *o,
 
 // -- many pixels at a time ---------------------------------------------------
 //
-// Places grow or fall with the samples, so what a light's depth means for a
-// sample is two comparisons of floats: the surfaces that hide the light are an
-// interval, and those behind it are another.
+// Places grow or fall with the samples, so a light's depth becomes two
+// comparisons of floats: the surfaces that hide the light are one interval, and
+// those behind it another.
 
 struct rule {
     float near_lo, near_hi; // hide the light; none: lo > hi

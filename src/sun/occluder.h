@@ -9,7 +9,7 @@
  * m is the mask clamped to [0, 1], NaN 0. A surface is nearer when
  * z < depth * (1 - bias); every surface is nearer than an infinite depth.
  *
- * Empty depth is no surface. What counts as empty, by type:
+ * Empty depth is no surface. Values that count as empty, by type:
  *   z, ray      <= 0, NaN, Inf, >= 1e9 (Blender's 1e10, 1e30), 65504 (1e10 in
  *               half). Where no surface is over 0 and some would be with the
  *               other sign, the file counts backwards along the axis: its
@@ -28,8 +28,9 @@
 
 #include <stddef.h>
 
-/* Depth samples of a frame by kind, and what follows for the plane. The kinds
- * do not meet, but surface counts by `reversed` all that are not empty. */
+/* Depth samples of a frame by kind, and facts that follow for the plane. The
+ * kinds are disjoint, but surface counts by `reversed` all that are not
+ * empty. */
 struct gp_depth_facts {
     long long zero, nan, inf; // of either sign
     long long huge;           // finite, 1e9 and more from 0
@@ -66,7 +67,7 @@ double gp_occluders_show(const struct gp_occluders *o,
 double gp_occluders_sum(const struct gp_occluders *o, const struct gp_light *l,
                         int x0, int x1, int y);
 
-/* The part of a light outside the frame, where nothing is known. */
+/* Rules for the part of a light outside the frame, where nothing is known. */
 enum gp_sun_outside {
     GP_OUTSIDE_IGNORE,  // the share is taken over the part inside; 0 where
                         // there is none
@@ -79,8 +80,8 @@ enum gp_sun_outside {
  * of radius 0 (or under 1e-3) counts as one of radius 1e-3, one over 1e9 as
  * 1e9; one behind the camera has 0. All hidden is exactly 0, all clear exactly
  * 1. Rows are summed in order: the same bits for any threads.
- * Time grows with the disc's area inside the planes' windows; what of the
- * frame is outside of them is clear, and costs one closed form. */
+ * Time grows with the disc's area inside the planes' windows; the rest of the
+ * frame is clear, and costs one closed form. */
 void gp_sun_exact(const struct gp_occluders *o, enum gp_sun_outside outside,
                   struct gp_light *light, int n);
 

@@ -1,5 +1,5 @@
-/* Reads what the command line names, places the lights in a frame, and measures
- * how much of each shows. */
+/* Reads the suns' files, places the lights in a frame, and measures their
+ * visibility. */
 #include "sun/stage.h"
 
 #include "core/memory.h"
@@ -56,7 +56,7 @@ gp_status gp_suns_begin(const struct gp_log *log, const struct gp_sun_params *p,
         GP_TRY(gp_camera_read(log, p->camera, &out->cameras));
     if (p->flare)
         GP_TRY(gp_flare_read(log, p->flare, &out->flare));
-    // pictures of flare elements become light: no NaN, nothing under 0
+    // images of flare elements become light: no NaN, no negative values
     for (int k = 0; k < out->flare.n; k++) {
         struct gp_flare_element *const e = &out->flare.element[k];
         if (!e->path)
@@ -154,8 +154,8 @@ out:
     return st;
 }
 
-/* A plane of another file that leaves out a part of the frame may be the wrong
- * file; what it does not have counts as empty. */
+/* Warns of a plane from another file that does not cover the frame: it may be
+ * the wrong file. */
 static void warn_of_window(const struct gp_log *log, const char *path,
     const struct gp_plane *p, const struct gp_frame *f, struct gp_suns *suns)
 {
@@ -200,7 +200,7 @@ out:
     return st;
 }
 
-// -- how much shows ----------------------------------------------------------
+// -- visibility ---------------------------------------------------------------
 
 gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
 {
@@ -220,9 +220,9 @@ gp_status gp_suns_measure(const struct gp_log *log, struct gp_suns *suns)
                                suns->light, suns->n, &suns->map);
     st = gp_sun_map_draw(log, suns->gl, &suns->occluders, &p->map, suns->light,
                          suns->n, &suns->map);
-    // A software context shares its memory and its cores with us: nothing
-    // stalls, and engines and CPU take a quarter of the time of blended sprites
-    // and elements there.
+    // a software context shares our memory and cores: reading the shares early
+    // stalls nothing, and engines and CPU take a quarter of its time for
+    // blended sprites and elements
     suns->early = p->draw == GP_DRAW_CPU ||
                   (p->draw == GP_DRAW_AUTO && gp_gl_info(suns->gl)->software);
     return st || !suns->early ? st
@@ -267,7 +267,7 @@ gp_status gp_suns_picture(const struct gp_log *log, const struct gp_suns *suns,
         GP_TRY(gp_gl_use(log, suns->gl));
         GP_TRY(gp_sun_map_picture(log, suns->gl, suns->map, intensity, w, h,
                                   &grey));
-    } else { // what the maps would be, or are known to be
+    } else { // other methods draw no maps: their plain form, on the CPU
         *w = intensity ? suns->n : suns->n * side;
         *h = intensity ? 1 : side;
         GP_TRY(gp_alloc(log, "map", (size_t) texels, 2 * sizeof *map, &map));

@@ -1,5 +1,5 @@
 /* The sun's stage: places the suns and lamps of a run in each frame, measures
- * how much of each shows, and adds the light that they bring.
+ * their visibility, and adds their light.
  *
  * For each frame, in this order: gp_suns_place(), gp_suns_measure(),
  * gp_suns_join() and gp_suns_spread() with the engines, gp_suns_draw(),
@@ -29,13 +29,13 @@ enum gp_sun_method {
 /* The place where glare and flare of a mask's lights are drawn. */
 enum gp_sun_draw {
     GP_DRAW_AUTO, // GL on a GPU; CPU on a software context
-    GP_DRAW_GL,   // sprites and elements that fetch the share by themselves:
-                  // nothing is read back before the layer is done
+    GP_DRAW_GL,   // shaders of sprites and elements fetch the share: nothing
+                  // is read back before the layer is done
     GP_DRAW_CPU,  // the shares are read first; engines and CPU do the rest
 };
 
-/* Suns and lamps, what hides them, what they do. Files are NULL when not
- * given; those of planes are the reader's. */
+/* Suns and lamps, their occluders and their light. Files are NULL when not
+ * given; those of planes are opened by the reader. */
 struct gp_sun_params {
     enum gp_sun_method method;
     enum gp_sun_draw draw;
@@ -45,7 +45,7 @@ struct gp_sun_params {
     struct gp_numbers color;   // flux by channel, or one for all
     float size;                // degrees across, with dir and camera
     bool in_frame;             // the frame's pixels hold the lights already
-    float adapt;               // share that the pupil takes, 0 to 1
+    float adapt;               // share that a narrower pupil removes, 0 to 1
     enum gp_ndc ndc;
     enum gp_depth_type depth_type;
     const char *camera, *lights, *flare;
@@ -60,7 +60,7 @@ struct gp_sun_about {
     int number;                // of the frame, for --camera
     bool has_camera, has_ndc;
     double to_camera[16], to_ndc[16]; // row vectors; camera.h
-    enum gp_ndc ndc;           // what to_ndc maps to, as far as it is known
+    enum gp_ndc ndc;           // the range that to_ndc maps to
 };
 
 /* Reads files for the stage. `user` is the first argument of each call. */
@@ -70,7 +70,7 @@ struct gp_sun_reader {
                          const char *path, struct gp_frame *out);
     void (*about)(void *user, const struct gp_frame *f,
                   struct gp_sun_about *out);
-    // depth and coverage of a frame; empty where there is none
+    // depth and coverage of a frame; empty where it has none
     gp_status (*planes)(void *user, const struct gp_log *log,
                         const struct gp_frame *f, struct gp_plane *depth,
                         struct gp_plane *mask);
@@ -93,8 +93,8 @@ struct gp_suns {
     int specs;
     struct gp_camera_file cameras;
     struct gp_flare flare;      // its images read
-    bool warned_clear;          // that nothing hides the lights
-    bool warned_window;         // that a plane does not cover the frame
+    bool warned_clear;          // warned that nothing hides the lights
+    bool warned_window;         // warned that a plane does not cover the frame
     // on GL, kept from frame to frame
     struct gp_gl *gl;
     struct gp_sun_map *map;
@@ -110,10 +110,10 @@ struct gp_suns {
     bool early;  // the mask's shares were read before the engines ran
 };
 
-/* Returns whether the command line names a light. */
+/* Returns true when the command line names a light. */
 bool gp_suns_wanted(const struct gp_sun_params *p);
 
-/* Reads what the command line names, before the first frame.
+/* Reads the files of *p, before the first frame.
  *   p    must stay as long as *out
  *   out  zero; freed by gp_suns_close() in any case
  * Errors: those of the readers. */
@@ -128,21 +128,21 @@ GP_MUST_CHECK gp_status gp_suns_place(
     const struct gp_log *log, const struct gp_sun_reader *reader,
     const struct gp_frame *f, struct gp_suns *suns);
 
-/* Finds how much of each light shows. With the mask the answer stays on GL
- * until gp_suns_draw(), unless suns->early. Errors: GP_ERR_GL, GP_ERR_BUG. */
+/* Measures the visibility of each light. With the mask it stays on GL until
+ * gp_suns_draw(), unless suns->early. Errors: GP_ERR_GL, GP_ERR_BUG. */
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
-/* Returns whether any light needs the kernel, for glare of its own. */
+/* Returns true when a light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 
-/* Returns whether gp_suns_draw() may have light to add: whether a light with
- * flux is not known to be hidden. */
+/* Returns true when gp_suns_draw() may add light: a light with flux is not
+ * known to be hidden. */
 bool gp_suns_add_light(const struct gp_suns *suns);
 
-/* The sources and the visible light of those lights that go through the
+/* Joins the sources and the visible light of those lights that go through the
  * engines: none with the mask, whose share is not known yet, and none that
- * reaches beyond the frame. *joined says whether *out was made. */
+ * reaches beyond the frame. Sets *joined when *out was made. */
 GP_MUST_CHECK gp_status gp_suns_join(const struct gp_log *log,
     const struct gp_suns *suns, const struct gp_frame *f,
     const struct gp_sources *src, struct gp_sources *out, bool *joined);
@@ -155,19 +155,19 @@ GP_MUST_CHECK gp_status gp_suns_spread(
     const struct gp_log *log, struct gp_suns *suns,
     const struct gp_kernel *kernel, const struct gp_frame *f);
 
-/* Adds to f->layer, which is made, what did not go through the engines: lens
- * flare, and glare of the other lights. All visibilities are known then. */
+/* Adds lens flare, and the glare of lights that did not go through the engines,
+ * to f->layer, which is made. All visibilities are known afterwards. */
 GP_MUST_CHECK gp_status gp_suns_draw(const struct gp_log *log,
     struct gp_suns *suns, const struct gp_kernel *kernel, struct gp_frame *f);
 
-/* Returns how the shares are found, for the report: "mask, drawn on GL". */
+/* Returns the method's text for the report: "mask, drawn on GL". */
 const char *gp_suns_way(const struct gp_suns *suns);
 
-/* The mean visibility, by flux where any is given: what a pupil meets. */
+/* Returns the mean visibility, weighted by flux where lights have any. */
 double gp_suns_mean(const struct gp_suns *suns);
 
-/* Pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of all
- * lights side by side, or the intensity map. */
+/* Makes pictures for --debug, as planes of *w x *h, values 0 to 1: sun maps of
+ * all lights side by side, or the intensity map. */
 GP_MUST_CHECK gp_status gp_suns_picture(
     const struct gp_log *log, const struct gp_suns *suns, bool intensity,
     int *w, int *h, struct gp_planes *out);

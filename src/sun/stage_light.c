@@ -1,6 +1,6 @@
-/* The light that suns and lamps bring: sources for the engines, sprites of the
- * kernel for lights whose share is on GL or that reach beyond the frame, and
- * lens flare. */
+/* The light of suns and lamps: sources for the engines, sprites of the kernel
+ * for lights whose share is on GL or that reach beyond the frame, and lens
+ * flare. */
 #include "sun/stage.h"
 
 #include "core/memory.h"
@@ -82,7 +82,7 @@ void gp_disc_light(const struct gp_disc_pixels *d, const struct gp_light *l,
     }
 }
 
-// -- which light goes where --------------------------------------------------
+// -- lights for the engines, and for sprites ----------------------------------
 
 bool gp_suns_glare(const struct gp_suns *suns)
 {
@@ -93,16 +93,15 @@ bool gp_suns_glare(const struct gp_suns *suns)
     return false;
 }
 
-/* Returns whether the shares are still on GL: then all light that needs them is
- * drawn there. On the CPU the same takes a tenth of llvmpipe's time. */
+/* Returns true when the shares are still on GL: then all light that needs them
+ * is drawn there. */
 static bool on_gl(const struct gp_suns *suns)
 {
     return suns->p->method == GP_SUN_MASK && !suns->early;
 }
 
-/* Returns whether light l is drawn as a sprite, not by the engines: they have
- * no sources beyond the pixels and would cut the light of one that is partly
- * there. */
+/* Returns true when light l is drawn as a sprite: engines have no sources
+ * outside the frame and would cut the light of one that is partly outside. */
 static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
                       struct gp_rect data)
 {
@@ -113,7 +112,7 @@ static bool is_sprite(const struct gp_suns *suns, const struct gp_light *l,
            (on_gl(suns) || (l->visibility > 0.0 && beyond));
 }
 
-/* Returns whether light l goes through the engines. */
+/* Returns true when light l goes through the engines. */
 static bool is_source(const struct gp_suns *suns, const struct gp_light *l,
                       struct gp_rect data)
 {
@@ -176,8 +175,8 @@ void gp_suns_drop_sprites(struct gp_suns *suns)
     suns->sprites = 0;
 }
 
-/* The sprite of a radius, made when there is none yet. A frame may have more
- * radii than are kept: then all are made anew. */
+/* Finds the sprite of a radius, or makes it. When a frame has more radii than
+ * are kept, all are made anew. */
 static gp_status find_sprite(const struct gp_log *log,
                              const struct gp_kernel *k, double radius,
                              struct gp_suns *suns, struct gp_sun_sprite **out)
@@ -253,8 +252,8 @@ static gp_status draw_flare(const struct gp_log *log, struct gp_suns *suns,
                                          &f->layer);
 }
 
-/* Sprite and flare together, where all lights that have flux are sprites of
- * one radius, as a lone sun is: one draw and one way back. */
+/* Draws sprite and flare together, where all lights that have flux are sprites
+ * of one radius, as a lone sun is: one draw, one read-back. */
 static gp_status draw_together(const struct gp_log *log, struct gp_suns *suns,
     const struct gp_kernel *kernel, struct gp_frame *f, bool *drawn)
 {

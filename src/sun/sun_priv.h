@@ -58,7 +58,7 @@ void gp_pattern_place(enum gp_sun_pattern pattern, double u, double v,
                       double *x, double *y);
 
 /* Area of the disc of radius r around (cx, cy) within [x0, x1) x [y0, y1),
- * whole numbers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
+ * integers, in closed form; 0 for r <= 0, NaN, and empty rectangles. The
  * disc's edge is placed to 1e-12 of a pixel for r and distances up to 1e5. */
 double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
                          double x1, double y1);
@@ -69,19 +69,19 @@ double gp_disc_rect_area(double cx, double cy, double r, double x0, double y0,
  * beyond everything; surfaces are under it. Known to sun_map.frag as EMPTY. */
 #define GP_SUN_EMPTY 3.4e38f
 
-/* Pixels that samples are moved to the right and down. A sample is often on
- * the line between two pixels (whole positions and radii); this settles which
- * of them it reads, the same for every way to round. */
+/* Samples are moved so many pixels right and down. A sample is often on the
+ * line between two pixels (whole positions and radii); this decides which one
+ * it reads, whatever the rounding. */
 #define GP_SUN_NUDGE (1.0 / 1048576.0)
 
 /* A light as sun_map.frag sees it. Places are from o->frame's first pixel. */
 struct gp_map_light {
     double x, y, radius; // pixels, each the sum of two floats; 1e8 at most
-    int k;               // samples along a texel's side; 0: shows nothing, as
-                         // it is behind the camera or its place is no number
+    int k;               // samples along a texel's side; 0: invisible, as it
+                         // is behind the camera or its place is not finite
     float limit;         // surfaces at a place under it hide the light
     struct gp_rect box;  // pixels that its samples read; may be empty
-    int slot_x, slot_y;  // where box lies in the texture, pixels; even x
+    int slot_x, slot_y;  // place of box in the texture, pixels; even x
 };
 
 struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
@@ -90,7 +90,7 @@ struct gp_map_light gp_map_light_of(const struct gp_occluders *o, int map,
 /* Pixel of coordinate `at`, -1 or `size` outside of [0, size). */
 int gp_map_pixel_at(double at, int size);
 
-/* Counts for samples outside the frame: shown times weight, weight. */
+/* Sets the r and g of samples outside the frame: shown * weight, weight. */
 void gp_map_outside(enum gp_sun_outside outside, float count[2]);
 
 /* The texture of pixels under the lights: two a texel, w x h texels. */

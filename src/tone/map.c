@@ -65,7 +65,7 @@ static void measure_peak(void *ctx, int part, int thread)
     const size_t pixels = gp_frame_pixels(m->f);
     const size_t end = gp_part_start(pixels, part + 1);
     float scratch[3][SCRATCH];
-    double peak = 0.0; // shown as white exactly, so not to be off by a rounding
+    double peak = 0.0; // in double: it must map to white exactly
     float *const out[3] = {scratch[0], scratch[1], scratch[2]};
     (void) thread;
     for (size_t at = gp_part_start(pixels, part); at < end; at += SCRATCH) {

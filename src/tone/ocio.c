@@ -17,15 +17,14 @@ struct gp_ocio {
     const struct gp_ocio_api *api;
     struct gp_ocio_made made;
     bool any_primaries;     // of the params
-    bool noted, noted_output; // gp_ocio_note() has said its lines
+    bool noted, noted_output; // gp_ocio_note() has printed its lines
     bool has_primaries;     // of the output space:
     float primaries[8];
 };
 
 // -- primaries ----------------------------------------------------------------
 
-/* True when two matrices are the same within what chromaticities are rounded
- * to. */
+/* True when two matrices are equal within the rounding of chromaticities. */
 static bool is_close(const double a[9], const double b[9])
 {
     for (int i = 0; i < 9; i++) {
@@ -80,8 +79,8 @@ static bool name_primaries(const struct gp_ocio_light *light, float out[8])
     return true;
 }
 
-/* The frame's RGB to that of the input space. False where they are the same, as
- * far as is known. */
+/* Finds the matrix from the frame's RGB to the input space's. False where they
+ * are the same or either is unknown. */
 static bool frame_matrix(const struct gp_ocio *ocio, const struct gp_frame *f,
                          float out[9])
 {

@@ -1,5 +1,5 @@
-/* OpenColorIO: a config's view in the place of a tone curve, and the frame in
- * another scene-linear space. */
+/* OpenColorIO: a config's view instead of a tone curve, and conversion of the
+ * frame to another scene-linear space. */
 #ifndef GP_TONE_OCIO_H
 #define GP_TONE_OCIO_H
 
@@ -25,20 +25,19 @@ GP_MUST_CHECK gp_status gp_ocio_open(const struct gp_log *log,
     const struct gp_ocio_params *p, struct gp_ocio **out);
 void gp_ocio_close(struct gp_ocio **ocio);
 
-/* The names that it works with; lives as long as `ocio`. */
+/* Returns the names in use; lives as long as `ocio`. */
 const struct gp_ocio_names *gp_ocio_names(const struct gp_ocio *ocio);
 
 /* Warns, once, of an output space whose chromaticities are not known; and, for
- * the first such frame, that a frame whose file names chromaticities is taken
- * as the input space all the same, as nothing says how the two compare. Call it
- * for one frame after the other. */
+ * the first such frame, that a frame's chromaticities are ignored, as the input
+ * space's are unknown. Call it for one frame after the other. */
 void gp_ocio_note(const struct gp_log *log, struct gp_ocio *ocio,
                   const struct gp_frame *f);
 
-/* The chromaticities of gp_ocio_params.output, rx ry gx gy bx by wx wy: those
- * by which the space is known, or else, with the reference's white, those that
- * give the same light. Lives as long as `ocio`; NULL where the config does not
- * say. */
+/* Returns the chromaticities of gp_ocio_params.output, rx ry gx gy bx by wx wy:
+ * the published ones of the space, else those that give the same light with the
+ * reference's white. Lives as long as `ocio`; NULL where the config does not
+ * define them. */
 const float *gp_ocio_output_primaries(const struct gp_ocio *ocio);
 
 /* ITU-T H.273 ColourPrimaries and TransferCharacteristics of what

@@ -1,4 +1,4 @@
-// OpenColorIO behind extern "C". See tone/ocio_bridge.h.
+// OpenColorIO for C: the functions of tone/ocio_bridge.h.
 #include "tone/ocio_bridge.h"
 
 #include "core/status.h"
@@ -259,7 +259,7 @@ void make_view(const Asked &a)
 
 using Pixel = std::array<float, 3>;
 
-// The transform as a function; empty where there is none.
+// The transform as a function; empty where the config has none.
 std::function<Pixel(Pixel)> transform_of(const Asked &a, const char *from,
                                          const char *to)
 try {

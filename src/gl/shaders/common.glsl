@@ -1,4 +1,4 @@
-// Shared by all shaders; stands before each of them.
+// Shared by all shaders; prepended to each of them.
 //
 // Pixels of a target: column x from the left, row y from the image's top,
 // which is GL's bottom, as nothing is flipped. Corner (x, y) is the pixel's

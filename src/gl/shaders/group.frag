@@ -65,7 +65,7 @@ void main()
     light = vec4(0.0);
     place = vec4(0.0);
     if (side.y > 0 && is_bright(texelFetch(parents, cell / side.y, 0)))
-        return; // the cluster's polygon stands for this one
+        return; // the cluster's polygon replaces this one
 
     // row by row, which rounds less than one long sum
     vec4 sum = vec4(0.0);

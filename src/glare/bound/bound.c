@@ -5,8 +5,8 @@
 #include <math.h>
 #include <string.h>
 
-/* Roundings of what is drawn, besides those of the sum: the polygon's light
- * and the blurred kernel's sample, with as much to spare. */
+/* Roundings of the factors of the sum, the polygon's light and the blurred
+ * kernel's sample, doubled for safety. */
 static const double OWN_ROUNDINGS = 4.0;
 
 enum {
@@ -18,7 +18,7 @@ enum {
     NEAR = 4, FAR = 16, NEAR_REACH = 4, FAR_FROM = 2,
 };
 
-/* -- what is kept for one kernel ------------------------------------------- */
+/* -- state kept for one kernel --------------------------------------------- */
 
 /* Of the kernel's tail or whole, and one width of border. */
 struct drawn {
@@ -174,7 +174,7 @@ static void diagonal_row(void *ctx, int y, int thread)
     (void) thread;
     for (int c = 0; c < 3; c++) {
         const double *const square = d->s->square[d->s->channels == 1 ? 0 : c];
-        // what differences of an integral image may have made up
+        // rounding of an integral image's differences
         const double lost = 4.0 * 0x1p-53 * ((double) d->k->w + d->k->h + 4.0) *
             square[((size_t) d->k->w + 1) * ((size_t) d->k->h + 1) - 1];
         double sum = 0.0;
@@ -329,7 +329,7 @@ gp_status gp_layer_least(const struct gp_log *log, const struct gp_sources *src,
     return st ? st : find_layer_least(log, src, kernel, s, least);
 }
 
-/* -- what the polygons are wrong by ---------------------------------------- */
+/* -- the error of the polygons --------------------------------------------- */
 
 gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     const struct gp_kernel *kernel, const struct gp_splat_params *p,
@@ -401,7 +401,7 @@ gp_status gp_group_bound(const struct gp_log *log, const struct gp_sources *src,
     }
     const double all = sqrt(wrong[0] * wrong[0] + wrong[1] * wrong[1] +
                             wrong[2] * wrong[2]);
-    // each rounding is relative to what is drawn: the layer and its error
+    // each rounding is relative to the drawn layer: the exact one and its error
     const double share = (roundings + OWN_ROUNDINGS) * 0x1p-24;
     if (all == 0.0)
         *out = share;

@@ -12,14 +12,14 @@ struct gp_bound_cache {
 };
 void gp_bound_cache_free(struct gp_bound_cache *c);
 
-/* Finds a number that || exact layer ||_2 over the frame is never under, from
- * the sources and the kernel alone; 0 when nothing can be said (lobes).
+/* Finds a lower limit of || exact layer ||_2 over the frame, from only the
+ * sources and the kernel; 0 for kernels with lobes.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_layer_least(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *kernel,
     struct gp_bound_cache *cache, double *least);
 
-/* Finds what rel_l2 of a splat layer cannot exceed: grouping and clustering,
+/* Bounds rel_l2 of a splat layer: grouping and clustering,
  * light left out by shrinking, samples' positions, and `roundings` float
  * roundings (each 2^-24 of a pixel's sum). INFINITY for kernels with lobes.
  * Errors: GP_ERR_BUG out of memory. */

@@ -1,8 +1,8 @@
 /* The bound's parts:
- *   spectrum.c  what grouping makes wrong, by the kernel's spectrum
- *   left_out.c  what shrinking leaves out, by cells of the frame and by rings
- *               of the kernel
- *   bound.c     the least that the layer can be, and all of it together */
+ *   spectrum.c  the error of grouping, by the kernel's spectrum
+ *   left_out.c  the light that shrinking leaves out, by cells of the frame and
+ *               by rings of the kernel
+ *   bound.c     the lower limit of the layer, and the sum of all parts */
 #ifndef GP_GLARE_BOUND_BOUND_PRIV_H
 #define GP_GLARE_BOUND_BOUND_PRIV_H
 
@@ -57,7 +57,7 @@ struct gp_power {
 
 /* Makes the power of the part of the kernel that can reach a frame of w x h
  * pixels from sources up to `pad` pixels outside it. Without FFTW, or on a
- * plane over the memory that this may take, there is only norm1.
+ * plane over its limit of memory, only norm1 is found.
  * Written only on GP_OK; free with gp_power_free().
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_power_make(const struct gp_log *log,
@@ -73,7 +73,7 @@ struct gp_residue {
     int rows;             // rows that are not 0
     int *row;             // which, ascending
     double norm2[3];      // sqrt of the sum of squares
-    double rounding[3];   // what norm2 of the error of `d` cannot exceed
+    double rounding[3];   // bound of norm2 of the error of `d`
 };
 
 /* Free with gp_residue_free(). Errors: GP_ERR_BUG out of memory. */
@@ -82,7 +82,7 @@ GP_MUST_CHECK gp_status gp_residue_make(const struct gp_log *log,
     struct gp_residue *out);
 void gp_residue_free(struct gp_residue *r);
 
-/* Finds what |k * d| over the frame cannot exceed, each channel.
+/* Bounds |k * d| over the frame, each channel.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_power_bound(const struct gp_log *log,
     const struct gp_power *power, const struct gp_residue *r, double out[3]);
@@ -138,16 +138,15 @@ GP_MUST_CHECK gp_status gp_bound_rings_make(const struct gp_log *log,
     struct gp_bound_rings *out);
 void gp_bound_rings_free(struct gp_bound_rings *r);
 
-/* Finds what the light left out by shrinking adds up to over an unbounded
- * plane, and, by Young's inequality ring for ring, what its norm cannot exceed.
+/* Sums the light left out by shrinking over an unbounded plane, and bounds its
+ * norm by Young's inequality, ring by ring.
  * Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_bound_rings_left(const struct gp_log *log,
     const struct gp_bound_rings *r, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, double sum[3], double norm[3]);
 
-/* Finds what the norm cannot exceed when polygons that lie between pixels are
- * sampled up to `place` pixels away from where they should be, in x and in
- * y. */
+/* Bounds the norm of the error when polygons between pixels are sampled up to
+ * `place` pixels off, in x and in y. */
 void gp_bound_rings_sampled(const struct gp_bound_rings *r,
     const struct gp_polygons *polygons, double place, double norm[3]);
 

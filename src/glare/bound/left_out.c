@@ -1,5 +1,5 @@
-/* The light that polygons are short of when they leave a part of the kernel
- * out. Kernels without lobes. */
+/* Bounds the light that polygons lack where shrinking cuts the kernel off.
+ * Kernels without lobes. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"

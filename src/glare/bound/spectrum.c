@@ -1,5 +1,5 @@
-/* The most light that a kernel makes of the difference of sources and
- * polygons. */
+/* Bounds the layer of the difference of sources and polygons by the kernel's
+ * spectrum. */
 #include "core/cpu.h"
 #include "core/memory.h"
 #include "core/parallel.h"

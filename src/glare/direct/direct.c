@@ -153,7 +153,7 @@ double gp_direct_quads(const struct gp_sources *src)
     static const double FULL = 2.5; // most quads for each source
     if (src->n >= MOST)
         return 0.0;
-    // an odd step, as light may stand in every other row
+    // an odd step, as light may be in every other row
     const int step = 7 + 2 * (int) (src->n / WANTED);
     const double quads = (double) gp_quads_count(src, step);
     return quads <= FULL * (double) src->n ? quads : 0.0;

@@ -37,7 +37,7 @@ GP_MUST_CHECK gp_status gp_direct_sum(const struct gp_log *log,
     struct gp_planes *layer);
 
 /* Quads that gp_direct_sum() makes of the sources when the kernel is small,
- * about; 0 when it takes them one by one, as they stand too far apart. */
+ * about; 0 when it takes them one by one, as they are too far apart. */
 double gp_direct_quads(const struct gp_sources *src);
 
 /* Bounds rel_l2 of the sum of n sources: float rounding, as long as no
@@ -52,10 +52,9 @@ double gp_direct_work(const struct gp_sources *src, int w, int h, int cx,
 
 // -- quad.c -------------------------------------------------------------------
 //
-// Light that lies together, as in lamps, windows, skies, in columns of four:
-// four sources one above the other shine through one row of the kernel on four
-// pixels one above the other, so that a sample of the kernel that was loaded
-// once serves four products.
+// Adjacent light, as in lamps, windows, skies, in columns of four: four sources
+// one above the other add one row of the kernel to four pixels one above the
+// other, so that a loaded sample of the kernel serves four products.
 
 enum { GP_QUAD = 4 };
 
@@ -84,7 +83,7 @@ GP_MUST_CHECK gp_status gp_quads_sum(const struct gp_log *log,
     const struct gp_quads *quads, const struct gp_taps *taps, int w, int h,
     bool add, struct gp_planes *layer);
 
-// -- what both forms of the sum are made of ----------------------------------
+// -- shared by both forms of the sum -----------------------------------------
 
 enum {
     GP_DIRECT_LANES = 8,

@@ -139,8 +139,8 @@ void gp_quads_free(struct gp_quads *q)
 
 /* -- the sum ----------------------------------------------------------------
  *
- * A band of rows after another, and in a band from left to right: the layer
- * and the kernel's rows are read in the order in which they lie in memory. */
+ * Band after band of rows, and in a band from left to right: the layer and the
+ * kernel's rows are read in the order of memory. */
 
 /* The quads that reach a strip of a band, in their order. k[at + y * pitch] is
  * the kernel's sample for the strip's first pixel of row y. */

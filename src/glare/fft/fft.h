@@ -1,5 +1,5 @@
 /* Convolution by fast Fourier transforms: FFTW, the passes over rows and
- * columns, and how little a layer can be. The engine is gp_engine_fft. */
+ * columns, and a layer's lower limit. The engine is gp_engine_fft. */
 #ifndef GP_GLARE_FFT_FFT_H
 #define GP_GLARE_FFT_FFT_H
 
@@ -100,7 +100,7 @@ typedef void (*gp_fft_load)(const void *ctx, int c, int j, float *z);
 GP_MUST_CHECK gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
     gp_fft_load load, const void *ctx, struct gp_fft_matrix *m);
 
-/* Transforms columns of `rows` rows, row j standing at place[j] of ny, to
+/* Transforms columns of `rows` rows, row j at place[j] of ny, to
  * whole columns of `out` (pitch >= ny), times `scale`. */
 GP_MUST_CHECK gp_status gp_fft_columns(const struct gp_fft_job *job,
     const struct gp_fft_matrix *m, int rows, const int *place, float scale,
@@ -124,8 +124,8 @@ GP_MUST_CHECK gp_status gp_fft_rows_out(const struct gp_fft_job *job,
 
 // -- split.c -----------------------------------------------------------------
 
-/* The least that a source leaves in a frame, in each channel: one quarter of
- * the kernel, centre included, or of its middle w x h samples when the frame
+/* The least light that a source adds to a frame, in each channel: one quarter
+ * of the kernel, centre included, or of its middle w x h samples when the frame
  * is smaller. 0 where a quarter is dark or, of a negative kernel, may
  * cancel. */
 struct gp_fft_quarters {

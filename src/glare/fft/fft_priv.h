@@ -1,5 +1,5 @@
-/* split.c: where a convolution stands on its torus, what it costs, how wrong
- * it may be, and which part of the sum goes direct. */
+/* split.c: places a convolution on its torus, predicts its cost, bounds its
+ * error, and chooses the part of the sum that goes direct. */
 #ifndef GP_GLARE_FFT_FFT_PRIV_H
 #define GP_GLARE_FFT_FFT_PRIV_H
 
@@ -56,16 +56,16 @@ double gp_fft_bound(const struct gp_sources *s, const struct gp_kernel *k,
  * Roundings count as independent and of mean 0, as for gp_fft_bound(). Those of
  * a butterfly of value v (products, their sum, a root of unity, an addition)
  * have together a variance of at most (2 2^-24 |v|)^2, in the sense of
- * Hoeffding 1963. A stage that has folded n samples, nx ny / n apart, into each of its
- * nodes meets a pixel with nodes of light v and of kernel g: by Parseval the
- * sum of |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square of
- * the circular convolution of both cosets. Summed over cosets, as nothing is
+ * Hoeffding 1963. A stage that has folded n samples, nx ny / n apart, into each
+ * of its nodes meets a pixel with nodes of light v and of kernel g: by Parseval
+ * the sum of |v|^2 |g|^2 over a coset's n frequencies is 1 / n times the square
+ * of the circular convolution of both cosets. Summed over cosets, as nothing is
  * negative, that is at most the mean square of the layer on n samples, so at
  * most most^2. The kernel's transform is the same with light and kernel
  * changed, the one back has the layer itself in its nodes. Two rows share a
  * transform, which doubles the square. 3 transforms of log2(nx ny) stages stay
- * under t sqrt(2 * 3 log2(nx ny)) 2 2^-24 most, but for a chance of 2
- * exp(-t^2 / 2): 2.5e-14 a sample with t = 8. */
+ * under t sqrt(2 * 3 log2(nx ny)) 2 2^-24 most, but for a chance of 2 exp(-t^2
+ * / 2): 2.5e-14 a sample with t = 8. */
 double gp_fft_pixel_error(const struct gp_fft_placing *p, double most);
 
 // -- reach.c ------------------------------------------------------------------
@@ -113,7 +113,7 @@ GP_MUST_CHECK gp_status gp_fft_clear_unreached(const struct gp_log *log,
 
 // -- what goes direct --------------------------------------------------------
 
-/* Which part of the sum goes direct, so that float rounding stays unseen.
+/* The part of the sum that goes direct, so that float rounding stays unseen.
  *
  * The rounding noise of a transform spreads evenly over the frame, about
  * |sources| |kernel| 2^-24 strong: one hot pixel lays it over the darkest

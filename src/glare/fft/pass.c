@@ -85,7 +85,7 @@ GP_CLONES static void unpack(const float *z, size_t z_pitch, int nx,
     }
 }
 
-/* The way back: eight columns' rows to four complex rows of nx numbers. */
+/* The inverse: eight columns' rows to four complex rows of nx numbers. */
 GP_CLONES static void pack(const float *in, size_t pitch, int nx, float *z,
                            size_t z_pitch)
 {
@@ -248,7 +248,7 @@ gp_status gp_fft_rows_in(const struct gp_fft_job *job, int rows,
     return run_pass(&s, (PAIRS + 1) * row_floats(job->x->n), rows_in);
 }
 
-/* One column, its rows put where they stand, transformed into `out`. */
+/* Transforms one column into `out`, its rows at their places. */
 static void column_forward(const struct pass *s, const float *column,
                            float *spread, float *out)
 {

@@ -6,7 +6,7 @@
 #include <limits.h>
 #include <math.h>
 
-// -- where it stands ---------------------------------------------------------
+// -- places on the torus ------------------------------------------------------
 
 /* One axis: sources [in0, in1), kernel offsets [-c, w - 1 - c], frame [0, n).
  * Returns the least period. */

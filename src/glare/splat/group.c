@@ -37,8 +37,8 @@ struct grouping {
 
 /* -- cells ----------------------------------------------------------------- */
 
-/* Adds sources [i, end), which lie in one row of a cell: `dx` is to be added
- * to their columns, and they are `dy` rows under its first row. */
+/* Adds sources [i, end) of one row of a cell; `dx` is added to their columns,
+ * and they are `dy` rows under its first row. */
 static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
                         int dx, int dy, struct cell_sum *cell)
 {
@@ -51,7 +51,7 @@ static void add_sources(const struct gp_sources *src, uint32_t i, uint32_t end,
         const double r = (double) src->rgb[0][i], g = (double) src->rgb[1][i];
         const double b = (double) src->rgb[2][i], x = src->x[i] + dx;
         double y = wr * r + wg * g + wb * b;
-        y = y > 0.0 ? y : 0.0; // weights of unreal primaries
+        y = y > 0.0 ? y : 0.0; // unreal primaries have negative weights
         rgb[0] += r;
         rgb[1] += g;
         rgb[2] += b;
@@ -115,7 +115,7 @@ static void close_row(const struct grouping *g, const struct cell_sum *cell,
 
 /* -- one band -------------------------------------------------------------- */
 
-/* The end of the sources from i on, in row y, that lie in the same cell. */
+/* Returns the end of the sources from i on, in row y, in the same cell. */
 static uint32_t run_end(const struct grouping *g, uint32_t i, int y, int shift)
 {
     const int cell = (g->src->x[i] + g->left) >> shift;
@@ -158,8 +158,7 @@ static size_t add_to_groups(const struct grouping *g, int y0, int y1,
     return n;
 }
 
-/* Counts the band's polygons, or makes them when there is a place to put
- * them. */
+/* Counts the band's polygons, or makes them when `out` is set. */
 static void group_band(void *ctx, int i, int thread)
 {
     const struct grouping *const g = ctx;

@@ -1,9 +1,9 @@
-/* Polygons: fewer places to set the kernel down for the same light (Ando et
- * al. 2007, section 4), on the CPU. The splat engine draws them; its bound
- * counts with them; GL makes the same ones by group.frag.
+/* Polygons: groups of sources that share one drawn kernel (Ando et al. 2007,
+ * section 4), on the CPU. The splat engine draws them, its bound uses them, and
+ * GL makes the same ones by group.frag.
  *   group.c  groups and clusters
- *   blur.c   the kernel as polygons need it, its reach, and what they look
- *            like: their layer in double, the picture of their rims */
+ *   blur.c   their blurred kernels and reach, their layer in double, and the
+ *            picture of their rims */
 #ifndef GP_GLARE_SPLAT_POLYGONS_H
 #define GP_GLARE_SPLAT_POLYGONS_H
 

@@ -22,9 +22,9 @@ enum {
     SMOOTH_ROUNDINGS = 9, // of a bilinear sample
 };
 
-/* The part of the kernel that can reach a pixel of a w x h frame from within
- * it, in kernel pixels, when blurred by boxes of sides up to `side`. May be
- * empty, as --kernel-center may be far away. */
+/* Returns the part of the kernel, in its pixels, that can reach one pixel of a
+ * w x h frame from another when blurred by boxes of sides up to `side`. Empty
+ * where --kernel-center is far away. */
 static struct gp_rect crop_of(const struct gp_kernel *k, int w, int h, int side)
 {
     const long long cx = k->cx, cy = k->cy;
@@ -51,8 +51,8 @@ static uint64_t mix_bytes(uint64_t hash, const void *data, size_t bytes)
     return hash;
 }
 
-/* Of all that a plan depends on but the kernel's samples, whose serial is
- * unique; 0 is never the key of a plan. */
+/* Hashes all that a plan depends on, the kernel by its unique serial; 0 is
+ * never the key of a plan. */
 static uint64_t key_of(const struct gp_glare_job *job)
 {
     const struct gp_sources *const s = job->src;

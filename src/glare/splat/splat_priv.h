@@ -1,7 +1,7 @@
 /* The splat engine's parts, from the bottom up:
  *   objects.c  programs, kernels, sensors and groups on GL
- *   tile.c     polygons gathered per tile, and the lists that say which
- *              polygon reaches which tile
+ *   tile.c     polygons gathered per tile, and the list of each tile's
+ *              polygons
  *   draw.c     polygons as blended quads or point sprites
  *   splat.c    the plan of what is drawn, and the engine */
 #ifndef GP_GLARE_SPLAT_SPLAT_PRIV_H
@@ -25,8 +25,8 @@ struct gp_splat_plan {
     bool tail;                     // the kernel is more than its core
     struct gp_rect crop;           // of the kernel, that can reach the frame
     struct gp_polygons polygons;
-    size_t chunk;                  // polygons whose light is summed by itself
-                                   // before it is added to the layer: about
+    size_t chunk;                  // polygons summed separately before their
+                                   // sum is added to the layer: about
                                    // the square root of all, as a sum of n
                                    // equal terms in float may drift by n / 2
                                    // roundings
@@ -107,7 +107,7 @@ GP_MUST_CHECK gp_status gp_splat_open(const struct gp_log *log,
 
 /* -- objects on GL --------------------------------------------------------- */
 
-/* Makes a program when it is not there. Errors: GP_ERR_GL. */
+/* Makes a program unless it exists. Errors: GP_ERR_GL. */
 GP_MUST_CHECK gp_status gp_splat_use(const struct gp_log *log,
     struct gp_splat *s, enum gp_splat_program which);
 
@@ -117,14 +117,14 @@ GP_MUST_CHECK gp_status gp_splat_fit_target(const struct gp_log *log,
     const struct gp_gl *gl, const char *what, int n, int w, int h,
     struct gp_target *t);
 
-/* Drops the kernels when they are not made from this very kernel, crop, and
- * use: `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered`
- * puts a border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
+/* Drops the kernels unless they were made from this kernel, crop, and use:
+ * `tail` leaves the core out of all but GP_SPLAT_CORE, and `bordered` puts a
+ * border around GP_SPLAT_WHOLE and GP_SPLAT_CORE too. */
 void gp_splat_set_kernel(struct gp_splat *s, const struct gp_kernel *k,
                          struct gp_rect crop, bool tail, bool bordered);
 void gp_splat_drop_kernels(struct gp_splat *s);
 
-/* Makes s->kernel[which] when it is not there. A kernel of no samples (a core
+/* Makes s->kernel[which] unless it exists. A kernel of no samples (a core
  * that the crop does not meet) has w 0 and no texture.
  * Errors: GP_ERR_GL over the texture limit, GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_splat_need_kernel(const struct gp_log *log,
@@ -165,7 +165,7 @@ GP_MUST_CHECK gp_status gp_splat_group(const struct gp_log *log,
 
 /* -- drawing --------------------------------------------------------------- */
 
-/* Draws the layer that s->plan says, by blended quads or by points. The
+/* Draws the layer of s->plan, by blended quads or by points. The
  * context is open and current. Nothing is read back before a field of the
  * layer is done.
  * Errors: GP_ERR_GL, as when a point would be larger than the driver draws;
@@ -202,8 +202,7 @@ GP_MUST_CHECK gp_status gp_tiles_draw(const struct gp_log *log,
     struct gp_tiles **state, double *roundings);
 void gp_tiles_free(struct gp_gl *gl, struct gp_tiles **state);
 
-/* Roundings of a pixel's sum that gp_tiles_draw() stays under, before it is
- * called. */
+/* Bounds the roundings of a pixel's sum in gp_tiles_draw(), before it runs. */
 double gp_tiles_roundings(const struct gp_polygons *polygons);
 
 /* Double-precision layer of the polygons as they are meant to be drawn: the
@@ -216,7 +215,7 @@ GP_MUST_CHECK gp_status gp_group_reference(const struct gp_log *log,
     const struct gp_splat_params *p, const struct gp_polygons *polygons,
     const struct gp_shrink *shrink, double *layer);
 
-/* -- tile.c's lists, which tests look into --------------------------------- */
+/* -- tile.c's lists, declared for tests ------------------------------------ */
 
 /* Polygons that one program and one kernel texture can draw together. Kind 0
  * is on whole pixels and has blur 0, so that samples are not mixed; kind

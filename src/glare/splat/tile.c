@@ -1,5 +1,5 @@
 /* Polygons gathered per tile. The frame is cut into fields, a field into
- * tiles; a batch says which polygons reach each tile, and one fragment pass
+ * tiles; a batch lists the polygons that reach each tile, and one fragment pass
  * over the field walks it (shaders/tile.frag), once for each blur.
  *
  * A fragment is 4x2 pixels: six attachments hold the two rows of each plane,
@@ -346,9 +346,8 @@ out:
 
 /* -- drawing --------------------------------------------------------------- */
 
-
-/* Draws the pieces of one kind that reach the field; *draws and *sums count
- * what a pixel may see of it. */
+/* Draws the pieces of one kind that reach the field; *draws and *sums count the
+ * roundings of a pixel. */
 static gp_status draw_kind(const struct gathering *k, int kind, int *draws,
                            double *sums)
 {
