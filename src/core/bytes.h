@@ -1,5 +1,5 @@
-/* Whole numbers in a file's bytes, of either order, at any alignment, and
- * floats as their bits. */
+/* Integers in a file's bytes, in either byte order and at any alignment, and
+ * floats as bits. */
 #ifndef GP_CORE_BYTES_H
 #define GP_CORE_BYTES_H
 

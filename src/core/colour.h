@@ -6,7 +6,7 @@
  * without a chromaticities attribute has these (ImfStandardAttributes.h). */
 extern const float gp_rec709_chromaticities[8];
 
-/* Luminance weights of BT.709, the ones all papers print. */
+/* Luminance weights of BT.709, rounded to four digits as its item 3.2 does. */
 extern const float gp_rec709_luminance[3];
 
 /* The Y row of the RGB to CIE XYZ matrix of these primaries, scaled so that
@@ -33,8 +33,8 @@ void gp_multiply3(const double a[9], const double b[9], double out[9]);
 void gp_invert3(const double m[9], double out[9]);
 
 /* The sRGB transfer curve, IEC 61966-2-1:1999: linear to encoded and back,
- * both in [0,1]; values outside are clamped, NaN becomes 0. The plain forms
- * that faster ones are tested against. */
+ * both in [0,1]; values outside are clamped, NaN becomes 0. The references of
+ * faster forms. */
 float gp_srgb_encode(float linear);
 float gp_srgb_decode(float encoded);
 

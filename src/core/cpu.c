@@ -11,9 +11,8 @@
 bool gp_cpu_has_avx2(void)
 {
 #if defined(__x86_64__) && defined(__GNUC__)
-    // F16C is asked of the CPU itself: clang 14 knows no "f16c". And only once:
-    // a virtual machine leaves each answer to its host, which takes
-    // microseconds
+    // by cpuid: clang 14's __builtin_cpu_supports() has no "f16c". And once: in
+    // a virtual machine each cpuid traps, which takes microseconds
     enum { UNKNOWN, MISSING, THERE };
     static atomic_int f16c;
     const char *cpu = getenv("GLAREPP_CPU");

@@ -2,8 +2,8 @@
  *
  * GP_CLONES before a function makes the compiler build it twice, for the
  * baseline and for AVX2, and choose at load time. ISO C keeps a * b + c unfused
- * in both, so both give the same bits. (Not "arch=haswell": that clone is taken
- * only by that very model, not by later ones.)
+ * in both, so both give the same bits. (Not "arch=haswell", which is chosen on
+ * that model only, not on later ones.)
  *
  * GP_X86_AVX2 marks files and functions with hand-written AVX2; they are
  * called only when gp_cpu_has_avx2(). */
@@ -13,7 +13,7 @@
 #include <stdbool.h>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define GP_SANITIZED 1 // their run time is not up when ifuncs are resolved
+#define GP_SANITIZED 1 // ifuncs are resolved before their run time starts
 #endif
 
 #if defined(__x86_64__) && defined(__GNUC__)

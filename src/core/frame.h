@@ -56,7 +56,7 @@ struct gp_numbers {
 };
 
 /* Three float planes of one size, w * h samples each, rows from the top,
- * no padding, samples [y * w + x]. All NULL when not made. */
+ * no padding, samples [y * w + x]. All NULL when empty. */
 struct gp_planes {
     float *c[3];
 };
@@ -95,15 +95,15 @@ struct gp_channel {
     void *data;   // owned; NULL for colour
 };
 
-/* Form of the file's channels that made rgb. */
+/* The channels that rgb was made from. */
 enum gp_colour_model {
     GP_COLOUR_RGB,   // three channels R, G, B (or red, green, blue)
     GP_COLOUR_GREY,  // one channel, the same in all three planes
     GP_COLOUR_YC,    // luminance-chroma: Y, RY, BY
 };
 
-/* The attributes of a file that is not EXR, for the EXR that is made of it.
- * An EXR's own attributes stay in its header. */
+/* An attribute of a file that is not EXR, for the EXR made from it. An EXR's
+ * own attributes stay in its header. */
 struct gp_attribute {
     char *name;
     enum { GP_ATTRIBUTE_TEXT, GP_ATTRIBUTE_INT, GP_ATTRIBUTE_FLOAT } kind;
@@ -119,7 +119,7 @@ struct gp_frame {
                                    // has grown (io/grow.h); empty: `data`
     float pixel_aspect;
     float chromaticities[8];       // rx ry gx gy bx by wx wy
-    bool names_chromaticities;     // the file does; else they are BT.709's
+    bool names_chromaticities;     // set in the file; else BT.709's
     float luminance[3];            // Y = sum luminance[c] * rgb[c]
     enum gp_colour_model model;
     enum gp_pixel_type colour_type;  // GP_HALF or GP_FLOAT, as in the file
@@ -137,7 +137,7 @@ struct gp_frame {
     struct gp_attribute *attribute;  // owned, names and texts too; not of EXR
     int attributes;
 
-    void *input;                    // io's own: an EXR's header, other parts
+    void *input;                    // private to io: an EXR's header, parts
     void (*input_free)(void *input);
 };
 
@@ -162,7 +162,7 @@ static inline size_t gp_frame_pixels(const struct gp_frame *f)
     return (size_t) gp_frame_w(f) * (size_t) gp_frame_h(f);
 }
 
-/* Allocates three planes of w * h samples, not cleared. `what` is for the
+/* Allocates three planes of w * h uninitialised samples. `what` is for the
  * message. On failure *p is empty. Free with gp_planes_free(). */
 GP_MUST_CHECK gp_status gp_planes_make(const struct gp_log *log,
     const char *what, size_t samples, struct gp_planes *p);

@@ -1,6 +1,6 @@
-/* JSON by jansson: files read strictly, where every key is known, every number
- * has a range, and messages name the file, the place ("element 3") and the key;
- * and strings that need not be UTF-8. */
+/* JSON by jansson. Reads files strictly: every key is known, every number has a
+ * range, and messages name the file, the place ("element 3") and the key. Makes
+ * JSON of strings that need not be UTF-8. */
 #ifndef GP_CORE_JSON_H
 #define GP_CORE_JSON_H
 
@@ -14,10 +14,10 @@
  * when memory is full. */
 json_t *gp_json_name(const char *s);
 
-/* The text of `o`, whose reference it takes; NULL for a NULL `o`, and when
- * memory was full for any value made on this thread since the last text: calls
- * that build `o` need no check. The caller owns it: free(). `flags` as of
- * json_dumps(). */
+/* Returns the text of `o`, whose reference it takes; NULL for a NULL `o`, and
+ * when memory was full for any value made on this thread since the last text:
+ * calls that build `o` need no check. The caller frees it by free(). `flags`
+ * are those of json_dumps(). */
 char *gp_json_print(json_t *o, size_t flags);
 
 /* The place of a value, for messages. */
@@ -29,7 +29,7 @@ struct gp_json_place {
 };
 
 /* Reads a file of at most `most` bytes, at least 1024. Duplicate keys are
- * refused. Every number comes as a JSON_REAL, so that long integers (ids of
+ * refused. Every number is read as a JSON_REAL, so that long integers (ids of
  * other programs) are no error. A byte order mark before the text is skipped.
  * Memory may reach 24 times the file's size.
  *   out  written on GP_OK only; json_decref()
@@ -45,13 +45,15 @@ GP_MUST_CHECK gp_status gp_json_read(const struct gp_log *log, const char *path,
 GP_MUST_CHECK gp_status gp_json_array(const struct gp_json_place *p,
     json_t *root, const char *key, size_t most, json_t **out);
 
-/* Errors: GP_ERR_DATA `o` is no object, or has a key outside of `keys` (NULL
- * ends); the message names it and what there could be. */
+/* Checks that all keys of `o` are among `keys` (NULL ends).
+ * Errors: GP_ERR_DATA `o` is no object, or has another key; the message lists
+ * `keys`. */
 GP_MUST_CHECK gp_status gp_json_keys(const struct gp_json_place *p, json_t *o,
                                      const char *const keys[]);
 
-/* Values of a key: `out` stays as it is when the key is missing (*found says,
- * may be NULL). Numbers are finite and within [lo, hi]; ints are whole.
+/* Values of a key: `out` stays as it is when the key is missing; *found, which
+ * may be NULL, is whether it is there. Numbers are finite and within [lo, hi];
+ * ints are whole.
  * Errors: GP_ERR_DATA with file, place, key, what was found, the range. */
 GP_MUST_CHECK gp_status gp_json_number(const struct gp_json_place *p, json_t *o,
     const char *key, double lo, double hi, double *out, bool *found);

@@ -10,8 +10,8 @@
 
 enum { NAME = 4096 + 256 }; // bytes of a path
 
-/* The number in a file, where there is one below `most`; else `most`: "max",
- * no file, the huge number by which v1 says that there is no limit. */
+/* Returns the number in a file; `most` when there is no file, it is larger (v1
+ * writes a huge one for no limit), or is "max". */
 static size_t limit_of(const char *path, size_t most)
 {
     char line[64] = "";
@@ -27,8 +27,8 @@ static size_t limit_of(const char *path, size_t most)
                                                               : most;
 }
 
-/* The least limit of a group and of all groups above it. In a container the
- * path may be the host's: its folders are not there, the mounted one is. */
+/* Returns the least limit of a group and its parents. In a container the path
+ * may be the host's, of which only the mounted folder exists. */
 static size_t least_upwards(const char *mount, const char *group,
                             const char *file, size_t most)
 {

@@ -1,5 +1,6 @@
 #include "core/luminance.h"
 
+#include "core/bytes.h"
 #include "core/memory.h"
 #include "core/parallel.h"
 
@@ -71,14 +72,14 @@ double gp_log_average(const struct gp_frame *f, const struct gp_planes *p)
 
 // -- percentiles -------------------------------------------------------------
 
-/* Bits of a float >= 0 ascend with it: its rank is found by the upper half of
- * them, then among those of that half by the lower one. */
+/* Bits of a float >= 0 ascend with it: a histogram of their upper half, then
+ * one of the lower half of those in the bin, find the value of a rank. */
 enum { HALF_BITS = 16, HALF_BINS = 1 << HALF_BITS };
 
 struct ranking {
     const struct gp_frame *f;
     uint32_t (*count)[HALF_BINS]; // of each thread
-    uint32_t upper;               // half that is looked into; HALF_BINS: none
+    uint32_t upper;               // bin that is refined; HALF_BINS: none
 };
 
 static float luminance_at(const struct gp_frame *f, size_t i)
@@ -96,8 +97,7 @@ static void count_part(void *ctx, int part, int thread)
     uint32_t *const count = r->count[thread];
     for (size_t i = gp_part_start(pixels, part); i < end; i++) {
         const float y = luminance_at(r->f, i);
-        uint32_t bits;
-        memcpy(&bits, &y, sizeof bits);
+        const uint32_t bits = gp_bits_of(y);
         if (r->upper == HALF_BINS)
             count[bits >> HALF_BITS]++;
         else if (bits >> HALF_BITS == r->upper)
@@ -105,7 +105,7 @@ static void count_part(void *ctx, int part, int thread)
     }
 }
 
-/* The bin that holds the one of that rank, from 1; *rank becomes its rank in
+/* Returns the bin of the value of that rank, from 1; *rank becomes its rank in
  * the bin. */
 static uint32_t find_bin(struct ranking *r, uint64_t *rank)
 {
@@ -132,13 +132,13 @@ gp_status gp_luminance_percentile(const struct gp_log *log,
                             sizeof *r.count, &r.count);
     if (st)
         return st;
-    // (99.9 in binary is a little more: it must not lose a pixel of 1000)
+    // 99.9 in binary is a little more, and would skip a pixel of 1000
     const double k = percent / 100.0 * (double) pixels;
     uint64_t rank = (uint64_t) ceil(k - 1e-9 * k);
     rank = rank < 1 ? 1 : rank > pixels ? pixels : rank;
     r.upper = find_bin(&r, &rank);
     const uint32_t bits = r.upper << HALF_BITS | find_bin(&r, &rank);
-    memcpy(out, &bits, sizeof *out);
+    *out = gp_float_with_bits(bits);
     gp_free(r.count);
     return GP_OK;
 }

@@ -6,8 +6,8 @@
 #include "core/frame.h"
 #include "core/status.h"
 
-/* Parts of a frame that are measured one by one; fixed, so that sums are the
- * same for any number of threads. */
+/* Parts of a frame, each summed by itself; fixed, so that sums are the same for
+ * any number of threads. */
 enum { GP_FRAME_PARTS = 256 };
 
 /* First pixel of a part; that of part GP_FRAME_PARTS is `pixels`. */

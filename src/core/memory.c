@@ -15,11 +15,11 @@ enum { HUGE_PAGE = 2 << 20, LARGE = 4 << 20, KEPT_LEAST = 256 << 10 };
 
 // -- large blocks, from frame to frame ---------------------------------------
 
-/* The C library gives large blocks back to the system at once, which then
- * clears their pages anew for every frame: a sixth of the CPU time of a
- * sequence at 3840x2160. In its heap, frames in flight would leave holes, and
- * a thousand frames grow it by a fifth. So blocks from KEPT_LEAST on stay here.
- * Sanitizers are to see what is freed. */
+/* The C library returns large blocks to the system at once, which then clears
+ * their pages again for every frame: a sixth of the CPU time of a sequence at
+ * 3840x2160. In its heap, frames in flight would leave holes, and a thousand
+ * frames grow it by a fifth. So blocks of KEPT_LEAST and more are kept here;
+ * not under sanitizers, which must see what is freed. */
 #ifndef __has_feature
 #define __has_feature(x) 0 // clang's; gcc has names for them
 #endif
@@ -54,7 +54,7 @@ static size_t counted_bytes(void *block)
     return bytes < KEPT_LEAST ? 0 : bytes;
 }
 
-/* A block is in use from here on, or no more. */
+/* Counts a block that comes into use, or goes out of it. */
 static void count_use(size_t bytes, bool used)
 {
     if (!bytes)
@@ -134,7 +134,7 @@ gp_status gp_alloc(const struct gp_log *log, const char *what, size_t count,
             count_block(kept.bytes[best]);
             block = take_kept(best);
         }
-        // else what is kept never adds to the most that was in use
+        // blocks that are kept may not raise the peak that was in use
         while (!block && kept.n > 0 &&
                kept.used + bytes + kept.waiting > kept.most)
             free(take_kept(0));
@@ -180,10 +180,10 @@ gp_status gp_alloc_zero(const struct gp_log *log, const char *what,
 void gp_keep_memory(void)
 {
     kept.on = KEPT_MOST > 0;
-    static const int apart = KEPT_LEAST; // out of the heap: kept here
-    static const int ends = 1 << 30; // at the heap's end, from frame to frame
-    static const int heaps = 1; // a heap for each thread grows, frame by frame,
-                                // by what another thread took and gives back
+    static const int apart = KEPT_LEAST; // mapped, so that they are kept here
+    static const int ends = 1 << 30; // free bytes that the heap keeps
+    static const int heaps = 1; // a heap for each thread would grow by what
+                                // other threads take from it and free
 #ifdef __GLIBC__
     mallopt(M_MMAP_THRESHOLD, apart);
     mallopt(M_TRIM_THRESHOLD, ends);

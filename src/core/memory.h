@@ -6,13 +6,12 @@
 
 #include <stddef.h>
 
-/* Every block starts on a cache line, which is also wide enough for the
- * widest vector of any CPU this runs on. */
+/* Every block starts on a cache line, which aligns any vector too. */
 enum { GP_ALIGN = 64 };
 
 /* Allocates `count` * `size` zeroed bytes at GP_ALIGN. `out` is the address of
- * any object pointer, which is NULL on failure. A product that overflows fails
- * like a full memory.
+ * any object pointer, which is NULL on failure, also of a product that
+ * overflows.
  * Ownership passes to the caller; free with gp_free().
  * Errors: GP_ERR_BUG, with a line that names `what` and the bytes, and no
  * file: gp_fail_bare().
@@ -24,10 +23,10 @@ GP_MUST_CHECK gp_status gp_alloc_zero(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_alloc(const struct gp_log *log, const char *what,
                                  size_t count, size_t size, void *out);
 
-/* Gives *block, which is NULL or from here, a new size of `bytes` >= 1; what
- * it holds stays, as far as it fits. Of a large block the system moves pages
- * and no bytes, so that old and new never exist at once. It is
- * aligned for any type, but not at GP_ALIGN. On failure *block is as it was.
+/* Gives *block, which is NULL or from here, a new size of `bytes` >= 1 and
+ * keeps its content, as far as it fits. The system moves the pages of a large
+ * block, so that old and new never exist at once. The block is aligned for any
+ * type, but not at GP_ALIGN. On failure *block is as it was.
  * Errors: as gp_alloc(). */
 GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,
                                   size_t bytes, void **block);
@@ -37,13 +36,13 @@ GP_MUST_CHECK gp_status gp_resize(const struct gp_log *log, const char *what,
 #define GP_FREE(p) (gp_free(p), (void) ((p) = NULL))
 void gp_free(void *p);
 
-/* Lets freed blocks of any size be used again without a page fault for each
- * 4 KiB: a sequence makes the same planes for every frame. Call once, first,
- * before there are threads. */
+/* Keeps freed blocks for reuse, which saves a page fault for each 4 KiB: a
+ * sequence makes the same planes for every frame. Call once, before any thread
+ * starts. */
 void gp_keep_memory(void);
 
-/* A number > 0 that no other call in this process gets: caches know what they
- * were made from by it. Call from any thread. */
+/* Returns a number > 0, unique in this process: caches compare it to see
+ * whether their source is still the same. Call from any thread. */
 unsigned long gp_serial_next(void);
 
 /* A copy of a string, or NULL when memory is full. */

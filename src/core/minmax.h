@@ -1,5 +1,4 @@
-/* The lesser, the greater, the value held in a range. Inline, without
- * branches where the compiler can. */
+/* Minimum, maximum, clamp. Inline, without branches where the compiler can. */
 #ifndef GP_CORE_MINMAX_H
 #define GP_CORE_MINMAX_H
 

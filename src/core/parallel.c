@@ -8,8 +8,8 @@
 #include <stdbool.h>
 
 /* A pool of our own, not OpenMP's: libgomp's threads spin for milliseconds
- * after each loop, which costs a short run more than its work and takes the
- * other core from whoever shares the machine. These sleep. */
+ * after each loop, which costs a short run more than its work, and other
+ * programs a core. These sleep. */
 enum { MOST_THREADS = 256 };
 
 /* A loop under way, on its caller's stack. */
@@ -72,7 +72,7 @@ static void run_share(struct loop *l, int thread)
         if (i >= l->n)
             break;
         if (i > atomic_load(&l->first))
-            continue; // only what is below can still change the answer
+            continue; // only a failure of a lower i could change the result
         const gp_status st = l->body(l->ctx, i, thread);
         if (!st)
             continue;
@@ -141,7 +141,7 @@ static void *worker(void *arg)
     return arg;
 }
 
-/* The threads stay with the parent. */
+/* In the child, which has none of the parent's workers. */
 static void after_fork(void)
 {
     pthread_mutex_init(&pool.lock, NULL);
@@ -172,8 +172,8 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
     atomic_init(&l.first, INT_MAX);
     pthread_mutex_lock(&pool.lock);
     if (pool.workers < team - 1) {
-        // what is missing of the team; fewer are no error. Signals are for the
-        // first thread, which knows what it is at
+        // starts the missing threads; fewer are no error. They block signals,
+        // which the first thread handles
         static bool registered;
         sigset_t all, before;
         sigfillset(&all);
@@ -196,7 +196,7 @@ gp_status gp_parallel(int n, gp_body body, void *ctx, int *failed)
     pthread_mutex_unlock(&pool.lock);
     run_share(&l, 0);
     pthread_mutex_lock(&pool.lock);
-    at = &pool.open; // its place may be another by now
+    at = &pool.open; // earlier loops may have ended
     while (*at != &l)
         at = &(*at)->younger;
     *at = l.younger;

@@ -31,10 +31,10 @@ GP_MUST_CHECK gp_status gp_parallel(int n, gp_body body, void *ctx,
 typedef void (*gp_task)(void *ctx, int i, int thread);
 void gp_parallel_do(int n, gp_task task, void *ctx);
 
-/* Threads of the program's own besides the first: enter() before work, waiting
- * for a place among the gp_threads(), leave() before waiting for anything and
- * at the end. Helpers of loops make room for who waits. The first thread has
- * entered when the program starts. */
+/* For threads that the program starts itself: enter() before work, which waits
+ * until fewer than gp_threads() threads work; leave() before any wait and at
+ * the end. Threads that help a loop give way to one that waits. The first
+ * thread counts as entered. */
 void gp_parallel_enter(void);
 void gp_parallel_leave(void);
 

@@ -1,8 +1,8 @@
 /* Status codes and the error line.
  *
  * One list makes the enum, the exit statuses and the texts of the man page.
- * A function that can fail returns gp_status; the message is made where the
- * failure is seen, with the values that were found, by gp_fail(). */
+ * A function that can fail returns gp_status; gp_fail() prints the message
+ * where the failure is detected, with the values that were found. */
 #ifndef GP_CORE_STATUS_H
 #define GP_CORE_STATUS_H
 
@@ -24,8 +24,8 @@ typedef enum gp_status { GP_STATUS_LIST(GP_STATUS_ENUM) } gp_status;
 #define GP_MUST_CHECK __attribute__((warn_unused_result))
 #define GP_PRINTF(fmt, args) __attribute__((format(printf, fmt, args)))
 
-/* BARE, for lines only, is an error whose line names no file ("sensors: out of
- * memory"): the sink that knows the file puts its name before. */
+/* BARE is an error whose line names no file ("sensors: out of memory"): the
+ * sink adds the file's name in front. No gp_log has it as level. */
 enum gp_level {
     GP_LEVEL_ERROR,
     GP_LEVEL_WARN,

@@ -24,10 +24,10 @@ enum { GP_CHANNEL_NAME = 255 }; // bytes of an EXR channel's name, at most
  *
  *   lone  also take the only channel there is, alpha and depth aside
  *
- * Of several layers one that is called Combined, beauty or rgba comes before
- * the first: Blender's ambient occlusion pass comes before its picture.
- * Cryptomatte's ids are never colour, nor is an empty name, which
- * means a channel that is not to be chosen. */
+ * Of several layers one called Combined, beauty or rgba is preferred to the
+ * first: in Blender's files the ambient occlusion pass comes first.
+ * Cryptomatte's ids are never colour, nor is an empty name, by which the caller
+ * excludes a channel. */
 bool gp_find_colour(const char *const *name, int n, bool lone,
                     struct gp_colour_choice *out);
 
@@ -43,13 +43,13 @@ bool gp_find_layer_colour(const char *const *name, int n, const char *layer,
  * "diffuse.R", 0 for "R". */
 size_t gp_layer_length(const char *name);
 
-/* The name of red, green or blue (c = 0, 1, 2) in the layer of `name`, and
- * spelled as it: G for R, diffuse.blue for diffuse.red; R, G, B for a `name`
+/* Returns the name of red, green or blue (c = 0, 1, 2) in the layer of `name`,
+ * in its spelling: G for R, diffuse.blue for diffuse.red; R, G, B for a `name`
  * that is no colour. From malloc, NULL when memory is full. */
 char *gp_colour_name(const char *name, int c);
 
-/* The channel of f with the opacity of its colour: A or alpha (any case) in
- * the colour's layer. -1 when there is none. */
+/* Returns the channel of f with its colour's opacity: A or alpha (any case) in
+ * the colour's layer; -1 when there is none. */
 int gp_find_alpha(const struct gp_frame *f);
 
 /* -- depth and samples ----------------------------------------------------- */
@@ -57,7 +57,7 @@ int gp_find_alpha(const struct gp_frame *f);
 /* Finds the depth channel.
  *
  *   name    the channel the user asked for, or NULL to search in the order
- *           Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. A trailing ".Z" alone is not
+ *           Z, depth.Z, Depth.Z, *.Depth.Z, *.Z. The last of these is not
  *           depth when its layer also has X and Y (normals.Z is not depth), is
  *           named like a vector (N, normal(s), P, position, velocity, ...), or
  *           is Mist, Blender's factor of fog in [0, 1]; nor is Z beside plain
@@ -78,9 +78,9 @@ bool gp_is_mist(const char *layer, size_t len);
 /* True when the channel's name is among those that gp_find_depth() searches. */
 bool gp_channel_is_depth(const struct gp_frame *f, int channel);
 
-/* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list
- * with commas, which begins empty. False when it ends with "...", for want of
- * room. */
+/* Adds a channel's name, as PART.NAME where `part` is not NULL, to a list with
+ * commas, which starts as "". When it is full, ends it with "..." and returns
+ * false. */
 enum { GP_CHANNEL_LIST = 1500 };
 bool gp_channel_list_add(char to[GP_CHANNEL_LIST], const char *part,
                          const char *name);

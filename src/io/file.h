@@ -1,15 +1,15 @@
-/* One output file under way: whole under its final name, or not at all.
+/* Writes one output file: whole under its final name, or not at all.
  *
  * A regular target is written as FOLDER/.NAME.PID.tmp and renamed by
  * gp_file_commit(). Where that name is taken (by a run with the same number on
  * another machine, or one that was killed) it is .NAME.PID-1.tmp, and so on: a
  * file that another run made is never touched. A target that cannot be renamed
- * onto ("-" for stdout, a pipe, a device) is gathered in memory and written in
- * one go, because formats go back to fill in tables and a pipe cannot.
+ * onto ("-" for stdout, a pipe, a device) is collected in memory and written at
+ * once, because formats seek back to fill in tables and a pipe cannot.
  *
  * Every function prints its own error line through the log given to
- * gp_file_open(). The bytes on disk are not forced out (no fsync): a rename
- * of data that a power cut loses is the file system's business. */
+ * gp_file_open(). Nothing is synced to disk (no fsync): a power cut may lose
+ * what was renamed. */
 #ifndef GP_IO_FILE_H
 #define GP_IO_FILE_H
 
@@ -28,8 +28,8 @@ static inline bool gp_is_dash(const char *path)
     return path && path[0] == '-' && !path[1];
 }
 
-/* Starts writing `path`. A symbolic link is followed, so that the link stays
- * and what it points to is replaced; an existing file's permissions are kept.
+/* Starts writing `path`. Follows a symbolic link: it stays and its target is
+ * replaced. Keeps the permissions of an existing file.
  *
  *   log         borrowed until commit or discard
  *   create_dir  make missing folders of the path
@@ -55,12 +55,12 @@ uint64_t gp_file_size(const struct gp_file *f);
 /* The name it is for, as the user gave it; "stdout" for "-". */
 const char *gp_file_path(const struct gp_file *f);
 
-/* Ends the file under its final name and sets *f to NULL. When anything
- * fails, here or in an earlier write, neither name is there (a file that was
- * there stays) and the status is GP_ERR_IO. */
+/* Closes the file, renames it to its final name and sets *f to NULL. When
+ * anything fails, here or in an earlier write, no file is left (an old one
+ * stays as it was) and the status is GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_file_commit(struct gp_file **f);
 
-/* Gives the file up and removes what was written; NULL is fine. */
+/* Removes what was written and frees *f; NULL is fine. */
 void gp_file_discard(struct gp_file **f);
 
 /* Writes a whole file of `size` bytes. Errors: as above. */
@@ -89,19 +89,19 @@ int gp_file_descriptor(const char *path);
  * these stand for. */
 bool gp_file_is_straight(const char *path);
 
-/* Strings from malloc, NULL when memory is full: the folder a path is in
- * ("." for a bare name), the path with links followed, also to a file
- * that is still to be made (NULL with errno too where they cannot be followed:
- * a circle, a folder that may not be searched). */
+/* Return strings from malloc, NULL when memory is full: the folder of a path
+ * ("." for a bare name), and the path with links followed, also to a file that
+ * does not exist yet (NULL with errno too where they cannot be followed: a
+ * circle, a folder without permission). */
 char *gp_file_folder(const char *path);
 char *gp_file_resolve(const char *path);
 
 /* Makes every missing folder above `path`; 0, or -1 with errno set. */
 int gp_file_make_folders(const char *path);
 
-/* The ending of the name in lower case, without its dot, in a buffer of
- * `room` bytes; "" when there is none or it does not fit. The name ".exr" is a
- * hidden file without an ending. */
+/* Copies the ending of the name, in lower case and without its dot, to a buffer
+ * of `room` bytes; "" when there is none or it does not fit. The name ".exr" is
+ * a hidden file without an ending. */
 void gp_file_ending(const char *path, char *ending, int room);
 
 /* -- temporary files and signals ------------------------------------------- */
@@ -120,15 +120,14 @@ int gp_temp_make(struct gp_temp *temp, const char *target, mode_t mode);
  * errno set: then it stays to be removed. Does nothing where there is none. */
 int gp_temp_end(struct gp_temp *temp, const char *target);
 
-/* Never returns once these are being removed: what goes wrong from then on is
- * that one's doing and not worth a line. */
+/* Never returns once a signal has these removed: errors from then on are its
+ * doing and need no line. */
 void gp_temp_wait(void);
 
-/* Call once at start: signals that end a process, and that may be caught (from
- * the terminal, a batch system or a timer), remove the temporary files that are
- * under way and then end it as they would have; a signal that the parent set to
- * be ignored stays ignored. SIGPIPE is ignored from then on, so that a closed
- * pipe is GP_ERR_IO and not a silent end. */
+/* Makes signals that end the process (from the terminal, a batch system or a
+ * timer) remove its temporary files first; a signal that the parent set to be
+ * ignored stays ignored. Ignores SIGPIPE, so that a closed pipe is GP_ERR_IO
+ * and not a silent end. Call once at start. */
 void gp_temp_cleanup_on_signal(void);
 
 #endif

@@ -1,15 +1,15 @@
-/* Frames grow to the window that their outputs have.
+/* Grows frames to the window of their outputs.
  *
  * A renderer or compositor may store only the pixels that hold something: a
- * data window inside the display window. Glare reaches out of it, and a sun
- * may be outside of it, so a frame grows before any stage sees it. */
+ * data window inside the display window. Glare reaches out of it, and a sun may
+ * be outside of it, so a frame grows before the first stage. */
 #ifndef GP_IO_GROW_H
 #define GP_IO_GROW_H
 
 #include "core/frame.h"
 #include "core/status.h"
 
-/* Meaning of depth samples, as far as empty pixels need it. */
+/* Kinds of depth samples, by the values that mean empty. */
 enum gp_depth_scale {
     GP_SCALE_DISTANCE,   // empty: 0, NaN, Inf, 1e9 and more, 65504
     GP_SCALE_INVERSE,    // empty: 0
@@ -22,25 +22,26 @@ struct gp_grow_params {
     enum gp_depth_scale scale;
 };
 
-/* Returns the union of f's data and display window, as much further as *p
- * says. An empty display window counts as none. */
+/* Returns the union of f's data and display window, extended by p's edges. An
+ * empty display window counts as none. */
 struct gp_rect gp_grow_window(const struct gp_grow_params *p,
                               const struct gp_frame *f);
 
-/* Returns the least window that holds `window` and f->data, and into which the
- * grids of all of f's channels fit that are carried and subsampled. */
+/* Returns the smallest window that holds `window` and f->data and fits the
+ * grids of all subsampled channels that f carries. */
 struct gp_rect gp_grow_align(const struct gp_frame *f, struct gp_rect window);
 
-/* Makes f->data `window`, and f->read what it was. The display window stays.
+/* Grows f->data to `window`; f->read keeps the old one, the display window
+ * stays.
  *
  *   f       as read: rgb and channels; its other planes empty
  *   window  of gp_grow_align() for this frame; f->data: nothing happens
  *
- * Pixels that f did not have are black; samples of carried channels are 0
- * there, ids of Cryptomatte and coverage too. Channels that are depth by their
- * names (channels.h) hold the empty value that most of their own samples have,
- * or, where they have none, their farthest.
- * On failure f is to be freed, no more. Errors: GP_ERR_BUG out of memory. */
+ * New pixels are black; carried channels are 0 there, ids of Cryptomatte and
+ * coverage too. Channels that are depth by their names (channels.h) get the
+ * empty value that most of their own samples have, or, where they have none,
+ * the farthest.
+ * On failure f may only be freed. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_grow(const struct gp_log *log,
     const struct gp_grow_params *p, struct gp_rect window, struct gp_frame *f);
 

@@ -10,13 +10,13 @@
 void gp_half_to_float(const uint16_t *in, float *out, size_t n);
 
 /* n floats to halfs, round to nearest even, NaN stays NaN, denormals kept.
- * Values over 65504 after rounding become +-65504, never Inf: a half file
- * with Inf in it spoils every filter after it. Inf itself stays Inf.
- * Returns how many finite values were clamped so. */
+ * Values over 65504 after rounding become +-65504, not Inf, which would spread
+ * through every later filter. Inf itself stays Inf.
+ * Returns the number of finite values that were clamped. */
 size_t gp_float_to_half(const float *in, uint16_t *out, size_t n);
 
 /* The nearest value that a half can hold, as Imath's half does it: too large
- * becomes Inf, not 65504. One, and n in place. */
+ * becomes Inf, not 65504. The second rounds n in place. */
 float gp_half_nearest(float v);
 void gp_half_round(float *v, size_t n);
 

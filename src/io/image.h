@@ -1,12 +1,12 @@
-/* A picture as its file stores it, of any format but EXR, and the frame that
- * is made of it. */
+/* A picture as its file stores it, of any format but EXR, and the frame made
+ * from it. */
 #ifndef GP_IO_IMAGE_H
 #define GP_IO_IMAGE_H
 
 #include "core/frame.h"
 #include "core/status.h"
 
-/* An open picture. What it points to is the reader's, until close(). */
+/* An open picture. The reader owns what it points to, until close(). */
 struct gp_image {
     const char *path;            // for messages
     struct gp_rect data, display; // display empty: it is `data`
@@ -15,8 +15,8 @@ struct gp_image {
     int channels;
     const char *const *channel_name;
     bool half;                   // stored as half
-    int bits;                    // of the integers that it is stored as, which
-                                 // the samples have scaled to [0, 1]; 0: floats
+    int bits;                    // of the stored integers, which the samples
+                                 // are scaled from to [0, 1]; 0: floats
     const char *colour_space;    // "sRGB", "Rec709", "KodakLog", "Gamma2.2",
                                  // "linear"; "" unknown
     const struct gp_attribute *attribute;
@@ -43,8 +43,8 @@ void gp_image_close(struct gp_image *image);
 GP_MUST_CHECK gp_status gp_image_load(const struct gp_log *log,
                                       struct gp_image *image);
 
-/* Makes a frame of a picture, which stays the caller's. Colour is chosen and
- * made linear as io/read.h says.
+/* Makes a frame from a picture, which stays the caller's. Chooses colour and
+ * makes it linear as io/read.h says.
  *
  *   layer  as in gp_read_params
  *   out    written only on GP_OK

@@ -45,11 +45,11 @@ GP_MUST_CHECK gp_status gp_picture_make(const struct gp_log *log,
     struct gp_picture *out);
 void gp_picture_free(struct gp_picture *pic);
 
-/* Runs body(ctx, y, row) once for each row y of the picture, in parallel and
- * in any order. `row` is scratch that no other body has meanwhile, for
- * gp_picture_codes() or gp_picture_floats(); what it holds is left from some
- * other row. A body writes nothing that another y reads, and prints nothing.
- * Errors: GP_ERR_BUG out of memory; then no body has run. */
+/* Runs body(ctx, y, row) once for each row y of the picture, in parallel and in
+ * any order. `row` is scratch of this call only, for gp_picture_codes() or
+ * gp_picture_floats(); it starts with an earlier row's content. A body writes
+ * nothing that another y reads and prints nothing. Errors: GP_ERR_BUG out of
+ * memory; then no body has run. */
 typedef void (*gp_picture_body)(void *ctx, int y, struct gp_picture_row *row);
 GP_MUST_CHECK gp_status gp_picture_each_row(const struct gp_log *log,
     const struct gp_picture *pic, gp_picture_body body, void *ctx);

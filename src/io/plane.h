@@ -24,8 +24,8 @@
  *          window is that of the part in the file, also where the frame has
  *          grown; its name in the form that `name` takes
  *
- * Samples are those of the file: also of a colour channel of an EXR, whatever
- * was done to the frame's planes. Subsampled ones are repeated.
+ * Samples are those of the file, also of an EXR's colour channels whose planes
+ * the frame has changed. Subsampled ones are repeated.
  *
  * Errors: GP_ERR_USAGE the name is nowhere (the line lists the channels of
  * all parts); GP_ERR_DATA two candidates of equal rank in one part, a part
@@ -34,7 +34,7 @@ GP_MUST_CHECK gp_status gp_read_plane(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_frame *f, const char *name,
     bool depth, struct gp_plane *out);
 
-/* Finds that depth and does not read it: for what is only said of it.
+/* Finds that depth without reading it, to report it.
  *
  *   channel  its name in the form that `name` takes, owned by the caller
  *            (gp_free()); NULL when searching finds none

@@ -16,10 +16,10 @@ struct gp_read_params {
     /* A data window of more pixels is refused, and so is a frame's display
      * window: pictures show it. Planes and what is compared need none. >= 1 */
     long long max_pixels;
-    // what of the file is the frame, by name; NULL: the first that fits
-    const char *layer;     // its colour
-    const char *part;      // where it is looked for: number from 0, or name
-    const char *view;      // of a stereo file
+    // choose the frame in the file, by name; NULL: the first that fits
+    const char *layer;     // EXR layer of its colour
+    const char *part;      // number from 0, or name
+    const char *view;      // eye of a stereo file
 };
 #define GP_READ_DEFAULTS { .max_pixels = 1LL << 28 }
 
@@ -31,15 +31,15 @@ static inline struct gp_read_params gp_read_limits(
     return (struct gp_read_params) {.max_pixels = p->max_pixels};
 }
 
-/* The place of a frame in its file, as the params name it; "" where there is
- * only one, or it has no name. Longer names are cut. */
+/* The part, layer and view of a frame, as gp_read_params takes them; "" where
+ * the file has only one, or it has no name. Longer names are cut. */
 struct gp_taken {
     char part[256], layer[256], view[256];
 };
 void gp_read_taken(const struct gp_frame *f, struct gp_taken *out);
 
 /* Reads a frame: EXR by OpenEXRCore, PNG by libpng, any other format by the
- * OpenImageIO bridge, told apart by the first bytes, never by the name.
+ * OpenImageIO bridge, chosen by the first bytes, never by the name.
  *
  *   path  file, or "-" for stdin (read to its end, like any pipe; refused by
  *         its first bytes when no format begins so)
@@ -118,9 +118,9 @@ GP_MUST_CHECK gp_status gp_frame_views(const struct gp_log *log,
 
 /* -- several images in one stream ------------------------------------------
  *
- * One after the other, as `cat a.exr b.exr` makes them. The stream is read to
- * its end into memory before the first frame: a program that writes to a pipe
- * says nowhere how many frames will come. */
+ * One after the other, as `cat a.exr b.exr` makes them. The whole stream is
+ * read into memory before the first frame: a pipe does not declare how many
+ * frames will come. */
 
 /* The place of one image in the stream. */
 struct gp_member {
@@ -135,11 +135,10 @@ struct gp_members {
 
 /* Reads stdin (or another pipe) to its end and finds its images.
  *
- * EXR, PNG and PFM say where they end: EXR by its offset tables, PNG by IEND,
- * PFM by its header. Any other format has the stream for itself. An image
- * whose end cannot be told (damaged, truncated) reaches to the end of the
- * stream, so that its reader reports what is wrong.
- * Zero bytes after an image are padding.
+ * EXR declares its end by its offset tables, PNG by IEND, PFM by its header; an
+ * image of any other format must be the only one. An image whose end is unknown
+ * (damaged, truncated) reaches to the end of the stream, so that its reader
+ * reports the damage. Zero bytes after an image are padding.
  *
  *   p     max_pixels bounds the bytes of the whole stream: 16 for each pixel,
  *         and 64 MiB
@@ -169,9 +168,9 @@ GP_MUST_CHECK gp_status gp_members_views(const struct gp_log *log,
 
 /* -- versions -------------------------------------------------------------- */
 
-/* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: what this
- * process runs with where the library can say so, else what it was built
- * with. Opens nothing. */
+/* Writes "OpenEXRCore 3.1.5, libpng 1.6.39, ..." into `line`: the versions that
+ * this process runs with where the library has a call for it, else those it was
+ * built with. Opens no library. */
 void gp_io_versions(char *line, size_t size);
 
 #endif

@@ -5,7 +5,7 @@
  *   %d, %04d   printf's decimal, zero-padded to the width
  *   ####       zero-padded to as many digits as there are signs
  *   @@@@       the same
- * looked for in this order; only the first kind that is there counts, so
+ * searched in this order; only the first kind found counts, so
  * render@2x.####.png has its number at ####. Folders have no number.
  *
  * As in OpenImageIO's tools, %V anywhere in a path is the name of a view
@@ -32,7 +32,7 @@ struct gp_pattern {
     int views;         // places of %V and %v
 };
 
-/* Frame numbers in the order in which they are made; none twice. */
+/* Frame numbers, each once, in the order of processing. */
 struct gp_frames {
     int *number;  // owned
     int n;
@@ -47,13 +47,13 @@ struct gp_views {
 
 /* Finds the places of number and views in `path`. A path without any is no
  * error: out->len and out->views are 0.
- * Errors: GP_ERR_USAGE two places of one kind, or more than GP_FRAME_DIGITS
- * digits. */
+ * Errors: GP_ERR_USAGE two frame numbers, or more than GP_FRAME_DIGITS digits.
+ */
 GP_MUST_CHECK gp_status gp_pattern_find(const struct gp_log *log,
     const char *path, struct gp_pattern *out);
 
-/* The same for a name that is read: a file that has the very name, #, @ or %
- * and all, is that file, and has no places. */
+/* The same for an input: where a file of exactly that name exists, with #, @ or
+ * % in it, that is the input, and the pattern has no places. */
 GP_MUST_CHECK gp_status gp_pattern_of_input(const struct gp_log *log,
     const char *path, struct gp_pattern *out);
 
@@ -70,22 +70,22 @@ char *gp_pattern_name(const struct gp_pattern *p, int frame, const char *view);
 GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
     const struct gp_pattern *p, const char *view, struct gp_frames *out);
 
-/* Reads a list: items with commas between, an item is N, A-B, A-BxSTEP, or
+/* Reads a list of items separated by commas: N, A-B, A-BxSTEP, or
  * A-B:STEP as Open Job Description writes it (template schemas of 2023-09,
  * section 3.4.1.1.1), where a STEP < 0 counts down as well.
  * A-B counts down when B < A. Numbers may be negative. A frame that comes
  * again is dropped.
- * Errors: GP_ERR_USAGE says which item is wrong; more than GP_FRAME_LIST_MAX.
+ * Errors: GP_ERR_USAGE a wrong item, or more than GP_FRAME_LIST_MAX frames.
  */
 GP_MUST_CHECK gp_status gp_frames_parse(const struct gp_log *log,
     const char *text, struct gp_frames *out);
 void gp_frames_free(struct gp_frames *f);
 
-/* Adds those of `more` that are not there yet; *all comes out ascending.
+/* Adds the frames of `more` that *all lacks, and sorts *all ascending.
  * False when memory is full. */
 bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more);
 
-/* Reads a list of views, names with commas between, taken as they stand.
+/* Reads a list of views: names, separated by commas.
  *   out  written only on GP_OK; free with gp_views_free()
  * Errors: GP_ERR_USAGE a name that is empty, comes twice or has a slash; more
  * than GP_VIEWS_MAX. GP_ERR_BUG out of memory. */
@@ -98,7 +98,7 @@ GP_MUST_CHECK gp_status gp_views_copy(const struct gp_log *log,
     const char *const *name, int n, struct gp_views *out);
 void gp_views_free(struct gp_views *v);
 
-/* Holds a pattern against the views that it is for.
+/* Checks a pattern for these views.
  * Errors: GP_ERR_USAGE it has %v and no %V, and two views the same letter. */
 GP_MUST_CHECK gp_status gp_views_check(const struct gp_log *log,
     const struct gp_pattern *p, const struct gp_views *v);

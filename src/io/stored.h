@@ -1,4 +1,4 @@
-/* Every channel of a file with its values as stored: what comparing needs. */
+/* Every channel of a file with its values as stored, for comparing. */
 #ifndef GP_IO_STORED_H
 #define GP_IO_STORED_H
 

@@ -12,7 +12,7 @@ struct gp_stream {
     int fd;         // a regular file, a pipe with more, or -1
     uint8_t *data;  // all bytes, or NULL when fd is used
     uint64_t size;
-    bool borrowed;  // data belongs to another, who outlives this
+    bool borrowed;  // data belongs to a caller that outlives this
     bool more;      // a pipe of which only the start is in data; fd is its
 };
 #define GP_STREAM_EMPTY { .fd = -1 }
@@ -28,8 +28,8 @@ static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
 
 /* Opens `path`, or stdin for "-". Regular files stay on disk and are read
  * with pread(): a file that shrinks meanwhile is a short read and never a
- * signal. Of everything else (pipes, devices, terminals) the first bytes are
- * read into memory, so that what is no image is refused before the rest.
+ * signal. Of pipes, devices and terminals it reads the first bytes into memory,
+ * so that data that is no image is refused before the rest is read.
  *
  *   first  how many, >= 1; fewer only where the pipe ends
  *   s      written always; empty on failure; s->more: gp_stream_fill() is
@@ -40,9 +40,9 @@ static inline struct gp_stream gp_stream_of(const void *data, uint64_t size)
 GP_MUST_CHECK gp_status gp_stream_open(const struct gp_log *log,
     const char *path, uint64_t first, struct gp_stream *s);
 
-/* Reads a pipe to its end into memory; nothing to do for any other stream.
- * The memory that is taken is at most a quarter (and 64 KiB) over what the
- * pipe gave, and never over `limit` + 1 bytes.
+/* Reads a pipe to its end into memory; does nothing for other streams. Takes at
+ * most a quarter (and 64 KiB) more memory than the pipe gave, and never more
+ * than `limit` + 1 bytes.
  *
  *   limit  most bytes to take, >= what was read before
  *   s      empty on failure

@@ -42,13 +42,13 @@ enum gp_raw_format {
     GP_RAW_RGBF32LE,
 };
 
-/* Dither before rounding to integers, which hides the steps of faint glows.
+/* Dither before rounding to integers, against banding of faint glows.
  *   8_BITS  pictures of 8 bits only, whose steps show
  *   ALWAYS  those of 16 bits too */
 enum gp_dither { GP_DITHER_8_BITS, GP_DITHER_ALWAYS, GP_DITHER_NEVER };
 
-/* Values of --alpha, and what writers of integers make of KEEP in formats whose
- * readers take alpha as associated. */
+/* Values of --alpha, and ASSOCIATED, into which writers of integers turn KEEP
+ * in formats whose readers take alpha as associated. */
 enum gp_alpha { GP_ALPHA_BLACK, GP_ALPHA_KEEP, GP_ALPHA_ASSOCIATED };
 
 struct gp_write_params {
@@ -101,9 +101,9 @@ enum gp_picture_kind {
  *
  * EXR and other float formats store the values as they are, Radiance HDR the
  * nearest that its pixels hold (other_write.h); integer formats
- * clamp them to [0,1] and encode them with the sRGB curve, with the colour
- * chunks that say so; values of GP_PICTURE_ENCODED are the codes' fractions
- * already; of what, only a PNG says, with cICP. All but EXR show the display
+ * clamp them to [0,1], encode them with the sRGB curve and tag them as sRGB.
+ * Values of GP_PICTURE_ENCODED are fractions of the largest code already; only
+ * PNG tags their encoding, with cICP. All but EXR show the display
  * window: pixels outside the data window are black. TIFF is float for
  * scene-linear pictures and where p->type says so. p->compression is for EXR
  * and TIFF.
@@ -121,7 +121,9 @@ GP_MUST_CHECK gp_status gp_write_picture(const struct gp_log *log,
     const struct gp_planes *planes, enum gp_picture_kind kind,
     struct gp_write_stats *stats);
 
-/* A frame, and what its colour channels become (w * h of its data window). */
+/* A frame, and the new planes of its colour channels (w * h of its data
+ * window).
+ */
 struct gp_hdr_colour {
     const struct gp_frame *f;
     const struct gp_planes *planes;
@@ -154,9 +156,8 @@ GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
  * formats it is over black. */
 bool gp_write_has_alpha(const struct gp_write_params *p, const char *path);
 
-/* True when no_clobber is set and there is a regular file of that name. The
- * writing functions skip it then and return GP_OK; asked before a
- * frame is read, it saves the work. */
+/* True when no_clobber is set and a regular file of that name exists: then the
+ * writing functions skip it and return GP_OK. */
 bool gp_write_would_clobber(const struct gp_write_params *p, const char *path);
 
 /* Checks before any frame is read that `path` could be written with these
