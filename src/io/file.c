@@ -117,7 +117,7 @@ int gp_file_make_folders(const char *path)
         if (keep != '/' && keep != '\0')
             continue;
         *p = '\0';
-        // what stat() says of a folder that could not be made is not why
+        // errno of mkdir(), not of stat(), is the reason
         error = mkdir(folder, 0777) ? errno : 0;
         if (error && stat(folder, &s) == 0 && S_ISDIR(s.st_mode))
             error = 0;
@@ -146,7 +146,7 @@ void gp_file_ending(const char *path, char *ending, int room)
 
 // -- files under way ----------------------------------------------------------
 
-enum { BUFFER_BYTES = 1 << 20 }; // chunk leaders of 8 bytes are no writes
+enum { BUFFER_BYTES = 1 << 20 }; // so that 8-byte chunk leaders cost no write
 
 struct gp_file {
     const struct gp_log *log;
@@ -186,7 +186,7 @@ static const char *hint(int error)
 static gp_status cannot_write(const struct gp_log *log, const char *path,
                               int error)
 {
-    gp_temp_wait(); // the handler has removed what this is about
+    gp_temp_wait(); // a signal may have removed the file
     return gp_fail(log, GP_ERR_IO, "%s: cannot be written (%s); %s", path,
                    strerror(error), hint(error));
 }
@@ -408,8 +408,8 @@ gp_status gp_file_commit(struct gp_file **file)
     const int fd = f->fd;
     if (!st)
         f->fd = -1;
-    if (!st && f->own_fd && close(fd)) // here network file systems report
-        st = write_failed(f, errno);   // a full disk
+    if (!st && f->own_fd && close(fd)) // network file systems report a full
+        st = write_failed(f, errno);   // disk here
     if (!st && f->temp.name && gp_temp_end(&f->temp, f->target))
         st = write_failed(f, errno);
     gp_file_discard(file);

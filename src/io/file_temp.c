@@ -32,8 +32,8 @@ static struct {
 } live_temps[LIVE_MAX];
 static pthread_mutex_t live_lock = PTHREAD_MUTEX_INITIALIZER;
 
-/* A signal's handler may run while other threads make or give up names. It
- * waits for those, and whoever comes later waits for the end. */
+/* A signal's handler may run while other threads make or remove files. It waits
+ * for those; threads that start to do so later wait for the end. */
 static atomic_int naming;
 static atomic_bool ending;
 
@@ -43,8 +43,8 @@ void gp_temp_wait(void)
         pause();
 }
 
-/* Between these two no signal is handled on this thread, and none ends the
- * process while live_temps may differ from what this process has made. */
+/* Between begin_naming() and end_naming() this thread handles no signal, and no
+ * signal ends the process, so that live_temps matches the files on disk. */
 static void begin_naming(sigset_t *before)
 {
     sigset_t all;
@@ -93,7 +93,7 @@ void gp_temp_remove_all(void)
 {
     const struct timespec moment = {.tv_nsec = 1000000};
     atomic_store(&ending, true);
-    // a file system that hangs must not keep the process
+    // not forever: a file system may hang
     for (int i = 0; i < PATIENCE_MS && atomic_load(&naming) > 0; i++)
         nanosleep(&moment, NULL);
     for (int i = 0; i < LIVE_MAX; i++) {

@@ -11,7 +11,7 @@
 
 // -- windows -----------------------------------------------------------------
 
-/* The int nearest to v, far from where sums of four would overflow. */
+/* Clamps v so that sums of four edges fit an int. */
 static int edge(int64_t v)
 {
     const int64_t most = INT_MAX / 4;
@@ -30,7 +30,7 @@ struct gp_rect gp_grow_window(const struct gp_grow_params *p,
     };
 }
 
-/* Moves `to` away from `from` until a whole number of steps lies between. */
+/* Moves `to` away from `from` to a whole number of steps from it. */
 static int step_out(int from, int to, int step)
 {
     const int64_t way = (int64_t) to - from, rest = way % step;
@@ -40,8 +40,8 @@ static int step_out(int from, int to, int step)
 struct gp_rect gp_grow_align(const struct gp_frame *f, struct gp_rect window)
 {
     struct gp_rect r = gp_rect_join(f->data, window), before;
-    // all steps divide the data window's corner, width and height, so there is
-    // an end: at the latest where the window is a whole number of those
+    // ends: all steps divide the data window's corner, width and height, so at
+    // the latest where the window is a whole number of data windows
     do {
         before = r;
         for (int i = 0; i < f->channels; i++) {
@@ -81,7 +81,7 @@ gp_status gp_grow_check(const struct gp_log *log, const struct gp_frame *f,
 
 // -- depth -------------------------------------------------------------------
 
-/* Returns what empty pixels hold, by the n samples of a channel. */
+/* Returns the value of empty pixels, by the n samples of a channel. */
 static float empty_depth(const float *v, size_t n, enum gp_depth_scale scale)
 {
     enum { ZERO, FAR, HALF, INFINITE, NONE, KINDS };
@@ -133,8 +133,8 @@ static void sample_bytes(float v, enum gp_pixel_type type, uint8_t to[4])
 
 // -- samples -----------------------------------------------------------------
 
-/* Samples of `size` bytes: those of `w` x `h` go to (x, y) of all_w x all_h
- * others, around which all are `empty`. */
+/* Copies w x h samples of `size` bytes to (x, y) of a grid of all_w x all_h,
+ * whose other samples become `empty`. */
 struct grid {
     int w, h, x, y, all_w, all_h;
     size_t size;
@@ -161,7 +161,7 @@ static void copy_row(void *ctx, int y, int thread)
                (const uint8_t *) g->from + (size_t) line * own, own);
 }
 
-/* Puts *samples into a block for the larger grid. */
+/* Replaces *samples by a block of the larger grid. */
 static gp_status regrid(const struct gp_log *log, const char *what,
                         struct grid *g, void **samples)
 {
@@ -176,7 +176,7 @@ static gp_status regrid(const struct gp_log *log, const char *what,
     return GP_OK;
 }
 
-/* Fills `empty`, which is 0, for a carried channel that has not grown. */
+/* Sets `empty`, which is 0, for a carried channel that has not grown. */
 static gp_status empty_sample(const struct gp_log *log,
     const struct gp_grow_params *p, const struct gp_frame *f, int channel,
     uint8_t empty[4])

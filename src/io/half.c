@@ -1,5 +1,5 @@
-/* The plain forms are branch-free integer arithmetic, so that the compiler
- * makes SSE2 or NEON of them; the AVX2 forms use the CPU's own conversion
+/* The plain forms are branch-free integer arithmetic, which the compiler turns
+ * into SSE2 or NEON; the AVX2 forms use the CPU's own conversion
  * (F16C). Both give the same bits. */
 #include "io/half.h"
 

@@ -19,9 +19,9 @@ static enum curve curve_of(const struct gp_image *image, float *gamma)
 {
     const char *space = image->colour_space;
     *gamma = 1.0f;
-    if (image->bits == 0) // floats are light, whatever the file calls them
+    if (image->bits == 0) // floats are linear, whatever the file says
         return LINEAR;
-    // nobody keeps light in 8 bits without a curve
+    // 8 bits without a name are sRGB: linear ones would band
     if (strcasecmp(space, "sRGB") == 0 || (!space[0] && image->bits == 8))
         return SRGB;
     if (strcasecmp(space, "Rec709") == 0)
@@ -112,7 +112,7 @@ static void split_row(void *ctx, int y, int thread)
     }
 }
 
-/* All planes, from the pixels or from the file, a block at a time. */
+/* Fills all planes, from the pixels or from the file, a block at a time. */
 static gp_status split_planes(const struct gp_log *log, struct gp_image *image,
                               struct gp_frame *f)
 {
@@ -178,8 +178,8 @@ void gp_image_close(struct gp_image *image)
 
 /* -- the frame ------------------------------------------------------------ */
 
-/* The colour of the layer. Without one names decide; where none means colour,
- * the first three channels are RGB, or the first one is grey. */
+/* Chooses the layer's colour; without a layer, by the channels' names; where no
+ * name is a colour's, the first three are RGB, or the first one is grey. */
 static gp_status choose_colour(const struct gp_log *log, const char *layer,
     const struct gp_image *image, struct gp_colour_choice *out)
 {

@@ -1,4 +1,4 @@
-/* Shared by the files of io: readers, writers, and which plane is meant. */
+/* Shared by the files of io: readers, writers, quantizers, planes by name. */
 #ifndef GP_IO_IO_PRIV_H
 #define GP_IO_IO_PRIV_H
 
@@ -16,12 +16,11 @@
 
 /* -- reading --------------------------------------------------------------- */
 
-enum { GP_FIRST_BYTES = 132 }; // that are looked at: DICOM's magic is at 128
+enum { GP_FIRST_BYTES = 132 }; // checked for magic: DICOM's is at 128
 
-/* Returns the format whose first n bytes these are, as a message names it:
- * "PNG", but also what may be given in its place: "gzip", "web page". NULL when
- * no known format begins so. Targa has no magic: all fields of its header must
- * agree. */
+/* Returns the name of the format that begins with these n bytes: "PNG", but
+ * also, for messages, "gzip" or "web page". NULL for unknown bytes. Targa has
+ * no magic: all fields of its header must agree. */
 const char *gp_format_name(const uint8_t *first, size_t n);
 
 /* A format that is read. */
@@ -32,18 +31,18 @@ struct gp_reader {
     gp_status (*open)(const struct gp_log *log, const char *path,
                       const struct gp_stream *stream, int part,
                       long long max_pixels, struct gp_image *out);
-    // bytes of the image that `data` begins with, *length as it was when they
-    // cannot be told; fails, without a line, only when memory is full. NULL:
-    // has a stream for itself
+    // sets *length to the bytes of the image that `data` begins with; leaves it
+    // when they are unknown; fails, without a line, only when memory is full.
+    // NULL: the image must be the only one of a stream
     gp_status (*length)(const uint8_t *data, uint64_t size, uint64_t *length);
 };
 extern const struct gp_reader gp_readers[]; // EXR first; ends with {0}
 
-/* Opens `path` or stdin, looks at its first bytes and, when an image may begin
- * so, reads a pipe to its end.
+/* Opens `path` or stdin, checks its first bytes and, when they are those of a
+ * format that is read, reads a pipe to its end.
  *
  *   stream  empty on failure; else the caller's to close
- *   exr     written on GP_OK: it begins as an EXR
+ *   exr     written on GP_OK: true for EXR
  *
  * Errors: those of gp_stream_open() and gp_stream_fill(), whose limit is 16
  * bytes for each of max_pixels, and 64 MiB; GP_ERR_DATA the name says EXR and
@@ -52,10 +51,10 @@ GP_MUST_CHECK gp_status gp_read_open(const struct gp_log *log,
     const struct gp_read_params *p, const char *path, struct gp_stream *stream,
     bool *exr);
 
-/* Opens picture `part` of a stream of any format, of EXR those with DWA, by its
- * first bytes;
- * the stream stays the caller's and must live until gp_image_close().
- * Errors: GP_ERR_IO there is no bridge; GP_ERR_DATA damaged, truncated, over
+/* Opens picture `part` of a stream of any format (of EXR, those with DWA); its
+ * first bytes choose the reader. The stream stays the caller's and must live
+ * until gp_image_close().
+ * Errors: GP_ERR_IO no helper program; GP_ERR_DATA damaged, truncated, over
  * max_pixels, or no format that is read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_read_image(const struct gp_log *log,
     const struct gp_read_params *p, const char *path,
@@ -115,12 +114,12 @@ void gp_quantize(const struct gp_quantizer *q, const float *linear,
  *
  * d is interleaved gradient noise: Jimenez, "Next Generation Post Processing
  * in Call of Duty: Advanced Warfare", SIGGRAPH 2014 courses, in fixed point,
- * so that wide pictures do not lose its low bits. */
+ * so that its low bits count in wide pictures too. */
 void gp_quantize_dither(const struct gp_quantizer *q, const float *linear,
                         int x, int y, uint16_t *code, size_t n);
 
-/* n values to codes with no curve, for alpha and what is encoded already: the
- * nearest code of the value clamped to [0, 1]; NaN becomes 0. */
+/* n values to codes without a curve, for alpha and encoded values: the nearest
+ * code of the value clamped to [0, 1]; NaN becomes 0. */
 void gp_quantize_linear(const struct gp_quantizer *q, const float *value,
                         uint16_t *code, size_t n);
 
@@ -168,8 +167,8 @@ GP_MUST_CHECK gp_status gp_png_write(const struct gp_log *log,
 
 /* -- PFM ------------------------------------------------------------------- */
 
-/* As gp_reader and gp_writer have them; to be written, values as they are, over
- * black, in the display window. */
+/* For gp_reader and gp_writer. Writes unclamped values over black, in the
+ * display window. */
 GP_MUST_CHECK gp_status gp_pfm_open(const struct gp_log *log, const char *path,
                                     const struct gp_stream *stream, int part,
                                     long long max_pixels, struct gp_image *out);
@@ -190,8 +189,8 @@ GP_MUST_CHECK gp_status gp_pfm_write(const struct gp_log *log,
  *   stats  raw is the size of the frames before, 0 x 0 at the first, and
  *          becomes this frame's
  *
- * Errors: those of gp_write_picture(); GP_ERR_DATA a size other than that of
- * the frames before, which a stream without headers cannot say. */
+ * Errors: those of gp_write_picture(); GP_ERR_DATA the size differs from that
+ * of the frames before, which a stream without headers cannot declare. */
 GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const struct gp_frame *f,
     const struct gp_planes *planes, enum gp_picture_kind kind,
@@ -204,21 +203,20 @@ GP_MUST_CHECK gp_status gp_raw_write(const struct gp_log *log,
  * NULL when memory is full. */
 char *gp_file_temp_name(const char *path, int nth);
 
-/* Removes the temporary files of the whole process, which is to end at once:
- * every thread that makes or gives up another waits from then on. Safe in a
- * signal's handler. */
+/* Removes all temporary files of the process, which must end then: threads that
+ * make or remove one wait forever. Safe in a signal handler. */
 void gp_temp_remove_all(void);
 
-/* -- which channel of which part a plane is, in a file of any format ------- */
+/* -- planes by the names of parts and channels, in a file of any format ---- */
 
-/* One part and its channels, of which only names count. */
+/* One part and its channels, of which only names are used. */
 struct gp_plane_part {
     int part;                // number in the file
     const char *name;        // NULL when it has none; borrowed
     const char *view;        // of stereo, NULL when it has none; borrowed
     bool colour;             // this is the part of the frame's colour
     bool deep;
-    bool mist;               // its Z is no depth
+    bool mist;               // its Z is not depth
     struct gp_channel *channel;  // into gp_plane_list.channel
     int channels;
 };
@@ -268,12 +266,12 @@ void gp_plane_list_free(struct gp_plane_list *list);
  *
  *   name      a channel of any part, or PART.CHANNEL; NULL searches: for depth
  *             by gp_find_depth() part by part, else A
- *   own_file  the file is there only for this plane: its only channel will do
+ *   own_file  the file is given only for this plane: its only channel is taken
  *             (for depth A does not count), and finding none is an error
  *   out       written on GP_OK
  *
- * Errors: GP_ERR_USAGE not there, with a list of what is, in the form in
- * which --depth takes it; GP_ERR_DATA two of equal rank in one part. */
+ * Errors: GP_ERR_USAGE no such channel; the line lists those that exist, in
+ * the form that --depth takes; GP_ERR_DATA two of equal rank in one part. */
 GP_MUST_CHECK gp_status gp_plane_pick(const struct gp_log *log,
     const struct gp_plane_list *list, const char *name, bool depth,
     bool own_file, struct gp_plane_place *out);

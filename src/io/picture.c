@@ -4,6 +4,7 @@
 #include "core/colour.h"
 #include "core/cpu.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "core/parallel.h"
 #include "io/channels.h"
 #include "io/io_priv.h"
@@ -14,20 +15,20 @@
 
 // -- codes --------------------------------------------------------------------
 
-#define INLINE inline __attribute__((always_inline)) // else not in clones
+#define INLINE inline __attribute__((always_inline)) // also in clones
 
 enum { BLOCK = 128 }; // samples at a time, in the first cache
 enum { ONE = 0x3f800000, INF = 0x7f800000 }; // bits of 1.0f and INFINITY
 
-/* A guess gives a code that is at most one off; the table of the least float
- * of every code then settles it. For 8 bits the guess is a table too, by the
- * upper half of the float: there is never more than one code's edge in the
- * floats that share it. For 16 bits such a table would not fit in a cache, and
- * the guess is an approximation of the curve, whose last bits do not matter.
+/* Estimates a code to within one, then corrects it by the table of the smallest
+ * float of every code. For 8 bits the estimate is a table too, indexed by the
+ * upper half of the float: the floats that share it cross at most one code's
+ * edge. For 16 bits such a table would not fit in a cache, and the estimate is
+ * an approximation of the curve.
  *
- * Choices are made on the bits of floats: those of values >= 0 are in the
- * order of the values, and the compiler makes vectors of integer choices
- * where it has to keep branches for float ones, which may trap. */
+ * Compares the bits of floats: those of values >= 0 ascend with the values, and
+ * the compiler vectorises integer selects but must keep branches for float
+ * ones, which may trap. */
 struct gp_quantizer {
     int max;
     int32_t *least; // bits of the smallest float of each code; max + 2 entries
@@ -52,7 +53,7 @@ gp_status gp_quantizer_make(const struct gp_log *log, int bits,
     struct gp_quantizer *q = mem;
     *q = (struct gp_quantizer) {.max = max, .least = least};
     q->least[0] = 0;
-    for (int c = 1; c <= max; c++) { // by steps from the curve's inverse
+    for (int c = 1; c <= max; c++) { // steps from the curve's inverse
         float x = gp_srgb_decode(((float) c - 0.5f) / (float) max);
         while (plain_code(x, max) >= c)
             x = nextafterf(x, 0.0f);
@@ -118,9 +119,9 @@ static INLINE float curve(float x)
     return 1.055f * (p * scale) - 0.055f;
 }
 
-/* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. One loop a
- * step: arrays keep the compiler from making branches around a side of a
- * choice, and branches from making vectors. Exact at 0 and from 1 on. */
+/* gp_srgb_encode() within 4e-7, times max; x is `in` clamped. Exact at 0 and
+ * from 1 on. A loop for each step, over arrays, keeps the compiler from making
+ * branches, which would not vectorise. */
 static INLINE void encode_block(const float *restrict in, float max,
                                 float *restrict x, float *restrict v, size_t n)
 {
@@ -235,7 +236,7 @@ GP_CLONES void gp_quantize_linear(const struct gp_quantizer *q,
 
 // -- pictures -----------------------------------------------------------------
 
-// as --max-pixels, which bounds what files claim
+// as much as --max-pixels allows files to claim
 static const int64_t pixels_max = 1LL << 40, edge_max = INT_MAX / 4;
 
 gp_status gp_picture_make(const struct gp_log *log,
@@ -340,17 +341,12 @@ static struct span span_of(const struct gp_picture *pic, int y)
     };
 }
 
-/* Clears what is around the span of a row of samples of `size` bytes. */
+/* Clears a row of samples of `size` bytes outside of the span. */
 static void clear_around(void *row, size_t size, struct span s, size_t width)
 {
     uint8_t *bytes = row;
     memset(bytes, 0, s.x * size);
     memset(bytes + (s.x + s.n) * size, 0, (width - s.x - s.n) * size);
-}
-
-static float clamp01(float v)
-{
-    return v > 0.0f ? (v < 1.0f ? v : 1.0f) : 0.0f;
 }
 
 void gp_picture_codes(const struct gp_picture *pic, int y,
@@ -364,15 +360,15 @@ void gp_picture_codes(const struct gp_picture *pic, int y,
         gp_quantize_linear(q, pic->alpha + s.at, row->code[3] + s.x, s.n);
     if (divided) {
         for (size_t i = 0; i < s.n; i++) {
-            float most = clamp01(pic->alpha[s.at + i]);
+            float most = gp_clamp01(pic->alpha[s.at + i]);
             for (int c = 0; c < 3; c++) {
-                v[c][i] = clamp01(pic->planes->c[c][s.at + i]);
+                v[c][i] = gp_clamp01(pic->planes->c[c][s.at + i]);
                 most = v[c][i] > most ? v[c][i] : most;
             }
             v[3][i] = most;
         }
         gp_quantize_linear(q, v[3], row->code[3] + s.x, s.n);
-        // colours are divided by the alpha that its code means
+        // divides colours by the alpha that its code stands for
         for (size_t i = 0; i < s.n; i++) {
             const float code = (float) row->code[3][s.x + i];
             const float scale = code > 0.0f ? (float) q->max / code : 0.0f;

@@ -267,7 +267,7 @@ gp_status gp_plane_pick(const struct gp_log *log,
                              : "%s: has neither alpha nor a single channel "
                                "(it has %s); name one with --mask",
                        list->path, names);
-    // what was found beside a frame may not be what its user expects
+    // warns of what the user of a frame may not expect
     const char *const view = list->part[0].view;
     if (at.part && !own_file && at.part->deep) {
         gp_say(log, GP_LEVEL_WARN,
@@ -287,7 +287,7 @@ out:
 
 /* -- what each way of reading shares -------------------------------------- */
 
-/* The channel as the report and --depth call it. */
+/* Makes the channel's name in the form of the report and --depth. */
 static gp_status make_name(const struct gp_log *log,
     const struct gp_plane_list *list, const struct gp_plane_place *at,
     struct gp_plane *out)
@@ -390,7 +390,7 @@ out:
     return st;
 }
 
-/* Leaves the samples of a window within the plane's. */
+/* Crops the plane to a window within its own. */
 static void cut_plane(struct gp_rect window, struct gp_plane *p)
 {
     const size_t all = (size_t) gp_rect_w(p->window);

@@ -1,7 +1,6 @@
 /* libpng does all of the reading. When writing, it makes the container; rows
- * are filtered and deflated here, all at once, because libdeflate packs twice
- * as fast as zlib and filters of rows can be made in parallel when they look
- * at one row only. */
+ * are filtered and deflated here, all at once, because libdeflate is twice as
+ * fast as zlib, and filters that use one row only can run in parallel. */
 #include "io/io_priv.h"
 
 #include "core/colour.h"
@@ -104,14 +103,14 @@ static void release(png_structp png, void *p)
     gp_free(p);
 }
 
-/* Holds the header to the limits, before anything is allocated for pixels. */
+/* Checks the header against the limits, before memory is taken for pixels. */
 static gp_status check_size(const struct png_input *in, long long max_pixels)
 {
     const unsigned long w = png_get_image_width(in->png, in->info);
     const unsigned long h = png_get_image_height(in->png, in->info);
     const png_int_32 x = png_get_x_offset_pixels(in->png, in->info);
     const png_int_32 y = png_get_y_offset_pixels(in->png, in->info);
-    const png_int_32 far = 1 << 29; // window edges can be added up below it
+    const png_int_32 far = 1 << 29; // sums of two edges fit an int
     if (h > (unsigned long long) max_pixels / w)
         return gp_fail(in->log, GP_ERR_DATA,
                        "%s: too large (%lu x %lu pixels, at most %lld); crop "
@@ -180,7 +179,7 @@ static gp_status list_attributes(struct png_input *in, int *n)
     return GP_OK;
 }
 
-/* The header, and room for rows. May leave by longjmp(). */
+/* Reads the header, allocates rows. May leave by longjmp(). */
 static gp_status read_header(struct png_input *in, long long max_pixels)
 {
     png_structp png = in->png;
@@ -222,8 +221,8 @@ static gp_status read_header(struct png_input *in, long long max_pixels)
 }
 
 /* Decodes rows [y, y + n); with interlacing all of them at the first call.
- * After the last row the chunks to IEND are read: those that are no pixels
- * must be whole too. May leave by longjmp(). */
+ * After the last row reads on to IEND: the other chunks must be whole too. May
+ * leave by longjmp(). */
 static void decode_rows(struct png_input *in, int y, int n)
 {
     if (in->interlaced && !in->decoded) {
@@ -367,7 +366,7 @@ gp_status gp_png_open(const struct gp_log *log, const char *path,
  *   adaptive, libdeflate 3   182    0.97      36    0.97       31    0.47 */
 enum { FILTER_SUB = 1, LEVEL = 3 };
 
-enum { IDAT_BYTES = 1 << 20 }; // a chunk's size is seen by readers only
+enum { IDAT_BYTES = 1 << 20 }; // readers buffer a chunk
 
 struct filtering {
     const struct gp_picture *pic;
@@ -407,7 +406,7 @@ static void filter_row(void *ctx, int y, struct gp_picture_row *row)
 struct target {
     const struct gp_log *log;
     struct gp_file *file;
-    gp_status st;  // of the file, which has said its line
+    gp_status st;  // of the file, whose line is printed
 };
 
 static void write_bytes(png_structp png, png_bytep data, size_t n)
@@ -435,7 +434,7 @@ static void on_write_error(png_structp png, png_const_charp message)
     png_longjmp(png, 1);
 }
 
-/* Sets the texts that say what made the picture: tEXt, or iTXt for letters that
+/* Sets the texts glarepp:version and glarepp:command: tEXt, or iTXt where they
  * are not ASCII. */
 static void set_texts(png_structp png, png_infop info, const char *command)
 {
@@ -489,8 +488,8 @@ static struct tags tags_of(const struct gp_write_params *p,
     return t;
 }
 
-/* All chunks. Nothing here is changed between setjmp() and longjmp() but what
- * the pointers lead to. */
+/* Writes all chunks. Between setjmp() and longjmp() no local variable changes,
+ * only what the pointers lead to. */
 static gp_status write_chunks(struct target *t, const struct gp_picture *pic,
     const struct gp_frame *f, const struct tags *tags, const char *command,
     const void *data, size_t size)

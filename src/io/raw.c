@@ -19,7 +19,7 @@
 
 enum {
     HEADER_BYTES = 4096,      // at most
-    BLOCK_SAMPLES = 1 << 20,  // near which many are read at a time
+    BLOCK_SAMPLES = 1 << 20,  // read at a time, about
 };
 
 struct header {
@@ -28,7 +28,7 @@ struct header {
     uint64_t bytes;           // before the first row
 };
 
-/* False for what is no header. */
+/* Returns false when the bytes are no header. */
 static bool parse_header(const uint8_t *data, size_t size, struct header *h)
 {
     size_t at = 2;

@@ -14,10 +14,10 @@
 #include <string.h>
 #include <strings.h>
 
-// -- what a file begins with --------------------------------------------------
+// -- formats by their first bytes ---------------------------------------------
 
-/* The bytes that formats begin with: those that are read, and those that are
- * named to who gives one. The first that fits counts. */
+/* Magic bytes: of the formats that are read, and of others, which messages
+ * name. The first that fits counts. */
 static const struct {
     const char *name;
     const char *bytes;
@@ -132,7 +132,7 @@ const char *gp_format_name(const uint8_t *b, size_t n)
     return is_targa(b, n) ? "Targa" : NULL;
 }
 
-// -- where images end that come one after the other ---------------------------
+// -- lengths of images in a stream --------------------------------------------
 
 static gp_status exr_length(const uint8_t *data, uint64_t size,
                             uint64_t *length)
@@ -167,9 +167,9 @@ static gp_status png_length(const uint8_t *data, uint64_t size,
 
 // -- readers ------------------------------------------------------------------
 
-/* All formats that are read: the helper refuses every other name. Other formats
- * that OpenImageIO knows have readers that end it, make pictures up, open other
- * files and addresses, or read them wrong. */
+/* All formats that are read: the helper refuses every other name. OpenImageIO's
+ * readers of other formats crash, invent pictures, open other files and
+ * addresses, or read values wrong. */
 const struct gp_reader gp_readers[] = {
     {.format = "EXR", .oiio = "openexr", .length = exr_length},
     {.format = "PNG", .open = gp_png_open, .length = png_length},
@@ -186,7 +186,7 @@ const struct gp_reader gp_readers[] = {
     {0},
 };
 
-/* NULL for what is not read. */
+/* Returns NULL for formats that are not read. */
 static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
 {
     const char *const name = gp_format_name(first, n);
@@ -196,7 +196,7 @@ static const struct gp_reader *find_reader(const uint8_t *first, size_t n)
     return r->format ? r : NULL;
 }
 
-/* "PNG", or of unknown data what it begins with. */
+/* Returns "PNG", or the first bytes of unknown data. */
 static const char *found_text(const uint8_t *first, size_t n, char text[64])
 {
     const char *const name = gp_format_name(first, n);
@@ -365,7 +365,7 @@ gp_status gp_read_views(const struct gp_log *log,
 
 // -- several images in one stream ---------------------------------------------
 
-/* An image whose end cannot be told reaches to the end of the stream. */
+/* Splits the stream; an image whose end is unknown takes the rest. */
 static gp_status find_members(const struct gp_log *log, const char *path,
                               struct gp_members *m)
 {
@@ -445,7 +445,7 @@ gp_status gp_members_views(const struct gp_log *log,
     return stream_views(log, p, "-", &view, out);
 }
 
-// -- what was read ------------------------------------------------------------
+// -- names of what was read ---------------------------------------------------
 
 void gp_read_taken(const struct gp_frame *f, struct gp_taken *out)
 {

@@ -84,7 +84,7 @@ static size_t percent_token(const char *s, int *digits)
     int width = 0;
     if (s[n] == '0') {
         for (n++; is_digit(s[n]); n++) {
-            if (width < 1000) // enough to be refused, never overflows
+            if (width < 1000) // large enough to be refused, cannot overflow
                 width = 10 * width + (s[n] - '0');
         }
         if (width == 0)
@@ -312,7 +312,7 @@ bool gp_frames_join(struct gp_frames *all, const struct gp_frames *more)
     return true;
 }
 
-// -- what is on disk ---------------------------------------------------------
+// -- frames on disk ----------------------------------------------------------
 
 gp_status gp_frames_on_disk(const struct gp_log *log,
     const struct gp_pattern *p, const char *view, struct gp_frames *out)
@@ -339,7 +339,7 @@ gp_status gp_frames_on_disk(const struct gp_log *log,
         const char *const digits = e->d_name + head;
         for (; n < GP_FRAME_DIGITS && is_digit(digits[n]); n++)
             number = 10 * number + (digits[n] - '0');
-        // only the padding that would be written is a match
+        // only names with the pattern's own padding match
         if (n == 0 || strcmp(digits + n, path + filled.at + filled.len) != 0 ||
             snprintf(NULL, 0, "%0*d", filled.digits, number) != n)
             continue;
@@ -371,7 +371,7 @@ bool gp_frame_number(const char *path, int *out)
 {
     const char *name = path + name_at(path);
     const char *dot = strrchr(name, '.');
-    // what follows the last dot is the ending, unless it is the number
+    // the ending is after the last dot, unless that is the number
     size_t end = dot && dot != name && !is_digit(dot[1])
                      ? (size_t) (dot - name) : strlen(name);
     while (end > 0 && !is_digit(name[end - 1]))

@@ -29,7 +29,7 @@ static gp_status make_channel(const struct gp_log *log, const char *name,
     return gp_alloc(log, name, samples, sizeof(float), &c->v);
 }
 
-/* The colour among the names of the list. */
+/* Finds the colour by the names of the list. */
 static gp_status find_light(const struct gp_log *log, bool lone,
                             struct gp_stored_image *out)
 {
@@ -58,7 +58,7 @@ static gp_status find_light(const struct gp_log *log, bool lone,
 
 /* -- EXR ------------------------------------------------------------------- */
 
-/* A deep part: its samples, no light. */
+/* Reads the samples of a deep part; it has no light. */
 static gp_status read_deep(const struct gp_log *log,
     const struct gp_read_params *p, const struct gp_stored_file *file, int part,
     struct gp_stored_image *out)

@@ -55,7 +55,7 @@ gp_status gp_stream_fill(const struct gp_log *log, const char *path,
 {
     gp_status st = GP_OK;
     while (s->more && s->size <= limit && !st) {
-        // a pipe says nowhere how much will come
+        // a pipe does not declare its length
         uint64_t room = s->size + s->size / 4 + BLOCK;
         if (room > limit)
             room = limit + 1;
@@ -92,7 +92,7 @@ gp_status gp_stream_open(const struct gp_log *log, const char *path,
                      "frame.####.exr", path);
     } else if (S_ISREG(info.st_mode) && s->fd != STDIN_FILENO) {
         s->size = (uint64_t) info.st_size;
-    } else { // a redirected stdin is a file too, but its offset may not be 0
+    } else { // also a redirected stdin, whose offset may not be 0
         s->more = true;
         st = grow_to(log, first, s);
         if (!st)

@@ -8,8 +8,8 @@
 
 enum { ENDING_BYTES = 16 };
 
-/* The ending that decides; true when it is not the path's own, but that of
- * stdout, pipes and devices without one. */
+/* Finds the ending that chooses the format; returns true when it is that of
+ * --stdout-format, for stdout, pipes and devices without an ending. */
 static bool find_ending(const struct gp_write_params *p, const char *path,
                         char ending[ENDING_BYTES])
 {
@@ -46,7 +46,7 @@ static gp_status write_oiio(const struct gp_log *log,
     return gp_oiio_picture_write(log, p, path, ending, f, planes, kind);
 }
 
-/* Raw frames have no files of their own: .raw is what cameras write. */
+/* Raw frames go to streams only: files called .raw are cameras'. */
 const struct gp_writer gp_writers[] = {
     {"exr", false, true, check_exr, gp_exr_write_picture},
     {"png", false, true, NULL, gp_png_write},
