@@ -1,4 +1,4 @@
-/* Which part of an EXR is the frame, and which of its channels the colour. */
+/* Chooses the part of an EXR that is the frame, and its colour channels. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -47,9 +47,9 @@ size_t gp_exr_part_layer(const struct gp_input *in, int part, const char **name)
     return before == '.' || before == '_' ? n - end - 1 : n;
 }
 
-/* The views of a part with several: how many; 0 for other parts. The first
- * VIEWS count: no file of use has more, and a hostile one would cost that many
- * comparisons for each channel. */
+/* Lists the views of a part with several; returns how many, 0 for other parts.
+ * The first VIEWS count: real files have fewer, and a hostile one would cost
+ * that many comparisons for each channel. */
 enum { VIEWS = 64 };
 static int views_of(const struct gp_input *in, int part,
                     const char *view[VIEWS])
@@ -222,9 +222,9 @@ struct search {
     int only;  // this part and no other, or -1
 };
 
-/* All parts in their order; those without a lone channel, which is more likely
- * depth than colour, before those with one. Without a layer's name a deep part
- * comes before a lone channel too, so that its reader says what is wrong. */
+/* Searches all parts in their order for colour, then for a lone channel, which
+ * is less likely the picture. Without a layer's name it takes a deep part
+ * before a lone channel, so that its reader reports it. */
 static gp_status search_parts(const struct search *s, const char *layer,
     const char *view, struct gp_exr_choice *out, bool *found)
 {
@@ -299,7 +299,7 @@ static int part_number(const struct gp_input *in, const char *part)
     return -1;
 }
 
-/* -- what a file has, for the line about what it has not ------------------ */
+/* -- messages that list what a file has ----------------------------------- */
 
 /* Names, cut after so many bytes or names. */
 enum { NAMES_BYTES = 400, NAMES_MOST = 32 };
@@ -364,7 +364,7 @@ static bool is_layer_of_ids(const struct search *s, const char *layer)
     return false;
 }
 
-/* The line for what p asks for and the file has not. */
+/* Prints the line for a layer, part or view that the file does not have. */
 static gp_status not_there(const struct search *s,
                            const struct gp_read_params *p, const char *path)
 {
@@ -435,7 +435,7 @@ gp_status gp_exr_choose(const struct gp_log *log,
     gp_status st = search_parts(&s, p->layer, p->view, out, &found);
     if (!st && !found && p->layer && !p->view &&
         strlen(p->layer) < sizeof word) {
-        // there is nothing of the whole name: VIEW, VIEW.LAYER or LAYER.VIEW
+        // no layer of that name: tries VIEW, VIEW.LAYER and LAYER.VIEW
         strcpy(word, p->layer);
         char *const one = strchr(word, '.'), *const last = strrchr(word, '.');
         st = search_parts(&s, NULL, p->layer, out, &found);

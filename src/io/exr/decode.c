@@ -1,6 +1,6 @@
-/* Pixels of one part of an EXR: first everything that could be a lie is
- * checked against the file, then the chunks are decoded in parallel straight
- * into the planes. */
+/* Decodes the pixels of one part of an EXR: checks all that the header declares
+ * against the file, then decodes the chunks in parallel straight into the
+ * planes. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -15,7 +15,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* -- which chunks there are ----------------------------------------------- */
+/* -- the list of chunks --------------------------------------------------- */
 
 /* The most bytes that one byte of a chunk can become, by compression, rounded
  * up. DEFLATE: a 2-bit code can stand for 258 bytes, and there is nothing
@@ -274,8 +274,8 @@ static exr_result_t unpack_chunk(exr_decode_pipeline_t *pipe)
     return EXR_ERR_SUCCESS;
 }
 
-/* Takes the place of the library's zlib and run lengths. What does not
- * decode here is given to the library, so that odd files mean the same. */
+/* Replaces the library's zlib and run lengths. Leaves what does not decode here
+ * to the library, so that odd files give the same. */
 static exr_result_t decompress(exr_decode_pipeline_t *pipe)
 {
     struct worker *w = pipe->decoding_user_data;
@@ -294,9 +294,9 @@ static exr_result_t decompress(exr_decode_pipeline_t *pipe)
     return EXR_ERR_SUCCESS;
 }
 
-/* B44 blocks that would have grown are stored as they are (tiny windows).
- * OpenEXR's C++ library writes and reads such chunks; OpenEXRCore 3.1.5 takes
- * them for compressed ones. */
+/* Chunks that B44 would have made larger are stored (tiny windows). OpenEXR's
+ * C++ library writes and reads such chunks; OpenEXRCore 3.1.5 decodes them as
+ * compressed ones. */
 static exr_result_t decompress_b44(exr_decode_pipeline_t *pipe)
 {
     struct worker *w = pipe->decoding_user_data;
@@ -433,9 +433,8 @@ static gp_status decode_body(void *ctx, int index, int thread)
     return fault ? fault : r || gp_exr_fault_short() ? GP_ERR_DATA : GP_OK;
 }
 
-/* Decodes the chunk that failed once more to learn why; it fails again when
- * the file is to blame. What OpenEXRCore 3.1.5 lacks (DWA) is left to
- * OpenImageIO. */
+/* Decodes the failed chunk again to learn why; it fails again when the file is
+ * to blame. Leaves DWA, which OpenEXRCore 3.1.5 lacks, to OpenImageIO. */
 static gp_status explain(const struct gp_log *log, struct worker *w, int index,
                          gp_status st)
 {

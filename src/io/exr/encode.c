@@ -1,4 +1,4 @@
-/* Planes and carried channels to the compressed chunks of a scanline part. */
+/* Compresses planes and carried channels to the chunks of a scanline part. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -260,7 +260,7 @@ static gp_status encode_chunk(void *ctx, int i, int thread)
     return GP_OK;
 }
 
-/* `st` is that of a compressor; what is no full memory is a refusal. */
+/* Prints the line for a compressor's `st`: full memory, else a refusal. */
 static gp_status refused(const struct gp_log *log, const char *path,
                          gp_status st)
 {
@@ -286,7 +286,7 @@ static gp_status start_worker(const struct gp_log *log, const char *path,
         w->zip = libdeflate_alloc_compressor(ZIP_LEVEL);
         return w->zip ? GP_OK : gp_no_memory_bare(log, "EXR compressor");
     }
-    // a header just good enough for the library's compressors
+    // the least header that the library's compressors need
     const struct gp_rect d = img->data;
     const exr_attr_box2i_t window = {.min = {.x = d.x0, .y = d.y0},
                                      .max = {.x = d.x1 - 1, .y = d.y1 - 1}};
@@ -380,8 +380,8 @@ out:
 
 /* -- DWAA and DWAB ----------------------------------------------------------
  *
- * OpenImageIO writes an EXR in memory with the same channels, and its chunks
- * are taken over as they are: OpenEXRCore 3.1.5 cannot make them. */
+ * OpenImageIO writes an EXR in memory with the same channels, whose chunks are
+ * copied unchanged: OpenEXRCore 3.1.5 cannot make them. */
 
 /* DWA stores halfs, floats too, and its loss moves values near the end of
  * their range up to Inf: a sun of 65504 came back as Inf. An eighth below the

@@ -21,9 +21,8 @@
 
 /* The EXR that a frame came from, for the writer: gp_frame.input.
  *
- * It is the open read context: attributes, other parts and their raw chunks
- * are read from there when gp_write_hdr() needs them, so nothing that nobody
- * asks for is ever read. */
+ * It stays open for reading: gp_write_hdr() reads attributes, other parts and
+ * their raw chunks only when it needs them. */
 struct gp_input {
     /* Open for reading with the whole header parsed. Safe to read from many
      * threads at once. Its errors are return values only; nothing is
@@ -32,11 +31,11 @@ struct gp_input {
     struct gp_stream stream; // the bytes of exr
     int part, parts;         // colour part and number of parts
     /* Bytes from the magic number to the end of the last chunk, by the offset
-     * tables of all parts; 0 when the tables do not give it: the file was not
-     * finished, or is damaged. At most stream.size. */
+     * tables of all parts; 0 when the tables are incomplete (a writer that was
+     * stopped, damage). At most stream.size. */
     uint64_t end;
-    struct gp_exr_index *index; // where all is in the file
-    char reason[256]; // the library's last words about a bad header
+    struct gp_exr_index *index; // places of attributes and offset tables
+    char reason[256]; // the library's last message about a bad header
 };
 
 /* The input of a frame, or NULL for one that came from no EXR. */
@@ -53,9 +52,9 @@ static inline const struct gp_input *gp_input_of(const struct gp_frame *f)
  *   out     written only on GP_OK; goes to gp_frame.input, with
  *           gp_input_free() as gp_frame.input_free
  *
- * `part` of the result is 0 until the reader has chosen.
+ * `part` of the result is 0; the reader sets it.
  * Errors: GP_ERR_DATA the header is damaged, or the file is truncated before
- * its last chunk ends, whatever part or level that is of; GP_ERR_IO a read
+ * its last chunk ends, of any part or level; GP_ERR_IO a read
  * failed; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_open(const struct gp_log *log, const char *path,
     struct gp_stream *stream, struct gp_input **out);
@@ -115,9 +114,9 @@ GP_MUST_CHECK gp_status gp_exr_names_in(const struct gp_log *log,
     struct gp_exr_names *out);
 void gp_exr_names_free(struct gp_exr_names *names);
 
-/* Part (where there are several), layer and view of the colour that has a
- * channel of that name, as --part, --layer-in and --views take them; those that
- * there are not stay as they are in *out. */
+/* Writes part (where there are several), layer and view of the colour with a
+ * channel of that name, as --part, --layer-in and --views take them, to *out;
+ * leaves those that it has not. */
 void gp_exr_taken(const struct gp_input *in, int part, const char *channel,
                   struct gp_taken *out);
 
@@ -139,7 +138,7 @@ struct gp_exr_chunks {
     size_t largest;                   // unpacked bytes of the largest chunk
 };
 
-/* The place for the samples of one channel: w/xs * h/ys of them, rows
+/* The destination of the samples of one channel: w/xs * h/ys of them, rows
  * without padding. Not wanted when `to` is NULL. */
 struct gp_exr_sink {
     void *to;
@@ -147,9 +146,9 @@ struct gp_exr_sink {
 };
 
 /* Reads the place and size of every chunk of level 0 and checks that each is
- * in the file and could hold as much as it claims: stored chunks exactly their
- * size, compressed ones at most what their method can expand to. Takes memory
- * for the list of chunks only, which the offset table in the file bounds.
+ * in the file and can expand to its pixels: stored chunks have exactly their
+ * size, compressed ones at most what their method expands to. Allocates only
+ * the list of chunks, which the offset table in the file bounds.
  *
  *   out  written always; free with gp_exr_chunks_free()
  *
@@ -160,8 +159,10 @@ GP_MUST_CHECK gp_status gp_exr_chunks_find(const struct gp_log *log,
 void gp_exr_chunks_free(struct gp_exr_chunks *chunks);
 
 /* Decodes all chunks, in parallel and straight to the sinks: by OpenEXRCore,
- * or by OpenImageIO where OpenEXRCore 3.1.5 cannot (DWAA and DWAB). `sink` has
- * one entry a channel, in file order. The samples are whole only on GP_OK.
+ * or by OpenImageIO where OpenEXRCore cannot (DWAA and DWAB: 3.1.5 answers
+ * EXR_ERR_FEATURE_NOT_IMPLEMENTED; later releases decode them, 3.1.13 the first
+ * rightly, see its issue 1682). `sink` has one entry a channel, in file order.
+ * The samples are whole only on GP_OK.
  * Errors: GP_ERR_DATA a chunk is damaged (the first one is named);
  * GP_ERR_IO no OpenImageIO; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_decode(const struct gp_log *log,

@@ -10,10 +10,9 @@
 
 /* -- why the library failed (open.c) ----------------------------------------
  *
- * It calls a file damaged also when memory is full or the disk does not read,
- * and continues after some of these as if an attribute had not been there. So
- * its memory and its bytes come through here, and what goes wrong with them is
- * kept, for each thread. */
+ * The library reports full memory and read errors as a damaged file, and after
+ * some of them goes on without an attribute. So it allocates and reads through
+ * these functions, which keep failures, for each thread. */
 
 /* For alloc_fn of a context: malloc(). */
 void *gp_exr_allocate(size_t size);
@@ -22,17 +21,17 @@ void *gp_exr_allocate(size_t size);
 int64_t gp_exr_read_bytes(const struct gp_stream *s, void *to, uint64_t n,
                           uint64_t offset);
 
-/* Forgets what happened on this thread; before calls of the library. */
+/* Clears this thread's failures; call it before the library. */
 void gp_exr_fault_clear(void);
 
-/* Returns what happened on this thread since: GP_OK, GP_ERR_BUG memory was
- * full, GP_ERR_IO a read failed. Safe in parallel bodies. */
+/* Returns this thread's failure since: GP_OK none, GP_ERR_BUG memory was full,
+ * GP_ERR_IO a read failed. Safe in parallel bodies. */
 gp_status gp_exr_fault(void);
 
 /* True when a read on this thread since got fewer bytes than it asked for.
- * That is as it should be in headers, which are read in blocks; of chunks
- * that are not compressed OpenEXRCore 3.1.5 makes the rest black and reports
- * nothing, though the file was cut after it was opened. */
+ * Headers, which are read in blocks, may. Of an uncompressed chunk of a file
+ * that was truncated after it was opened, OpenEXRCore 3.1.5 makes the rest
+ * black and reports nothing. */
 bool gp_exr_fault_short(void);
 
 /* Prints the line for `fault`, GP_ERR_BUG or GP_ERR_IO, with this thread's
@@ -42,10 +41,10 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 
 /* -- the header's bytes (header.c) -----------------------------------------
  *
- * A walk over them comes before the library: it bounds the lists, holds every
- * value to its type, and keeps where everything is. OpenEXRCore 3.1.5 leaves
- * out values that it cannot parse and reports nothing; OpenEXR's C++ library
- * refuses the file, and would refuse one that they are carried to. */
+ * Checked before the library parses them: bounds the lists, checks every value
+ * against its type, and keeps all places. OpenEXRCore 3.1.5 silently omits
+ * values that it cannot parse; OpenEXR's C++ library refuses such a file, and
+ * would refuse an output that they were carried to. */
 
 enum { GP_EXR_NAME = 256 }; // bytes of any name with its null, at most
 
@@ -74,24 +73,24 @@ struct gp_exr_index {
 };
 
 /* Walks the header at the start of `s`. GP_OK also of one that is damaged
- * (out->tables is 0 then), about which the library knows more to say.
+ * (out->tables is 0 then): the library's message says more.
  *
  *   out  written always; free with gp_exr_index_free()
  *
- * Errors: GP_ERR_DATA a value is none of its type, which the library may leave
- * out without a word, or there are more channels, attributes or parts than it
- * could sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
+ * Errors: GP_ERR_DATA a value does not fit its type, which the library may
+ * silently omit, or there are more channels, attributes or parts than it could
+ * sort in time; GP_ERR_IO cannot read; GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_index_make(const struct gp_log *log,
     const char *path, const struct gp_stream *s, struct gp_exr_index *out);
 void gp_exr_index_free(struct gp_exr_index *index);
 
-/* False when all bytes of `s` are no value of that type. */
+/* Returns whether the bytes of `s` are a value of that type. */
 bool gp_exr_value_is(const struct gp_stream *s, const char *type);
 
-/* -- what is carried from input to output (open.c) --------------------------
+/* -- attributes carried from input to output (open.c) -----------------------
  *
- * It is carried as bytes: attributes of any type, known or not, and whole
- * headers of other parts. (OpenEXRCore 3.1.5 refuses to copy attributes whose
+ * As bytes: attributes of any type, known or not, and whole headers of other
+ * parts. (OpenEXRCore 3.1.5 refuses to copy attributes whose
  * type it does not know.) */
 
 /* Flags of the version field, openexr file layout, "Version Field". */
@@ -175,7 +174,7 @@ struct gp_exr_choice {
 
 /* Chooses by p->layer, p->part and p->view, as read.h says.
  *
- *   first  the part that is looked at before the others
+ *   first  the part that is searched first
  *   out    written only on GP_OK; may be a deep part, without a colour, which
  *          gp_exr_chunks_find() refuses
  *
@@ -222,8 +221,8 @@ GP_MUST_CHECK gp_status gp_yc_to_rgb(const struct gp_log *log,
  *
  * Such a chunk holds all bytes at even places, then all bytes at odd places,
  * each byte as the difference to the one before, plus 128 (ImfZip.cpp). The
- * two halves are never put together in memory: the readers below take both
- * at once on the way to the planes. */
+ * readers below interleave the halves on the way to the planes, which saves a
+ * pass over memory. */
 
 struct libdeflate_compressor;
 
@@ -297,7 +296,7 @@ GP_MUST_CHECK gp_status gp_exr_encode(struct gp_exr_out *out, int part,
     const struct gp_exr_image *img, float quality,
     struct gp_write_stats *stats);
 
-/* -- which channels a part gets (sources.c) ------------------------------- */
+/* -- the channels of a part that is written (sources.c) ------------------- */
 
 /* `source` borrows names and samples from the frame and the planes, which
  * must live longer. Free with gp_exr_sources_free(). */
@@ -309,8 +308,8 @@ struct gp_exr_sources {
     float *alpha;    // owned: samples of a picture's A, or NULL
 };
 
-/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where it
- * has one. Errors: GP_ERR_BUG out of memory. */
+/* R, G and B from `planes`, and with GP_ALPHA_KEEP the A of f's colour, where
+ * it has one. Errors: GP_ERR_BUG out of memory. */
 GP_MUST_CHECK gp_status gp_exr_sources_picture(const struct gp_log *log,
     const struct gp_write_params *p, const struct gp_frame *f,
     const struct gp_planes *planes, struct gp_exr_sources *out);
@@ -336,8 +335,8 @@ void gp_exr_sources_free(struct gp_exr_sources *s);
 
 /* -- a header in the making (out.c) --------------------------------------- */
 
-/* Bytes that grow. A failed allocation is remembered and reported at the end
- * by gp_exr_header_done(). Free with gp_exr_header_free(). */
+/* A growing block of bytes. gp_exr_header_done() reports a failed allocation.
+ * Free with gp_exr_header_free(). */
 struct gp_exr_header {
     uint8_t *bytes;
     size_t size, room;
@@ -361,8 +360,8 @@ void gp_exr_header_put(struct gp_exr_header *h, const char *name,
                        const char *type, const void *data, size_t size);
 
 /* All attributes of the scanline part that holds the colour, and its end:
- * those that the file layout asks for from `f` and `img`, those of the input
- * that `kept` lets through, and what made it.
+ * those that the file layout requires from `f` and `img`, those of the input
+ * that `kept` lets through, and glarepp's version and command.
  *
  *   own     of the input; NULL when that was not EXR
  *   name    of the part; may be NULL in files of one part
@@ -433,15 +432,15 @@ void gp_exr_out_free(struct gp_exr_out *out);
 
 /* -- one file (write.c) --------------------------------------------------- */
 
-/* True when samples of that channel may come back with other bits; of AUTO,
- * never. What EXR's lossy compressions do to channels that are not colour:
+/* True when samples of that channel may be read back with other bits; never for
+ * AUTO. EXR's lossy compressions:
  *
  *   PXR24      32-bit floats lose the low 8 bits of their mantissa; half and
  *              uint keep all bits
  *   B44, B44A  half loses (blocks of 4x4 to 6 bits); float and uint keep all
- *   DWAA/B     what is called R, G, B, Y, RY or BY after its last dot loses,
- *              of any layer and in half and float, and becomes half; all else
- *              keeps its bits, depth too
+ *   DWAA/B     channels called R, G, B, Y, RY or BY after their last dot lose,
+ *              in any layer, half and float, and become half; others keep
+ *              their bits, depth too
  *
  * Sources: OpenEXR 3.1.5, ImfPxr24Compressor.cpp, ImfB44Compressor.cpp,
  * DwaCompressor::initializeDefaultChannelRules() of ImfDwaCompressor.cpp. */

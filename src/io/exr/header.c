@@ -1,4 +1,4 @@
-/* The bytes of a header: one walk over them, before the library sees any. */
+/* Checks the bytes of a header, before the library parses them. */
 #include "io/exr/exr_priv.h"
 
 #include "core/bytes.h"
@@ -18,7 +18,7 @@ enum {
     LIST_MOST = 8192,
 };
 
-/* A block of the file, so that what is short is not read one by one. */
+/* A block of the file, so that short reads cost no call each. */
 struct window {
     const struct gp_stream *stream;
     uint64_t from, to; // the bytes of the file that are in b
@@ -133,9 +133,9 @@ static bool is_stringvector(const struct value *v)
     return true;
 }
 
-/* False when the bytes are no value of that type. Of a type that OpenEXR does
- * not know any bytes are; bytes that cannot be read are the library's to
- * complain about. */
+/* Returns whether the bytes are a value of that type; true for types that
+ * OpenEXR does not know, and for bytes that cannot be read, which the library
+ * reports. */
 static bool value_is(const struct value *v, const char *type)
 {
     // those of OpenEXR's C++ library; "string" and "bytes" may be any bytes

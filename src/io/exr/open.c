@@ -1,4 +1,4 @@
-/* An EXR on its way in: its bytes, the library's context, where it ends. */
+/* Opens an EXR: its bytes, the library's context, its end. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -59,9 +59,9 @@ gp_status gp_exr_fault_print(const struct gp_log *log, const char *path,
 
 /* -- the library's context ------------------------------------------------ */
 
-/* Some files of one part carry the "type" of another file along: OpenEXR's own
- * readers go by the flags of the version there; OpenEXRCore 3.1.5 believes the
- * attribute, and finds the header damaged. So it does not get to see it. */
+/* Some files of one part have the "type" attribute of another file: OpenEXR's
+ * own readers use the version's flags instead; OpenEXRCore 3.1.5 trusts the
+ * attribute, and refuses the header. So it is hidden from it. */
 static int64_t read_for_library(exr_const_context_t ctxt, void *user, void *to,
     uint64_t n, uint64_t offset, exr_stream_error_func_ptr_t error)
 {
@@ -107,8 +107,7 @@ static gp_status parse_header(const struct gp_log *log, const char *path,
     init.alloc_fn = gp_exr_allocate;
     init.read_fn = read_for_library;
     init.size_fn = query_size;
-    // a table that points outside the file means lost pixels: that is an
-    // error, and no guess where they are
+    // offsets outside of the file are an error; the library would guess
     init.flags = EXR_CONTEXT_FLAG_DISABLE_CHUNK_RECONSTRUCTION;
     gp_exr_fault_clear();
     exr_result_t r = exr_start_read(&in->exr, path, &init);
@@ -234,7 +233,7 @@ gp_status gp_exr_open(const struct gp_log *log, const char *path,
     GP_TRY(gp_alloc_zero(log, path, 1, sizeof *in->index, &in->index));
     GP_TRY(gp_exr_index_make(log, path, &in->stream, in->index));
     GP_TRY(parse_header(log, path, in));
-    // parts and levels that nobody reads must be whole as well
+    // also parts and levels that are not read must be whole
     in->end = find_end(in);
     if (in->end > in->stream.size)
         GP_TRY(gp_fail(log, GP_ERR_DATA,

@@ -1,11 +1,11 @@
-/* The container of an EXR file on its way out: header, offset tables, chunks
- * (openexr file layout, "Header" and "Chunk Layout").
+/* Writes the container of an EXR file: header, offset tables, chunks (openexr
+ * file layout, "Header" and "Chunk Layout").
  *
- * Written here and not with OpenEXRCore's chunk functions, because those of
- * 3.1.5 refuse chunks out of order (unless the part's lineOrder is random) and
- * deep chunks without samples, and parts are carried with both. A release
- * whose write_scan_chunk() and write_tile_chunk() take them ends this file;
- * those of its repository at 01e9f18f do not yet. */
+ * Not by OpenEXRCore's chunk functions: those of 3.1.5 refuse chunks out of
+ * order (unless the part's lineOrder is random) and deep chunks without
+ * samples, and carried parts have both. Once write_scan_chunk() and
+ * write_tile_chunk() accept them, this file can go; at 01e9f18f of its
+ * repository they do not. */
 #include "io/exr/exr_priv.h"
 
 #include "core/colour.h"
@@ -125,7 +125,7 @@ static bool is_kept(const char *name, enum gp_exr_kept kept)
     };
     // of the input's pixels, not of this picture's
     static const char *const scene[] = {"preview", "multiView", NULL};
-    // how the input's colours are meant to be turned into what this shows
+    // how to show the input's colours, which these are not any more
     static const char *const shown[] = {
         "chromaticities", "adoptedNeutral", "whiteLuminance",
         "renderingTransform", "lookModTransform", NULL,
@@ -193,8 +193,8 @@ void gp_exr_header_part(struct gp_exr_header *h, const struct gp_frame *f,
     const int32_t count = chunks, version = 1;
     const uint8_t compression = (uint8_t) img->compression;
     struct gp_exr_header list = {.flags = h->flags}; // of the channels
-    // OpenImageIO has no way to give the DWA compressor the flag, and a
-    // reader must not believe what the chunks are not made for
+    // OpenImageIO cannot pass the flag to the DWA compressor, so the chunks are
+    // made without it
     const bool dwa = img->compression == GP_COMPRESSION_DWAA ||
                      img->compression == GP_COMPRESSION_DWAB;
     for (int i = 0; i < img->sources; i++) {

@@ -1,4 +1,4 @@
-/* Which channels an EXR part gets, and from where. */
+/* Lists the channels of an EXR part that is written, and their samples. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -78,7 +78,7 @@ struct group {
     const struct gp_frame *complete; // the one that has all channels of it
 };
 
-/* Channels that are never colour. */
+/* Adds the channels that are the colour of no frame. */
 static gp_status add_carried(const struct group *g, struct gp_exr_sources *out)
 {
     // the names of all colours: a file may have very many other channels, and
@@ -226,7 +226,7 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
     for (int i = 0; i < n; i++)
         GP_TRY(add_frame(&g, &set[i], out));
     qsort(out->source, (size_t) out->sources, sizeof *out->source, by_name);
-    // names that a file that was not EXR may have given
+    // names from other formats may not fit EXR
     for (int i = 0; i < out->sources; i++) {
         const char *name = out->source[i].name;
         if (name[0] == '\0' || strlen(name) > 255 ||

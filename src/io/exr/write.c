@@ -1,4 +1,4 @@
-/* One EXR file out: which parts it has, their headers and chunks. */
+/* Writes one EXR file: its parts, their headers and chunks. */
 #include "io/exr/exr_priv.h"
 
 #include "core/memory.h"
@@ -40,7 +40,7 @@ struct new_part {
     const struct gp_exr_carried_part *own; // of the input, or NULL
 };
 
-/* Everything that is open at once, so that one place closes it. */
+/* All that is open at once, closed in one place. */
 struct writing {
     const struct gp_log *log;
     const struct gp_write_params *p;
@@ -89,8 +89,8 @@ static gp_status plan_parts(struct writing *w, const struct gp_input *in)
             c = a && a->size == 1 && a->data[0] <= GP_COMPRESSION_PIZ
                     ? (enum gp_compression) a->data[0] : GP_COMPRESSION_ZIP;
         }
-        // OpenImageIO writes a single channel as zip where DWA is asked for:
-        // the header has to say so too
+        // OpenImageIO writes a single channel as zip instead of DWA: the header
+        // must match
         if (c >= GP_COMPRESSION_DWAA && part->sources.sources == 1) {
             gp_say(w->log, GP_LEVEL_WARN,
                    "%s: a single channel (%s) cannot be DWA; it is written as "

@@ -27,7 +27,7 @@ enum {
     MOST_HELPERS = 16,
     MOST_TEXT = 1 << 24,     // bytes of names and attributes
     MOST_CHANNELS = 8192,
-    MOST_EDGE = 1 << 29,     // of windows: they are added up without a thought
+    MOST_EDGE = 1 << 29,     // of windows: sums of two fit an int
     SECONDS = 60,
     WHY_BYTES = 512,
 };
@@ -41,7 +41,7 @@ struct helper {
     struct gp_shared shared; // for rows
     bool shares;             // it has got shared.fd
     bool starved;            // memory was full when it answered
-    char cause[WHY_BYTES];   // why it is no more
+    char cause[WHY_BYTES];   // why it ended
 };
 
 static struct {
@@ -52,7 +52,7 @@ static struct {
 
 // -- start and end ------------------------------------------------------------
 
-/* Ends a helper, keeping why; `why` NULL: it ended by itself. */
+/* Ends a helper and keeps the reason; `why` NULL: it ended by itself. */
 static void end_helper(struct helper *h, const char *why)
 {
     int status = 0;
@@ -219,7 +219,7 @@ static void give_back(struct helper *h)
     pthread_mutex_unlock(&pool.lock);
 }
 
-/* The line for a call that failed: `reply` NULL: the helper is no more. */
+/* Prints the line for a call that failed; `reply` NULL: the helper ended. */
 static gp_status call_failed(const struct gp_log *log, const char *path,
     bool writes, const struct helper *h, const struct gp_oiio_reply *reply,
     const char *text)
@@ -238,7 +238,7 @@ static gp_status call_failed(const struct gp_log *log, const char *path,
                    text[0] ? text : "truncated or damaged", hint);
 }
 
-/* A helper for this thread, one that runs first; give it back. */
+/* Takes a helper for this thread, a running one if possible; give_back() it. */
 static gp_status take_helper(const struct gp_log *log, const char *path,
                              bool writes, struct helper **out)
 {
@@ -257,7 +257,7 @@ static gp_status take_helper(const struct gp_log *log, const char *path,
     h->busy = true;
     h->starved = false;
     pthread_mutex_unlock(&pool.lock);
-    // one that waits has nothing to say, but that it ended
+    // an idle one sends nothing: readable means that it ended
     struct pollfd idle = {.fd = h->socket, .events = POLLIN};
     if (h->pid && poll(&idle, 1, 0) > 0)
         end_helper(h, NULL);
@@ -371,9 +371,9 @@ static bool next_attribute(const char **at, const char *end,
     return kind == 'i' || kind == 'f';
 }
 
-/* The image that a reply describes; in->text is taken apart where it is.
- * GP_ERR_DATA without a line: it cannot be true, which is not the file's
- * doing. */
+/* Makes the image that a reply describes; its names point into in->text.
+ * GP_ERR_DATA without a line: the reply is invalid, which is not the file's
+ * fault. */
 static gp_status make_image(const struct gp_log *log,
     const struct gp_oiio_reply *reply, long long max_pixels, struct input *in,
     struct gp_image *image)
@@ -434,7 +434,7 @@ static void close_image(struct gp_image *image)
     struct helper *const h = in->helper;
     struct gp_oiio_reply reply;
     char *text;
-    // rows that were asked for still come
+    // reads the reply with rows that were asked for
     if (h && h->pid && in->asked > in->got && receive_reply(h, &reply, &text))
         gp_free(text);
     if (h)

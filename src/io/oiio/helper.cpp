@@ -1,6 +1,6 @@
 // glarepp-oiio: reads and writes with OpenImageIO for glarepp, which starts it
-// with a socket as stdin. What a damaged file does here ends this process and
-// no other. See io/oiio/protocol.h.
+// with a socket as stdin. A damaged file that crashes its reader ends this
+// process only. See io/oiio/protocol.h.
 #include "io/oiio/protocol.h"
 
 #include <OpenImageIO/imageio.h>
@@ -104,7 +104,7 @@ constexpr rlim_t gigabyte = rlim_t(1) << 30;
 rlim_t inherited_data, inherited_space, inherited_file;
 rlim_t most_memory = gigabyte; // of the file that is open
 
-// A decoder that hangs outlives glarepp by nothing.
+// Ends this process with glarepp, also while a decoder hangs.
 void end_with_client()
 {
     struct pollfd p = {SOCKET, POLLRDHUP, 0};
@@ -234,10 +234,10 @@ void answer(const gp_oiio_ask &ask, int fd[2], Shared &shared,
     }
 }
 
-// The first line, as libraries repeat themselves for each row. Plugins catch
-// what is thrown and keep only its words. Memory is full where glarepp's own
-// limits are narrower than the helper's, and libraries map a gigabyte; else the
-// file wanted more than its bytes explain.
+// Keeps the first line, as libraries repeat it for each row. Plugins catch
+// exceptions and keep only their text. bad_alloc means full memory where
+// glarepp's own limits are lower than the helper's (libraries map a gigabyte);
+// else the file needs more than its size explains.
 void explain(const std::string &why, gp_oiio_reply &reply, std::string &text)
 {
     static const char *const memory[] = {

@@ -23,8 +23,8 @@ using OIIO::TypeDesc;
 
 // -- bytes --------------------------------------------------------------------
 
-// A descriptor as OpenImageIO's file, which no name leads to. It notes when
-// more is asked for than there is: libjpeg inside a TIFF fills that with grey.
+// A descriptor as OpenImageIO's file, without a name. Records reads beyond its
+// end: libjpeg inside a TIFF fills those with grey.
 class Bytes : public OIIO::Filesystem::IOProxy {
 public:
     Bytes(int fd, std::size_t size)
@@ -139,7 +139,7 @@ std::unique_ptr<File> open_bytes(int fd, const gp_oiio_ask &ask)
     return f;
 }
 
-// -- what is refused before memory is taken for it ----------------------------
+// -- checks before memory is taken --------------------------------------------
 
 // Most pixels that a byte of a file can hold, with room to spare: formats
 // that are raw or have runs of known length. Not here are those that pack
@@ -238,7 +238,7 @@ bool read_block(int y0, int y1, int c0, int c1, TypeDesc type, void *to)
                                       type, to);
 }
 
-// Readers may say what was wrong and go on, with black in its place.
+// Readers may report an error and go on, with black pixels.
 void check_read(bool read)
 {
     if (!read || file->input->has_error())
@@ -260,7 +260,7 @@ void describe(ImageSpec &spec, int block, gp_oiio_spec &out,
 {
     text.clear();
     if (spec.channelnames.size() != static_cast<std::size_t>(spec.nchannels))
-        spec.default_channel_names(); // nothing holds a reader to it
+        spec.default_channel_names(); // readers may leave them out
     for (const std::string &name : spec.channelnames)
         add_text(text, name);
     add_text(text, spec.get_string_attribute("oiio:ColorSpace"));

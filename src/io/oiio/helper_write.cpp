@@ -91,9 +91,8 @@ void helper::write_file(int fd, const gp_oiio_ask &ask,
     close_file();
     limit_memory(4 * ask.size);
     ImageSpec spec = make_spec(ask, text);
-    // Most writers do not look whether their last bytes got into the file.
-    // While files may not grow, one whose bytes might not fit, packed as they
-    // come out at worst, is not begun.
+    // Most writers do not check whether their last bytes were written. Under a
+    // limit of file sizes, refuses a file that may be larger, at worst packing.
     const std::uint64_t most = 2 * static_cast<std::uint64_t>(
         spec.image_bytes(ask.spec.typed)) + (std::uint64_t(1) << 16);
     struct rlimit limit;

@@ -1,12 +1,11 @@
-/* Formats that io does not know itself, by OpenImageIO.
+/* Formats that io has no reader or writer for, by OpenImageIO.
  *
- * OpenImageIO runs in a helper program of its own, glarepp-oiio: its libraries
- * cost 200 ms at every start, and a damaged file may end or hang the process
- * that reads it. It is started when the first such file is read or written,
- * and kept; one that a file ended is started again for the next. It gets files
- * as open descriptors and never a name, may not use the network, and its
- * memory, time and files are limited. Calls from several threads have a helper
- * each.
+ * OpenImageIO runs in a helper program, glarepp-oiio: its libraries cost 200 ms
+ * at every start, and a damaged file may crash or hang the process that reads
+ * it. The first such file starts it, and it stays; after a crash the next file
+ * starts another. It gets files as open descriptors and never a name, may not
+ * use the network, and its memory, time and files are limited. Each thread that
+ * calls has a helper of its own.
  *
  * The program is looked for in $GLAREPP_BRIDGES, beside glarepp, in
  * ../lib/glarepp from there, and in the installed folder.
@@ -48,7 +47,7 @@ GP_MUST_CHECK gp_status gp_oiio_open(const struct gp_log *log, const char *path,
 /* Makes a file in memory.
  *
  *   image        what is written, but its pixels; attributes are not
- *   types        of EXR: each channel's own (enum gp_pixel_type); NULL: floats
+ *   types        of EXR: of each channel (enum gp_pixel_type); NULL: floats
  *   pixels       w * h * channels floats, interleaved, or samples of `types`
  *                without padding
  *   ending       of the format, "tif", "exr", ...
@@ -69,20 +68,19 @@ GP_MUST_CHECK gp_status gp_oiio_write(const struct gp_log *log,
     const struct gp_shared *pixels, const char *ending, const char *type,
     const char *compression, struct gp_stream *out);
 
-/* Starts a helper where none is, so that a run that cannot write fails at its
- * begin. Errors: GP_ERR_IO. */
+/* Starts a helper where none runs, so that a run that cannot write fails before
+ * its first frame. Errors: GP_ERR_IO. */
 GP_MUST_CHECK gp_status gp_oiio_check(const struct gp_log *log,
                                       const char *path);
 
-/* gp_write_picture() for Radiance HDR, which holds floats; TIFF, which
- * holds either; and integer formats: JPEG, DPX, TGA, BMP, PPM, SGI and WebP.
- * TIFF is what --type says, and without it floats for a scene-linear picture
- * and --depth-bits for one to be shown. All show the display window. Radiance
- * HDR holds three mantissas and an exponent: the nearest of those are stored,
- * NaN and negative values as 0, what lies beyond as the largest.
- * GP_ALPHA_KEEP keeps alpha in TIFF, TGA, WebP and SGI; others are over black.
- * SGI says nothing of it, and is read as associated: colour is what it is over
- * black, beside it. */
+/* gp_write_picture() for Radiance HDR, which holds floats; TIFF, which holds
+ * either; and integer formats: JPEG, DPX, TGA, BMP, PPM, SGI and WebP. TIFF is
+ * what --type says, and without it floats for a scene-linear picture and
+ * --depth-bits for one to be shown. All show the display window. Radiance HDR
+ * holds three mantissas and an exponent: the nearest of those are stored, NaN
+ * and negative values as 0, what lies beyond as the largest. GP_ALPHA_KEEP
+ * keeps alpha in TIFF, TGA, WebP and SGI; others are over black. SGI does not
+ * define it, and readers take it as associated: colour is that over black. */
 GP_MUST_CHECK gp_status gp_oiio_picture_write(const struct gp_log *log,
     const struct gp_write_params *p, const char *path, const char *ending,
     const struct gp_frame *f, const struct gp_planes *planes,
