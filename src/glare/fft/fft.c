@@ -1,5 +1,6 @@
 /* The engine fft; split.c says what goes direct, pass.c has the transforms. */
 #include "core/memory.h"
+#include "core/minmax.h"
 #include "glare/bound/bound.h"
 #include "glare/direct/direct.h"
 #include "glare/fft/fft_priv.h"
@@ -116,14 +117,21 @@ static void load_kernel_row(const void *ctx, int c, int j, float *z)
 {
     const struct kernel_rows *const r = ctx;
     const struct gp_kernel *const k = r->kernel;
-    const int dy = r->p->taps.y0 + j, nx = r->p->nx;
+    const struct gp_rect taps = r->p->taps;
+    const int dy = taps.y0 + j, nx = r->p->nx;
     const float *const row =
         k->k.c[c] + (size_t) (dy + k->cy) * (size_t) k->w + k->cx;
-    for (int dx = r->p->taps.x0; dx < r->p->taps.x1; dx++) {
-        const int inside = abs(dx) <= r->core && abs(dy) <= r->core;
-        if (!inside)
-            z[2 * wrap(dx, nx)] = row[dx];
+    for (int from = taps.x0, end; from < taps.x1; from = end) {
+        const int at = wrap(from, nx);
+        end = gp_min(taps.x1, from + nx - at);
+        for (int dx = from; dx < end; dx++)
+            z[2 * (at + dx - from)] = row[dx];
     }
+    if (abs(dy) > r->core)
+        return;
+    for (int dx = gp_max(-r->core, taps.x0);
+         dx <= r->core && dx < taps.x1; dx++)
+        z[2 * wrap(dx, nx)] = 0.0f;
 }
 
 /* A matrix of one plane, as the plane of channel c; borrowed. */
