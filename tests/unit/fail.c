@@ -91,8 +91,7 @@ int __wrap_open(const char *path, int flags, ...)
     return hits(FAIL_IO, EMFILE) ? -1 : __real_open(path, flags, mode);
 }
 
-// -- memory
-// -----------------------------------------------------------------------
+// -- memory -------------------------------------------------------------------
 
 static void *counted(void *p)
 {
@@ -146,8 +145,7 @@ void __wrap_free(void *p)
     __real_free(p);
 }
 
-// -- threads, processors, libraries
-// -----------------------------------------------
+// -- threads, processors, libraries -------------------------------------------
 
 int __real_pthread_create(pthread_t *id, const pthread_attr_t *attributes,
                           void *(*body)(void *), void *arg);
@@ -185,8 +183,7 @@ void *__wrap_dlopen(const char *file, int flags)
     return __real_dlopen(gone ? "/nonexistent/library.so" : file, flags);
 }
 
-// -- answers of GL
-// ----------------------------------------------------------------
+// -- answers of GL ------------------------------------------------------------
 
 typedef void (*function)(void);
 enum { OUT_OF_MEMORY = 0x0505 }; // GL_OUT_OF_MEMORY
