@@ -594,9 +594,10 @@ const struct gp_option gp_options[] = {
         .hi = INFINITY, .help = "Fail only values whose error is also over F "
         "times the mean of both magnitudes"),
     OPT(compare.fail_percent, .name = "failpercent", COMPARE, .arg = "P",
-        .hi = 100, .help = "Allow this percentage of pixels to fail"),
+        .hi = INFINITY, .help = "Allow this percentage of pixels to fail"),
     OPT(compare.allow_failures, .name = "allowfailures", COMPARE, .arg = "N",
-        .hi = INT32_MAX, .help = "Allow N pixels to fail by any amount"),
+        .lo = -1, .hi = INT32_MAX,
+        .help = "Allow N pixels to fail by any amount, -1: any number"),
     OPT(compare.hard_fail, .name = "hardfail", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Fail if any error is over E, whatever "
         "--failpercent allows"),
@@ -607,7 +608,8 @@ const struct gp_option gp_options[] = {
         .hi = INFINITY, .help = "Warn only of values whose error is also over "
         "F times the mean of both magnitudes"),
     OPT(compare.warn_percent, .name = "warnpercent", COMPARE, .arg = "P",
-        .hi = 100, .help = "Allow this percentage of pixels to be over --warn"),
+        .hi = INFINITY,
+        .help = "Allow this percentage of pixels to be over --warn"),
     OPT(compare.hard_warn, .name = "hardwarn", COMPARE, .arg = "E",
         .hi = INFINITY, .help = "Warn if any error is over E, whatever "
         "--warnpercent allows"),

@@ -234,6 +234,8 @@ static gp_status end_unit(void *user, int slot, int unit, gp_status st)
     gp_frame_log_flush(&u->log);
     if (u->kept)
         p->failures.kept += p->jobs->views;
+    if (skipped)
+        gp_progress_fail(p->progress, p->jobs->views);
     for (int v = 0; v < u->begun && !reported && (!st || skipped); v++) {
         struct gp_facts *const facts = &u->view[v].facts;
         facts->warned = u->log.warned;

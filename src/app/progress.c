@@ -3,6 +3,7 @@
 #include "core/clock.h"
 #include "core/json.h"
 #include "core/memory.h"
+#include "core/minmax.h"
 
 #include <limits.h>
 #include <math.h>
@@ -38,12 +39,14 @@ static void wipe_line(struct gp_progress *p)
     p->drawn = false;
 }
 
-/* Describes frames done, rate and time left. */
+/* Describes frames made and failed, rate and time left. */
 static void describe_progress(const struct gp_progress *p, double seconds,
                               char *line, size_t size)
 {
     const double rate = seconds > 0.0 ? p->done / seconds : 0.0;
-    char time[32];
+    char time[32], failed[32] = "";
+    if (p->failed)
+        snprintf(failed, sizeof failed, ", %d failed", p->failed);
     if (p->done == 0) { // no rate yet
         print_duration(time, sizeof time, seconds);
         snprintf(line, size, "0 of %d made, %s so far: %s: %s", p->total, time,
@@ -51,9 +54,9 @@ static void describe_progress(const struct gp_progress *p, double seconds,
     } else {
         print_duration(time, sizeof time,
                        seconds / p->done * (p->total - p->done));
-        snprintf(line, size, "%d of %d made, %.*f frames/s, %s left: %s: %s",
-                 p->done, p->total, rate >= 1.0 ? 1 : 3, rate, time, p->name,
-                 p->stage);
+        snprintf(line, size, "%d of %d made%s, %.*f frames/s, %s left: %s: %s",
+                 gp_max(p->done - p->failed, 0), p->total, failed,
+                 rate >= 1.0 ? 1 : 3, rate, time, p->name, p->stage);
     }
     gp_make_printable(line);
 }
@@ -104,6 +107,8 @@ static void print_news(struct gp_progress *p, double now, bool end)
     if (p->when == GP_PROGRESS_JSON) {
         json_t *const o = json_object();
         json_object_set_new(o, "done", json_integer(p->done));
+        if (p->failed)
+            json_object_set_new(o, "failed", json_integer(p->failed));
         json_object_set_new(o, "total", json_integer(p->total));
         json_object_set_new(o, "percent",
                             json_real(floor(percent * 10.0) / 10.0));
@@ -205,6 +210,13 @@ void gp_progress_update(struct gp_progress *p, int done, int total,
         print_news(p, now, false);
     else if (!p->terminal && now - p->last_ms >= PIPE_MS)
         draw_line(p, now);
+    pthread_mutex_unlock(&p->lock);
+}
+
+void gp_progress_fail(struct gp_progress *p, int n)
+{
+    pthread_mutex_lock(&p->lock);
+    p->failed += n;
     pthread_mutex_unlock(&p->lock);
 }
 

@@ -23,6 +23,7 @@ struct gp_progress {
 
     pthread_mutex_t lock;  // of all below
     int done, total;
+    int failed;            // of `done`
     char name[256];        // file in work
     const char *stage;     // borrowed: a constant
     bool drawn;            // the terminal's line is not empty
@@ -46,11 +47,15 @@ void gp_progress_open(struct gp_progress *p, FILE *file,
 /* Wipes the line and stops the clock. */
 void gp_progress_close(struct gp_progress *p);
 
-/* Prints 100 % in the lines for programs: all frames are made or skipped. */
+/* Prints 100 % in the lines for programs: all frames are made, failed or
+ * skipped. */
 void gp_progress_end(struct gp_progress *p);
 
-/* Shows that `done` of `total` frames are made, and that `stage` of the file
- * `name`, without its folder, comes next. In a pipe it draws at most ten lines
+/* Counts `n` frames that end and are not made. */
+void gp_progress_fail(struct gp_progress *p, int n);
+
+/* Shows that `done` of `total` frames are made or failed, and that `stage` of
+ * the file `name`, without its folder, comes next. In a pipe it draws at most ten lines
  * a second. */
 void gp_progress_update(struct gp_progress *p, int done, int total,
                         const char *name, const char *stage);

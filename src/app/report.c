@@ -310,8 +310,9 @@ static bool cut_file(const struct gp_report *r, long size)
     return ftruncate(fd, size) == 0;
 }
 
-/* Removes a last line without a line feed, left by a killed run. */
-static bool cut_half_line(const struct gp_report *r)
+/* Ends a last line without a line feed: adds it to a whole object, and removes
+ * the part of one that a killed run left. */
+static bool end_last_line(const struct gp_report *r)
 {
     struct stat s;
     const int fd = fileno(r->file);
@@ -321,7 +322,19 @@ static bool cut_half_line(const struct gp_report *r)
     off_t end = s.st_size;
     while (end > 0 && pread(fd, &last, 1, end - 1) == 1 && last != '\n')
         end--;
-    return end == s.st_size || ftruncate(fd, end) == 0;
+    if (end == s.st_size)
+        return true;
+    const size_t bytes = (size_t) (s.st_size - end);
+    char *const line = malloc(bytes);
+    if (!line)
+        return false;
+    json_t *const whole = pread(fd, line, bytes, end) == (ssize_t) bytes
+                              ? json_loadb(line, bytes, 0, NULL) : NULL;
+    const bool fine = json_is_object(whole) ? write(fd, "\n", 1) == 1
+                                            : ftruncate(fd, end) == 0;
+    json_decref(whole);
+    free(line);
+    return fine;
 }
 
 /* Writes the line of an object, whose reference it takes. */
@@ -332,7 +345,7 @@ static gp_status write_object(const struct gp_log *log, struct gp_report *r,
     if (!line)
         return gp_no_memory(log, r->path);
     const bool first = r->lines == 0;
-    bool fine = !first || !r->append || cut_half_line(r);
+    bool fine = !first || !r->append || end_last_line(r);
     if (fine && first && r->append)
         (void) fseek(r->file, 0, SEEK_END);
     const long before = ftell(r->file);

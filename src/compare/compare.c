@@ -279,6 +279,7 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     struct gp_compare_figures figures;
     struct gp_compare_flip flip = {0};
     char *name = NULL;
+    bool unwritten = false;
     const struct gp_compare_params *const p = r->job->params;
     GP_TRY(gp_compare_match_make(r->log, a, b, &m));
     // windows far apart would make a union much larger than both files
@@ -303,7 +304,9 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     if (p->difference && !r->subtracted && !a->deep &&
         (figures.max > 0.0 || !p->only_different)) {
         GP_TRY(name_picture(r, &r->names.difference, &name));
-        GP_TRY(gp_compare_subtract(r->log, r->job->write, p, name, &m));
+        st = gp_compare_subtract(r->log, r->job->write, p, name, &m);
+        unwritten = st == GP_ERR_IO;
+        GP_TRY(unwritten ? GP_OK : st);
         r->subtracted = true;
     } else if (p->difference && a->deep) {
         gp_say(r->log, GP_LEVEL_WARN, "%s: is deep; --difference is not "
@@ -321,6 +324,8 @@ static gp_status compare_images(struct run *r, const struct gp_stored_image *a,
     r->row.figures = &figures;
     r->row.flip = &flip;
     report_pair(r, gp_compare_judge(p, &figures, &flip), NULL);
+    if (unwritten && r->row.result < GP_COMPARE_FAILURE)
+        st = GP_ERR_IO; // else the difference is the status, as idiff's
 out:
     free(name);
     gp_compare_flip_free(&flip);
@@ -425,7 +430,9 @@ static gp_status compare_all(struct run *r)
             return gp_fail(r->log, GP_ERR_USAGE, "%s: one name for all frames "
                            "of a sequence; write a pattern, e.g. heat.####.png",
                            picture);
-        GP_TRY(gp_write_check(r->log, job->write, picture));
+        // the pair is compared even where its difference cannot be written
+        if (!i || gp_write_check(NULL, job->write, picture) != GP_ERR_IO)
+            GP_TRY(gp_write_check(r->log, job->write, picture));
     }
     if (job->json && !gp_is_dash(job->json))
         GP_TRY(gp_file_check(r->log, job->json, false));

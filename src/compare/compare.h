@@ -19,7 +19,8 @@ struct gp_compare_params {
     float fail_percent, warn_percent;   // of pixels that may be over it
     float hard_fail, hard_warn;         // that no pixel may exceed, where more
                                         // pixels fail than may
-    int allow_failures;                 // pixels that may fail by any amount
+    int allow_failures;                 // pixels that may fail by any amount;
+                                        // < 0: all
     float fail_flip, fail_rel;          // mean FLIP, rel_l2; +Inf: no limit
     bool perceptual;                    // failing: what an eye sees (Yee)
     bool all_parts;                     // else the first

@@ -311,7 +311,7 @@ enum gp_compare_result gp_compare_judge(const struct gp_compare_params *limits,
     if (f->rel_l2 > (double) limits->fail_rel ||
         (flip->known && flip->mean > (double) limits->fail_flip))
         return GP_COMPARE_FAILURE;
-    if (failed <= limits->allow_failures)
+    if (limits->allow_failures < 0 || failed <= limits->allow_failures)
         return GP_COMPARE_MATCH;
     if ((double) failed > (double) limits->fail_percent * hundredth ||
         (!eye && f->max > (double) limits->hard_fail))

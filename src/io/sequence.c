@@ -233,10 +233,11 @@ static gp_status drop_repeats(const struct gp_log *log, struct gp_frames *f)
     return GP_OK;
 }
 
-/* Reads [-]digits at *s and moves *s after it. */
+/* Reads [-]digits at *s, with blanks around, and moves *s after them. */
 static bool read_number(const char **s, int *out)
 {
-    const char *c = *s;
+    static const char blanks[] = " \t";
+    const char *c = *s + strspn(*s, blanks);
     bool minus = *c == '-';
     c += minus;
     int value = 0, digits = 0;
@@ -245,7 +246,7 @@ static bool read_number(const char **s, int *out)
     if (digits == 0 || digits > GP_FRAME_DIGITS)
         return false;
     *out = minus ? -value : value;
-    *s = c;
+    *s = c + strspn(c, blanks);
     return true;
 }
 

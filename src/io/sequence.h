@@ -72,7 +72,8 @@ GP_MUST_CHECK gp_status gp_frames_on_disk(const struct gp_log *log,
 
 /* Reads a list of items separated by commas: N, A-B, A-BxSTEP, or
  * A-B:STEP as Open Job Description writes it (template schemas of 2023-09,
- * section 3.4.1.1.1), where a STEP < 0 counts down as well.
+ * section 3.4.1.1.1), where a STEP < 0 counts down as well. Spaces and tabs may
+ * stand around each number.
  * A-B counts down when B < A. Numbers may be negative. A frame that comes
  * again is dropped.
  * Errors: GP_ERR_USAGE a wrong item, or more than GP_FRAME_LIST_MAX frames.

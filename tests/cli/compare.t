@@ -128,6 +128,23 @@ run compare -fail 0 sum.exr twice.exr
 is "$status" 0 '-abs -scale 2: twice its magnitude'
 run compare -o d.png a.exr b.exr
 is "$(png_size d.png)" '40x30 8 2' '-o: PNG'
+# unwritable STATUS ARGUMENT...: the statuses where idiff cannot write -o, but
+# that a match without the picture is none
+unwritable()
+{
+    wanted=$1
+    shift
+    run compare -q -o nodir/d.exr "$@"
+    status_is "$wanted" "-o nodir/d.exr $*"
+}
+unwritable 2 a.exr b.exr
+is "$(grep -c '^glarepp: nodir/d.exr: ' err)" 1 '-o nodir/d.exr: a line'
+unwritable 0 -od a.exr a.exr
+unwritable 4 a.exr a.exr
+run compare -q -failpercent 150 -warnpercent 1e3 a.exr b.exr
+status_is 0 '-failpercent 150: all pixels may fail'
+run compare -q -allowfailures -1 a.exr b.exr
+status_is 0 '-allowfailures -1: all pixels may fail'
 
 
 # -- parts, channels, deep data -------------------------------------------------------

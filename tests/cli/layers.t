@@ -191,7 +191,7 @@ ok 'a part of one channel' "$glarepp" --part 1 --layer-in Z --hdr out.exr two.ex
 ok 'is made anew alone' files parts two.exr out.exr 1
 
 if [ -z "$data" ]; then
-    skip 6 "no example files"
+    skip 6 "$no_data"
 else
     stereo=$data/depth/Beachball_multipart.0001.exr
     ok 'the left eye' "$glarepp" -t 0.4 --grow none --part rgba_left \

@@ -213,6 +213,15 @@ print(lines[0]["percent"], lines[0]["total"], lines[-1]["percent"], lines[-1]["d
     "0.0 2 100.0 2 shot.0001.exr ['done', 'file', 'percent', 'seconds', 'seconds_left', 'stage', 'total']" \
     '--progress json: an object a line'
 
+for n in 4 6 8; do cp shot.0001.exr half.$n.exr; done
+run --progress openjd --skip-bad-frames -f 4-9 -e fft -o 'half.#.png' 'half.#.exr'
+status_is 6 '--progress openjd: three frames of six are missing'
+like "$(grep -v '^glarepp' err | tail -n 1)" 'openjd_status: 3 of 6 made, 3 failed, *' \
+    '--progress openjd: what was made and what failed'
+run --progress json --skip-bad-frames -f 4-9 -e fft -o 'half.#.png' 'half.#.exr'
+is "$(grep '^{' err | tail -n 1 | cut -d, -f1-4)" \
+    '{"done":6,"failed":3,"total":6,"percent":100.0' '--progress json: what failed'
+
 # a resumed run
 mkdir resumed
 run --no-clobber --report resumed.json --report-append -o 'resumed/####.png' shot.0001.exr

@@ -317,7 +317,7 @@ same made/o.right.3.png alone.right.3.png 'parts and multiView in one sequence'
 # -- files of others -----------------------------------------------------------
 
 if [ -z "$data" ]; then
-    skip 7 'no example files'
+    skip 7 "$no_data"
 else
     ball=$data/depth/Beachball_multipart.0001.exr
     fresh

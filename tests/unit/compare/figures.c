@@ -160,6 +160,8 @@ static void limits_are_idiffs(void **state)
         {1.0f, 0.0f, 0.5f, 0, 1e-6f, 0.0f, 0.5f, MATCH},
         {1e-6f, 0.0f, 0.5f, 5, 1e-6f, 0.0f, 0.5f, MATCH},
         {1e-6f, 0.0f, none, 4, 1.0f, 0.0f, none, FAILURE},
+        {1e-6f, 0.0f, 0.5f, -1, 1e-6f, 0.0f, none, MATCH},
+        {1e-6f, 150.0f, none, 0, 1e-6f, 150.0f, none, MATCH},
     };
     struct gp_compare_params s = defaults;
     make_both("R", 0, 0, 10, 10);
