@@ -1,4 +1,5 @@
-/* The engine fft; split.c says what goes direct, pass.c has the transforms. */
+/* The engine fft; split.c chooses the part that goes direct, pass.c has the
+ * transforms. */
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "glare/bound/bound.h"
@@ -45,7 +46,7 @@ static bool has_spectrum(const struct fft_state *s, const struct gp_kernel *k,
            memcmp(&s->placing.taps, &p->taps, sizeof p->taps) == 0;
 }
 
-/* v modulo n, in [0, n). */
+/* Returns v modulo n, in [0, n). */
 static int wrap(int v, int n)
 {
     return v % n < 0 ? v % n + n : v % n;
@@ -68,7 +69,7 @@ static void close_state(void **state)
     GP_FREE(*state);
 }
 
-/* Index of the plans of length n; s->plans when there are none. */
+/* Returns the index of the plans of length n; s->plans when it has none. */
 static int plan_at(const struct fft_state *s, int n, enum gp_fft_plan how)
 {
     int i = 0;
@@ -188,7 +189,7 @@ out:
 
 // -- one frame ---------------------------------------------------------------
 
-/* Rows of the frame that hold light, in order, and where they stand. */
+/* Rows of the frame that hold light, in order, and their places. */
 struct light_rows {
     bool negative; // the kernel is, somewhere
     const struct gp_sources *src;
@@ -208,7 +209,7 @@ static void load_light_row(const void *ctx, int c, int j, float *z)
         z[2 * (s->x[i] - r->p->in.x0)] = s->rgb[c][i];
 }
 
-/* Makes samples under 0 black. Returns whether some are in (0, noise]. */
+/* Makes samples under 0 black. Returns true when some are in (0, noise]. */
 GP_CLONES static bool clean_row(float *row, int n, float noise)
 {
     int some = 0;
@@ -249,7 +250,7 @@ static void clear_rows(const struct gp_glare_job *job, int from, int to)
                (size_t) (to - from) * w * sizeof(float));
 }
 
-/* Clears what noise there is in the layer where no light is. */
+/* Clears the layer's rounding noise where no light reaches. */
 static gp_status clear_unreached(const struct gp_glare_job *job,
     struct fft_state *s, const struct gp_sources *src,
     const struct gp_fft_noise *noise)
@@ -333,8 +334,8 @@ out:
     return st;
 }
 
-/* Opens the state and finds where all sources stand, and what of the sum goes
- * direct; p->nx is 0 when no light reaches the frame. */
+/* Opens the state, places all sources, and chooses the part of the sum that
+ * goes direct; p->nx is 0 when no light reaches the frame. */
 static gp_status place_and_split(const struct gp_glare_job *job, void **state,
     struct gp_fft_placing *p, struct gp_fft_split *split)
 {
@@ -366,8 +367,8 @@ static gp_status place_and_split(const struct gp_glare_job *job, void **state,
     return GP_OK;
 }
 
-/* Each part is within its bound of its own share of the layer, of which the
- * norm is at least `least`. */
+/* Adds the bounds of the parts, each relative to its own share of the layer,
+ * whose norm is at least `least`. */
 static double bound_of(const struct gp_glare_job *job,
                        const struct gp_fft_placing *p,
                        const struct gp_fft_split *split, double least)
@@ -380,11 +381,11 @@ static double bound_of(const struct gp_glare_job *job,
     return sum;
 }
 
-/* By the least layer that sources anywhere would leave and, where that is more
- * than the tolerance, by the least that these do, which takes longer to find
- * than the layer. */
-static gp_status bound(const struct gp_glare_job *job, void **state,
-                       double *out)
+/* Bounds by the lower limit of the layer of sources anywhere and, where that is
+ * over the tolerance, by the limit for these sources, which takes longer to
+ * find than the layer. */
+static gp_status bound_fft(const struct gp_glare_job *job, void **state,
+                           double *out)
 {
     struct gp_fft_placing p;
     struct gp_fft_split split;
@@ -403,8 +404,8 @@ static gp_status bound(const struct gp_glare_job *job, void **state,
     return st;
 }
 
-/* The most of a sample of channel c, where light that is no more than `hot`
- * meets the kernel without its core: Young's inequality three times. */
+/* Bounds a sample of channel c, of light up to `hot` and the kernel without its
+ * core: Young's inequality three times. */
 static double most_of(const struct gp_glare_job *job, int c, double hot,
                       int core)
 {
@@ -426,9 +427,9 @@ static double most_of(const struct gp_glare_job *job, int c, double hot,
     return fmin(fmin(hot * sum, flux * most), sqrt(energy * square));
 }
 
-/* Parts that go direct are within their share of what they add. */
-static gp_status pixel(const struct gp_glare_job *job, void **state,
-                       struct gp_pixel_error *out)
+/* Bounds the pixel error: direct parts by their share, the rest by split.c. */
+static gp_status pixel_fft(const struct gp_glare_job *job, void **state,
+                           struct gp_pixel_error *out)
 {
     struct gp_fft_placing p;
     struct gp_fft_split split;
@@ -447,7 +448,7 @@ static gp_status pixel(const struct gp_glare_job *job, void **state,
     return GP_OK;
 }
 
-static gp_status run(const struct gp_glare_job *job, void **state)
+static gp_status run_fft(const struct gp_glare_job *job, void **state)
 {
     struct gp_sources hot = {0}, rest = {0};
     const struct gp_sources *src = job->src;
@@ -470,8 +471,8 @@ static gp_status run(const struct gp_glare_job *job, void **state)
         GP_TRY(transform(job, s, src, &p, split.core));
     else
         clear_rows(job, 0, job->src->h);
-    // what goes direct: the core for all that was transformed, and hot sources
-    // whole
+    // add the direct parts: the core for all that was transformed, and hot
+    // sources whole
     if (!is_known(s->taps_kernel, k)) {
         gp_taps_free(&s->core_taps);
         gp_taps_free(&s->all_taps);
@@ -500,10 +501,10 @@ out:
     return st;
 }
 
-// -- what a frame will take --------------------------------------------------
+// -- prediction --------------------------------------------------------------
 
-static struct gp_prediction predict(const struct gp_glare_job *job,
-                                    const void *state)
+static struct gp_prediction predict_fft(const struct gp_glare_job *job,
+                                        const void *state)
 {
     static const struct fft_state empty;
     const struct fft_state *const s = state ? state : &empty;
@@ -523,8 +524,8 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
         ms.more = true;
         return ms;
     }
-    // what goes direct; finding the tails' norms takes as long as a small
-    // frame: not before it is known that without a core it is too wrong
+    // the direct part; finding the tails' norms takes as long as a small frame,
+    // so only when the error without a core is known to be too large
     const double points = (double) p.nx * p.ny;
     const double measured = gp_fft_passes_ms(src, &p, GP_FFT_PLAN_MEASURE);
     const double gain = (double) params->gain;
@@ -544,12 +545,12 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
         ms.ms += GP_COST_FFT_NORMS * 3.0 * k->w * k->h;
     if (split.hot_count == src->n)
         return ms;
-    // without the hot ones the rest may stand elsewhere: where it stood before
+    // without the hot ones the rest has another place: that of the last frame
     if (split.hot_count && is_known(s->kernel, k) && s->core == split.core)
         p = s->placing;
     const double again = sources + gp_fft_passes_ms(src, &p, how);
-    // what a run with this placing makes before it starts; a file that keeps
-    // measured plans is taken to have these
+    // set-up for this placing; a file of measured plans is assumed to have
+    // these
     const double plan = how == GP_FFT_PLAN_MEASURE && !params->wisdom
                             ? GP_COST_FFT_PLAN_MEASURE
                             : GP_COST_FFT_PLAN_ESTIMATE;
@@ -571,9 +572,9 @@ static struct gp_prediction predict(const struct gp_glare_job *job,
 const struct gp_engine gp_engine_fft = {
     .name = "fft",
     .text = "exact convolution by fast Fourier transforms",
-    .predict = predict,
-    .bound = bound,
-    .pixel = pixel,
-    .run = run,
+    .predict = predict_fft,
+    .bound = bound_fft,
+    .pixel = pixel_fft,
+    .run = run_fft,
     .close = close_state,
 };

@@ -96,7 +96,7 @@ void gp_fft_shape_free(struct gp_fft_shape *s)
     *s = (struct gp_fft_shape) {0};
 }
 
-/* Fills in the node of rows [from, to) and, behind it, those of its halves. */
+/* Fills in the node of rows [from, to) and, after it, those of its halves. */
 static void make_node(const struct gp_fft_shape *s, int from, int to,
                       struct gp_fft_node *node)
 {
@@ -295,7 +295,7 @@ static gp_status make_light(const struct gp_log *log,
     return GP_OK;
 }
 
-/* Whether the channels' sources are lit alike. */
+/* Returns true when the channels have light in the same pixels. */
 GP_CLONES static bool same_light(const float *a, const float *b, size_t n)
 {
     int differ = 0;
