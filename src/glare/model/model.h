@@ -1,0 +1,119 @@
+/* Models of glare: point-spread functions of eyes and lenses as formulas of the
+ * angle, and the kernels that they make for a frame.
+ *
+ * A recipe is a model with its keys, written MODEL:key=value,key=value. Several
+ * recipes make one kernel,
+ *
+ *   kernel = delta + sum over recipes i of s_i (shape_i - delta)
+ *
+ * where delta is the light that stays in its pixel, shape_i the model's light
+ * over the field, 1 in luminance over the hemisphere, and s_i its `share`: how
+ * much of a pixel's light it takes. Where the shares add up to more than 1,
+ * each is divided by their sum. So all light is kept, but for what falls
+ * outside of what is computed: gp_kernel.left_out.
+ *
+ * Angles are taken as proportional to pixels over the whole field, as in
+ * Spencer et al. 1995 section 3.2: pixel (dx, dy) away from a light lies
+ *   t = degrees * hypot(aspect * dx, dy)
+ * degrees from it, and takes P(t) times its solid angle, the area in degrees
+ * times (pi / 180)^2 sin(t) / t; past 90 degrees there is nothing. */
+#ifndef GP_GLARE_MODEL_MODEL_H
+#define GP_GLARE_MODEL_MODEL_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/kernel.h"
+
+#include <stdbool.h>
+
+enum {
+    GP_MODEL_KEYS = 24, // most of one model
+    GP_RECIPES = 8,     // most of one kernel
+};
+
+/* A key of a model: a number, a word, or a file. */
+struct gp_model_key {
+    const char *name;          // NULL ends a list
+    const char *text;          // one line of help, with the unit
+    double preset, lo, hi;     // value when not given; range, both included
+    const char *const *words;  // NULL-terminated names of 0, 1, ...; or NULL
+    bool file;                 // a path; `preset`, `lo`, `hi` mean nothing
+};
+
+struct gp_model; // model_priv.h
+
+/* Models in the order of the manual; NULL-terminated. */
+extern const struct gp_model *const gp_models[];
+const char *gp_model_name(const struct gp_model *m);
+const char *gp_model_text(const struct gp_model *m);   // one line
+const char *gp_model_source(const struct gp_model *m); // paper and equation
+const struct gp_model_key *gp_model_keys(const struct gp_model *m);
+
+/* Names for recipes: "builtin:NAME", or NAME where no model has it. */
+struct gp_model_preset {
+    const char *name, *recipe, *text;
+};
+extern const struct gp_model_preset gp_model_presets[]; // ends with name NULL
+
+/* A model and the values of its keys, in their order. */
+struct gp_recipe {
+    const struct gp_model *model;
+    double value[GP_MODEL_KEYS];
+    char *file[GP_MODEL_KEYS];     // owned; NULL where not given
+    const struct gp_frame *image;  // what its file holds; borrowed, set by the
+                                   // caller before a kernel is made
+};
+
+/* True where `text` is a recipe or a preset, not a file's path: it begins with
+ * "builtin:", with a model's name and ":", or is a model's or preset's name. */
+bool gp_recipe_is(const char *text);
+
+/* Reads a recipe. Written only on GP_OK; free with gp_recipe_free().
+ * Errors: GP_ERR_USAGE no model or key has that name (names the nearest and
+ * lists those there are), a value that is no number, no word of the key, or
+ * out of range (says the range); a key twice. */
+GP_MUST_CHECK gp_status gp_recipe_parse(const struct gp_log *log,
+                                        const char *text,
+                                        struct gp_recipe *out);
+void gp_recipe_free(struct gp_recipe *r);
+
+/* Writes the recipe with every key that is not at its preset, shortest digits
+ * that read back to the same value, so that parsing it gives the same kernel
+ * byte for byte. Owned by the caller; NULL out of memory. */
+char *gp_recipe_text(const struct gp_recipe *r);
+
+/* The path that the recipe wants read into `image`; NULL: none. */
+const char *gp_recipe_file(const struct gp_recipe *r);
+
+/* The frames that a kernel is made for. */
+struct gp_field {
+    int w, h;             // pixels, >= 1: offsets up to w - 1, h - 1 are met
+    double degrees;       // a pixel's height in degrees of view, > 0
+    double aspect;        // its width over its height
+    double rotate;        // degrees, counter-clockwise as seen (y is down)
+    const float *chromaticities; // of the frame, as gp_frame's; borrowed
+    const float *luminance;      // weights of these primaries; borrowed
+    int seconds_frame;    // frame number, for models that change in time
+    double fps;           // frames a second, > 0
+};
+
+/* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: samples of
+ * offsets within `radius` pixels at full rate in k (its core), and what lies
+ * beyond as the whole field needs it: in out->tail where every recipe is smooth
+ * there, else all in k. Not normalised: sum + left_out = 1 in luminance.
+ *
+ * Written only on GP_OK; free with gp_kernel_free().
+ * Errors: GP_ERR_USAGE an angle that is not finite, a key that this field
+ * cannot serve; GP_ERR_DATA a bad mask or image; GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_model_kernel(const struct gp_log *log,
+    const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct gp_kernel *out);
+
+/* Every sample that a frame of w x h pixels can meet, at full rate, offsets
+ * -(w - 1) .. w - 1 and -(h - 1) .. h - 1, with no tail: what the engine
+ * `direct` and the truth sum. Of a kernel without tail a copy of k.
+ * Written only on GP_OK. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_kernel_whole(const struct gp_log *log,
+    const struct gp_kernel *k, int w, int h, struct gp_kernel *out);
+
+#endif

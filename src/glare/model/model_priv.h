@@ -1,0 +1,75 @@
+/* Shared by the models and their tests. */
+#ifndef GP_GLARE_MODEL_MODEL_PRIV_H
+#define GP_GLARE_MODEL_MODEL_PRIV_H
+
+#include "glare/model/model.h"
+
+/* A model for one field: the light that a source of 1 leaves in each pixel. */
+struct gp_shape {
+    void *state;            // owned, freed by `free`
+    void (*free)(void *state);
+
+    /* Integrals over the pixels of offsets (x, y) .. (x + n - 1, y), n <=
+     * GP_SHAPE_STRIP, to out[c][0 .. n): about 1e-7 of the value, never
+     * point-sampled. Called from several threads; a pixel's value does not
+     * depend on the strip it is in. */
+    void (*row)(const void *state, int x, int y, int n, double *const out[3]);
+
+    bool grey;       // the three channels are equal: row writes out[0] only
+    bool even;       // the same at (-x, y) and (x, -y)
+    double smooth;   // pixels from the centre on which it bends only on the
+                     // scale of the distance; INFINITY: sharp far out
+    int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
+};
+enum { GP_SHAPE_STRIP = 256 };
+
+struct gp_model {
+    const char *name, *text, *source;
+    const struct gp_model_key *keys; // the first is `share`
+
+    /* Evaluates what depends on recipe and field. The shape's luminance sums to
+     * 1 over the hemisphere (over the plane for what has no angle).
+     * Written only on GP_OK. Errors: those of gp_model_kernel(). */
+    gp_status (*open)(const struct gp_log *log, const struct gp_recipe *r,
+                      const struct gp_field *f, struct gp_shape *out);
+};
+
+extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
+extern const struct gp_model gp_model_aperture;                   // aperture.c
+extern const struct gp_model gp_model_temporal;                   // pupil.c
+extern const struct gp_model gp_model_gaussian, gp_model_moffat,
+    gp_model_circle, gp_model_ring, gp_model_star, gp_model_cross,
+    gp_model_streak;                                              // drawn.c
+extern const struct gp_model gp_model_image;                      // image.c
+
+/* The recipe's value of a key by name; a key of the model. */
+double gp_recipe_value(const struct gp_recipe *r, const char *key);
+
+// -- quadrature.c --------------------------------------------------------------
+
+/* Gauss-Legendre nodes in (-0.5, 0.5), weights of sum 1; n from 1 to 16. */
+struct gp_gauss {
+    int n;
+    double node[16], weight[16];
+};
+const struct gp_gauss *gp_gauss_rule(int n); // made once, never freed
+
+/* The integral over one pixel of a profile per square degree p(t), t the
+ * distance from the light in degrees, to 1e-8 of the value: the pixel of the
+ * light by rays in polar form, its neighbours by halving until two orders
+ * agree, others by one rule whose order falls with the distance. */
+typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
+void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
+    const struct gp_field *f, int x, int y, double out[3]);
+
+// -- spectrum.c ---------------------------------------------------------------
+
+/* Linear RGB of light of one wavelength (nm, 380 to 780) in the primaries of a
+ * field, CIE 1931 2 degree observer, out of gamut folded in towards equal
+ * energy white at constant luminance, so that none is negative.
+ * gp_spectrum_weights() gives n bands of [380, 780], scaled so that equal
+ * energy light is (1, 1, 1): each channel's weights sum to 1. */
+void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
+                         double (*rgb)[3]);
+
+#endif
