@@ -372,8 +372,21 @@ gp_status gp_kernel_from_frame(const struct gp_log *log,
     return st ? st : make_rotated(log, p, &raw, out);
 }
 
+gp_status gp_kernel_of_planes(const struct gp_log *log, const char *name,
+    int w, int h, struct gp_planes *planes, struct gp_kernel *out)
+{
+    struct raw_kernel raw = {
+        .name = name, .w = w, .h = h, .in = *planes, .owned = true,
+        .luminance = gp_rec709_luminance, .cx = w / 2, .cy = h / 2,
+    };
+    *planes = (struct gp_planes) {0};
+    return make_kernel(log, GP_NORMALIZE_NONE, &raw, out);
+}
+
 void gp_kernel_free(struct gp_kernel *k)
 {
+    if (k->origin)
+        k->free_origin(k->origin);
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);

@@ -55,6 +55,10 @@ struct gp_kernel {
                           // is never taken for known
     struct gp_unturned *unturned; // NULL when the kernel was not rotated, or
                           // by right angles, which need no sampling; owned
+    double left_out;      // of a model: light that falls where nothing is
+                          // computed, in luminance; else 0
+    struct gp_kernel_origin *origin; // recipes and field of a model's kernel
+    void (*free_origin)(struct gp_kernel_origin *); // (model/make.c); owned
 };
 
 /* Names of the builtin kernels with one line each, NULL-terminated. */
@@ -99,6 +103,15 @@ GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
 GP_MUST_CHECK gp_status gp_kernel_from_frame(const struct gp_log *log,
     const struct gp_kernel_params *p, const struct gp_frame *image,
     struct gp_kernel *out);
+
+/* Makes a kernel of planes as they are, w * h each, its centre pixel
+ * (floor(w/2), floor(h/2)); takes them, also on failure.
+ * Errors: GP_ERR_DATA no light in it, or a sample that is not finite;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_kernel_of_planes(const struct gp_log *log,
+    const char *name, int w, int h, struct gp_planes *planes,
+    struct gp_kernel *out);
+
 void gp_kernel_free(struct gp_kernel *k);
 
 /* A kernel spread over a light's disc: the layer of that disc of flux 1. */

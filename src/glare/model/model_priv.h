@@ -4,6 +4,8 @@
 
 #include "glare/model/model.h"
 
+#include <string.h>
+
 /* A model for one field: the light that a source of 1 leaves in each pixel. */
 struct gp_shape {
     void *state;            // owned, freed by `free`
@@ -42,8 +44,20 @@ extern const struct gp_model gp_model_gaussian, gp_model_moffat,
     gp_model_streak;                                              // drawn.c
 extern const struct gp_model gp_model_image;                      // image.c
 
-/* The recipe's value of a key by name; a key of the model. */
-double gp_recipe_value(const struct gp_recipe *r, const char *key);
+/* The recipe's value of a key of its model, by name. */
+static inline double gp_recipe_value(const struct gp_recipe *r,
+                                     const char *key)
+{
+    int i = 0;
+    while (strcmp(r->model->keys[i].name, key) != 0)
+        i++;
+    return r->value[i];
+}
+
+/* The key that all models begin with; `preset` is the model's own share. */
+#define GP_MODEL_SHARE(preset)                                                \
+    { "share", "share of a pixel's light that the model takes", preset, 0.0,  \
+      1.0, NULL, false }
 
 // -- quadrature.c --------------------------------------------------------------
 
@@ -52,15 +66,19 @@ struct gp_gauss {
     int n;
     double node[16], weight[16];
 };
-const struct gp_gauss *gp_gauss_rule(int n); // made once, never freed
+const struct gp_gauss *gp_gauss_rule(int n); // made at first call, kept
 
-/* The integral over one pixel of a profile per square degree p(t), t the
- * distance from the light in degrees, to 1e-8 of the value: the pixel of the
- * light by rays in polar form, its neighbours by halving until two orders
- * agree, others by one rule whose order falls with the distance. */
+/* Light per square degree, t >= 0 degrees from its source. It may be steep at
+ * 0 and fall by any power, but bends only on the scale of t, or of `scale`
+ * degrees where that is more. */
 typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
+
+/* Integrals of a profile over the pixel at offset (x, y), about 1e-8 of the
+ * value: in the light's own pixel rays in polar form, whose steps shrink
+ * towards it; else the pixel in parts as wide as a third of its distance or
+ * the scale. `channels` 1 or 3. */
 void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
-    const struct gp_field *f, int x, int y, double out[3]);
+    double scale, const struct gp_field *f, int x, int y, double out[3]);
 
 // -- spectrum.c ---------------------------------------------------------------
 

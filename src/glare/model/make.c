@@ -1,0 +1,224 @@
+/* Kernels of recipes: shapes added up over a field. */
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/model/model_priv.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+
+/* What a kernel was made of, for gp_kernel_whole(). */
+struct gp_kernel_origin {
+    struct gp_recipe recipe[GP_RECIPES];
+    int n;
+    struct gp_field field;
+    float chromaticities[8], luminance[3]; // the field's
+};
+
+static void free_origin(struct gp_kernel_origin *o)
+{
+    for (int i = 0; o && i < o->n; i++)
+        gp_recipe_free(&o->recipe[i]);
+    gp_free(o);
+}
+
+static gp_status copy_origin(const struct gp_log *log,
+    const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct gp_kernel_origin **out)
+{
+    struct gp_kernel_origin *o;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *o, &o);
+    if (st)
+        return st;
+    o->n = n;
+    o->field = *field;
+    memcpy(o->chromaticities, field->chromaticities, sizeof o->chromaticities);
+    memcpy(o->luminance, field->luminance, sizeof o->luminance);
+    o->field.chromaticities = o->chromaticities;
+    o->field.luminance = o->luminance;
+    for (int i = 0; i < n; i++) {
+        o->recipe[i] = r[i];
+        memset(o->recipe[i].file, 0, sizeof o->recipe[i].file);
+        for (int k = 0; k < GP_MODEL_KEYS && !st; k++) {
+            if (!r[i].file[k])
+                continue;
+            o->recipe[i].file[k] = gp_strdup(r[i].file[k]);
+            if (!o->recipe[i].file[k])
+                st = gp_no_memory_bare(log, "kernel");
+        }
+    }
+    if (st)
+        free_origin(o);
+    else
+        *out = o;
+    return st;
+}
+
+// -- the sum of shapes --------------------------------------------------------
+
+struct mixture {
+    struct gp_shape shape[GP_RECIPES];
+    double share[GP_RECIPES];
+    double stays;        // light that stays in its pixel: delta's
+    int n;
+    bool grey, even;
+    int reach;           // of the widest shape
+};
+
+static void close_mixture(struct mixture *m)
+{
+    for (int i = 0; i < m->n; i++)
+        m->shape[i].free(m->shape[i].state);
+    m->n = 0;
+}
+
+static gp_status open_mixture(const struct gp_log *log,
+    const struct gp_recipe *r, int n, const struct gp_field *field,
+    struct mixture *m)
+{
+    double sum = 0.0;
+    *m = (struct mixture) {.grey = true, .even = true};
+    for (int i = 0; i < n; i++) {
+        gp_status st = r[i].model->open(log, &r[i], field, &m->shape[i]);
+        if (st) {
+            close_mixture(m);
+            return st;
+        }
+        m->n++;
+        m->share[i] = gp_recipe_value(&r[i], "share");
+        sum += m->share[i];
+        m->grey &= m->shape[i].grey;
+        m->even &= m->shape[i].even;
+        m->reach = gp_max(m->reach, m->shape[i].reach);
+    }
+    for (int i = 0; i < n && sum > 1.0; i++)
+        m->share[i] /= sum;
+    m->stays = fmax(0.0, 1.0 - sum);
+    return GP_OK;
+}
+
+/* Adds up the shapes for the pixels (x, y) .. (x + n - 1, y). */
+static void mix_row(const struct mixture *m, int x, int y, int n,
+                    double sum[3][GP_SHAPE_STRIP])
+{
+    double strip[3][GP_SHAPE_STRIP];
+    double *const out[3] = {strip[0], strip[1], strip[2]};
+    memset(sum, 0, 3 * sizeof *sum);
+    for (int i = 0; i < m->n; i++) {
+        const struct gp_shape *const s = &m->shape[i];
+        const int from = gp_max(x, s->reach < INT_MAX ? -s->reach : x);
+        const int to = s->reach < INT_MAX ? gp_min(x + n, s->reach + 1) : x + n;
+        if (abs(y) > s->reach || from >= to)
+            continue;
+        s->row(s->state, from, y, to - from, out);
+        for (int c = 0; c < (m->grey ? 1 : 3); c++) {
+            const double *const v = strip[s->grey ? 0 : c];
+            for (int k = from; k < to; k++)
+                sum[c][k - x] += m->share[i] * v[k - from];
+        }
+    }
+    if (y == 0 && x <= 0 && x + n > 0) {
+        for (int c = 0; c < 3; c++)
+            sum[c][-x] += m->stays;
+    }
+}
+
+// -- planes -------------------------------------------------------------------
+
+/* Samples of offsets -rx .. rx, -ry .. ry. */
+struct filling {
+    const struct mixture *m;
+    int rx, ry;
+    struct gp_planes k;
+};
+
+/* Row y - ry, or the two of that distance from the centre where shapes are
+ * even; then only the right half is evaluated. */
+static void make_row(void *ctx, int i, int thread)
+{
+    const struct filling *const f = ctx;
+    const struct mixture *const m = f->m;
+    const int w = 2 * f->rx + 1;
+    const int y = m->even ? i : i - f->ry;
+    const size_t at = (size_t) (f->ry + y) * (size_t) w;
+    double sum[3][GP_SHAPE_STRIP];
+    (void) thread;
+    for (int x = m->even ? 0 : -f->rx; x <= f->rx; x += GP_SHAPE_STRIP) {
+        const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
+        mix_row(m, x, y, n, sum);
+        for (int c = 0; c < (m->grey ? 1 : 3); c++) {
+            float *const row = f->k.c[c] + at + f->rx;
+            for (int k = 0; k < n; k++) {
+                row[x + k] = (float) sum[c][k];
+                if (m->even)
+                    row[-x - k] = (float) sum[c][k];
+            }
+        }
+    }
+    for (int c = 1; c < 3 && m->grey; c++)
+        memcpy(f->k.c[c] + at, f->k.c[0] + at, (size_t) w * sizeof(float));
+    const size_t mirror = (size_t) (f->ry - y) * (size_t) w;
+    for (int c = 0; c < 3 && m->even && y > 0; c++)
+        memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
+}
+
+/* Makes the kernel of a mixture with samples up to those offsets. */
+static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
+                             const struct gp_field *field, int rx, int ry,
+                             struct gp_kernel *out)
+{
+    struct filling f = {.m = m, .rx = rx, .ry = ry};
+    const int w = 2 * rx + 1, h = 2 * ry + 1;
+    gp_status st = gp_planes_make(log, "kernel", (size_t) w * (size_t) h, &f.k);
+    if (st)
+        return st;
+    gp_parallel_do(m->even ? ry + 1 : h, make_row, &f);
+    st = gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
+    if (st)
+        return st;
+    out->left_out = 1.0;
+    for (int c = 0; c < 3; c++)
+        out->left_out -= (double) field->luminance[c] * out->sum[c];
+    return GP_OK;
+}
+
+gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
+    int n, const struct gp_field *field, struct gp_kernel *out)
+{
+    gp_status st;
+    struct mixture m = {0};
+    struct gp_kernel k = {0};
+    if (!isfinite(field->rotate) || !(field->degrees > 0.0) ||
+        !(field->degrees <= 180.0))
+        return gp_fail(log, GP_ERR_USAGE,
+                       "%s: no kernel has this angle (a pixel of %g degrees, "
+                       "turned by %g); give --fov from 0.001 to 180 and a "
+                       "finite --rotate", gp_model_name(r->model),
+                       field->degrees, field->rotate);
+    GP_TRY(open_mixture(log, r, n, field, &m));
+    GP_TRY(make_planes(log, &m, field, gp_min(field->w - 1, m.reach),
+                       gp_min(field->h - 1, m.reach), &k));
+    GP_TRY(copy_origin(log, r, n, field, &k.origin));
+    k.free_origin = free_origin;
+    *out = k;
+    k = (struct gp_kernel) {0};
+out:
+    close_mixture(&m);
+    gp_kernel_free(&k);
+    return st;
+}
+
+gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
+                          int w, int h, struct gp_kernel *out)
+{
+    const struct gp_kernel_origin *const o = k->origin;
+    struct mixture m;
+    gp_status st = open_mixture(log, o->recipe, o->n, &o->field, &m);
+    if (st)
+        return st;
+    st = make_planes(log, &m, &o->field, gp_min(w - 1, m.reach),
+                     gp_min(h - 1, m.reach), out);
+    close_mixture(&m);
+    return st;
+}

@@ -1,0 +1,231 @@
+/* glare/model: recipes, quadrature, and laws that hold for each model. */
+#include "unit.h"
+#include "core/colour.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/model/model_priv.h"
+
+static struct gp_field field(int w, int h, double degrees, double aspect)
+{
+    return (struct gp_field) {
+        .w = w, .h = h, .degrees = degrees, .aspect = aspect, .fps = 24.0,
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance,
+    };
+}
+
+static struct gp_recipe recipe(const char *text)
+{
+    struct gp_recipe r;
+    if (gp_recipe_parse(NULL, text, &r) != GP_OK)
+        fail_msg("%s", text);
+    return r;
+}
+
+static double luminance(const struct gp_kernel *k)
+{
+    return 0.2126 * k->sum[0] + 0.7152 * k->sum[1] + 0.0722 * k->sum[2];
+}
+
+static void recipes_are_read(void **state)
+{
+    (void) state;
+    static const struct {
+        const char *text;
+        gp_status st;
+        const char *again; // as gp_recipe_text() writes it
+    } rows[] = {
+        {"gaussian", GP_OK, "gaussian"},
+        {"gaussian:", GP_OK, "gaussian"},
+        {"gaussian:share=0.25,fwhm=1e-1", GP_OK,
+         "gaussian:share=0.25,fwhm=0.1"},
+        {"gaussian:fwhm=0.30000000000000004", GP_OK,
+         "gaussian:fwhm=0.30000000000000004"},
+        {"gausian", GP_ERR_USAGE, NULL},
+        {"gaussian:width=2", GP_ERR_USAGE, NULL},
+        {"gaussian:share", GP_ERR_USAGE, NULL},
+        {"gaussian:share=", GP_ERR_USAGE, NULL},
+        {"gaussian:share= 1", GP_ERR_USAGE, NULL},
+        {"gaussian:share=1x", GP_ERR_USAGE, NULL},
+        {"gaussian:share=2", GP_ERR_USAGE, NULL},
+        {"gaussian:share=nan", GP_ERR_USAGE, NULL},
+        {"gaussian:share=.1,share=.1", GP_ERR_USAGE, NULL},
+        {"builtin:nothing", GP_ERR_USAGE, NULL},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_recipe r, again;
+        if (gp_recipe_parse(NULL, rows[i].text, &r) != rows[i].st)
+            fail_msg("%s", rows[i].text);
+        if (rows[i].st)
+            continue;
+        char *text = gp_recipe_text(&r);
+        assert_string_equal(text, rows[i].again);
+        assert_ok(gp_recipe_parse(NULL, text, &again));
+        assert_memory_equal(r.value, again.value, sizeof r.value);
+        gp_free(text);
+        gp_recipe_free(&r);
+        gp_recipe_free(&again);
+    }
+    assert_true(gp_recipe_is("builtin:nothing"));
+    assert_true(gp_recipe_is("moffat"));
+    assert_false(gp_recipe_is("kernel.exr"));
+    assert_false(gp_recipe_is("./moffat"));
+}
+
+/* Every model writes all its keys' ranges so that presets are inside. */
+static void presets_are_in_range(void **state)
+{
+    (void) state;
+    for (int i = 0; gp_models[i]; i++) {
+        const struct gp_model_key *key = gp_model_keys(gp_models[i]);
+        assert_string_equal(key->name, "share");
+        int n = 0;
+        for (; key->name; key++, n++)
+            assert_true(key->file ||
+                        (key->preset >= key->lo && key->preset <= key->hi));
+        assert_true(n <= GP_MODEL_KEYS);
+    }
+    for (int i = 0; gp_model_presets[i].name; i++) {
+        struct gp_recipe r = recipe(gp_model_presets[i].name);
+        gp_recipe_free(&r);
+    }
+}
+
+static void power_law(const void *ctx, double t, double out[3])
+{
+    out[0] = pow(t + *(const double *) ctx, -3.0);
+}
+
+/* The sum over the pixels of a square against the closed form over the disc
+ * inside and outside it: the integral of (t + a)^-3 over the plane is pi / a,
+ * beyond R: pi (a + 2 R) / (a + R)^2. */
+static void pixels_add_up(void **state)
+{
+    (void) state;
+    const double pi = acos(-1.0);
+    static const struct {
+        double a, degrees, aspect;
+    } rows[] = {
+        {0.02, 1.0 / 36.0, 1.0}, {0.02, 1.0, 1.0}, {0.002, 1.0 / 36.0, 2.0},
+        {0.02, 0.001, 0.5},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const double a = rows[i].a;
+        const struct gp_field f = field(1, 1, rows[i].degrees, rows[i].aspect);
+        double sum = 0.0, least = INFINITY;
+        for (int y = -20; y <= 20; y++) {
+            for (int x = -20; x <= 20; x++) {
+                double v[3];
+                gp_pixel_integral(power_law, &a, 1, 0.0, &f, x, y, v);
+                sum += v[0];
+            }
+        }
+        // outside the square 41 px wide: by rays of its eighths
+        const struct gp_gauss *const g = gp_gauss_rule(16);
+        const double side[2] = {20.5 * f.degrees * f.aspect,
+                                20.5 * f.degrees};
+        double outside = 0.0;
+        for (int e = 0; e < 2; e++) {
+            const double corner = atan2(side[1 - e], side[e]);
+            for (int k = 0; k < g->n; k++) {
+                const double r =
+                    side[e] / cos(corner * (0.5 + g->node[k]));
+                outside += 4.0 * corner * g->weight[k] *
+                           (a + 2.0 * r) / (2.0 * (a + r) * (a + r));
+            }
+        }
+        least = fmin(least, outside);
+        if (!(fabs((sum + outside) * a / pi - 1.0) < 1e-8))
+            fail_msg("row %zu: %.12g of %.12g", i, sum + outside, pi / a);
+    }
+}
+
+/* All the light is in the kernel or left out of it; a share of 0 leaves light
+ * where it is. */
+static void light_is_kept(void **state)
+{
+    (void) state;
+    static const char *const texts[] = {
+        "gaussian:share=1", "gaussian:share=0", "moffat:share=0.5",
+        "moffat:fwhm=1e-4,share=1", "gaussian:fwhm=90,share=1",
+    };
+    for (size_t i = 0; i < COUNT(texts); i++) {
+        struct gp_recipe r = recipe(texts[i]);
+        const struct gp_field f = field(301, 201, 1.0 / 36.0, 1.0);
+        struct gp_kernel k;
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &k));
+        if (!(fabs(luminance(&k) + k.left_out - 1.0) < 1e-6) ||
+            !(k.left_out > -1e-6) || k.left_out > 1.0 || k.negative)
+            fail_msg("%s: %g in it, %g left out", texts[i], luminance(&k),
+                     k.left_out);
+        gp_kernel_free(&k);
+        gp_recipe_free(&r);
+    }
+}
+
+/* Several recipes: each by its share over what stays; divided by their sum
+ * where that is over 1. */
+static void recipes_add_up(void **state)
+{
+    (void) state;
+    const struct gp_field f = field(101, 101, 0.1, 1.0);
+    struct gp_recipe r[2] = {recipe("gaussian:share=0.8,fwhm=1"),
+                             recipe("moffat:share=0.8,fwhm=0.5")};
+    struct gp_recipe one[2] = {recipe("gaussian:share=1,fwhm=1"),
+                               recipe("moffat:share=1,fwhm=0.5")};
+    struct gp_kernel both, a, b;
+    assert_ok(gp_model_kernel(NULL, r, 2, &f, &both));
+    assert_ok(gp_model_kernel(NULL, &one[0], 1, &f, &a));
+    assert_ok(gp_model_kernel(NULL, &one[1], 1, &f, &b));
+    assert_int_equal(both.w, b.w);
+    for (int y = 0; y < a.h; y++) {
+        for (int x = 0; x < a.w; x++) {
+            const int dx = x - a.cx, dy = y - a.cy;
+            const float v = a.k.c[0][y * a.w + x];
+            const float w = b.k.c[0][(dy + b.cy) * b.w + dx + b.cx];
+            const float sum = both.k.c[0][(dy + both.cy) * both.w + dx +
+                                          both.cx];
+            assert_true(fabsf(sum - 0.5f * (v + w)) <= 1e-6f * sum);
+        }
+    }
+    gp_kernel_free(&both);
+    gp_kernel_free(&a);
+    gp_kernel_free(&b);
+    for (int i = 0; i < 2; i++) {
+        gp_recipe_free(&r[i]);
+        gp_recipe_free(&one[i]);
+    }
+}
+
+/* The same bytes with one thread and with several, whole or not. */
+static void threads_do_not_matter(void **state)
+{
+    (void) state;
+    const struct gp_field f = field(700, 60, 0.05, 1.5);
+    for (int i = 0; gp_models[i]; i++) {
+        struct gp_recipe r = recipe(gp_model_name(gp_models[i]));
+        struct gp_kernel one, many, whole;
+        gp_set_threads(1);
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &one));
+        gp_set_threads(3);
+        assert_ok(gp_model_kernel(NULL, &r, 1, &f, &many));
+        assert_ok(gp_kernel_whole(NULL, &one, f.w, f.h, &whole));
+        const size_t n = (size_t) one.w * (size_t) one.h * sizeof(float);
+        assert_int_equal(one.w, many.w);
+        for (int c = 0; c < 3; c++)
+            assert_memory_equal(one.k.c[c], many.k.c[c], n);
+        gp_kernel_free(&one);
+        gp_kernel_free(&many);
+        gp_kernel_free(&whole);
+        gp_recipe_free(&r);
+        gp_set_threads(0);
+    }
+}
+
+SUITE_OF(model, NULL, NULL,
+    recipes_are_read,
+    presets_are_in_range,
+    pixels_add_up,
+    light_is_kept,
+    recipes_add_up,
+    threads_do_not_matter)
