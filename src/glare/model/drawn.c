@@ -1,4 +1,4 @@
-/* Models by plain formulas: blurs of every kind. */
+/* Models by plain formulas: blurs, discs and rings. */
 #include "core/memory.h"
 #include "glare/model/model_priv.h"
 
@@ -128,4 +128,195 @@ static gp_status open_moffat(const struct gp_log *log,
 const struct gp_model gp_model_moffat = {
     .name = "moffat", .text = "a blur with wings, as air and film make it",
     .source = "Moffat 1969, eq. 7", .keys = moffat_keys, .open = open_moffat,
+};
+
+// -- discs and rings ----------------------------------------------------------
+
+/* Curves of the distance by channel, for shapes with edges. A pixel is
+ * integrated by parts on which its curve bends little. */
+struct radial {
+    struct gp_field f;
+    int parts;        // of a pixel, in x and in y
+    int n;            // steps
+    double step;      // degrees; the curve is 0 from n * step on
+    double *curve[3]; // n + 2 each, owned
+    bool grey;
+};
+
+static void free_radial(void *state)
+{
+    struct radial *const r = state;
+    gp_free(r->curve[0]);
+    gp_free(r);
+}
+
+static void radial_row(const void *state, int x, int y, int n,
+                       double *const out[3])
+{
+    const struct radial *const r = state;
+    const struct gp_gauss *const g = gp_gauss_rule(3);
+    const int nodes = r->parts * g->n;
+    const double b = r->f.degrees, a = b * r->f.aspect;
+    const double end = r->n * r->step + a + b;
+    for (int i = 0; i < n; i++) {
+        double sum[3] = {0};
+        const double u = a * abs(x + i), v = b * abs(y);
+        for (int k = 0; k < nodes * nodes && hypot(u, v) < end; k++) {
+            const int p = k % nodes, q = k / nodes;
+            const double du =
+                (p / g->n + 0.5 + g->node[p % g->n]) / r->parts - 0.5;
+            const double dv =
+                (q / g->n + 0.5 + g->node[q % g->n]) / r->parts - 0.5;
+            const double weight = g->weight[p % g->n] * g->weight[q % g->n];
+            const double at = hypot(u + a * du, v + b * dv) / r->step;
+            const int j = (int) fmin(at, r->n);
+            for (int c = 0; c < (r->grey ? 1 : 3); c++)
+                sum[c] += weight * (r->curve[c][j] + fmin(at - j, 1.0) *
+                                    (r->curve[c][j + 1] - r->curve[c][j]));
+        }
+        for (int c = 0; c < (r->grey ? 1 : 3); c++)
+            out[c][i] = sum[c] * a * b / (r->parts * r->parts);
+    }
+}
+
+/* Makes a shape whose curves end at `end` degrees and bend on the scale of
+ * `bend`; `value` fills curves of any height, which are then scaled to a plane's
+ * integral of 1 each. */
+static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
+    double end, double bend, bool grey,
+    void (*value)(const void *ctx, double t, double out[3]), const void *ctx,
+    struct gp_shape *out)
+{
+    enum { MOST_STEPS = 1 << 20 };
+    struct radial *r;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *r, &r);
+    if (st)
+        return st;
+    r->f = *f;
+    r->grey = grey;
+    r->step = fmax(fmin(bend / 32.0, f->degrees / 8.0), end / MOST_STEPS);
+    r->n = (int) ceil(end / r->step);
+    r->parts = (int) fmin(ceil(2.0 * f->degrees * fmax(f->aspect, 1.0) / bend),
+                          16.0);
+    const size_t room = (size_t) r->n + 2;
+    st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);
+    if (st) {
+        gp_free(r);
+        return st;
+    }
+    r->curve[1] = r->curve[0] + room;
+    r->curve[2] = r->curve[1] + room;
+    double sum[3] = {0};
+    for (int i = 0; i < r->n; i++) {
+        double v[3];
+        value(ctx, i * r->step, v);
+        for (int c = 0; c < 3; c++) {
+            r->curve[c][i] = v[grey ? 0 : c];
+            // lines between steps, turned about the centre
+            const double before = i > 0 ? (i - 1) / 2.0 + 1.0 / 3.0 : 0.0;
+            sum[c] += 2.0 * PI * r->step * r->step * r->curve[c][i] *
+                      (before + i / 2.0 + 1.0 / 6.0);
+        }
+    }
+    for (size_t i = 0; i < 3 * room; i++)
+        r->curve[0][i] /= sum[i / room];
+    const double pixel = f->degrees * fmin(f->aspect, 1.0);
+    const double reach = ceil(end / pixel) + 1.0;
+    *out = (struct gp_shape) {
+        .state = r, .free = free_radial, .row = radial_row, .grey = grey,
+        .even = true, .smooth = INFINITY,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+    };
+    return GP_OK;
+}
+
+/* A point out of focus: an even disc, a rim on it that a lens which corrects
+ * too much has, and an edge of width `soft` that falls by a smoothstep. */
+struct disc {
+    double radius, soft, rim;
+};
+
+static double smoothstep(double t)
+{
+    t = fmin(fmax(t, 0.0), 1.0);
+    return t * t * (3.0 - 2.0 * t);
+}
+
+static void disc_value(const void *ctx, double t, double out[3])
+{
+    const struct disc *const d = ctx;
+    const double share = t / d->radius;
+    out[0] = smoothstep((d->radius - t) / d->soft + 0.5) *
+             (1.0 + d->rim * pow(fmin(share, 1.0), 8.0));
+}
+
+static const struct gp_model_key circle_keys[] = {
+    GP_MODEL_SHARE(1.0),
+    {"size", "diameter, degrees", 1.5, 0.01, 90.0, NULL, false},
+    {"soft", "width of its edge, share of the radius", 0.08, 0.01, 1.0, NULL,
+     false},
+    {"rim", "how much brighter its rim is", 0.4, 0.0, 10.0, NULL, false},
+    {0},
+};
+
+static gp_status open_circle(const struct gp_log *log,
+    const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
+{
+    struct disc d = {.radius = 0.5 * gp_recipe_value(r, "size"),
+                     .rim = gp_recipe_value(r, "rim")};
+    d.soft = d.radius * gp_recipe_value(r, "soft");
+    return make_radial(log, f, d.radius + 0.5 * d.soft, d.soft, true,
+                       disc_value, &d, out);
+}
+
+const struct gp_model gp_model_circle = {
+    .name = "circle", .text = "a point out of focus: a disc with a rim",
+    .source = "geometric optics", .keys = circle_keys, .open = open_circle,
+};
+
+/* A halo as small drops or fibres diffract it: a band about `radius` for 550 nm
+ * and as much wider as a wave is longer. */
+enum { BANDS = 40 };
+struct halo {
+    double radius, width, dispersion;
+    double nm[BANDS], rgb[BANDS][3];
+};
+
+static void halo_value(const void *ctx, double t, double out[3])
+{
+    const struct halo *const h = ctx;
+    out[0] = out[1] = out[2] = 0.0;
+    for (int i = 0; i < BANDS; i++) {
+        const double grow = 1.0 + h->dispersion * (h->nm[i] / 550.0 - 1.0);
+        const double z = (t - h->radius * grow) / h->width;
+        const double v = exp(-z * z) / grow; // as much light on each circle
+        for (int c = 0; c < 3; c++)
+            out[c] += h->rgb[i][c] * v;
+    }
+}
+
+static const struct gp_model_key ring_keys[] = {
+    GP_MODEL_SHARE(0.03),
+    {"radius", "degrees at 550 nm", 3.0, 0.02, 80.0, NULL, false},
+    {"width", "degrees from its middle to 1/e", 0.25, 0.01, 20.0, NULL, false},
+    {"dispersion", "growth with wavelength, 0 none to 1 as diffraction", 1.0,
+     0.0, 1.0, NULL, false},
+    {0},
+};
+
+static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
+                           const struct gp_field *f, struct gp_shape *out)
+{
+    struct halo h = {.radius = gp_recipe_value(r, "radius"),
+                     .width = gp_recipe_value(r, "width"),
+                     .dispersion = gp_recipe_value(r, "dispersion")};
+    gp_spectrum_weights(f, BANDS, h.nm, h.rgb);
+    return make_radial(log, f, 1.5 * h.radius + 6.0 * h.width, h.width, false,
+                       halo_value, &h, out);
+}
+
+const struct gp_model gp_model_ring = {
+    .name = "ring", .text = "a halo, blue inside and red outside",
+    .source = "diffraction by drops and fibres, angle as wavelength",
+    .keys = ring_keys, .open = open_ring,
 };

@@ -40,8 +40,9 @@ extern const struct gp_model gp_model_spencer, gp_model_cie;      // eye.c
 extern const struct gp_model gp_model_aperture;                   // aperture.c
 extern const struct gp_model gp_model_temporal;                   // pupil.c
 extern const struct gp_model gp_model_gaussian, gp_model_moffat,
-    gp_model_circle, gp_model_ring, gp_model_star, gp_model_cross,
-    gp_model_streak;                                              // drawn.c
+    gp_model_circle, gp_model_ring;                               // drawn.c
+extern const struct gp_model gp_model_star, gp_model_cross,
+    gp_model_streak;                                              // rays.c
 extern const struct gp_model gp_model_image;                      // image.c
 
 /* The recipe's value of a key of its model, by name. */
@@ -82,11 +83,15 @@ void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
 
 // -- spectrum.c ---------------------------------------------------------------
 
-/* Linear RGB of light of one wavelength (nm, 380 to 780) in the primaries of a
- * field, CIE 1931 2 degree observer, out of gamut folded in towards equal
- * energy white at constant luminance, so that none is negative.
- * gp_spectrum_weights() gives n bands of [380, 780], scaled so that equal
- * energy light is (1, 1, 1): each channel's weights sum to 1. */
+enum { GP_NM_FROM = 380, GP_NM_TO = 780 };
+
+/* XYZ of light of one wavelength, nm. */
+void gp_spectrum_xyz(double nm, double xyz[3]);
+
+/* Linear RGB in the field's primaries of n equal bands of [380, 780] nm: nm[i]
+ * is the middle of band i. Equal energy light is the primaries' white: each
+ * channel's weights sum to 1. Out of gamut is folded in towards grey at
+ * constant luminance, so that none is negative. */
 void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
                          double (*rgb)[3]);
 

@@ -1,0 +1,318 @@
+/* Models of rays: stars, crosses and streaks as bundles of tapered strands. */
+#include "core/memory.h"
+#include "glare/model/model_priv.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdlib.h>
+
+#define PI 3.14159265358979323846
+
+/* A ray is a bundle of strands that start at the light and fan out. A strand at
+ * distance p along it and q across it, both in degrees, has
+ *
+ *   v_c(p, q) = a g_c(p) n(q / s(p)) / s(p)        p <= L
+ *   g_c(p)    = g_c(0) exp(-p^2 / (2 width^2))     p < 0: a round end
+ *             = sum over wavelengths l of w_c(l) g(p 550 / l) 550 / l
+ *   g(p)      = (1 - p / L)^2 / (1 + (p / core)^2)
+ *   s(p)      = width (1 - 0.8 p / L)
+ *
+ * n is the normal density, cut at 5; w the spectrum's weights, which sum to 1
+ * in each channel: white light stays white, only redder far out, as diffraction
+ * makes it (without `dispersion` g_c is g). Lengths, angles and strengths a of
+ * strands come from `seed`, spread about those of their ray, and the sum is 1
+ * in each channel, then tinted to a luminance of 1. */
+enum {
+    MOST_STRANDS = 512,
+    TABLE = 2048,        // steps of g_c from 0 to the longest strand
+    BANDS = 24,          // wavelengths
+};
+static const double CUT = 5.0;
+
+struct strand {
+    double cosine, sine; // of its direction; y is down
+    double length, gain;
+};
+
+struct rays {
+    struct gp_field f;
+    struct strand strand[MOST_STRANDS];
+    int n;
+    double width, squeeze, longest;
+    double curve[3][TABLE + 2]; // g_c at steps of p / length, for length 1
+    double tint[3];
+};
+
+/* A number in [0, 1) of (seed, i), the same everywhere: splitmix64, Steele et
+ * al. 2014. */
+static double random_of(uint64_t seed, uint64_t i)
+{
+    uint64_t z = (seed << 32) + (i + 1) * 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    return (double) ((z ^ (z >> 31)) >> 11) * 0x1p-53;
+}
+
+/* g_c at a share `t` of a strand's length, of light 1 in all. */
+static double along(const struct rays *r, int c, double t)
+{
+    const double at = t * TABLE;
+    const int i = (int) at;
+    return i > TABLE ? 0.0
+                     : r->curve[c][i] + (at - i) * (r->curve[c][i + 1] -
+                                                    r->curve[c][i]);
+}
+
+/* The second integral of the normal density of width 1. */
+static double ramp(double z)
+{
+    return 0.5 * z * erfc(-sqrt(0.5) * z) +
+           exp(-0.5 * z * z) / sqrt(2.0 * PI);
+}
+
+/* Adds the strand's integral over a pixel whose middle is (p, q) along and
+ * across it, where g_c and the width change little on a pixel: the pixel seen
+ * along the strand is two boxes folded, whose integral under the normal density
+ * has a closed form, times the mean of g_c. */
+static void add_far_pixel(const struct rays *r, const struct strand *s,
+    double p, double q, double a, double b, double sum[3])
+{
+    const struct gp_gauss *const g = gp_gauss_rule(3);
+    const double width = r->width * (1.0 - 0.8 * p / s->length);
+    // half the boxes, in widths; a side that is seen end on keeps some
+    const double i = 0.5 * a * fabs(s->sine) / width;
+    const double j = 0.5 * b * fabs(s->cosine) / width;
+    const double low = 1e-3 * fmax(i, j);
+    const double m = fmax(i, low), n = fmax(j, low), z = q / width;
+    const double share = // at its ends rounding is all there is
+        fmax(ramp(z + m + n) - ramp(z + m - n) - ramp(z - m + n) +
+         ramp(z - m - n), 0.0) / (4.0 * m * n) * s->gain * a * b /
+        (width * s->length);
+    // a box as deep as the square is spread along the strand
+    const double depth = hypot(a * s->cosine, b * s->sine);
+    for (int k = 0; k < g->n; k++) {
+        const double at = (p + depth * g->node[k]) / s->length;
+        for (int c = 0; c < 3; c++)
+            sum[c] += share * g->weight[k] * along(r, c, fmin(at, 1.0));
+    }
+}
+
+/* The same of any pixel around (u, v), a by b degrees: by parts. */
+static void add_pixel(const struct rays *r, const struct strand *s, double u,
+                      double v, double a, double b, double sum[3])
+{
+    const double taper = r->width * 0.8 / s->length;
+    const double p0 = u * s->cosine + v * s->sine;
+    if (p0 > 4.0 * fmax(fmax(a, b), r->width)) {
+        add_far_pixel(r, s, p0, v * s->cosine - u * s->sine, a, b, sum);
+        return;
+    }
+    const double thin = fmax(r->width - taper * fmax(p0, 0.0),
+                             0.2 * r->width);
+    const double wide = fmax(a, b);
+    const int parts = (int) fmin(ceil(0.7 * wide / thin), 16.0);
+    const struct gp_gauss *const g = gp_gauss_rule(wide / thin > 0.5 ? 7 : 4);
+    const double da = a / parts, db = b / parts;
+    for (int j = 0; j < parts * g->n; j++) {
+        const double y = v - 0.5 * b +
+                         db * (j / g->n + 0.5 + g->node[j % g->n]);
+        for (int i = 0; i < parts * g->n; i++) {
+            const double x = u - 0.5 * a +
+                             da * (i / g->n + 0.5 + g->node[i % g->n]);
+            const double p = x * s->cosine + y * s->sine;
+            const double q = y * s->cosine - x * s->sine;
+            const double width = r->width - taper * fmax(p, 0.0);
+            const double z = q / width, back = fmin(p, 0.0) / r->width;
+            if (p > s->length || fabs(z) > CUT || back < -CUT)
+                continue;
+            const double density = s->gain *
+                                   exp(-0.5 * (z * z + back * back)) /
+                                   (sqrt(2.0 * PI) * width * s->length) * da *
+                                   db * g->weight[i % g->n] *
+                                   g->weight[j % g->n];
+            for (int c = 0; c < 3; c++)
+                sum[c] += density * along(r, c, fmax(p, 0.0) / s->length);
+        }
+    }
+}
+
+static void rays_row(const void *state, int x, int y, int n,
+                     double *const out[3])
+{
+    const struct rays *const r = state;
+    const double b = r->f.degrees;
+    const double a = b * r->f.aspect / r->squeeze; // in the plane of strands
+    const double v = b * y, side = CUT * r->width + 0.5 * (a + b);
+    for (int c = 0; c < 3; c++)
+        memset(out[c], 0, (size_t) n * sizeof *out[c]);
+    for (int k = 0; k < r->n; k++) {
+        const struct strand *const s = &r->strand[k];
+        // u of |q| <= side and -side <= p <= length + side on this row
+        double from = -INFINITY, to = INFINITY;
+        const double line[2][4] = {
+            {-s->sine, v * s->cosine, -side, side},
+            {s->cosine, v * s->sine, -side, s->length + side},
+        };
+        for (int i = 0; i < 2; i++) {
+            const double *const l = line[i];
+            if (fabs(l[0]) < 1e-12) {
+                if (l[1] < l[2] || l[1] > l[3])
+                    to = -INFINITY;
+                continue;
+            }
+            const double p = (l[2] - l[1]) / l[0], q = (l[3] - l[1]) / l[0];
+            from = fmax(from, fmin(p, q));
+            to = fmin(to, fmax(p, q));
+        }
+        const int first = (int) fmax(ceil(from / a) - x, 0.0);
+        const int last = (int) fmin(floor(to / a) - x, n - 1);
+        for (int i = first; i <= last; i++) {
+            double sum[3] = {0};
+            add_pixel(r, s, a * (x + i), v, a, b, sum);
+            for (int c = 0; c < 3; c++)
+                out[c][i] += r->tint[c] * sum[c];
+        }
+    }
+}
+
+/* g_c by wavelengths, of integral 1 in each channel, for strands of length 1;
+ * what their round ends add is in their gains. */
+static void make_curves(struct rays *r, double core, double dispersion)
+{
+    double nm[BANDS], rgb[BANDS][3], sum[3] = {0};
+    gp_spectrum_weights(&r->f, BANDS, nm, rgb);
+    for (int i = 0; i <= TABLE + 1; i++) {
+        const double t = (double) i / TABLE;
+        for (int k = 0; k < BANDS; k++) {
+            const double scale = 1.0 + dispersion * (550.0 / nm[k] - 1.0);
+            const double at = t * scale / core;
+            const double end = fmax(1.0 - t, 0.0);
+            const double g = end * end * scale / (1.0 + at * at);
+            for (int c = 0; c < 3; c++)
+                r->curve[c][i] += rgb[k][c] * g;
+        }
+        for (int c = 0; c < 3; c++)
+            sum[c] += r->curve[c][i] * (i == 0 ? 0.5 : 1.0) / TABLE;
+    }
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i <= TABLE + 1; i++)
+            r->curve[c][i] /= sum[c];
+    }
+}
+
+static gp_status open_rays(const struct gp_log *log, const struct gp_recipe *r,
+                           const struct gp_field *f, struct gp_shape *out)
+{
+    struct rays *s;
+    const int points = (int) gp_recipe_value(r, "points");
+    const int strands = (int) gp_recipe_value(r, "strands");
+    const uint64_t seed = (uint64_t) gp_recipe_value(r, "seed");
+    const double length = gp_recipe_value(r, "length");
+    const double spread = gp_recipe_value(r, "spread");
+    const double turned = gp_recipe_value(r, "angle") + f->rotate;
+    gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *s, &s);
+    if (st)
+        return st;
+    s->f = *f;
+    s->n = points * strands;
+    s->width = gp_recipe_value(r, "width");
+    s->squeeze = gp_recipe_value(r, "squeeze");
+    make_curves(s, gp_recipe_value(r, "core") / length,
+                gp_recipe_value(r, "dispersion"));
+    for (int i = 0; i < s->n; i++) {
+        struct strand *const one = &s->strand[i];
+        // opposite rays are alike where their number is even, as those of a
+        // stop are
+        const uint64_t ray = (uint64_t) (i / strands) %
+                             (uint64_t) (points % 2 ? points : points / 2);
+        const uint64_t key = ray * 4096u + 3u * (uint64_t) (i % strands);
+        const bool middle = i % strands == 0; // one strand is the ray's axis
+        const double off = middle ? 0.0 : random_of(seed, key) - 0.5;
+        const double angle = PI / 180.0 *
+            (turned + 360.0 * (i / strands) / points + 2.0 * spread * off);
+        one->cosine = cos(angle);
+        one->sine = -sin(angle);
+        one->length = length *
+            (middle ? 1.0 : 0.35 + 0.6 * random_of(seed, key + 1));
+        one->gain = middle ? 1.0 : 0.2 + 0.8 * random_of(seed, key + 2);
+        s->longest = fmax(s->longest, one->length);
+    }
+    // a round end is as much light as width sqrt(pi / 2) of the strand there
+    double light[3] = {0};
+    for (int i = 0; i < s->n; i++) {
+        const double end = s->width * sqrt(0.5 * PI) / s->strand[i].length;
+        for (int c = 0; c < 3; c++)
+            light[c] += s->strand[i].gain * (1.0 + end * s->curve[c][0]);
+    }
+    double tint[3] = {gp_recipe_value(r, "red"), gp_recipe_value(r, "green"),
+                      gp_recipe_value(r, "blue")};
+    double y = 0.0;
+    for (int c = 0; c < 3; c++)
+        y += (double) f->luminance[c] * tint[c];
+    if (!(y > 0.0)) {
+        gp_free(s);
+        return gp_fail(log, GP_ERR_USAGE, "%s: its colour has no luminance "
+                       "(%g,%g,%g); give red, green or blue over 0",
+                       r->model->name, tint[0], tint[1], tint[2]);
+    }
+    for (int c = 0; c < 3; c++)
+        s->tint[c] = tint[c] / (y * light[c]);
+    const double pixel = f->degrees * fmin(f->aspect, 1.0);
+    const double reach =
+        ceil((s->longest + CUT * s->width) * fmax(s->squeeze, 1.0) / pixel) + 1;
+    *out = (struct gp_shape) {
+        .state = s, .free = gp_free, .row = rays_row, .smooth = INFINITY,
+        .reach = reach < 1e6 ? (int) reach : INT_MAX,
+    };
+    return GP_OK;
+}
+
+#define KEYS(share, points, strands, spread, length, core, width, angle,      \
+             dispersion, squeeze, r, g, b)                                    \
+    GP_MODEL_SHARE(share),                                                    \
+    {"points", "rays", points, 1, 32, NULL, false},                           \
+    {"strands", "strands of each ray", strands, 1, 16, NULL, false},          \
+    {"spread", "angle to which strands fan out on each side, degrees", spread, \
+     0, 90, NULL, false},                                                     \
+    {"length", "degrees of view from the light to a ray's end", length, 0.01, \
+     180, NULL, false},                                                       \
+    {"core", "distance at which it has fallen to a half, degrees", core,      \
+     0.001, 180, NULL, false},                                                \
+    {"width", "thickness at the light (one sigma), degrees", width, 0.002,    \
+     10, NULL, false},                                                        \
+    {"angle", "direction of the first ray, degrees counter-clockwise", angle, \
+     -360, 360, NULL, false},                                                 \
+    {"dispersion", "growth with wavelength, 0 none to 1 as diffraction",      \
+     dispersion, 0, 1, NULL, false},                                          \
+    {"squeeze", "how many times as wide as high: an anamorphic lens",         \
+     squeeze, 0.1, 20, NULL, false},                                          \
+    {"red", "colour", r, 0, 1, NULL, false},                                  \
+    {"green", "colour", g, 0, 1, NULL, false},                                \
+    {"blue", "colour", b, 0, 1, NULL, false},                                 \
+    {"seed", "which strands", 1, 0, 1e9, NULL, false},                        \
+    {0}
+
+static const struct gp_model_key star_keys[] = {
+    KEYS(0.1, 6, 7, 1.6, 5.0, 0.35, 0.02, 90.0, 1.0, 1.0, 1.0, 1.0, 1.0),
+};
+static const struct gp_model_key cross_keys[] = {
+    KEYS(0.1, 4, 5, 0.7, 6.0, 0.6, 0.022, 45.0, 0.4, 1.0, 1.0, 1.0, 1.0),
+};
+static const struct gp_model_key streak_keys[] = {
+    KEYS(0.08, 2, 9, 0.35, 22.0, 2.0, 0.03, 0.0, 0.3, 1.0, 0.35, 0.55, 1.0),
+};
+
+const struct gp_model gp_model_star = {
+    .name = "star", .text = "rays of a stop's blades, redder far out",
+    .source = "after Fraunhofer's edges: light falls with the square",
+    .keys = star_keys, .open = open_rays,
+};
+const struct gp_model gp_model_cross = {
+    .name = "cross", .text = "four rays of a cross screen filter",
+    .source = "a photographer's filter", .keys = cross_keys, .open = open_rays,
+};
+const struct gp_model gp_model_streak = {
+    .name = "streak", .text = "the horizontal streak of an anamorphic lens",
+    .source = "a cylinder's scatter", .keys = streak_keys, .open = open_rays,
+};

@@ -1,0 +1,66 @@
+/* Colours of wavelengths. */
+#include "core/colour.h"
+#include "glare/model/model_priv.h"
+
+#include <math.h>
+
+/* A curve with one slope before its peak and one after it. */
+static double lobe(double nm, double height, double peak, double before,
+                   double after)
+{
+    const double z = (nm - peak) / (nm < peak ? before : after);
+    return height * exp(-0.5 * z * z);
+}
+
+/* CIE 1931 2 degree observer: the multi-lobe fit of Wyman, Sloan and Shirley,
+ * Simple Analytic Approximations to the CIE XYZ Color Matching Functions, JCGT
+ * 2 (2013), eq. 4; within 1 % of the table's peaks. */
+void gp_spectrum_xyz(double nm, double xyz[3])
+{
+    xyz[0] = lobe(nm, 1.056, 599.8, 37.9, 31.0) +
+             lobe(nm, 0.362, 442.0, 16.0, 26.7) +
+             lobe(nm, -0.065, 501.1, 20.4, 26.2);
+    xyz[1] = lobe(nm, 0.821, 568.8, 46.9, 40.5) +
+             lobe(nm, 0.286, 530.9, 16.3, 31.1);
+    xyz[2] = lobe(nm, 1.217, 437.0, 11.8, 36.0) +
+             lobe(nm, 0.681, 459.0, 26.0, 13.8);
+}
+
+void gp_spectrum_weights(const struct gp_field *f, int n, double *nm,
+                         double (*rgb)[3])
+{
+    double to_xyz[9], from_xyz[9], sum[3] = {0}, white[3] = {0};
+    if (!gp_rgb_to_xyz(f->chromaticities, to_xyz))
+        gp_rgb_to_xyz(gp_rec709_chromaticities, to_xyz);
+    gp_invert3(to_xyz, from_xyz);
+    for (int i = 0; i < n; i++) {
+        nm[i] = GP_NM_FROM + (GP_NM_TO - GP_NM_FROM) * (i + 0.5) / n;
+        gp_spectrum_xyz(nm[i], rgb[i]);
+        for (int c = 0; c < 3; c++)
+            white[c] += rgb[i][c];
+    }
+    for (int i = 0; i < n; i++) {
+        // equal energy light becomes the primaries' white, channel by channel
+        // of XYZ as von Kries did it
+        double v[3];
+        for (int c = 0; c < 3; c++)
+            v[c] = rgb[i][c] / white[c] *
+                   (to_xyz[3 * c] + to_xyz[3 * c + 1] + to_xyz[3 * c + 2]);
+        double least = 0.0;
+        for (int c = 0; c < 3; c++) {
+            rgb[i][c] = from_xyz[3 * c] * v[0] + from_xyz[3 * c + 1] * v[1] +
+                        from_xyz[3 * c + 2] * v[2];
+            least = fmin(least, rgb[i][c]);
+        }
+        // out of gamut: towards grey of its own luminance until none is < 0
+        const double y = v[1], keep = least < 0.0 ? y / (y - least) : 1.0;
+        for (int c = 0; c < 3; c++) {
+            rgb[i][c] = fmax(y + keep * (rgb[i][c] - y), 0.0);
+            sum[c] += rgb[i][c];
+        }
+    }
+    for (int i = 0; i < n; i++) {
+        for (int c = 0; c < 3; c++)
+            rgb[i][c] /= sum[c];
+    }
+}
