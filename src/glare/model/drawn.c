@@ -274,49 +274,65 @@ const struct gp_model gp_model_circle = {
     .source = "geometric optics", .keys = circle_keys, .open = open_circle,
 };
 
-/* A halo as small drops or fibres diffract it: a band about `radius` for 550 nm
- * and as much wider as a wave is longer. */
-enum { BANDS = 40 };
+/* The corona of small drops, fogged glass, or lashes' moisture: drops diffract
+ * like holes of their size (Babinet), so by Airy's pattern,
+ *
+ *   v_c(t) = sum over wavelengths l, drops d of w_c(l) d^4 / l^2 (J1(x) / x)^2
+ *   x      = pi d sin t / l
+ *
+ * an aureole and rings, blue inside and red outside. `radius` is the first
+ * ring's at 550 nm, x = 5.1356; drops are `spread` apart, and from 2 to 3 radii on all fades. */
+enum { BANDS = 24, DROPS = 5 };
 struct halo {
-    double radius, width, dispersion;
+    double size, spread, end; // of a drop: x is size sin t at 550 nm
     double nm[BANDS], rgb[BANDS][3];
 };
 
 static void halo_value(const void *ctx, double t, double out[3])
 {
     const struct halo *const h = ctx;
+    const double fade = smoothstep(3.0 * (h->end - t) / h->end);
     out[0] = out[1] = out[2] = 0.0;
     for (int i = 0; i < BANDS; i++) {
-        const double grow = 1.0 + h->dispersion * (h->nm[i] / 550.0 - 1.0);
-        const double z = (t - h->radius * grow) / h->width;
-        const double v = exp(-z * z) / grow; // as much light on each circle
+        double v = 0.0;
+        for (int k = 0; k < DROPS; k++) {
+            const double at = 2.0 * k / (DROPS - 1) - 1.0;
+            const double size = h->size * (1.0 + h->spread * at) * 550.0 /
+                                h->nm[i];
+            const double x = size * sin(t * PI / 180.0);
+            const double airy = x > 1e-4 ? 2.0 * j1(x) / x : 1.0;
+            v += (1.0 - 0.75 * at * at) * size * size * airy * airy;
+        }
         for (int c = 0; c < 3; c++)
-            out[c] += h->rgb[i][c] * v;
+            out[c] += h->rgb[i][c] * fade * v;
     }
 }
 
 static const struct gp_model_key ring_keys[] = {
-    GP_MODEL_SHARE(0.03),
-    {"radius", "degrees at 550 nm", 3.0, 0.02, 80.0, NULL, false},
-    {"width", "degrees from its middle to 1/e", 0.25, 0.01, 20.0, NULL, false},
-    {"dispersion", "growth with wavelength, 0 none to 1 as diffraction", 1.0,
-     0.0, 1.0, NULL, false},
+    GP_MODEL_SHARE(0.12),
+    {"radius", "of the first bright ring at 550 nm, degrees", 2.4, 0.02, 29.0,
+     NULL, false},
+    {"spread", "of the drops' sizes to each side, share", 0.18, 0.0, 0.9, NULL,
+     false},
     {0},
 };
 
 static gp_status open_ring(const struct gp_log *log, const struct gp_recipe *r,
                            const struct gp_field *f, struct gp_shape *out)
 {
-    struct halo h = {.radius = gp_recipe_value(r, "radius"),
-                     .width = gp_recipe_value(r, "width"),
-                     .dispersion = gp_recipe_value(r, "dispersion")};
+    const double first = 5.1356;
+    const double radius = gp_recipe_value(r, "radius");
+    struct halo h = {
+        .size = first / sin(radius * PI / 180.0), .end = 3.0 * radius,
+        .spread = gp_recipe_value(r, "spread"),
+    };
     gp_spectrum_weights(f, BANDS, h.nm, h.rgb);
-    return make_radial(log, f, 1.5 * h.radius + 6.0 * h.width, h.width, false,
-                       halo_value, &h, out);
+    return make_radial(log, f, h.end, radius / first, false, halo_value, &h,
+                       out);
 }
 
 const struct gp_model gp_model_ring = {
-    .name = "ring", .text = "a halo, blue inside and red outside",
-    .source = "diffraction by drops and fibres, angle as wavelength",
-    .keys = ring_keys, .open = open_ring,
+    .name = "ring", .text = "a corona: an aureole and rings of small drops",
+    .source = "Airy's pattern by Babinet's principle", .keys = ring_keys,
+    .open = open_ring,
 };

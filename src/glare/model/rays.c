@@ -300,7 +300,7 @@ static const struct gp_model_key cross_keys[] = {
     KEYS(0.1, 4, 5, 0.7, 6.0, 0.6, 0.022, 45.0, 0.4, 1.0, 1.0, 1.0, 1.0),
 };
 static const struct gp_model_key streak_keys[] = {
-    KEYS(0.08, 2, 9, 0.35, 22.0, 2.0, 0.03, 0.0, 0.3, 1.0, 0.35, 0.55, 1.0),
+    KEYS(0.06, 2, 9, 0.3, 22.0, 1.6, 0.03, 0.0, 0.3, 1.0, 0.3, 0.6, 1.0),
 };
 
 const struct gp_model gp_model_star = {
