@@ -82,25 +82,14 @@ const struct gp_model gp_model_gaussian = {
  * wings, as air and emulsions make it. 1 over the plane; what lies beyond 90
  * degrees is left out. */
 struct moffat {
-    struct gp_field f;
     double a, beta, factor;
 };
 
 static void moffat_profile(const void *ctx, double t, double out[3])
 {
     const struct moffat *const m = ctx;
-    out[0] = m->factor * pow(1.0 + t * t / (m->a * m->a), -m->beta);
-}
-
-static void moffat_row(const void *state, int x, int y, int n,
-                       double *const out[3])
-{
-    const struct moffat *const m = state;
-    for (int i = 0; i < n; i++) {
-        double v[3];
-        gp_pixel_integral(moffat_profile, m, 1, m->a, &m->f, x + i, y, v);
-        out[0][i] = v[0];
-    }
+    out[0] = t < 90.0 ? m->factor * pow(1.0 + t * t / (m->a * m->a), -m->beta)
+                      : 0.0;
 }
 
 static const struct gp_model_key moffat_keys[] = {
@@ -115,14 +104,10 @@ static const struct gp_model_key moffat_keys[] = {
 static gp_status open_moffat(const struct gp_log *log,
     const struct gp_recipe *r, const struct gp_field *f, struct gp_shape *out)
 {
-    struct moffat m = {.f = *f, .beta = gp_recipe_value(r, "beta")};
+    struct moffat m = {.beta = gp_recipe_value(r, "beta")};
     m.a = gp_recipe_value(r, "fwhm") / (2.0 * sqrt(exp2(1.0 / m.beta) - 1.0));
     m.factor = (m.beta - 1.0) / (PI * m.a * m.a);
-    *out = (struct gp_shape) {
-        .row = moffat_row, .grey = true, .even = true, .reach = INT_MAX,
-        .smooth = m.a / (f->degrees * fmin(1.0, f->aspect)),
-    };
-    return make_state(log, &m, sizeof m, out);
+    return gp_radial_shape(log, moffat_profile, &m, sizeof m, 1, m.a, f, out);
 }
 
 const struct gp_model gp_model_moffat = {

@@ -19,8 +19,8 @@ struct gp_shape {
 
     bool grey;       // the three channels are equal: row writes out[0] only
     bool even;       // the same at (-x, y) and (x, -y)
-    double smooth;   // pixels from the centre on which it bends only on the
-                     // scale of the distance; INFINITY: sharp far out
+    double smooth;   // pixels from the centre from which on it bends only on
+                     // the scale of the distance; INFINITY: sharp far out
     int reach;       // offsets beyond are 0 in x and y; INT_MAX: none
 };
 enum { GP_SHAPE_STRIP = 256 };
@@ -80,6 +80,34 @@ typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
  * the scale. `channels` 1 or 3. */
 void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
     double scale, const struct gp_field *f, int x, int y, double out[3]);
+
+/* The integral of a profile over the plane from `from` to `end` degrees away
+ * from the light, by steps that grow with the distance: about 1e-9. */
+void gp_profile_integral(gp_profile p, const void *ctx, int channels,
+                         double from, double end, double sum[3]);
+
+/* A shape of a profile, by a table of it: fast for any number of pixels. Fills
+ * all of `out` but `smooth`, which is a distance in pixels where the profile
+ * bends on the scale of t, here `scale`; `size` bytes of `ctx` are copied.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log,
+    gp_profile p, const void *ctx, size_t size, int channels, double scale,
+    const struct gp_field *f, struct gp_shape *out);
+
+/* sin(t) / t of t degrees, times a square degree in steradians: what turns
+ * light per steradian into light per square degree of the plane that pixels
+ * divide. 0 from 90 degrees on. */
+double gp_plane_factor(double t);
+
+// -- eye.c: declared for tests -------------------------------------------------
+
+/* The share of light that a recipe of spencer or cie sends farther than t
+ * degrees, in luminance. */
+double gp_eye_beyond(const struct gp_recipe *r, const struct gp_field *f,
+                     double t);
+/* Spencer's f0 to f3 and the CIE's general equation, per steradian. */
+double gp_spencer_term(int i, double t, double nm);
+double gp_cie_general(double age, double p, double t);
 
 // -- spectrum.c ---------------------------------------------------------------
 

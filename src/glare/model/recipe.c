@@ -7,11 +7,15 @@
 #include <stdlib.h>
 
 const struct gp_model *const gp_models[] = {
+    &gp_model_spencer, &gp_model_cie,
     &gp_model_star, &gp_model_cross, &gp_model_streak, &gp_model_ring,
     &gp_model_circle, &gp_model_gaussian, &gp_model_moffat, NULL,
 };
 
 const struct gp_model_preset gp_model_presets[] = {
+    {"eye", "spencer", "the human eye in daylight (Spencer et al. 1995)"},
+    {"eye-night", "spencer:light=scotopic", "the same at night, with its halo"},
+    {"eye-old", "cie:age=70", "the eye of a 70-year-old (CIE 135/1)"},
     {0},
 };
 

@@ -148,7 +148,8 @@ static void light_is_kept(void **state)
     static const char *const texts[] = {
         "gaussian:share=1", "gaussian:share=0", "moffat:share=0.5",
         "moffat:fwhm=1e-4,share=1", "gaussian:fwhm=90,share=1",
-        "star:share=1", "cross", "streak:share=1", "ring:share=1", "circle",
+        "spencer", "spencer:light=scotopic", "cie:age=70",
+        "cie:equation=general", "star:share=1", "cross", "streak:share=1", "ring:share=1", "circle",
         "circle:size=0.01", "star:squeeze=3,points=5",
     };
     for (size_t i = 0; i < COUNT(texts); i++) {

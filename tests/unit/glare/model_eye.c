@@ -1,0 +1,144 @@
+/* glare/model/eye.c against published values, and tables against integrals. */
+#include "unit.h"
+#include "core/colour.h"
+#include "glare/model/model_priv.h"
+
+static const struct gp_field plain = {
+    .w = 512, .h = 512, .degrees = 1.0 / 36.0, .aspect = 1.0, .fps = 24.0,
+    .chromaticities = gp_rec709_chromaticities,
+    .luminance = gp_rec709_luminance,
+};
+
+static struct gp_recipe recipe(const char *text)
+{
+    struct gp_recipe r;
+    if (gp_recipe_parse(NULL, text, &r) != GP_OK)
+        fail_msg("%s", text);
+    return r;
+}
+
+/* Shares of light beyond 0.1 to 60 degrees: Spencer's photopic function, and
+ * the CIE's at 35 and 70 years. */
+static void light_goes_as_far_as_published(void **state)
+{
+    (void) state;
+    static const double angles[9] = {.1, .5, 1, 2, 4, 8, 16, 30, 60};
+    static const struct {
+        const char *text;
+        double beyond[9];
+    } rows[] = {
+        {"spencer", {.266, .130, .100, .078, .060, .045, .030, .018, .006}},
+        {"cie:age=35", {.321, .111, .077, .058, .045, .035, .027, .019, .009}},
+        {"cie:age=70", {.382, .170, .131, .104, .084, .067, .051, .035, .015}},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_recipe r = recipe(rows[i].text);
+        for (int k = 0; k < 9; k++) {
+            const double got = gp_eye_beyond(&r, &plain, angles[k]);
+            // (three digits; 0.1305 of 70 years beyond 1 degree is given as
+            // .131)
+            if (!(fabs(got - rows[i].beyond[k]) <= 0.0006))
+                fail_msg("%s beyond %g: %.4f, not %.3f", rows[i].text,
+                         angles[k], got, rows[i].beyond[k]);
+        }
+        gp_recipe_free(&r);
+    }
+}
+
+static void term(const void *ctx, double t, double out[3])
+{
+    out[0] = gp_plane_factor(t) * gp_spencer_term(*(const int *) ctx, t, 568.0);
+}
+
+/* Each of Spencer's terms is 1 over the hemisphere, to their constants'
+ * digits. */
+static void terms_are_normalised(void **state)
+{
+    (void) state;
+    for (int i = 0; i < 4; i++) {
+        double sum[3];
+        gp_profile_integral(term, &i, 1, 0.0, 90.0, sum);
+        if (!(fabs(sum[0] - 1.0) < 1e-3))
+            fail_msg("f%d: %.5f", i, sum[0]);
+    }
+}
+
+/* CIE 146 at 35 years and brown eyes. */
+static void general_equation_is_the_cies(void **state)
+{
+    (void) state;
+    static const double rows[][2] = {
+        {0.1, 10550}, {1, 15.55}, {10, 0.0717}, {30, 0.0096}, {90, 0.0026},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const double got = gp_cie_general(35.0, 0.5, rows[i][0]);
+        if (!(fabs(got / rows[i][1] - 1.0) < 0.02))
+            fail_msg("at %g: %g, not %g", rows[i][0], got, rows[i][1]);
+    }
+}
+
+/* The weights are those of the paper at 3, 5 and 7 mm, and change evenly. */
+static void pupil_chooses_the_light(void **state)
+{
+    (void) state;
+    static const char *const rows[][2] = {
+        {"spencer:light=photopic", "spencer:pupil=3"},
+        {"spencer:light=photopic", "spencer:pupil=2"},
+        {"spencer:light=mesopic", "spencer:pupil=5"},
+        {"spencer:light=scotopic", "spencer:pupil=7"},
+    };
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        struct gp_recipe a = recipe(rows[i][0]), b = recipe(rows[i][1]);
+        assert_true(gp_eye_beyond(&a, &plain, 1.0) ==
+                    gp_eye_beyond(&b, &plain, 1.0));
+        gp_recipe_free(&a);
+        gp_recipe_free(&b);
+    }
+    struct gp_recipe low = recipe("spencer:pupil=5"), high = recipe(
+        "spencer:pupil=7"), mid = recipe("spencer:pupil=6");
+    const double l = gp_eye_beyond(&low, &plain, 2.0);
+    const double h = gp_eye_beyond(&high, &plain, 2.0);
+    assert_true(fabs(gp_eye_beyond(&mid, &plain, 2.0) - 0.5 * (l + h)) < 1e-3);
+    gp_recipe_free(&low);
+    gp_recipe_free(&high);
+    gp_recipe_free(&mid);
+}
+
+static void cubic(const void *ctx, double t, double out[3])
+{
+    (void) ctx;
+    out[0] = t < 90.0 ? 1.0 / ((t + 0.02) * (t + 0.02) * (t + 0.02)) : 0.0;
+}
+
+/* Shapes by tables against the plain integral, near and far, for wide and for
+ * high pixels. */
+static void tables_keep_integrals(void **state)
+{
+    (void) state;
+    static const double aspects[] = {1.0, 2.0, 0.5, 16.0};
+    static const int at[][2] = {{0, 0},  {1, 0},   {0, 1},   {2, 0},  {0, 2},
+                                {3, 2},  {0, 5},   {7, 0},   {6, 11}, {13, 12},
+                                {33, 0}, {0, 40},  {31, 5},  {100, 3},
+                                {-9, 4}, {-1, -1}, {5, -60}, {400, 300}};
+    for (size_t k = 0; k < COUNT(aspects); k++) {
+        struct gp_field f = plain;
+        struct gp_shape s;
+        f.aspect = aspects[k];
+        assert_ok(gp_radial_shape(NULL, cubic, "", 1, 1, 0.02, &f, &s));
+        for (size_t i = 0; i < COUNT(at); i++) {
+            double exact[3], got;
+            double *const out[3] = {&got, NULL, NULL};
+            gp_pixel_integral(cubic, NULL, 1, 0.0, &f, at[i][0], at[i][1],
+                              exact);
+            s.row(s.state, at[i][0], at[i][1], 1, out);
+            if (!(fabs(got - exact[0]) <= 2e-7 * exact[0]))
+                fail_msg("aspect %g at %d,%d: %.10g, not %.10g", aspects[k],
+                         at[i][0], at[i][1], got, exact[0]);
+        }
+        s.free(s.state);
+    }
+}
+
+SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
+    terms_are_normalised, general_equation_is_the_cies,
+    pupil_chooses_the_light, tables_keep_integrals)
