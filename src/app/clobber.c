@@ -1,4 +1,5 @@
 #include "app/clobber.h"
+#include "glare/model/model.h"
 
 #include "core/memory.h"
 #include "io/file.h"
@@ -22,7 +23,6 @@ static const struct single {
     SINGLE(bench.csv, "--csv", true),
     SINGLE(bench.json, "--json", true),
     SINGLE(bench.plot, "--plot", true),
-    SINGLE(kernel.source, "--kernel", false),
     SINGLE(sun.camera, "--camera", false),
     SINGLE(sun.lights, "--lights", false),
     SINGLE(sun.flare, "--flare", false),
@@ -265,6 +265,10 @@ gp_status gp_clobber_settle(struct gp_clobber *c)
 #undef OF
         gp_free(x.name);
         gp_free(y.name);
+    }
+    for (int i = 0; i < c->s->kernels.n && !st; i++) {
+        if (!gp_recipe_is(c->s->kernels.at[i]))
+            st = gp_clobber_input(c, "--kernel", c->s->kernels.at[i]);
     }
     for (int i = 0; i < SINGLES && !st; i++) {
         const char *const name = single_name(c->s, i);

@@ -92,9 +92,12 @@ static gp_status add_inputs(const struct gp_log *log,
         else if (isatty(STDIN_FILENO))
             st = gp_fail(log, GP_ERR_USAGE,
                          "-: stdin is a terminal; pipe an EXR file in");
-        else if (gp_is_dash(s->kernel.source))
-            st = gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot both "
-                         "come from stdin; give one of them as a file");
+        for (int k = 0; k < s->kernels.n && !st && gp_is_dash(path); k++)
+            st = gp_is_dash(s->kernels.at[k])
+                     ? gp_fail(log, GP_ERR_USAGE, "-: frame and kernel cannot "
+                               "both come from stdin; give one of them as a "
+                               "file")
+                     : GP_OK;
         GP_TRY(st);
         *patterns = *patterns || in[i].len;
     }

@@ -104,6 +104,10 @@ static gp_status run_bench(const struct gp_log *log,
     struct gp_job suns = {.input = input};
     struct gp_sun_files files = {s, &suns};
     const struct gp_sun_reader reader = gp_sun_reader_of(&files);
+    struct gp_wanted_kernel wanted = {0};
+    gp_status st = gp_wanted_kernel_read(log, s, &wanted);
+    if (st)
+        return st;
     const struct gp_bench_job job = {
         .params = &s->bench,
         .input = input,
@@ -111,13 +115,18 @@ static gp_status run_bench(const struct gp_log *log,
         .read = &s->read,
         .sensor = &s->sensor,
         .kernel = &s->kernel,
+        .kernel_name = s->kernels.n ? s->kernels.at[0] : "builtin:eye",
+        .kernel_image = &wanted.image[0],
+        .recipe = wanted.recipe,
+        .recipes = wanted.recipes,
+        .fov = (double) s->fov,
         .glare = &s->glare,
         .compose = &s->compose,
         .tone = &s->tone,
         .sun = &s->sun,
         .reader = &reader,
     };
-    gp_status st = gp_clobber_begin(log, s, NULL, NULL, &c);
+    st = gp_clobber_begin(log, s, NULL, NULL, &c);
     if (!st)
         st = gp_clobber_settle(&c);
     if (!st && input)
@@ -125,7 +134,10 @@ static gp_status run_bench(const struct gp_log *log,
     gp_clobber_end(&c);
     gp_set_threads(s->threads);
     gp_gl_prepare(); // while there is one thread
-    return st ? st : gp_bench_run(log, &job);
+    if (!st)
+        st = gp_bench_run(log, &job);
+    gp_wanted_kernel_free(&wanted);
+    return st;
 }
 
 /* Returns a pattern's name for item, an index into the list of frames; from

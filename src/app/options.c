@@ -1,13 +1,13 @@
 #include "app/options.h"
 
 #include "app/flight.h"
+#include "glare/model/model.h"
 
 #include <float.h>
 
 const struct gp_settings gp_defaults = {
     .read = GP_READ_DEFAULTS,
     .sensor = GP_SENSOR_DEFAULTS,
-    .kernel = GP_KERNEL_DEFAULTS,
     .glare = GP_GLARE_DEFAULTS,
     .compose = GP_COMPOSE_DEFAULTS,
     .tone = GP_TONE_DEFAULTS,
@@ -233,12 +233,21 @@ static const char *curve_name(int i, const char **text)
 static const char *kernel_name(int i, const char **text)
 {
     static char name[64]; // one line of help at a time
-    const struct gp_builtin_kernel *k = &gp_builtin_kernels[i];
-    *text = k->text;
-    if (!k->name)
+    const struct gp_model_preset *const p = gp_model_presets;
+    int presets = 0, models = 0;
+    while (p[presets].name)
+        presets++;
+    if (i < presets) {
+        *text = p[i].text;
+        snprintf(name, sizeof name, "builtin:%s", p[i].name);
+        return name;
+    }
+    while (gp_models[models])
+        models++;
+    if (i >= presets + models)
         return NULL;
-    snprintf(name, sizeof name, "builtin:%s", k->name);
-    return name;
+    *text = gp_model_text(gp_models[i - presets]);
+    return gp_model_name(gp_models[i - presets]);
 }
 
 static const char *grow_word(int i, const char **text)
@@ -348,9 +357,14 @@ const struct gp_option gp_options[] = {
     OPT(sensor.max_value, .name = "max-value", BOTH(LIGHT), .arg = "V",
         .hi = FLT_MAX, .help = "Clamp brighter pixels: scale them so that "
         "their largest channel is V, which keeps their hue; 0 clamps none"),
-    OPT(kernel.source, .name = "kernel", .letter = 'k', BOTH(LIGHT),
+    OPT(kernels, .name = "kernel", .letter = 'k', BOTH(LIGHT),
         .arg = "FILE", .list = kernel_name, .open = true,
-        .help = "Point-spread function: an image file"),
+        .help = "Point-spread function: an image file, or a model and its "
+                "keys as MODEL:key=value,key=value; several add up by their "
+                "shares; default builtin:eye"),
+    OPT(fov, .name = "fov", BOTH(LIGHT), .arg = "DEG", .lo = 0.001, .hi = 170,
+        .help = "Vertical angle of view of the display window, by which models "
+                "have their size; without it the frame's camera, else 30"),
     OPT(kernel.center, .name = "kernel-center", BOTH(LIGHT), .arg = "X,Y",
         .lo = -1e6, .hi = 1e6,
         .help = "Set the kernel's centre, in its own pixels (0.5,0.5 is the "

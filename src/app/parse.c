@@ -12,12 +12,12 @@
 // -- settings ----------------------------------------------------------------
 
 /* The lists of words. */
-enum { LISTS = 7 };
+enum { LISTS = 8 };
 static struct gp_texts *list_of(struct gp_settings *s, int i)
 {
     struct gp_texts *const list[LISTS] = {
         &s->inputs, &s->outputs, &s->hdr, &s->layer, &s->ocio_context,
-        &s->light_groups, &s->options,
+        &s->light_groups, &s->options, &s->kernels,
     };
     return list[i];
 }

@@ -356,6 +356,6 @@ out:;
     gp_suns_close(&p.run.suns);
     gp_ocio_close(&p.run.ocio);
     gp_run_kernel_free(&p.run.kernel);
-    gp_frame_free(&p.run.kernel_image);
+    gp_wanted_kernel_free(&p.run.wanted);
     return st ? st : closed;
 }

@@ -44,6 +44,9 @@ struct gp_facts {
     double flux_in[3];           // of the sources, by channel
     double flux_faint[3];        // light under FLT_MIN, which counts as 0
     double kernel_faint[3];      // magnitudes of the kernel under FLT_MIN
+    double kernel_left_out;      // light of a model that nothing computes
+    double deg_per_pixel;        // 0: the kernel is an image
+    const char *fov_from;        // "option", "camera" or "default"
     double flux_out[3];          // of the layer inside the frame
     bool has_flux_out;
     long long nonfinite;         // pixels of the input

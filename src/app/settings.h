@@ -75,7 +75,7 @@ struct gp_settings {
     enum gp_command command;
     struct gp_read_params read;
     struct gp_sensor_params sensor;
-    struct gp_kernel_params kernel;
+    struct gp_kernel_params kernel;    // of images
     struct gp_glare_params glare;      // gain is compose's
     struct gp_compose_params compose;
     struct gp_tone_params tone;
@@ -87,6 +87,7 @@ struct gp_settings {
 
     struct gp_texts inputs, outputs;   // outputs: -o
     struct gp_texts hdr, layer;        // files of these options
+    struct gp_texts kernels;           // files and recipes; none: builtin:eye
     struct gp_texts ocio_context;      // becomes ocio.context
     struct gp_texts light_groups;      // layers that glare
     struct gp_texts options;           // name and value (NULL: takes none) of
@@ -95,6 +96,7 @@ struct gp_settings {
     const char *grow;                  // as given; NULL: 0 pixels
     enum gp_grow_how grow_how;         // ... as checked
     int grow_pixels;
+    float fov;                         // degrees; 0: by the frame
     const char *report;
     bool report_append;
     const char *frames;                // list as given

@@ -11,6 +11,7 @@
 #include "core/status.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
+#include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "sun/stage.h"
 
@@ -48,13 +49,27 @@ struct gp_light_group {
     struct gp_sources sources;
 };
 
-/* A kernel for frames of this pixel aspect and, where `tinted`, of these
- * primaries. Frames may still be written when the next ones have another: each
- * holder ends with gp_run_kernel_free(). */
+/* What --kernel asks for: recipes, or one image. */
+struct gp_wanted_kernel {
+    struct gp_recipe recipe[GP_RECIPES];
+    struct gp_frame image[GP_RECIPES]; // of the recipe's file, or of the kernel
+    int recipes;                       // 0: image[0] is the kernel
+};
+
+/* Reads recipes and images, as a bad one is an error whatever the frames hold.
+ * Errors: those of reading them. End with gp_wanted_kernel_free(). */
+GP_MUST_CHECK gp_status gp_wanted_kernel_read(const struct gp_log *log,
+    const struct gp_settings *s, struct gp_wanted_kernel *out);
+void gp_wanted_kernel_free(struct gp_wanted_kernel *k);
+
+/* A kernel, and the frames it was made for: those of this field and these
+ * primaries, or of this pixel aspect where it is an image's. Frames are written
+ * while the next ones have another: whoever holds it ends with
+ * gp_run_kernel_free(). */
 struct gp_run_kernel {
     struct gp_kernel k;
-    float chromaticities[8], aspect;
-    bool tinted;
+    struct gp_field field;         // chromaticities point to the copy
+    float chromaticities[8];
     atomic_int holders;
 };
 void gp_run_kernel_free(struct gp_run_kernel **k);
@@ -98,7 +113,7 @@ struct gp_run {
     const struct gp_settings *s;
     const struct gp_jobs *jobs;
 
-    struct gp_frame kernel_image;  // of a kernel file; empty: builtin
+    struct gp_wanted_kernel wanted;
     struct gp_run_kernel *kernel;  // held, of the frame before; NULL: none
     struct gp_rect reach;          // pixels that the first kernel reaches left,
                                    // up, right and down
@@ -113,9 +128,8 @@ struct gp_run {
     struct gp_raw_size raw;        // of raw frames on stdout
 };
 
-/* Reads the kernel's file, so that a bad one is an error even if no frame has
- * light, and makes the first kernel and r->reach; also of a builtin kernel with
- * --grow kernel. Errors: those of reading and making it. */
+/* Reads what --kernel asks for; of an image makes the first kernel. Sets
+ * r->reach. Errors: those of reading and making it. */
 GP_MUST_CHECK gp_status gp_run_kernel_begin(const struct gp_log *log,
                                             struct gp_run *r);
 

@@ -301,9 +301,8 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     gp_status st;
     const struct gp_bench_params *const p = job->params;
     const bool paper = p->paper, own = paper && job->default_kernel;
-    const char *const source = own ? "streaks" : job->kernel->source;
+    const char *const source = own ? "streaks" : job->kernel_name;
     const char *const files[] = {p->csv, p->json, p->plot};
-    const struct gp_read_params limits = gp_read_limits(job->read);
     struct gp_kernel kernel = {0};
     struct gp_frame f = {0};
     struct bench b = {.log = log, .job = job, .kernel = &kernel, .f = &f};
@@ -326,20 +325,27 @@ gp_status gp_bench_run(const struct gp_log *log, const struct gp_bench_job *job)
     }
     if (gp_suns_wanted(job->sun))
         return gp_bench_sun(log, job);
-    // the kernel given, else the paper's own
-    if (!own && strncmp(source, "builtin:", 8) == 0) {
-        GP_TRY(gp_kernel_builtin(log, job->kernel, &kernel));
-    } else {
-        GP_TRY(own ? gp_paper_kernel(log, GP_PAPER_KERNEL, &f)
-                   : gp_read_frame(log, &limits, source, &f));
-        GP_TRY(gp_kernel_from_frame(log, job->kernel, &f, &kernel));
-        gp_frame_free(&f);
-    }
     for (int i = 0; i < (paper ? GP_PAPER_KINDS : 1); i++) {
         struct gp_bench_frame *const out = &table.frame[table.frames++];
         GP_TRY(paper ? gp_paper_frame(log, (enum gp_paper_kind) i, GP_PAPER_W,
                                       GP_PAPER_H, &f)
                      : gp_read_frame(log, job->read, job->input, &f));
+        // the kernel given, else the paper's own
+        struct gp_frame image = {0};
+        struct gp_field field =
+            gp_field_of(&f, job->fov > 0.0 ? job->fov : GP_USUAL_FOV);
+        field.rotate = (double) job->kernel->rotate;
+        gp_kernel_free(&kernel);
+        if (own)
+            GP_TRY(gp_paper_kernel(log, GP_PAPER_KERNEL, &image));
+        st = !own && job->recipes
+                 ? gp_model_kernel(log, job->recipe, job->recipes, &field,
+                                   &kernel)
+                 : gp_kernel_from_frame(log, job->kernel,
+                                        own ? &image : job->kernel_image,
+                                        &kernel);
+        gp_frame_free(&image);
+        GP_TRY(st);
         out->input = gp_strdup(f.path);
         out->kernel = gp_strdup(source);
         out->kernel_w = kernel.w;

@@ -6,6 +6,7 @@
 #include "glare/compose.h"
 #include "glare/engine.h"
 #include "glare/kernel.h"
+#include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "io/read.h"
 #include "sun/stage.h"
@@ -28,7 +29,12 @@ struct gp_bench_job {
     bool default_kernel;       // no --kernel: --paper brings its own
     const struct gp_read_params *read;
     const struct gp_sensor_params *sensor;
-    const struct gp_kernel_params *kernel;
+    const struct gp_kernel_params *kernel; // of an image
+    const char *kernel_name;
+    const struct gp_frame *kernel_image;   // where there are no recipes
+    const struct gp_recipe *recipe;
+    int recipes;
+    double fov;                            // 0: the usual
     const struct gp_glare_params *glare;
     const struct gp_compose_params *compose;
     const struct gp_tone_params *tone;

@@ -19,26 +19,6 @@ float gp_bright_pass(const struct gp_sensor_params *p, float y);
 void gp_glare_reference_direct(const struct gp_sources *src,
                                const struct gp_kernel *kernel, double *layer);
 
-// -- kernel_builtin.c ---------------------------------------------------------
-
-/* Degrees of view that one pixel of builtin:eye spans: 1080 lines over 30
- * degrees, about the height that a normal lens sees (its focal length is the
- * diagonal of its film, 43 mm on 36 x 24 mm: 31 degrees). The paper takes the
- * scene's angles too, not those of the screen. Angles are taken as
- * proportional to pixels, as in the paper's section 3.2. */
-#define GP_EYE_DEGREES_PER_PIXEL (1.0 / 36.0)
-
-/* The share of a source's light that falls into the whole square of the
- * pixel `x`, `y` pixels away from it; integrated, not sampled, to about
- * 1e-10 of the value. The same to the bit for all signs and orders of x, y. */
-double gp_eye_share(int x, int y);
-
-/* Makes the builtin kernel p->source of p->builtin_size pixels in the primaries
- * of p->frame, faded at its rim, not normalised; *coloured: its channels
- * differ. Errors: as gp_kernel_builtin(). */
-GP_MUST_CHECK gp_status gp_builtin_make(const struct gp_log *log,
-    const struct gp_kernel_params *p, struct gp_planes *out, bool *coloured);
-
 // -- kernel_rotate.c ----------------------------------------------------------
 
 /* A rotated kernel: every whole offset at which it can be other than 0. */

@@ -338,23 +338,6 @@ static gp_status find_center(const struct gp_log *log,
     return GP_OK;
 }
 
-gp_status gp_kernel_builtin(const struct gp_log *log,
-    const struct gp_kernel_params *p, struct gp_kernel *out)
-{
-    const int size = p->builtin_size;
-    struct raw_kernel raw = {
-        .name = p->source, .w = size, .h = size, .owned = true,
-        .luminance = gp_rec709_luminance,
-    };
-    bool coloured;
-    gp_status st = find_center(log, p, (struct gp_rect) {0}, &raw);
-    if (!st)
-        st = gp_builtin_make(log, p, &raw.in, &coloured);
-    if (!st && coloured && p->frame) // grey ones are the same in all primaries
-        raw.luminance = p->frame->luminance;
-    return st ? st : make_rotated(log, p, &raw, out);
-}
-
 gp_status gp_kernel_from_frame(const struct gp_log *log,
     const struct gp_kernel_params *p, const struct gp_frame *image,
     struct gp_kernel *out)

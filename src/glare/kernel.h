@@ -9,21 +9,17 @@
 
 enum gp_normalize { GP_NORMALIZE_LUMINANCE, GP_NORMALIZE_NONE };
 
+/* How an image becomes a kernel. */
 struct gp_kernel_params {
-    const char *source;            // file path, or "builtin:NAME"
     bool centered;                 // `center` was given
     double center[2];              // x, y in EXR pixel space of the kernel's
                                    // image (centre of pixel i is i + 0.5);
                                    // the pixel that holds it is the centre
     enum gp_normalize normalize;
-    int builtin_size;              // width of a builtin kernel; odd, >= 1
     float rotate;                  // degrees, counter-clockwise as seen (y is
                                    // down), about the centre's pixel
-    const struct gp_frame *frame;  // whose pixels and, of builtins, primaries
-                                   // it is made for; NULL: square, BT.709
+    const struct gp_frame *frame;  // whose pixels it is made for; NULL: square
 };
-#define GP_KERNEL_DEFAULTS                                                    \
-    { .source = "builtin:eye", .builtin_size = 511 }
 
 /* The kernel before --rotate, scaled by the same factor, so that
  *   kernel(dx, dy) = bilinear(unturned, (cos * dx - sin * dy,
@@ -61,31 +57,9 @@ struct gp_kernel {
     void (*free_origin)(struct gp_kernel_origin *); // (model/make.c); owned
 };
 
-/* Names of the builtin kernels with one line each, NULL-terminated. */
-struct gp_builtin_kernel {
-    const char *name, *text;
-    /* Its value in each channel, >= 0, `dx`, `dy` pixels from its centre; `r`
-     * is half its width. NULL: the eye, which is integrated, not sampled. */
-    void (*formula)(double dx, double dy, double r, double v[3]);
-    bool coloured; // its channels differ; numbers of BT.709
-};
-extern const struct gp_builtin_kernel gp_builtin_kernels[];
-
 /* Returns the width of a pixel over its height; 1 where the file says less than
  * 1/16 or more than 16, which cannot be true. */
 float gp_kernel_aspect(const struct gp_frame *frame);
-
-/* Makes the builtin kernel that p->source names, with or without "builtin:",
- * normalised: coloured ones in the primaries of p->frame, luminance sum 1 by
- * its weights. Where its pixels are not square, the kernel (and that of a file)
- * is resampled after its rotation, each row by areas, so that it is round on
- * the screen and each channel's sum stays.
- * Written only on GP_OK; free with gp_kernel_free().
- * Errors: GP_ERR_USAGE unknown name (lists those there are), a size that is
- * even or out of range, a centre that is not finite or over 2^20 pixels, an
- * angle that is not finite, a rotated kernel of over 2^28 pixels. */
-GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
-    const struct gp_kernel_params *p, struct gp_kernel *out);
 
 /* Makes a kernel from planes that were read from a file.
  *
@@ -95,7 +69,9 @@ GP_MUST_CHECK gp_status gp_kernel_builtin(const struct gp_log *log,
  * The centre is pixel (floor(w/2), floor(h/2)) of the data window unless
  * p->centered. Rotated about it by p->rotate. Normalised then so that
  * each channel's sum keeps the file's ratios and the luminance sum is 1,
- * unless GP_NORMALIZE_NONE.
+ * unless GP_NORMALIZE_NONE. Where the frame's pixels are not square, it
+ * is resampled after it was turned, each row by areas, so that it is round on
+ * the screen and each channel's sum stays.
  * Errors: GP_ERR_DATA no pixels, a NaN or Inf in it (says where), all zero,
  * or faint, or a luminance sum that is not positive when normalising;
  * GP_ERR_USAGE a centre that is not finite or over 2^20 pixels, an angle that

@@ -209,6 +209,15 @@ double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
     return fmin(r, MOST_RADIUS);
 }
 
+double gp_camera_fov(const struct gp_camera *c)
+{
+    // y of direction d is d * b / d * v: with b = along * v + up * u, u upright
+    // to v of length 1, d = v + t u has along + t up, 0 above and 1 below
+    const struct v3 v = column(c->to_ndc, 3), b = column(c->to_ndc, 1);
+    const double along = dot(b, v), up = length(cross(b, v));
+    return (atan((1.0 - along) / up) + atan(along / up)) * (180.0 / PI);
+}
+
 /* 5000 frames and more as they are commonly written, a number a line. */
 enum { MOST_BYTES = 8 << 20, MOST_FRAMES = 1 << 20 };
 

@@ -58,6 +58,10 @@ struct gp_projected gp_camera_project(const struct gp_camera *c,
 double gp_camera_disc(const struct gp_camera *c, struct gp_rect display,
                       const double dir[3], double degrees);
 
+/* The angle in degrees between the directions of the picture's upper and lower
+ * edge, in the plane of the view axis and its upright. */
+double gp_camera_fov(const struct gp_camera *c);
+
 /* The cameras of a sequence, and the sun, from JSON as beside the project's
  * test frames:
  *   {"frames": [{"frame": 1001, "worldToCamera_rowmajor": [16],

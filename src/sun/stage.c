@@ -83,6 +83,23 @@ out:
 
 // -- places of the lights ----------------------------------------------------
 
+double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
+                   const struct gp_frame *f)
+{
+    const struct gp_camera_frame *const entry = gp_camera_frame_find(
+        &suns->cameras, about->numbered ? about->number : -1);
+    struct gp_camera camera;
+    if (entry)
+        return gp_camera_fov(&entry->camera);
+    // a matrix that is wrong is said where a light needs it
+    if (!about->has_ndc ||
+        gp_camera_make(NULL, f->path, NULL, about->to_ndc,
+                       suns->p->ndc == GP_NDC_AUTO ? about->ndc : suns->p->ndc,
+                       &camera))
+        return 0.0;
+    return gp_camera_fov(&camera);
+}
+
 static gp_status place_lights(const struct gp_log *log,
                               const struct gp_sun_about *about,
                               const struct gp_frame *f, struct gp_suns *suns)

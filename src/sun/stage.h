@@ -133,6 +133,11 @@ GP_MUST_CHECK gp_status gp_suns_place(
 GP_MUST_CHECK gp_status gp_suns_measure(const struct gp_log *log,
                                         struct gp_suns *suns);
 
+/* The vertical angle of the picture in degrees, by --camera or by the frame's
+ * own attributes; 0 where neither says so. */
+double gp_suns_fov(const struct gp_suns *suns, const struct gp_sun_about *about,
+                   const struct gp_frame *f);
+
 /* Returns true when a light needs the kernel, for glare of its own. */
 bool gp_suns_glare(const struct gp_suns *suns);
 

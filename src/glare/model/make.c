@@ -183,6 +183,16 @@ static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
     return GP_OK;
 }
 
+struct gp_field gp_field_of(const struct gp_frame *f, double fov)
+{
+    return (struct gp_field) {
+        .w = gp_frame_w(f), .h = gp_frame_h(f),
+        .degrees = fov / gp_max(gp_rect_h(f->display), 1),
+        .aspect = (double) gp_kernel_aspect(f), .fps = 24.0,
+        .chromaticities = f->chromaticities, .luminance = f->luminance,
+    };
+}
+
 gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
     int n, const struct gp_field *field, struct gp_kernel *out)
 {

@@ -82,6 +82,9 @@ void gp_recipe_free(struct gp_recipe *r);
  * byte for byte. Owned by the caller; NULL out of memory. */
 char *gp_recipe_text(const struct gp_recipe *r);
 
+/* True where the kernel depends on the frame's number. */
+bool gp_recipe_moves(const struct gp_recipe *r);
+
 /* The path that the recipe wants read into `image`; NULL: none. */
 const char *gp_recipe_file(const struct gp_recipe *r);
 
@@ -93,9 +96,15 @@ struct gp_field {
     double rotate;        // degrees, counter-clockwise as seen (y is down)
     const float *chromaticities; // of the frame, as gp_frame's; borrowed
     const float *luminance;      // weights of these primaries; borrowed
-    int seconds_frame;    // frame number, for models that change in time
+    int frame;            // its number, for models that change in time
     double fps;           // frames a second, > 0
 };
+
+#define GP_USUAL_FOV 30.0 // degrees, where nothing says another
+
+/* The field of a frame whose display window is fov degrees high. Borrows from
+ * the frame. */
+struct gp_field gp_field_of(const struct gp_frame *f, double fov);
 
 /* Makes the kernel of n recipes, 1 to GP_RECIPES, for a field: samples of
  * offsets within `radius` pixels at full rate in k (its core), and what lies

@@ -28,6 +28,7 @@ enum { GP_SHAPE_STRIP = 256 };
 struct gp_model {
     const char *name, *text, *source;
     const struct gp_model_key *keys; // the first is `share`
+    bool moves;       // it depends on the field's frame
 
     /* Evaluates what depends on recipe and field. The shape's luminance sums to
      * 1 over the hemisphere (over the plane for what has no angle).

@@ -276,6 +276,11 @@ char *gp_recipe_text(const struct gp_recipe *r)
     return text;
 }
 
+bool gp_recipe_moves(const struct gp_recipe *r)
+{
+    return r->model->moves;
+}
+
 const char *gp_recipe_file(const struct gp_recipe *r)
 {
     for (int i = 0; r->model->keys[i].name; i++) {
