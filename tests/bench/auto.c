@@ -11,7 +11,9 @@
  */
 #include "core/clock.h"
 #include "core/memory.h"
+#include "core/colour.h"
 #include "glare/engine.h"
+#include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "io/read.h"
 
@@ -157,11 +159,21 @@ static double try_frame(const char *path, const struct gp_kernel *k, int runs)
 static int open_kernel(const char *name, struct gp_kernel *k)
 {
     const struct gp_read_params read = GP_READ_DEFAULTS;
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_frame image = {0};
-    p.source = name;
-    if (strncmp(name, "builtin:", 8) == 0)
-        return gp_kernel_builtin(&auto_log, &p, k) == GP_OK;
+    if (gp_recipe_is(name)) {
+        const struct gp_field field = {
+            .w = 1920, .h = 1080, .degrees = 1.0 / 36.0, .aspect = 1.0,
+            .fps = 24.0, .chromaticities = gp_rec709_chromaticities,
+            .luminance = gp_rec709_luminance,
+        };
+        struct gp_recipe r;
+        if (gp_recipe_parse(&auto_log, name, &r))
+            return 0;
+        const int ok = gp_model_kernel(&auto_log, &r, 1, &field, k) == GP_OK;
+        gp_recipe_free(&r);
+        return ok;
+    }
     return gp_read_frame(&auto_log, &read, name, &image) == GP_OK &&
            gp_kernel_from_frame(&auto_log, &p, &image, k) == GP_OK;
 }

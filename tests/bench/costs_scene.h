@@ -46,7 +46,7 @@ static inline struct gp_frame costs_frame(int w, int h, int spots, int side)
 static inline struct gp_kernel costs_kernel(int size)
 {
     struct gp_frame f = {.data = {0, 0, size, size}};
-    const struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    const struct gp_kernel_params p = {0};
     struct gp_kernel k;
     memcpy(f.luminance, gp_rec709_luminance, sizeof f.luminance);
     if (gp_planes_make(NULL, "kernel", (size_t) size * (size_t) size, &f.rgb))

@@ -183,13 +183,12 @@ int main(int argc, char **argv)
         return 2;
     }
     const struct gp_read_params read = GP_READ_DEFAULTS;
-    struct gp_kernel_params kernel = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params kernel = {0};
     struct gp_frame f = {0}, image = {0};
     struct gp_kernel k = {0};
     int runs = argc > 5 ? atoi(argv[5]) : 15;
     runs = runs < 1 ? 1 : runs > MOST_RUNS ? MOST_RUNS : runs;
     const int measure = argc > 6 && strcmp(argv[6], "measure") == 0;
-    kernel.source = argv[2];
     gp_status st = gp_read_frame(&stage_log, &read, argv[1], &f);
     if (!st)
         st = gp_read_frame(&stage_log, &read, argv[2], &image);

@@ -6,8 +6,7 @@
 static void make_kernel(const struct gp_frame *f, uint8_t choice)
 {
     struct gp_kernel k;
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    p.source = "input";
+    struct gp_kernel_params p = {0};
     p.centered = choice & 1;
     p.center[0] = f->data.x0 + (choice >> 4) - 2.0;
     p.center[1] = f->data.y1 - 0.5;

@@ -5,6 +5,7 @@
 
 #include "core/colour.h"
 #include "glare/engine.h"
+#include "glare/model/model.h"
 #include "glare/sensors.h"
 #include "hash.h"
 #include "kept_log.h"
@@ -225,13 +226,33 @@ static inline double scene_tap(enum shape shape, int c, int x, int y, int w,
 
 enum { MID = INT_MIN }; // the centre that design.md gives a kernel
 
+/* The kernel of a recipe for a square field, `size` pixels wide at most, of 36
+ * pixels a degree as 1080 lines are by default. */
+static inline struct gp_kernel scene_model(const char *recipe, int size,
+                                           double rotate)
+{
+    const struct gp_field field = {
+        .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
+        .aspect = 1.0, .rotate = rotate, .fps = 24.0,
+        .chromaticities = gp_rec709_chromaticities,
+        .luminance = gp_rec709_luminance,
+    };
+    struct gp_recipe r;
+    struct gp_kernel k;
+    if (gp_recipe_parse(NULL, recipe, &r) ||
+        gp_model_kernel(NULL, &r, 1, &field, &k))
+        abort();
+    gp_recipe_free(&r);
+    return k;
+}
+
 /* Normalised so that the luminance sums to 1, LOBES included, DIPOLE not. */
 static inline struct gp_kernel scene_kernel(int w, int h, int cx, int cy,
                                             enum shape shape)
 {
     struct gp_frame image = {.data = {0, 0, w, h}};
     struct gp_kernel k;
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     p.normalize = shape == DIPOLE ? GP_NORMALIZE_NONE : GP_NORMALIZE_LUMINANCE;
     p.centered = cx != MID;
     p.center[0] = cx + 0.5;

@@ -76,12 +76,7 @@ static const struct gp_sensor_params motion_sensors = {.threshold = 0.0f};
 
 static inline struct gp_kernel motion_kernel(void)
 {
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel k;
-    p.builtin_size = MOTION_KERNEL;
-    if (gp_kernel_builtin(NULL, &p, &k))
-        abort();
-    return k;
+    return scene_model("eye", MOTION_KERNEL, 0.0);
 }
 
 /* -- what a layer says about it ---------------------------------------------*/

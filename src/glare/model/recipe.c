@@ -16,6 +16,11 @@ const struct gp_model_preset gp_model_presets[] = {
     {"eye", "spencer", "the human eye in daylight (Spencer et al. 1995)"},
     {"eye-night", "spencer:light=scotopic", "the same at night, with its halo"},
     {"eye-old", "cie:age=70", "the eye of a 70-year-old (CIE 135/1)"},
+    {"star", "star", "six rays of a stop with six blades, redder far out"},
+    {"cross", "cross", "four rays of a cross screen filter"},
+    {"streak", "streak", "the blue horizontal streak of an anamorphic lens"},
+    {"ring", "ring", "a corona of small drops: an aureole and rings"},
+    {"circle", "circle", "a point out of focus: a disc with a rim"},
     {0},
 };
 

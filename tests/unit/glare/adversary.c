@@ -42,7 +42,7 @@ struct toy {
 /* False: a black frame or kernel. */
 static bool open_toy(const struct toy *t, struct scene *s)
 {
-    struct gp_kernel_params kp = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params kp = {0};
     struct gp_frame image = scene_frame(t->kw, t->kh, 0, 0, BLACK, 0);
     struct gp_frame f = scene_frame(t->w, t->h, 0, 0, BLACK, 0);
     const int lights = (int) strlen(t->light), taps = (int) strlen(t->taps);

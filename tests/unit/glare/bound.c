@@ -89,15 +89,9 @@ static const struct {
 static struct gp_kernel make_kernel(enum kind kind, int w, int h,
                                     uint32_t *seed)
 {
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel k;
     int cx = MID, cy = 0;
-    if (kind == EYE) {
-        p.builtin_size = w | 1;
-        if (gp_kernel_builtin(NULL, &p, &k))
-            abort();
-        return k;
-    }
+    if (kind == EYE)
+        return scene_model("eye", w, 0.0);
     if (kind == POINT)
         w = h = 1;
     if (kind == EVEN) {

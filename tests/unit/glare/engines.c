@@ -71,7 +71,7 @@ static void bounds_hold(void **state)
 static struct scene beside(float rest)
 {
     enum { SIDE = 9, N = SIDE * SIDE };
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);
     struct gp_frame f = scene_frame(33, 31, 0, 0, BLACK, 1);
     struct gp_kernel k;
@@ -120,7 +120,7 @@ static void overflows_are_limited(void **state)
         float kernel, light;
     } rows[] = {{3e38f, 3.0f}, {1e36f, 1e30f}, {1e20f, 1e30f}};
     enum { SIDE = 33, W = 97, H = 61 };
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     p.normalize = GP_NORMALIZE_NONE;
     for (size_t r = 0; r < COUNT(rows); r++) {
         struct gp_frame image = scene_frame(SIDE, SIDE, 0, 0, BLACK, 1);

@@ -6,34 +6,6 @@
 #include "glare/kernel.h"
 #include "glare_scene.h"
 
-// -- builtin kernels ----------------------------------------------------------
-
-static void builtin_refuses(void **state)
-{
-    static const struct {
-        const char *source;
-        int size;
-        double x;
-    } rows[] = {
-        {"builtin:eyes", 511, 0}, {"", 511, 0}, {"builtin:", 511, 0},
-        {"builtin:eye", 0, 0}, {"builtin:eye", -511, 0},
-        {"builtin:eye", 512, 0}, {"eye", 16385, 0},
-        {"builtin:eye", INT32_MAX, 0}, {"builtin:eye", 3, NAN},
-        {"builtin:eye", 3, INFINITY}, {"builtin:eye", 3, -1e9},
-    };
-    for (size_t i = 0; i < COUNT(rows); i++) {
-        struct gp_kernel_params p = {
-            .source = rows[i].source, .builtin_size = rows[i].size,
-            .centered = rows[i].x != 0, .center = {rows[i].x},
-        };
-        struct gp_kernel k = {.w = 77};
-        kept_clear();
-        assert_int_equal(gp_kernel_builtin(&kept_log, &p, &k), GP_ERR_USAGE);
-        assert_int_equal(kept_errors, 1);
-        assert_int_equal(k.w, 77); // untouched
-    }
-}
-
 // -- kernels from images ------------------------------------------------------
 
 /* A frame of w x h zeros whose corner is at (x0, y0). */
@@ -55,7 +27,7 @@ static void set_sample(struct gp_frame *f, int x, int y, float r, float g,
 static struct gp_kernel kernel_of(const struct gp_frame *f, float degrees,
                                   enum gp_normalize normalize, const double *at)
 {
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_kernel k;
     p.rotate = degrees;
     p.normalize = normalize;
@@ -189,7 +161,7 @@ static void bad_images_are_refused(void **state)
         {-1, -1, -1, 1, GP_NORMALIZE_LUMINANCE},
         {-2, -2, -2, 1, GP_NORMALIZE_LUMINANCE},
     };
-    struct gp_kernel_params p = {.source = "k.exr"};
+    struct gp_kernel_params p = {0};
     for (size_t i = 0; i < COUNT(rows); i++) {
         struct gp_frame f = blank(0, 0, 4, 3);
         struct gp_kernel k = {.w = 77};
@@ -235,32 +207,6 @@ static void negative_kernels_pass_unnormalised(void **state)
     assert_true(k.sum[0] == -2.0 && k.norm1[0] == 2.0 && k.negative);
     gp_kernel_free(&k);
     gp_frame_free(&f);
-}
-
-/* Within half the radius the builtin kernel is the eye's, to one scale; from
- * there it falls to nothing before the edge, the same in all directions. */
-static void builtin_fades_to_its_edge(void **state)
-{
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
-    struct gp_kernel k;
-    p.builtin_size = 201;
-    assert_ok(gp_kernel_builtin(NULL, &p, &k));
-    const float *const row = k.k.c[0] + (size_t) k.cy * (size_t) k.w + k.cx;
-    const double scale = (double) row[0] / gp_eye_share(0, 0);
-    for (int x = 0; x <= 50; x++)
-        assert_true(fabs((double) row[x] / gp_eye_share(x, 0) / scale - 1.0) <
-                    1e-6);
-    for (int x = 52; x < k.w - k.cx; x++) {
-        assert_true((double) row[x] < scale * gp_eye_share(x, 0));
-        assert_true(row[x] < row[x - 1]);
-        assert_true(row[x] == row[-x]);
-    }
-    // a corner of the square is farther than the radius
-    assert_true(k.k.c[0][0] == 0.0f);
-    // the step into nothing is a thousandth of what the eye's edge would be
-    assert_true((double) row[k.w - k.cx - 1] <
-                1e-3 * scale * gp_eye_share(100, 0));
-    gp_kernel_free(&k);
 }
 
 static const float angles[] = {0.5f, 30.0f, 45.0f, 89.999f, 135.0f, 200.0f,
@@ -404,7 +350,7 @@ static void turned_kernels_are_normalised(void **state)
 static void what_cannot_be_is_refused(void **state)
 {
     struct gp_frame line = image(40000, 1, true, false);
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_kernel k = {.w = 77};
     static const float bad[] = {45.0f, NAN, INFINITY, -INFINITY};
     for (size_t i = 0; i < COUNT(bad); i++) {
@@ -425,12 +371,13 @@ static void what_cannot_be_is_refused(void **state)
  * the screen, and each channel's sum stays. */
 static void halos_are_round_on_the_screen(void **state)
 {
-    static const char *const names[] = {"circle", "ring", "eye", "cross", NULL};
+    static const char *const names[] = {"circle", "ring", "moffat:beta=4",
+                                        "gaussian", NULL};
     static const float aspects[] = {2.0f, 0.5f, 1.3333f, 0.9f, 4.0f};
     for (size_t n = 0; n < COUNT(names); n++) {
         for (size_t i = 0; i < 2 * COUNT(aspects); i++) {
             const double aspect = (double) aspects[i / 2];
-            struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+            struct gp_kernel_params p = {0};
             struct gp_frame f = blank(0, 0, 61, 61);
             struct gp_kernel k, square;
             double across = 0.0, down = 0.0;
@@ -439,20 +386,26 @@ static void halos_are_round_on_the_screen(void **state)
                 const float v = x * x + y * y < 800 ? 1.0f : 0.0f;
                 set_sample(&f, j % 61, j / 61, v, 2.0f * v, v);
             }
-            p.source = names[n];
-            p.builtin_size = 201;
             p.normalize = GP_NORMALIZE_NONE;
             p.rotate = i % 2 ? 37.0f : 0.0f;
             p.frame = &f;
             for (int turn = 0; turn < 2; turn++) {
                 f.pixel_aspect = turn ? aspects[i / 2] : 1.0f;
-                assert_ok(names[n]
-                              ? gp_kernel_builtin(NULL, &p, turn ? &k : &square)
-                              : gp_kernel_from_frame(NULL, &p, &f,
-                                                     turn ? &k : &square));
+                struct gp_kernel *const out = turn ? &k : &square;
+                if (!names[n]) {
+                    assert_ok(gp_kernel_from_frame(NULL, &p, &f, out));
+                    continue;
+                }
+                struct gp_field field = gp_field_of(&f, 61.0 / 36.0);
+                struct gp_recipe r;
+                field.w = field.h = 1100;
+                field.rotate = (double) p.rotate;
+                assert_ok(gp_recipe_parse(NULL, names[n], &r));
+                assert_ok(gp_model_kernel(NULL, &r, 1, &field, out));
+                gp_recipe_free(&r);
             }
             for (int c = 0; c < 3; c++)
-                assert_close(k.sum[c] / square.sum[c], 1.0, 1e-6);
+                assert_close(k.sum[c] / square.sum[c], 1.0, 1e-5);
             for (int j = 0; j < k.w * k.h; j++) {
                 const double x = (j % k.w - k.cx) * aspect;
                 const double y = j / k.w - k.cy, v = (double) k.k.c[1][j];
@@ -509,7 +462,6 @@ static void engines_agree(void **state)
 }
 
 SUITE_OF(kernel, NULL, NULL,
-    builtin_fades_to_its_edge, builtin_refuses,
     image_keeps_the_ratios_of_its_channels, image_borders_are_cut,
     image_is_cut_to_the_union_of_its_channels, image_of_any_size_is_normalised,
     bad_images_are_refused, faint_samples_are_zero,

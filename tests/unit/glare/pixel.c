@@ -9,15 +9,11 @@
 /* Kernel n of the table below: with holes, to one side, dark in a channel. */
 static struct gp_kernel reaching_kernel(int n, uint32_t *seed)
 {
-    static const char *const names[] = {"star", "circle", "ring", "eye"};
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    static const char *const names[] = {"star:length=1,share=1", "circle", "ring", "eye"};
+    struct gp_kernel_params p = {0};
     struct gp_kernel k;
-    if (n < 4) {
-        p.source = names[n];
-        p.builtin_size = 67;
-        assert_ok(gp_kernel_builtin(NULL, &p, &k));
-        return k;
-    }
+    if (n < 4)
+        return scene_model(names[n], 67, 0.0);
     struct gp_frame f = scene_frame(31, 24, 0, 0, BLACK, 1u);
     for (int i = 0; i < 31 * 24; i++) {
         for (int c = 0; c < 3 - (n == 5); c++)
@@ -202,7 +198,7 @@ static struct scene search_scene(uint32_t *seed)
     const float holes = scene_random(seed), peak = scene_random(seed);
     struct gp_frame f = scene_frame(w, h, 0, 0, BLACK, 1u);
     struct gp_frame image = scene_frame(side, side, 0, 0, BLACK, 1u);
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_kernel k;
     for (int i = 0; i < w * h; i++) {
         const bool lit = i == w * h / 3 || scene_random(seed) < few * few * few;

@@ -207,14 +207,21 @@ static gp_status run_builtins(void)
 {
     static const float angles[] = {0.0f, 90.0f, 30.0f};
     uint64_t all = HASH_NONE;
-    for (const struct gp_builtin_kernel *b = gp_builtin_kernels; b->name; b++) {
+    for (int m = 0; gp_models[m]; m++) {
         for (int i = 0; i < 3; i++) {
-            struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+            const struct gp_field field = {
+                .w = size / 2 + 1, .h = size / 2 + 1, .degrees = 1.0 / 36.0,
+                .aspect = 1.0, .rotate = (double) angles[i], .fps = 24.0,
+                .chromaticities = gp_rec709_chromaticities,
+                .luminance = gp_rec709_luminance,
+            };
+            struct gp_recipe r;
             struct gp_kernel k = {0};
-            p.source = b->name;
-            p.builtin_size = size;
-            p.rotate = angles[i];
-            const gp_status st = gp_kernel_builtin(&kept_log, &p, &k);
+            gp_status st =
+                gp_recipe_parse(&kept_log, gp_model_name(gp_models[m]), &r);
+            if (!st)
+                st = gp_model_kernel(&kept_log, &r, 1, &field, &k);
+            gp_recipe_free(&r);
             if (hash_kernel(st, &k))
                 return st;
             all = hash_more(all, &hash, sizeof hash);
@@ -226,7 +233,7 @@ static gp_status run_builtins(void)
 
 static gp_status run_from_frame(void)
 {
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_frame image = {.data = {0, 0, size, 2 * size}};
     struct gp_kernel k = {0};
     memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
@@ -360,16 +367,21 @@ static void fail_each(const struct fault *f, uint64_t want)
 
 static struct gp_kernel kernel_of(const struct starved *r, int side)
 {
-    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel_params p = {0};
     struct gp_kernel k;
     if (r->rotate == 0.0f || r->faint) {
         k = scene_kernel(side, side, MID, 0, r->shape);
         return r->faint ? scene_kernel_times(k, 0x1p-90, r->rotate) : k;
     }
-    p.builtin_size = side;
+    // a turned image has its unturned form with it
+    struct gp_frame image = {.data = {0, 0, side, side}};
+    memcpy(image.luminance, gp_rec709_luminance, sizeof image.luminance);
+    struct gp_kernel eye = scene_model("eye", side, 0.0);
+    image.rgb = eye.k;
     p.rotate = r->rotate;
-    if (gp_kernel_builtin(NULL, &p, &k))
+    if (gp_kernel_from_frame(NULL, &p, &image, &k))
         abort();
+    gp_kernel_free(&eye);
     return k;
 }
 
