@@ -128,10 +128,9 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     if (f->kernel_faint[0] + f->kernel_faint[1] + f->kernel_faint[2] > 0.0)
         put_rgb(o, "kernel_faint", f->kernel_faint);
     if (f->deg_per_pixel > 0.0) {
-        json_object_set_new(o, "deg_per_pixel", number(f->deg_per_pixel, 0.0));
+        put_number(o, "deg_per_pixel", f->deg_per_pixel, 0.0);
         put_name(o, "fov_from", f->fov_from);
-        json_object_set_new(o, "kernel_left_out",
-                            number(f->kernel_left_out, 0.0));
+        put_number(o, "kernel_left_out", f->kernel_left_out, 0.0);
     }
     if (f->has_flux_out)
         put_rgb(o, "flux_out", f->flux_out);
