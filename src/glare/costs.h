@@ -60,6 +60,14 @@
 /* ms of finding the norms, for one kernel sample */
 #define GP_COST_FFT_NORMS 1.59e-06
 
+/* -- tail -- */
+
+/* ms of one pixel of a layer that it is added to, in all channels; of one
+ * source; and of one point of its spectrum, whose error is found */
+#define GP_COST_TAIL_PIXEL 2.5e-6
+#define GP_COST_TAIL_SOURCE 4e-6
+#define GP_COST_TAIL_POINT 1.2e-5
+
 /* -- splat --
  *
  * Measured on OSMesa. A GPU's costs would show only once its context is open,

@@ -13,6 +13,7 @@
 #include "gl/gl.h"
 #include "glare/kernel.h"
 #include "glare/sources.h"
+#include "glare/tail/tail.h"
 
 #include <stdbool.h>
 
@@ -81,6 +82,8 @@ struct gp_glare_stats {
     size_t cores;           // single sensors that draw the kernel's core
     double polygon_pixels;  // area of all of them on the layer
     const char *form;       // "blended quads", "tiles, groups read back", ...
+    int tail_step;          // of the coarse grid of the kernel's tail; 0: none
+    double tail_ms;         // that adding it took
     double bound;           // of rel_l2, guaranteed before the run
     double bound_pixel;     // of max_rel, the same; 0: no tolerance_pixel
     const char *gl;         // renderer string of the context
@@ -94,7 +97,10 @@ struct gp_glare_job {
     const struct gp_kernel *kernel;
     struct gp_planes *layer;        // w * h planes, made, not cleared
     struct gp_glare_stats *stats;
-    double floor;  // added to a bound for values under the range of float
+    const struct gp_tail_state *tail; // open for the kernel's tail, which is
+                   // added to what engines draw; NULL: the kernel has none
+    double floor;  // added to a bound for the tail, and for values under the
+                   // range of float
     double enough; // ms; where over 0, predict() may stop counting beyond it,
                    // as another engine takes less
 };
@@ -156,10 +162,15 @@ struct gp_glare {
     void *state[8];  // one an engine, in the order of gp_engines
     struct gp_plan_past past;
     struct gp_floor *floor; // NULL at first
+    struct gp_tail_state *tail;
+    struct gp_kernel whole; // of the kernel `whole_of`, for frames of that size
+    unsigned long whole_of;
+    int whole_w, whole_h;
 };
 
 /* Computes f->layer from sources. No source: the layer is zero, no engine is
- * opened.
+ * opened. Of a kernel with a tail engines draw the core, and the tail is added
+ * to it; but `direct`, when named, sums the whole kernel sample by sample.
  *
  * `auto` takes the engine and setting with the fewest predicted milliseconds
  * whose bounds are within the tolerances, and warns when no engine's is. The

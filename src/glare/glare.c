@@ -1,7 +1,9 @@
+#include "core/clock.h"
 #include "core/memory.h"
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
+#include "glare/model/model.h"
 
 #include <float.h>
 #include <math.h>
@@ -39,6 +41,8 @@ static gp_status halve_kernel(const struct gp_log *log,
     *out = *k;
     out->k = (struct gp_planes) {0};
     out->unturned = NULL;
+    out->tail = NULL;
+    out->origin = NULL;
     out->serial = 0;
     gp_status st = gp_planes_make(log, "kernel", n, &out->k);
     for (int c = 0; !st && c < 3; c++) {
@@ -96,6 +100,25 @@ static gp_status double_layer(const struct gp_log *log, const char *path,
     return GP_OK;
 }
 
+/* The whole of a kernel with a tail, kept in g. */
+static gp_status find_whole(const struct gp_log *log, struct gp_glare *g,
+    const struct gp_kernel *kernel, int w, int h, const struct gp_kernel **out)
+{
+    *out = &g->whole;
+    if (kernel->serial && g->whole_of == kernel->serial && g->whole_w == w &&
+        g->whole_h == h)
+        return GP_OK;
+    gp_kernel_free(&g->whole);
+    g->whole_of = 0;
+    gp_status st = gp_kernel_whole(log, kernel, w, h, &g->whole);
+    if (st)
+        return st;
+    g->whole_of = kernel->serial;
+    g->whole_w = w;
+    g->whole_h = h;
+    return GP_OK;
+}
+
 gp_status gp_glare_run(const struct gp_log *log,
     const struct gp_glare_params *p, struct gp_glare *g,
     const struct gp_sources *src, const struct gp_kernel *kernel,
@@ -122,11 +145,19 @@ gp_status gp_glare_run(const struct gp_log *log,
         gp_parallel_do(3, clear_plane, f);
         return GP_OK;
     }
+    // a kernel with a tail is a model's, of norm 1 at most
     const double norm = largest(kernel->norm1);
-    const int kernel_times = halvings(norm);
+    const int kernel_times = kernel->tail ? 0 : halvings(norm);
     const int light_times = halvings(
         largest(src->flux) * fmax(ldexp(norm, -kernel_times), 1.0));
     const int times = kernel_times + light_times;
+    const struct gp_kernel *drawn = kernel;
+    if (kernel->tail && named >= 0 && gp_engines[named] == &gp_engine_direct)
+        st = find_whole(log, g, kernel, src->w, src->h, &drawn);
+    else if (kernel->tail)
+        st = gp_tail_open(log, kernel->tail, &g->tail);
+    if (st)
+        return st;
     struct gp_sources less = {0};
     struct gp_kernel small = {0};
     if (kernel_times)
@@ -137,7 +168,8 @@ gp_status gp_glare_run(const struct gp_log *log,
     struct gp_glare_params params = *p;
     struct gp_glare_job job = {
         .log = log, .params = &params, .src = light_times ? &less : src,
-        .kernel = kernel_times ? &small : kernel,
+        .kernel = kernel_times ? &small : drawn,
+        .tail = drawn->tail ? g->tail : NULL,
         .layer = &f->layer, .stats = stats,
     };
     GP_TRY(gp_floor_find(&job, &g->floor, &job.floor));
@@ -150,8 +182,10 @@ gp_status gp_glare_run(const struct gp_log *log,
         floor.least = ldexp(floor.least, -times);
         floor.most = ldexp(floor.most, -times);
         floor.less = ldexp(floor.less, -times);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             floor.layer[c] = ldexp(floor.layer[c], -times);
+            floor.tail[c] = ldexp(floor.tail[c], -times);
+        }
     }
     if (p->tolerance_pixel > 0.0f && named >= 0)
         GP_TRY(gp_plan_pixel(&job, g, named, &floor, &taken.pixel));
@@ -163,7 +197,10 @@ gp_status gp_glare_run(const struct gp_log *log,
         // on a farm, a slow choice should be known before the hour is spent
         const double ms = gp_engines[named]->predict(&job, g->state[named]).ms;
         struct gp_candidate c[GP_CANDIDATES];
-        const int n = ms > LONG_MS ? gp_plan_candidates(&job, g, c) : 0;
+        struct gp_glare_job other = job;
+        if (drawn != kernel)
+            other.kernel = kernel;
+        const int n = ms > LONG_MS ? gp_plan_candidates(&other, g, c) : 0;
         int best = 0;
         for (int i = 1; i < n; i++)
             best = c[i].exact && c[i].ms < c[best].ms ? i : best;
@@ -178,6 +215,12 @@ gp_status gp_glare_run(const struct gp_log *log,
     stats->engine = gp_engines[taken.engine]->name;
     stats->bound_pixel = taken.pixel;
     GP_TRY(gp_engines[taken.engine]->run(&job, &g->state[taken.engine]));
+    if (job.tail) {
+        const double from = gp_now_ms();
+        GP_TRY(gp_tail_add(log, kernel->tail, g->tail, job.src, &f->layer));
+        stats->tail_step = kernel->tail->split.step;
+        stats->tail_ms = gp_now_ms() - from;
+    }
     stats->bound = named >= 0 ? stats->bound + job.floor : taken.bound;
     if (times)
         GP_TRY(double_layer(log, path, f, times, &stats->bound));
@@ -192,6 +235,9 @@ void gp_glare_close(struct gp_glare *g)
     for (int i = 0; gp_engines[i]; i++)
         gp_engines[i]->close(&g->state[i]);
     gp_floor_free(&g->floor);
+    gp_tail_close(&g->tail);
+    gp_kernel_free(&g->whole);
+    g->whole_of = 0;
 }
 
 // -- a kernel spread over a disc: the layer of a frame that is the disc -------
@@ -210,6 +256,8 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
     struct gp_glare engines = {0};
     struct gp_glare_stats stats;
     struct gp_sources disc = {0};
+    struct gp_kernel core = *k; // the tail is added to the layer: no sprite
+    core.tail = NULL;           // reaches over the whole field
     p.engine = reach > 3 ? "fft" : "direct";
     GP_TRY(gp_sources_make(log, &frame, (size_t) side * (size_t) side, &disc));
     // the kernel's centre may lie outside it, and pixels of the disc with it
@@ -220,7 +268,7 @@ gp_status gp_kernel_spread(const struct gp_log *log, const struct gp_kernel *k,
             gp_sources_add(&disc, x, y, rgb);
     }
     gp_sources_finish(&disc);
-    GP_TRY(gp_glare_run(log, &p, &engines, &disc, k, &f, &stats));
+    GP_TRY(gp_glare_run(log, &p, &engines, &disc, &core, &f, &stats));
     *out = (struct gp_spread_kernel) {
         .w = w, .h = h, .cx = k->cx + reach + 0.5, .cy = k->cy + reach + 0.5,
         .k = f.layer, .serial = gp_serial_next(),

@@ -61,6 +61,7 @@ struct gp_pixel_floor {
     double less;           // most negative luminance of such light, as >= 0
     double weight[3];      // of luminance
     double layer[3], lost[3]; // most of a sample; its part under FLT_MIN
+    double tail[3];        // most error of a sample by the kernel's tail
 };
 GP_MUST_CHECK gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
     const struct gp_frame *f, struct gp_pixel_floor *out);
@@ -143,9 +144,10 @@ GP_MUST_CHECK gp_status gp_plan_pixel(const struct gp_glare_job *job,
     struct gp_glare *g, int engine, const struct gp_pixel_floor *floor,
     double *bound);
 
-/* Finds the error that underflow adds to an engine's bound of rel_l2, which
- * assumes floats that never leave their range; INFINITY where nothing can be
- * guaranteed. 1e-20 in ordinary frames, and cheap; else by gp_layer_least().
+/* Finds the error that underflow, and the kernel's tail, add to an engine's
+ * bound of rel_l2, which is about what it draws, in floats that never leave
+ * their range; INFINITY where nothing can be guaranteed. 1e-20 in ordinary
+ * frames, 1e-6 with a tail, and cheap; else by gp_layer_least().
  * *keep is NULL at first and kept from frame to frame.
  * Errors: GP_ERR_BUG out of memory. */
 struct gp_floor;

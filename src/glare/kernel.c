@@ -5,6 +5,7 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "glare/glare_priv.h"
+#include "glare/tail/tail.h"
 
 #include <float.h>
 #include <math.h>
@@ -373,6 +374,7 @@ void gp_kernel_free(struct gp_kernel *k)
     if (k->unturned)
         gp_planes_free(&k->unturned->k);
     gp_free(k->unturned);
+    gp_tail_free(k->tail);
     gp_planes_free(&k->k);
     *k = (struct gp_kernel) {0};
 }

@@ -32,8 +32,11 @@ struct gp_unturned {
     double cos, sin;      // of the angle
 };
 
+struct gp_tail; // glare/tail/tail.h
+
 /* A normalised kernel. Sample (x, y) is the share of a source's light that
- * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q).
+ * falls (x - cx, y - cy) pixels away: layer(p) = sum source(q) k(p - q), and
+ * that of the tail, where there is one: then k is the core alone.
  * Negative lobes are allowed. Zero borders are cut off on making; magnitudes
  * under FLT_MIN, 1.2e-38, are 0. */
 struct gp_kernel {
@@ -41,9 +44,10 @@ struct gp_kernel {
     int cx, cy;           // the centre's pixel; may lie outside [0,w) x [0,h)
                           // after cutting zero borders
     struct gp_planes k;   // w * h each
-    double sum[3];        // of each channel
-    double norm2[3];      // sqrt of the sum of squares of each channel
-    double norm1[3];      // sum of magnitudes of each channel
+    struct gp_tail *tail; // what lies beyond the core; NULL: nothing; owned
+    double sum[3];        // of each channel, with the tail
+    double norm2[3];      // sqrt of the sum of squares of each channel, and
+    double norm1[3];      // sum of magnitudes; no less than those with the tail
     double faint[3];      // magnitudes of each channel that count as 0
     bool grey;            // the three planes are equal
     bool negative;        // a sample is under 0

@@ -189,6 +189,9 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
     };
     enum { SETTINGS = sizeof setting / sizeof *setting };
     const struct gp_glare_params *const asked = job->params;
+    const struct gp_tail *const tail = job->kernel->tail;
+    const double later = tail ? gp_tail_ms(tail, job->src) : 0.0;
+    const double first = tail ? later + gp_tail_open_ms(tail, g->tail) : 0.0;
     int n = 0;
     double least = INFINITY;
     for (int i = 0; gp_engines[i] && !is_splat(i); i++) {
@@ -223,6 +226,10 @@ int gp_plan_candidates(const struct gp_glare_job *job, const struct gp_glare *g,
                      !(s.shrink > 0.0f),
             .ms = p.ms, .later_ms = p.ms, .more = p.more,
         };
+    }
+    for (int i = 0; i < n; i++) { // the same for all
+        c[i].ms += first;
+        c[i].later_ms += later;
     }
     return n;
 }
@@ -280,14 +287,18 @@ void gp_floor_free(struct gp_floor **f)
 gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
                         double *floor)
 {
-    static const double NEGLIGIBLE = 1e-12;
+    static const double NEGLIGIBLE = 1e-12, SMALL = 1e-5;
     const struct gp_sources *const src = job->src;
     const struct gp_kernel *const k = job->kernel;
     const double flux = fmax(src->flux[0], fmax(src->flux[1], src->flux[2]));
     const double norm = fmax(k->norm1[0], fmax(k->norm1[1], k->norm1[2]));
     const double lost = 0x1p-120 * (flux + norm + 2.0 * (double) src->n) *
                         sqrt(3.0 * src->w * src->h);
-    const double enough = lost / NEGLIGIBLE;
+    const double wrong = // what the tail leaves
+        job->tail ? gp_tail_error_of(job->tail)->norm *
+                        sqrt(src->energy[0] + src->energy[1] + src->energy[2])
+                  : 0.0;
+    const double enough = fmax(lost / NEGLIGIBLE, wrong / SMALL);
     double least = 0.0; // lower limit of the layer's norm
     *floor = 0.0;
     if (k->negative) // no engine guarantees anything
@@ -323,7 +334,9 @@ gp_status gp_floor_find(const struct gp_glare_job *job, struct gp_floor **keep,
         if (st)
             return st;
     }
-    *floor = least > 0.0 ? lost / least : INFINITY;
+    // (adding the tail rounds the sum once)
+    *floor = least > 0.0 ? (lost + wrong) / least : INFINITY;
+    *floor += job->tail ? 0x1p-24 : 0.0;
     return GP_OK;
 }
 
@@ -404,6 +417,9 @@ gp_status gp_pixel_floor_find(const struct gp_glare_job *job,
                   (double) job->params->gain;
         o.lost[c] = 0x1p-120 * (job->src->flux[c] + k->norm1[c] +
                                 2.0 * (double) job->src->n);
+        if (job->tail)
+            o.tail[c] = gp_tail_pixel_error(job->tail, k->tail, job->src, c) +
+                        0x1p-24 * o.layer[c];
     }
     gp_parallel_do((int) h, bound_row, &m);
     for (size_t y = 0; y < h; y++) {
@@ -425,7 +441,8 @@ double gp_pixel_bound(const struct gp_pixel_floor *f,
         return INFINITY;
     for (int c = 0; c < 3; c++) {
         const double share = f->less > 0.0 ? e->share * f->layer[c] : 0.0;
-        sum += gain * fabs(f->weight[c]) * (e->of[c] + share + f->lost[c]);
+        sum += gain * fabs(f->weight[c]) * (e->of[c] + share + f->lost[c] +
+                                           f->tail[c]);
     }
     const double own =
         f->less > 0.0 ? 0.0 : e->share * (1.0 + fmax(-f->least, 0.0) / peak);

@@ -4,6 +4,7 @@
 #include "glare/direct/direct.h"
 #include "glare/fft/fft.h"
 #include "glare/glare_priv.h"
+#include "glare/model/model.h"
 
 #include <math.h>
 #include <string.h>
@@ -98,11 +99,20 @@ static void transform(const struct gp_fftwd *lib, size_t nx, size_t ny,
 gp_status gp_glare_reference(const struct gp_log *log,
     const struct gp_sources *src, const struct gp_kernel *k, double *layer)
 {
+    gp_status st;
+    if (k->tail) {
+        struct gp_kernel whole;
+        st = gp_kernel_whole(log, k, src->w, src->h, &whole);
+        if (st)
+            return st;
+        st = gp_glare_reference(log, src, &whole, layer);
+        gp_kernel_free(&whole);
+        return st;
+    }
     if (3.0 * gp_direct_work(src, k->w, k->h, k->cx, k->cy) <= MOST_TAPS) {
         gp_glare_reference_direct(src, k, layer);
         return GP_OK;
     }
-    gp_status st;
     const struct gp_fftwd *lib;
     const size_t nx = (size_t) gp_fft_length(src->w + k->w - 1);
     const size_t ny = (size_t) gp_fft_length(src->h + k->h - 1), n = nx * ny;

@@ -123,19 +123,42 @@ static double error_of(struct frame *w)
     return e.rel_l2;
 }
 
+/* The kernel for a frame. */
+static int open_kernel(const char *name, const struct gp_frame *f,
+                       struct gp_kernel *k)
+{
+    const struct gp_read_params read = GP_READ_DEFAULTS;
+    struct gp_kernel_params p = {0};
+    struct gp_frame image = {0};
+    if (gp_recipe_is(name)) {
+        const struct gp_field field = gp_field_of(f, GP_USUAL_FOV);
+        struct gp_recipe r;
+        if (gp_recipe_parse(&auto_log, name, &r))
+            return 0;
+        const int ok = gp_model_kernel(&auto_log, &r, 1, &field, k) == GP_OK;
+        gp_recipe_free(&r);
+        return ok;
+    }
+    const int ok = gp_read_frame(&auto_log, &read, name, &image) == GP_OK &&
+                   gp_kernel_from_frame(&auto_log, &p, &image, k) == GP_OK;
+    gp_frame_free(&image);
+    return ok;
+}
+
 /* auto's time over the fastest engine's; 0 for a frame that is not read or
  * holds no light. */
-static double try_frame(const char *path, const struct gp_kernel *k, int runs)
+static double try_frame(const char *path, const char *kernel, int runs)
 {
     static struct frame w;
     const struct gp_sensor_params sense = GP_SENSOR_DEFAULTS;
     const struct gp_read_params read = GP_READ_DEFAULTS;
     double ratio = 0.0;
-    w = (struct frame) {.k = k};
+    struct gp_kernel k = {0};
+    w = (struct frame) {.k = &k};
     if (gp_read_frame(&auto_log, &read, path, &w.f) ||
         gp_sense(&auto_log, &sense, &w.f, &w.src))
         return 0.0;
-    if (w.src.n) {
+    if (w.src.n && open_kernel(kernel, &w.f, &k)) {
         measure(&w, runs);
         const double best = fmin(w.t[0].median, w.t[1].median);
         const double error = error_of(&w);
@@ -151,47 +174,25 @@ static double try_frame(const char *path, const struct gp_kernel *k, int runs)
     }
     for (int i = 0; i < TECHNIQUES; i++)
         gp_glare_close(&w.t[i].g);
+    gp_kernel_free(&k);
     gp_sources_free(&w.src);
     gp_frame_free(&w.f);
     return ratio;
 }
 
-static int open_kernel(const char *name, struct gp_kernel *k)
-{
-    const struct gp_read_params read = GP_READ_DEFAULTS;
-    struct gp_kernel_params p = {0};
-    struct gp_frame image = {0};
-    if (gp_recipe_is(name)) {
-        const struct gp_field field = {
-            .w = 1920, .h = 1080, .degrees = 1.0 / 36.0, .aspect = 1.0,
-            .fps = 24.0, .chromaticities = gp_rec709_chromaticities,
-            .luminance = gp_rec709_luminance,
-        };
-        struct gp_recipe r;
-        if (gp_recipe_parse(&auto_log, name, &r))
-            return 0;
-        const int ok = gp_model_kernel(&auto_log, &r, 1, &field, k) == GP_OK;
-        gp_recipe_free(&r);
-        return ok;
-    }
-    return gp_read_frame(&auto_log, &read, name, &image) == GP_OK &&
-           gp_kernel_from_frame(&auto_log, &p, &image, k) == GP_OK;
-}
-
 int main(int argc, char **argv)
 {
-    struct gp_kernel k = {0};
     double worst = 0.0;
     const char *where = "none";
     gp_keep_memory();
-    if (argc < 4 || !open_kernel(argv[1], &k)) {
+    if (argc < 4) {
         fprintf(stderr, "usage: auto KERNEL RUNS FRAME...\n");
         return 2;
     }
     int runs = atoi(argv[2]);
     runs = runs < 1 ? 1 : runs > MOST_RUNS ? MOST_RUNS : runs;
     for (int i = 3; i < argc; i++) {
-        const double ratio = try_frame(argv[i], &k, runs);
+        const double ratio = try_frame(argv[i], argv[1], runs);
         if (ratio > worst) {
             worst = ratio;
             where = argv[i];
@@ -199,6 +200,5 @@ int main(int argc, char **argv)
     }
     printf("worst: auto takes %.3f times the fastest engine's time, on %s\n",
            worst, where);
-    gp_kernel_free(&k);
     return 0;
 }

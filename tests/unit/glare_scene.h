@@ -238,12 +238,14 @@ static inline struct gp_kernel scene_model(const char *recipe, int size,
         .luminance = gp_rec709_luminance,
     };
     struct gp_recipe r;
-    struct gp_kernel k;
+    struct gp_kernel k, whole;
     if (gp_recipe_parse(NULL, recipe, &r) ||
-        gp_model_kernel(NULL, &r, 1, &field, &k))
+        gp_model_kernel(NULL, &r, 1, &field, &k) ||
+        gp_kernel_whole(NULL, &k, field.w, field.h, &whole))
         abort();
     gp_recipe_free(&r);
-    return k;
+    gp_kernel_free(&k);
+    return whole;
 }
 
 /* Normalised so that the luminance sums to 1, LOBES included, DIPOLE not. */

@@ -126,7 +126,8 @@ enum { GP_FFT_CORES = 5 };
 /* Radii of the core that may go direct; -1 is none. */
 extern const int gp_fft_core_radius[GP_FFT_CORES];
 
-/* Norms of the kernel without its core, largest channel, one a radius. */
+/* Norms of the kernel without its core (and its tail), largest channel, one a
+ * radius. */
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES]);
 
 struct gp_fft_split {

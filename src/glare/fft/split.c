@@ -152,8 +152,22 @@ const int gp_fft_core_radius[GP_FFT_CORES] = {-1, 4, 8, 16, 32};
 static const double NOISE = 6.5e-6;
 static const double ALLOWED = 1e-6;
 
+/* The sum of squares of channel c of k's own samples, without its tail. */
+static double sum_squares(const struct gp_kernel *k, int c)
+{
+    const size_t n = (size_t) k->w * (size_t) k->h;
+    double sum = 0.0;
+    if (!k->tail)
+        return k->norm2[c] * k->norm2[c];
+    for (size_t i = 0; i < n; i++)
+        sum += (double) k->k.c[c][i] * (double) k->k.c[c][i];
+    return sum;
+}
+
 void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
 {
+    const double all[3] = {sum_squares(k, 0), sum_squares(k, 1),
+                           sum_squares(k, 2)};
     for (int i = 0; i < GP_FFT_CORES; i++) {
         const int r = gp_fft_core_radius[i];
         norm[i] = 0.0;
@@ -169,8 +183,7 @@ void gp_fft_tail_norms(const struct gp_kernel *k, double norm[GP_FFT_CORES])
                     core += v * v;
                 }
             }
-            const double left = k->norm2[c] * k->norm2[c] - core;
-            norm[i] = fmax(norm[i], sqrt(fmax(left, 0.0)));
+            norm[i] = fmax(norm[i], sqrt(fmax(all[c] - core, 0.0)));
         }
     }
 }

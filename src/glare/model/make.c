@@ -3,6 +3,7 @@
 #include "core/minmax.h"
 #include "core/parallel.h"
 #include "glare/model/model_priv.h"
+#include "glare/tail/tail.h"
 
 #include <limits.h>
 #include <math.h>
@@ -64,6 +65,7 @@ struct mixture {
     int n;
     bool grey, even;
     int reach;           // of the widest shape
+    double smooth;       // as struct gp_shape's, of all
 };
 
 static void close_mixture(struct mixture *m)
@@ -91,6 +93,7 @@ static gp_status open_mixture(const struct gp_log *log,
         m->grey &= m->shape[i].grey;
         m->even &= m->shape[i].even;
         m->reach = gp_max(m->reach, m->shape[i].reach);
+        m->smooth = fmax(m->smooth, m->shape[i].smooth);
     }
     for (int i = 0; i < n && sum > 1.0; i++)
         m->share[i] /= sum;
@@ -104,7 +107,8 @@ static void mix_row(const struct mixture *m, int x, int y, int n,
 {
     double strip[3][GP_SHAPE_STRIP];
     double *const out[3] = {strip[0], strip[1], strip[2]};
-    memset(sum, 0, 3 * sizeof *sum);
+    for (int c = 0; c < 3; c++)
+        memset(sum[c], 0, (size_t) n * sizeof **sum);
     for (int i = 0; i < m->n; i++) {
         const struct gp_shape *const s = &m->shape[i];
         const int from = gp_max(x, s->reach < INT_MAX ? -s->reach : x);
@@ -126,9 +130,10 @@ static void mix_row(const struct mixture *m, int x, int y, int n,
 
 // -- planes -------------------------------------------------------------------
 
-/* Samples of offsets -rx .. rx, -ry .. ry. */
+/* Samples of offsets -rx .. rx, -ry .. ry; less the tail's share of each. */
 struct filling {
     const struct mixture *m;
+    const struct gp_tail_split *split; // step 0: no tail
     int rx, ry;
     struct gp_planes k;
 };
@@ -147,6 +152,11 @@ static void make_row(void *ctx, int i, int thread)
     for (int x = m->even ? 0 : -f->rx; x <= f->rx; x += GP_SHAPE_STRIP) {
         const int n = gp_min(f->rx + 1 - x, GP_SHAPE_STRIP);
         mix_row(m, x, y, n, sum);
+        for (int k = 0; k < n && f->split->step; k++) {
+            const double core = 1.0 - gp_tail_share(f->split, x + k, y);
+            for (int c = 0; c < (m->grey ? 1 : 3); c++)
+                sum[c][k] *= core;
+        }
         for (int c = 0; c < (m->grey ? 1 : 3); c++) {
             float *const row = f->k.c[c] + at + f->rx;
             for (int k = 0; k < n; k++) {
@@ -163,20 +173,55 @@ static void make_row(void *ctx, int i, int thread)
         memcpy(f->k.c[c] + mirror, f->k.c[c] + at, (size_t) w * sizeof(float));
 }
 
-/* Makes the kernel of a mixture with samples up to those offsets. */
+/* Makes the samples of a mixture at up to those offsets. */
 static gp_status make_planes(const struct gp_log *log, const struct mixture *m,
-                             const struct gp_field *field, int rx, int ry,
+                             const struct gp_tail_split *split, int rx, int ry,
                              struct gp_kernel *out)
 {
-    struct filling f = {.m = m, .rx = rx, .ry = ry};
+    struct filling f = {.m = m, .split = split, .rx = rx, .ry = ry};
     const int w = 2 * rx + 1, h = 2 * ry + 1;
     gp_status st = gp_planes_make(log, "kernel", (size_t) w * (size_t) h, &f.k);
     if (st)
         return st;
     gp_parallel_do(m->even ? ry + 1 : h, make_row, &f);
-    st = gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
-    if (st)
+    return gp_kernel_of_planes(log, "kernel", w, h, &f.k, out);
+}
+
+/* The mixture's sample at one offset. */
+static void mix_pixel(const void *ctx, int x, int y, double out[3])
+{
+    double sum[3][GP_SHAPE_STRIP];
+    mix_row(ctx, x, y, 1, sum);
+    for (int c = 0; c < 3; c++)
+        out[c] = sum[c][0];
+}
+
+/* Makes the kernel of a mixture for frames of w x h pixels, with a tail where
+ * it is smooth far out; `whole`: without. */
+static gp_status make_kernel(const struct gp_log *log, const struct mixture *m,
+    const struct gp_field *field, int w, int h, bool whole,
+    struct gp_kernel *out)
+{
+    struct gp_tail_split split = {0};
+    int far = m->reach;
+    if (!whole && m->reach == INT_MAX)
+        split = gp_tail_choose(m->smooth, w, h);
+    if (split.step)
+        far = (int) ceil(split.to) - 1;
+    gp_status st = make_planes(log, m, &split, gp_min(w - 1, far),
+                               gp_min(h - 1, far), out);
+    if (!st && split.step)
+        st = gp_tail_make(log, &split, w, h, m->grey, m->even, mix_pixel, m,
+                          &out->tail);
+    if (st) {
+        gp_kernel_free(out);
         return st;
+    }
+    for (int c = 0; c < 3 && split.step; c++) {
+        out->sum[c] += out->tail->sum[c];
+        out->norm1[c] += out->tail->norm1[c];
+        out->norm2[c] += out->tail->norm2[c];
+    }
     out->left_out = 1.0;
     for (int c = 0; c < 3; c++)
         out->left_out -= (double) field->luminance[c] * out->sum[c];
@@ -207,8 +252,7 @@ gp_status gp_model_kernel(const struct gp_log *log, const struct gp_recipe *r,
                        "finite --rotate", gp_model_name(r->model),
                        field->degrees, field->rotate);
     GP_TRY(open_mixture(log, r, n, field, &m));
-    GP_TRY(make_planes(log, &m, field, gp_min(field->w - 1, m.reach),
-                       gp_min(field->h - 1, m.reach), &k));
+    GP_TRY(make_kernel(log, &m, field, field->w, field->h, false, &k));
     GP_TRY(copy_origin(log, r, n, field, &k.origin));
     k.free_origin = free_origin;
     *out = k;
@@ -227,8 +271,7 @@ gp_status gp_kernel_whole(const struct gp_log *log, const struct gp_kernel *k,
     gp_status st = open_mixture(log, o->recipe, o->n, &o->field, &m);
     if (st)
         return st;
-    st = make_planes(log, &m, &o->field, gp_min(w - 1, m.reach),
-                     gp_min(h - 1, m.reach), out);
+    st = make_kernel(log, &m, &o->field, w, h, true, out);
     close_mixture(&m);
     return st;
 }

@@ -1,0 +1,447 @@
+/* Applying a tail: light to the coarse grid, a convolution, and back. */
+#include "core/cpu.h"
+#include "core/memory.h"
+#include "core/minmax.h"
+#include "core/parallel.h"
+#include "glare/costs.h"
+#include "glare/fft/fft.h"
+#include "glare/tail/tail_priv.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { TAPS = GP_TAIL_TAPS, MOST_STEP = 32, LANES = 8 };
+
+struct gp_tail_state {
+    unsigned long tail;            // serial
+    struct gp_fft_plan_pair x, y;
+    struct gp_fft_matrix spectrum; // of c, times factors of the passes
+    struct gp_tail_error error;
+    float weight[MOST_STEP][TAPS]; // B at the nodes around pixel i of a step
+};
+
+void gp_tail_close(struct gp_tail_state **state)
+{
+    struct gp_tail_state *const s = *state;
+    if (s) {
+        gp_fft_plan_free(&s->x);
+        gp_fft_plan_free(&s->y);
+        gp_fft_matrix_free(&s->spectrum);
+    }
+    GP_FREE(*state);
+}
+
+const struct gp_tail_error *gp_tail_error_of(const struct gp_tail_state *s)
+{
+    return &s->error;
+}
+
+/* A torus that holds offsets -r .. r: nothing that wraps around meets a
+ * frame. */
+static int torus(int r)
+{
+    return gp_fft_length(2 * r + 1);
+}
+
+/* The cubic B-spline at the nodes one before to two after t in [0, 1). */
+static void spline(double t, double b[TAPS])
+{
+    const double u = 1.0 - t;
+    b[0] = u * u * u / 6.0;
+    b[1] = (4.0 + t * t * (3.0 * t - 6.0)) / 6.0;
+    b[2] = (4.0 + u * u * (3.0 * u - 6.0)) / 6.0;
+    b[3] = t * t * t / 6.0;
+}
+
+// -- the kernel's spectrum and its error --------------------------------------
+
+struct kernel_rows {
+    const struct gp_tail *t;
+    int nx;
+};
+
+/* Row of offset j - ry, each sample at its offset modulo nx. */
+static void load_kernel_row(const void *ctx, int c, int j, float *z)
+{
+    const struct kernel_rows *const r = ctx;
+    const int rx = r->t->rx, w = 2 * rx + 1;
+    const float *const row = r->t->c[c] + (size_t) j * (size_t) w + rx;
+    for (int x = -rx; x <= rx; x++)
+        z[2 * ((x + r->nx) % r->nx)] = row[x];
+}
+
+/* What the spline keeps of frequency f, in periods a step: `kept` of the band,
+ * and the sum and the sum of squares of it and its images; all over its own
+ * samples' transform. */
+static void keep_of(double f, double *kept, double *sum, double *square)
+{
+    enum { IMAGES = 4 };
+    const double pi = acos(-1.0);
+    const double own = (2.0 + cos(2.0 * pi * f)) / 3.0;
+    *kept = *sum = *square = 0.0;
+    for (int m = -IMAGES; m <= IMAGES; m++) {
+        const double a = pi * (f + m);
+        const double s = a == 0.0 ? 1.0 : sin(pi * f) / a; // up to its sign
+        const double v = s * s * s * s / own;
+        *kept = m == 0 ? v : *kept;
+        *sum += v;
+        *square += v * v;
+    }
+}
+
+/* Of frequency i of n, -0.5 to 0.5 periods a step. */
+static double frequency(int i, int n)
+{
+    return (double) (2 * i <= n ? i : i - n) / n;
+}
+
+/* Finds the error's limits from the spectrum: tail.h. */
+static gp_status find_error(const struct gp_log *log, const struct gp_tail *t,
+                            struct gp_tail_state *s)
+{
+    static const double EDGE = 0.45; // of the band, whose half is 0.5
+    static const double ROUNDINGS = 64.0; // of a sum of products: two lines of
+                                          // a step's pixels and nodes, and more
+    const int nx = s->x.n, ny = s->y.n;
+    const double step = t->split.step, area = step * step;
+    double *axis; // kept, sum, square: of ny, then of nx / 2 + 1
+    gp_status st = gp_alloc(log, "tail", (size_t) ny + (size_t) nx,
+                            3 * sizeof *axis, &axis);
+    if (st)
+        return st;
+    double *const across = axis + 3 * ny;
+    for (int i = 0; i < ny; i++)
+        keep_of(frequency(i, ny), &axis[3 * i], &axis[3 * i + 1],
+                &axis[3 * i + 2]);
+    for (int i = 0; i <= nx / 2; i++)
+        keep_of(frequency(i, nx), &across[3 * i], &across[3 * i + 1],
+                &across[3 * i + 2]);
+    struct gp_tail_error e = {.share = ROUNDINGS * 0x1p-24};
+    double norm1 = 0.0;
+    for (int c = 0; c < (t->grey ? 1 : 3); c++) {
+        double most = 0.0, edge = 0.0, sum = 0.0, square = 0.0;
+        for (int x = 0; x <= nx / 2; x++) {
+            const float *const z =
+                s->spectrum.z[c] + 2 * (size_t) x * s->spectrum.pitch;
+            const double fx = frequency(x, nx), *const a = &across[3 * x];
+            const double own_x = (2.0 + cos(2.0 * acos(-1.0) * fx)) / 3.0;
+            const double twice = x == 0 || 2 * x == nx ? 1.0 : 2.0;
+            for (int y = 0; y < ny; y++) {
+                const double *const b = &axis[3 * y];
+                const double fy = frequency(y, ny);
+                const double own_y = (2.0 + cos(2.0 * acos(-1.0) * fy)) / 3.0;
+                const double own = own_x * own_y;
+                // the passes' factor 1 / 2 of rows was left out once
+                const double f = 2.0 * nx * ny * area * own * own *
+                                 hypot((double) z[2 * y],
+                                       (double) z[2 * y + 1]);
+                const double kept = a[0] * b[0];
+                const double lost = fabs(1.0 - kept * kept);
+                const double eps = sqrt(fmax(a[2] * b[2] - kept * kept, 0.0));
+                const double eta = a[1] * b[1] - kept;
+                const double same = lost + kept * eta, other = kept + eta;
+                most = fmax(most, f * (lost + kept * eps + eps * eps));
+                if (fabs(fx) > EDGE || fabs(fy) > EDGE)
+                    edge = fmax(edge, f);
+                sum += twice * f * (lost + 2.0 * kept * eta + eta * eta);
+                square += twice * f * f *
+                          (same * same + eps * eps * other * other);
+            }
+        }
+        const double points = (double) nx * ny;
+        e.norm = fmax(e.norm, most + 2.0 * edge);
+        e.pixel = fmax(e.pixel, (sum / points + 2.0 * edge) / area);
+        e.column = fmax(e.column, sqrt(square / points + 4.0 * edge * edge) /
+                                      step);
+        norm1 = fmax(norm1, t->norm1[c]);
+    }
+    e.norm += e.share * norm1;
+    s->error = e;
+    gp_free(axis);
+    return st;
+}
+
+gp_status gp_tail_open(const struct gp_log *log, const struct gp_tail *t,
+                       struct gp_tail_state **state)
+{
+    gp_status st = GP_OK;
+    const int channels = t->grey ? 1 : 3, rows = 2 * t->ry + 1;
+    struct gp_tail_state *s = NULL;
+    struct gp_fft_matrix m = {0};
+    int *places = NULL;
+    if (*state && (*state)->tail == t->serial)
+        return GP_OK;
+    const int nx = torus(t->rx);
+    const int ny = torus(t->ry);
+    GP_TRY(gp_alloc_zero(log, "tail", 1, sizeof *s, &s));
+    GP_TRY(gp_fft_plan_make(log, nx, GP_FFT_PLAN_ESTIMATE, NULL, &s->x));
+    GP_TRY(gp_fft_plan_make(log, ny, GP_FFT_PLAN_ESTIMATE, NULL, &s->y));
+    GP_TRY(gp_fft_matrix_make(log, channels, nx, ny, &s->spectrum));
+    GP_TRY(gp_fft_matrix_make(log, channels, nx, rows, &m));
+    GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
+    const struct gp_fft_job fft = {
+        .log = log, .x = &s->x, .y = &s->y, .channels = channels,
+    };
+    const struct kernel_rows from = {t, nx};
+    for (int j = 0; j < rows; j++)
+        places[j] = (j - t->ry + ny) % ny;
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_kernel_row, &from, &m));
+    // factors 1/2 of rows were left out here, and will be of the light's
+    GP_TRY(gp_fft_columns(&fft, &m, rows, places,
+                          (float) (0.25 / ((double) nx * ny)), &s->spectrum));
+    GP_TRY(find_error(log, t, s));
+    for (int i = 0; i < t->split.step; i++) {
+        double b[TAPS];
+        spline((double) i / t->split.step, b);
+        for (int k = 0; k < TAPS; k++)
+            s->weight[i][k] = (float) b[k];
+    }
+    s->tail = t->serial;
+    gp_tail_close(state);
+    *state = s;
+    s = NULL;
+out:
+    gp_tail_close(&s);
+    gp_fft_matrix_free(&m);
+    gp_free(places);
+    return st;
+}
+
+double gp_tail_pixel_error(const struct gp_tail_state *s,
+                           const struct gp_tail *t,
+                           const struct gp_sources *src, int c)
+{
+    static const double TRANSFORM = 2e-5; // of the most: gp_fft_pixel_error()
+    const double norm = sqrt(src->energy[c]);
+    const double most = fmin((double) src->brightest * t->norm1[c],
+                             norm * t->norm2[c]);
+    return fmin(s->error.pixel * src->flux[c], s->error.column * norm) +
+           (s->error.share + TRANSFORM) * most;
+}
+
+// -- light to the grid --------------------------------------------------------
+
+typedef float v4 __attribute__((vector_size(16)));
+typedef float v4_loose __attribute__((vector_size(16), aligned(4), may_alias));
+typedef float v8 __attribute__((vector_size(32)));
+typedef int vi __attribute__((vector_size(32)));
+typedef float v8_loose __attribute__((vector_size(32), aligned(4), may_alias));
+
+struct adding {
+    const struct gp_tail *t;
+    const struct gp_tail_state *s;
+    const struct gp_sources *src;
+    int nodes_x, nodes_y; // of the frame
+    size_t pitch;         // floats of a row of nodes
+    int first, last;      // steps [first, last) of rows that hold light
+    float *part;          // of these: what each adds to rows of nodes, [step -
+                          // first][tap][channel][pitch]
+    float *line;          // scratch of a thread: 3 * pitch
+    float *grid[3];       // the convolution: nodes_y * pitch
+    struct gp_planes *layer;
+};
+
+/* Adds the lights [from, to) of a row to the nodes of a line, channel after
+ * channel. */
+static void spread_along(const struct adding *a, uint32_t from, uint32_t to,
+                         float *line)
+{
+    const struct gp_sources *const src = a->src;
+    const int bits = __builtin_ctz((unsigned) a->t->split.step);
+    const int mask = a->t->split.step - 1;
+    const float *const r = src->rgb[0], *const g = src->rgb[1];
+    const float *const b = src->rgb[2];
+    for (uint32_t i = from; i < to;) {
+        const int node = src->x[i] >> bits;
+        v4 sum[3] = {{0}};
+        for (; i < to && src->x[i] >> bits == node; i++) {
+            const v4 w = *(const v4_loose *) a->s->weight[src->x[i] & mask];
+            sum[0] += w * r[i];
+            sum[1] += w * g[i];
+            sum[2] += w * b[i];
+        }
+        for (size_t c = 0; c < 3; c++)
+            *(v4_loose *) (line + c * a->pitch + node) += sum[c];
+    }
+}
+
+/* The rows of one step: along them, then down to the four rows of nodes. */
+static void spread_step(void *ctx, int i, int thread)
+{
+    const struct adding *const a = ctx;
+    const int step = a->t->split.step, first = (a->first + i) * step;
+    const size_t n = 3 * a->pitch;
+    float *const line = a->line + (size_t) thread * n;
+    float *const part = a->part + (size_t) i * TAPS * n;
+    memset(part, 0, TAPS * n * sizeof *part);
+    for (int y = first; y < gp_min(first + step, a->src->h); y++) {
+        const uint32_t from = a->src->row[y], to = a->src->row[y + 1];
+        if (from == to)
+            continue;
+        memset(line, 0, n * sizeof *line);
+        spread_along(a, from, to, line);
+        for (size_t k = 0; k < TAPS; k++) {
+            const float w = a->s->weight[y - first][k];
+            for (size_t x = 0; x < n; x++)
+                part[k * n + x] += w * line[x];
+        }
+    }
+}
+
+/* Row `first + j` of nodes: what the four steps above and below it add. */
+static void load_nodes(const void *ctx, int c, int j, float *z)
+{
+    const struct adding *const a = ctx;
+    for (int k = TAPS - 1; k >= 0; k--) {
+        const int i = j - k;
+        if (i < 0 || i >= a->last - a->first)
+            continue;
+        const float *const from =
+            a->part + (((size_t) i * TAPS + (size_t) k) * 3 + (size_t) c) *
+                          a->pitch;
+        for (int x = 0; x < a->nodes_x; x++)
+            z[2 * x] += from[x];
+    }
+}
+
+// -- and back -----------------------------------------------------------------
+
+static void store_nodes(const void *ctx, int c, int j, const float *z)
+{
+    const struct adding *const a = ctx;
+    float *const to = a->grid[c] + (size_t) j * a->pitch;
+    for (int x = 0; x < a->nodes_x; x++)
+        to[x] = z[2 * x];
+}
+
+/* Adds a line of nodes to a row of w pixels, `at` the weights of each tap. */
+GP_CLONES static void add_line(float *restrict row, int w,
+    const float *restrict line, int step, const float at[TAPS][MOST_STEP])
+{
+    const v8 dark = {0};
+    const int whole = w / step * step;
+    for (int x = 0; x < whole; x += step, line++) {
+        for (int i = 0; i < step; i += LANES) {
+            v8_loose *const to = (v8_loose *) (row + x + i);
+            v8 v = line[0] * *(const v8_loose *) (at[0] + i);
+            v += line[1] * *(const v8_loose *) (at[1] + i);
+            v += line[2] * *(const v8_loose *) (at[2] + i);
+            v += line[3] * *(const v8_loose *) (at[3] + i);
+            v += *to;
+            *to = (v8) ((vi) v & (vi) (v > dark));
+        }
+    }
+    for (int x = whole; x < w; x++) {
+        float v = line[0] * at[0][x - whole];
+        for (int k = 1; k < TAPS; k++)
+            v += line[k] * at[k][x - whole];
+        v += row[x];
+        row[x] = v > 0.0f ? v : 0.0f;
+    }
+}
+
+static void gather_step(void *ctx, int i, int thread)
+{
+    const struct adding *const a = ctx;
+    const int step = a->t->split.step, w = a->src->w;
+    float *const line = a->line + (size_t) thread * 3 * a->pitch;
+    float at[TAPS][MOST_STEP];
+    for (int k = 0; k < TAPS; k++) {
+        for (int x = 0; x < step; x++)
+            at[k][x] = a->s->weight[x][k];
+    }
+    for (int y = i * step; y < gp_min((i + 1) * step, a->src->h); y++) {
+        const float *const down = a->s->weight[y - i * step];
+        for (int c = 0; c < 3; c++) {
+            const float *const g = a->grid[c] + (size_t) i * a->pitch;
+            for (size_t x = 0; x < a->pitch; x++)
+                line[x] = down[0] * g[x] + down[1] * g[x + a->pitch] +
+                          down[2] * g[x + 2 * a->pitch] +
+                          down[3] * g[x + 3 * a->pitch];
+            add_line(a->layer->c[c] + (size_t) y * (size_t) w, w, line, step,
+                     at);
+        }
+    }
+}
+
+gp_status gp_tail_add(const struct gp_log *log, const struct gp_tail *t,
+    struct gp_tail_state *state, const struct gp_sources *src,
+    struct gp_planes *layer)
+{
+    gp_status st = GP_OK;
+    const int step = t->split.step;
+    struct adding a = {
+        .t = t, .s = state, .src = src, .layer = layer,
+        .nodes_x = gp_tail_nodes(src->w, step),
+        .nodes_y = gp_tail_nodes(src->h, step),
+        .first = src->box.y0 / step, .last = (src->box.y1 - 1) / step + 1,
+    };
+    struct gp_fft_matrix m = {0};
+    int *places = NULL;
+    if (src->w > t->w || src->h > t->h)
+        return gp_fail_bare(log, GP_ERR_BUG, "glare: a kernel made for %dx%d "
+                            "pixels meets %dx%d", t->w, t->h, src->w, src->h);
+    if (!src->n)
+        return GP_OK;
+    const int rows = a.last - a.first + TAPS - 1; // of nodes that are lit
+    a.pitch = ((size_t) a.nodes_x + LANES - 1) / LANES * LANES;
+    GP_TRY(gp_alloc(log, "tail", (size_t) (a.last - a.first) * TAPS * 3,
+                    a.pitch * sizeof(float), &a.part));
+    GP_TRY(gp_alloc(log, "tail", (size_t) gp_threads() * 3,
+                    a.pitch * sizeof(float), &a.line));
+    for (int c = 0; c < 3; c++)
+        GP_TRY(gp_alloc_zero(log, "tail", (size_t) a.nodes_y,
+                             a.pitch * sizeof(float), &a.grid[c]));
+    GP_TRY(gp_alloc(log, "tail", (size_t) rows, sizeof *places, &places));
+    GP_TRY(gp_fft_matrix_make(log, 3, state->x.n, gp_max(rows, a.nodes_y),
+                              &m));
+    for (int j = 0; j < rows; j++)
+        places[j] = a.first + j;
+    const struct gp_fft_job fft = {
+        .log = log, .x = &state->x, .y = &state->y, .channels = 3,
+    };
+    gp_parallel_do(a.last - a.first, spread_step, &a);
+    GP_TRY(gp_fft_rows_in(&fft, rows, load_nodes, &a, &m));
+    GP_TRY(gp_fft_multiply(&fft, &m, rows, places, &state->spectrum,
+                           t->grey ? 1 : 3, 0, a.nodes_y));
+    GP_TRY(gp_fft_rows_out(&fft, &m, a.nodes_y, store_nodes, &a));
+    gp_parallel_do((src->h + step - 1) / step, gather_step, &a);
+out:
+    gp_free(a.part);
+    gp_free(a.line);
+    for (int c = 0; c < 3; c++)
+        gp_free(a.grid[c]);
+    gp_free(places);
+    gp_fft_matrix_free(&m);
+    return st;
+}
+
+// -- what it will take --------------------------------------------------------
+
+double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src)
+{
+    const int nx = torus(t->rx), ny = torus(t->ry);
+    const int nodes = gp_tail_nodes(src->h, t->split.step);
+    const double rows =
+        (gp_rect_h(src->box) / t->split.step + nodes) / 2.0;
+    return 3.0 * GP_COST_FFT_PASS *
+               (rows * gp_fft_cost(nx, GP_FFT_PLAN_ESTIMATE) +
+                (nx + 2.0) * gp_fft_cost(ny, GP_FFT_PLAN_ESTIMATE)) +
+           GP_COST_TAIL_PIXEL * src->w * src->h +
+           GP_COST_TAIL_SOURCE * (double) src->n;
+}
+
+double gp_tail_open_ms(const struct gp_tail *t,
+                       const struct gp_tail_state *state)
+{
+    const int nx = torus(t->rx), ny = torus(t->ry);
+    const int channels = t->grey ? 1 : 3;
+    if (state && state->tail == t->serial)
+        return 0.0;
+    return GP_COST_FFT_LIBRARY + 2.0 * GP_COST_FFT_PLAN_ESTIMATE +
+           channels * GP_COST_FFT_PASS *
+               (t->ry * gp_fft_cost(nx, GP_FFT_PLAN_ESTIMATE) +
+                (nx / 2 + 1.0) * gp_fft_cost(ny, GP_FFT_PLAN_ESTIMATE)) +
+           channels * GP_COST_TAIL_POINT * (nx / 2 + 1.0) * ny;
+}

@@ -1,0 +1,112 @@
+/* The whole field: what a kernel leaves beyond its core, on a coarse grid.
+ *
+ *   K(d) = K(d) (1 - share(d)) + K(d) share(d),    share 0 to 1 as |d| grows
+ *
+ * The first part is the core, at full rate, and ends without a rim. The second,
+ * the tail T, bends on the scale of `share` at least, some 95 pixels, so that
+ * samples every 8 pixels hold it. With B the cubic B-spline of step s and
+ * j, k nodes of the grid,
+ *
+ *   tail(p) = sum_j B(p/s - j) sum_k C(j - k) sum_q B(q/s - k) source(q)
+ *
+ * where C is T at the nodes with B's own samples divided out, once for each
+ * sum, so that at whole steps the two splines give T itself. The middle sum is
+ * a convolution of 1/64 of the pixels, by Fourier transforms.
+ *
+ * What that leaves is periodic in s on each axis: it moves light of one
+ * frequency to those 1/s apart. For each frequency f of the coarse band let F
+ * be T's samples' transform, times s^2, beta what the splines keep of it, and
+ * eps and eta the 2-norm and sum of what they let through of its images, 1/s
+ * apart. Then by Parseval the error's norm is at most
+ *
+ *   |source| (max_f F (|1 - beta^2| + beta eps + eps^2) + 2 max_edge F)
+ *
+ * the last for what T has beyond the band, taken to be no more than what it has
+ * in the band's last tenth. */
+#ifndef GP_GLARE_TAIL_TAIL_H
+#define GP_GLARE_TAIL_TAIL_H
+
+#include "core/frame.h"
+#include "core/status.h"
+#include "glare/sources.h"
+
+#include <stdbool.h>
+
+/* Where a kernel becomes its tail. */
+struct gp_tail_split {
+    double from, to; // pixels from the centre: only core, only tail
+    int step;        // of the coarse grid; 0: no tail, all is core
+};
+
+/* Chooses the split of frames of w x h pixels for a kernel that, from `smooth`
+ * pixels on, bends only on the scale of the distance. Step 0 where it is not
+ * smooth far out (INFINITY), or the whole costs little more than a core. */
+struct gp_tail_split gp_tail_choose(double smooth, int w, int h);
+
+/* The tail's share of the sample at offset (x, y), in [0, 1]; the core's is 1
+ * less that. A step of degree 11 in the distance, with five derivatives. */
+double gp_tail_share(const struct gp_tail_split *s, int x, int y);
+
+/* The whole kernel's sample at offset (x, y), >= 0; out[0] only where grey. */
+typedef void (*gp_tail_sample)(const void *ctx, int x, int y, double out[3]);
+
+struct gp_tail {
+    struct gp_tail_split split;
+    int w, h;           // of the largest frame that it serves, pixels
+    int rx, ry;         // offsets -rx .. rx, -ry .. ry of C, in steps
+    float *c[3];        // (2 rx + 1) * (2 ry + 1) each; grey: c[0] only
+    bool grey;
+    double sum[3];      // of the tail over offsets that such a frame meets
+    double norm1[3], norm2[3]; // sum, and root of the sum of squares, of the
+                        // tail over all offsets; no less
+    unsigned long serial;
+};
+
+/* Makes the tail of a kernel for frames of w x h pixels; split->step > 0.
+ * `even`: samples at (-x, y) and (x, -y) are those at (x, y).
+ * Owned by the caller; free with gp_tail_free(). *out is written only on GP_OK.
+ * Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_tail_make(const struct gp_log *log,
+    const struct gp_tail_split *split, int w, int h, bool grey, bool even,
+    gp_tail_sample sample, const void *ctx, struct gp_tail **out);
+void gp_tail_free(struct gp_tail *t);
+
+// -- applying it --------------------------------------------------------------
+
+/* Limits of the error of gp_tail_add(), for light s of one channel. */
+struct gp_tail_error {
+    double norm;   // the error's 2-norm over |s|
+    double pixel;  // its largest sample over the sum of s
+    double column; // its largest sample over |s|
+    double share;  // of rounding: over the most that a sample can be
+};
+
+/* Plans, spectrum and scratch for one tail; kept from frame to frame. */
+struct gp_tail_state;
+void gp_tail_close(struct gp_tail_state **state);
+
+/* Makes *state fit the tail: NULL at first, or any. Errors: GP_ERR_IO no FFTW;
+ * GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_tail_open(const struct gp_log *log,
+    const struct gp_tail *t, struct gp_tail_state **state);
+const struct gp_tail_error *gp_tail_error_of(const struct gp_tail_state *s);
+
+/* The largest error of a sample of channel c. */
+double gp_tail_pixel_error(const struct gp_tail_state *s,
+                           const struct gp_tail *t,
+                           const struct gp_sources *src, int c);
+
+/* Adds the tail of the sources to the layer, src->w * src->h, at most t->w *
+ * t->h; no sample becomes negative. `state` is open for t.
+ * Errors: GP_ERR_BUG out of memory, a larger frame. */
+GP_MUST_CHECK gp_status gp_tail_add(const struct gp_log *log,
+    const struct gp_tail *t, struct gp_tail_state *state,
+    const struct gp_sources *src, struct gp_planes *layer);
+
+/* Milliseconds on one core, of gp_tail_add(); and of gp_tail_open() where
+ * `state` is not open for t. */
+double gp_tail_ms(const struct gp_tail *t, const struct gp_sources *src);
+double gp_tail_open_ms(const struct gp_tail *t,
+                       const struct gp_tail_state *state);
+
+#endif

@@ -1,0 +1,316 @@
+/* glare/tail against the plain double sum, its laws, and its bound. */
+#include "unit.h"
+#include "core/memory.h"
+#include "core/parallel.h"
+#include "glare/tail/tail_priv.h"
+#include "glare_scene.h"
+
+/* The eye's veil, Spencer et al. 1995, f1 and f2, sampled: light a pixel
+ * `degrees` wide gets, so far from its source. */
+static void veil(const void *ctx, int x, int y, double out[3])
+{
+    const double degrees = *(const double *) ctx;
+    const double pi = acos(-1.0), t = degrees * hypot(x, y);
+    const double p = 0.478 * 20.91 / pow(t + 0.02, 3.0) +
+                     0.138 * 72.37 / pow(t + 0.02, 2.0);
+    out[0] = p * pow(degrees * pi / 180.0, 2.0);
+    out[1] = 0.5 * out[0];
+    out[2] = out[0] * exp(-t);
+}
+static const double fine = 1.0 / 36.0;
+
+struct made {
+    struct gp_tail *t;
+    struct gp_tail_state *s;
+};
+
+static struct made make(int w, int h, bool grey, const double *degrees)
+{
+    const struct gp_tail_split split = gp_tail_choose(0.0, w, h);
+    struct made m = {0};
+    assert_true(split.step > 0);
+    assert_ok(gp_tail_make(NULL, &split, w, h, grey, true, veil, degrees,
+                           &m.t));
+    assert_ok(gp_tail_open(NULL, m.t, &m.s));
+    return m;
+}
+
+static void drop(struct made *m)
+{
+    gp_tail_close(&m->s);
+    gp_tail_free(m->t);
+}
+
+/* n lights of 0.5 to 1.5 times `light` at random. */
+static struct gp_sources lights(int w, int h, int n, float light, uint32_t seed)
+{
+    const struct gp_sources like = {.w = w, .h = h};
+    struct gp_sources none, s;
+    struct gp_source *list = scene_alloc((size_t) n, sizeof *list);
+    assert_ok(gp_sources_make(NULL, &like, 0, &none));
+    gp_sources_finish(&none);
+    for (int i = 0; i < n; i++) {
+        list[i].x = (int) (scene_random(&seed) * (float) w);
+        list[i].y = (int) (scene_random(&seed) * (float) h);
+        for (int c = 0; c < 3; c++)
+            list[i].rgb[c] = light * (0.5f + scene_random(&seed));
+    }
+    assert_ok(gp_sources_join(NULL, &none, list, (size_t) n, &s));
+    gp_sources_free(&none);
+    free(list);
+    return s;
+}
+
+/* The tail of sources, added to black. */
+static struct gp_planes added(const struct made *m, const struct gp_sources *s)
+{
+    const size_t n = (size_t) s->w * (size_t) s->h;
+    struct gp_planes p;
+    assert_ok(gp_planes_make(NULL, "layer", n, &p));
+    for (int c = 0; c < 3; c++)
+        memset(p.c[c], 0, n * sizeof(float));
+    assert_ok(gp_tail_add(NULL, m->t, m->s, s, &p));
+    return p;
+}
+
+/* The tail's samples as a kernel, for the plain sum. */
+static struct gp_kernel plain(const struct made *m, const double *degrees)
+{
+    const int w = 2 * m->t->w - 1, h = 2 * m->t->h - 1;
+    struct gp_planes p;
+    struct gp_kernel k;
+    assert_ok(gp_planes_make(NULL, "tail", (size_t) w * (size_t) h, &p));
+    for (int i = 0; i < w * h; i++) {
+        const int x = i % w - w / 2, y = i / w - h / 2;
+        double v[3];
+        veil(degrees, x, y, v);
+        for (int c = 0; c < 3; c++)
+            p.c[c][i] = (float) (v[m->t->grey ? 0 : c] *
+                                 gp_tail_share(&m->t->split, x, y));
+    }
+    assert_ok(gp_kernel_of_planes(NULL, "tail", w, h, &p, &k));
+    return k;
+}
+
+/* The error of a tail against the plain sum, over its limits. */
+struct error {
+    double norm, pixel, layer; // the last: the error's norm over the sum's
+};
+
+static struct error compare(const struct made *m, const struct gp_sources *s,
+                            const double *degrees)
+{
+    const size_t n = (size_t) s->w * (size_t) s->h;
+    struct gp_kernel k = plain(m, degrees);
+    struct gp_planes p = added(m, s);
+    double *const exact = scene_alloc(3 * n, sizeof *exact);
+    struct error e = {0};
+    double error = 0.0, layer = 0.0, light = 0.0;
+    assert_ok(gp_glare_reference(NULL, s, &k, exact));
+    for (int c = 0; c < 3; c++) {
+        double most = 0.0;
+        for (size_t i = 0; i < n; i++) {
+            const double want = exact[(size_t) c * n + i];
+            const double d = (double) p.c[c][i] - want;
+            assert_true(p.c[c][i] >= 0.0f);
+            error += d * d;
+            layer += want * want;
+            most = fmax(most, fabs(d));
+        }
+        light += s->energy[c];
+        e.pixel = fmax(e.pixel, most / gp_tail_pixel_error(m->s, m->t, s, c));
+    }
+    e.norm = sqrt(error / light) / gp_tail_error_of(m->s)->norm;
+    e.layer = sqrt(error / layer);
+    free(exact);
+    gp_planes_free(&p);
+    gp_kernel_free(&k);
+    return e;
+}
+
+static void sums_are_those_of_the_kernel(void **state)
+{
+    static const double finer = 1.0 / 72.0, coarser = 1.0 / 12.0;
+    static const struct {
+        int w, h, n;
+        bool grey;
+        const double *degrees;
+        float light;
+    } rows[] = {
+        {320, 240, 40, true, &fine, 1.0f},
+        {331, 97, 300, false, &finer, 1.0f},
+        {1, 400, 40, true, &fine, 1e9f},
+        {400, 1, 40, true, &fine, 1e-30f},
+        {197, 193, 1, false, &fine, 1.0f},
+        {256, 192, 40, true, &coarser, 1.0f},
+        {16384, 2, 40, true, &fine, 1.0f}, // steps of 32
+    };
+    (void) state;
+    for (size_t i = 0; i < COUNT(rows); i++) {
+        const int w = rows[i].w, h = rows[i].h;
+        struct made m = make(w, h, rows[i].grey, rows[i].degrees);
+        struct gp_sources s = lights(w, h, rows[i].n, rows[i].light,
+                                     (uint32_t) i);
+        const struct error e = compare(&m, &s, rows[i].degrees);
+        print_message("%dx%d: %.2g of the norm, %.2g of a pixel, %.2g\n", w, h,
+                      e.norm, e.pixel, e.layer);
+        assert_true(e.norm <= 1.0 && e.pixel <= 1.0 && e.layer < 1e-3);
+        gp_sources_free(&s);
+        drop(&m);
+    }
+}
+
+/* Stripes of the periods at which most is lost reach a tenth of the limit, so
+ * that one ten times less is broken. Light that is never negative has over half
+ * of its norm in its mean, of which nothing is lost. */
+static void limits_are_reached(void **state)
+{
+    enum { W = 640, H = 400 };
+    struct made m = make(W, H, true, &fine);
+    double most = 0.0;
+    (void) state;
+    for (int period = 38; period <= 90; period += 20) {
+        struct gp_frame f = scene_frame(W, H, 0, 0, BLACK, 0);
+        struct scene s;
+        for (int i = 0; i < W * H; i++) {
+            const double turn = 2.0 * acos(-1.0) * (i % W) / period;
+            for (int c = 0; c < 3; c++)
+                f.rgb.c[c][i] = (float) (1.0 + cos(turn));
+        }
+        s = scene_sense(f, scene_kernel(3, 3, MID, 0, PEAK), &open_all);
+        const struct error e = compare(&m, &s.src, &fine);
+        print_message("stripes of %d: %.2g of the norm, %.2g of a pixel\n",
+                      period, e.norm, e.pixel);
+        assert_true(e.norm <= 1.0 && e.pixel <= 1.0);
+        most = fmax(most, e.norm);
+        scene_free(&s);
+    }
+    assert_true(most > 0.1);
+    drop(&m);
+}
+
+static void laws_hold(void **state)
+{
+    enum { W = 300, H = 250 };
+    struct made m = make(W, H, false, &fine);
+    const int step = m.t->split.step;
+    struct gp_sources a = lights(W, H, 60, 1.0f, 1u), half, moved, one;
+    (void) state;
+    // light that is halved halves every bit
+    struct gp_planes p = added(&m, &a), q;
+    assert_ok(gp_sources_halve(NULL, &a, 1, &half));
+    q = added(&m, &half);
+    for (int c = 0; c < 3; c++) {
+        for (int i = 0; i < W * H; i++)
+            assert_true(p.c[c][i] == 2.0f * q.c[c][i]);
+    }
+    gp_planes_free(&q);
+    gp_planes_free(&p);
+    // light that moves by (dx, dy) moves the layer, within both limits
+    for (int dx = 0; dx <= step; dx += 3) {
+        const int dy = step - dx, x0 = 20, y0 = 30;
+        struct gp_source at[2] = {{x0, y0, {1.0f, 2.0f, 3.0f}},
+                                  {x0 + dx, y0 + dy, {1.0f, 2.0f, 3.0f}}};
+        const struct gp_sources like = {.w = W, .h = H};
+        struct gp_sources none;
+        assert_ok(gp_sources_make(NULL, &like, 0, &none));
+        gp_sources_finish(&none);
+        assert_ok(gp_sources_join(NULL, &none, &at[0], 1, &one));
+        assert_ok(gp_sources_join(NULL, &none, &at[1], 1, &moved));
+        p = added(&m, &one);
+        q = added(&m, &moved);
+        for (int c = 0; c < 3; c++) {
+            const double limit = 2.0 * gp_tail_pixel_error(m.s, m.t, &one, c);
+            for (int y = 0; y < H - dy; y++) {
+                for (int x = 0; x < W - dx; x++)
+                    assert_true(fabs((double) q.c[c][(y + dy) * W + x + dx] -
+                                     (double) p.c[c][y * W + x]) <= limit);
+            }
+        }
+        gp_planes_free(&q);
+        gp_planes_free(&p);
+        gp_sources_free(&one);
+        gp_sources_free(&moved);
+        gp_sources_free(&none);
+    }
+    gp_sources_free(&a);
+    gp_sources_free(&half);
+    drop(&m);
+}
+
+/* The sum that a tail says it has is that of its samples, and light in the
+ * middle leaves a frame's part of it. */
+static void sums_are_kept(void **state)
+{
+    static const int size[][2] = {{300, 250}, {1, 400}, {411, 283}};
+    (void) state;
+    for (size_t i = 0; i < COUNT(size); i++) {
+        struct made m = make(size[i][0], size[i][1], false, &fine);
+        struct gp_kernel k = plain(&m, &fine);
+        for (int c = 0; c < 3; c++) {
+            assert_true(fabs(k.sum[c] - m.t->sum[c]) < 1e-8);
+            assert_true(m.t->norm1[c] >= k.norm1[c]);
+            assert_true(m.t->norm2[c] >= k.norm2[c]);
+        }
+        gp_kernel_free(&k);
+        drop(&m);
+    }
+}
+
+static void threads_change_nothing(void **state)
+{
+    enum { W = 500, H = 300 };
+    uint64_t hash[3];
+    (void) state;
+    for (int i = 0; i < 3; i++) {
+        gp_set_threads(1 + 3 * i);
+        struct made m = make(W, H, i % 2, &fine);
+        struct gp_sources s = lights(W, H, 4000, 1.0f, 7u);
+        struct gp_planes p = added(&m, &s);
+        hash[i] = hash_layer(&p, W * H);
+        gp_planes_free(&p);
+        gp_sources_free(&s);
+        drop(&m);
+    }
+    gp_set_threads(0);
+    assert_true(hash[0] == hash[2] && hash[0] != hash[1]);
+}
+
+static void splits_are_for_smooth_kernels(void **state)
+{
+    (void) state;
+    assert_int_equal(gp_tail_choose(INFINITY, 1920, 1080).step, 0);
+    assert_int_equal(gp_tail_choose(0.0, 128, 72).step, 0);
+    assert_int_equal(gp_tail_choose(1500.0, 1920, 1080).step, 0);
+    assert_int_equal(gp_tail_choose(0.0, 1920, 1080).step, 8);
+    assert_int_equal(gp_tail_choose(0.0, 16384, 1).step, 32);
+    const struct gp_tail_split s = gp_tail_choose(150.0, 1920, 1080);
+    double before = 0.0;
+    assert_true(s.from >= 150.0);
+    for (int x = 0; x < 1920; x++) {
+        const double share = gp_tail_share(&s, x, 0);
+        assert_true(share >= before && share <= 1.0);
+        assert_true(x > s.from || share == 0.0);
+        assert_true(x < s.to || share == 1.0);
+        before = share;
+    }
+}
+
+static void larger_frames_are_refused(void **state)
+{
+    struct made m = make(300, 200, true, &fine);
+    struct gp_sources s = lights(301, 200, 3, 1.0f, 1u);
+    struct gp_planes p;
+    (void) state;
+    assert_ok(gp_planes_make(NULL, "layer", 301 * 200, &p));
+    assert_int_equal(gp_tail_add(&kept_log, m.t, m.s, &s, &p), GP_ERR_BUG);
+    assert_non_null(strstr(kept_line, "300x200"));
+    gp_planes_free(&p);
+    gp_sources_free(&s);
+    drop(&m);
+}
+
+SUITE_OF(tail, NULL, NULL,
+    sums_are_those_of_the_kernel, limits_are_reached, laws_hold, sums_are_kept,
+    threads_change_nothing, splits_are_for_smooth_kernels,
+    larger_frames_are_refused)
