@@ -29,12 +29,26 @@ struct gaussian {
     double sigma_x, sigma_y; // pixels
 };
 
+/* The second integral of the normal density of width 1, from the right. */
+static double second_integral(double z)
+{
+    return exp(-0.5 * z * z) / sqrt(2.0 * PI) - 0.5 * z * erfc(sqrt(0.5) * z);
+}
+
+/* The share of pixel x, x >= 0, of light that is even over pixel 0. */
 static double normal_share(double x, double sigma)
 {
-    const double a = (x - 0.5) / (sqrt(2.0) * sigma);
-    const double b = (x + 0.5) / (sqrt(2.0) * sigma);
-    // far out by the complement, which keeps its digits
-    return a > 0.0 ? 0.5 * (erfc(a) - erfc(b)) : 0.5 * (erf(b) - erf(a));
+    const struct gp_gauss *const g = gp_tent_rule(6);
+    double sum = 0.0;
+    if (sigma < 30.0)
+        return fmax(sigma * (second_integral((x + 1.0) / sigma) -
+                             2.0 * second_integral(x / sigma) +
+                             second_integral((x - 1.0) / sigma)), 0.0);
+    for (int i = 0; i < g->n; i++) { // differences would lose their digits
+        const double z = (x + g->node[i]) / sigma;
+        sum += g->weight[i] * exp(-0.5 * z * z);
+    }
+    return sum / (sqrt(2.0 * PI) * sigma);
 }
 
 static void gaussian_row(const void *state, int x, int y, int n,
@@ -107,7 +121,11 @@ static gp_status open_moffat(const struct gp_log *log,
     struct moffat m = {.beta = gp_recipe_value(r, "beta")};
     m.a = gp_recipe_value(r, "fwhm") / (2.0 * sqrt(exp2(1.0 / m.beta) - 1.0));
     m.factor = (m.beta - 1.0) / (PI * m.a * m.a);
-    return gp_radial_shape(log, moffat_profile, &m, sizeof m, 1, m.a, f, out);
+    gp_status st = gp_radial_shape(log, moffat_profile, &m, 1, 4.0 * m.a, f,
+                                   out);
+    if (!st)
+        out->smooth = 4.0 * m.a / (f->degrees * fmin(f->aspect, 1.0));
+    return st;
 }
 
 const struct gp_model gp_model_moffat = {
@@ -138,29 +156,42 @@ static void free_radial(void *state)
 static void radial_row(const void *state, int x, int y, int n,
                        double *const out[3])
 {
+    enum { MOST = 96 };
     const struct radial *const r = state;
-    const struct gp_gauss *const g = gp_gauss_rule(3);
-    const int nodes = r->parts * g->n;
     const double b = r->f.degrees, a = b * r->f.aspect;
     const double end = r->n * r->step + a + b;
+    double node[MOST], weight[MOST];
+    int nodes = 0;
+    if (r->parts == 1) {
+        const struct gp_gauss *const g = gp_tent_rule(4);
+        for (; nodes < g->n; nodes++) {
+            node[nodes] = g->node[nodes];
+            weight[nodes] = g->weight[nodes];
+        }
+    } else { // parts of (-1, 1), `parts` to each half
+        const struct gp_gauss *const g = gp_gauss_rule(3);
+        for (; nodes < 2 * r->parts * g->n; nodes++) {
+            const int k = nodes % g->n;
+            node[nodes] = (nodes / g->n + 0.5 + g->node[k]) / r->parts - 1.0;
+            weight[nodes] =
+                g->weight[k] * (1.0 - fabs(node[nodes])) / r->parts;
+        }
+    }
     for (int i = 0; i < n; i++) {
         double sum[3] = {0};
         const double u = a * abs(x + i), v = b * abs(y);
         for (int k = 0; k < nodes * nodes && hypot(u, v) < end; k++) {
             const int p = k % nodes, q = k / nodes;
-            const double du =
-                (p / g->n + 0.5 + g->node[p % g->n]) / r->parts - 0.5;
-            const double dv =
-                (q / g->n + 0.5 + g->node[q % g->n]) / r->parts - 0.5;
-            const double weight = g->weight[p % g->n] * g->weight[q % g->n];
-            const double at = hypot(u + a * du, v + b * dv) / r->step;
+            const double at =
+                hypot(u + a * node[p], v + b * node[q]) / r->step;
             const int j = (int) fmin(at, r->n);
             for (int c = 0; c < (r->grey ? 1 : 3); c++)
-                sum[c] += weight * (r->curve[c][j] + fmin(at - j, 1.0) *
-                                    (r->curve[c][j + 1] - r->curve[c][j]));
+                sum[c] += weight[p] * weight[q] *
+                          (r->curve[c][j] + fmin(at - j, 1.0) *
+                               (r->curve[c][j + 1] - r->curve[c][j]));
         }
         for (int c = 0; c < (r->grey ? 1 : 3); c++)
-            out[c][i] = sum[c] * a * b / (r->parts * r->parts);
+            out[c][i] = sum[c] * a * b;
     }
 }
 
@@ -181,7 +212,7 @@ static gp_status make_radial(const struct gp_log *log, const struct gp_field *f,
     r->grey = grey;
     r->step = fmax(fmin(bend / 32.0, f->degrees / 8.0), end / MOST_STEPS);
     r->n = (int) ceil(end / r->step);
-    r->parts = (int) fmin(ceil(2.0 * f->degrees * fmax(f->aspect, 1.0) / bend),
+    r->parts = (int) fmin(ceil(4.0 * f->degrees * fmax(f->aspect, 1.0) / bend),
                           16.0);
     const size_t room = (size_t) r->n + 2;
     st = gp_alloc_zero(log, "kernel", 3 * room, sizeof(double), &r->curve[0]);

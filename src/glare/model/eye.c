@@ -108,10 +108,12 @@ static gp_status open_spencer(const struct gp_log *log,
     struct spencer s;
     gp_status st = spencer_of(log, r, f, &s);
     if (!st)
-        st = gp_radial_shape(log, spencer_profile, &s, sizeof s, s.channels,
-                             0.02, f, out);
-    if (!st && s.channels == 3) // the halo of 780 nm ends
-        out->smooth = 5.2 / (f->degrees * fmin(f->aspect, 1.0));
+        st = gp_radial_shape(log, spencer_profile, &s, s.channels,
+                             s.channels == 3 ? 5.2 : 0.0, f, out);
+    // the halo of 780 nm ends at 5 degrees
+    if (!st)
+        out->smooth = (s.channels == 3 ? 5.2 : 0.1) /
+                      (f->degrees * fmin(f->aspect, 1.0));
     return st;
 }
 
@@ -228,10 +230,9 @@ static gp_status open_cie(const struct gp_log *log, const struct gp_recipe *r,
 {
     const struct cie e = cie_of(r);
     struct cie_rest *s;
-    gp_status st = gp_radial_shape(log, cie_profile, &e, sizeof e, 1,
-                                   e.general ? 0.1 : 0.0046, f, out);
+    gp_status st = gp_radial_shape(log, cie_profile, &e, 1, 0.2, f, out);
     if (!st)
-        out->smooth = 0.1 / (f->degrees * fmin(f->aspect, 1.0));
+        out->smooth = 0.2 / (f->degrees * fmin(f->aspect, 1.0));
     if (st || !e.general)
         return st;
     st = gp_alloc(log, "kernel", 1, sizeof *s, &s);

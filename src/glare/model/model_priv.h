@@ -6,14 +6,16 @@
 
 #include <string.h>
 
-/* A model for one field: the light that a source of 1 leaves in each pixel. */
+/* A model for one field: the light that a source of 1 leaves in each pixel. Both
+ * are areas: a pixel shines evenly, so that a scene has one glare at all
+ * resolutions. */
 struct gp_shape {
     void *state;            // owned, freed by `free`
     void (*free)(void *state);
 
-    /* Integrals over the pixels of offsets (x, y) .. (x + n - 1, y), n <=
-     * GP_SHAPE_STRIP, to out[c][0 .. n): about 1e-7 of the value, never
-     * point-sampled. Called from several threads; a pixel's value does not
+    /* Integrals over the pixels of offsets (x, y) .. (x + n - 1, y), mean of all
+     * places in the light's pixel, n <= GP_SHAPE_STRIP, to out[c][0 .. n):
+     * about 1e-7 of the value, never point-sampled. Called from several threads; a pixel's value does not
      * depend on the strip it is in. */
     void (*row)(const void *state, int x, int y, int n, double *const out[3]);
 
@@ -70,30 +72,25 @@ struct gp_gauss {
 };
 const struct gp_gauss *gp_gauss_rule(int n); // made at first call, kept
 
-/* Light per square degree, t >= 0 degrees from its source. It may be steep at
- * 0 and fall by any power, but bends only on the scale of t, or of `scale`
- * degrees where that is more. */
-typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
+/* The same for the tent 1 - |x| on (-1, 1): light that is even over a pixel, in
+ * an even pixel at its side. n from 1 to 10. */
+const struct gp_gauss *gp_tent_rule(int n);
 
-/* Integrals of a profile over the pixel at offset (x, y), about 1e-8 of the
- * value: in the light's own pixel rays in polar form, whose steps shrink
- * towards it; else the pixel in parts as wide as a third of its distance or
- * the scale. `channels` 1 or 3. */
-void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
-    double scale, const struct gp_field *f, int x, int y, double out[3]);
+/* Light per square degree, t >= 0 degrees from its source; 0 from 90 on. It may
+ * be steep at 0 and fall by any power. */
+typedef void (*gp_profile)(const void *ctx, double t, double out[3]);
 
 /* The integral of a profile over the plane from `from` to `end` degrees away
  * from the light, by steps that grow with the distance: about 1e-9. */
 void gp_profile_integral(gp_profile p, const void *ctx, int channels,
                          double from, double end, double sum[3]);
 
-/* A shape of a profile, by a table of it: fast for any number of pixels. Fills
- * all of `out` but `smooth`, which is a distance in pixels where the profile
- * bends on the scale of t, here `scale`; `size` bytes of `ctx` are copied.
- * Errors: GP_ERR_BUG out of memory. */
-GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log,
-    gp_profile p, const void *ctx, size_t size, int channels, double scale,
-    const struct gp_field *f, struct gp_shape *out);
+/* A shape of a profile that is smooth but at 0. Fills all of `out` but `smooth`;
+ * `ctx` is not kept. Channels: 1 or 3. Within `bends` degrees it may bend on a
+ * scale of a few pixels. Errors: GP_ERR_BUG out of memory. */
+GP_MUST_CHECK gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
+    const void *ctx, int channels, double bends, const struct gp_field *f,
+    struct gp_shape *out);
 
 /* sin(t) / t of t degrees, times a square degree in steradians: what turns
  * light per steradian into light per square degree of the plane that pixels

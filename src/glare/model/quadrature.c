@@ -10,9 +10,9 @@
 
 #define PI 3.14159265358979323846
 
-enum { MOST_NODES = 16 };
+enum { MOST_NODES = 16, MOST_TENT = 10 };
 
-static struct gp_gauss rules[MOST_NODES + 1];
+static struct gp_gauss rules[MOST_NODES + 1], tents[MOST_TENT + 1];
 
 /* Newton's method on the Legendre polynomials; Abramowitz and Stegun 25.4.29 */
 static void make_rules(void)
@@ -38,87 +38,77 @@ static void make_rules(void)
     }
 }
 
+/* Orthogonal polynomials under the tent 1 - |x|, which is even: p(k + 1) = x
+ * p(k) - b(k) p(k - 1). Returns p(n) at x, and p(n - 1) and its slope. */
+static double tent_polynomial(const double *b, int n, double x, double *before,
+                              double *slope)
+{
+    double p0 = 0.0, p1 = 1.0, s0 = 0.0, s1 = 0.0;
+    for (int k = 0; k < n; k++) {
+        const double p2 = x * p1 - b[k] * p0, s2 = p1 + x * s1 - b[k] * s0;
+        p0 = p1, p1 = p2, s0 = s1, s1 = s2;
+    }
+    *before = p0;
+    *slope = s1;
+    return p1;
+}
+
+/* Gauss rules for the tent, by Stieltjes' way: Gautschi 2004, section 2.2. */
+static void make_tents(void)
+{
+    const struct gp_gauss *const g = &rules[MOST_NODES];
+    double b[MOST_TENT + 1] = {0}, norm[MOST_TENT + 1], p, slope;
+    for (int k = 0; k <= MOST_TENT; k++) {
+        norm[k] = 0.0;
+        for (int i = 0; i < g->n; i++) { // the right half, twice
+            const double x = 0.5 + g->node[i];
+            const double v = tent_polynomial(b, k, x, &p, &slope);
+            norm[k] += 2.0 * g->weight[i] * (1.0 - x) * v * v;
+        }
+        b[k] = k > 0 ? norm[k] / norm[k - 1] : 0.0;
+    }
+    for (int n = 1; n <= MOST_TENT; n++) {
+        enum { GRID = 4001 }; // an odd number: 0 is no end of a step
+        tents[n].n = 0;
+        for (int i = 0; i < GRID; i++) {
+            double low = -1.0 + 2.0 * i / GRID, high = low + 2.0 / GRID;
+            const double at = tent_polynomial(b, n, low, &p, &slope);
+            if ((at > 0.0) == (tent_polynomial(b, n, high, &p, &slope) > 0.0))
+                continue;
+            for (int step = 0; step < 60; step++) {
+                const double mid = 0.5 * (low + high);
+                if ((tent_polynomial(b, n, mid, &p, &slope) > 0.0) ==
+                    (at > 0.0))
+                    low = mid;
+                else
+                    high = mid;
+            }
+            const double x = 0.5 * (low + high);
+            tent_polynomial(b, n, x, &p, &slope);
+            tents[n].node[tents[n].n] = x;
+            tents[n].weight[tents[n].n++] = norm[n - 1] / (slope * p);
+        }
+    }
+}
+
+static void make_all(void)
+{
+    make_rules();
+    make_tents();
+}
+
+static pthread_once_t once = PTHREAD_ONCE_INIT;
+
 const struct gp_gauss *gp_gauss_rule(int n)
 {
-    static pthread_once_t once = PTHREAD_ONCE_INIT;
-    pthread_once(&once, make_rules);
+    pthread_once(&once, make_all);
     return &rules[n];
 }
 
-/* A box around (u, v) degrees from the light, a by b degrees wide. */
-static void add_box(gp_profile p, const void *ctx, int channels, int order,
-                    double u, double v, double a, double b, double sum[3])
+const struct gp_gauss *gp_tent_rule(int n)
 {
-    const struct gp_gauss *const g = gp_gauss_rule(order);
-    for (int j = 0; j < g->n; j++) {
-        for (int i = 0; i < g->n; i++) {
-            double value[3];
-            p(ctx, hypot(u + a * g->node[i], v + b * g->node[j]), value);
-            const double weight = a * b * g->weight[i] * g->weight[j];
-            for (int c = 0; c < channels; c++)
-                sum[c] += weight * value[c];
-        }
-    }
-}
-
-/* The eighth of the light's pixel between a ray to the middle of an edge, `to`
- * degrees away, and one to its corner, `half` along the edge: rays of angle
- * phi, each from 0 to r = to / cos phi in steps that halve towards 0, where a
- * profile may be steep; what is left there is as wide as 2^-40 of r. */
-static void add_eighth(gp_profile p, const void *ctx, int channels, double to,
-                       double half, double sum[3])
-{
-    enum { STEPS = 40 };
-    const struct gp_gauss *const across = gp_gauss_rule(12);
-    const struct gp_gauss *const along = gp_gauss_rule(8);
-    const double corner = atan2(half, to);
-    for (int j = 0; j < across->n; j++) {
-        const double phi = corner * (0.5 + across->node[j]);
-        double r = to / cos(phi);
-        for (int step = 0; step < STEPS; step++, r *= 0.5) {
-            const double low = step + 1 < STEPS ? 0.5 * r : 0.0;
-            for (int i = 0; i < along->n; i++) {
-                const double t =
-                    0.5 * (r + low) + (r - low) * along->node[i];
-                const double weight = corner * across->weight[j] * t *
-                                      (r - low) * along->weight[i];
-                double value[3];
-                p(ctx, t, value);
-                for (int c = 0; c < channels; c++)
-                    sum[c] += weight * value[c];
-            }
-        }
-    }
-}
-
-void gp_pixel_integral(gp_profile p, const void *ctx, int channels,
-    double scale, const struct gp_field *f, int x, int y, double out[3])
-{
-    enum { MOST_PARTS = 64, FAR = 24 };
-    const double b = f->degrees, a = b * f->aspect; // the pixel's sides
-    out[0] = out[1] = out[2] = 0.0;
-    if (x == 0 && y == 0) {
-        double eighths[3] = {0};
-        add_eighth(p, ctx, channels, 0.5 * a, 0.5 * b, eighths);
-        add_eighth(p, ctx, channels, 0.5 * b, 0.5 * a, eighths);
-        for (int c = 0; c < channels; c++)
-            out[c] = 4.0 * eighths[c];
-        return;
-    }
-    // the distance of its nearest point says how it bends
-    const double u = a * abs(x), v = b * abs(y);
-    const double near = hypot(fmax(u - 0.5 * a, 0.0), fmax(v - 0.5 * b, 0.0));
-    const double bend = fmax(near, scale);
-    const int nx = (int) fmin(ceil(a / bend), MOST_PARTS);
-    const int ny = (int) fmin(ceil(b / bend), MOST_PARTS);
-    const double widest = fmax(a / nx, b / ny) / bend;
-    const int order = widest > 0.5 ? 16 : widest > 0.2 ? 10
-                    : widest > 0.08 ? 6 : widest > 1.0 / FAR ? 4 : 3;
-    for (int j = 0; j < ny; j++) {
-        for (int i = 0; i < nx; i++)
-            add_box(p, ctx, channels, order, u + a * ((i + 0.5) / nx - 0.5),
-                    v + b * ((j + 0.5) / ny - 0.5), a / nx, b / ny, out);
-    }
+    pthread_once(&once, make_all);
+    return &tents[n];
 }
 
 double gp_plane_factor(double t)
@@ -151,21 +141,25 @@ void gp_profile_integral(gp_profile p, const void *ctx, int channels,
     }
 }
 
-// -- tables -------------------------------------------------------------------
+// -- shapes by tables ---------------------------------------------------------
 
-/* A profile and its slope by the square of the distance, at 64 even steps an
- * octave, between which a cubic keeps both: about 1e-8 of a power's value. */
+/* By the square s of the distance, at 64 even steps an octave, with slopes,
+ * between which a cubic keeps about 1e-8 of what powers give. */
 enum { STEPS_LOG2 = 6, STEPS = 1 << STEPS_LOG2 };
 
-struct radial_table {
-    struct gp_field f;
-    gp_profile profile;
-    void *ctx;
-    double scale;
-    int channels;
+struct table {
     uint64_t first;  // bits of the least square / (2^52 / STEPS)
     int n;           // steps
     double *value;   // [n + 1][channels][2]: value, slope times the step
+};
+
+/* The profile p(t), and disc(r), the integral of p(t) t from 0 to r: 1 / (2 pi)
+ * of the light within r. */
+struct radial_table {
+    struct gp_field f;
+    int channels;
+    int bends;       // longer sides within which 4 nodes are the fewest
+    struct table profile, disc;
 };
 
 static double of_bits(uint64_t bits)
@@ -182,22 +176,23 @@ static uint64_t bits_of(double v)
     return bits;
 }
 
-/* Adds weight times the profile at the squared distance s. */
-static inline void add_table(const struct radial_table *t, double s,
+/* Adds weight times the value at the squared distance s; nothing past the
+ * table's end. */
+static inline void add_table(const struct table *t, int channels, double s,
                              double weight, double sum[3])
 {
     const uint64_t bits = bits_of(s);
     const int64_t i = (int64_t) (bits >> (52 - STEPS_LOG2)) -
                       (int64_t) t->first;
-    if (i >= t->n)
+    if (i < 0 || i >= t->n)
         return;
     // the mantissa's rest is the place between two steps
     const uint64_t rest = bits << (12 + STEPS_LOG2) >> 12;
     const double x = of_bits(rest | 0x3ff0000000000000u) - 1.0, y = 1.0 - x;
-    for (int c = 0; c < t->channels; c++) {
-        const double *const a = t->value + 2 * ((size_t) i *
-            (size_t) t->channels + (size_t) c);
-        const double *const b = a + 2 * t->channels;
+    for (int c = 0; c < channels; c++) {
+        const double *const a =
+            t->value + 2 * ((size_t) i * (size_t) channels + (size_t) c);
+        const double *const b = a + 2 * channels;
         // the slope of the step after an octave's last is by its own width
         const double next = i % STEPS == STEPS - 1 ? 0.5 * b[1] : b[1];
         sum[c] += weight * (y * y * ((1.0 + 2.0 * x) * a[0] + x * a[1]) +
@@ -205,93 +200,172 @@ static inline void add_table(const struct radial_table *t, double s,
     }
 }
 
-static void radial_table_row(const void *state, int x, int y, int n,
-                             double *const out[3])
+/* Adds `sign` times the integral over the triangle from the light to the edge
+ * of points from..to on a line `d` away: disc(r) over its angles. With the
+ * place on the edge d sinh(q) the angle is d q / cosh(q), r = d cosh(q). */
+static void add_edge(const struct radial_table *t, double d, double from,
+                     double to, double sign, double sum[3])
+{
+    const double sum_sign = d < 0.0 ? -sign : sign, a = fabs(d);
+    if (a < 1e-9 * t->f.degrees)
+        return; // seen end on
+    const double low = asinh(from / a), high = asinh(to / a);
+    const int panels = (int) ceil((high - low) / 1.5);
+    const struct gp_gauss *const g = &rules[8];
+    const double width = (high - low) / panels;
+    for (int k = 0; k < panels * g->n; k++) {
+        const double q =
+            low + width * (k / g->n + 0.5 + g->node[k % g->n]);
+        const double grow = cosh(q);
+        add_table(&t->disc, t->channels, a * a * grow * grow,
+                  sum_sign * width * g->weight[k % g->n] / grow, sum);
+    }
+}
+
+/* The light's own pixel and those near it: from places spread over the light's
+ * pixel to all of the other, edge by edge. */
+static void near_pixel(const struct radial_table *t, int x, int y,
+                       double sum[3])
+{
+    const struct gp_gauss *const g = &rules[8];
+    const double b = t->f.degrees, a = b * t->f.aspect;
+    for (int j = 0; j < g->n; j++) {
+        for (int i = 0; i < g->n; i++) {
+            const double weight = g->weight[i] * g->weight[j];
+            const double u = a * (x - g->node[i]), v = b * (y - g->node[j]);
+            const double u0 = u - 0.5 * a, u1 = u + 0.5 * a;
+            const double v0 = v - 0.5 * b, v1 = v + 0.5 * b;
+            add_edge(t, u1, v0, v1, weight, sum);
+            add_edge(t, u0, v0, v1, -weight, sum);
+            add_edge(t, v1, u0, u1, weight, sum);
+            add_edge(t, v0, u0, u1, -weight, sum);
+        }
+    }
+}
+
+static void radial_row(const void *state, int x, int y, int n,
+                       double *const out[3])
 {
     static const struct {
         int from, order; // longer sides from the light; nodes that keep 1e-8
-    } orders[] = {{32, 2}, {12, 3}, {6, 4}, {3, 6}, {2, 10}};
+    } orders[] = {{40, 2}, {16, 3}, {8, 4}, {4, 6}, {2, 10}};
     const struct radial_table *const t = state;
     const double b = t->f.degrees, a = b * t->f.aspect, side = fmax(a, b);
     for (int i = 0; i < n; i++) {
-        const int far = (int) (fmax(a * abs(x + i), b * abs(y)) / side + 1e-9);
+        const int px = abs(x + i), py = abs(y);
+        const int far = (int) (fmax(a * px, b * py) / side + 1e-9);
         double sum[3] = {0};
-        if (far <= 1) {
-            gp_pixel_integral(t->profile, t->ctx, t->channels, t->scale, &t->f,
-                              x + i, y, sum);
+        if (far < 2) {
+            near_pixel(t, px, py, sum);
         } else {
-            int k = 0;
+            int k = far < t->bends ? 2 : 0;
             while (far < orders[k].from)
                 k++;
-            const struct gp_gauss *const g = &rules[orders[k].order];
+            const struct gp_gauss *const g = &tents[orders[k].order];
             for (int q = 0; q < g->n; q++) {
-                const double v = b * (abs(y) + g->node[q]);
+                const double v = b * (py + g->node[q]);
                 for (int p = 0; p < g->n; p++) {
-                    const double u = a * (abs(x + i) + g->node[p]);
-                    add_table(t, u * u + v * v,
+                    const double u = a * (px + g->node[p]);
+                    add_table(&t->profile, t->channels, u * u + v * v,
                               a * b * g->weight[p] * g->weight[q], sum);
                 }
             }
         }
         for (int c = 0; c < t->channels; c++)
-            out[c][i] = sum[c];
+            out[c][i] = fmax(sum[c], 0.0);
     }
 }
 
-static void free_table(void *state)
+static void free_radial(void *state)
 {
     struct radial_table *const t = state;
-    gp_free(t->value);
-    gp_free(t->ctx);
+    gp_free(t->profile.value);
+    gp_free(t->disc.value);
     gp_free(t);
 }
 
-gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
-    const void *ctx, size_t size, int channels, double scale,
-    const struct gp_field *f, struct gp_shape *out)
+/* Room for squares of distances from `least` to `most`. */
+static gp_status make_table(const struct gp_log *log, int channels,
+                            double least, double most, struct table *out)
 {
+    const uint64_t shift = 52 - STEPS_LOG2;
+    const uint64_t last = bits_of(most * most) >> shift;
+    struct table t = {
+        .first = bits_of(least * least) >> (shift + STEPS_LOG2) << STEPS_LOG2,
+    };
+    t.n = last > t.first ? (int) (last - t.first) : 0;
+    gp_status st = gp_alloc(log, "kernel", 2 * (size_t) channels,
+                            ((size_t) t.n + 1) * sizeof *t.value, &t.value);
+    if (!st)
+        *out = t;
+    return st;
+}
+
+gp_status gp_radial_shape(const struct gp_log *log, gp_profile p,
+    const void *ctx, int channels, double bends, const struct gp_field *f,
+    struct gp_shape *out)
+{
+    static const uint64_t one = 1ull << (52 - STEPS_LOG2);
+    const double least = f->degrees * fmin(f->aspect, 1.0);
+    const double most = f->degrees * fmax(f->aspect, 1.0);
+    const struct gp_gauss *const g = gp_gauss_rule(6);
     struct radial_table *t;
     gp_status st = gp_alloc_zero(log, "kernel", 1, sizeof *t, &t);
     if (st)
         return st;
-    *t = (struct radial_table) {
-        .f = *f, .profile = p, .scale = scale, .channels = channels,
-    };
-    // from inside the pixels next to the light's neighbours to 90 degrees
-    const double least = f->degrees * fmin(f->aspect, 1.0);
-    const uint64_t shift = 52 - STEPS_LOG2;
-    t->first = bits_of(least * least) >> (shift + STEPS_LOG2) << STEPS_LOG2;
-    const uint64_t last = bits_of(90.0 * 90.0) >> shift;
-    t->n = last > t->first ? (int) (last - t->first) : 0;
-    st = gp_alloc(log, "kernel", size, 1, &t->ctx);
+    t->f = *f;
+    t->channels = channels;
+    t->bends = (int) fmin(bends / most + 1.0, INT_MAX / 2);
+    // near pixels reach 1 of the longer sides and two halves more
+    st = make_table(log, channels, 1e-3 * least, 4.0 * most, &t->disc);
     if (!st)
-        st = gp_alloc(log, "kernel", 2 * (size_t) channels,
-                      ((size_t) t->n + 1) * sizeof *t->value, &t->value);
+        st = make_table(log, channels, least, 90.0, &t->profile);
     if (st) {
-        free_table(t);
+        free_radial(t);
         return st;
     }
-    memcpy(t->ctx, ctx, size);
-    gp_gauss_rule(1); // the rules
-    for (int i = 0; i <= t->n; i++) {
-        const uint64_t bits = (t->first + (uint64_t) i) << shift;
-        const double s = of_bits(bits), step = of_bits(bits + (1ull << shift)) -
-                                               s;
-        double at[3], low[3], high[3];
+    for (int i = 0; i <= t->profile.n; i++) {
+        const uint64_t bits = (t->profile.first + (uint64_t) i) * one;
+        const double s = of_bits(bits), step = of_bits(bits + one) - s;
         const double h = 1e-3;
-        p(t->ctx, sqrt(s), at);
-        p(t->ctx, sqrt(s * (1.0 - h)), low);
-        p(t->ctx, sqrt(s * (1.0 + h)), high);
+        double at[3], low[3], high[3];
+        p(ctx, sqrt(s), at);
+        p(ctx, sqrt(s * (1.0 - h)), low);
+        p(ctx, sqrt(s * (1.0 + h)), high);
         for (int c = 0; c < channels; c++) {
-            double *const v = t->value + 2 * (i * channels + c);
+            double *const v = t->profile.value + 2 * (i * channels + c);
             v[0] = at[c];
             v[1] = (high[c] - low[c]) / (2.0 * h * s) * step;
         }
     }
+    double disc[3] = {0}, before = 0.0, sum[3];
+    for (int i = 0; i <= t->disc.n; i++) {
+        const uint64_t bits = (t->disc.first + (uint64_t) i) * one;
+        const double s = of_bits(bits), step = of_bits(bits + one) - s;
+        const double r = sqrt(s);
+        double at[3];
+        if (i == 0) { // within the first: steps that grow with the distance
+            gp_profile_integral(p, ctx, channels, 0.0, r, sum);
+            for (int c = 0; c < channels; c++)
+                disc[c] = sum[c] / (2.0 * PI);
+        }
+        for (int k = 0; k < g->n && i > 0; k++) {
+            const double at_r = 0.5 * (before + r) + (r - before) * g->node[k];
+            p(ctx, at_r, at);
+            for (int c = 0; c < channels; c++)
+                disc[c] += (r - before) * g->weight[k] * at_r * at[c];
+        }
+        before = r;
+        p(ctx, r, at);
+        for (int c = 0; c < channels; c++) {
+            double *const v = t->disc.value + 2 * (i * channels + c);
+            v[0] = disc[c];
+            v[1] = 0.5 * at[c] * step;
+        }
+    }
     *out = (struct gp_shape) {
-        .state = t, .free = free_table, .row = radial_table_row,
+        .state = t, .free = free_radial, .row = radial_row,
         .grey = channels == 1, .even = true, .reach = INT_MAX,
-        .smooth = scale / least,
     };
     return GP_OK;
 }

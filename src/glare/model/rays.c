@@ -74,12 +74,15 @@ static double ramp(double z)
 /* Adds the strand's integral over a pixel whose middle is (p, q) along and
  * across it, where g_c and the width change little on a pixel: the pixel seen
  * along the strand is two boxes folded, whose integral under the normal density
- * has a closed form, times the mean of g_c. */
+ * has a closed form, times the mean of g_c. The light's own pixel, as wide,
+ * makes the density wider by as much. */
 static void add_far_pixel(const struct rays *r, const struct strand *s,
     double p, double q, double a, double b, double sum[3])
 {
     const struct gp_gauss *const g = gp_gauss_rule(3);
-    const double width = r->width * (1.0 - 0.8 * p / s->length);
+    const double thin = r->width * (1.0 - 0.8 * p / s->length);
+    const double width = hypot(thin, hypot(a * s->sine, b * s->cosine) /
+                                         sqrt(12.0));
     // half the boxes, in widths; a side that is seen end on keeps some
     const double i = 0.5 * a * fabs(s->sine) / width;
     const double j = 0.5 * b * fabs(s->cosine) / width;
@@ -89,8 +92,8 @@ static void add_far_pixel(const struct rays *r, const struct strand *s,
         fmax(ramp(z + m + n) - ramp(z + m - n) - ramp(z - m + n) +
          ramp(z - m - n), 0.0) / (4.0 * m * n) * s->gain * a * b /
         (width * s->length);
-    // a box as deep as the square is spread along the strand
-    const double depth = hypot(a * s->cosine, b * s->sine);
+    // a box as deep as both squares are spread along the strand
+    const double depth = sqrt(2.0) * hypot(a * s->cosine, b * s->sine);
     for (int k = 0; k < g->n; k++) {
         const double at = (p + depth * g->node[k]) / s->length;
         for (int c = 0; c < 3; c++)
@@ -98,7 +101,7 @@ static void add_far_pixel(const struct rays *r, const struct strand *s,
     }
 }
 
-/* The same of any pixel around (u, v), a by b degrees: by parts. */
+/* The same of any pixel around (u, v), a by b degrees: by parts of a tent. */
 static void add_pixel(const struct rays *r, const struct strand *s, double u,
                       double v, double a, double b, double sum[3])
 {
@@ -114,12 +117,12 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
     const int parts = (int) fmin(ceil(0.7 * wide / thin), 16.0);
     const struct gp_gauss *const g = gp_gauss_rule(wide / thin > 0.5 ? 7 : 4);
     const double da = a / parts, db = b / parts;
-    for (int j = 0; j < parts * g->n; j++) {
-        const double y = v - 0.5 * b +
-                         db * (j / g->n + 0.5 + g->node[j % g->n]);
-        for (int i = 0; i < parts * g->n; i++) {
-            const double x = u - 0.5 * a +
-                             da * (i / g->n + 0.5 + g->node[i % g->n]);
+    for (int j = 0; j < 2 * parts * g->n; j++) {
+        const double dy = (j / g->n + 0.5 + g->node[j % g->n]) / parts - 1.0;
+        for (int i = 0; i < 2 * parts * g->n; i++) {
+            const double dx =
+                (i / g->n + 0.5 + g->node[i % g->n]) / parts - 1.0;
+            const double x = u + a * dx, y = v + b * dy;
             const double p = x * s->cosine + y * s->sine;
             const double q = y * s->cosine - x * s->sine;
             const double width = r->width - taper * fmax(p, 0.0);
@@ -130,7 +133,8 @@ static void add_pixel(const struct rays *r, const struct strand *s, double u,
                                    exp(-0.5 * (z * z + back * back)) /
                                    (sqrt(2.0 * PI) * width * s->length) * da *
                                    db * g->weight[i % g->n] *
-                                   g->weight[j % g->n];
+                                   g->weight[j % g->n] * (1.0 - fabs(dx)) *
+                                   (1.0 - fabs(dy));
             for (int c = 0; c < 3; c++)
                 sum[c] += density * along(r, c, fmax(p, 0.0) / s->length);
         }
@@ -143,7 +147,7 @@ static void rays_row(const void *state, int x, int y, int n,
     const struct rays *const r = state;
     const double b = r->f.degrees;
     const double a = b * r->f.aspect / r->squeeze; // in the plane of strands
-    const double v = b * y, side = CUT * r->width + 0.5 * (a + b);
+    const double v = b * y, side = CUT * r->width + a + b;
     for (int c = 0; c < 3; c++)
         memset(out[c], 0, (size_t) n * sizeof *out[c]);
     for (int k = 0; k < r->n; k++) {

@@ -1,4 +1,4 @@
-/* glare/model/eye.c against published values, and tables against integrals. */
+/* glare/model/eye.c against published values. */
 #include "unit.h"
 #include "core/colour.h"
 #include "glare/model/model_priv.h"
@@ -104,41 +104,6 @@ static void pupil_chooses_the_light(void **state)
     gp_recipe_free(&mid);
 }
 
-static void cubic(const void *ctx, double t, double out[3])
-{
-    (void) ctx;
-    out[0] = t < 90.0 ? 1.0 / ((t + 0.02) * (t + 0.02) * (t + 0.02)) : 0.0;
-}
-
-/* Shapes by tables against the plain integral, near and far, for wide and for
- * high pixels. */
-static void tables_keep_integrals(void **state)
-{
-    (void) state;
-    static const double aspects[] = {1.0, 2.0, 0.5, 16.0};
-    static const int at[][2] = {{0, 0},  {1, 0},   {0, 1},   {2, 0},  {0, 2},
-                                {3, 2},  {0, 5},   {7, 0},   {6, 11}, {13, 12},
-                                {33, 0}, {0, 40},  {31, 5},  {100, 3},
-                                {-9, 4}, {-1, -1}, {5, -60}, {400, 300}};
-    for (size_t k = 0; k < COUNT(aspects); k++) {
-        struct gp_field f = plain;
-        struct gp_shape s;
-        f.aspect = aspects[k];
-        assert_ok(gp_radial_shape(NULL, cubic, "", 1, 1, 0.02, &f, &s));
-        for (size_t i = 0; i < COUNT(at); i++) {
-            double exact[3], got;
-            double *const out[3] = {&got, NULL, NULL};
-            gp_pixel_integral(cubic, NULL, 1, 0.0, &f, at[i][0], at[i][1],
-                              exact);
-            s.row(s.state, at[i][0], at[i][1], 1, out);
-            if (!(fabs(got - exact[0]) <= 2e-7 * exact[0]))
-                fail_msg("aspect %g at %d,%d: %.10g, not %.10g", aspects[k],
-                         at[i][0], at[i][1], got, exact[0]);
-        }
-        s.free(s.state);
-    }
-}
-
 SUITE_OF(model_eye, NULL, NULL, light_goes_as_far_as_published,
     terms_are_normalised, general_equation_is_the_cies,
-    pupil_chooses_the_light, tables_keep_integrals)
+    pupil_chooses_the_light)
