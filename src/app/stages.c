@@ -102,9 +102,7 @@ static gp_status grow_frames(const struct gp_run *r, struct gp_frame_state *fs)
         .left = s->grow_pixels, .top = s->grow_pixels,
         .right = s->grow_pixels, .bottom = s->grow_pixels,
         .depth = s->depth,
-        .scale = s->sun.depth_type == GP_DEPTH_INVERSE ? GP_SCALE_INVERSE
-                 : s->sun.depth_type == GP_DEPTH_NORMALIZED
-                     ? GP_SCALE_NORMALIZED : GP_SCALE_DISTANCE,
+        .type = s->sun.depth_type,
     };
     struct gp_rect window, before;
     gp_status st;
