@@ -40,7 +40,8 @@ static const struct lie {
 } lies[] = {
 #define LIE(name, x, w, h, full_w, channels, block, attributes, n, text)      \
     {name, {GP_OIIO_PROTOCOL, 0, n, {x, 0, w, h, 0, 0, full_w, 0, channels, 0, \
-                                     0, block, attributes, 0, 0, {0}}}, text}
+                                     0, block, attributes, 0, 1, 0, {0}}},  \
+     text}
     LIE("no width", 0, 0, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
     LIE("negative", 0, W, -1, 0, 1, BLOCK, 0, 3, "Y\0\0"),
     LIE("many pixels", 0, MOST, H, 0, 1, BLOCK, 0, 3, "Y\0\0"),
