@@ -512,6 +512,7 @@ void gp_jobs_free(struct gp_jobs *j)
     gp_members_free(&j->members);
     gp_views_free(&j->view);
     gp_free(j->target);
+    free(j->views_line);
     *j = (struct gp_jobs) {0};
 }
 

@@ -555,7 +555,7 @@ const struct gp_option gp_options[] = {
         .help = "Write no glarepp:version and glarepp:command into EXR and "
                 "PNG files, and drop those of the input"),
 
-    OPT(report, .name = "report", IN(REPORT), .arg = "FILE",
+    OPT(report, .name = "report", IN(REPORT), .arg = "FILE", .once = true,
         .help = "Write JSON, one object a line for each frame; - is stdout"),
     OPT(report_append, .name = "report-append", IN(REPORT),
         .needs = GP_NEED_REPORT_FILE, .help = "Append to the report, as a "
@@ -571,13 +571,14 @@ const struct gp_option gp_options[] = {
     SET(level, .name = "verbose", .letter = 'v', ALL(REPORT),
         .set = GP_LEVEL_INFO, .help = "Print a line for each frame"),
 
-    OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE",
+    OPT(bench.csv, .name = "csv", BENCH, .arg = "FILE", .once = true,
         .help = "Write the table as comma-separated values; - is stdout"),
     OPT(bench.json, .name = "json", .group = GP_GROUP_REPORT,
         .commands = GP_COMMAND_BENCH | GP_COMMAND_COMPARE, .arg = "FILE",
+        .once = true,
         .help = "bench: write the table as JSON; compare: write one object a "
                 "line for each pair; - is stdout"),
-    OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE",
+    OPT(bench.plot, .name = "plot", BENCH, .arg = "FILE", .once = true,
         .help = "Draw error over time with the Pareto front, as SVG, by "
                 "gnuplot"),
     OPT(bench.paper, .name = "paper", BENCH,

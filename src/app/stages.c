@@ -31,7 +31,7 @@ gp_status gp_frame_state_begin(const struct gp_log *log,
                                  sizeof *out->names, &out->names);
     out->facts = (struct gp_facts) {
         .numbered = job->numbered, .frame = job->frame, .view = job->view,
-        .input = job->input, .outputs = out->names,
+        .input = job->input, .outputs = out->names, .views = jobs->views_line,
     };
     for (int i = 0; i < GP_TIMES; i++)
         out->facts.ms[i] = -1.0;
@@ -251,20 +251,6 @@ static gp_status sense_light_groups(const struct gp_run *r,
     return GP_OK;
 }
 
-void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
-                 int frames)
-{
-    char many[32] = "", peak[96] = "all are black";
-    if (frames > 1)
-        snprintf(many, sizeof many, " of %d frames", frames);
-    if (f->peak > 0.0f)
-        snprintf(peak, sizeof peak, "brightest %.3g at %d,%d",
-                 (double) f->peak, f->peak_at[0], f->peak_at[1]);
-    gp_say(log, GP_LEVEL_WARN, "%s: no pixel%s is over the threshold %.3g "
-           "(%s); %s", f->input, many, (double) f->threshold, peak,
-           f->peak > 0.0f ? "lower --threshold" : "check the frame");
-}
-
 static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
 {
     gp_status st = gp_sense(fs->log, &r->s->sensor, &fs->frame, &fs->sources);
@@ -289,9 +275,6 @@ static gp_status run_sensors(struct gp_run *r, struct gp_frame_state *fs)
             memcpy(fs->facts.peak_at, at, sizeof at);
         }
     }
-    // a sequence may fade in: it is reported at the end, if all are dark
-    if (fs->facts.dark && r->jobs->n == 1)
-        gp_say_dark(fs->log, &fs->facts, 1);
     memcpy(fs->facts.flux_in, fs->sources.flux, sizeof fs->facts.flux_in);
     memcpy(fs->facts.flux_faint, fs->sources.faint, sizeof fs->sources.faint);
     return GP_OK;

@@ -150,11 +150,6 @@ struct gp_stage {
 enum { GP_STAGES = 12 };
 extern const struct gp_stage gp_stages[GP_STAGES];
 
-/* Warns that no pixel of `frames` frames is over the threshold. `f` is of the
- * brightest frame. */
-void gp_say_dark(const struct gp_log *log, const struct gp_facts *f,
-                 int frames);
-
 /* Returns the data that a target needs, as bits GP_HAS_*. */
 unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind);
 
