@@ -116,9 +116,10 @@ static const struct gp_option_choice gp_plans[] = {
     {0},
 };
 static const struct gp_option_choice gp_types[] = {
-    {"auto", GP_OUT_AUTO, "as in the input"},
-    {"half", GP_OUT_HALF, "16 bits, which clamp to 65504; formats other than "
-     "EXR get float"},
+    {"auto", GP_OUT_AUTO, "as in the input; float where a value is over "
+     "65504"},
+    {"half", GP_OUT_HALF, "16 bits; a brighter pixel is scaled to 65504, which "
+     "keeps its hue; formats other than EXR get float"},
     {"float", GP_OUT_FLOAT, "32 bits"}, {0},
 };
 static const struct gp_option_choice gp_compressions[] = {

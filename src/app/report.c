@@ -150,7 +150,7 @@ static void put_glare(json_t *o, const struct gp_facts *f)
     }
     json_object_set_new(o, "nonfinite", json_integer(f->nonfinite));
     json_object_set_new(o, "clamped", json_integer(f->clamped));
-    if (f->clamped)
+    if (f->clamped || f->clamped_out)
         put_rgb(o, "flux_clamped", f->flux_clamped);
     if (f->clamped_out)
         json_object_set_new(o, "clamped_out", json_integer(f->clamped_out));

@@ -48,7 +48,8 @@ struct gp_facts {
     bool has_flux_out;
     long long nonfinite;         // pixels of the input
     long long clamped;           // pixels of the input over --max-value
-    double flux_clamped[3];      // light that --max-value removed, by channel
+    double flux_clamped[3];      // light that --max-value and the outputs'
+                                 // types removed, by channel
     float threshold;             // as luminance
     const char *views;           // line about the views of the run, or NULL
     bool dark;                   // glare was wanted, no pixel is a source

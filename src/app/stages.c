@@ -609,6 +609,8 @@ static gp_status run_write(struct gp_run *r, struct gp_frame_state *fs)
     if (st)
         return st;
     fs->facts.clamped_out = stats.clamped;
+    for (int c = 0; c < 3; c++)
+        fs->facts.flux_clamped[c] += stats.flux_clamped[c];
     if (r->ordered)
         r->raw = stats.raw;
     return GP_OK;

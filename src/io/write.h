@@ -7,7 +7,8 @@
 
 #include <stdbool.h>
 
-/* Values of --type; AUTO keeps the input's type. */
+/* Values of --type; AUTO keeps the input's type, but is float for a frame with
+ * a value over 65504. */
 enum gp_out_type { GP_OUT_AUTO, GP_OUT_HALF, GP_OUT_FLOAT };
 
 /* Values of --compression, in OpenEXR's numbering; AUTO keeps an EXR input's
@@ -81,6 +82,7 @@ struct gp_raw_size {
 /* Results of writing. */
 struct gp_write_stats {
     long long clamped; // values that did not fit the file's type, added up
+    double flux_clamped[3]; // light that this cost, by channel, added up
     struct gp_raw_size raw; // of all raw frames so far; keep between frames
 };
 
@@ -99,9 +101,11 @@ enum gp_picture_kind {
  * what p->stdout_format says. Stdout may be given many frames, one after the
  * other.
  *
- * EXR and other float formats store the values as they are, Radiance HDR the
- * nearest that its pixels hold (other_write.h); integer formats
- * clamp them to [0,1], encode them with the sRGB curve and tag them as sRGB.
+ * EXR and other float formats store the values as they are; an EXR of halfs
+ * scales a pixel over 65504 until it fits, which keeps its hue (of DWA 57344),
+ * and warns when that takes over 1 % of a channel's light. Radiance HDR stores
+ * the nearest that its pixels hold; integer formats clamp them to [0,1], encode
+ * them with the sRGB curve and tag them as sRGB.
  * Values of GP_PICTURE_ENCODED are fractions of the largest code already; only
  * PNG tags their encoding, with cICP. All but EXR show the display
  * window: pixels outside the data window are black. TIFF is float for
