@@ -18,7 +18,10 @@
 
 #include <stdint.h>
 
-enum { GP_OIIO_PARTS = 4096, GP_OIIO_PROTOCOL = 0x67700002 }; // counts up when a struct changes
+enum {
+    GP_OIIO_PARTS = 4096,
+    GP_OIIO_PROTOCOL = 0x67700002, // counts up when a struct changes
+};
 
 enum gp_oiio_call { GP_OIIO_OPEN = 1, GP_OIIO_ROWS, GP_OIIO_WRITE };
 
