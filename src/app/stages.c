@@ -487,10 +487,16 @@ unsigned gp_target_needs(const struct gp_settings *s, enum gp_target_kind kind)
     return 0;
 }
 
+static gp_status convert_layer(const struct gp_log *log, void *user,
+    const struct gp_frame *f, size_t n, const struct gp_planes *in,
+    struct gp_planes *out)
+{
+    return gp_ocio_convert(log, user, f, n, in, out);
+}
+
 /* Writes `views` views of one input, then the light groups of each, into one
  * --hdr file. */
-static gp_status write_hdr(const struct gp_run *r,
-                           const struct gp_frame_state *fs,
+static gp_status write_hdr(const struct gp_run *r, struct gp_frame_state *fs,
                            const struct gp_write_params *p, int views,
                            const char *name, struct gp_write_stats *stats)
 {
@@ -500,8 +506,13 @@ static gp_status write_hdr(const struct gp_run *r,
     struct gp_hdr_colour *set;
     struct gp_planes *converted = NULL;
     GP_TRY(gp_alloc_zero(fs->log, "colours", most, sizeof *set, &set));
-    for (int i = 0; i < views; i++)
+    for (int i = 0; i < views; i++) {
         set[n++].f = &fs[i].frame;
+        if (r->s->ocio.output && !fs[i].converted)
+            GP_TRY(gp_convert_layers(fs->log, convert_layer, r->ocio,
+                                     &fs[i].frame, stats));
+        fs[i].converted = true;
+    }
     for (int i = 0; i < views; i++) {
         for (int g = 0; g < fs[i].groups; g++)
             set[n++].f = &fs[i].group[g].frame;
@@ -512,7 +523,9 @@ static gp_status write_hdr(const struct gp_run *r,
         set[i].planes = &set[i].f->lit;
         if (!r->s->ocio.output)
             continue;
-        GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f, &converted[i]));
+        GP_TRY(gp_ocio_convert(fs->log, r->ocio, set[i].f,
+                               gp_frame_pixels(set[i].f), &set[i].f->lit,
+                               &converted[i]));
         set[i].planes = &converted[i];
     }
     st = gp_write_hdr(fs->log, p, name, set, n, stats);

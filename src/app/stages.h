@@ -72,6 +72,7 @@ struct gp_frame_state {
     struct gp_sources joined;      // sources and lights; empty: no lights
     struct gp_run_kernel *kernel;  // held; NULL: none was needed
     struct gp_map_picture sunmap, intensity;
+    bool converted;                // its layers are in --output-space
     double engine_ms;              // of engines within the stage that runs:
                                    // counts as glare
     char **names;                  // files written: facts.n_outputs, then

@@ -371,8 +371,15 @@ gp_status gp_builtin_make(const struct gp_log *log,
     if (b->coloured && p->frame &&
         memcmp(p->frame->chromaticities, gp_rec709_chromaticities,
                sizeof gp_rec709_chromaticities) != 0 &&
-        gp_rgb_to_rgb(gp_rec709_chromaticities, p->frame->chromaticities, mix))
+        gp_rgb_to_rgb(gp_rec709_chromaticities, p->frame->chromaticities, mix)) {
         s.mix = mix;
+        for (int c = 0; c < 3; c++) { // white scatters as it is, in XYZ too
+            double *const m = mix + 3 * c;
+            const double white = m[0] + m[1] + m[2];
+            for (int i = 0; i < 3; i++)
+                m[i] /= white;
+        }
+    }
     gp_status st = gp_planes_make(log, "builtin kernel",
                                   (size_t) size * (size_t) size, out);
     if (st)

@@ -152,6 +152,22 @@ GP_MUST_CHECK gp_status gp_write_hdr(const struct gp_log *log,
     const struct gp_write_params *p, const char *path,
     const struct gp_hdr_colour *set, int n, struct gp_write_stats *stats);
 
+/* Makes *out, three planes of `n` samples, from `in`. */
+typedef gp_status gp_convert(const struct gp_log *log, void *user,
+                             const struct gp_frame *f, size_t n,
+                             const struct gp_planes *in, struct gp_planes *out);
+
+/* Converts, in place, the layers of light that a frame carries beside its
+ * colour, for gp_write_hdr() with p->converted: LAYER.R,G,B or words, also
+ * without a layer. Layers that are not light by their names (gp_is_light()),
+ * Cryptomatte's and integers stay as they are; so do subsampled ones and those of
+ * luminance and chroma, and one line names these.
+ *   stats  values that do not fit the channel's type are added to `clamped`
+ * Errors: GP_ERR_BUG out of memory; those of `convert`. */
+GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,
+    gp_convert *convert, void *user, struct gp_frame *f,
+    struct gp_write_stats *stats);
+
 /* gp_write_check() for gp_write_hdr(), which writes only EXR. */
 GP_MUST_CHECK gp_status gp_write_hdr_check(const struct gp_log *log,
     const struct gp_write_params *p, const char *path);

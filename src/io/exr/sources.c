@@ -5,11 +5,13 @@
 #include "core/memory.h"
 #include "core/parallel.h"
 #include "io/channels.h"
+#include "io/half.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static int by_name(const void *a, const void *b)
 {
@@ -356,5 +358,90 @@ gp_status gp_exr_sources_hdr(const struct gp_log *log,
 out:
     if (st)
         gp_exr_sources_free(out);
+    return st;
+}
+
+/* -- --output-space -------------------------------------------------------- */
+
+/* The channels of f's carried layer that holds channel i, its red: false when
+ * one is missing. */
+static bool find_layer(const struct gp_frame *f, int i, int index[3])
+{
+    const char *const red = f->channel[i].name;
+    const size_t len = gp_layer_length(red);
+    for (int c = 0; c < 3; c++) {
+        static const char *const letter[3] = {"R", "G", "B"};
+        static const char *const word[3] = {"red", "green", "blue"};
+        const bool letters = strcmp(red + len, "R") == 0;
+        index[c] = -1;
+        for (int k = 0; k < f->channels && index[c] < 0; k++) {
+            const char *const name = f->channel[k].name;
+            if (f->channel[k].data && strncmp(name, red, len) == 0 &&
+                (letters ? strcmp(name + len, letter[c])
+                         : strcasecmp(name + len, word[c])) == 0)
+                index[c] = k;
+        }
+        if (index[c] < 0)
+            return false;
+    }
+    return index[0] == i;
+}
+
+/* Stores floats in a carried channel; returns how many values are clamped. */
+static long long store_floats(struct gp_channel *c, const float *v, size_t n)
+{
+    if (c->type == GP_HALF)
+        return (long long) gp_float_to_half(v, c->data, n);
+    memcpy(c->data, v, n * sizeof *v);
+    return 0;
+}
+
+gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
+    void *user, struct gp_frame *f, struct gp_write_stats *stats)
+{
+    const struct gp_input *const in = gp_input_of(f);
+    const size_t n = gp_frame_pixels(f);
+    struct gp_planes from = {0}, to = {0};
+    struct gp_crypto crypto;
+    char left[GP_CHANNEL_LIST] = "";
+    bool listed = true;
+    gp_status st = GP_OK;
+    gp_exr_crypto(in, &crypto);
+    for (int i = 0; i < f->channels; i++) {
+        const struct gp_channel *const red = &f->channel[i];
+        const size_t len = gp_layer_length(red->name);
+        const bool chroma = strcmp(red->name + len, "RY") == 0;
+        int index[3] = {i, i, i};
+        if (!red->data || red->type == GP_UINT ||
+            (len && !gp_is_light(red->name, len - 1)) ||
+            gp_exr_crypto_channel(&crypto, in, f->part, red->name) !=
+                GP_CRYPTO_NONE ||
+            !(chroma || find_layer(f, i, index)))
+            continue;
+        bool whole = !chroma;
+        for (int c = 0; c < 3; c++) {
+            const struct gp_channel *const own = &f->channel[index[c]];
+            whole = whole && own->type != GP_UINT && own->xs == 1 &&
+                    own->ys == 1;
+        }
+        if (!whole) {
+            listed = listed && gp_channel_list_add(left, NULL, red->name);
+            continue;
+        }
+        if (!from.c[0])
+            GP_TRY(gp_planes_make(log, "layer", n, &from));
+        for (int c = 0; c < 3; c++)
+            gp_channel_floats(f, index[c], from.c[c]);
+        GP_TRY(convert(log, user, f, n, &from, &to));
+        for (int c = 0; c < 3; c++)
+            stats->clamped += store_floats(&f->channel[index[c]], to.c[c], n);
+    }
+    if (left[0])
+        gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
+               "and chroma are not converted (%s); write them to a file of "
+               "their own", f->path, left);
+out:
+    gp_planes_free(&from);
+    gp_planes_free(&to);
     return st;
 }

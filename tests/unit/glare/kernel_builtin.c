@@ -57,6 +57,32 @@ static void are_light(void **state)
 /* Numbers of BT.709 in frames of other primaries: the same light there, sample
  * by sample, but for the scale that makes the luminance sum 1 by the frame's
  * weights (a white of its own gives a colour another luminance). */
+/* In a frame of CIE XYZ, whose white is not (1,1,1), a kernel's X, Y and Z are
+ * fractions of those of white. */
+static void white_is_scattered_as_white_in_xyz(void **state)
+{
+    const struct gp_frame f = {
+        .pixel_aspect = 1.0f, .luminance = {0, 1, 0},
+        .chromaticities = {1, 0, 0, 1, 0, 0, 1.0f / 3, 1.0f / 3},
+    };
+    struct gp_kernel_params p = GP_KERNEL_DEFAULTS;
+    struct gp_kernel k, rec709 = builtin_of("star", 65);
+    double xyz[9];
+    assert_true(gp_rgb_to_xyz(gp_rec709_chromaticities, xyz));
+    p.source = "star";
+    p.builtin_size = 65;
+    p.frame = &f;
+    assert_ok(gp_kernel_builtin(NULL, &p, &k));
+    for (int c = 0; c < 3; c++) {
+        const double *const m = xyz + 3 * c;
+        const double light = (m[0] * rec709.sum[0] + m[1] * rec709.sum[1] +
+                              m[2] * rec709.sum[2]) / (m[0] + m[1] + m[2]);
+        assert_close(k.sum[c], light, 1e-4);
+    }
+    gp_kernel_free(&k);
+    gp_kernel_free(&rec709);
+}
+
 static void are_made_in_the_frames_primaries(void **state)
 {
     static const float primaries[][8] = {
@@ -373,7 +399,7 @@ static void eye_is_the_papers(void **state)
 }
 
 SUITE_OF(kernel_builtin, NULL, NULL, are_light,
-         are_made_in_the_frames_primaries, end_softly, have_their_colours,
-         follow_their_formulas, eye_is_integrated, eye_is_not_sampled,
+         are_made_in_the_frames_primaries, white_is_scattered_as_white_in_xyz,
+         end_softly, have_their_colours, follow_their_formulas, eye_is_integrated, eye_is_not_sampled,
          eye_is_symmetric_to_the_bit, eye_falls_on_every_side,
          eye_keeps_all_light_of_its_square, eye_is_the_papers)
