@@ -299,9 +299,11 @@ void helper::open_file(int fd, const gp_oiio_ask &ask, gp_oiio_spec &spec,
     limit_memory(4 * ask.size);
     std::unique_ptr<File> f = open_bytes(fd, ask);
     int parts = 1;
-    while (ask.part == 0 && parts < GP_OIIO_PARTS && f->input->seek_subimage(parts, 0))
-        parts++;
-    f->input->geterror(); // that there is no more is none
+    if (std::strcmp(ask.format, "tiff") == 0 && ask.part == 0) {
+        while (parts < GP_OIIO_PARTS && f->input->seek_subimage(parts, 0))
+            parts++;
+        f->input->geterror(); // there is no more, which is none
+    }
     if (!f->input->seek_subimage(ask.part, 0))
         throw std::runtime_error("has no part " + std::to_string(ask.part));
     f->spec = f->input->spec();
