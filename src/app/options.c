@@ -166,8 +166,8 @@ static const struct gp_option_choice gp_progresses[] = {
     {"percent", GP_PROGRESS_PERCENT, "lines such as 42%"},
     {"openjd", GP_PROGRESS_OPENJD, "lines of Open Job Description: "
      "openjd_progress: 41.7, openjd_status: TEXT"},
-    {"json", GP_PROGRESS_JSON, "an object a line: done, total, percent, "
-     "seconds, seconds_left, file, stage"},
+    {"json", GP_PROGRESS_JSON, "an object a line: done, failed, total, "
+     "percent, seconds, seconds_left, file, stage"},
     {0},
 };
 static const struct gp_option_choice gp_debugs[] = {

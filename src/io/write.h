@@ -161,7 +161,8 @@ typedef gp_status gp_convert(const struct gp_log *log, void *user,
  * colour, for gp_write_hdr() with p->converted: LAYER.R,G,B or words, also
  * without a layer. Layers that are not light by their names (gp_is_light()),
  * Cryptomatte's and integers stay as they are; so do subsampled ones and those of
- * luminance and chroma, and one line names these.
+ * luminance and chroma, and one line names these. GP_LEVEL_INFO names the
+ * layers that are converted.
  *   stats  values that do not fit the channel's type are added to `clamped`
  * Errors: GP_ERR_BUG out of memory; those of `convert`. */
 GP_MUST_CHECK gp_status gp_convert_layers(const struct gp_log *log,

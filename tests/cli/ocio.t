@@ -167,8 +167,10 @@ for name in v ml; do
 done
 no '--output-space: which changes it' "$glarepp" compare --fail 0.1 v.rgb.exr ml.rgb.exr
 ok '--output-space: normals stay' "$glarepp" compare --fail 0 v.N.exr ml.N.exr
-run --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr v1.exr \
+run -v --ocio aces.ocio --output-space lin709 -g 0 --type float --hdr v1.exr \
     --hdr v2.exr ml.exr
+is "$(grep -c 'converts the layers of diffuse.R too$' err)" 1 \
+    '--output-space: -v names the layers, once'
 same v2.exr w.exr '--output-space: converted once for two files'
 
 # cicp DISPLAY CHUNK

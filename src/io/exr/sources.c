@@ -403,8 +403,8 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
     const size_t n = gp_frame_pixels(f);
     struct gp_planes from = {0}, to = {0};
     struct gp_crypto crypto;
-    char left[GP_CHANNEL_LIST] = "";
-    bool listed = true;
+    char left[GP_CHANNEL_LIST] = "", made[GP_CHANNEL_LIST] = "";
+    bool lists[2] = {true, true};
     gp_status st = GP_OK;
     gp_exr_crypto(in, &crypto);
     for (int i = 0; i < f->channels; i++) {
@@ -425,7 +425,7 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
                     own->ys == 1;
         }
         if (!whole) {
-            listed = listed && gp_channel_list_add(left, NULL, red->name);
+            lists[0] = lists[0] && gp_channel_list_add(left, NULL, red->name);
             continue;
         }
         if (!from.c[0])
@@ -435,7 +435,11 @@ gp_status gp_convert_layers(const struct gp_log *log, gp_convert *convert,
         GP_TRY(convert(log, user, f, n, &from, &to));
         for (int c = 0; c < 3; c++)
             stats->clamped += store_floats(&f->channel[index[c]], to.c[c], n);
+        lists[1] = lists[1] && gp_channel_list_add(made, NULL, red->name);
     }
+    if (made[0])
+        gp_say(log, GP_LEVEL_INFO, "%s: converts the layers of %s too", f->path,
+               made);
     if (left[0])
         gp_say(log, GP_LEVEL_WARN, "%s: layers that are subsampled or luminance "
                "and chroma are not converted (%s); write them to a file of "
