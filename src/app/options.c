@@ -144,7 +144,7 @@ static const struct gp_option_choice gp_alphas[] = {
     {"black", GP_ALPHA_BLACK, "composite the picture over black, "
      "without alpha"},
     {"keep", GP_ALPHA_KEEP, "write the frame's alpha where the format has it: "
-     "PNG, TIFF, EXR, WebP, Targa, SGI"}, {0},
+     "EXR, PNG, TIFF, WebP, Targa, SGI, DPX, BMP"}, {0},
 };
 static const struct gp_option_choice gp_stdout_formats[] = {
     {"exr", GP_STDOUT_EXR, "OpenEXR; the only one for --hdr"},
