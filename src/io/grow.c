@@ -145,7 +145,8 @@ static gp_status empty_sample(const struct gp_log *log,
     const struct gp_channel *const c = &f->channel[channel];
     const bool named = p->depth && strcmp(p->depth, c->name) == 0;
     float *v;
-    if (!named && !gp_channel_is_depth(f, channel))
+    const bool back = strcmp(c->name + gp_layer_length(c->name), "ZBack") == 0;
+    if (!named && !back && !gp_channel_is_depth(f, channel))
         return GP_OK;
     gp_status st = gp_alloc(log, c->name, gp_frame_pixels(f), sizeof *v, &v);
     if (st)

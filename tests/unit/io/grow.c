@@ -156,6 +156,11 @@ static void depth_is_padded_with_its_own_empty_value(void **state)
         {"Z", GP_FLOAT, Z, {3, NAN, NAN, 1e30f}, NAN},
         {"depth.Z", GP_FLOAT, Z, {0, 4, 5, 7}, 0},
         {"Z", GP_FLOAT, Z, {0, 1e10f, 1e10f, 7}, 1e10f}, // the more frequent
+        {"Z", GP_FLOAT, Z, {1e10f, 0, 5, 7}, 0}, // of equals the first kind
+        {"Z", GP_FLOAT, Z, {65504, 5, 7, 1e10f}, 1e10f},
+        {"Z", GP_FLOAT, Z, {INFINITY, 5, 65504, 7}, 65504},
+        {"Z", GP_FLOAT, Z, {NAN, 5, INFINITY, 7}, INFINITY},
+        {"a.ZBack", GP_FLOAT, Z, {3, 1e10f, 5, 1e10f}, 1e10f},
         {"Z", GP_FLOAT, Z, {2, 9, 5, 7}, 9},             // unknown: the largest
         {"Z", GP_UINT, Z, {2, 9, 5, 7}, 9},
         {"Z", GP_FLOAT, Z, {-2, -9, -5, -7}, -9}, // along -z: the farthest
